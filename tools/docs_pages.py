@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from propmap.catalogue.identified import all_identified
+from propmap.export import EXPORTS
 from propmap.io.csv import replacing
 from tools import (
     aircraft_tables,
@@ -127,6 +128,7 @@ def write(folder: Path) -> None:
             found["cluster"], found["fine_table"], len(all_identified())
         ),
         "scale-catalogue": scale_tables.catalogue(found["cluster"]),
+        "exports": exports(),
         "cli": command_reference(),
     }
     for name, text in parts.items():
@@ -373,6 +375,16 @@ def identified() -> str:
             f"| {one.tested} | {one.thrust_rms:.4f} | {one.power_rms:.4f} | {one.verdict} |"
             for one in found.worst
         ),
+    ]
+    return "\n".join(rows)
+
+
+def exports() -> str:
+    """Write what each export writes, keeps and loses, by the registry of exports."""
+    rows = ["| target | writes | keeps | loses |", "|---|---|---|---|"]
+    kinds = {"table": "", "vehicle": " of a vehicle", "autopilot": " of a vehicle"}
+    rows += [
+        f"| `{e.target}`{kinds[e.source]} | {e.writes} | {e.keeps} | {e.loses} |" for e in EXPORTS
     ]
     return "\n".join(rows)
 

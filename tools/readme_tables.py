@@ -208,7 +208,7 @@ def tables(found: dict[str, Any]) -> str:
         f"| table, Ω for a thrust | {query['scalar_inverse'] / 1e3:.1f} ms |",
         f"| C header, `double` | {_stated(c['double'], 'ns', 0, 'no gcc')} |",
         f"| C header, `float` | {_stated(c['float'], 'ns', 0, 'no gcc')} |",
-        "| full model, 4096 points of that map, half in descent "
+        "| full model, 4096 points of that table, half in descent "
         f"| {model['array']:.0f} µs per point |",
         f"| full model, one point of it, in descent | {model['scalar']:.0f} µs |",
         f"| RotorPy's rotor model, per rotor | {_stated(rotorpy, 'µs', 1, 'not installed')} |",

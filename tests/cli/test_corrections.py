@@ -227,7 +227,7 @@ def test_tables_and_what_is_made_of_them_tell_the_corrections(
     assert "corrections: pitt-peters, tip-loss" in Path("to/README-csv.txt").read_text()
     assert run("export", "x.npz", "--to", "nc", "-o", "to").code == 0
     refused = run("export", "x.npz", "--to", "c", "-o", "to", *TIP_LOSS)
-    assert "--correction is given with a map" in refused.err
+    assert "--correction is given with a table" in refused.err
     assert run("report", "x.npz", "-o", "page").code == 0
     assert "tip-loss" in Path("page/index.html").read_text()
 

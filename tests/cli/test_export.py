@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.export import EXPORTS
 from propmap.table import LoadTable
 from tests.fit.fit_records import fit_text
 
@@ -51,6 +52,11 @@ def test_a_table_is_exported(run: Run, tmp_path: Path) -> None:
     assert run("export", "map.npz", "--to", "gazebo", "-o", "sim", "--force").code == 0
 
 
+def test_help_lists_every_export(run: Run) -> None:
+    told = " ".join(run("export", "--help").out.split())
+    assert all(f"{export.target}: {export.writes}" in told for export in EXPORTS)
+
+
 def test_a_parameter_set_with_a_propeller(
     run: Run, tmp_path: Path, built: list[tuple[propmap.Rotor, dict[str, Any]]]
 ) -> None:
@@ -58,7 +64,7 @@ def test_a_parameter_set_with_a_propeller(
     done = run("export", "law.toml", "--prop", "apc-8x6e", "--to", "npz", "-o", "to")
     assert done.code == 0
     assert done.err.startswith(
-        "building a map of apc-8x6e, paper-apc + pitt-peters, at 1880 to 9869 rpm"
+        "building a table of apc-8x6e, paper-apc + pitt-peters, at 1880 to 9869 rpm"
     )
     ((rotor, named),) = built
     assert rotor.model.propeller.name == "apc-8x6e" and rotor.model.airfoil.name == "paper-apc"
@@ -76,14 +82,16 @@ def test_a_fit_brings_its_propeller_and_air(
 
 
 @pytest.mark.parametrize("target", ["multinomial", "gazebo", "rotorpy", "jsbsim"])
-def test_a_map_without_hover_is_refused_in_one_line(run: Run, tmp_path: Path, target: str) -> None:
+def test_a_table_without_hover_is_refused_in_one_line(
+    run: Run, tmp_path: Path, target: str
+) -> None:
     content = invented().content
     LoadTable(replace(content, speed=np.array([2.0, 8.0]))).save("fast.npz")
     done = run("export", "fast.npz", "--to", target, "-o", "to")
     assert done.code == 2
     assert done.err == (
-        "propmap: error: fast.npz: the map has no loads at rest, its speed begins at 2 m/s; this "
-        "target's model needs hover: build the map with --speed 0:...\n"
+        "propmap: error: fast.npz: the table has no loads at rest, its speed begins at 2 m/s; this "
+        "target's model needs hover: build the table with --speed 0:...\n"
     )
     assert not (tmp_path / "to").exists()
 

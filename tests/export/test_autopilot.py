@@ -362,7 +362,7 @@ def test_a_map_serves_in_place_of_a_rotor() -> None:
     assert values["CA_ROTOR0_KM"] == pytest.approx(float(still.torque / still.thrust), rel=1e-6)
     assert values["EKF2_MCOEF"] > 0.01
     assert all(kind.std is None for kind in told.sets[0].kinds)
-    assert "the map ends at 9549 rpm, and full throttle is" in told.left_out[0].why
+    assert "the table ends at 9549 rpm, and full throttle is" in told.left_out[0].why
 
 
 def test_files_are_those_of_the_ground_stations(files: dict[str, str]) -> None:
@@ -455,5 +455,5 @@ def test_speeds_that_are_not_flown_are_named(tmp_path: Path) -> None:
         autopilot_parameters(craft, "px4", np.array([30.0, 40.0]))
     with pytest.raises(InputError, match="fewer than two speeds"):
         autopilot_parameters(craft, "px4", np.array([0.0, 5.0]))
-    with pytest.raises(InputError, match="no autopilot 'betaflight'"):
+    with pytest.raises(InputError, match="no target 'betaflight'; choose one of px4, ardupilot"):
         autopilot_parameters(craft, "betaflight")

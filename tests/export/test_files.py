@@ -1,4 +1,4 @@
-"""What is written: copies of the map, all files or none, and what is refused."""
+"""What is written: copies of the table, all files or none, and what is refused."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import pytest
 import xarray
 
 from propmap.errors import InputError
-from propmap.export import TARGETS, export_table
+from propmap.export import AUTOPILOTS, EXPORTS, TARGETS, Export, export_table, find_export
 from propmap.loads import LOADS
 from propmap.table import LoadTable
 
 from .conftest import invented_content
 
 
-def test_npz_is_the_map(table: LoadTable, tmp_path: Path) -> None:
+def test_npz_is_the_table(table: LoadTable, tmp_path: Path) -> None:
     path, note = export_table(table, "npz", tmp_path / "to")
     assert [p.name for p in (path, note)] == ["apc_8x6e.npz", "README-npz.txt"]
     again = LoadTable.load(path)
@@ -25,13 +25,13 @@ def test_npz_is_the_map(table: LoadTable, tmp_path: Path) -> None:
     assert again.info == table.info
 
 
-def test_netcdf_is_the_map(table: LoadTable, tmp_path: Path) -> None:
+def test_netcdf_is_the_table(table: LoadTable, tmp_path: Path) -> None:
     path, _ = export_table(table, "nc", tmp_path)
     with xarray.open_dataset(path, engine="h5netcdf") as found:
         np.testing.assert_array_equal(found["torque"], table.content.coefficients[:, 2])
 
 
-def test_csv_is_the_map(tmp_path: Path) -> None:
+def test_csv_is_the_table(tmp_path: Path) -> None:
     content = invented_content(gap=True)
     path, _ = export_table(LoadTable(content), "csv", tmp_path)
     with path.open(newline="") as file:
@@ -54,7 +54,7 @@ def test_every_target_writes_files_and_a_note(
     text = (tmp_path / "to" / f"README-{target}.txt").read_text()
     assert text.startswith(f"propmap export: {target}\n")
     assert "propeller: invented, 3 blades" in text and str(tmp_path) not in text
-    assert "Error against the map" in text or "Nothing is simplified" in text
+    assert "Error against the table" in text or "Nothing is simplified" in text
     assert all(len(line) < 100 for line in text.splitlines())
 
 
@@ -92,6 +92,20 @@ def test_all_files_or_none(
     with pytest.raises(OSError, match="No space"):
         export_table(invented, "multinomial", tmp_path / "there")
     assert list((tmp_path / "there").iterdir()) == []
+
+
+@pytest.mark.parametrize("export", EXPORTS, ids=lambda export: f"{export.target}-{export.source}")
+def test_every_export_is_found_and_can_be_made(export: Export) -> None:
+    assert find_export(export.target, export.source) is export
+    assert callable(export.make())
+    assert export.writes and export.keeps and export.loses
+    assert len({(one.target, one.source) for one in EXPORTS}) == len(EXPORTS)
+
+
+@pytest.mark.parametrize("target", AUTOPILOTS)
+def test_an_autopilot_takes_no_table(invented: LoadTable, tmp_path: Path, target: str) -> None:
+    with pytest.raises(InputError, match=f"{target} is not made from a table, but from a vehicle"):
+        export_table(invented, target, tmp_path)
 
 
 def test_bad_targets_and_folders(invented: LoadTable, tmp_path: Path) -> None:

@@ -84,7 +84,7 @@ def test_the_file_says_units_and_blades(invented: LoadTable, tmp_path: Path) -> 
     assert ixx is not None and ixx.get("unit") == "KG*M2"
 
 
-def test_a_map_without_axial_flight_is_refused(tmp_path: Path) -> None:
+def test_a_table_without_axial_flight_is_refused(tmp_path: Path) -> None:
     table = LoadTable(invented_content(beta=(0.5, np.pi)))
     with pytest.raises(InputError, match=r"begins at 28\.6.* deg.*--beta 0:"):
         export_table(table, "jsbsim", tmp_path)

@@ -202,7 +202,7 @@ def test_the_note_tells_the_errors(table: LoadTable, tmp_path: Path, target: str
     paths = export_table(table, target, tmp_path)
     text = paths[-1].read_text()
     assert paths[-1].name == f"README-{target}.txt"
-    assert SIMPLE in text and "the map's whole envelope" in text
+    assert SIMPLE in text and "the table's whole envelope" in text
     rows = re.findall(r"^  (\w+) +([0-9.]+)% +([0-9.]+)%$", text, re.M)
     assert [row[0] for row in rows] == 2 * list(LOADS)
     assert all(float(rms) <= float(worst) for _, rms, worst in rows)
@@ -223,7 +223,7 @@ def test_errors_are_shares_of_static_loads(invented: LoadTable) -> None:
 
 
 @pytest.mark.parametrize("target", ["multinomial", "gazebo", "rotorpy", "jsbsim"])
-def test_a_map_without_hover_is_refused(tmp_path: Path, target: str) -> None:
+def test_a_table_without_hover_is_refused(tmp_path: Path, target: str) -> None:
     fast = LoadTable(invented_content(speed=2.0))
     # The advance axis still begins at zero; the envelope does not.
     with pytest.raises(InputError, match=r"begins at 2 m/s.*--speed 0:"):

@@ -1,4 +1,4 @@
-"""Whole vehicles in C and in RotorPy: the same as ``VehicleForces`` on the same map."""
+"""Whole vehicles in C and in RotorPy: the same as ``VehicleForces`` on the same table."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from propmap import InputError, VehicleForces
 from propmap.cli import main
 from propmap.export import export_vehicle
 from propmap.export.c_header import cost
-from propmap.export.files import identifier, literal, vehicle_name
+from propmap.export.files import identifier, vehicle_name
+from propmap.export.simple_models import literal
 from propmap.model.corrections import MountDrag
 from propmap.table import LoadTable
 from propmap.table.interpolation import STATUSES
@@ -88,14 +89,14 @@ void wrench(int n, const {p}_real *a, {p}_real *to)
 
 
 @pytest.fixture(scope="module")
-def map_of_plain() -> LoadTable:
+def table_of_plain() -> LoadTable:
     content = invented_content()
     content.info["propeller"]["geometry_sha256"] = PLAIN.propeller.fingerprint()
     return LoadTable(content)
 
 
 def states(count: int, seed: int = 0) -> np.ndarray:
-    """Rotor speeds, velocity, turning, wind (n, 13); some beyond the map, some at rest."""
+    """Rotor speeds, velocity, turning, wind (n, 13); some beyond the table, some at rest."""
     rng = np.random.default_rng(seed)
     found = np.column_stack(
         [
@@ -137,13 +138,13 @@ def in_c(
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
 @pytest.mark.parametrize("case", VEHICLES)
 def test_c_is_the_same_as_python(
-    map_of_plain: LoadTable, tmp_path: Path, case: str, single: bool
+    table_of_plain: LoadTable, tmp_path: Path, case: str, single: bool
 ) -> None:
     vehicle, asked = VEHICLES[case], states(2000)
     if single:
         asked = asked.astype(np.float32).astype(np.float64)
-    found = in_c(vehicle, map_of_plain, tmp_path / "c", asked, single=single)
-    want, status = in_python(vehicle, map_of_plain, asked)
+    found = in_c(vehicle, table_of_plain, tmp_path / "c", asked, single=single)
+    want, status = in_python(vehicle, table_of_plain, asked)
     lost = np.isnan(want)
     assert 0.1 < lost[:, 0].mean() < 0.6
     size = np.abs(np.where(lost, 0.0, want)).max(axis=0) + 1e-30
@@ -159,7 +160,7 @@ def test_c_is_the_same_as_python(
     assert len(set(status.tolist())) > 1
 
 
-def test_a_map_with_gaps_has_every_status(tmp_path: Path) -> None:
+def test_a_table_with_gaps_has_every_status(tmp_path: Path) -> None:
     content = invented_content(gap=True)
     content.info["propeller"]["geometry_sha256"] = PLAIN.propeller.fingerprint()
     table, asked = LoadTable(content), states(2000, seed=1)
@@ -172,7 +173,7 @@ def test_a_map_with_gaps_has_every_status(tmp_path: Path) -> None:
 
 
 def level(count: int, rotors: int) -> list[list[float]]:
-    """States in level flight, climb and slow descent, inside the map."""
+    """States in level flight, climb and slow descent, inside the table."""
     rng = np.random.default_rng(2)
     velocity = rng.normal(0.0, 3.0, (count, 3)) * [1.0, 1.0, 0.4] + [0.0, 0.0, 1.0]
     turning, wind = rng.normal(0.0, 0.5, (2, count, 3))
@@ -185,12 +186,12 @@ def level(count: int, rotors: int) -> list[list[float]]:
     [("plain", 4), ("askew, with a wing and lift", 4), ("wakes", 3), ("askew in wakes", 4)],
 )
 def test_operations_are_counted(
-    map_of_plain: LoadTable, tmp_path: Path, case: str, rotors: int
+    table_of_plain: LoadTable, tmp_path: Path, case: str, rotors: int
 ) -> None:
     """What the note says beside a run of the exported code with numbers that count."""
     vehicle = replace(VEHICLES[case], mounts=VEHICLES[case].mounts[:rotors])
-    stated = cost(vehicle, map_of_plain)
-    found = counts(vehicle, map_of_plain, tmp_path, level(100, rotors))
+    stated = cost(vehicle, table_of_plain)
+    found = counts(vehicle, table_of_plain, tmp_path, level(100, rotors))
     for kind in KINDS:
         most = max(one[kind] for one in found)
         usual = sorted(one[kind] for one in found)[50]
@@ -206,14 +207,14 @@ def test_operations_are_counted(
 TABLE = r"^static const [\w ]+? (\w+)\["
 
 
-def test_tables_have_the_size_that_is_said(map_of_plain: LoadTable, tmp_path: Path) -> None:
+def test_tables_have_the_size_that_is_said(table_of_plain: LoadTable, tmp_path: Path) -> None:
     vehicle = VEHICLES["wakes"]
-    export_vehicle(vehicle, map_of_plain, "c", tmp_path)
-    name = vehicle_name(vehicle, map_of_plain)
+    export_vehicle(vehicle, table_of_plain, "c", tmp_path)
+    name = vehicle_name(vehicle, table_of_plain)
     # Each table of numbers, by its name, as the compiler sees it.
     tables = [
         found
-        for header in (f"{name}.h", f"{identifier(map_of_plain)}.h")
+        for header in (f"{name}.h", f"{identifier(table_of_plain)}.h")
         for found in re.findall(TABLE, (tmp_path / header).read_text(), re.MULTILINE)
     ]
     sizes = " + ".join(f"sizeof({table})" for table in tables)
@@ -224,12 +225,12 @@ def test_tables_have_the_size_that_is_said(map_of_plain: LoadTable, tmp_path: Pa
     command = [program("gcc"), "-DINVENTED_FLOAT", "-w", "size.c", "-o", "size", "-lm"]
     subprocess.run(command, cwd=tmp_path, check=True)
     done = subprocess.run([tmp_path / "size"], capture_output=True, text=True, check=True)
-    # Knots and buckets of the map are not counted.
-    assert cost(vehicle, map_of_plain).stored == pytest.approx(int(done.stdout), rel=0.05)
+    # Knots and buckets of the table are not counted.
+    assert cost(vehicle, table_of_plain).stored == pytest.approx(int(done.stdout), rel=0.05)
 
 
-def test_cost_says_whether_it_fits_a_small_core(map_of_plain: LoadTable) -> None:
-    alone, together = (cost(VEHICLES[case], map_of_plain) for case in ("plain", "wakes"))
+def test_cost_says_whether_it_fits_a_small_core(table_of_plain: LoadTable) -> None:
+    alone, together = (cost(VEHICLES[case], table_of_plain) for case in ("plain", "wakes"))
     assert alone.cycles / 168e6 < 1e-4 and together.cycles / 168e6 < 1e-3
     assert alone.worst == alone.operations and together.worst.total > together.operations.total
     assert "1000 calls a second take at most" in together.sentence
@@ -237,11 +238,11 @@ def test_cost_says_whether_it_fits_a_small_core(map_of_plain: LoadTable) -> None
 
 @pytest.mark.parametrize("case", VEHICLES)
 def test_rotorpy_flies_the_same(
-    map_of_plain: LoadTable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str
+    table_of_plain: LoadTable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str
 ) -> None:
     package("rotorpy")
     vehicle = replace(VEHICLES[case], inertia=(0.004, 0.005, 0.008))
-    paths = export_vehicle(vehicle, map_of_plain, "rotorpy", tmp_path)
+    paths = export_vehicle(vehicle, table_of_plain, "rotorpy", tmp_path)
     assert sorted(path.name for path in paths) == [
         "README-rotorpy.txt", "invented.npz", "test_quad_rotorpy.py"
     ]  # fmt: skip
@@ -251,13 +252,13 @@ def test_rotorpy_flies_the_same(
     monkeypatch.delitem(sys.modules, "test_quad_rotorpy")
     flown = module.Vehicle({"tau_m": 0.02, **module.vehicle_params})
     asked = states(60, seed=3)
-    want, _ = in_python(vehicle, map_of_plain, asked)
+    want, _ = in_python(vehicle, table_of_plain, asked)
     lost = np.isnan(want[:, 0])
     assert 3 < lost.sum() < 50
     for row, expected, gone in zip(asked, want, lost, strict=True):
         given = (row[7:10], row[:4], row[4:7] - row[10:])
         if gone:
-            with pytest.raises(ValueError, match="the map has no loads"):
+            with pytest.raises(ValueError, match="the table has no loads"):
                 flown.compute_body_wrench(*given)
             continue
         force, moment = flown.compute_body_wrench(*given)
@@ -265,10 +266,12 @@ def test_rotorpy_flies_the_same(
         np.testing.assert_allclose(moment, expected[3:6], rtol=1e-12, atol=1e-12)
 
 
-def test_rotorpy_s_own_signs_agree_in_hover(map_of_plain: LoadTable, tmp_path: Path) -> None:
+def test_rotorpy_s_own_signs_agree_in_hover(table_of_plain: LoadTable, tmp_path: Path) -> None:
     """Rotor by rotor: a faster one turns the vehicle as RotorPy's own simple model has it."""
     package("rotorpy")
-    export_vehicle(replace(PLAIN, inertia=(0.004, 0.005, 0.008)), map_of_plain, "rotorpy", tmp_path)
+    export_vehicle(
+        replace(PLAIN, inertia=(0.004, 0.005, 0.008)), table_of_plain, "rotorpy", tmp_path
+    )
     sys.path.insert(0, str(tmp_path))
     try:
         module = package("test_quad_rotorpy")
@@ -309,7 +312,7 @@ WRONG: dict[str, tuple[Vehicle, str, str]] = {
         replace(PLAIN, mounts=(*UP, Mount((0.3, 0.0, 0.0)), Mount((-0.3, 0.0, 0.0)))),
         "rotorpy", "has 6 rotors, RotorPy's Multirotor 4",
     ),
-    "another target": (PLAIN, "gazebo", "gazebo is not of a vehicle's force and moment"),
+    "another target": (PLAIN, "gazebo", "gazebo is not made from a vehicle and a table"),
     "no target": (PLAIN, "x-plane", "there is no target"),
     "one place": (
         replace(PLAIN, wakes=WAKES, mounts=(*UP[:3], replace(UP[0], spin="ccw"))),
@@ -319,10 +322,10 @@ WRONG: dict[str, tuple[Vehicle, str, str]] = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_what_cannot_be_exported(map_of_plain: LoadTable, tmp_path: Path, case: str) -> None:
+def test_what_cannot_be_exported(table_of_plain: LoadTable, tmp_path: Path, case: str) -> None:
     vehicle, target, message = WRONG[case]
     with pytest.raises(InputError, match=re.escape(message)) as caught:
-        export_vehicle(vehicle, map_of_plain, target, tmp_path / "out")
+        export_vehicle(vehicle, table_of_plain, target, tmp_path / "out")
     assert "\n" not in str(caught.value) and not (tmp_path / "out").exists()
 
 
@@ -362,8 +365,8 @@ def test_by_command(
     assert "_wakes(" not in Path("still/vehicle_2_inch_test.h").read_text()
     assert "--no-wakes was given" in " ".join(Path("still/README-c.txt").read_text().split())
     for arguments, message in (
-        (("--to", "c"), "give it as --table MAP.npz"),
-        (("--to", "gazebo", "--table", "map.npz"), "gazebo is written of a map alone"),
+        (("--to", "c"), "give it as --table TABLE.npz"),
+        (("--to", "gazebo", "--table", "map.npz"), "gazebo is written of a table alone"),
         (("--to", "c", "--table", "map.npz", "--prop", "apc-8x6e"), "--prop is given with --to c"),
         (("--to", "c", "--table", "map.npz", "--charge", "1"), "--charge is given with --to c"),
         (("--to", "c", "--table", "none.npz"), "none.npz"),

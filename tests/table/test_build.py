@@ -12,7 +12,7 @@ import xarray
 import propmap
 from propmap.loads import LOADS, error_scales
 from propmap.table import LoadTable, build_table, write_netcdf
-from propmap.table.build import Model
+from propmap.table.build import CachedModel
 from tests.workers_elsewhere import Elsewhere
 
 from .conftest import BETA, OMEGA, SPEED, TOLERANCE, random_points
@@ -76,9 +76,9 @@ def test_where_from_is_filed(table: LoadTable, rotor: propmap.Rotor) -> None:
 
 
 def test_netcdf_says_the_same(table: LoadTable, tmp_path: Path) -> None:
-    write_netcdf(table, tmp_path / "map.nc")
-    assert [p.name for p in tmp_path.iterdir()] == ["map.nc"]
-    with xarray.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as found:
+    write_netcdf(table, tmp_path / "table.nc")
+    assert [p.name for p in tmp_path.iterdir()] == ["table.nc"]
+    with xarray.open_dataset(tmp_path / "table.nc", engine="h5netcdf") as found:
         np.testing.assert_array_equal(found["advance"], table.content.advance)
         for k, name in enumerate(LOADS):
             np.testing.assert_array_equal(found[name], table.content.coefficients[:, k])
@@ -95,7 +95,7 @@ def test_workers_evaluate_the_model_alike(
     told: list[int] = []
     workers = Elsewhere()
     models = [
-        Model(alone, np.array(OMEGA), progress=lambda _, n: told.append(n), workers=some)
+        CachedModel(alone, np.array(OMEGA), progress=lambda _, n: told.append(n), workers=some)
         for some in (None, workers)
     ]
     beta = np.linspace(0.0, np.pi, 4)
@@ -186,7 +186,7 @@ def test_a_fit_without_lift_after_stall_gets_a_table(rotor: propmap.Rotor) -> No
 def test_a_rotor_without_static_thrust_is_refused(rotor: propmap.Rotor) -> None:
     section = rotor.model.airfoil.with_parameters(zero_lift_angle=0.5)
     with pytest.raises(propmap.InputError, match="no positive thrust"):
-        Model(propmap.Rotor(propmap.Model(rotor.model.propeller, section)), np.array(OMEGA))
+        CachedModel(propmap.Rotor(propmap.Model(rotor.model.propeller, section)), np.array(OMEGA))
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ import pytest
 
 from propmap.loads import LOADS
 from propmap.table import LoadTable
-from propmap.table.build import Model
+from propmap.table.build import CachedModel
 from propmap.table.certificate import certify
 from propmap.table.interpolation import TableContent, locate
 
@@ -53,7 +53,7 @@ def test_unresolved_cells_have_their_own_bound() -> None:
     content = _content()
     table = LoadTable(content)
     rotor: Any = _Off(content)
-    told, _ = certify(table, Model(rotor, content.omega), 0.005, points=2048, seed=5)
+    told, _ = certify(table, CachedModel(rotor, content.omega), 0.005, points=2048, seed=5)
     assert told.holds
     # The static loads between the ends of omega are linear in its root; so are the table's.
     assert told.max_error["thrust"] == pytest.approx(SMOOTH, rel=1e-6)
@@ -70,7 +70,7 @@ def test_unresolved_cells_have_their_own_bound() -> None:
 def test_what_is_off_elsewhere_breaks_it() -> None:
     content = _content()
     rotor: Any = _Off(content)
-    model = Model(rotor, content.omega)
+    model = CachedModel(rotor, content.omega)
     unmarked = LoadTable(replace(content, cells=np.zeros_like(content.cells)))
     told, _ = certify(unmarked, model, 0.005, points=2048, seed=5)
     assert not told.holds

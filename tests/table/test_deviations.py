@@ -13,7 +13,8 @@ import propmap
 from propmap.loads import LOADS
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import LoadTable
-from propmap.table.interpolation import bilinear, deviation_coefficients
+from propmap.table.build import deviation_coefficients
+from propmap.table.interpolation import bilinear
 
 from .conftest import invented_content, random_points
 

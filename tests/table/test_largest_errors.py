@@ -12,7 +12,7 @@ import pytest
 import propmap
 from propmap.loads import LOADS
 from propmap.table import STATUSES, LoadTable, build_table
-from propmap.table.build import Model, refine
+from propmap.table.build import CachedModel, refine
 from propmap.table.certificate import certify, compare, quasi_random
 from propmap.table.interpolation import UNRESOLVED_BIT, points_at, positions_of
 
@@ -46,13 +46,15 @@ class _Spiked:
 
 
 @pytest.fixture(scope="module")
-def spiked(invented: LoadTable) -> Model:
+def spiked(invented: LoadTable) -> CachedModel:
     rotor: Any = _Spiked(invented)
-    return Model(rotor, invented.content.omega)
+    return CachedModel(rotor, invented.content.omega)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_a_spike_between_samples_is_found(invented: LoadTable, spiked: Model, seed: int) -> None:
+def test_a_spike_between_samples_is_found(
+    invented: LoadTable, spiked: CachedModel, seed: int
+) -> None:
     points = 4096
     sampled = compare(invented, spiked, *quasi_random(invented, points, seed))
     told, _ = certify(invented, spiked, 0.005, points=points, seed=seed)
@@ -75,7 +77,9 @@ def test_a_spike_between_samples_is_found(invented: LoadTable, spiked: Model, se
         assert told.max_error[load] == pytest.approx(abs(there), rel=1e-12)
 
 
-def test_errors_in_unresolved_cells_are_climbed_apart(invented: LoadTable, spiked: Model) -> None:
+def test_errors_in_unresolved_cells_are_climbed_apart(
+    invented: LoadTable, spiked: CachedModel
+) -> None:
     """With the cell of the thrust's spike marked, what is left of it is largest at the cell's
     nearest edge, 0.3 of a cell away along beta."""
     content = invented.content
@@ -90,7 +94,7 @@ def test_errors_in_unresolved_cells_are_climbed_apart(invented: LoadTable, spike
     assert (known.code != STATUSES.index("unresolved")).all()
 
 
-def test_the_search_is_bounded(invented: LoadTable, spiked: Model) -> None:
+def test_the_search_is_bounded(invented: LoadTable, spiked: CachedModel) -> None:
     """Less than the sample itself where two loads have errors to be climbed."""
     before = spiked.evaluations
     told, _ = certify(invented, spiked, 0.005, points=32_768, seed=1)
@@ -162,7 +166,7 @@ def test_the_corner_where_the_8x6e_stalls_below_zero_lift(rotor: propmap.Rotor) 
     rng = np.random.default_rng(26)
     omega = rng.uniform(3000.0 * RPM, 3200.0 * RPM, 8192)
     speed, beta = rng.uniform(14.0, 15.0, 8192), rng.uniform(0.0, 0.2, 8192)
-    model = Model(rotor, table.content.omega)
+    model = CachedModel(rotor, table.content.omega)
     largest = np.abs(compare(table, model, omega, speed, beta).errors).max(axis=0)
     torque = list(LOADS).index("torque")
     assert largest[torque] > 0.00375

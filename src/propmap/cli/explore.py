@@ -16,7 +16,7 @@ PORT = 8765
 Subject = Annotated[
     str | None,
     typer.Argument(
-        metavar="[PROP|FIT.toml|MAP.npz|VEHICLE.toml]",
+        metavar="[PROP|FIT.toml|TABLE.npz|VEHICLE.toml]",
         help="Name, designation or file of a propeller; a fit, constants, a table, a vehicle; or "
         "measured loads (.csv).",
         show_default=False,

@@ -23,6 +23,7 @@ from propmap.cli.options import (
 from propmap.cli.output import Force
 from propmap.cli.table_report import building
 from propmap.errors import InputError
+from propmap.export import AUTOPILOTS, EXPORTS, VEHICLE_TARGETS, find_export
 from propmap.model.model import Model
 from propmap.units import RPM
 
@@ -32,22 +33,27 @@ if TYPE_CHECKING:
 
 
 # -------------------------------------------------------------------------------------------------
-# ``propmap export``: a map in the form that another program reads.
+# ``propmap export``: a table in the form that another program reads.
 
 TIP_SPEED = (20.0, 105.0)
 SPEED = (0.0, 20.0)
 BETA = (0.0, math.pi)
 TOLERANCE = 0.005
-"""Of the map that is built from a fit: tip speeds and speeds [m/s], angles [rad], share of the
+"""Of the table that is built from a fit: tip speeds and speeds [m/s], angles [rad], share of the
 static loads."""
+
+
+def _forms(source: str) -> str:
+    """List the targets of a ``source`` and what is written for them, for the help."""
+    return "; ".join(f"{e.target}: {e.writes}" for e in EXPORTS if e.source == source)
 
 
 def export(
     source: Annotated[
         Path,
         typer.Argument(
-            metavar="MAP|FIT|VEHICLE",
-            help="Map (.npz), fit (.toml), any section law, or vehicle file.",
+            metavar="TABLE|FIT|VEHICLE",
+            help="Table (.npz), fit (.toml), any section law, or vehicle file.",
         ),
     ],
     to: Annotated[
@@ -55,8 +61,8 @@ def export(
         typer.Option(
             "--to",
             metavar="TARGET",
-            help="c, multinomial, gazebo, rotorpy, jsbsim, npz, nc or csv; of a vehicle file c or "
-            "rotorpy with --table, px4 or ardupilot.",
+            help=f"{_forms('table')}. Of a vehicle file and --table: {_forms('vehicle')}. "
+            f"Of a vehicle file: {_forms('autopilot')}.",
         ),
     ],
     output: Annotated[
@@ -76,9 +82,10 @@ def export(
     force: Force = False,
 ) -> None:
     """Files for simulators, flight code and autopilots, with a note of the errors they make."""
-    from propmap.export import AUTOPILOTS, check_folder, check_target, export_table
+    from propmap.export import export_table
+    from propmap.export.files import check_folder
 
-    check_target(to)
+    find_export(to)
     if to in AUTOPILOTS:
         refuse_options(to, prop=prop)
         export_vehicle(
@@ -108,7 +115,7 @@ def export(
     try:
         paths = export_table(built, to, output, replace=force)
     except InputError as error:
-        # What is wrong with a map is wrong with this file.
+        # What is wrong with a table is wrong with this file.
         raise InputError(error.found, error.remedy, error.where or str(source)) from None
     for path in paths:
         typer.echo(f"wrote {path}")
@@ -126,7 +133,8 @@ def _table(
             ("--correction", corrections),
         ):
             if given:
-                raise InputError(f"{option} is given with a map, which has its own", "leave it out")
+                found = f"{option} is given with a table, which has its own"
+                raise InputError(found, "leave it out")
         return LoadTable.load(source)
     from propmap.catalogue.lookup import airfoil, propeller
     from propmap.fit.files import is_fit, read_fit
@@ -143,14 +151,14 @@ def _table(
 
 
 def _built(rotor: Rotor) -> LoadTable:
-    """A map over an envelope that suits most multirotors."""
+    """A table over an envelope that suits most multirotors."""
     from propmap.table import build_table
 
     radius = rotor.model.propeller.radius
     omega = (TIP_SPEED[0] / radius, TIP_SPEED[1] / radius)
     rpm = [w / RPM for w in omega]
     typer.echo(
-        f"building a map of {rotor.model.propeller.name}, {rotor.model.law_title}, "
+        f"building a table of {rotor.model.propeller.name}, {rotor.model.law_title}, "
         f"at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, {SPEED[0]:g} to {SPEED[1]:g} m/s, "
         "beta 0 to 180 deg, which takes minutes; "
         "for another range, build it with propmap table",
@@ -169,7 +177,7 @@ def _built(rotor: Rotor) -> LoadTable:
 
 
 # -------------------------------------------------------------------------------------------------
-# ``propmap export VEHICLE.toml --table MAP.npz --to c|rotorpy``: force and moment on a vehicle.
+# ``propmap export VEHICLE.toml --table TABLE.npz --to c|rotorpy``: force and moment on a vehicle.
 
 
 def is_vehicle(path: Path) -> bool:
@@ -188,19 +196,20 @@ def export_wrench(
     source: Path, to: str, output: Path, *, table: Path | None, no_wakes: bool, replace: bool
 ) -> None:
     """Write force and moment on the vehicle file ``source`` for the target ``to``."""
-    from propmap.export import VEHICLE_TARGETS, check_folder, export_vehicle
+    from propmap.export import export_vehicle
+    from propmap.export.files import check_folder
     from propmap.table import LoadTable
 
     if to not in VEHICLE_TARGETS:
         raise InputError(
-            f"this is a vehicle file, and {to} is written of a map alone",
-            f"give the map, or --to {', '.join(VEHICLE_TARGETS)}, px4 or ardupilot",
+            f"this is a vehicle file, and {to} is written of a table alone",
+            f"give the table, or --to {', '.join((*VEHICLE_TARGETS, *AUTOPILOTS))}",
             str(source),
         )
     if table is None:
         raise InputError(
             "this is a vehicle file, and the loads of its rotors are not given",
-            "build a map with propmap table and give it as --table MAP.npz",
+            "build a table with propmap table and give it as --table TABLE.npz",
             str(source),
         )
     check_folder(output)
@@ -224,20 +233,22 @@ AirfoilOption = Annotated[
 ]
 TableOption = Annotated[
     Path | None,
-    typer.Option("--table", metavar="FILE.npz", help="For a vehicle: loads from a map instead."),
+    typer.Option("--table", metavar="FILE.npz", help="For a vehicle: loads from a table instead."),
 ]
 SpeedOption = Annotated[
     str | None,
     typer.Option(
         "--speed",
         metavar="A:B:N",
-        help="For px4 and ardupilot: level flights that drag is fitted to [m/s], else 1:15:8.",
+        help=f"For {' and '.join(AUTOPILOTS)}: level flights that drag is fitted to [m/s], "
+        "else 1:15:8.",
     ),
 ]
 ChargeOption = Annotated[
     float | None,
     typer.Option(
-        "--charge", help="For px4 and ardupilot: state of charge of the thrust curve, else 1."
+        "--charge",
+        help=f"For {' and '.join(AUTOPILOTS)}: state of charge of the thrust curve, else 1.",
     ),
 ]
 

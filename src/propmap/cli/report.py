@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 
 def report(
-    source: Annotated[Path, typer.Argument(metavar="FIT|MAP", help="Fit (.toml) or table (.npz).")],
+    source: Annotated[
+        Path, typer.Argument(metavar="FIT|TABLE", help="Fit (.toml) or table (.npz).")
+    ],
     output: Annotated[
         Path,
         typer.Option(

@@ -20,7 +20,7 @@ from propmap.errors import InputError
 
 
 def show_table(
-    source: Annotated[Path, typer.Argument(metavar="MAP", help="Table (.npz).")],
+    source: Annotated[Path, typer.Argument(metavar="TABLE", help="Table (.npz).")],
     format_: FormatOption = None,
     output: TextOutput = None,
 ) -> None:

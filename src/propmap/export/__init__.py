@@ -1,50 +1,113 @@
-"""Tables in the forms that other programs read, each with a note of what it costs."""
+"""Exports of tables and vehicles to the forms that other programs read, listed in ``EXPORTS``.
+
+Importing this package loads none of the exports: help and documentation are made of the list.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from propmap.errors import InputError, quoted
-from propmap.export.files import Files, check_folder, write_files
-from propmap.table.query import LoadTable
-from propmap.vehicle.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from propmap.table.query import LoadTable
+    from propmap.vehicle.vehicle import Vehicle
 
 __all__ = [
     "AUTOPILOTS",
+    "EXPORTS",
     "TARGETS",
     "VEHICLE_TARGETS",
-    "check_folder",
-    "check_target",
+    "Export",
     "export_table",
     "export_vehicle",
+    "find_export",
 ]
 
-_MAKERS = {
-    "c": ("c_header", "c_files"),
-    "multinomial": ("simple_models", "multinomial_files"),
-    "gazebo": ("simple_models", "gazebo_files"),
-    "rotorpy": ("simple_models", "rotorpy_files"),
-    "jsbsim": ("simple_models", "jsbsim_files"),
-    "npz": ("simple_models", "npz_files"),
-    "nc": ("simple_models", "nc_files"),
-    "csv": ("simple_models", "csv_files"),
+
+class Export(NamedTuple):
+    """One line of the registry: a form that ``propmap export`` writes."""
+
+    target: str  # its name, as in ``propmap export --to``
+    source: str  # what it is made from, a key of ``SOURCES``
+    function: str  # "module.function" of ``propmap.export`` that makes it
+    writes: str
+    keeps: str  # these two over the loads of the source
+    loses: str = "nothing"
+
+    def make(self) -> Any:
+        """Import the module and return its function."""
+        module, _, name = self.function.partition(".")
+        return getattr(import_module(f"propmap.export.{module}"), name)
+
+
+SOURCES = {
+    "table": "a table",  # function(table) returns ``propmap.export.files.Files``
+    "vehicle": "a vehicle and a table",  # function(vehicle, table) returns ``Files``
+    "autopilot": "a vehicle",  # function(aircraft, flights) returns ``AutopilotParameters``
 }
 
-TARGETS = tuple(_MAKERS)
+_BILINEAR = "thrust and torque quadratic, the four loads by the in-plane velocity bilinear"
+_DRAG = "drag along x and y, linear and quadratic in the speed"
+EXPORTS = (
+    Export("c", "table", "c_header.c_files", "a C99 header",
+           "everything: loads, gradient, inverse, status, wrench; the inflow's delay"),
+    Export("multinomial", "table", "simple_models.multinomial_files", "polynomials in Python and C",
+           _BILINEAR, "stall, fast descent, Reynolds number"),
+    Export("gazebo", "table", "simple_models.gazebo_files", "SDF of Gazebo's motor model",
+           "static thrust and torque, a linear drag and rolling moment",
+           "change of thrust and torque with speed, side force, pitching moment"),
+    Export("rotorpy", "table", "simple_models.rotorpy_files", "rotor parameters of RotorPy",
+           "the change of thrust with speed, four linear loads by the in-plane velocity",
+           "change of torque"),
+    Export("jsbsim", "table", "simple_models.jsbsim_files", "propeller and reactions of JSBSim",
+           "thrust and power over the axial advance ratio; the other four as in `multinomial`",
+           "change of thrust and power with the in-plane velocity"),
+    Export("npz", "table", "simple_models.npz_files", "the table for propmap", "everything"),
+    Export("nc", "table", "simple_models.nc_files", "the table as NetCDF", "everything"),
+    Export("csv", "table", "simple_models.csv_files", "the table's knots as rows",
+           "everything but the status"),
+    Export("c", "vehicle", "c_header.vehicle_c_files", "the whole vehicle as C99 headers",
+           "everything, wakes included"),
+    Export("rotorpy", "vehicle", "simple_models.vehicle_rotorpy_files", "a multirotor of RotorPy",
+           "everything, wakes included; needs propmap"),
+    Export("px4", "autopilot", "px4.parameters", "parameters of PX4",
+           f"{_DRAG}; places of the rotors, torque over thrust, thrust curve", "wakes, wings"),
+    Export("ardupilot", "autopilot", "ardupilot.parameters", "parameters of ArduPilot",
+           f"{_DRAG}; thrust curve", "wakes, wings"),
+)  # fmt: skip
+"""All exports, in the order of ``propmap export --help``; a new one is a line here and a module."""
 
-_VEHICLE_MAKERS = {
-    "c": ("c_header", "vehicle_c_files"),
-    "rotorpy": ("simple_models", "vehicle_rotorpy_files"),
-}
 
-VEHICLE_TARGETS = tuple(_VEHICLE_MAKERS)
+def _targets(source: str) -> tuple[str, ...]:
+    return tuple(export.target for export in EXPORTS if export.source == source)
+
+
+TARGETS = _targets("table")
+"""Targets of a table, see ``export_table``."""
+
+VEHICLE_TARGETS = _targets("vehicle")
 """Targets of a whole vehicle's force and moment, see ``export_vehicle``."""
 
-AUTOPILOTS = ("px4", "ardupilot")
-"""Targets of a vehicle, see ``propmap.export.autopilot``."""
+AUTOPILOTS = _targets("autopilot")
+"""Targets of a vehicle's parameters, see ``propmap.export.autopilot.export_autopilot``."""
+
+
+def find_export(target: str, source: str | None = None) -> Export:
+    """Return the export to ``target`` from ``source``, or from whatever it is made of."""
+    named = [export for export in EXPORTS if export.target == target]
+    for export in named:
+        if source in (None, export.source):
+            return export
+    found = f"there is no target {quoted(target)}"
+    if source and named:
+        made = SOURCES[named[0].source]
+        found = f"{target} is not made from {SOURCES[source]}, but from {made}"
+    known = _targets(source) if source else dict.fromkeys(export.target for export in EXPORTS)
+    raise InputError(found, f"choose one of {', '.join(known)}")
 
 
 def export_table(
@@ -55,7 +118,7 @@ def export_table(
     Parameters
     ----------
     table : LoadTable
-        The map.
+        The table.
     target : str
         One of ``TARGETS``.
     folder : path
@@ -74,16 +137,7 @@ def export_table(
         For an unknown target, a folder that cannot be written to, files that exist, and a table
         that lacks what the target needs.
     """
-    check_target(target)
-    if target in AUTOPILOTS:
-        raise InputError(f"{target} is of a vehicle", "use propmap.export.autopilot")
-    place = Path(folder)
-    check_folder(place)
-    module, function = _MAKERS[target]
-    make: Callable[[LoadTable], Files] = getattr(
-        import_module(f"propmap.export.{module}"), function
-    )
-    return write_files(make(table), place, replace=replace)
+    return _write(find_export(target, "table"), folder, replace, table)
 
 
 def export_vehicle(
@@ -120,25 +174,15 @@ def export_vehicle(
         For another target, a table of another propeller or air, a folder that cannot be written
         to, and files that exist.
     """
-    check_target(target)
-    if target not in _VEHICLE_MAKERS:
-        raise InputError(
-            f"{target} is not of a vehicle's force and moment",
-            f"choose one of {', '.join(VEHICLE_TARGETS)}, or export the map alone",
-        )
+    return _write(find_export(target, "vehicle"), folder, replace, vehicle, table)
+
+
+def _write(
+    export: Export, folder: str | os.PathLike[str], replace: bool, *source: object
+) -> list[Path]:
+    """Write what ``export`` makes of its ``source``, when the folder is known to be writable."""
+    from propmap.export.files import check_folder, write_files
+
     place = Path(folder)
     check_folder(place)
-    module, function = _VEHICLE_MAKERS[target]
-    make: Callable[[Vehicle, LoadTable], Files] = getattr(
-        import_module(f"propmap.export.{module}"), function
-    )
-    return write_files(make(vehicle, table), place, replace=replace)
-
-
-def check_target(target: str) -> None:
-    """Raise ``InputError`` for what is none of ``TARGETS`` and ``AUTOPILOTS``."""
-    known = (*TARGETS, *AUTOPILOTS)
-    if target not in known:
-        raise InputError(
-            f"there is no target {quoted(target)}", f"choose one of {', '.join(known)}"
-        )
+    return write_files(export.make()(*source), place, replace=replace)

@@ -11,18 +11,18 @@ from collections.abc import Callable
 import numpy as np
 
 from propmap.aircraft.trim import Aircraft
-from propmap.export.parameter_set import (
+from propmap.export.autopilot import (
     AutopilotParameters,
     DragFilter,
     Explained,
     Flights,
-    LeftOut,
+    NotWritten,
     ParameterSet,
     comment_lines,
     common_remarks,
 )
 from propmap.export.static_loads import (
-    ThrustCurve,
+    SignalCurve,
     curve_factor,
     fitted_factor,
     known_curve,
@@ -45,12 +45,8 @@ FILTER = DragFilter(
     between="",
 )
 
-SPIN_MIN, SPIN_MAX = 0.15, 0.95
-"""MOT_SPIN_MIN and MOT_SPIN_MAX as they are by default."""
-
-SIGNALS = SPIN_MIN + (SPIN_MAX - SPIN_MIN) * np.linspace(0.0, 1.0, 101)
-"""At which the thrust curve is fitted."""
-
+SPIN_MIN, SPIN_MAX = 0.15, 0.95  # defaults of MOT_SPIN_MIN and MOT_SPIN_MAX
+SIGNALS = SPIN_MIN + (SPIN_MAX - SPIN_MIN) * np.linspace(0.0, 1.0, 101)  # for the fit
 EXPO_LIMITS = (-1.0, 1.0)
 
 REMARKS = [
@@ -64,7 +60,7 @@ REMARKS = [
 
 
 def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
-    """What ArduPilot takes of an aircraft flown along x and y."""
+    """Find what ArduPilot takes of an aircraft flown along x and y."""
     vehicle = aircraft.vehicle
     kinds, comparisons = FILTER.parameters(flights, vehicle)
     left_out = []
@@ -72,7 +68,7 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
     if curve is None:
         regulated = fitted_factor(_shares(np.square), EXPO_LIMITS)
         left_out.append(
-            LeftOut(
+            NotWritten(
                 "MOT_THST_EXPO",
                 f"{why}. A speed controller that regulates the rotor speed, in proportion to the "
                 f"output, would have {regulated:.2f} between MOT_SPIN_MIN {SPIN_MIN:g} and "
@@ -83,17 +79,17 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
         kinds.append(_expo(aircraft, flights, curve))
     sets = [ParameterSet("ardupilot.param", "wind estimation and thrust curve", kinds)]
     remarks = [*common_remarks(aircraft), *REMARKS]
-    return AutopilotParameters("ArduPilot", sets, left_out, comparisons, remarks)
+    return AutopilotParameters("ArduPilot", sets, left_out, comparisons, remarks, file_text)
 
 
 def file_text(part: ParameterSet, vehicle: Vehicle) -> str:
-    """A parameter file as Mission Planner saves it: NAME,VALUE, comments in lines of their own."""
+    """Write a file as Mission Planner saves it: NAME,VALUE, comments in lines of their own."""
     lines = [f"# {line}" for line in comment_lines(part, vehicle, "ardupilot")]
     lines += [f"{name},{value:.9g}" for name, value in part.values.items()]
     return "\n".join(lines) + "\n"
 
 
-def _expo(aircraft: Aircraft, flights: Flights, curve: ThrustCurve) -> Explained:
+def _expo(aircraft: Aircraft, flights: Flights, curve: SignalCurve) -> Explained:
     still = static_loads(aircraft, flights[0].hover_speed)
     found = curve_factor(aircraft, curve, still, _shares, EXPO_LIMITS)
     ends = curve.at(np.array([SPIN_MIN, SPIN_MAX]))

@@ -1,24 +1,129 @@
-"""A vehicle's parameters for the firmware of an autopilot, as files and a note."""
+"""A vehicle's parameters for the firmware of an autopilot: values, errors, files and a note."""
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
-from importlib import import_module
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from propmap.aircraft.trim import Aircraft
+import propmap
+from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
-from propmap.export import AUTOPILOTS
+from propmap.export import find_export
 from propmap.export.files import check_folder, vehicle_identifier, write_files
-from propmap.export.inplane_drag import check_vehicle, inplane_forces
-from propmap.export.parameter_set import AutopilotParameters, Flights, note
+from propmap.export.inplane_drag import (
+    AXES,
+    CLOSE,
+    DragComparison,
+    InplaneForces,
+    check_vehicle,
+    fit_drag,
+    inplane_forces,
+    missing_drag,
+)
+from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.vehicle.vehicle import Vehicle
 
-SPEEDS = np.linspace(1.0, 15.0, 8)
-"""At which a vehicle is flown where nothing else is asked for [m/s]."""
+# -------------------------------------------------------------------------------------------------
+# Parameters of an autopilot with what they mean, how sure they are, and where they hold.
+
+
+@dataclass(frozen=True)
+class Explained:
+    """Parameters of one kind.
+
+    Attributes
+    ----------
+    title : str
+        Their name, with n for the number of a rotor.
+    values : dict of str to float or int
+        By the names that the firmware knows; whole numbers are int.
+    unit : str
+        Of the values.
+    std : float or None
+        Their standard deviation, in the unit; None where it is not known.
+    meaning, source, holds : str
+        The firmware's equation; where it stands; and where the simplification holds.
+    """
+
+    title: str
+    values: dict[str, float]
+    unit: str
+    std: float | None
+    meaning: str
+    source: str
+    holds: str
+
+
+@dataclass(frozen=True)
+class ParameterSet:
+    """What is written for one use.
+
+    Attributes
+    ----------
+    suffix : str
+        Of the file's name, as in "quad_px4.params".
+    purpose : str
+        In a sentence.
+    kinds : list of Explained
+        The parameters.
+    """
+
+    suffix: str
+    purpose: str
+    kinds: list[Explained]
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All parameters by name."""
+        return {name: value for kind in self.kinds for name, value in kind.values.items()}
+
+
+@dataclass(frozen=True)
+class NotWritten:
+    """Parameters that are not written: by name, and ``why`` in a sentence."""
+
+    name: str
+    why: str
+
+
+@dataclass(frozen=True)
+class AutopilotParameters:
+    """All that an export says.
+
+    Attributes
+    ----------
+    firmware : str
+        Its name.
+    sets : list of ParameterSet
+        What is written, a file each.
+    left_out : list of NotWritten
+        What is not.
+    comparisons : list of DragComparison
+        The drag model of the firmware beside the full model, along x and y.
+    remarks : list of str
+        What else to know, a sentence or more each.
+    file_text : callable
+        The text of a set's file, in the format that the firmware's tools read.
+    """
+
+    firmware: str
+    sets: list[ParameterSet]
+    left_out: list[NotWritten]
+    comparisons: list[DragComparison]
+    remarks: list[str]
+    file_text: Callable[[ParameterSet, Vehicle], str]
+
+
+Flights = tuple[InplaneForces, InplaneForces]
+"""Level flights of a vehicle along x and y."""
+
+SPEEDS = np.linspace(1.0, 15.0, 8)  # level flights by default [m/s]
 
 
 def autopilot_parameters(
@@ -31,7 +136,7 @@ def autopilot_parameters(
     aircraft : Aircraft
         The vehicle with the loads of its rotors.
     target : str
-        One of ``AUTOPILOTS``.
+        One of ``propmap.export.AUTOPILOTS``.
     speeds : ndarray, shape (n,)
         Through the air [m/s], at which the drag model is fitted; at rest nothing is to be seen.
 
@@ -41,20 +146,15 @@ def autopilot_parameters(
         For an unknown target, for a vehicle that is no multirotor as the drag models of autopilots
         take it to be, and where too few of the speeds are flown.
     """
-    if target not in AUTOPILOTS:
-        raise InputError(
-            f"there is no autopilot {target!r}", f"choose one of {', '.join(AUTOPILOTS)}"
-        )
+    export = find_export(target, "autopilot")
     check_vehicle(aircraft.vehicle)
     moving = np.asarray(speeds, dtype=np.float64)
     moving = moving[moving > 0.0]
     if moving.size < 2:
         raise InputError("fewer than two speeds above 0", "give two or more, in m/s")
     flights = (inplane_forces(aircraft, "x", moving), inplane_forces(aircraft, "y", moving))
-    make: Callable[[Aircraft, Flights], AutopilotParameters] = import_module(
-        f"propmap.export.{target}"
-    ).parameters
-    return make(aircraft, flights)
+    found: AutopilotParameters = export.make()(aircraft, flights)
+    return found
 
 
 def export_autopilot(
@@ -87,12 +187,246 @@ def export_autopilot(
         As ``autopilot_parameters``, and for a folder that cannot be written to and files that
         exist.
     """
-    place = Path(folder)
+    place, vehicle = Path(folder), aircraft.vehicle
     check_folder(place)
     found = autopilot_parameters(aircraft, target, speeds)
-    text = import_module(f"propmap.export.{target}").file_text
-    name = vehicle_identifier(aircraft.vehicle)
-    files = {f"{name}_{part.suffix}": text(part, aircraft.vehicle) for part in found.sets}
-    return write_files(
-        files | {f"README-{target}.md": note(found, aircraft)}, place, replace=replace
+    name = vehicle_identifier(vehicle)
+    files = {f"{name}_{part.suffix}": found.file_text(part, vehicle) for part in found.sets}
+    files[f"README-{target}.md"] = autopilot_note(found, aircraft)
+    return write_files(files, place, replace=replace)
+
+
+def comment_lines(part: ParameterSet, vehicle: Vehicle, target: str) -> list[str]:
+    """Write the head of a parameter file, in lines short enough for ArduPilot's own reader."""
+    # AP_Param takes lines of 98 characters and reads what is left over as a line of its own.
+    clean = "".join(c if c.isprintable() else "?" for c in vehicle.name)[:50]
+    return [
+        f"{clean}: {part.purpose}"[:90],
+        f"written by propmap {propmap.__version__}; see README-{target}.md for definitions, errors",
+    ]
+
+
+def common_remarks(aircraft: Aircraft) -> list[str]:
+    """Say what the drag coefficients of an ``aircraft`` have in them and what not."""
+    remarks = [f"{words[:1].upper()}{words[1:]}." for words in missing_drag(aircraft)]
+    if any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts):
+        remarks.append(
+            "Rotors are tilted: what their thrust adds along x and y in forward flight is part of "
+            "the fitted coefficients."
+        )
+    return remarks
+
+
+# -------------------------------------------------------------------------------------------------
+# The note beside an autopilot's parameters, in Markdown: definitions, errors, ranges.
+
+SHOWN = 4  # most numbers in a cell
+
+
+def autopilot_note(found: AutopilotParameters, aircraft: Aircraft) -> str:
+    """Return a note on what was ``found`` of an ``aircraft``."""
+    vehicle = aircraft.vehicle
+    lines = [f"# {vehicle.name}: parameters for {found.firmware}", ""]
+    for part in found.sets:
+        lines += [f"## `{part.suffix}`: {part.purpose}", ""]
+        lines += ["| parameter | value | standard deviation | unit |", "|---|---|---|---|"]
+        for kind in part.kinds:
+            values = [f"{value:.5g}" for value in kind.values.values()]
+            shown = ", ".join(values) if len(values) <= SHOWN else "see the file"
+            shown = values[0] if len(set(values)) == 1 else shown
+            std = "-" if kind.std is None or math.isnan(kind.std) else f"{kind.std:.2g}"
+            unit = "" if kind.unit == "-" else kind.unit
+            lines.append(f"| {kind.title} | {shown} | {std} | {unit} |")
+        lines.append("")
+        for kind in part.kinds:
+            lines += [f"**{kind.title}**: {kind.meaning} {kind.holds}".rstrip(), ""]
+            lines += [f"Source: {kind.source}.", ""]
+    lines += ["## The drag model beside the full model", ""]
+    lines += [
+        "Level flight through still air, all forces and moments balanced. Force against the motion "
+        "along the body axis, by the full model with its standard deviation, by the filter's "
+        "equation with the parameters above; the last column is the error that the filter makes "
+        "of the wind. All speeds count the same in the fit, so that slow ones, with little force, "
+        "have the larger share of error. Backwards is taken to be like forward, right like left.",
+        "",
+    ]
+    for comparison in found.comparisons:
+        lines += _table(comparison)
+    if found.left_out:
+        lines += ["## Not written", ""]
+        lines += [f"- {left.name}: {left.why}." for left in found.left_out]
+        lines.append("")
+    lines += ["## To know", "", *(f"- {remark}" for remark in found.remarks), ""]
+    lines += ["## Where the numbers come from", "", *_origin(aircraft), ""]
+    return "\n".join(lines)
+
+
+def _table(comparison: DragComparison) -> list[str]:
+    flight = comparison.flight
+    lines = [f"### Along {flight.axis}, {AXES[flight.axis]}", ""]
+    lines += [
+        "| V [m/s] | lean [deg] | full [N] | std [N] | filter [N] | error [N] | [%] | wind [m/s] |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    full, filtered = comparison.full, comparison.filtered
+    columns = (flight.speed, flight.pitch, full, comparison.std, filtered, comparison.share)
+    rows = zip(*(each.tolist() for each in (*columns, comparison.wind)), strict=True)
+    for v, pitch, by_model, std, by_filter, share, wind in rows:
+        spread = "-" if math.isnan(std) else f"{std:.3f}"
+        lines.append(
+            f"| {v:g} | {math.degrees(pitch):.2f} | {by_model:.3f} | {spread} | {by_filter:.3f} | "
+            f"{by_filter - by_model:+.3f} | {100.0 * share:+.1f} | {wind:+.2f} |"
+        )
+    lines.append("")
+    lines += [f"{v:g} m/s is not flown: {STATUSES[why]}." for v, why in flight.lost]
+    return lines + [""] * bool(flight.lost)
+
+
+def _origin(aircraft: Aircraft) -> list[str]:
+    vehicle, loads = aircraft.vehicle, aircraft.loads
+    areas = ", ".join(f"{area:g}" for area in vehicle.body.drag_area)
+    lines = [
+        f"vehicle: {vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x "
+        f"{vehicle.propeller.name}; air {vehicle.air.density:g} kg/m^3; drag areas of the body "
+        f"{areas} m^2, taken as known",
+    ]
+    if isinstance(loads, Rotor):
+        lines.append(f"rotors: {loads.model.law_title}")
+        known = loads.model.uncertainty is not None
+    else:
+        law = (loads.info.get("airfoil") or {}).get("name", "not stated")
+        lines.append(f"rotors: a table of the section law {law}")
+        known = loads.content.deviations is not None
+    lines.append(
+        "standard deviations: constants of the section law, the model itself and another tunnel, "
+        "as `Loads.std`; mass, drag areas and motor are taken as known"
+        if known
+        else "standard deviations: none, as the section law says nothing of its errors"
     )
+    return [f"- {line}" for line in (*lines, f"written by propmap {propmap.__version__}")]
+
+
+# -------------------------------------------------------------------------------------------------
+# The drag model of an autopilot's Kalman filter: its parameters, and what it makes of flights.
+
+SEA_LEVEL = 1.225  # density [kg/m^3] at which both PX4 and ArduPilot define the drag of the rotors
+STEP = 1e-4  # share by which a velocity is changed in a difference quotient
+
+
+def where_it_holds(comparisons: list[DragComparison]) -> str:
+    """Say where the drag model of a filter is close to the full model."""
+    parts = []
+    for comparison in comparisons:
+        run = comparison.holds
+        where = AXES[comparison.flight.axis]
+        worst = float(abs(comparison.filtered - comparison.full).max())
+        if run is None:
+            parts.append(f"{where}: nowhere within {CLOSE:.0%}, the error is up to {worst:.2g} N")
+        else:
+            parts.append(
+                f"{where} within {CLOSE:.0%} of the force from {run[0]:g} to {run[1]:g} m/s, over "
+                f"all speeds within {worst:.2g} N"
+            )
+    return f"In level flight, {'; '.join(parts)}."
+
+
+@dataclass(frozen=True)
+class DragFilter:
+    """The equation of a filter, in flight along one body axis.
+
+    Specific force against the motion = M (rho / 1.225)^power v + 1/2 rho v s / B, where s is the
+    size of the whole velocity or that of its component v along the axis.
+    """
+
+    momentum: str  # name of M [1/s]
+    ballistic: str  # name of B [kg/m^2], but for the axis
+    power: float  # of the density's ratio
+    whole: bool  # whether s is the size of the whole velocity
+    largest: float  # B beyond which there is no body drag [kg/m^2]
+    source: str  # where the equation stands
+    between: str  # what the filter does in flight between the axes, in words
+
+    def parameters(
+        self, flights: Flights, vehicle: Vehicle
+    ) -> tuple[list[Explained], list[DragComparison]]:
+        """Fit the parameters, and compare the flights with what the filter makes of them."""
+        density = vehicle.air.density
+        scale = float((density / SEA_LEVEL) ** self.power)
+        constants, errors = fit_drag(
+            flights, lambda one: self._square(one.along, one.through), density, 1.0 / self.largest
+        )
+        rotors, *bodies = constants.tolist()
+        momentum, values = round(rotors / scale, 6), {}
+        for axis, inverse in zip("XY", bodies, strict=True):
+            values[self.ballistic + axis] = round(1.0 / inverse, 4) if inverse else 0.0
+        std = np.sqrt(np.sum(errors**2, axis=0)).tolist() if errors.size else None
+        comparisons = [
+            self._comparison(flight, vehicle, momentum * scale, ballistic)
+            for flight, ballistic in zip(flights, values.values(), strict=True)
+        ]
+        slope = flights[0].force[0] / flights[0].along[0] / scale
+        ratio = "sqrt(rho / 1.225 kg/m^3)" if self.power == 0.5 else "(rho / 1.225 kg/m^3)"
+        kinds = [
+            Explained(
+                title=self.momentum,
+                values={self.momentum: momentum},
+                unit="1/s",
+                std=None if std is None else std[0] / scale,
+                meaning=(
+                    f"Specific force against the motion, along x and y alike: {self.momentum} "
+                    f"{ratio} v, v the component of the velocity through the air. It is what the "
+                    "rotors add, linear in the speed; below 0.001 the filter leaves it out."
+                ),
+                source=self.source,
+                holds=(
+                    f"{where_it_holds(comparisons)} At {flights[0].speed[0]:g} m/s alone it would "
+                    f"be {slope:.4f}."
+                ),
+            )
+        ]
+        size = "v |V|" if self.whole else "v^2"
+        whole = ", |V| the size of it all" if self.whole else ""
+        for k, ((name, value), inverse) in enumerate(zip(values.items(), bodies, strict=True)):
+            kinds.append(
+                Explained(
+                    title=name,
+                    values={name: value},
+                    unit="kg/m^2",
+                    std=None if std is None or not inverse else std[1 + k] / inverse**2,
+                    meaning=(
+                        f"Specific force along {'xy'[k]} against the motion: 1/2 rho {size} / "
+                        f"{name}, v the component of the velocity along the axis{whole}"
+                        f"{self.between}. It is the mass over the drag area of what is quadratic "
+                        "in the speed: the body, and what of the rotors' drag is not linear. It is "
+                        f"0, which leaves it out, where it would be above {self.largest:g}."
+                    ),
+                    source=self.source,
+                    holds=f"As {self.momentum}: the two belong together.",
+                )
+            )
+        return kinds, comparisons
+
+    def _square(self, along: Floats, through: Floats) -> Floats:
+        """Return v s [m^2/s^2] of velocities along the axis and their sizes [m/s]."""
+        return along * through if self.whole else along**2
+
+    def _comparison(
+        self, flight: InplaneForces, vehicle: Vehicle, rotors: float, ballistic: float
+    ) -> DragComparison:
+        """Compare a flight with the filter, M ``rotors`` in this air [1/s], B [kg/m^2]."""
+        inverse, mass = 1.0 / ballistic if ballistic > 1.0 else 0.0, vehicle.mass
+        density = vehicle.air.density
+        slower, here, faster = (
+            rotors * share * flight.along
+            + 0.5 * inverse * density * self._square(share * flight.along, share * flight.through)
+            for share in (1.0 - STEP, 1.0, 1.0 + STEP)
+        )
+        slope = (faster - slower) / (2.0 * STEP * flight.along)
+        spread = np.sqrt(np.sum(flight.errors**2, axis=0))
+        return DragComparison(
+            flight=flight,
+            full=mass * flight.force,
+            filtered=mass * here,
+            std=mass * spread if flight.errors.size else np.full_like(spread, np.nan),
+            wind=(here - flight.force) / slope,
+        )

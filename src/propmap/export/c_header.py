@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from propmap.export.files import Files, identifier, note, rendered, vehicle_name, vehicle_note
+from propmap.export.files import Files, identifier, note, rendered, vehicle_name, wakes_sentence
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.results import spin_sign
@@ -51,15 +51,31 @@ LINE = 96
 
 
 def c_files(table: LoadTable) -> Files:
-    """The header and its note."""
-    return {f"{identifier(table)}.h": header(table), "README-c.txt": note(table, "c")}
+    """Write the header and its note."""
+    name = identifier(table)
+    text = f"""{name}.h holds the table itself; what it offers and needs stands at its top.
+
+        {name}_wrench gives all six loads as force and moment on the hub, for either spin.
+
+        {name}_inflow, {name}_inflow_step and {name}_wrench_in_inflow are for simulators that let
+        the mean inflow lag behind by its own time constant, some milliseconds on a small propeller.
+        All they need is in the table: the inflow by momentum theory from the thrust, and what it
+        does to thrust and torque from their derivatives with the axial velocity. Gradients of the
+        inflow, which are twice as fast, follow at once, and the loads in the disk plane are those
+        of steady flight. Against propmap.DynamicInflow the time constant is up to 15% too long; the
+        change of thrust by a given lack of inflow is up to 40% too small, since in the table every
+        annulus has settled.
+
+        In double precision it agrees with propmap.table to 1e-12 of the static loads, in single
+        precision to 1e-5; next to the border between two cells, single precision may find the
+        status of the other one."""
+    return {f"{name}.h": header(table), "README-c.txt": note("c", text, table)}
 
 
 def header(table: LoadTable) -> str:
-    """The text of the header."""
+    """Return the text of the header."""
     content, order = table.content, list(LOADS)
     root = float(content.omega[0]) ** -0.5
-    codes = cell_codes(content)
     box = list(table.envelope.values())
     rows, columns, odd = _weights(content)
     row_bucket, row_per_bucket = _buckets(content.advance)
@@ -83,34 +99,30 @@ def header(table: LoadTable) -> str:
         row_weights=rows,
         column_weights=columns,
         odd_weights=odd,
-        cells=codes,
-        data=_data(content),
+        cells=cell_codes(content),
+        # Of each knot, the loads at the least omega, then at the largest.
+        data=content.coefficients.transpose(2, 3, 0, 1)
+        .reshape(*content.coefficients.shape[2:], -1)
+        .astype(np.float32),
         thrust=order.index("thrust"),
         torque=order.index("torque"),
         numbers=numbers,
-        rows_of_numbers=rows_of_numbers,
+        singles=singles,
     )
 
 
 def table_bytes(content: TableContent, real: int) -> int:
-    """Bytes of the header's tables, where its numbers have ``real`` bytes each.
+    """Count the bytes of the header's tables, where its numbers have ``real`` bytes, 8 or 4.
 
-    Parameters
-    ----------
-    content : TableContent
-        Of the table.
-    real : int
-        8 or 4, in double or single precision; coefficients have 4 in both.
+    Coefficients have 4 in both precisions.
     """
     cells = (content.advance.size - 1) + (content.beta.size - 1)
     return content.coefficients.size * 4 + 16 * cells * real + content.cells.size
 
 
 def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
-    """Weight polynomials (n - 1, 16) of the rows, of the columns, and (2, 16) of odd loads.
-
-    The latter are those of the first and the last column interval.
-    """
+    """Return weight polynomials of rows and columns (n - 1, 16), and of odd loads in the first and
+    the last column interval (2, 16)."""
     ends = on_planes(content.beta)
     even, odd = (
         _folded(content.beta, *(np.array(parity) if on else None for on in ends))
@@ -120,7 +132,7 @@ def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
 
 
 def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
-    """Weight polynomials (n - 1, 16), powers first, of the values at the knots alone.
+    """Return weight polynomials (n - 1, 16), powers first, of the values at the knots alone.
 
     ``low`` and ``high`` are parities at the ends, as for ``pad``.  A ghost value is a sum over
     the three knots at its end of the axis; its weight is spread over these.
@@ -134,93 +146,77 @@ def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
 
 
 def _buckets(knots: Floats) -> tuple[NDArray[np.intp], float]:
-    """The interval in which each of many equal buckets begins, and buckets per unit.
-
-    A hundredth of a bucket early, so that no rounding leads beyond the interval looked for.
-    """
+    """Find the interval in which each of many equal buckets begins, and buckets per unit."""
     count = min(MOST_BUCKETS, 4 * knots.size)
     width = float(knots[-1] - knots[0]) / count
+    # A hundredth of a bucket early, so that no rounding leads beyond the interval looked for.
     begin = knots[0] + width * (np.arange(count) - 0.01)
     return np.searchsorted(knots[1:-1], begin, side="right"), 1.0 / width
 
 
-def _data(content: TableContent) -> str:
-    """The coefficients, a line per knot, with as many digits as single precision has."""
-    count = content.coefficients[:, :, 0, 0].size
-    knots = content.coefficients.transpose(2, 3, 0, 1)
-    knots = knots.reshape(*knots.shape[:2], count)
-    rows = []
-    for row in knots.astype(np.float32):
-        lines = (", ".join(map(_single, knot)) for knot in row)
-        rows.append("{\n" + ",\n".join(f"{{{line}}}" for line in lines) + "}")
-    return ",\n".join(rows)
+def numbers(values: Iterable[Any]) -> str:
+    """Write an array with commas, in lines of some length; with several axes, rows in braces."""
+    rows = list(values)
+    if np.ndim(rows[0]):
+        return ",\n".join("{\n" + numbers(row) + "}" for row in rows)
+    words = ", ".join(map(repr, np.asarray(rows).tolist()))
+    return textwrap.fill(words, LINE, break_long_words=False, break_on_hyphens=False)
 
 
-def _single(value: np.float32) -> str:
-    return "NAN" if np.isnan(value) else f"{value!s}f"
+def singles(blocks: NDArray[np.float32]) -> str:
+    """Write an array with three axes in single precision, a line per row."""
 
+    def row(values: NDArray[np.float32]) -> str:
+        return ", ".join("NAN" if np.isnan(value) else f"{value!s}f" for value in values)
 
-def numbers(values: ArrayLike) -> str:
-    """The ``values`` with commas, in lines of some length."""
-    words = map(repr, np.asarray(values).tolist())
-    return textwrap.fill(", ".join(words), LINE, break_long_words=False, break_on_hyphens=False)
-
-
-def rows_of_numbers(rows: Iterable[ArrayLike]) -> str:
-    """The same of an array with two axes, ``rows`` in braces."""
-    return ",\n".join("{\n" + numbers(row) + "}" for row in rows)
-
-
-def blocks_of_numbers(blocks: Iterable[Any]) -> str:
-    """The same of an array with three axes or more."""
-    return ",\n".join(
-        "{\n" + (rows_of_numbers if np.ndim(block) == 2 else blocks_of_numbers)(block) + "}"
-        for block in blocks
-    )
-
-
-def blocks_of_singles(blocks: Iterable[Iterable[Iterable[np.float32]]]) -> str:
-    """The same of an array with three axes in single precision."""
-    rows = (
-        ",\n".join("{" + ", ".join(map(_single, row)) + "}" for row in block) for block in blocks
-    )
-    return ",\n".join("{\n" + block + "}" for block in rows)
+    lines = (",\n".join(f"{{{row(values)}}}" for values in block) for block in blocks)
+    return ",\n".join("{\n" + block + "}" for block in lines)
 
 
 # -------------------------------------------------------------------------------------------------
 # Target ``c`` of a vehicle: a C99 header with force and moment of the air on all of it.
 #
-# The loads are those of the rotor's header (``c_header``), the wakes those of ``wake_geometry``.
+# The loads are those of the rotor's header, the wakes those of ``wake_geometry``.
 
 
 def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
-    """The rotor's header, the vehicle's, and the note.
+    """Write the rotor's header, the vehicle's, and the note.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Of the aircraft.
-    table : LoadTable
-        Loads of its rotors.
-
-    Raises
-    ------
-    InputError
-        Where the table is of another propeller or air, see ``VehicleForces``.
+    Raise ``InputError`` for a table of another propeller or air, see ``VehicleForces``.
     """
     Rotors.of(vehicle, table)
-    name = vehicle_name(vehicle, table)
+    name, rotor = vehicle_name(vehicle, table), identifier(table)
+    twice = ""
+    if vehicle.wakes is not None:
+        twice = """They act by the splines of propmap.VehicleForces, made of the thrust that the
+            table has for each rotor by itself, so that it is asked twice per rotor, without and
+            with the wakes."""
+    text = f"""{name}.h gives force and moment of the air on the whole vehicle:
+        {len(vehicle.mounts)} rotors at the velocities of their hubs, each with its axis and spin,
+        the drag of the body and the lift of the wing, where the vehicle file has them. It includes
+        {rotor}.h, which holds the table of one rotor; what both need stands at their tops.
+
+        {wakes_sentence(vehicle)} {twice}
+
+        Weight and the gyroscopic moments of the rotors are not in it: they are those of the
+        simulator or the flight code around it. The status is the worst of the rotors'; where the
+        table has no loads for one of them, in rotor speed, speed or angle, force and moment are
+        NaN.
+
+        {cost(vehicle, table).sentence}
+
+        It agrees with propmap.VehicleForces on the same table to 1e-10 of the largest force in
+        double precision, with wakes, whose splines are kept in single precision, to 1e-6; in single
+        precision to 2e-5, except next to the border between two cells of the table."""
     return {
-        f"{identifier(table)}.h": header(table),
+        f"{rotor}.h": header(table),
         f"{name}.h": vehicle_header(vehicle, table),
-        "README-c.txt": vehicle_note(
-            vehicle, table, "c", v=name, cost=cost(vehicle, table).sentence
-        ),
+        "README-c.txt": note(f"c, {vehicle.name}", text, table),
     }
 
 
 def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
-    """The text of the vehicle's header."""
+    """Return the text of the vehicle's header."""
     name = vehicle_name(vehicle, table)
     values: dict[str, Any] = {"pairs": vehicle.wakes is not None and len(vehicle.mounts) > 1}
     if values["pairs"]:
@@ -239,16 +235,13 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
         table,
         v=name,
         V=name.upper(),
-        about=textwrap.wrap(cost(vehicle, table).sentence, 90),
         vehicle=vehicle,
         rotors=vehicle.mounts,
         spins=[spin_sign(mount.spin) for mount in vehicle.mounts],
         lifts=bool(vehicle.body.lift_area) or vehicle.wing is not None,
         sharpness=Airfoil.sharpness,
         numbers=numbers,
-        rows_of_numbers=rows_of_numbers,
-        blocks_of_numbers=blocks_of_numbers,
-        blocks_of_singles=blocks_of_singles,
+        singles=singles,
         **values,
     )
 
@@ -257,18 +250,17 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
 # What one call of a vehicle's exported wrench costs: operations, bytes, and time on a small core.
 #
 # The counts follow from the structure of the code in ``templates/vehicle.h.j2``, piece by piece;
-# ``tests/export/test_vehicle_c.py`` holds them to a run with numbers that count.
+# ``tests/export/test_vehicle_export.py`` holds them to a run with numbers that count.
 
 
 class Operations(NamedTuple):
-    """How many there are; a comparison and a change of sign count as sums, and ``functions`` are
-    those of the C library but the square root."""
+    """Counts of operations; comparisons and changes of sign are sums."""
 
     sums: int = 0
     products: int = 0
     divisions: int = 0
     roots: int = 0
-    functions: int = 0
+    functions: int = 0  # of the C library, but the square root
 
     def __add__(self, other: object) -> Self:
         if not isinstance(other, Operations):
@@ -276,38 +268,25 @@ class Operations(NamedTuple):
         return type(self)(*(a + b for a, b in zip(self, other, strict=True)))
 
     def times(self, count: int) -> Operations:
-        """As many of each."""
+        """Multiply all by ``count``."""
         return Operations(*(count * each for each in self))
 
     @property
     def total(self) -> int:
-        """All together."""
+        """Sum of all kinds."""
         return sum(self)
 
 
-BODY = Operations(12, 15)
-"""Air's velocity, drag and download."""
-
+BODY = Operations(12, 15)  # air's velocity, drag and download
 LIFT, WING = Operations(4, 10, 0, 1, 3), Operations(9, 9, 2, 0, 5)
+INDUCED = Operations(2, 8)  # drag, where a wing has a span
+FLOW, FORCE = Operations(14, 18, 1, 1), Operations(28, 35)  # at a hub, and of a rotor there
+QUERY = Operations(321, 307, 2, 2, 1)  # of the table, with the angle and the speed asked for
+SOURCE = Operations(35, 30, 1, 2, 2)  # a rotor's wake without its inflow
+STEP = Operations(10, 4, 2, 1)  # of Newton's method for that inflow
+PAIR = Operations(40, 52, 0, 0, 2)  # a wake at another rotor
 
-INDUCED = Operations(2, 8)
-"""Drag, where a wing has a span."""
-
-FLOW, FORCE = Operations(14, 18, 1, 1), Operations(28, 35)
-"""At a hub, and of a rotor on the vehicle."""
-
-QUERY = Operations(321, 307, 2, 2, 1)
-"""Of the map, with the angle and the speed that it is asked at."""
-
-SOURCE, STEP = Operations(35, 30, 1, 2, 2), Operations(10, 4, 2, 1)
-"""A rotor's wake, without the steps of Newton's method for its inflow, and such a step."""
-
-PAIR = Operations(40, 52, 0, 0, 2)
-"""Of a wake at another rotor."""
-
-USUAL_STEPS = 6
-"""Of Newton's method, outside of descent; it ends after ``interference.STEPS``."""
-
+USUAL_STEPS = 6  # of Newton's method, outside of descent; it ends after ``STEPS``
 CYCLES = Operations(3, 3, 16, 16, 150)
 """Assumed of a core with a floating-point unit for single precision, loads, stores and loops
 included: sums and products take 1 cycle, divisions and roots 14 on an Arm Cortex-M4F (Technical
@@ -315,39 +294,26 @@ Reference Manual, Arm DDI 0439) and no more on a Cortex-M7."""
 
 CLOCKS = {"Cortex-M4F at 168 MHz": 168e6, "Cortex-M7 at 480 MHz": 480e6}
 
-RATE = 1000.0
-"""Calls per second."""
+RATE = 1000.0  # calls per second
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Of one call, in single precision.
+    """What one call takes, in single precision."""
 
-    Attributes
-    ----------
-    operations : Operations
-        Outside of descent.
-    worst : Operations
-        Where Newton's method takes all its steps.
-    read : int
-        Bytes of tables that it reads, each as often as it is used.
-    stored : int
-        Bytes of tables, the map included.
-    """
-
-    operations: Operations
-    worst: Operations
-    read: int
-    stored: int
+    operations: Operations  # outside of descent
+    worst: Operations  # where Newton's method takes all its steps
+    read: int  # bytes of tables, each as often as it is used
+    stored: int  # bytes of all tables, the rotor's included
 
     @property
     def cycles(self) -> int:
-        """By ``CYCLES``."""
+        """Cycles of the processor, by ``CYCLES``."""
         return sum(a * b for a, b in zip(self.operations, CYCLES, strict=True))
 
     @property
     def sentence(self) -> str:
-        """All of this in words."""
+        """Say all of this in words."""
         done = self.operations
         parts = ", ".join(f"{count} {kind}" for kind, count in done._asdict().items() if count)
         worst = f" (at most {self.worst.total}, in fast descent)" if self.worst != done else ""
@@ -366,13 +332,7 @@ class Cost:
 
 
 def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
-    """What a call costs.
-
-    Parameters
-    ----------
-    vehicle, table : Vehicle, LoadTable
-        What is exported.
-    """
+    """Count what a call for a ``vehicle`` takes."""
     rotors = len(vehicle.mounts)
     pairs = rotors * (rotors - 1) if vehicle.wakes is not None else 0
     done = BODY + (FLOW + QUERY + FORCE).times(rotors)
@@ -405,59 +365,30 @@ def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
 # the weights of four neighbouring ones as polynomials in each interval between the table's knots.
 
 
-@dataclass(frozen=True, eq=False)
-class SplineAxis:
-    """The intervals of one axis of the splines, all of one width.
+class SplineAxis(NamedTuple):
+    """The n intervals of one axis of the splines, all of one width."""
 
-    Attributes
-    ----------
-    per_unit : float
-        Intervals per radian.
-    first : ndarray of int, shape (n,)
-        The first of the four coefficients that count in each.
-    kind : ndarray of int, shape (n,)
-        Which polynomials are those of each; most intervals have the same.
-    weights : ndarray, shape (K, 16)
-        Four constant terms, four linear ones, and so on, of the place in the interval, 0 to 1.
-    """
-
-    per_unit: float
-    first: NDArray[np.intp]
-    kind: NDArray[np.intp]
+    per_unit: float  # intervals per radian
+    first: NDArray[np.intp]  # the first of the four coefficients that count in each (n,)
+    kind: NDArray[np.intp]  # which of the K polynomials each has (n,): most have the same
+    # Constant terms of four, linear ones, and so on, of the place in the interval 0 to 1 (K, 16).
     weights: Floats
 
 
-@dataclass(frozen=True, eq=False)
-class WakeGeometry:
-    """Of the wakes of k rotors on each other.
+class WakeGeometry(NamedTuple):
+    """The wakes of k rotors on each other."""
 
-    Attributes
-    ----------
-    frames : ndarray, shape (k, 3, 3)
-        Rows: two directions in the disk, and the axis.
-    kind : ndarray of int, shape (k, k)
-        Of each target and source: which of the K kinds of pairs they are.
-    bearing : ndarray, shape (k, k)
-        Of the target in the source's frame [rad].
-    towards : ndarray, shape (k, k, 3)
-        Unit vector from the source to the target in the plane of the source's disk.
-    coefficients : ndarray of float32, shape (K, a, b)
-        Of the splines.
-    skew, around : SplineAxis
-        Their axes: from straight down to straight up, and around.
-    """
-
-    frames: Floats
-    kind: NDArray[np.intp]
-    bearing: Floats
-    towards: Floats
-    coefficients: NDArray[np.float32]
-    skew: SplineAxis
+    frames: Floats  # rows: two directions in the disk, and the axis (k, 3, 3)
+    kind: NDArray[np.intp]  # which of the K kinds of pairs each target and source are (k, k)
+    bearing: Floats  # of the target in the source's frame [rad] (k, k)
+    towards: Floats  # unit vector from source to target in the source's disk plane (k, k, 3)
+    coefficients: NDArray[np.float32]  # of the splines (K, a, b)
+    skew: SplineAxis  # from straight down to straight up
     around: SplineAxis
 
 
 def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
-    """The tables of the rotors of a ``vehicle``, two or more."""
+    """Tabulate the wakes of the rotors of a ``vehicle``, two or more."""
     mounts, radius = vehicle.mounts, vehicle.propeller.radius
     k = len(mounts)
     frames = np.stack([frame_of(mount.axis) for mount in mounts])
@@ -468,14 +399,14 @@ def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
             if t == s:
                 continue
             seen = SeenWake(source, target, radius)
-            # Pairs that are alike share a spline.
+            # Pairs with the same geometry share a spline.
             same = [n for n, spline in enumerate(splines) if spline is seen.spline]
             if not same:
                 splines.append(seen.spline)
             kind[t, s] = same[0] if same else len(splines) - 1
             bearing[t, s] = seen.towards
-            apart = np.subtract(target.position, source.position)
-            beside = apart - (apart @ frames[s, 2]) * frames[s, 2]
+            arm = np.subtract(target.position, source.position)
+            beside = arm - (arm @ frames[s, 2]) * frames[s, 2]
             length = np.linalg.norm(beside)
             towards[t, s] = beside / (length if length > 1e-9 else 1.0)
     knots = splines[0].tck[:2]  # type: ignore[attr-defined]
@@ -493,7 +424,7 @@ def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
 
 
 def _axis(knots: Floats, breaks: Floats) -> SplineAxis:
-    """Of cubic splines with these ``knots``, the intervals between ``breaks``."""
+    """Expand cubic splines with these ``knots`` in powers, between ``breaks``."""
     from scipy.interpolate import BSpline
 
     inside = np.linspace(0.1, 0.9, 4)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import os
 import re
@@ -37,30 +36,22 @@ def check_folder(folder: Path) -> None:
     """Raise ``InputError`` where no files can be written to ``folder``, made if need be."""
     where = str(folder)
     try:
-        if not folder.exists():
-            parent = folder.parent
-            if not parent.is_dir():
-                raise InputError(
-                    f"there is no folder {str(parent)!r}", "make it or choose another", where
-                )
-            writable = os.access(parent, os.W_OK)
-        elif not folder.is_dir():
-            raise InputError("this is a file", "name a folder to write into", where)
-        else:
-            writable = os.access(folder, os.W_OK)
-    except InputError:
-        raise
+        exists, in_folder = folder.exists(), folder.parent.is_dir()
     except ValueError as error:
         raise InputError(f"not a path: {error}", "choose another name", where) from None
-    if not writable:
+    if exists and not folder.is_dir():
+        raise InputError("this is a file", "name a folder to write into", where)
+    if not exists and not in_folder:
+        found = f"there is no folder {str(folder.parent)!r}"
+        raise InputError(found, "make it or choose another", where)
+    if not os.access(folder if exists else folder.parent, os.W_OK):
         raise InputError("the folder cannot be written to", "choose another", where)
 
 
 def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
-    """Write files into a folder, which is made if need be; their paths.
+    """Write files into a folder, made if need be, complete before the first gets its name.
 
-    Without ``replace``, files that are there already raise ``InputError``.  All are complete
-    before the first gets its name.
+    Without ``replace``, files that are there already raise ``InputError``.
     """
     check_folder(folder)
     paths = [folder / name for name in files]
@@ -87,11 +78,11 @@ def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Text from the templates in ``templates/``: sources, notes, and the comments in them.
+# Text from the templates in ``templates/``: sources, and the comments in them.
 
 
 def rendered(template: str, table: LoadTable, **values: Any) -> str:
-    """Text of a template; ``values`` that are functions serve as filters.
+    """Return the text of a template; ``values`` that are functions serve as filters.
 
     Every template knows the table, the registry's ``loads``, the name ``p`` of the propeller and
     that name in capitals, ``P``, and the ``lines`` of the provenance.
@@ -106,60 +97,58 @@ def rendered(template: str, table: LoadTable, **values: Any) -> str:
         undefined=StrictUndefined,
         keep_trailing_newline=True,
     )
-    filters: dict[str, Callable[..., str]] = {
-        "c_comment": c_comment,
-        "hash_comment": hash_comment,
-        "xml_comment": xml_comment,
+    environment.filters |= {
+        "c_comment": _c_comment,
+        "hash_comment": _hash_comment,
+        "xml_comment": _xml_comment,
+        **{name: value for name, value in values.items() if callable(value)},
     }
-    environment.filters |= filters | {k: v for k, v in values.items() if callable(v)}
     name = identifier(table)
     common = {"table": table, "loads": LOADS, "p": name, "P": name.upper()}
     found = environment.get_template(f"{template}.j2")
     return found.render(**common, lines=provenance(table), **values)
 
 
-def c_comment(lines: Sequence[str]) -> str:
-    """Lines for the inside of a C comment."""
+def _c_comment(lines: Sequence[str]) -> str:
     return "\n".join(f" * {line.replace('*/', '* /')}".rstrip() for line in lines)
 
 
-def xml_comment(lines: Sequence[str]) -> str:
-    """Lines as an XML comment, inside which two hyphens must not occur."""
-    text = "\n".join(f"  {line}" for line in lines)
-    return f"<!--\n{re.sub('-(?=-)', '- ', text)}\n-->"
-
-
-def hash_comment(lines: Sequence[str]) -> str:
-    """Lines as a Python comment."""
+def _hash_comment(lines: Sequence[str]) -> str:
     return "\n".join(f"# {line}".rstrip() for line in lines)
 
 
+def _xml_comment(lines: Sequence[str]) -> str:
+    text = "\n".join(f"  {line}" for line in lines)
+    # Two hyphens must not occur inside.
+    return f"<!--\n{re.sub('-(?=-)', '- ', text)}\n-->"
+
+
 # -------------------------------------------------------------------------------------------------
-# Where an export comes from, as lines for notes and comments.
+# Names of files, and where an export comes from, as lines for notes and comments.
 
 ABSENT = "not stated"
 
 
 def identifier(table: LoadTable) -> str:
-    """The propeller's name as one that programs and file systems accept."""
+    """Return the propeller's name as one that programs and file systems accept."""
     name = re.sub(r"[^0-9a-z]+", "_", str(table.info["propeller"].get("name")).lower()).strip("_")
     return name if name[:1].isalpha() else f"prop_{name}".rstrip("_")
 
 
 def vehicle_identifier(vehicle: Vehicle) -> str:
-    """The name of a ``vehicle`` as one that file systems accept."""
+    """Return the name of a ``vehicle`` as one that file systems accept."""
     return re.sub(r"[^0-9a-z]+", "_", vehicle.name.lower()).strip("_") or "vehicle"
 
 
 def vehicle_name(vehicle: Vehicle, table: LoadTable) -> str:
-    """The same for programs, and another than that of the propeller of a ``table``."""
+    """Return the vehicle's name for programs, other than the propeller's of the ``table``."""
     name = vehicle_identifier(vehicle)
     name = name if name[0].isalpha() else f"vehicle_{name}"
     return f"{name}_vehicle" if name == identifier(table) else name
 
 
-def map_sha256(table: LoadTable) -> str:
-    """SHA-256 of the map's numbers: axes, envelope, coefficients and cells, little-endian."""
+def table_sha256(table: LoadTable) -> str:
+    """Hash the table's numbers: axes, envelope, coefficients and cells, little-endian."""
     content = table.content
     axes = (content.advance, content.beta, content.omega, content.speed)
     digest = hashlib.sha256(np.concatenate(axes).astype("<f8").tobytes())
@@ -169,15 +158,24 @@ def map_sha256(table: LoadTable) -> str:
 
 
 def provenance(table: LoadTable) -> list[str]:
-    """Printable lines: where the map comes from, and what wrote the export."""
+    """Say in printable lines where the table comes from, and what wrote the export."""
     return [*origin(table), f"written by propmap {propmap.__version__}"]
 
 
 def origin(table: LoadTable) -> list[str]:
-    """Printable lines: propeller, section law, corrections, air, envelope, certificate, map."""
-    info, content = table.info, table.content
+    """Say in printable lines what the table was built from, how well, and which it is."""
+    info, content, found = table.info, table.content, table.certificate
     blade, section = info["propeller"], info.get("airfoil") or {}
     (w0, w1), (v0, v1), (b0, b1) = table.envelope.values()
+    certified = "not certified"
+    if found:
+        worst, loose = (max(found[key].values()) for key in ("max_error", "unresolved_max_error"))
+        certified = f"within {worst:.2%} of the model on {found['points']} points"
+        if found["unresolved_cells"]:
+            certified += (
+                f", and within {loose:.2%} on {found['unresolved_points']} points of the cells "
+                f"marked unresolved, {found['unresolved_volume']:.2%} of the envelope"
+            )
     lines = [
         f"propeller: {blade.get('name', ABSENT)}, {blade.get('blades', ABSENT)} blades, "
         f"R = {content.radius:.6g} m, from {blade.get('source') or ABSENT}",
@@ -187,137 +185,57 @@ def origin(table: LoadTable) -> list[str]:
         f"{info['air'].get('viscosity_Pa_s', ABSENT)} Pa s",
         f"envelope: {w0 / RPM:.6g} to {w1 / RPM:.6g} rpm, {v0:g} to {v1:g} m/s, "
         f"beta {b0 / DEGREE:.6g} to {b1 / DEGREE:.6g} deg",
-        f"map: {_certified(table)}",
-        *_of_parameters(table),
-        f"map built: {info.get('created', ABSENT)}, propmap {info.get('propmap_version', ABSENT)}",
-        f"map's SHA-256: {map_sha256(table)}",
+        f"table: {certified}",
+    ]
+    if known := info.get("parameter_uncertainty"):
+        each = (f"{LOADS[load].label} {share:.2%}" for load, share in known["median"].items())
+        lines.append(
+            f"section law known to one standard deviation of: {', '.join(each)} of static, in the "
+            "median over the envelope"
+        )
+    version = info.get("propmap_version", ABSENT)
+    lines += [
+        f"table built: {info.get('created', ABSENT)}, propmap {version}",
+        f"table's SHA-256: {table_sha256(table)}",
     ]
     clean = ("".join(c if c.isprintable() else "?" for c in line) for line in lines)
     return [part for line in clean for part in textwrap.wrap(line, 88, subsequent_indent="  ")]
 
 
-def _certified(table: LoadTable) -> str:
-    found = table.certificate
-    if not found:
-        return "not certified"
-    worst, loose = (max(found[key].values()) for key in ("max_error", "unresolved_max_error"))
-    told = f"within {worst:.2%} of the model on {found['points']} points"
-    if not found["unresolved_cells"]:
-        return told
-    return (
-        f"{told}, and within {loose:.2%} on {found['unresolved_points']} points of the cells "
-        f"marked unresolved, {found['unresolved_volume']:.2%} of the envelope"
-    )
-
-
-def _of_parameters(table: LoadTable) -> list[str]:
-    """What the section law's covariance means for the loads, if the map says it."""
-    found = table.info.get("parameter_uncertainty")
-    if not found:
-        return []
-    each = (f"{LOADS[load].label} {share:.2%}" for load, share in found["median"].items())
-    return [
-        f"section law known to one standard deviation of: {', '.join(each)} of static, in the "
-        "median over the envelope"
-    ]
-
-
-# -------------------------------------------------------------------------------------------------
-# Values as the Python text that makes them again, for exported modules.
-
-
-def literal(value: Any) -> str:
-    """The text of an expression that is ``value``: a dataclass, a tuple, an array, a number.
-
-    Classes stand by their names alone; fields that are as by default are left out.
-    """
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        parts = [
-            f"{field.name}={literal(getattr(value, field.name))}"
-            for field in dataclasses.fields(value)
-            if not _by_default(field, getattr(value, field.name))
-        ]
-        return f"{type(value).__name__}({', '.join(parts)})"
-    if isinstance(value, tuple):
-        return f"({''.join(f'{literal(each)}, ' for each in value).strip()})"
-    if isinstance(value, np.ndarray):
-        return repr(value.tolist())
-    return repr(value)
-
-
-def _by_default(field: Any, value: Any) -> bool:
-    if field.default_factory is not dataclasses.MISSING:
-        return bool(value == field.default_factory())
-    return field.default is not dataclasses.MISSING and bool(value == field.default)
-
-
 # -------------------------------------------------------------------------------------------------
 # The note that goes with an export: what the target can represent, and at what cost.
 
-SHARES = ", ".join(load.share for load in LOADS.values())
 
-
-def note(table: LoadTable, target: str, found: Sequence[Errors] = (), **values: Any) -> str:
-    """The text of a note.
-
-    Parameters
-    ----------
-    table : LoadTable
-        The map.
-    target : str
-        Names the template, ``README-<target>.txt.j2``.
-    found : sequence of Errors
-        What the target's model costs; none where nothing is simplified.
-    **values
-        For the template.
-    """
-    text = rendered(f"README-{target}.txt", table, simple=SIMPLE, **values)
-    parts = [f"propmap export: {target}", *map(_fill, text.strip().split("\n\n"))]
+def note(title: str, text: str, table: LoadTable, found: Sequence[ErrorSizes] = ()) -> str:
+    """Return a note: paragraphs of ``text``, errors where the target simplifies, provenance."""
+    shares = ", ".join(load.share for load in LOADS.values())
+    cost = "Nothing is simplified: the errors are those of the table."
     if found:
-        parts.append(_fill(f"Error against the map, at the same omega: {SHARES}."))
-        parts += [error_table(errors) for errors in found]
-    else:
-        parts.append("Nothing is simplified: the errors are those of the map.")
-    parts.append("\n".join(provenance(table)))
-    return "\n\n".join(parts) + "\n"
-
-
-def error_table(errors: Errors) -> str:
-    """Lines of plain text, a row per load."""
-    rows = [f"over {errors.where} ({errors.points} points)"]
-    rows.append(f"  {'':12s}{'rms':>10s}{'worst':>10s}")
-    for name, rms, worst in zip(LOADS, errors.rms.tolist(), errors.worst.tolist(), strict=True):
-        rows.append(f"  {name:12s}{rms:>10.2%}{worst:>10.2%}")
-    return "\n".join(rows)
-
-
-def _fill(paragraph: str) -> str:
-    return textwrap.fill(paragraph, 88, break_on_hyphens=False, break_long_words=False)
-
-
-# -------------------------------------------------------------------------------------------------
-# The note that goes with the export of a whole vehicle.
-
-
-def vehicle_note(vehicle: Vehicle, table: LoadTable, target: str, **values: Any) -> str:
-    """The text of a note.
-
-    Parameters
-    ----------
-    vehicle, table : Vehicle, LoadTable
-        What is exported.
-    target : str
-        Names the template, ``README-vehicle-<target>.txt.j2``.
-    **values
-        For the template.
-    """
-    text = rendered(f"README-vehicle-{target}.txt", table, vehicle=vehicle, **values)
-    parts = [f"propmap export: {target}, {vehicle.name}"]
-    parts += [
-        textwrap.fill(part, 88, break_on_hyphens=False, break_long_words=False)
-        for part in text.strip().split("\n\n")
-    ]
+        cost = f"Error against the table, at the same omega: {shares}."
+    parts = [f"propmap export: {title}"]
+    for part in (*text.split("\n\n"), cost):
+        words = " ".join(part.split())
+        parts.append(textwrap.fill(words, 88, break_on_hyphens=False, break_long_words=False))
+    for errors in found:
+        rows = [f"over {errors.where} ({errors.points} points)"]
+        rows.append(f"  {'':12s}{'rms':>10s}{'worst':>10s}")
+        for name, rms, worst in zip(LOADS, errors.rms.tolist(), errors.worst.tolist(), strict=True):
+            rows.append(f"  {name:12s}{rms:>10.2%}{worst:>10.2%}")
+        parts.append("\n".join(rows))
     return "\n\n".join([*parts, "\n".join(provenance(table))]) + "\n"
+
+
+def wakes_sentence(vehicle: Vehicle) -> str:
+    """Say in a note whether the rotors of a ``vehicle`` act on each other."""
+    if vehicle.wakes is None:
+        return (
+            "The rotors do not act on each other: the vehicle file has no [wakes], or --no-wakes "
+            "was given."
+        )
+    return (
+        "The rotors are in each other's wakes, as [wakes] says. propmap export --no-wakes leaves "
+        "them out."
+    )
 
 
 # -------------------------------------------------------------------------------------------------
@@ -327,36 +245,24 @@ POINTS = 32_768
 
 CLIMB = (-0.05, 0.2)
 LARGEST_MU = 0.25
-"""The advance ratios, along the axis and in the disk plane, for which the simple models are
-meant: climb and slow descent.  In faster descent their errors triple."""
+"""Advance ratios, along the axis and in the disk plane, that the simple models are meant for:
+climb and slow descent.  In faster descent their errors triple."""
 
 SIMPLE = f"lambda_c from {CLIMB[0]:g} to {CLIMB[1]:g}, mu up to {LARGEST_MU:g}, no vortex ring"
 
 
 @dataclass(frozen=True)
 class Samples:
-    """A table's loads at n points that fill its envelope evenly; arrays (n,).
+    """A table's loads at n points that fill its envelope evenly; arrays (n,)."""
 
-    Attributes
-    ----------
-    omega, axial, inplane : ndarray
-        Rotational speed [rad/s], velocity along the axis and in the disk plane [m/s].
-    loads, static : mapping of str to ndarray
-        Every load [N], [N m], and what its errors are shares of, see ``loads.error_scales``.
-    climb, mu : ndarray
-        Advance ratios along the axis and in the disk plane [-].
-    ring : ndarray of bool
-        Where momentum theory does not hold.
-    """
-
-    omega: Floats
-    axial: Floats
-    inplane: Floats
-    loads: Mapping[str, Floats]
-    static: Mapping[str, Floats]
-    climb: Floats
-    mu: Floats
-    ring: NDArray[np.bool_]
+    omega: Floats  # [rad/s]
+    axial: Floats  # velocity along the axis [m/s]
+    inplane: Floats  # and in the disk plane [m/s]
+    loads: Mapping[str, Floats]  # each load [N], [N m]
+    static: Mapping[str, Floats]  # what its errors are shares of, see ``loads.error_scales``
+    climb: Floats  # advance ratios along the axis [-]
+    mu: Floats  # and in the disk plane [-]
+    ring: NDArray[np.bool_]  # whether momentum theory does not hold
 
     @property
     def simple(self) -> NDArray[np.bool_]:
@@ -366,74 +272,53 @@ class Samples:
 
 
 @dataclass(frozen=True)
-class Errors:
-    """Errors of a model as shares of static loads.
+class ErrorSizes:
+    """Errors of a model as shares of static loads, in the order of ``LOADS``."""
 
-    Attributes
-    ----------
-    where : str
-        The points' range, in words.
-    points : int
-        How many.
-    rms, worst : ndarray, shape (L,)
-        In the order of ``LOADS`` [-].
-    """
-
-    where: str
+    where: str  # the points' range, in words
     points: int
-    rms: Floats
-    worst: Floats
+    rms: Floats  # (L,)
+    worst: Floats  # (L,)
 
 
 def sample(table: LoadTable) -> Samples:
-    """Points of the envelope that have loads.
+    """Return loads at points of the envelope that have any.
 
-    Raises
-    ------
-    InputError
-        For a table without hover, which has no static loads, and for one without points for
-        simple models.
+    Raise ``InputError`` for a table without hover, which has no static loads, and for one without
+    points for simple models.
     """
     omega, speed, beta = evenly(table, POINTS)
     found = table.loads(omega, speed, beta)
     loads = {name: getattr(found, name) for name in LOADS}
     valid = np.isfinite(list(loads.values())).all(axis=0)
-    axial, inplane = speed * np.cos(beta), speed * np.sin(beta)
-    tip = omega * table.content.radius
-    static = static_loads(table, omega)
-    samples = Samples(
-        omega=omega[valid],
-        axial=axial[valid],
-        inplane=inplane[valid],
-        loads={name: values[valid] for name, values in loads.items()},
-        static={name: values[valid] for name, values in static.items()},
-        climb=(axial / tip)[valid],
-        mu=(inplane / tip)[valid],
-        ring=np.asarray(found.code == VORTEX_RING)[valid],
-    )
+    omega, speed, beta, code = (each[valid] for each in (omega, speed, beta, found.code))
+    axial, inplane, tip = speed * np.cos(beta), speed * np.sin(beta), omega * table.content.radius
+    loads = {name: values[valid] for name, values in loads.items()}
+    static, ring = static_loads(table, omega), np.asarray(code == VORTEX_RING)
+    samples = Samples(omega, axial, inplane, loads, static, axial / tip, inplane / tip, ring)
     if not samples.simple.any():
         raise InputError(
-            f"the map has no points with {SIMPLE}", "build it over an envelope with slow flight"
+            f"the table has no points with {SIMPLE}", "build it over an envelope with slow flight"
         )
     return samples
 
 
 def static_loads(table: LoadTable, omega: Floats) -> dict[str, Floats]:
-    """What errors are shares of at omega (n,), by load; see ``Samples``."""
+    """Return what errors are shares of at omega (n,), by load; see ``Samples``."""
     still = table.loads(omega, 0.0, table.envelope["beta"][0])
     static = {name: np.asarray(getattr(still, name)) for name in LOADS}
     if not np.isfinite(static["thrust"]).all():
         least = table.envelope["speed"][0]
         raise InputError(
-            f"the map has no loads at rest, its speed begins at {least:g} m/s",
-            "this target's model needs hover: build the map with --speed 0:...",
+            f"the table has no loads at rest, its speed begins at {least:g} m/s",
+            "this target's model needs hover: build the table with --speed 0:...",
         )
     return error_scales(static, table.content.radius)
 
 
 def slope(samples: Samples, load: str) -> float:
-    """A ``load`` over Omega times the in-plane speed, for simple models, by least squares of the
-    ``samples``' shares of static loads [N s^2/m], [N s^2]."""
+    """Fit a ``load`` over Omega times the in-plane speed, where simple models are meant, by least
+    squares of the ``samples``' shares of static loads [N s^2/m], [N s^2]."""
     chosen = samples.simple
     scale = samples.static[load][chosen]
     x = (samples.omega * samples.inplane)[chosen] / scale
@@ -441,35 +326,32 @@ def slope(samples: Samples, load: str) -> float:
 
 
 def middle_omega(table: LoadTable) -> float:
-    """Omega [rad/s] at which the Reynolds term is halfway between the envelope's ends."""
+    """Return the omega [rad/s] at which the Reynolds term is halfway between the ends."""
     return float(np.mean(table.content.omega**-0.5) ** -2.0)
 
 
-def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[Errors, Errors]:
-    """Errors of a model where simple models are meant, and over the envelope.
+def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[ErrorSizes, ErrorSizes]:
+    """Measure a model's loads (n,) where simple models are meant, and over the envelope.
 
-    A load (n,) that ``model`` lacks it takes to be zero.
+    Loads that ``model`` lacks count as zero.
     """
-    share = np.stack(
-        [
-            (model.get(name, 0.0) - load) / samples.static[name]
-            for name, load in samples.loads.items()
-        ],
-        axis=-1,
-    )
-    return _sizes(SIMPLE, share[samples.simple]), _sizes("the map's whole envelope", share)
+    shares = [
+        (model.get(name, 0.0) - load) / samples.static[name] for name, load in samples.loads.items()
+    ]
+    share = np.stack(shares, axis=-1)
 
+    def sizes(where: str, share: Floats) -> ErrorSizes:
+        return ErrorSizes(
+            where, len(share), np.sqrt((share**2).mean(axis=0)), abs(share).max(axis=0)
+        )
 
-def _sizes(where: str, share: Floats) -> Errors:
-    return Errors(where, len(share), np.sqrt((share**2).mean(axis=0)), abs(share).max(axis=0))
+    return sizes(SIMPLE, share[samples.simple]), sizes("the table's whole envelope", share)
 
 
 def evenly(table: LoadTable, count: int) -> tuple[Floats, Floats, Floats]:
-    """omega, speed and beta of points that fill a table's envelope evenly, (count,) each.
-
-    By the additive recurrence of the root of x^4 = x + 1; SciPy has better sequences, but a
-    table's user need not have SciPy.
-    """
+    """Return omega, speed and beta of points that fill a table's envelope evenly, (count,) each."""
+    # The additive recurrence of the root of x^4 = x + 1; SciPy has better sequences, but a table's
+    # user need not have SciPy.
     root = 1.2207440846057596
     steps = root ** -np.arange(1.0, 4.0)
     unit = (0.5 + np.arange(1, count + 1)[:, None] * steps) % 1.0

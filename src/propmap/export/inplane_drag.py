@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.model.airfoil import SectionCovariance
 from propmap.model.corrections import MOUNT_DRAG
-from propmap.operating_points import FlowPoints, split_velocity
+from propmap.operating_points import split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY
@@ -29,9 +28,7 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # The specific force along a body axis in level flight along it: what drag models are fitted to.
 
-AXES = {"x": "forward", "y": "sideways"}
-"""Body axes, and how the vehicle flies along them."""
-
+AXES = {"x": "forward", "y": "sideways"}  # body axes, and how the vehicle flies along them
 AT_REST = 0.1
 """Specific force along x or y at rest [m/s^2] up to which the thrust counts as along z; so much
 is read as some 0.5 m/s of wind."""
@@ -39,67 +36,42 @@ is read as some 0.5 m/s of wind."""
 
 @dataclass(frozen=True, eq=False)
 class InplaneForces:
-    """Level flights along a body axis at n speeds.
+    """Level flights along a body axis at n speeds; arrays (n,)."""
 
-    Attributes
-    ----------
-    axis : str
-        Of ``AXES``.
-    speed, pitch : ndarray, shape (n,)
-        Through the air [m/s]; lean into the flight [rad].
-    along, through : ndarray, shape (n,)
-        Component of the velocity along the axis, and its size [m/s].
-    force : ndarray, shape (n,)
-        Specific force against the motion, as an accelerometer reads it along the axis [m/s^2].
-    errors : ndarray, shape (E, n)
-        What each of E independent causes, at one standard deviation, adds to it [m/s^2].
-    arm : ndarray, shape (n,)
-        Torque over thrust, of all rotors together [m].
-    hover_arm, hover_speed : float
-        The same at rest, and the mean speed of the rotors then [rad/s].
-    lost : tuple of (float, str)
-        Speeds [m/s] that were asked for and are not flown, and why not.
-    """
-
-    axis: str
-    speed: Floats
-    pitch: Floats
-    along: Floats
-    through: Floats
-    force: Floats
-    errors: Floats
-    arm: Floats
-    hover_arm: float
-    hover_speed: float
-    lost: tuple[tuple[float, str], ...]
+    axis: str  # of ``AXES``
+    speed: Floats  # through the air [m/s]
+    pitch: Floats  # lean into the flight [rad]
+    along: Floats  # component of the velocity along the axis [m/s]
+    through: Floats  # size of the velocity [m/s]
+    force: Floats  # specific force against the motion, as an accelerometer reads it [m/s^2]
+    errors: Floats  # what each of E independent causes adds at one deviation (E, n) [m/s^2]
+    arm: Floats  # torque over thrust, of all rotors together [m]
+    hover_arm: float  # and at rest [m]
+    hover_speed: float  # mean speed of the rotors at rest [rad/s]
+    lost: tuple[tuple[float, str], ...]  # speeds [m/s] that are not flown, and why not
 
 
 def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForces:
-    """Trim an aircraft in level flight along a body axis.
+    """Trim an aircraft in level flight along a body axis at ``speeds`` (n,) above 0 [m/s].
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        What flies.
-    axis : str
-        Of ``AXES``; along y to the left, for which the right is alike where the vehicle is.
-    speeds : ndarray, shape (n,)
-        Above 0 [m/s].
-
-    Raises
-    ------
-    InputError
-        Where it cannot hover, where its thrust is not along z at rest, and where fewer than two
-        of the speeds are flown.
+    Along y it flies to the left; a symmetric one flies to the right the same way.  Raise
+    ``InputError`` where it cannot hover, where its thrust is not along z at rest, and where fewer
+    than two of the speeds are flown.
     """
     turned = aircraft if axis == "x" else _turned(aircraft)
     states = turned.steady(np.concatenate([[0.0], speeds]), margin=False)
     if not states.found[0]:
         raise InputError(
             f"the vehicle does not hover: {STATUSES[str(states.status[0])]}",
-            "check mass, propeller and motor, or the map",
+            "check mass, propeller and motor, or the table",
         )
-    _check_moments(turned, states.moment[0])
+    vehicle, moment = turned.vehicle, states.moment[0]
+    if np.abs(moment).max() > 1e-3 * vehicle.mass * GRAVITY * vehicle.propeller.radius:
+        left = ", ".join(f"{m:.2g}" for m in moment)
+        raise InputError(
+            f"the rotors cannot hover without a moment (about x, y, z: {left} N m)",
+            "check position and spin of each rotor",
+        )
     size = len(states)
     up = in_vehicle_frame(np.zeros(size), np.zeros(size), np.ones(size), states.pitch, states.roll)
     specific = -GRAVITY * up[:, 0]
@@ -135,7 +107,7 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
 
 
 def _turned(aircraft: Aircraft) -> Aircraft:
-    """This aircraft with its left where the nose was."""
+    """Turn an aircraft so that its left is where the nose was."""
     vehicle = aircraft.vehicle
     x, y, z = vehicle.body.drag_area
     body = Body((y, x, z), download_area=vehicle.body.download_area[::-1])
@@ -153,18 +125,8 @@ def _turned(aircraft: Aircraft) -> Aircraft:
     return Aircraft(other, aircraft.loads, maximum_rotor_speed=largest, charge=charge)
 
 
-def _check_moments(aircraft: Aircraft, moment: Floats) -> None:
-    vehicle = aircraft.vehicle
-    if np.abs(moment).max() > 1e-3 * vehicle.mass * GRAVITY * vehicle.propeller.radius:
-        told = ", ".join(f"{m:.2g}" for m in moment)
-        raise InputError(
-            f"the rotors cannot hover without a moment (about x, y, z: {told} N m)",
-            "check position and spin of each rotor",
-        )
-
-
 def _errors(aircraft: Aircraft, velocity: Floats, omega: Floats) -> Floats:
-    """Errors (E, n) of the specific force against the motion along x, the weight carried as before.
+    """Find the errors (E, n) of the specific force against the motion along x.
 
     A cause that changes the thrust changes the speed of all rotors so that they carry as much as
     before; the attitude and the flow are those of the flight without it.
@@ -207,7 +169,7 @@ def check_vehicle(vehicle: Vehicle) -> None:
     if vehicle.wakes is not None:
         raise InputError(
             "[wakes] is given, and the models of autopilots know no wakes of rotors on each other",
-            "leave them out with --no-wakes, or remove the table",
+            "leave them out with --no-wakes, or remove [wakes]",
         )
     for k, mount in enumerate(vehicle.mounts, start=1):
         if mount.axis[2] < 0.5:
@@ -216,18 +178,18 @@ def check_vehicle(vehicle: Vehicle) -> None:
                 "the drag models of autopilots take all thrust to be along z",
             )
         for j, other in enumerate(vehicle.mounts[: k - 1], start=1):
-            apart = np.subtract(mount.position, other.position)
-            beside = float(np.hypot(apart[0], apart[1]))
+            arm = np.subtract(mount.position, other.position)
+            beside = float(np.hypot(arm[0], arm[1]))
             if beside < vehicle.propeller.radius:
                 raise InputError(
                     f"rotors {j} and {k} are above each other ({beside:g} m apart), and what "
                     "one's wake does to the other is not in the loads",
-                    "describe each pair as one rotor with a map of its own",
+                    "describe each pair as one rotor with a table of its own",
                 )
 
 
 def missing_drag(aircraft: Aircraft) -> list[str]:
-    """What of an ``aircraft``'s drag is left out, a sentence without its full stop each."""
+    """Say what an ``aircraft`` lacks of its drag, in sentences without their full stops."""
     vehicle, loads = aircraft.vehicle, aircraft.loads
     found = []
     if not any(vehicle.body.drag_area[:2]):
@@ -254,35 +216,7 @@ def missing_drag(aircraft: Aircraft) -> list[str]:
 # velocity along the axis, q a square of the velocity, m the same for both axes, and 1/b the
 # ballistic coefficient of the axis.
 
-CLOSE = 0.1
-"""Share of the force up to which the simplification is said to hold."""
-
-
-@dataclass(frozen=True, eq=False)
-class DragFit:
-    """The constants with their errors, and what they leave.
-
-    Attributes
-    ----------
-    momentum : float
-        m, in the air of the vehicle [1/s].
-    inverse : tuple of 2 float
-        b along x and y [m^2/kg]; 0 where there is too little for the filter.
-    errors : ndarray, shape (E, 3)
-        What each of E independent causes, at one standard deviation, adds to m and to b.
-    """
-
-    momentum: float
-    inverse: tuple[float, float]
-    errors: Floats
-
-    @property
-    def std(self) -> tuple[float, float, float] | None:
-        """Standard deviations of m and b; None where nothing is known of the errors."""
-        if not self.errors.size:
-            return None
-        m, x, y = np.sqrt(np.sum(self.errors**2, axis=0)).tolist()
-        return m, x, y
+CLOSE = 0.1  # share of the force up to which the simplification is said to hold
 
 
 def fit_drag(
@@ -290,19 +224,11 @@ def fit_drag(
     square: Callable[[InplaneForces], Floats],
     density: float,
     least: float,
-) -> DragFit:
-    """Least squares over all flights, none of the constants below zero.
+) -> tuple[Floats, Floats]:
+    """Fit m [1/s], b along x and b along y [m^2/kg] to all flights, none below zero.
 
-    Parameters
-    ----------
-    flights : tuple of 2 InplaneForces
-        Along x and y.
-    square : callable
-        Gives q of n flights [m^2/s^2].
-    density : float
-        Of the air [kg/m^3].
-    least : float
-        b below which the filter has none [m^2/kg].
+    The ``square`` of n flights is q [m^2/s^2]; below ``least`` the filter has no b, and it is 0.
+    Return the constants (3,) and what each of E independent causes adds to them (E, 3).
     """
     from scipy.optimize import nnls
 
@@ -322,37 +248,20 @@ def fit_drag(
         if not small.any():
             break
         kept &= ~small
-    momentum, *inverse = found.tolist()
-    return DragFit(momentum, (inverse[0], inverse[1]), _constants_errors(matrix, kept, changes))
-
-
-def _constants_errors(matrix: Floats, kept: NDArray[np.bool_], changes: Floats) -> Floats:
-    """What changes (E, n) of the forces change in the constants (E, 3)."""
-    found = np.zeros((changes.shape[0], 3))
-    found[:, kept] = changes @ np.linalg.pinv(matrix[:, kept]).T
-    return found
+    errors = np.zeros((changes.shape[0], 3))
+    errors[:, kept] = changes @ np.linalg.pinv(matrix[:, kept]).T
+    return found, errors
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
-    """The force along an axis by the full model and by the filter's equation.
-
-    Attributes
-    ----------
-    flight : InplaneForces
-        n flights.
-    full, filtered, std : ndarray, shape (n,)
-        By the model, by the filter with the constants as they are written, and the standard
-        deviation of the first [N]; NaN where it is not known.
-    wind : ndarray, shape (n,)
-        The error of the wind that the filter makes of the difference [m/s].
-    """
+class DragComparison:
+    """The force along an axis in n flights, by the full model and by the filter's equation."""
 
     flight: InplaneForces
-    full: Floats
-    filtered: Floats
-    std: Floats
-    wind: Floats
+    full: Floats  # by the model (n,) [N]
+    filtered: Floats  # by the filter with the constants as they are written (n,) [N]
+    std: Floats  # standard deviation of the first (n,) [N]; NaN where it is not known
+    wind: Floats  # the error of the wind that the filter makes of the difference (n,) [m/s]
 
     @property
     def share(self) -> Floats:
@@ -374,132 +283,86 @@ class Comparison:
         return best
 
 
-def compare(flight: InplaneForces, mass: float, predicted: Floats, slope: Floats) -> Comparison:
-    """A flight beside what a filter makes of it.
-
-    Parameters
-    ----------
-    flight : InplaneForces
-        n flights.
-    mass : float
-        Of the vehicle [kg].
-    predicted, slope : ndarray, shape (n,)
-        Specific force of the filter against the motion [m/s^2], and its derivative by the
-        component of the velocity along the axis [1/s].
-    """
-    spread = np.sqrt(np.sum(flight.errors**2, axis=0))
-    known = flight.errors.size > 0
-    return Comparison(
-        flight=flight,
-        full=mass * flight.force,
-        filtered=mass * predicted,
-        std=mass * spread if known else np.full_like(spread, np.nan),
-        wind=(predicted - flight.force) / slope,
-    )
-
-
 # -------------------------------------------------------------------------------------------------
 # Loads of a rotor with their independent errors, for what is computed from several of them.
 
-USED = ("thrust", "drag", "torque")
-"""Loads that are looked at, in this order."""
-
+USED = ("thrust", "drag", "torque")  # loads that are looked at, in this order
 FASTER = 0.02
 """Share by which a rotor speed is changed up and down in a difference quotient: large beside what
 loads jump by where their nodes change with the speed."""
 
 
-class LoadErrors(NamedTuple):
-    """Loads at N operating points, in the order of ``USED`` [N], [N], [N m].
+class UncertainLoads(NamedTuple):
+    """Loads at N operating points, in the order of ``USED`` [N], [N], [N m]."""
 
-    Attributes
-    ----------
-    loads : ndarray, shape (3, N)
-        Of a rotor.
-    by_speed : ndarray, shape (3, N)
-        Their derivatives by the logarithm of the rotor speed.
-    errors : ndarray, shape (E, 3, N)
-        What each of E independent causes, at one standard deviation, adds to them; no causes
-        where nothing is known of the errors.
-    """
-
-    loads: Floats
-    by_speed: Floats
-    errors: Floats
+    loads: Floats  # of a rotor (3, N)
+    by_speed: Floats  # their derivatives by the logarithm of the rotor speed (3, N)
+    errors: Floats  # what each of E independent causes adds at one deviation (E, 3, N)
 
 
 def rotor_sources(
     vehicle: Vehicle, loads: Rotor | LoadTable
 ) -> list[tuple[Rotor | LoadTable, NDArray[np.intp]]]:
-    """What gives the loads of which rotors of a ``vehicle``, whose ``loads`` are these."""
+    """List what gives loads, and of which rotors of a ``vehicle`` whose ``loads`` are these."""
     if not isinstance(loads, Rotor):
         return [(loads, np.arange(len(vehicle.mounts)))]
     return [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, loads.model)]
 
 
-def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> LoadErrors:
-    """Loads at N operating points with their independent errors.
+def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> UncertainLoads:
+    """Return loads with their independent errors at omega (N,) [rad/s] and velocity (N, 3) [m/s].
 
-    Parameters
-    ----------
-    source : Rotor or LoadTable
-        Of the loads.  Of a table's errors it is not known which loads they have in common: each
-        load has its own.
-    omega : ndarray, shape (N,)
-        [rad/s].
-    velocity : ndarray, shape (N, 3)
-        In the rotor frame, z along the thrust [m/s].
+    The velocity is in the rotor frame, z along the thrust.  Of a table's errors it is not known
+    which loads they have in common: each load has its own.
     """
+    # Points that differ: half the rotors see what the others see.
     once, where = np.unique(
         np.column_stack([omega, velocity]).round(9), axis=0, return_inverse=True
     )
-    found = _once(source, once[:, 0], once[:, 1:])
-    return LoadErrors(*(array[..., where.ravel()] for array in found))
-
-
-def _once(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> LoadErrors:
-    """``load_errors`` at points that differ: half the rotors see what the others see."""
+    omega, velocity, where = once[:, 0], once[:, 1:], where.ravel()
     here, slower, faster = (
         _stacked(source.loads_at_velocity(omega * factor, velocity))
         for factor in (1.0, 1.0 - FASTER, 1.0 + FASTER)
     )
     by_speed = (faster - slower) / (2.0 * FASTER)
-    found = (
-        _of_rotor(source, omega, velocity)
-        if isinstance(source, Rotor)
-        else _of_table(source, omega, velocity)
+    errors = (_rotor_errors if isinstance(source, Rotor) else _table_errors)(
+        source,  # type: ignore[arg-type]
+        omega,
+        velocity,
     )
-    return LoadErrors(here, by_speed, found)
+    return UncertainLoads(here[:, where], by_speed[:, where], errors[..., where])
 
 
-def _of_rotor(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
+def _rotor_errors(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
+    """Find the errors (E, 3, N) by the constants, along the principal axes of their covariance, and
+    by each further source that the model states."""
     known = rotor.model.uncertainty
     if known is None:
         return np.zeros((0, len(USED), omega.size))
-    at, _ = split_velocity(omega, velocity)
-    parts = rotor.loads_at_velocity(omega, velocity).std_by_source
-    each = [_apart(_stacked(parts[name])) for name in ("discrepancy", "tunnel") if name in parts]
-    return np.concatenate([_of_constants(rotor, known.covariance, at), *each])
+    by_source = rotor.loads_at_velocity(omega, velocity).std_by_source
+    others = [
+        _one_cause_each(_stacked(by_source[name]))
+        for name in ("discrepancy", "tunnel")
+        if name in by_source
+    ]
+    determined = known.covariance.determined
+    by_constants = np.zeros((0, len(USED), omega.size))
+    if determined.names:
+        at, _ = split_velocity(omega, velocity)
+        slopes = rotor.gradients_at(determined.names, at).slopes
+        size, axes = np.linalg.eigh(determined.matrix)
+        root = axes * np.sqrt(np.maximum(size, 0.0))
+        rows = [list(LOADS).index(name) for name in USED]
+        by_constants = np.einsum("lpn,pq->qln", slopes[rows], root)
+    return np.concatenate([by_constants, *others])
 
 
-def _of_constants(rotor: Rotor, covariance: SectionCovariance, at: FlowPoints) -> Floats:
-    """Along the principal axes of the covariance of the constants (P, 3, N)."""
-    determined = covariance.determined
-    names = determined.names
-    if not names:
-        return np.zeros((0, len(USED), at.omega.size))
-    slopes = rotor.gradients_at(names, at).slopes
-    size, axes = np.linalg.eigh(determined.matrix)
-    root = axes * np.sqrt(np.maximum(size, 0.0))
-    rows = [list(LOADS).index(name) for name in USED]
-    return np.einsum("lpn,pq->qln", slopes[rows], root)
-
-
-def _of_table(table: LoadTable, omega: Floats, velocity: Floats) -> Floats:
+def _table_errors(table: LoadTable, omega: Floats, velocity: Floats) -> Floats:
+    """Find the errors (3, 3, N) by a table's standard deviations; (0, 3, N) where it has none."""
     speed = np.linalg.norm(velocity, axis=-1)
     beta = np.arctan2(np.hypot(velocity[:, 0], velocity[:, 1]), velocity[:, 2])
     try:
-        return _apart(_stacked(table.std(omega, speed, beta)))
+        return _one_cause_each(_stacked(table.std(omega, speed, beta)))
     except InputError:
         return np.zeros((0, len(USED), omega.size))
 
@@ -508,6 +371,6 @@ def _stacked(loads: object) -> Floats:
     return np.stack([np.asarray(getattr(loads, name)) for name in USED])
 
 
-def _apart(deviations: Floats) -> Floats:
-    """Deviations (3, N) as those of one cause for each load (3, 3, N)."""
+def _one_cause_each(deviations: Floats) -> Floats:
+    """Turn deviations (3, N) into those of one cause for each load (3, 3, N)."""
     return np.eye(len(USED))[:, :, None] * deviations

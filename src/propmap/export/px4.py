@@ -8,19 +8,19 @@ import numpy as np
 
 from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
-from propmap.export.parameter_set import (
+from propmap.export.autopilot import (
     AutopilotParameters,
     DragFilter,
     Explained,
     Flights,
-    LeftOut,
+    NotWritten,
     ParameterSet,
     comment_lines,
     common_remarks,
 )
 from propmap.export.static_loads import (
+    SignalCurve,
     StaticLoads,
-    ThrustCurve,
     curve_factor,
     known_curve,
     static_loads,
@@ -46,12 +46,8 @@ FILTER = DragFilter(
     between=", and in flight between x and y the two are joined by an ellipse",
 )
 
-SIGNALS = np.linspace(0.0, 1.0, 101)
-"""At which the thrust curve is fitted."""
-
-INT, REAL = 6, 9
-"""MAV_PARAM_TYPE_INT32 and MAV_PARAM_TYPE_REAL32."""
-
+SIGNALS = np.linspace(0.0, 1.0, 101)  # signals at which the thrust curve is fitted
+INT, REAL = 6, 9  # MAV_PARAM_TYPE_INT32 and MAV_PARAM_TYPE_REAL32
 REMARKS = [
     "The filter uses these coefficients once EKF2_DRAG_CTRL is 1, which is not written here: "
     "fly first, and compare the innovations of the specific force.",
@@ -61,7 +57,7 @@ REMARKS = [
 
 
 def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
-    """What PX4 takes of an aircraft flown along x and y."""
+    """Find what PX4 takes of an aircraft flown along x and y."""
     vehicle = aircraft.vehicle
     places = geometry(vehicle)
     drag, comparisons = FILTER.parameters(flights, vehicle)
@@ -70,29 +66,29 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
     curve, why = known_curve(aircraft)
     if curve is None:
         regulated = "A speed controller that regulates the rotor speed, in proportion to the signal"
-        left_out.append(LeftOut("THR_MDL_FAC", f"{why}. {regulated}, would have 1"))
+        left_out.append(NotWritten("THR_MDL_FAC", f"{why}. {regulated}, would have 1"))
         left_out.append(
-            LeftOut("CA_ROTORn_CT", f"{why}, hence no thrust at the full signal. {NORMALISED}")
+            NotWritten("CA_ROTORn_CT", f"{why}, hence no thrust at the full signal. {NORMALISED}")
         )
     else:
         if curve.full_thrust <= LARGEST_THRUST:
             real.append(thrust_coefficient(vehicle, still, curve))
         else:
             above = f"{curve.full_thrust:.0f} N is above the {LARGEST_THRUST:g} that it takes"
-            left_out.append(LeftOut("CA_ROTORn_CT", f"{above}. {NORMALISED}"))
+            left_out.append(NotWritten("CA_ROTORn_CT", f"{above}. {NORMALISED}"))
         real.append(_curve_factor(aircraft, still, curve))
     sets = [ParameterSet("px4.params", "wind estimation and control allocation", real)]
     simulated, why = simulator(vehicle, flights, still, curve)
     if simulated:
         sets.append(ParameterSet("px4_sih.params", "simulation in hardware (SIH)", simulated))
     else:
-        left_out.append(LeftOut("SIH_T_MAX, SIH_Q_MAX, SIH_KDV and the like", why))
+        left_out.append(NotWritten("SIH_T_MAX, SIH_Q_MAX, SIH_KDV and the like", why))
     remarks = [*common_remarks(aircraft), *REMARKS, _gazebo(flights, still)]
-    return AutopilotParameters("PX4", sets, left_out, comparisons, remarks)
+    return AutopilotParameters("PX4", sets, left_out, comparisons, remarks, file_text)
 
 
 def file_text(part: ParameterSet, vehicle: Vehicle) -> str:
-    """A parameter file as QGroundControl saves and loads it: columns between tabs, # comments."""
+    """Write a file as QGroundControl saves and loads it: columns between tabs, # comments."""
     head = [*comment_lines(part, vehicle, "px4"), "", "Vehicle-Id Component-Id Name Value Type"]
     lines = [f"# {line}".rstrip() for line in head]
     for name, value in part.values.items():
@@ -101,7 +97,7 @@ def file_text(part: ParameterSet, vehicle: Vehicle) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _curve_factor(aircraft: Aircraft, still: StaticLoads, curve: ThrustCurve) -> Explained:
+def _curve_factor(aircraft: Aircraft, still: StaticLoads, curve: SignalCurve) -> Explained:
     found = curve_factor(aircraft, curve, still, _shares, (0.0, 1.0))
     return Explained(
         title="THR_MDL_FAC",
@@ -132,35 +128,27 @@ def _gazebo(flights: Flights, still: StaticLoads) -> str:
         "Gazebo's multicopter motor model takes thrust = motorConstant omega^2 and torque = "
         f"momentConstant thrust: in hover, at {speed:.0f} rad/s, {still.thrust / speed**2:.4g} "
         f"N s^2 and {still.torque / still.thrust:.4g} m. With drag and rolling moment of a rotor "
-        "they are what `propmap export MAP --to gazebo` writes from a map of the propeller."
+        "they are what `propmap export TABLE --to gazebo` writes from a table of the propeller."
     )
 
 
 # -------------------------------------------------------------------------------------------------
 # Parameters of PX4's control allocation: where the rotors are, and what they make.
 
-MOST_ROTORS, LARGEST_THRUST = 12, 100.0
-"""That control allocation takes: rotors, and CA_ROTORn_CT [N]."""
-
+MOST_ROTORS, LARGEST_THRUST = 12, 100.0  # limits of control allocation: rotors, CA_ROTORn_CT [N]
 ALLOCATOR = "PX4-Autopilot src/modules/control_allocator"
 ROTORS = f"{ALLOCATOR}/VehicleActuatorEffectiveness/ActuatorEffectivenessRotors.cpp"
 NORMALISED = "Control allocation is normalised: what all rotors have in common plays no part"
 
 
 def in_frd(vector: Vector) -> Vector:
-    """A ``vector`` with x forward, y left, z up as one with y right, z down."""
+    """Turn a ``vector`` with x forward, y left, z up into one with y right, z down."""
     x, y, z = vector
     return x, 0.0 - y, 0.0 - z
 
 
 def geometry(vehicle: Vehicle) -> list[Explained]:
-    """Number, places and axes of the rotors of a ``vehicle``.
-
-    Raises
-    ------
-    InputError
-        For more rotors than PX4 takes.
-    """
+    """Write number, places and axes of the rotors; ``InputError`` for more than PX4 takes."""
     count = len(vehicle.mounts)
     if count > MOST_ROTORS:
         raise InputError(
@@ -175,34 +163,17 @@ def geometry(vehicle: Vehicle) -> list[Explained]:
             places[f"CA_ROTOR{k}_P{letter}"] = float(place)
             axes[f"CA_ROTOR{k}_A{letter}"] = float(axis)
     exact = "Exact: it is the vehicle file's."
-    told = "Position of the hub from the centre of mass, x forward, y right, z down."
+    hub = "Position of the hub from the centre of mass, x forward, y right, z down."
+    thrust = "Direction of the thrust, in the same frame."
     return [
         Explained("CA_ROTOR_COUNT", {"CA_ROTOR_COUNT": count}, "-", None, "Rotors.", ROTORS, exact),
-        Explained("CA_ROTORn_PX, _PY, _PZ", places, "m", None, told, ROTORS, exact),
-        Explained(
-            "CA_ROTORn_AX, _AY, _AZ",
-            axes,
-            "-",
-            None,
-            "Direction of the thrust, in the same frame.",
-            ROTORS,
-            exact,
-        ),
+        Explained("CA_ROTORn_PX, _PY, _PZ", places, "m", None, hub, ROTORS, exact),
+        Explained("CA_ROTORn_AX, _AY, _AZ", axes, "-", None, thrust, ROTORS, exact),
     ]
 
 
 def moment_ratio(vehicle: Vehicle, still: StaticLoads, flights: Flights) -> Explained:
-    """Torque over thrust.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Whose rotors they are.
-    still : StaticLoads
-        In hover.
-    flights : tuple of 2 InplaneForces
-        Level flights along x and y.
-    """
+    """Write torque over thrust in hover, where loads are ``still``."""
     arm = flights[0].hover_arm
     arms = np.concatenate([flight.arm for flight in flights]) / arm
     return Explained(
@@ -225,18 +196,8 @@ def moment_ratio(vehicle: Vehicle, still: StaticLoads, flights: Flights) -> Expl
     )
 
 
-def thrust_coefficient(vehicle: Vehicle, still: StaticLoads, curve: ThrustCurve) -> Explained:
-    """Thrust at the full signal.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Whose rotors they are.
-    still : StaticLoads
-        In hover.
-    curve : ThrustCurve
-        Thrust by the signal, at most ``LARGEST_THRUST``.
-    """
+def thrust_coefficient(vehicle: Vehicle, still: StaticLoads, curve: SignalCurve) -> Explained:
+    """Write the thrust at the full signal, at most ``LARGEST_THRUST``."""
     share = still.std_of(1.0 / still.thrust, 0.0)
     return Explained(
         title="CA_ROTORn_CT",
@@ -265,21 +226,10 @@ SIH_QUAD = ((1, 1, "ccw"), (-1, -1, "ccw"), (1, -1, "cw"), (-1, 1, "cw"))
 
 
 def simulator(
-    vehicle: Vehicle, flights: Flights, still: StaticLoads, curve: ThrustCurve | None
+    vehicle: Vehicle, flights: Flights, still: StaticLoads, curve: SignalCurve | None
 ) -> tuple[list[Explained], str]:
-    """Parameters of the simulator in hardware, or why there are none.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        What is simulated.
-    flights : tuple of 2 InplaneForces
-        Its level flights along x and y.
-    still : StaticLoads
-        Of its rotors.
-    curve : ThrustCurve or None
-        Their thrust by the signal.
-    """
+    """Write parameters of the simulator in hardware for level ``flights`` along x and y, or say why
+    there are none."""
     if curve is None:
         return [], "they need the thrust at the full signal, see THR_MDL_FAC"
     places = [in_frd(mount.position) for mount in vehicle.mounts]
@@ -288,8 +238,8 @@ def simulator(
         (int(np.sign(place[0])), int(np.sign(place[1])), mount.spin)
         for place, mount in zip(places, vehicle.mounts, strict=True)
     )
-    alike = np.ptp(arms, axis=0) <= 0.01 * arms.max()
-    if pattern != SIH_QUAD or not alike.all():
+    equal = np.ptp(arms, axis=0) <= 0.01 * arms.max()
+    if pattern != SIH_QUAD or not equal.all():
         return [], (
             "the simulator flies a quadrotor in X with equal arms, rotors 1 to 4 front right, back "
             "left, front left, back right, the first two counter-clockwise; this vehicle is another"
@@ -305,62 +255,24 @@ def simulator(
     whole = still.std_of(0.0, 1.0 / still.torque)
     linear = "The simulator's thrust and torque are linear in the signal, hence THR_MDL_FAC is 0."
     full = curve.full_signal(vehicle.powertrain.motor)
-    return [
-        Explained(
-            "SIH_VEHICLE_TYPE", {"SIH_VEHICLE_TYPE": 0}, "-", None, "0, a quadrotor.", SIH, "Exact."
-        ),
-        Explained(
-            "SIH_MASS",
-            {"SIH_MASS": float(vehicle.mass)},
-            "kg",
-            None,
-            "Take-off mass.",
-            SIH,
-            "Exact: it is the vehicle file's. Moments of inertia are not written: set SIH_IXX etc.",
-        ),
-        Explained(
-            "SIH_T_MAX",
-            {"SIH_T_MAX": round(curve.full_thrust, 4)},
-            "N",
-            None if share is None else share * curve.full_thrust,
-            f"Thrust of a rotor = SIH_T_MAX u. {linear}",
-            SIH,
-            full,
-        ),
-        Explained(
-            "SIH_Q_MAX",
-            {"SIH_Q_MAX": round(curve.full_torque, 6)},
-            "N m",
-            None if whole is None else whole * curve.full_torque,
-            "Torque of a rotor = SIH_Q_MAX u.",
-            SIH,
-            full,
-        ),
-        Explained(
-            "SIH_L_ROLL, SIH_L_PITCH",
-            {"SIH_L_ROLL": float(arms[:, 1].mean()), "SIH_L_PITCH": float(arms[:, 0].mean())},
-            "m",
-            None,
-            "Distances of the rotors from the planes of symmetry.",
-            SIH,
-            "Exact.",
-        ),
-        Explained(
-            "SIH_KDV",
-            {"SIH_KDV": round(drag, 5)},
-            "N s/m",
-            spread,
-            "Force on the vehicle = -SIH_KDV V, in all directions.",
-            SIH,
-            f"Fitted to what the lean in the level flights below takes: within {worst:.2g} N.",
-        ),
-        Explained(
-            "THR_MDL_FAC",
-            {"THR_MDL_FAC": 0.0},
-            "-",
-            None,
-            linear,
-            SIH,
-            "Of the simulator alone: the real vehicle has another.",
-        ),
-    ], ""
+    mass = "Exact: it is the vehicle file's. Moments of inertia are not written: set SIH_IXX etc."
+    fitted = f"Fitted to what the lean in the level flights below takes: within {worst:.2g} N."
+    thrust, torque = round(curve.full_thrust, 4), round(curve.full_torque, 6)
+    arm = {"SIH_L_ROLL": float(arms[:, 1].mean()), "SIH_L_PITCH": float(arms[:, 0].mean())}
+    rows: list[tuple[str, dict[str, float], str, float | None, str, str]] = [
+        ("SIH_VEHICLE_TYPE", {"SIH_VEHICLE_TYPE": 0}, "-", None, "0, a quadrotor.", "Exact."),
+        ("SIH_MASS", {"SIH_MASS": float(vehicle.mass)}, "kg", None, "Take-off mass.", mass),
+        ("SIH_T_MAX", {"SIH_T_MAX": thrust}, "N",
+         None if share is None else share * curve.full_thrust,
+         f"Thrust of a rotor = SIH_T_MAX u. {linear}", full),
+        ("SIH_Q_MAX", {"SIH_Q_MAX": torque}, "N m",
+         None if whole is None else whole * curve.full_torque,
+         "Torque of a rotor = SIH_Q_MAX u.", full),
+        ("SIH_L_ROLL, SIH_L_PITCH", arm, "m", None,
+         "Distances of the rotors from the planes of symmetry.", "Exact."),
+        ("SIH_KDV", {"SIH_KDV": round(drag, 5)}, "N s/m", spread,
+         "Force on the vehicle = -SIH_KDV V, in all directions.", fitted),
+        ("THR_MDL_FAC", {"THR_MDL_FAC": 0.0}, "-", None, linear,
+         "Of the simulator alone: the real vehicle has another."),
+    ]  # fmt: skip
+    return [Explained(*row[:5], SIH, row[5]) for row in rows], ""

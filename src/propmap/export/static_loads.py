@@ -20,29 +20,21 @@ from propmap.vehicle.powertrain import Motor
 
 @dataclass(frozen=True, eq=False)
 class StaticLoads:
-    """Of the mean rotor at rest.
+    """Thrust and torque of the mean rotor at rest."""
 
-    Attributes
-    ----------
-    thrust, torque : float
-        [N], [N m].
-    errors : ndarray, shape (E, 2)
-        What each of E independent causes, at one standard deviation, adds to them.
-    """
-
-    thrust: float
-    torque: float
-    errors: Floats
+    thrust: float  # [N]
+    torque: float  # [N m]
+    errors: Floats  # what each of E independent causes adds to them at one deviation (E, 2)
 
     def std_of(self, by_thrust: float, by_torque: float) -> float | None:
-        """The standard deviation of what has these derivatives; None where none is known."""
+        """Return the deviation of what has these derivatives; None where none is known."""
         if not self.errors.size:
             return None
         return float(np.linalg.norm(self.errors @ [by_thrust, by_torque]))
 
 
 def static_loads(aircraft: Aircraft, omega: float) -> StaticLoads:
-    """Loads at rest of the rotors of an ``aircraft`` at ``omega`` [rad/s], and their errors."""
+    """Average the loads at rest of an ``aircraft``'s rotors at ``omega`` [rad/s]."""
     count, parts = len(aircraft.vehicle.mounts), []
     for source, mine in rotor_sources(aircraft.vehicle, aircraft.loads):
         found = load_errors(source, np.array([omega]), np.zeros((1, 3)))
@@ -58,49 +50,38 @@ def static_loads(aircraft: Aircraft, omega: float) -> StaticLoads:
 # The signal is the share of the battery's voltage that the controller passes on, as in
 # ``propmap.vehicle.powertrain``; all rotors get the same, and the battery sags under all of them.
 
-KNOTS = 12
-"""Rotor speeds at which loads at rest over their square are computed; they vary slowly."""
-
-SPEEDS = 2000
-"""Rotor speeds at which the signal is computed."""
+KNOTS = 12  # rotor speeds at which loads at rest over their square are computed; they vary slowly
+SPEEDS = 2000  # rotor speeds at which the signal is computed
 
 
 @dataclass(frozen=True, eq=False)
-class ThrustCurve:
-    """Thrust of a rotor at rest.
+class SignalCurve:
+    """Thrust of a rotor at rest by the signal, rising from 0 to 1."""
 
-    Attributes
-    ----------
-    signal, thrust : ndarray, shape (n,)
-        Rising from 0 to 1; the mean of the rotors [N].
-    full_thrust, full_torque, full_speed, full_current : float
-        At the signal 1 [N], [N m], [rad/s], [A] of a motor.
-    """
-
-    signal: Floats
-    thrust: Floats
-    full_thrust: float
-    full_torque: float
-    full_speed: float
-    full_current: float
+    signal: Floats  # (n,)
+    thrust: Floats  # the mean of the rotors (n,) [N]
+    full_thrust: float  # at the signal 1 [N]
+    full_torque: float  # [N m]
+    full_speed: float  # [rad/s]
+    full_current: float  # of a motor [A]
 
     def at(self, signal: Floats) -> Floats:
-        """Thrust [N] at ``signal``."""
+        """Return the thrust [N] at ``signal``."""
         return np.asarray(np.interp(signal, self.signal, self.thrust))
 
     def full_signal(self, motor: Motor | None) -> str:
-        """What the full signal asks of a ``motor``, in words."""
+        """Say what the full signal asks of a ``motor``."""
         rpm = self.full_speed / RPM
-        told = f"At rest, full signal: {rpm:.0f} rpm, {self.full_current:.3g} A per motor."
+        words = f"At rest, full signal: {rpm:.0f} rpm, {self.full_current:.3g} A per motor."
         if motor is not None and self.full_current > motor.maximum_current:
-            told += f" That is above the motor's {motor.maximum_current:g} A."
+            words += f" That is above the motor's {motor.maximum_current:g} A."
         if motor is not None and self.full_speed > motor.maximum_speed:
-            told += f" That is above the motor's {motor.maximum_speed / RPM:.0f} rpm."
-        return told
+            words += f" That is above the motor's {motor.maximum_speed / RPM:.0f} rpm."
+        return words
 
 
-def known_curve(aircraft: Aircraft) -> tuple[ThrustCurve | None, str]:
-    """The curve of an ``aircraft`` at its state of charge, or why there is none."""
+def known_curve(aircraft: Aircraft) -> tuple[SignalCurve | None, str]:
+    """Return the curve of an ``aircraft`` at its state of charge, or why there is none."""
     powertrain = aircraft.vehicle.powertrain
     missing = [
         name
@@ -116,23 +97,17 @@ def known_curve(aircraft: Aircraft) -> tuple[ThrustCurve | None, str]:
         fastest = aircraft.loads.envelope["omega"][1]
         if curve.full_speed > fastest:
             return None, (
-                f"the map ends at {fastest / RPM:.0f} rpm, and full throttle is "
+                f"the table ends at {fastest / RPM:.0f} rpm, and full throttle is "
                 f"{curve.full_speed / RPM:.0f}"
             )
     return curve, ""
 
 
-def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) -> ThrustCurve | None:
-    """The curve of a vehicle with motor and battery; None where it does not reach the signal 1.
+def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) -> SignalCurve | None:
+    """Return the curve of a vehicle with motor and battery; None where it does not reach signal 1.
 
-    Parameters
-    ----------
-    aircraft : Aircraft
-        The vehicle and the loads of its rotors.
-    charge : float
-        State of charge, 0 to 1.
-    more_torque : float
-        Share by which the torque is larger than the model's, to see what its error does [-].
+    ``charge`` is 0 to 1; ``more_torque`` is the share by which the torque is larger than the
+    model's, to see what its error does.
     """
     powertrain, count = aircraft.vehicle.powertrain, len(aircraft.vehicle.mounts)
     motor, battery = powertrain.motor, powertrain.battery
@@ -149,25 +124,17 @@ def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) ->
     if not beyond.size or np.isnan(signal[beyond[0]]):
         return None
     upto = slice(0, int(beyond[0]) + 1)
-    signal, lift = signal[upto], lift[upto]
-
-    def full(values: Floats) -> float:
-        return float(np.interp(1.0, signal, values[upto]))
-
-    # Below the signal that overcomes the motor's own friction there is no thrust.
-    risen = np.concatenate([[0.0], signal])
-    return ThrustCurve(
-        signal=risen,
-        thrust=np.concatenate([[0.0], lift]),
-        full_thrust=float(np.interp(1.0, signal, lift)),
-        full_torque=full(turn),
-        full_speed=full(omega),
-        full_current=full(state.motor_current[:, 0]),
+    full = (
+        float(np.interp(1.0, signal[upto], values[upto]))
+        for values in (lift, turn, omega, state.motor_current[:, 0])
     )
+    # Below the signal that overcomes the motor's own friction there is no thrust.
+    rising, lifting = (np.concatenate([[0.0], values[upto]]) for values in (signal, lift))
+    return SignalCurve(rising, lifting, *full)
 
 
 def _over_square(aircraft: Aircraft, fastest: float) -> tuple[Floats, Floats, Floats]:
-    """Rotor speeds, and mean thrust and torque at rest over their square there."""
+    """Return rotor speeds, and mean thrust and torque at rest over their square there."""
     omega = np.linspace(0.1, 1.0, KNOTS) * fastest
     if not isinstance(aircraft.loads, Rotor):
         low, high = aircraft.loads.envelope["omega"]
@@ -184,8 +151,7 @@ def _over_square(aircraft: Aircraft, fastest: float) -> tuple[Floats, Floats, Fl
 # -------------------------------------------------------------------------------------------------
 # The one number by which an autopilot describes a thrust curve, and how sure it is.
 
-DISCHARGED = 0.3
-"""State of charge besides the given one at which factors are told."""
+DISCHARGED = 0.3  # state of charge besides the given one for which factors are stated
 
 Shares = Callable[[Callable[[Floats], Floats]], Floats]
 """Makes of a curve, thrust by signal, its thrust over the largest at equally spaced x (n,)."""
@@ -193,60 +159,39 @@ Shares = Callable[[Callable[[Floats], Floats]], Floats]
 
 @dataclass(frozen=True)
 class CurveFactor:
-    """A curve as f x^2 + (1 - f) x, thrust over the largest and x from 0 to 1.
+    """A curve as f x^2 + (1 - f) x, thrust over the largest and x from 0 to 1."""
 
-    Attributes
-    ----------
-    factor : float
-        f [-].
-    worst : float
-        Largest difference from the curve, over the largest thrust [-].
-    std : float or None
-        Standard deviation of f by that of the torque [-]; None where it is not known.
-    charge : float
-        State of charge of the battery.
-    discharged : float
-        f at the charge ``DISCHARGED``; NaN where there is no full throttle then.
-    """
-
-    factor: float
-    worst: float
-    std: float | None
-    charge: float
-    discharged: float
+    factor: float  # f [-]
+    worst: float  # largest difference from the curve, over the largest thrust [-]
+    std: float | None  # deviation of f by that of the torque [-]; None where it is not known
+    charge: float  # state of charge of the battery
+    discharged: float  # f at the charge ``DISCHARGED``; NaN where there is no full throttle then
 
     @property
     def holds(self) -> str:
-        """What it is good for, in words."""
-        told = (
+        """Say what it is good for."""
+        here = (
             f"At rest, battery at {self.charge:.0%}: within {self.worst:.1%} of the largest thrust."
         )
         if np.isfinite(self.discharged):
-            return f"{told} At {DISCHARGED:.0%} it would be {self.discharged:.3f}."
-        return f"{told} At {DISCHARGED:.0%} the battery does not deliver full throttle."
+            return f"{here} At {DISCHARGED:.0%} it would be {self.discharged:.3f}."
+        return f"{here} At {DISCHARGED:.0%} the battery does not deliver full throttle."
 
 
 def curve_factor(
     aircraft: Aircraft,
-    curve: ThrustCurve,
+    curve: SignalCurve,
     still: StaticLoads,
     shares: Shares,
     limits: tuple[float, float],
 ) -> CurveFactor:
-    """f of an aircraft's curve, by least squares.
+    """Fit f to the ``curve`` of an aircraft, whose loads at rest are ``still``.
 
-    Parameters
-    ----------
-    aircraft, curve, still : Aircraft, ThrustCurve, StaticLoads
-        Whose curve it is, and its loads at rest with their errors.
-    shares : callable
-        What the autopilot takes as x.
-    limits : tuple of 2 float
-        The least and largest f that the autopilot takes.
+    ``shares`` are what the autopilot takes as x, ``limits`` the least and largest f it takes.
     """
     charge = aircraft.charge
 
-    def factor(found: ThrustCurve | None) -> float:
+    def factor(found: SignalCurve | None) -> float:
         return float("nan") if found is None else fitted_factor(shares(found.at), limits)
 
     here, share = factor(curve), shares(curve.at)
@@ -263,7 +208,7 @@ def curve_factor(
 
 
 def fitted_factor(share: Floats, limits: tuple[float, float]) -> float:
-    """f within its ``limits`` that is nearest to thrusts over the largest, ``share`` (n,)."""
+    """Fit f within its ``limits`` to thrusts over the largest, ``share`` (n,)."""
     x = np.linspace(0.0, 1.0, share.size)
     bent = x**2 - x
     return float(np.clip(np.sum((share - x) * bent) / np.sum(bent**2), *limits))

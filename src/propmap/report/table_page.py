@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from propmap.export.files import evenly, map_sha256
+from propmap.export.files import evenly, table_sha256
 from propmap.fit.least_squares import rms
 from propmap.loads import LOADS
 from propmap.report.html import (
@@ -120,7 +120,7 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
         airfoil=law,
         constants=", ".join(constants),
         content=content,
-        sha256=map_sha256(table),
+        sha256=table_sha256(table),
         samples=samples,
         certificate=found,
         parameters=parameters,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -15,9 +15,10 @@ from propmap.errors import InputError
 from propmap.loads import LOADS, error_scales
 from propmap.table.certificate import (
     POINTS,
-    Comparison,
+    TableErrors,
     certify,
     compare,
+    parameter_uncertainty,
     quasi_random,
     unresolved_share,
 )
@@ -26,6 +27,7 @@ from propmap.table.interpolation import (
     UNRESOLVED_BIT,
     VORTEX_RING_BIT,
     TableContent,
+    bilinear,
     coefficient_scale,
     interpolate,
     locate,
@@ -41,29 +43,20 @@ if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
 
-# -------------------------------------------------------------------------------------------------
-# Building a table: knots, coefficients, a patrol for jumps, and the certificate.
-
 Range = tuple[float, float]
 
-MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}
-"""The model's own numerical error, by its accuracy; a tolerance below twice that means nothing."""
-
+MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; tolerances begin at twice that
 LARGEST_TOLERANCE = 0.1
 
-MOST_UNRESOLVED = 0.05
-"""Share of the envelope above which a table is refused."""
-
+MOST_UNRESOLVED = 0.05  # share of the envelope above which a table is refused
 NARROW_ABOVE = 0.02
 """Share of the envelope above which unresolved cells are halved: a thin feature of the loads that
 fell between the middles of wide cells takes little of the envelope once they are narrow."""
 
 NARROWINGS = 6
 
-ATTEMPTS = 8
-REFINEMENTS = 3
-"""How often a certificate is tried, and after how many failures cells in which the error is too
-large are halved; later they are marked as unresolved."""
+ATTEMPTS = 8  # to certify
+REFINEMENTS = 3  # attempts after which cells with too large an error are halved, not marked
 
 FIRST_SEED = 20_171
 
@@ -80,10 +73,10 @@ def build_table(
     progress: Progress | None = None,
     workers: Workers | None = None,
 ) -> LoadTable:
-    """A certified table of a rotor's loads.
+    """Build a certified table of a rotor's loads.
 
     Where the model's loads jump no table can follow.  Such cells have the status "unresolved";
-    the certificate counts and measures them apart.
+    the certificate counts and measures them by themselves.
 
     Parameters
     ----------
@@ -110,7 +103,7 @@ def build_table(
     """
     check_tolerance(tolerance, rotor.accuracy)
     ends = _envelope(omega, speed, beta)
-    model = Model(
+    model = CachedModel(
         rotor,
         ends[0],
         leave_out_vortex_ring=leave_out_vortex_ring,
@@ -154,14 +147,10 @@ def build_table(
         )
     filed: dict[str, Any] = {"certificate": certificate.as_dict()}
     known, deviations = rotor.model.uncertainty, None
-    if known is not None and known.covariance.determined.names:
-        from propmap.table.certificate import parameter_uncertainty
-
-        covariance = known.covariance
-        filed["parameter_uncertainty"] = parameter_uncertainty(table, model, covariance)
     if known is not None:
-        from propmap.table.interpolation import deviation_coefficients
-
+        if known.covariance.determined.names:
+            uncertainty = parameter_uncertainty(table, model, known.covariance)
+            filed["parameter_uncertainty"] = uncertainty
         model.stage = "standard deviations"
         deviations = deviation_coefficients(rotor, content)
     filed["model_evaluations"] = model.evaluations
@@ -169,7 +158,7 @@ def build_table(
 
 
 def _halved(cells: NDArray[np.bool_], refined: Refined) -> bool:
-    """Halve the intervals of these cells where they may be; whether there were any such."""
+    """Halve the intervals of these cells where they may be; say whether there were any such."""
     rows = cells.any(axis=1) & refined.advance.divisible
     columns = cells.any(axis=0) & refined.beta.divisible
     refined.advance.split(rows)
@@ -178,7 +167,7 @@ def _halved(cells: NDArray[np.bool_], refined: Refined) -> bool:
 
 
 def check_tolerance(tolerance: float, accuracy: str) -> None:
-    """Raise ``InputError`` for a tolerance that a table of a rotor so accurate cannot have."""
+    """Raise ``InputError`` for a tolerance that a table of a rotor of this accuracy cannot have."""
     least = 2.0 * MODEL_ERROR[accuracy]
     if not least <= tolerance <= LARGEST_TOLERANCE:
         hint = " (0.02% with accuracy fine)" if accuracy == "standard" else ""
@@ -212,7 +201,7 @@ def _envelope(*ranges: Range) -> tuple[Floats, Floats, Floats]:
 
 
 def _content(
-    model: Model, refined: Refined, ends: tuple[Floats, Floats, Floats], info: dict[str, Any]
+    model: CachedModel, refined: Refined, ends: tuple[Floats, Floats, Floats], info: dict[str, Any]
 ) -> TableContent:
     rotor, omega = model.rotor, model.omega[:, None]
     scale = coefficient_scale(rotor.model.air.density, rotor.model.propeller.radius)
@@ -220,15 +209,13 @@ def _content(
     coefficients = (refined.values * relative[:, None, None, :]).transpose(0, 3, 1, 2)
     ring = refined.ring
     any_ring = ring[:-1, :-1] | ring[1:, :-1] | ring[:-1, 1:] | ring[1:, 1:]
-    cells = VORTEX_RING_BIT * any_ring.astype(np.uint8) + UNRESOLVED_BIT * refined.missed.astype(
-        np.uint8
-    )
+    cells = VORTEX_RING_BIT * any_ring + UNRESOLVED_BIT * refined.missed
     return TableContent(
         advance=refined.advance.knots,
         beta=refined.beta.knots,
         omega=ends[0],
         speed=ends[1],
-        # As filed, so that a table answers alike before and after.
+        # As filed, so that a table answers the same before and after.
         coefficients=coefficients.astype(np.float32).astype(np.float64),
         cells=cells.astype(np.uint8),
         info=info,
@@ -276,44 +263,58 @@ def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
 
 
 # -------------------------------------------------------------------------------------------------
+# Standard deviations of a table's loads, from the model at some of the knots.
+
+MOST_DEVIATIONS = 20  # along each axis: they vary more slowly than loads
+
+
+def deviation_coefficients(rotor: Rotor, content: TableContent) -> Floats:
+    """Return deviations of the rotor's loads at the knots, as ``TableContent.deviations``."""
+
+    def few(knots: Floats) -> Floats:
+        count = min(knots.size, MOST_DEVIATIONS)
+        chosen = np.linspace(0, knots.size - 1, count).round().astype(np.intp)
+        return knots[np.unique(chosen)]
+
+    advance, beta = few(content.advance), few(content.beta)
+    omega, j, b = np.meshgrid(content.omega, advance, beta, indexing="ij")
+    found = rotor.loads(omega.ravel(), (j * omega * content.radius).ravel(), b.ravel()).std
+    values = np.stack([getattr(found, name) for name in LOADS])
+    coarse = (values / content.scale[:, None] / omega.ravel() ** 2).reshape(-1, *omega.shape)
+    between = bilinear(advance, beta, coarse, content.advance[:, None], content.beta)
+    return np.asarray(between.transpose(1, 0, 2, 3))
+
+
+# -------------------------------------------------------------------------------------------------
 # Knots placed where a rotor's loads need them, until interpolation meets the tolerance.
 
 FIRST_KNOTS = 13
 
-LINE_SHARE = 0.35
-"""Share of the tolerance that interpolation along one axis may take; both add up."""
-
-CELL_SHARE = 0.6
-"""Share of the tolerance that a cell's centre may show; the rest is for the cell's corners and
-for the Reynolds term."""
-
-FINEST_INFLOW = 300
-"""Knots per hover inflow ratio, sqrt(C_T/2), where the loads jump and no number is enough."""
-
-FINEST_ANGLE = np.pi / 512
-"""[rad] between knots at the least, likewise."""
-
-MOST_KNOTS = 400_000
-"""Of a table; 32 bytes each in its file, before compression."""
-
+LINE_SHARE = 0.35  # share of the tolerance that interpolation along one axis may take; both add up
+CELL_SHARE = 0.6  # and a cell's centre may show; the rest is for corners and the Reynolds term
+FINEST_INFLOW = 300  # most knots per hover inflow ratio, sqrt(C_T/2), where loads jump
+FINEST_ANGLE = np.pi / 512  # least distance between knots [rad], likewise
+MOST_KNOTS = 400_000  # knots of a table at most; 32 bytes each in its file, before compression
 ROUNDS = 40
 
 
-@dataclass
 class Axis:
-    """Knots (n,), the least distance between them, and which intervals are yet to be tested."""
+    """Knots of one axis, halved where the loads need it, and which intervals are untested."""
 
-    knots: Floats
-    finest: float
-    parity: tuple[Floats | None, Floats | None] = (None, None)
-    untested: NDArray[np.bool_] = field(default_factory=lambda: np.ones(0, bool))
-
-    def __post_init__(self) -> None:
-        self.untested = np.ones(self.knots.size - 1, bool)
+    def __init__(
+        self,
+        knots: Floats,
+        finest: float,
+        parity: tuple[Floats | None, Floats | None] = (None, None),
+    ) -> None:
+        self.knots = knots  # (n,)
+        self.finest = finest  # least distance between knots
+        self.parity = parity  # at both ends, as for ``pad``
+        self.untested = np.ones(knots.size - 1, bool)
 
     @property
     def middles(self) -> Floats:
-        """Of the intervals (n - 1,)."""
+        """Middles of the intervals (n - 1,)."""
         return np.asarray(0.5 * (self.knots[:-1] + self.knots[1:]))
 
     @property
@@ -322,7 +323,7 @@ class Axis:
         return np.asarray(np.diff(self.knots) >= 2.0 * self.finest)
 
     def padded(self, values: Floats) -> Floats:
-        """Values (n, ...) with ghosts."""
+        """Add ghosts to values (n, ...)."""
         return pad(self.knots, values, *self.parity)
 
     def split(self, intervals: NDArray[np.bool_]) -> None:
@@ -337,20 +338,19 @@ class Axis:
 
 @dataclass(frozen=True)
 class Refined:
-    """Axes, loads over static ones (2, n, m, 4), the vortex ring state (n, m), and the cells
-    (n - 1, m - 1) where the tolerance was not met."""
+    """Axes whose knots are placed, and the model's loads at the knots."""
 
     advance: Axis
     beta: Axis
-    values: Floats
-    ring: NDArray[np.bool_]
-    missed: NDArray[np.bool_]
+    values: Floats  # loads over static ones (2, n, m, L)
+    ring: NDArray[np.bool_]  # whether in the vortex ring state (n, m)
+    missed: NDArray[np.bool_]  # cells where the tolerance is not met (n - 1, m - 1)
 
 
 def starting_axes(
-    model: Model, advance: tuple[float, float], beta: tuple[float, float]
+    model: CachedModel, advance: tuple[float, float], beta: tuple[float, float]
 ) -> tuple[Axis, Axis]:
-    """Few knots, those of the advance ratio denser where it is small."""
+    """Begin with few knots, those of the advance ratio denser where it is small."""
     blade, air = model.rotor.model.propeller, model.rotor.model.air
     force = air.density * np.pi * blade.radius**4 * model.omega[1] ** 2
     inflow = float(np.sqrt(0.5 * model.static[1, 0] / force))
@@ -363,11 +363,11 @@ def starting_axes(
     )
 
 
-def refine(model: Model, advance: Axis, beta: Axis, tolerance: float) -> Refined:
+def refine(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> Refined:
     """Insert knots until lines and cells, tested at their middles, are within the tolerance.
 
     Where the loads jump it cannot be met; knots end at the axes' finest distance, and the cells
-    are told.  Raises ``InputError`` where more than ``MOST_KNOTS`` knots would be needed.
+    are marked.  Raise ``InputError`` where more than ``MOST_KNOTS`` knots would be needed.
     """
     model.stage = "placing knots"
     for _ in range(ROUNDS):
@@ -385,14 +385,14 @@ def refine(model: Model, advance: Axis, beta: Axis, tolerance: float) -> Refined
 
 
 def spread(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """These cells and their neighbours, into whose interpolation a jump reaches."""
+    """Add to these cells their neighbours, into whose interpolation a jump reaches."""
     wide = np.pad(cells, 1)
     n, m = cells.shape
     parts = [wide[i : i + n, j : j + m] for i in range(3) for j in range(3)]
     return np.asarray(np.any(parts, axis=0))
 
 
-def _refine_lines(model: Model, advance: Axis, beta: Axis, tolerance: float) -> None:
+def _refine_lines(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> None:
     """Test the axes' untested intervals in turn until none is left."""
     while advance.untested.any() or beta.untested.any():
         for axis, other, along in ((advance, beta, 0), (beta, advance, 1)):
@@ -419,8 +419,8 @@ def _refine_lines(model: Model, advance: Axis, beta: Axis, tolerance: float) -> 
             axis.split(split)
 
 
-def _centre_errors(model: Model, advance: Axis, beta: Axis) -> Floats:
-    """Largest error of the loads at the cells' centres, (n - 1, m - 1)."""
+def _centre_errors(model: CachedModel, advance: Axis, beta: Axis) -> Floats:
+    """Find the largest error of the loads at the cells' centres, (n - 1, m - 1)."""
     known, _ = model.relative(0, advance.knots, beta.knots)
     across = interpolate(advance.knots, advance.padded(known), advance.middles)
     expected = interpolate(beta.knots, beta.padded(across.transpose(1, 0, 2)), beta.middles)
@@ -429,45 +429,34 @@ def _centre_errors(model: Model, advance: Axis, beta: Axis) -> Floats:
 
 
 def _largest(error: Floats, axes: tuple[int, ...]) -> Floats:
-    """Largest size along the axes; where there is no value there is no error."""
+    """Find the largest size along the axes; where there is no value there is no error."""
     return np.asarray(np.max(np.nan_to_num(np.abs(error), nan=0.0), axis=axes))
 
 
 # -------------------------------------------------------------------------------------------------
 # Cells in which the model's loads jump or nearly so, found and marked as unresolved.
 
-PATROL_POINTS = 8192
-"""Spread over the whole envelope, for jumps that no cell's middle has shown."""
-
+PATROL_POINTS = 8192  # points over the whole envelope, for jumps that no cell's middle has shown
 PATROL_ROUNDS = 4
 
-REACH = 3
-"""Cells around a jump that are searched for its like."""
-
-TRIES = 12
-"""Points per cell there."""
-
-GLANCES = 4
-"""Points per cell as small as cells become; such cells are where jumps have been met."""
+REACH = 3  # cells around a jump that are searched for its like
+TRIES = 12  # random points per cell there
+GLANCES = 4  # points per cell as small as cells become; such cells are where jumps have been met
 
 
 def find_jumps(
-    content: TableContent, model: Model, limit: float, suspects: NDArray[np.bool_]
+    content: TableContent, model: CachedModel, limit: float, suspects: NDArray[np.bool_]
 ) -> TableContent:
-    """The table with further cells marked where its error exceeds ``limit``.
+    """Mark further cells in which the table's error exceeds ``limit``.
 
     The ``suspects`` (n - 1, m - 1), cells as small as cells become, are searched first.  A jump
     is seldom alone: then the cells around those marked are searched, and those around what is
     found, always at random points.
     """
     model.stage = "looking for jumps"
-    rng = np.random.default_rng(PATROL_POINTS)
-    found = compare(
-        LoadTable(content),
-        model,
-        *quasi_random(LoadTable(content), PATROL_POINTS, seed=PATROL_POINTS),
-    )
-    content = marked(content, found, limit)
+    rng, table = np.random.default_rng(PATROL_POINTS), LoadTable(content)
+    points = quasi_random(table, PATROL_POINTS, seed=PATROL_POINTS)
+    content = marked(content, compare(table, model, *points), limit)
     content = _searched(content, model, limit, suspects, GLANCES, rng)
     done: NDArray[np.bool_] = np.zeros(content.cells.shape, bool)
     for _ in range(PATROL_ROUNDS):
@@ -482,30 +471,32 @@ def find_jumps(
 
 def _searched(
     content: TableContent,
-    model: Model,
+    model: CachedModel,
     limit: float,
     cells: NDArray[np.bool_],
     tries: int,
     rng: np.random.Generator,
 ) -> TableContent:
-    """The table with what so many random points in each of these cells have shown."""
+    """Mark what so many random points in each of these cells show, at omegas of the envelope."""
     cells = cells & ((content.cells & UNRESOLVED_BIT) == 0)
     if not cells.any():
         return content
-    points = _inside(content, cells, tries, rng)
+    i, j = (np.repeat(index, tries) for index in np.nonzero(cells))
+    points = points_at(content, np.stack([i, j, 0 * i], axis=1) + rng.random((3, i.size)).T)
     return marked(content, compare(LoadTable(content), model, *points), limit)
 
 
-def marked(content: TableContent, found: Comparison, limit: float) -> TableContent:
-    """The table with the cells in which an error exceeds the limit, and those around, marked."""
+def marked(content: TableContent, found: TableErrors, limit: float) -> TableContent:
+    """Mark the cells in which an error exceeds the limit, and those around."""
     cells = exceeding(content, found, limit)
-    unresolved = closed(spread(cells) | ((content.cells & UNRESOLVED_BIT) > 0))
+    unresolved = spread(cells) | ((content.cells & UNRESOLVED_BIT) > 0)
+    unresolved = ~spread(~spread(unresolved))  # with gaps that are at most two cells wide
     flags = (unresolved * UNRESOLVED_BIT).astype(np.uint8)
     return replace(content, cells=content.cells | flags)
 
 
-def exceeding(content: TableContent, found: Comparison, limit: float) -> NDArray[np.bool_]:
-    """Cells (n - 1, m - 1) in which an error exceeds the limit."""
+def exceeding(content: TableContent, found: TableErrors, limit: float) -> NDArray[np.bool_]:
+    """Find the cells (n - 1, m - 1) in which an error exceeds the limit."""
     bad = (np.abs(found.errors) > limit).any(axis=1)
     cells: NDArray[np.bool_] = np.zeros(content.cells.shape, bool)
     cells[
@@ -515,7 +506,7 @@ def exceeding(content: TableContent, found: Comparison, limit: float) -> NDArray
 
 
 def with_marks_of(old: TableContent, new: TableContent) -> TableContent:
-    """The ``new`` table with those cells marked too whose middles the ``old`` one had marked."""
+    """Mark the cells of the ``new`` table whose middles the ``old`` one had marked."""
     middles = (0.5 * (k[:-1] + k[1:]) for k in (new.advance, new.beta))
     row, column = (locate(k, x)[0] for k, x in zip((old.advance, old.beta), middles, strict=True))
     return replace(
@@ -523,49 +514,19 @@ def with_marks_of(old: TableContent, new: TableContent) -> TableContent:
     )
 
 
-def closed(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """These cells and the gaps among them that are at most two cells wide."""
-    return ~spread(~spread(cells))
-
-
-def _inside(
-    content: TableContent, cells: NDArray[np.bool_], tries: int, rng: np.random.Generator
-) -> tuple[Floats, Floats, Floats]:
-    """Random omega, speed and beta in these cells, at omegas for which they are in the envelope."""
-    i, j = (np.repeat(index, tries) for index in np.nonzero(cells))
-    return points_at(content, np.stack([i, j, 0 * i], axis=1) + rng.random((3, i.size)).T)
-
-
 # -------------------------------------------------------------------------------------------------
 # The model as the builder of a table sees it: coefficients at (J, beta), each asked for once.
 
 Progress = Callable[[str, int], None]
-"""Called with what is being done and the number of operating points evaluated so far."""
+"""Receives what is being done and the number of operating points evaluated so far."""
 
-BATCH = 4096
-"""Operating points between two reports of progress: some tenths of a second."""
+BATCH = 4096  # operating points between two reports of progress: some tenths of a second
 
 
-class Model:
-    """Loads of a rotor relative to its static ones, at two rotational speeds.
+class CachedModel:
+    """Loads of a rotor, and relative to its static ones at two rotational speeds (2,) [rad/s].
 
-    Parameters
-    ----------
-    rotor : Rotor
-        The model.
-    omega : ndarray, shape (2,)
-        Both speeds [rad/s].
-    leave_out_vortex_ring : bool
-        Whether loads in the vortex ring state are NaN.
-    progress : Progress, optional
-        Told of every batch.
-    workers : Workers, optional
-        Who evaluates; by default this process.
-
-    Raises
-    ------
-    InputError
-        Unless static thrust and torque are positive.
+    Raise ``InputError`` unless static thrust and torque are positive.
     """
 
     def __init__(
@@ -587,7 +548,7 @@ class Model:
         self.static = self.static_loads(omega)
 
     def static_loads(self, omega: Floats) -> Floats:
-        """What errors are relative to (n, L), see ``loads.error_scales``."""
+        """Evaluate what errors are relative to (n, L), see ``loads.error_scales``."""
         loads, _ = self._evaluate(omega, np.zeros_like(omega), np.zeros_like(omega))
         static = dict(zip(LOADS, loads.T, strict=True))
         scales = np.array(list(error_scales(static, self.rotor.model.propeller.radius).values())).T
@@ -600,28 +561,25 @@ class Model:
         return scales
 
     def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """Loads (n, L) in the order of ``LOADS``, and whether in the vortex ring state (n,)."""
+        """Return loads (n, L) in the order of ``LOADS``, and where in the vortex ring state."""
         values, ring = self._evaluate(omega, speed, beta)
         if self.leave_out_vortex_ring:
             values[ring] = np.nan
         return values, ring
 
     def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
-        """Loads over static ones on a grid at one omega (n, m, L), and 1 in the vortex ring."""
+        """Return loads over static ones at one omega (n, m, L), and 1 in the vortex ring (n, m)."""
         known = self._known[node]
         grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
-        self._learn(node, [point for point in grid if point not in known])
+        new = [point for point in grid if point not in known]
+        if new:
+            j, b = np.array(new).T
+            omega = np.full(j.size, self.omega[node])
+            values, ring = self.loads(omega, j * omega * self.rotor.model.propeller.radius, b)
+            rows = np.concatenate([values / self.static[node], ring[:, None]], axis=1)
+            known.update(zip(new, rows, strict=True))
         found = np.array([known[point] for point in grid]).reshape(advance.size, beta.size, -1)
         return found[..., :-1], found[..., -1]
-
-    def _learn(self, node: int, points: list[tuple[float, float]]) -> None:
-        if not points:
-            return
-        advance, beta = np.array(points).T
-        omega = np.full(advance.size, self.omega[node])
-        values, ring = self.loads(omega, advance * omega * self.rotor.model.propeller.radius, beta)
-        rows = np.concatenate([values / self.static[node], ring[:, None]], axis=1)
-        self._known[node].update(zip(points, rows, strict=True))
 
     def _evaluate(
         self, omega: Floats, speed: Floats, beta: Floats
@@ -640,7 +598,7 @@ class Model:
 def _loads_of(
     rotor: Rotor, batch: tuple[Floats, Floats, Floats]
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Loads (n, L) of a batch, and whether in the vortex ring state (n,)."""
+    """Return loads (n, L) of a batch, and whether in the vortex ring state (n,)."""
     found = rotor.loads(*batch)
     values = np.stack([getattr(found, name) for name in LOADS], axis=-1)
     return values, found.status == "vortex_ring"

@@ -25,22 +25,13 @@ from propmap.typing import Floats
 if TYPE_CHECKING:
     from propmap.model.airfoil import SectionCovariance
     from propmap.rotor import Rotor
-    from propmap.table.build import Model
+    from propmap.table.build import CachedModel
     from propmap.table.query import LoadTable
 
 
-# -------------------------------------------------------------------------------------------------
-# How far a table is from the model, on points that its building did not use.
-
-POINTS = 32_768
-"""Of a certificate; a power of two, as Sobol's sequence wants."""
-
-CANDIDATES = 32
-"""Points of the envelope, per point of a certificate, among which those in unresolved cells are
-looked for."""
-
-MOST_INSIDE = 4
-"""One part in so many of a certificate's points is the most that is evaluated of these."""
+POINTS = 32_768  # points of a certificate; a power of two, as Sobol's sequence wants
+CANDIDATES = 32  # points per point of a certificate, to find some in unresolved cells
+MOST_INSIDE = 4  # of the certificate's points, one in so many is taken there
 
 
 @dataclass(frozen=True)
@@ -105,18 +96,17 @@ class Certificate:
 
 
 def certify(
-    table: LoadTable, model: Model, tolerance: float, *, points: int = POINTS, seed: int = 1
-) -> tuple[Certificate, Comparison]:
-    """Compare on fresh points, search for the worst: the certificate, and what it was drawn from.
+    table: LoadTable, model: CachedModel, tolerance: float, *, points: int = POINTS, seed: int = 1
+) -> tuple[Certificate, TableErrors]:
+    """Compare a table on fresh points and search for the worst.
 
-    The latter are the points with loads outside unresolved cells.
-
-    Points in unresolved cells do not count in the claim that the tolerance holds.  They are few,
-    so that more are taken for the bound that is stated for these cells.
+    Return the certificate, and the points with loads outside unresolved cells.  Points inside do
+    not count in the claim that the tolerance holds.  They are few, so that more are taken for the
+    bound that is stated for these cells.
 
     Parameters
     ----------
-    table, model : LoadTable, Model
+    table, model : LoadTable, CachedModel
         To be certified, and what it was built from.
     tolerance : float
         Largest error as a share of static loads.
@@ -157,14 +147,14 @@ def certify(
 
 
 def unresolved_share(table: LoadTable) -> float:
-    """Share of the envelope that unresolved cells take."""
+    """Estimate the share of the envelope that unresolved cells take."""
     return _unresolved(table, POINTS // CANDIDATES, seed=1)[0]
 
 
 def _unresolved(
     table: LoadTable, points: int, seed: int
 ) -> tuple[float, tuple[Floats, Floats, Floats]]:
-    """Share of the envelope that unresolved cells take, and points inside them, (n,) each."""
+    """Estimate the share of the envelope of unresolved cells, and find points inside them (n,)."""
     content = table.content
     if not (content.cells & UNRESOLVED_BIT).any():
         none = np.empty(0)
@@ -176,14 +166,14 @@ def _unresolved(
     return float(inside.mean()), (omega[kept], speed[kept], beta[kept])
 
 
-def _kinds(found: Comparison) -> tuple[Comparison, Comparison]:
-    """The points with loads in resolved cells, and those in the others."""
+def _kinds(found: TableErrors) -> tuple[TableErrors, TableErrors]:
+    """Part the points with loads into those in resolved cells, and those in the others."""
     loose = found.code == UNRESOLVED
     return found.where(~found.lost & ~loose), found.where(~found.lost & loose)
 
 
-def _largest(found: Comparison) -> tuple[dict[str, float], list[dict[str, float]]]:
-    """The largest error by load, and omega, speed and beta where it is; zeros without points."""
+def _largest(found: TableErrors) -> tuple[dict[str, float], list[dict[str, float]]]:
+    """Find the largest error by load, and where it is; zeros without points."""
     if not found.omega.size:
         return dict.fromkeys(LOADS, 0.0), [{}, {}, {}]
     errors = np.abs(found.errors)
@@ -193,12 +183,12 @@ def _largest(found: Comparison) -> tuple[dict[str, float], list[dict[str, float]
 
 
 def _rms(errors: Floats) -> dict[str, float]:
-    """Root mean square by load; zeros where there are no points."""
+    """Take the root mean square by load; zeros where there are no points."""
     return by_load(np.sqrt((errors**2).sum(axis=0) / max(len(errors), 1)))
 
 
 def by_load(values: Floats) -> dict[str, float]:
-    """Values (L,) with the names of ``LOADS``."""
+    """Name values (L,) by ``LOADS``."""
     return dict(zip(LOADS, values.tolist(), strict=True))
 
 
@@ -207,25 +197,15 @@ def by_load(values: Floats) -> dict[str, float]:
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Errors of a table at n operating points.
+class TableErrors:
+    """Errors of a table at n operating points."""
 
-    Attributes
-    ----------
-    errors : ndarray, shape (n, L)
-        As shares of the static loads at the same omega; NaN where there are no loads.
-    code : ndarray of uint8, shape (n,)
-        The table's, an index into ``STATUSES``.
-    omega, speed, beta, advance : ndarray, shape (n,)
-        Where [rad/s], [m/s], [rad], V/(Omega R) [-].
-    """
-
-    errors: Floats
-    code: NDArray[np.uint8]
-    omega: Floats
-    speed: Floats
-    beta: Floats
-    advance: Floats
+    errors: Floats  # as shares of the static loads at the same omega (n, L); NaN without loads
+    code: NDArray[np.uint8]  # the table's, an index into ``STATUSES``
+    omega: Floats  # [rad/s]
+    speed: Floats  # [m/s]
+    beta: Floats  # [rad]
+    advance: Floats  # V/(Omega R) [-]
 
     @property
     def lost(self) -> NDArray[np.bool_]:
@@ -233,40 +213,37 @@ class Comparison:
         return np.asarray(np.isnan(self.errors).any(axis=1) | (self.code == NO_VALUE))
 
     def where(self, chosen: NDArray[np.bool_]) -> Self:
-        """The points chosen (n,)."""
+        """Keep the points ``chosen`` (n,)."""
         return type(self)(*(getattr(self, f.name)[chosen] for f in fields(self)))
 
     def and_also(self, other: Self) -> Self:
-        """These points and those of the ``other``."""
+        """Join these points and those of the ``other``."""
         both = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
         return type(self)(*map(np.concatenate, both))
 
 
 def compare(
-    table: LoadTable, model: Model, omega: Floats, speed: Floats, beta: Floats
-) -> Comparison:
-    """The table's errors at n points of its envelope, (n,) each."""
+    table: LoadTable, model: CachedModel, omega: Floats, speed: Floats, beta: Floats
+) -> TableErrors:
+    """Measure the table's errors at n points of its envelope, (n,) each."""
     expected, _ = model.loads(omega, speed, beta)
     found = table.loads(omega, speed, beta)
     values = np.stack(found[: len(LOADS)], axis=-1)
     errors = (values - expected) / static_loads(model, omega)
     advance = speed / (omega * table.content.radius)
-    return Comparison(errors, found.code, omega, speed, beta, advance)
+    return TableErrors(errors, found.code, omega, speed, beta, advance)
 
 
 def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floats, Floats]:
-    """omega, speed and beta of points that fill the envelope evenly, (n,) each."""
+    """Return omega, speed and beta (n,) of points that fill the envelope evenly."""
     low, high = np.array(list(table.envelope.values())).T
     omega, speed, beta = (low + (high - low) * sobol(points, seed)).T
     return omega, speed, beta
 
 
-def static_loads(model: Model, omega: Floats) -> Floats:
-    """Static loads (n, L) at omega (n,).
-
-    Over Omega^2 they are linear in Omega^(-1/2), between the ends of the envelope to 1e-5, as
-    the model's friction is.
-    """
+def static_loads(model: CachedModel, omega: Floats) -> Floats:
+    """Interpolate the static loads (n, L) at omega (n,), to 1e-5."""
+    # Over Omega^2 they are linear in Omega^(-1/2), as the model's friction is.
     roots, ends = omega**-0.5, model.omega**-0.5
     share = ((roots - ends[0]) / (ends[1] - ends[0]))[:, None]
     low, high = model.static / (model.omega**2)[:, None]
@@ -282,50 +259,37 @@ def static_loads(model: Model, omega: Floats) -> Floats:
 # steps, which grow where they succeed and shrink where they fail.  The worse half of the climbs is
 # given up again and again, for more steps of the others.
 
-OVERHANG = np.array([0.5, 0.5, 0.25])
-"""How far beyond the envelope points are spread over the cells, then held back, so that its edges
-and corners get their part."""
-
-CLIMBS = 32
-"""At first, per load and 32768 points known."""
-
+OVERHANG = np.array([0.5, 0.5, 0.25])  # beyond the envelope, then held back for its edges
+CLIMBS = 32  # climbs at first, per load and 32768 points known
 FEWEST_CLIMBS = 8
 
-TRIES = 4
-"""Steps that each climb tries in a round, at first."""
-
-HALVINGS, ROUNDS = 4, 5
-"""How often the better half of the climbs goes on, and rounds in between."""
-
-STEP = np.array([0.5, 0.5, 0.25])
-"""Largest step of the first round along each axis, as positions count."""
-
+TRIES = 4  # steps that each climb tries in a round, at first
+HALVINGS, ROUNDS = 4, 5  # how often the better half of the climbs goes on, and rounds in between
+STEP = np.array([0.5, 0.5, 0.25])  # largest of the first round, as positions count
 GROWTH, SHRINKAGE = 1.5, 0.6
 
+GOALS = 2 * len(LOADS)  # each load in resolved cells, then each in the others
 
-def largest_errors(table: LoadTable, model: Model, sampled: Comparison, seed: int) -> Comparison:
-    """The points that a search for the largest errors, by load, has come by.
 
-    Errors inside unresolved cells are climbed apart from the others.
+def largest_errors(
+    table: LoadTable, model: CachedModel, sampled: TableErrors, seed: int
+) -> TableErrors:
+    """Search for the largest errors by load from points ``sampled``; return all points met.
 
-    Parameters
-    ----------
-    table, model : LoadTable, Model
-        What is compared.
-    sampled : Comparison
-        Points known already, from which to begin.
-    seed : int
-        Of the random steps.
+    Errors inside unresolved cells are climbed separately.  The ``seed`` is of the random steps.
     """
     rng = np.random.default_rng(seed)
     content = table.content
     points = sampled.omega.size
-    found = compare(table, model, *points_at(content, _over_cells(content, points // 2, seed)))
+    most = most_position(content)
+    unit = sobol(2 ** int(np.log2(max(points // 2, 1))), seed)
+    over_cells = np.clip(unit * (most + 2.0 * OVERHANG) - OVERHANG, 0.0, most)
+    found = compare(table, model, *points_at(content, over_cells))
     known = sampled.and_also(found)
-    climbs = _Climbs.begin(content, known, max(FEWEST_CLIMBS, CLIMBS * points // 32_768))
+    climbs = _Climbs(content, known, max(FEWEST_CLIMBS, CLIMBS * points // 32_768))
     for halving in range(HALVINGS):
         for _ in range(ROUNDS):
-            position = climbs.steps(TRIES * 2**halving, rng, most_position(content))
+            position = climbs.steps(TRIES * 2**halving, rng, most)
             tried = compare(table, model, *points_at(content, position))
             found = found.and_also(tried)
             climbs.take(position, tried)
@@ -334,16 +298,9 @@ def largest_errors(table: LoadTable, model: Model, sampled: Comparison, seed: in
 
 
 class _Climbs:
-    """Positions (k, 3) with the largest error met so far, (k,), each by one load in one kind of
-    cell (k,), and the lengths of their steps (k,), in ``STEP``."""
+    """Walks to larger errors, from the worst ``most`` points of each goal, no two in a cell."""
 
-    def __init__(self, position: Floats, error: Floats, goal: NDArray[np.intp]) -> None:
-        self.position, self.error, self.goal = position, error, goal
-        self.length = np.ones(goal.size)
-
-    @classmethod
-    def begin(cls, content: TableContent, known: Comparison, most: int) -> _Climbs:
-        """From the worst points of each goal, the ``most``, no two in the same cell."""
+    def __init__(self, content: TableContent, known: TableErrors, most: int) -> None:
         position = positions_of(content, known.omega, known.advance, known.beta)
         cell = np.floor(position[:, 0]) * content.beta.size + np.floor(position[:, 1])
         sizes = _sizes(known)
@@ -354,20 +311,23 @@ class _Climbs:
             starts.append(order[first])
             goals.append(np.full(first.size, goal))
         start, goal_of = np.concatenate(starts), np.concatenate(goals)
-        return cls(position[start], sizes[start, goal_of], goal_of)
+        self.position = position[start]  # (k, 3)
+        self.error = sizes[start, goal_of]  # the largest met so far (k,)
+        self.goal = goal_of  # load and kind of cell (k,)
+        self.length = np.ones(goal_of.size)  # of the steps, in ``STEP`` (k,)
 
     def steps(self, tries: int, rng: np.random.Generator, most: Floats) -> Floats:
-        """Positions (k tries, 3) to be tried, those of the first climb first."""
+        """Return positions (k tries, 3) to be tried, those of the first climb first."""
         share = rng.uniform(-1.0, 1.0, (self.goal.size, tries, 3))
         step = share * STEP * self.length[:, None, None]
         return np.clip(self.position[:, None] + step, 0.0, most).reshape(-1, 3)
 
-    def take(self, position: Floats, tried: Comparison) -> None:
+    def take(self, position: Floats, tried: TableErrors) -> None:
         """Go to the best of the positions tried, where it is better."""
         count = self.goal.size
         if not count:
             return
-        size = _sizes(tried).reshape(count, -1, _goals())
+        size = _sizes(tried).reshape(count, -1, GOALS)
         every = np.arange(count)
         size = size[every, :, self.goal]
         best = size.argmax(axis=1)
@@ -380,48 +340,33 @@ class _Climbs:
         """Give up the worse half of each goal's climbs."""
         order = np.lexsort((-self.error, self.goal))
         rank = np.arange(order.size) - np.searchsorted(self.goal[order], self.goal[order])
-        count = np.bincount(self.goal, minlength=_goals())[self.goal[order]]
+        count = np.bincount(self.goal, minlength=GOALS)[self.goal[order]]
         kept = order[2 * rank < count]
         for name in ("position", "error", "goal", "length"):
             setattr(self, name, getattr(self, name)[kept])
 
 
-def _goals() -> int:
-    """Each load in resolved cells, then each in the others."""
-    return 2 * len(LOADS)
-
-
-def _sizes(found: Comparison) -> Floats:
-    """Sizes (n, ``_goals``) of the errors; zero where the cell is of the other kind."""
+def _sizes(found: TableErrors) -> Floats:
+    """Sizes (n, ``GOALS``) of the errors; zero where the cell is of the other kind."""
     size = np.where(found.lost[:, None], 0.0, np.abs(found.errors))
     loose = (found.code == UNRESOLVED)[:, None]
     return np.concatenate([np.where(loose, 0.0, size), np.where(loose, size, 0.0)], axis=1)
 
 
-def _over_cells(content: TableContent, count: int, seed: int) -> Floats:
-    """Positions (n, 3) spread evenly over the table's cells, ``count`` or some less."""
-    most = most_position(content)
-    unit = sobol(2 ** int(np.log2(max(count, 1))), seed)
-    return np.clip(unit * (most + 2.0 * OVERHANG) - OVERHANG, 0.0, most)
-
-
 # -------------------------------------------------------------------------------------------------
 # How uncertain a table's loads are because the section law's parameters are.
 
-UNCERTAINTY_POINTS = 1024
-"""Of the envelope; a power of two."""
-
+UNCERTAINTY_POINTS = 1024  # points of the envelope; a power of two
 SEED = 20_170
 
 
 def parameter_uncertainty(
-    table: LoadTable, model: Model, covariance: SectionCovariance
+    table: LoadTable, model: CachedModel, covariance: SectionCovariance
 ) -> dict[str, Any]:
-    """What the covariance means for the loads, over the envelope; plain data.
+    """Measure what the covariance means for the loads over the envelope; plain data.
 
-    Standard deviations, to first order, as shares of the static loads as in the certificate:
-    "median" and "percentile_95" over so many "points", by load.  "not_counted": parameters of
-    which the data said nothing.  Beside these the table's own errors matter or they do not.
+    Standard deviations, to first order, are shares of the static loads as in the certificate.
+    Beside these the table's own errors matter or they do not.
     """
     model.stage = "uncertainty of the parameters"
     known = covariance.determined
@@ -431,7 +376,7 @@ def parameter_uncertainty(
     median, high = np.percentile(shares, [50.0, 95.0], axis=0)
     return {
         "parameters": list(known.names),
-        "not_counted": list(covariance.unknown),
+        "not_counted": list(covariance.unknown),  # those of which the data said nothing
         "points": len(shares),
         "median": by_load(median),
         "percentile_95": by_load(high),
@@ -441,10 +386,7 @@ def parameter_uncertainty(
 def load_deviations(
     rotor: Rotor, covariance: SectionCovariance, omega: Floats, speed: Floats, beta: Floats
 ) -> Floats:
-    """Standard deviations (n, L) [N], [N], [N m], [N m] of the loads at n operating points.
-
-    sqrt(g' S g), with g the derivatives by the parameters and S their covariance.
-    """
+    """Find deviations (n, L) of the loads, sqrt(g' S g) with derivatives g and covariance S."""
     found = rotor.gradients(
         covariance.names, omega, speed * np.cos(beta), np.abs(speed * np.sin(beta))
     )
@@ -455,20 +397,14 @@ def load_deviations(
 # -------------------------------------------------------------------------------------------------
 # Points that fill a box evenly: Sobol's sequence in three dimensions, scrambled.
 
-BITS = 30
-"""Of each coordinate."""
+BITS = 30  # bits of each coordinate
 
 
 def sobol(count: int, seed: int) -> Floats:
-    """The first points (n, 3) of the sequence, in the unit cube.
+    """Return the first points (n, 3) of the sequence in the unit cube, scrambled by ``seed``.
 
     They are those of ``scipy.stats.qmc.Sobol``, which takes longer to import than a small table to
     build: direction numbers by Joe and Kuo, scrambled by a lower triangular matrix and a shift.
-
-    Parameters
-    ----------
-    count, seed : int
-        How many, and which scrambling.
     """
     rng = np.random.default_rng(seed)
     place = np.arange(BITS, dtype=np.uint32)

@@ -1,4 +1,4 @@
-"""Tables as files: NumPy's .npz, which the package reads, and NetCDF for other programs."""
+"""Tables as files: NumPy's .npz without pickle, which the package reads, and NetCDF."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import zipfile
 import zlib
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,33 +19,22 @@ from propmap.table.certificate import Certificate
 from propmap.table.interpolation import TableContent
 
 if TYPE_CHECKING:
-    import xarray
-
     from propmap.table.query import LoadTable
 
-
-# -------------------------------------------------------------------------------------------------
-# Tables as files: NumPy's .npz, without pickle.
 
 FORMAT = "propmap-table"
 FORMAT_VERSION = 1
 
 ARRAYS = ("advance", "beta", "omega", "speed", "coefficients", "cells")
 
-SINGLE = ("coefficients", "deviations")
-"""Arrays in single precision; the second is there where the model's errors are known."""
-
+SINGLE = ("coefficients", "deviations")  # in single precision; the second may lack
 MOST_BYTES = 200_000_000
 
 _REMEDY = "give a file that `propmap table` wrote"
 
 
 def write_table(content: TableContent, path: str | os.PathLike[str]) -> None:
-    """Write a table to a .npz file, whole or not at all.
-
-    The coefficients are kept in single precision, 6e-8 of their size, which is far below any
-    tolerance; ``info`` is JSON text.
-    """
+    """Write a table to a .npz file, whole or not at all, with ``info`` as JSON text."""
     head = {"format": FORMAT, "format_version": FORMAT_VERSION, **content.info}
     arrays: dict[str, Any] = {name: getattr(content, name) for name in ARRAYS}
     for name in SINGLE:
@@ -64,7 +53,12 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
             raise InputError(f"more than {MOST_BYTES / 1e6:g} MB is no table", _REMEDY, where)
         # Opened here, since NumPy leaves a file open that it cannot make sense of.
         with Path(where).open("rb") as stream:
-            found = _arrays(stream, where)
+            file = np.load(stream, allow_pickle=False)
+            if not isinstance(file, np.lib.npyio.NpzFile):
+                raise InputError("this is a single array, no table", _REMEDY, where)
+            known = (*ARRAYS, *SINGLE, "info")
+            with file:
+                found = {name: file[name] for name in file.files if name in known}
     except InputError:
         raise
     except FileNotFoundError:
@@ -79,20 +73,20 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
         raise InputError("this is no table, or a damaged one", _REMEDY, where) from None
     info = _info(found, where)
     try:
-        return TableContent(**_typed(found), info=info)
+        arrays: dict[str, Any] = {}
+        for name in dict.fromkeys((*ARRAYS, *SINGLE)):
+            if name not in found:
+                continue
+            if found[name].dtype.kind != ("u" if name == "cells" else "f"):
+                raise InputError(f"{name} holds values of another kind ({found[name].dtype})")
+            arrays[name] = found[name].astype(np.uint8 if name == "cells" else np.float64)
+        return TableContent(**arrays, info=info)
     except InputError as error:
         raise InputError(error.found, "the file is damaged; build the table again", where) from None
 
 
-def _arrays(stream: BinaryIO, where: str) -> dict[str, Any]:
-    file = np.load(stream, allow_pickle=False)
-    if not isinstance(file, np.lib.npyio.NpzFile):
-        raise InputError("this is a single array, no table", _REMEDY, where)
-    with file:
-        return {name: file[name] for name in file.files if name in (*ARRAYS, *SINGLE, "info")}
-
-
 def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
+    """Check what a file says of itself, and return what it says of its table."""
     try:
         info = json.loads(str(found["info"][()]))
         name, version = info.pop("format"), info.pop("format_version")
@@ -117,7 +111,7 @@ def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
         raise InputError(f"the table has no {missing[0]}", _REMEDY, where)
     certificate = info.get("certificate")
     if certificate:
-        lacking = [field.name for field in fields(Certificate) if not _told(certificate, field)]
+        lacking = [field.name for field in fields(Certificate) if not _states(certificate, field)]
         if lacking:
             raise InputError(
                 f"the table's certificate does not say {lacking[0]}", "build the table again", where
@@ -125,14 +119,13 @@ def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
     return dict(info)
 
 
-def _told(certificate: Any, field: Field[Any]) -> bool:
-    """Whether a certificate has a number there, or one for each load; or nothing, where earlier
-    versions wrote nothing."""
+def _states(certificate: Any, field: Field[Any]) -> bool:
+    """Say whether a certificate has a number there, or one for each load, or the field is newer."""
     if not isinstance(certificate, dict):
         return False
-    later = field.default is not MISSING or field.default_factory is not MISSING
     value = certificate.get(field.name)
-    if later and value in (None, {}):
+    newer = field.default is not MISSING or field.default_factory is not MISSING
+    if newer and value in (None, {}):
         return True
     numbers = [value]
     if str(field.type).startswith("dict"):
@@ -142,65 +135,39 @@ def _told(certificate: Any, field: Field[Any]) -> bool:
     return all(isinstance(n, (int, float)) and not isinstance(n, bool) for n in numbers)
 
 
-def _typed(found: dict[str, Any]) -> dict[str, Any]:
-    names = [name for name in dict.fromkeys((*ARRAYS, *SINGLE)) if name in found]
-    for name in names:
-        kind = found[name].dtype.kind
-        if kind not in ("u" if name == "cells" else "f"):
-            raise InputError(f"{name} holds values of another kind ({found[name].dtype})")
-    numbers = {name: found[name].astype(np.float64) for name in names if name != "cells"}
-    return {**numbers, "cells": found["cells"].astype(np.uint8)}
-
-
 # -------------------------------------------------------------------------------------------------
 # A table as a NetCDF file, for people and their tools.
 
 
 def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
-    """Write what a ``table`` holds to ``path``, with units and provenance, whole or not at all."""
-    write_dataset(table_dataset(table), Path(path))
+    """Write what a ``table`` holds to ``path``, with units and provenance, whole or not at all.
 
-
-def table_dataset(table: LoadTable) -> xarray.Dataset:
-    """Coefficients over omega, advance ratio and beta, and the cells' flags.
-
-    The loads are those of the advance ratio V/(Omega R); the envelope in V is in the attributes.
+    Coefficients and cells stand over omega, advance ratio V/(Omega R) and beta; the envelope in V
+    is among the attributes.
     """
     import xarray
 
-    content = table.content
+    content, axes = table.content, ("omega", "advance", "beta")
+    meanings = {
+        "omega": ("rad/s", "rotational speed"),
+        "advance": ("1", "advance ratio V/(Omega R)"),
+        "beta": ("rad", "angle from the axis to the velocity, 0 in climb"),
+    }
     coordinates = {
-        "omega": ("omega", content.omega, {"units": "rad/s", "long_name": "rotational speed"}),
-        "advance": (
-            "advance",
-            content.advance,
-            {"units": "1", "long_name": "advance ratio V/(Omega R)"},
-        ),
-        "beta": (
-            "beta",
-            content.beta,
-            {"units": "rad", "long_name": "angle from the axis to the velocity, 0 in climb"},
-        ),
+        name: (name, getattr(content, name), {"units": unit, "long_name": meaning})
+        for name, (unit, meaning) in meanings.items()
     }
-    variables = {
-        name: (
-            ("omega", "advance", "beta"),
-            content.coefficients[:, k].astype(np.float32),
-            {"units": "1", "long_name": f"{load.label} over rho pi R^{4 + load.moment} Omega^2"},
-        )
-        for k, (name, load) in enumerate(LOADS.items())
-    }
-    if content.deviations is not None:
+    variables: dict[str, Any] = {}
+    for suffix, what, values in (
+        ("", "", content.coefficients),
+        ("_std", "standard deviation of ", content.deviations),
+    ):
+        if values is None:
+            continue
         for k, (name, load) in enumerate(LOADS.items()):
-            variables[f"{name}_std"] = (
-                ("omega", "advance", "beta"),
-                content.deviations[:, k].astype(np.float32),
-                {
-                    "units": "1",
-                    "long_name": f"standard deviation of {load.label} over rho pi "
-                    f"R^{4 + load.moment} Omega^2",
-                },
-            )
+            meaning = f"{what}{load.label} over rho pi R^{4 + load.moment} Omega^2"
+            attributes = {"units": "1", "long_name": meaning}
+            variables[name + suffix] = (axes, values[:, k].astype(np.float32), attributes)
     found = xarray.Dataset(variables, coordinates, _attributes(table))
     found["cells"] = (
         ("advance_interval", "beta_interval"),
@@ -211,11 +178,11 @@ def table_dataset(table: LoadTable) -> xarray.Dataset:
             "flag_meanings": "vortex_ring unresolved",
         },
     )
-    return found
+    write_dataset(found, Path(path))
 
 
 def _attributes(table: LoadTable) -> dict[str, str | float]:
-    """``info`` without its nesting; ``speed_low_m_s`` and the like for the envelope."""
+    """Flatten ``info``, with ``speed_low_m_s`` and the like for the envelope."""
     low, high = table.envelope["speed"]
     flat: dict[str, str | float] = {"speed_low_m_s": low, "speed_high_m_s": high}
     for key, value in table.info.items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,60 +13,32 @@ from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.typing import Floats
 
-if TYPE_CHECKING:
-    from propmap.rotor import Rotor
-
-
 # -------------------------------------------------------------------------------------------------
 # What a table holds: axes, coefficients, flags, and where they come from.
 
 PARITY = np.array([-1.0 if load.inplane else 1.0 for load in LOADS.values()])
-"""How the loads behave across beta = 0 and pi: along and about the axis they are even, across
-it they are odd."""
+"""Signs of the loads across beta = 0 and pi: even along and about the axis, odd across it."""
 
 VORTEX_RING_BIT, UNRESOLVED_BIT = 1, 2
-"""Bits of a cell's flags: momentum theory does not hold somewhere in it; the table's error
-exceeds the tolerance somewhere in it."""
+"""Bits of a cell's flags: somewhere in it momentum theory does not hold, or the table's error
+exceeds the tolerance."""
 
 
 @dataclass(frozen=True)
 class TableContent:
-    """A table as it is filed.
+    """A table as it is filed; ``InputError`` where its parts do not fit together."""
 
-    Attributes
-    ----------
-    advance : ndarray, shape (n,)
-        Knots of J = V/(Omega R) [-].
-    beta : ndarray, shape (m,)
-        Knots [rad]; the first and the last are the envelope's.
-    omega, speed : ndarray, shape (2,)
-        Least and largest of the envelope [rad/s], [m/s].
-    coefficients : ndarray, shape (2, L, n, m)
-        At both ends of omega, the loads in the order of ``LOADS`` over rho pi R^4 Omega^2
-        (forces) and rho pi R^5 Omega^2 (moments) [-]; NaN for no value.  Between the ends they
-        are linear in Omega^(-1/2), as the friction term of eq. (4) is.
-    cells : ndarray of uint8, shape (n - 1, m - 1)
-        ``VORTEX_RING_BIT`` and ``UNRESOLVED_BIT`` added up.
-    info : dict
-        Provenance and the certificate, as plain data for JSON.
-    deviations : ndarray, shape (2, L, n, m), or None
-        Standard deviations of the model's loads, like ``coefficients`` [-]; None where nothing is
-        known of them.
-
-    Raises
-    ------
-    InputError
-        Where these do not fit together.
-    """
-
-    advance: Floats
-    beta: Floats
-    omega: Floats
-    speed: Floats
+    advance: Floats  # knots of J = V/(Omega R) (n,) [-]
+    beta: Floats  # knots (m,) [rad]; the first and the last are the envelope's
+    omega: Floats  # least and largest of the envelope (2,) [rad/s]
+    speed: Floats  # least and largest of the envelope (2,) [m/s]
+    # The loads at both ends of omega in the order of ``LOADS``, forces over rho pi R^4 Omega^2 and
+    # moments over rho pi R^5 Omega^2 (2, L, n, m) [-]; NaN for no value.  Between the ends they are
+    # linear in Omega^(-1/2), as the friction term of eq. (4) is.
     coefficients: Floats
-    cells: NDArray[np.uint8]
-    info: dict[str, Any]
-    deviations: Floats | None = None
+    cells: NDArray[np.uint8]  # ``VORTEX_RING_BIT`` and ``UNRESOLVED_BIT`` added up (n - 1, m - 1)
+    info: dict[str, Any]  # provenance and the certificate, as plain data for JSON
+    deviations: Floats | None = None  # standard deviations like ``coefficients``, where known
 
     def __post_init__(self) -> None:
         n, m = self.advance.size, self.beta.size
@@ -104,25 +76,28 @@ class TableContent:
 
     @property
     def radius(self) -> float:
-        """Of the tip [m]."""
-        return _entry(self.info, "propeller", "radius_m")
+        """Radius of the tip [m]."""
+        return self._entry("propeller", "radius_m")
 
     @property
     def density(self) -> float:
-        """Of the air [kg/m^3]."""
-        return _entry(self.info, "air", "density_kg_m3")
+        """Density of the air [kg/m^3]."""
+        return self._entry("air", "density_kg_m3")
 
     @property
     def scale(self) -> Floats:
         """Loads per coefficient and Omega^2, in the order of ``LOADS``; (L,) [N s^2], [N m s^2]."""
         return coefficient_scale(self.density, self.radius)
 
-    def padded(self) -> Floats:
-        """Loads over Omega^2 (n + 2, m + 2, 2 L) with the ghost values that interpolation needs.
+    def _entry(self, group: str, name: str) -> Any:
+        try:
+            return self.info[group][name]
+        except (KeyError, TypeError):
+            raise InputError(f"the table does not say {group}.{name}") from None
 
-        The last axis: the loads at the least omega [N s^2], [N m s^2], then their slopes with
-        Omega^(-1/2).
-        """
+    def padded(self) -> Floats:
+        """Return loads over Omega^2 at the least omega [N s^2], [N m s^2], then their slopes with
+        Omega^(-1/2), with the ghost values that interpolation needs; (n + 2, m + 2, 2 L)."""
         low, high = self.coefficients
         roots = self.omega**-0.5
         both = np.concatenate([low, (high - low) / (roots[1] - roots[0])])
@@ -137,13 +112,6 @@ def coefficient_scale(density: float, radius: float) -> Floats:
     """rho pi R^4 of forces and rho pi R^5 of moments, in the order of ``LOADS``; (L,)."""
     force = density * np.pi * radius**4
     return force * np.array([radius if load.moment else 1.0 for load in LOADS.values()])
-
-
-def _entry(info: dict[str, Any], group: str, name: str) -> Any:
-    try:
-        return info[group][name]
-    except (KeyError, TypeError):
-        raise InputError(f"the table does not say {group}.{name}") from None
 
 
 # -------------------------------------------------------------------------------------------------
@@ -164,13 +132,11 @@ def cell_codes(content: TableContent) -> NDArray[np.uint8]:
 
 
 class Lookup:
-    """A table's coefficients, laid out for speed.
-
-    The four values along beta of one row of knots follow each other in memory, so that one
-    interpolation gathers four runs of 4 x ``WIDTH`` numbers.
-    """
+    """A table's coefficients, laid out for speed."""
 
     def __init__(self, content: TableContent) -> None:
+        # The four values along beta of one row of knots follow each other in memory, so that one
+        # interpolation gathers four runs of 4 x ``WIDTH`` numbers.
         self.padded = content.padded()
         self.row = self.padded.shape[1]
         self._rows = self.padded.reshape(self.padded.shape[0], -1)
@@ -194,10 +160,8 @@ class Lookup:
     def point(
         self, advance: float, beta: float, square: float, friction: float
     ) -> tuple[list[float], int]:
-        """The loads and the cell's code at one point of the table.
-
-        ``square`` is Omega^2, ``friction`` that times the change of Omega^(-1/2) from the least.
-        """
+        """Interpolate the loads, and look up the cell's code, at one point; ``square`` is Omega^2,
+        ``friction`` that times the change of Omega^(-1/2) from the least."""
         i = bisect_right(self._inner[0], advance)
         j = bisect_right(self._inner[1], beta)
         x0, y0 = self._advance_list[i], self._beta_list[j]
@@ -224,7 +188,7 @@ class Lookup:
         return loads.tolist(), self._codes_list[i][j]
 
     def points(self, advance: Floats, beta: Floats) -> tuple[Floats, NDArray[np.uint8]]:
-        """The values (n, ``WIDTH``) and the cells' codes (n,) at n points of the table."""
+        """Interpolate values (n, ``WIDTH``) and look up the cells' codes (n,) at n points."""
         i, t = locate(self._advance, advance)
         j, u = locate(self._beta, beta)
         rows = self._gather(i, j)
@@ -234,11 +198,8 @@ class Lookup:
         return values[:, 0], self._codes[i, j]
 
     def slopes(self, advance: Floats, beta: Floats) -> Floats:
-        """Values and derivatives (n, 2, 2, ``WIDTH``).
-
-        [:, 0, 0] the values, [:, 1, 0] their derivatives with the advance ratio, [:, 0, 1] with
-        beta, [:, 1, 1] with both.
-        """
+        """Interpolate values [:, 0, 0] and their derivatives with the advance ratio [:, 1, 0], with
+        beta [:, 0, 1] and with both [:, 1, 1]; (n, 2, 2, ``WIDTH``)."""
         i, t = locate(self._advance, advance)
         j, u = locate(self._beta, beta)
         width = self._advance[i + 1] - self._advance[i], self._beta[j + 1] - self._beta[j]
@@ -262,47 +223,16 @@ class Lookup:
         return np.asarray((c1 + t * (2.0 * c2 + t * 3.0 * c3)) / width[:, None])
 
 
-# -------------------------------------------------------------------------------------------------
-# Standard deviations of a table's loads, from the model at some of the knots.
-
-MOST_KNOTS = 20
-"""Along each axis: standard deviations vary more slowly than loads, and matter less exactly."""
-
-
-def deviation_coefficients(rotor: Rotor, content: TableContent) -> Floats:
-    """Standard deviations of the loads at the knots, as ``TableContent.deviations``.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        Whose model says how well it is known.
-    content : TableContent
-        The table of its loads.
-    """
-    rows, columns = _some(content.advance.size), _some(content.beta.size)
-    advance, beta = content.advance[rows], content.beta[columns]
-    omega, j, b = np.meshgrid(content.omega, advance, beta, indexing="ij")
-    found = rotor.loads(omega.ravel(), (j * omega * content.radius).ravel(), b.ravel()).std
-    values = np.stack([getattr(found, name) for name in LOADS])
-    coarse = (values / content.scale[:, None] / omega.ravel() ** 2).reshape(-1, *omega.shape)
-    between = bilinear(advance, beta, coarse, content.advance[:, None], content.beta)
-    return np.asarray(between.transpose(1, 0, 2, 3))
-
-
 def bilinear(x: Floats, y: Floats, values: Floats, at_x: Floats, at_y: Floats) -> Floats:
-    """Values (..., n, m) at knots x (n,), y (m,), linear between them; (..., *shape).
+    """Interpolate values (..., n, m) at knots x (n,), y (m,) linearly within them.
 
-    ``at_x`` and ``at_y`` broadcast to ``shape`` and lie within the knots.
+    ``at_x`` and ``at_y`` broadcast to a shape, that of the result's last axes.
     """
     i, t = locate(x, at_x)
     j, u = locate(y, at_y)
     low = values[..., i, j] * (1.0 - t) + values[..., i + 1, j] * t
     high = values[..., i, j + 1] * (1.0 - t) + values[..., i + 1, j + 1] * t
     return np.asarray(low * (1.0 - u) + high * u)
-
-
-def _some(count: int) -> NDArray[np.intp]:
-    return np.unique(np.linspace(0, count - 1, min(count, MOST_KNOTS)).round().astype(np.intp))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -314,7 +244,7 @@ def _some(count: int) -> NDArray[np.intp]:
 
 
 def interval_polynomials(knots: Floats) -> Floats:
-    """Coefficients (n - 1, 4, 4) of the four weights in each interval between n >= 3 knots.
+    """Polynomials (n - 1, 4, 4) of the four weights in each interval between n >= 3 knots.
 
     The weight of the k-th of the four values in interval i, at the share t of its width, is the
     sum over m of coefficients[i, k, m] t^m.
@@ -334,7 +264,7 @@ def interval_polynomials(knots: Floats) -> Floats:
 
 
 def with_ghosts(knots: Floats) -> Floats:
-    """The knots and one more on either side, as far out as the next one is inside; (n + 2,)."""
+    """Add a knot on either side, as far out as the next one is inside; (n + 2,)."""
     return np.concatenate(
         [[2.0 * knots[0] - knots[1]], knots, [2.0 * knots[-1] - knots[-2]]], dtype=np.float64
     )
@@ -346,7 +276,7 @@ def on_planes(beta: Floats) -> tuple[bool, bool]:
 
 
 def pad(knots: Floats, values: Floats, low: Floats | None, high: Floats | None) -> Floats:
-    """Values (n, ...) with a ghost value on either side; (n + 2, ...).
+    """Add a ghost value on either side of values (n, ...); (n + 2, ...).
 
     Where the axis ends on a plane of symmetry, ``low`` and ``high`` are the parity of the values,
     1 for even and -1 for odd; where they are None the ghost is on the parabola of the last three.
@@ -363,13 +293,13 @@ def pad(knots: Floats, values: Floats, low: Floats | None, high: Floats | None) 
 
 
 def locate(knots: Floats, x: Floats) -> tuple[NDArray[np.intp], Floats]:
-    """Interval (n,) that holds each x, and the share of its width that lies below x."""
+    """Find the interval that holds each x, and the share of its width that lies below x."""
     i = np.searchsorted(knots[1:-1], x, side="right")
     return i, (x - knots[i]) / (knots[i + 1] - knots[i])
 
 
 def interpolate(knots: Floats, padded: Floats, x: Floats) -> Floats:
-    """Values (m, ...) at x (m,) of padded values (n + 2, ...), along the first axis."""
+    """Interpolate padded values (n + 2, ...) at x (m,) along the first axis; (m, ...)."""
     i, t = locate(knots, x)
     weights = np.einsum("akm,am->ak", interval_polynomials(knots)[i], t[:, None] ** np.arange(4))
     rows = padded[i[:, None] + np.arange(4)]
@@ -394,7 +324,7 @@ def _parabola(x: Floats, at: float) -> Floats:
 
 
 # -------------------------------------------------------------------------------------------------
-# Operating points told by a table's cells, in which its errors are alike on every scale.
+# Operating points counted in a table's cells, in which its errors have one size on every scale.
 #
 # A position (n, 3) counts cells along the advance ratio and along beta, with the share of the cell
 # behind the point, and has the share of the rotational speeds that the envelope has at that
@@ -402,12 +332,12 @@ def _parabola(x: Floats, at: float) -> Floats:
 
 
 def most_position(content: TableContent) -> Floats:
-    """The largest position (3,); the least is zero."""
+    """Return the largest position (3,); the least is zero."""
     return np.array([content.advance.size - 1.0, content.beta.size - 1.0, 1.0])
 
 
 def points_at(content: TableContent, position: Floats) -> tuple[Floats, Floats, Floats]:
-    """omega, speed and beta (n,) each of positions (n, 3)."""
+    """Return omega, speed and beta (n,) at positions (n, 3)."""
     advance, beta = (
         np.interp(position[:, axis], np.arange(knots.size), knots)
         for axis, knots in enumerate((content.advance, content.beta))
@@ -419,7 +349,7 @@ def points_at(content: TableContent, position: Floats) -> tuple[Floats, Floats, 
 
 
 def positions_of(content: TableContent, omega: Floats, advance: Floats, beta: Floats) -> Floats:
-    """Positions (n, 3) of points of the envelope (n,) each."""
+    """Return the positions (n, 3) of points of the envelope (n,)."""
     along, across = (
         np.add(*locate(knots, values))
         for knots, values in ((content.advance, advance), (content.beta, beta))
@@ -430,7 +360,7 @@ def positions_of(content: TableContent, omega: Floats, advance: Floats, beta: Fl
 
 
 def _omegas(content: TableContent, advance: Floats) -> tuple[Floats, Floats]:
-    """Least and largest omega (n,) at which the envelope has these advance ratios."""
+    """Return least and largest omega (n,) at which the envelope has these advance ratios."""
     (slowest, fastest), per_omega = content.omega, advance * content.radius
     moves = per_omega > 0.0
     bounds = [

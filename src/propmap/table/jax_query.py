@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap.table.interpolation import NO_VALUE, OUTSIDE, cell_codes, interval_polynomials
-from propmap.table.query import SLACK, TORQUE, JaxLoads, LoadTable, chain_rule
+from propmap.table.query import SLACK, TORQUE, JaxLoads, LoadTable, cartesian_slopes, chain_rule
 
 try:
     import jax
@@ -37,7 +37,7 @@ class JaxTable(NamedTuple):
 
     @classmethod
     def of(cls, table: LoadTable) -> JaxTable:
-        """The ``table`` for use in JAX; in float32 unless the caller has switched x64 on."""
+        """Take a ``table`` over to JAX, in float32 unless the caller has switched x64 on."""
         content = table.content
         lows, highs = zip(*table.envelope.values(), strict=True)
         return cls(
@@ -53,7 +53,7 @@ class JaxTable(NamedTuple):
         )
 
     def loads(self, omega: Any, speed: Any, beta: Any, *, clamp: bool = False) -> JaxLoads:
-        """Loads at operating points.
+        """Interpolate the loads at operating points.
 
         Parameters
         ----------
@@ -68,7 +68,7 @@ class JaxTable(NamedTuple):
         return _finish(values, w, inside | clamp)
 
     def loads_at_velocity(self, omega: Any, velocity: Any, *, clamp: bool = False) -> JaxLoads:
-        """Loads for a velocity in the rotor frame.
+        """Interpolate the loads for a velocity in the rotor frame.
 
         Derivatives are finite everywhere inside, at rest too; without in-plane velocity they
         are those for a velocity that begins to grow along x.
@@ -94,7 +94,7 @@ class JaxTable(NamedTuple):
         return _finish(_at(self, w, axial, inplane), w, inside | clamp)
 
     def code(self, omega: Any, speed: Any, beta: Any) -> Any:
-        """Index into ``propmap.table.STATUSES``, as ``LoadTable.loads`` gives it without clamp.
+        """Return the index into ``propmap.table.STATUSES``, as ``LoadTable.loads`` unclamped.
 
         ``omega``, ``speed`` and ``beta`` are those of ``loads``.
         """
@@ -134,7 +134,7 @@ def _length_jvp(primals: Any, tangents: Any) -> Any:
 
 @jax.custom_jvp
 def _at(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> Any:
-    """Loads (..., L); omega, axial and inplane of one shape, inside the envelope."""
+    """Interpolate loads (..., L); omega, axial and inplane of one shape, inside the envelope."""
     return _expanded(table, omega, axial, inplane)[0]
 
 
@@ -146,7 +146,7 @@ def _at_jvp(primals: Any, tangents: Any) -> Any:
 
 
 def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[Any, Any, Any, Any]:
-    """Loads (..., L) and their derivatives with omega, axial and in-plane velocity."""
+    """Interpolate loads (..., L) and their derivatives with omega, axial and in-plane velocity."""
     speed = jnp.hypot(axial, inplane)
     tip_speed = omega * table.radius
     advance = speed / tip_speed
@@ -160,14 +160,12 @@ def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[An
     value, by_omega, by_speed, by_angle = chain_rule(
         found, omega, advance, tip_speed, root, jnp.where
     )
-    cosine, sine = jnp.cos(beta)[..., None], jnp.sin(beta)[..., None]
-    by_axial = by_speed * cosine - by_angle * sine
-    by_inplane = by_speed * sine + by_angle * cosine
+    by_axial, by_inplane = cartesian_slopes(by_speed, by_angle, jnp.cos(beta), jnp.sin(beta))
     return value, by_omega, by_axial, by_inplane
 
 
 def _weights(knots: Any, polynomials: Any, x: Any) -> tuple[Any, Any]:
-    """Interval of x, and the weights of its four values and of their derivative (..., 2, 4)."""
+    """Find the interval of x, and weights of its four values and their derivative (..., 2, 4)."""
     i = jnp.searchsorted(knots[1:-1], x, side="right")
     width = knots[i + 1] - knots[i]
     t = (x - knots[i]) / width

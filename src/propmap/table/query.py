@@ -1,8 +1,4 @@
-"""``LoadTable``: loads from a table, with NumPy alone.
-
-Here are what its queries take and return, their derivatives, and the way from a load to the
-rotational speed.
-"""
+"""``LoadTable``: loads from a table with NumPy alone, their derivatives, and omega from a load."""
 
 from __future__ import annotations
 
@@ -25,7 +21,6 @@ from propmap.table.interpolation import (
     NO_VALUE,
     OUTSIDE,
     STATUSES,
-    WIDTH,
     Lookup,
     TableContent,
     bilinear,
@@ -41,7 +36,7 @@ if TYPE_CHECKING:
 
 
 def broadcast(**named: ArrayLike) -> list[Floats]:
-    """The arguments as arrays of one shape; raises ``InputError`` where they are no numbers."""
+    """Turn arguments into arrays of one shape; ``InputError`` where they are no numbers."""
     arrays = []
     for name, value in named.items():
         try:
@@ -58,7 +53,7 @@ def broadcast(**named: ArrayLike) -> list[Floats]:
 
 
 def split_velocity(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
-    """omega and the velocity's x, y, z, arrays of one shape."""
+    """Return omega and the velocity's x, y, z as arrays of one shape."""
     (vector,) = broadcast(velocity=velocity)
     if vector.ndim == 0 or vector.shape[-1] != 3:
         raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
@@ -67,7 +62,7 @@ def split_velocity(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Float
 
 
 def fold(beta: Floats) -> tuple[Floats, Floats]:
-    """beta brought to 0...pi by the loads' mirror symmetry, and the sign of its change."""
+    """Bring beta to 0...pi by the loads' mirror symmetry; return the sign of its change too."""
     if ((beta >= 0.0) & (beta <= np.pi)).all():
         return beta, np.ones_like(beta)
     with np.errstate(invalid="ignore"):
@@ -111,7 +106,7 @@ class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
 
     @property
     def inside(self) -> Any:
-        """Where the point asked for is inside the envelope."""
+        """Whether the point asked for is inside the envelope."""
         return (self.code != OUTSIDE) & (self.code != CLAMPED)
 
 
@@ -149,16 +144,12 @@ for _kind in (TableLoads, Gradient, Deviation, JaxLoads):
 # -------------------------------------------------------------------------------------------------
 # ``LoadTable``: loads from a table, with NumPy alone.
 
-CHUNK = 1024
-"""Points that are interpolated together, so that what they gather stays in the cache."""
-
+CHUNK = 1024  # points that are interpolated together, so that what they gather stays in the cache
 SLACK = 1e-9
 """Share of an axis by which a point may lie beyond its end for rounding: 10000 rpm is not the
 same number however it is converted."""
 
-
-HALF = WIDTH // 2
-
+HALF = len(LOADS)  # values per knot that are loads; as many slopes with Omega^(-1/2) follow
 _NOWHERE = TableLoads(*(HALF + 1) * [math.nan], OUTSIDE)
 
 
@@ -238,7 +229,7 @@ class LoadTable:
     def loads(
         self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, *, clamp: bool = False
     ) -> TableLoads:
-        """Loads at operating points.
+        """Interpolate the loads at operating points.
 
         Parameters
         ----------
@@ -263,7 +254,7 @@ class LoadTable:
     def loads_at_velocity(
         self, omega: ArrayLike, velocity: ArrayLike, *, clamp: bool = False
     ) -> TableLoads:
-        """Loads for a velocity vector in the rotor frame.
+        """Interpolate the loads for a velocity vector in the rotor frame.
 
         Parameters
         ----------
@@ -283,7 +274,7 @@ class LoadTable:
         return self.loads(w, np.hypot(across, z), np.arctan2(across, z), clamp=clamp)
 
     def std(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Deviation:
-        """Standard deviations of the model's loads; NaN outside the envelope.
+        """Interpolate standard deviations of the model's loads; NaN outside the envelope.
 
         Those of the constants and of the blade, of the model itself and of another tunnel, see
         ``propmap.Loads.std_by_source``; the table's own errors, see ``certificate``, come on top.
@@ -317,17 +308,17 @@ class LoadTable:
         return Deviation(*values, values[TORQUE] * rate)
 
     def gradient(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Gradient:
-        """Derivatives by ``omega``, ``speed`` and ``beta``, as the last axis (3,); NaN outside.
+        """Differentiate by ``omega``, ``speed`` and ``beta``, the last axis (3,); NaN outside.
 
         Arguments are those of ``loads``.
         """
         w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
         folded, sign = fold(b)
         w, v, folded, _ = self._bounded(w, v, folded, clamp=False)
-        return self._by_chunks(polar_gradient, w, v, folded, sign)
+        return self._by_chunks(self._polar_gradient, w, v, folded, sign)
 
     def gradient_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Gradient:
-        """Derivatives by ``omega`` and x, y, z of ``velocity``, as the last axis (4,); NaN outside.
+        """Differentiate by ``omega`` and x, y, z of ``velocity``, the last axis (4,); NaN outside.
 
         Arguments are those of ``loads_at_velocity``.  Without in-plane velocity, where loads by
         it point nowhere, the derivatives are those for one that begins to grow along x.
@@ -336,7 +327,7 @@ class LoadTable:
         across = np.hypot(x, y)
         speed, beta = np.hypot(across, z), np.arctan2(across, z)
         w, speed, beta, _ = self._bounded(w, speed, beta, clamp=False)
-        return self._by_chunks(velocity_gradient, w, speed, beta, x, y)
+        return self._by_chunks(self._velocity_gradient, w, speed, beta, x, y)
 
     def omega_for(
         self, quantity: str, value: ArrayLike, speed: ArrayLike, beta: ArrayLike
@@ -398,7 +389,7 @@ class LoadTable:
     def _bounded(
         self, omega: Floats, speed: Floats, beta: Floats, *, clamp: bool
     ) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
-        """The points inside the envelope, and which were not; NaN there unless ``clamp``."""
+        """Bring points into the envelope and say which were not; NaN there unless ``clamp``."""
         given = (omega, speed, beta)
         held = [
             np.array(np.clip(x, low, high)) for x, (low, high) in zip(given, self._box, strict=True)
@@ -414,15 +405,43 @@ class LoadTable:
                 x[lost] = value
         return held[0], held[1], held[2], outside
 
-    def _by_chunks(self, gradient: Any, *arrays: Floats) -> Gradient:
+    def _by_chunks(self, gradient: Callable[..., Floats], *arrays: Floats) -> Gradient:
+        """Gather a ``gradient`` (n, L + 1, k) of chunks; fields of the points' shape and k."""
         shape = arrays[0].shape
         flat = [np.ravel(array) for array in np.broadcast_arrays(*arrays)]
         parts = [
-            gradient(self.content, self._lookup, *(array[start : start + CHUNK] for array in flat))
+            gradient(*(array[start : start + CHUNK] for array in flat))
             for start in range(0, max(flat[0].size, 1), CHUNK)
         ]
         found = np.concatenate(parts)
         return Gradient(*found.swapaxes(0, 1).reshape(found.shape[1], *shape, found.shape[2]))
+
+    def _polar_gradient(self, omega: Floats, speed: Floats, beta: Floats, sign: Floats) -> Floats:
+        """Differentiate by omega, speed and beta (n, L + 1, 3); ``sign`` is of beta's change."""
+        loads, by_omega, by_speed, by_angle = self._derivatives(omega, speed, beta)
+        by_beta = by_angle * (sign * speed)[:, None]
+        return _with_power(loads, omega, np.stack([by_omega, by_speed, by_beta], axis=-1))
+
+    def _velocity_gradient(
+        self, omega: Floats, speed: Floats, beta: Floats, vx: Floats, vy: Floats
+    ) -> Floats:
+        """Differentiate by omega and the velocity's components (n, L + 1, 4)."""
+        loads, by_omega, by_speed, by_angle = self._derivatives(omega, speed, beta)
+        by_axial, by_inplane = cartesian_slopes(by_speed, by_angle, np.cos(beta), np.sin(beta))
+        across = np.hypot(vx, vy)
+        moves = across > 0.0
+        divisor = np.where(moves, across, 1.0)
+        x, y = np.where(moves, vx / divisor, 1.0)[:, None], (vy / divisor)[:, None]
+        each = np.stack([by_omega, by_inplane * x, by_inplane * y, by_axial], axis=-1)
+        return _with_power(loads, omega, each)
+
+    def _derivatives(
+        self, omega: Floats, speed: Floats, beta: Floats
+    ) -> tuple[Floats, Floats, Floats, Floats]:
+        tip_speed = omega * self._radius
+        advance, root = speed / tip_speed, omega**-0.5 - self._root
+        found = self._lookup.slopes(advance, beta)
+        return chain_rule(found, omega, advance, tip_speed, root, np.where)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -432,64 +451,15 @@ HARDLY_MOVING = 1e-7
 """Advance ratio below which d/dbeta over J, 0/0 at rest, is taken from its limit."""
 
 
-def polar_gradient(
-    content: TableContent, lookup: Lookup, omega: Floats, speed: Floats, beta: Floats, sign: Floats
-) -> Floats:
-    """Derivatives by omega, speed and beta, (n, L + 1, 3); ``sign`` is that of beta's change."""
-    loads, by_omega, by_speed, by_angle = _derivatives(content, lookup, omega, speed, beta)
-    by_beta = by_angle * (sign * speed)[:, None]
-    return _with_power(loads, omega, np.stack([by_omega, by_speed, by_beta], axis=-1))
-
-
-def velocity_gradient(
-    content: TableContent,
-    lookup: Lookup,
-    omega: Floats,
-    speed: Floats,
-    beta: Floats,
-    vx: Floats,
-    vy: Floats,
-) -> Floats:
-    """Derivatives by omega and the velocity's components, (n, L + 1, 4)."""
-    loads, by_omega, by_speed, by_angle = _derivatives(content, lookup, omega, speed, beta)
-    cosine, sine = np.cos(beta)[:, None], np.sin(beta)[:, None]
-    by_axial = by_speed * cosine - by_angle * sine
-    by_inplane = by_speed * sine + by_angle * cosine
-    across = np.hypot(vx, vy)
-    moves = across > 0.0
-    divisor = np.where(moves, across, 1.0)
-    x, y = np.where(moves, vx / divisor, 1.0)[:, None], (vy / divisor)[:, None]
-    each = np.stack([by_omega, by_inplane * x, by_inplane * y, by_axial], axis=-1)
-    return _with_power(loads, omega, each)
-
-
-def _derivatives(
-    content: TableContent, lookup: Lookup, omega: Floats, speed: Floats, beta: Floats
-) -> tuple[Floats, Floats, Floats, Floats]:
-    tip_speed = omega * content.radius
-    advance = speed / tip_speed
-    root = omega**-0.5 - content.omega[0] ** -0.5
-    return chain_rule(lookup.slopes(advance, beta), omega, advance, tip_speed, root, np.where)
-
-
 def chain_rule(
     found: Any, omega: Any, advance: Any, tip_speed: Any, root: Any, where: Callable[..., Any]
 ) -> tuple[Any, Any, Any, Any]:
-    """Loads, and their derivatives by omega, by speed, and by beta over the speed, (..., L).
+    """Return loads, and their derivatives by omega, speed, and beta over the speed, (..., L).
 
-    Parameters
-    ----------
-    found : array, shape (..., 2, 2, WIDTH)
-        As from ``Lookup.slopes``.
-    omega, advance, tip_speed : array, shape (...)
-        Omega [rad/s], J [-], Omega R [m/s].
-    root : array, shape (...)
-        Omega^(-1/2) less that at the least omega of the table [(s/rad)^(1/2)].
-    where : function
-        Of NumPy or of JAX.
+    ``found`` is as from ``Lookup.slopes``, of points with omega [rad/s], J [-] and Omega R [m/s];
+    ``root`` is Omega^(-1/2) less that at the least omega; ``where`` is NumPy's or JAX's.
     """
-    half = WIDTH // 2
-    both = found[..., :half] + root[..., None, None, None] * found[..., half:]
+    both = found[..., :HALF] + root[..., None, None, None] * found[..., HALF:]
     value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
     by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]
     omega, advance = omega[..., None], advance[..., None]
@@ -497,14 +467,20 @@ def chain_rule(
     by_angle = where(resting, mixed, by_beta / where(resting, 1.0, advance))
     square = omega**2
     # dJ/dOmega = -J / Omega; the Reynolds term is linear in Omega^(-1/2).
-    by_root = found[..., 0, 0, half:] * (-0.5 * omega**-1.5)
+    by_root = found[..., 0, 0, HALF:] * (-0.5 * omega**-1.5)
     by_omega = square * (2.0 * value / omega - by_advance * (advance / omega) + by_root)
     per_speed = square / tip_speed[..., None]
     return square * value, by_omega, per_speed * by_advance, per_speed * by_angle
 
 
+def cartesian_slopes(by_speed: Any, by_angle: Any, cosine: Any, sine: Any) -> tuple[Any, Any]:
+    """Turn derivatives by speed and angle (..., L) at beta into those along the axis and across."""
+    cosine, sine = cosine[..., None], sine[..., None]
+    return by_speed * cosine - by_angle * sine, by_speed * sine + by_angle * cosine
+
+
 def _with_power(loads: Floats, omega: Floats, each: Floats) -> Floats:
-    """``each`` (n, L, k), and the power's (n, L + 1, k); the first variable is omega."""
+    """Add the power's to derivatives (n, L, k), the first by omega; (n, L + 1, k)."""
     power = each[:, TORQUE] * omega[:, None]
     power[:, 0] += loads[:, TORQUE]
     return np.concatenate([each, power[:, None]], axis=1)
@@ -540,11 +516,10 @@ class Inverse(NamedTuple):
 
 
 def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: Floats) -> Inverse:
-    """Every omega of the envelope at which a load has a value; arguments of one shape.
+    """Find every omega of the envelope at which a load has a value; arguments of one shape.
 
     A point outside the envelope, or where the table has no values, has none.  Where the blades
-    windmill at low omega, the same thrust often occurs twice: "several".  The load at an end of
-    the envelope is answered with that end, to rounding, see ``END_SLACK``.
+    windmill at low omega, the same thrust often occurs twice: "several".
     """
     if quantity not in QUANTITIES:
         raise InputError(f"quantity is {quantity!r}: it must be one of {', '.join(QUANTITIES)}")
@@ -563,11 +538,20 @@ def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: F
 
 
 def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: float) -> list[float]:
-    """Rising omegas at which the load is ``value``."""
-    omega = _pieces(table, speed)
+    """Find the omegas at which the load is ``value``, rising."""
+    # Between the omegas at which the advance ratio crosses a knot the load is one smooth piece.
+    low, high = table.envelope["omega"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossed = speed / (table.content.advance * table.content.radius)
+    crossed = crossed[(crossed > low) & (crossed < high)]
+    ends = np.unique(np.concatenate([[low], crossed, [high]]))
+    omega = np.sort(np.concatenate([ends, 0.5 * (ends[:-1] + ends[1:])]))
     field = getattr(table.loads(omega, speed, beta), quantity) - value
     slope = getattr(table.gradient(omega, speed, beta), quantity)[:, 0]
-    field = _met_at_the_ends(field, value, omega, slope)
+    # The excess at an end of the envelope is zero if it is mere rounding.
+    near = np.abs(field) <= END_SLACK * np.fmax(np.abs(omega * slope), abs(value))
+    near[1:-1] = False
+    field = np.where(near, 0.0, field)
 
     def excess(w: float) -> float:
         return float(getattr(table.loads(w, speed, beta), quantity)) - value
@@ -590,36 +574,17 @@ def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: fl
     return found
 
 
-def _met_at_the_ends(excess: Floats, value: float, omega: Floats, slope: Floats) -> Floats:
-    """The excess (n,) of a load over ``value``, zero at the envelope's ends if mere rounding."""
-    size = np.fmax(np.abs(omega * slope), abs(value))
-    near = np.abs(excess) <= END_SLACK * size
-    near[1:-1] = False
-    return np.where(near, 0.0, excess)
-
-
 def _met(
     excess: Callable[[float], float], low: float, at_low: float, high: float, at_high: float
 ) -> list[float]:
-    """The root in [low, high) of a function that is monotonic there, if it has one."""
+    """Find the root in [low, high) of a function that is monotonic there, if it has one."""
     if at_low == 0.0:
         return [low]
     return [_bisect(excess, low, high, at_low)] if at_low * at_high < 0.0 else []
 
 
-def _pieces(table: LoadTable, speed: float) -> Floats:
-    """Omegas between which the load is one smooth piece, halved; rising, within the envelope."""
-    low, high = table.envelope["omega"]
-    knots = table.content.advance
-    with np.errstate(divide="ignore", invalid="ignore"):
-        crossed = speed / (knots * table.content.radius)
-    crossed = crossed[(crossed > low) & (crossed < high)]
-    ends = np.unique(np.concatenate([[low], crossed, [high]]))
-    return np.sort(np.concatenate([ends, 0.5 * (ends[:-1] + ends[1:])]))
-
-
 def _bisect(function: Callable[[float], float], low: float, high: float, start: float) -> float:
-    """Where ``function``, of the sign of ``start`` at low and the other at high, vanishes."""
+    """Find the root of a ``function`` with the sign of ``start`` at low and the other at high."""
     for _ in range(200):
         middle = 0.5 * (low + high)
         if not low < middle < high:
