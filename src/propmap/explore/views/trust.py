@@ -14,7 +14,7 @@ from propmap.explore.view import Answer, Choice, Control, Download, Graph, Slide
 from propmap.io.csv import RPM
 from propmap.loads import LOADS
 from propmap.report.html import COLOURS
-from propmap.report.table_page import KINDS, cell_ranks, cell_sheet
+from propmap.report.table_page import KINDS, cell_ranks, table_cells
 from propmap.table.certificate import quasi_random
 from propmap.table.query import LoadTable
 
@@ -105,7 +105,7 @@ class TrustView:
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
         """What `propmap report` files of the cells."""
-        return cell_sheet(_table(session))
+        return table_cells(_table(session)).csv()
 
 
 def _table(session: Session) -> LoadTable:
