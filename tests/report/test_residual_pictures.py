@@ -9,16 +9,15 @@ from html import unescape
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import propmap
 from propmap.fit.comparison import Comparison, candidates, trends
 from propmap.fit.files import FitFile
 from propmap.fit.least_squares import by_band, errors
-from propmap.loads import LOADS
 from propmap.report import fit_curves, fit_page
-from propmap.report.fit_curves import Curve, Curves
-from propmap.report.fit_page import GivenData, binned, residual_sheet, sentences
-from propmap.report.html import PAGE, REPORT_FILES
+from propmap.report.fit_page import GivenData, binned, residuals, sentences
+from propmap.report.html import PAGE, REPORT_FILES, FigureRecord
 from propmap.typing import Floats
 from propmap.vehicle.log import FlightLog, joined
 from tests.fit.fit_records import load, record
@@ -102,12 +101,8 @@ def test_stretches_of_two_flights_are_apart() -> None:
 
 
 def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.MonkeyPatch) -> None:
-    nothing = dict.fromkeys(LOADS, np.zeros(3))
-    curve = Curve(0.0, None, nothing, None, None, np.full(3, True))
-    flat = Curves(
-        500.0, 0.1, np.linspace(0.0, 9.0, 3), [curve], dict.fromkeys(LOADS, 0.0), (), 0, ""
-    )
-    monkeypatch.setattr(fit_curves, "load_curves", lambda *_: flat)
+    nothing = FigureRecord("fit-loads", [], Figure), {"rpm": 5000.0, "draws": 0, "motor": ""}
+    monkeypatch.setattr(fit_curves, "load_lines", lambda *_: nothing)
     measured = 7.6 + 0.0 * LEFT
     compared = Comparison(
         errors(measured + LEFT, measured, measured),
@@ -126,4 +121,4 @@ def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.Mo
     table = list(csv.DictReader(io.StringIO(str(files["fit-residuals-2.csv"]))))
     assert table[0]["variable"] == TRENDS[0].variable.partition(" [")[0]
     assert float(table[0]["slope"]) == pytest.approx(TRENDS[0].slope, rel=1e-4)
-    assert residual_sheet(TRENDS) == files["fit-residuals-2.csv"]
+    assert residuals("fit-residuals-2", TRENDS).csv() == files["fit-residuals-2.csv"]

@@ -44,9 +44,7 @@ def test_rows_say_what_was_seen_and_what_not() -> None:
     flights = known(predicted=True)
     off = step_errors(VEHICLE, flights, found(flights))
     assert list(dict.fromkeys((flight, model) for model, flight, *_ in off)) == [
-        (name, model)
-        for name in ("first", "second")
-        for model in (HOVER_MODEL, *STEPS, PREDICTION)
+        (name, model) for name in ("first", "second") for model in (HOVER_MODEL, *STEPS, PREDICTION)
     ]
     np.testing.assert_allclose(off[HOVER_MODEL, "first", False, False], 4.0)
     np.testing.assert_allclose(off[HOVER_MODEL, "first", True, False], 5.0)
