@@ -10,17 +10,7 @@ from scipy.interpolate import PchipInterpolator
 
 from propmap.explore import view
 from propmap.explore.session import Recipe, Session, rotor_of
-from propmap.explore.view import (
-    Answer,
-    Control,
-    Download,
-    Graph,
-    Slider,
-    Table,
-    Values,
-    point_controls,
-    point_words,
-)
+from propmap.explore.view import Answer, Control, Download, Graph, Slider, Table, Values
 from propmap.io.csv import RPM, OperatingPoints, loads_csv
 from propmap.io.geometry import propeller_toml
 from propmap.model.model import Model, Propeller
@@ -57,7 +47,7 @@ class BladeView(view.View):
             Slider(f"twist-{k}", f"at {y:g} R", "deg", -15.0, 15.0, 0.1, 0.0, group="Twist, added")
             for k, y in enumerate(PLACES)
         ]
-        return [*point_controls(session), *chords, *twists]
+        return [*view.point_controls(session), *chords, *twists]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """Draw the blade as it was and as it is, and both loads."""
@@ -211,4 +201,4 @@ def _table(old: Model, new: Model, values: Values) -> Table:
         solidity.append(view.digits(float(area / (np.pi * blade.radius**2))))
     rows.append(["solidity", *solidity, "", "-"])
     heads = ("", "as it was", "as it is", "change", "unit")
-    return Table(heads, rows, f"At {point_words(values)}")
+    return Table(heads, rows, f"At {view.point_words(values)}")

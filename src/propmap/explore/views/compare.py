@@ -12,20 +12,7 @@ import numpy as np
 from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Recipe, Session, check_law, check_name, rotor_of
-from propmap.explore.view import (
-    LABELS,
-    Answer,
-    Choice,
-    Control,
-    Download,
-    Graph,
-    Slider,
-    Table,
-    Text,
-    Values,
-    point_controls,
-    point_words,
-)
+from propmap.explore.view import LABELS, Answer, Choice, Control, Download, Graph, Table, Values
 from propmap.io.csv import PREDICT_COLUMNS, RPM, OperatingPoints, csv_text
 from propmap.report.html import COLOURS
 
@@ -65,14 +52,14 @@ class CompareView(view.View):
         first = (GIVEN, other, "", "")
         hint = "a propeller, with @ and constants if others are meant"
         items = [
-            Text(key, f"{'First' if key == 'a' else 'Beside it'}: {hint}", text)
+            view.Text(key, f"{'First' if key == 'a' else 'Beside it'}: {hint}", text)
             for key, text in zip(ITEMS, first, strict=True)
         ]
         equal = (("rpm", "rpm"), ("thrust", "thrust of the first"))
         return [
             *items,
-            *point_controls(session),
-            Slider("fastest", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
+            *view.point_controls(session),
+            view.Slider("fastest", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
             Choice("equal", "At equal", equal, "rpm"),
         ]
 
@@ -206,7 +193,7 @@ def _table(items: Sequence[Item], values: Values) -> Table:
         found = [float(getattr(loads, name)[0]) for loads in every]
         rows.append([label, *_with_difference(found), view.UNITS[name]])
     rows.append(["status", *(str(loads.status[0]) for loads in every), ""])
-    return Table(("", *(one.name for one in items), "unit"), rows, f"At {point_words(values)}")
+    return Table(("", *(one.name for one in items), "unit"), rows, f"At {view.point_words(values)}")
 
 
 def _with_difference(found: Sequence[float]) -> list[str]:

@@ -15,20 +15,7 @@ from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.app import Job
 from propmap.explore.session import CONSTANTS_FILE, Recipe, Session, rotor_of
-from propmap.explore.view import (
-    Answer,
-    Control,
-    Download,
-    Graph,
-    Several,
-    Slider,
-    Table,
-    Values,
-    data_choice,
-    point_controls,
-    point_python,
-    values_of,
-)
+from propmap.explore.view import Answer, Control, Download, Graph, Several, Slider, Table, Values
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData
@@ -78,9 +65,9 @@ class ConstantsView(view.View):
         free = tuple((name, name) for name in CONSTANTS)
         return [
             *sliders,
-            data_choice(session),
+            view.data_choice(session),
             Several("free", "Free in a fit", free, FREE),
-            *point_controls(session),
+            *view.point_controls(session),
         ]
 
     def graphs(self, session: Session) -> Sequence[Graph]:
@@ -129,7 +116,7 @@ class ConstantsView(view.View):
 
     def python(self, session: Session, values: Values) -> str:
         """Write lines that print the loads with these constants."""
-        lines = f"print(rotor.loads({point_python(values)}))"
+        lines = f"print(rotor.loads({view.point_python(values)}))"
         return self._recipe(session, values).python(lines)
 
     def text(self, session: Session, values: Values, file: str) -> str:
@@ -181,7 +168,7 @@ class ConstantsView(view.View):
             given = {one["control"]: value for one, value in zip(ids, values, strict=True)}
             try:
                 session = application.session(here)
-                found, _ = values_of(self.controls(session), given)
+                found, _ = view.values_of(self.controls(session), given)
                 task = fit_of(session, found)
                 return application.jobs.begin(task.run), "the fit begins"
             except InputError as error:

@@ -11,20 +11,7 @@ from contourpy import contour_generator
 from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Recipe, Session, rotor_of
-from propmap.explore.view import (
-    Answer,
-    Choice,
-    Control,
-    Download,
-    Graph,
-    Slider,
-    Values,
-    point_controls,
-    point_of,
-    point_python,
-    point_table,
-    point_words,
-)
+from propmap.explore.view import Answer, Choice, Control, Download, Graph, Slider, Values
 from propmap.io.csv import disk_csv
 from propmap.report.html import COLOURS
 from propmap.report.pictures import share_of_disk
@@ -61,7 +48,7 @@ class DiskView(view.View):
         """List what can be set."""
         options = tuple((key, title.partition(" [")[0]) for key, (title, _) in FIELDS.items())
         return [
-            *point_controls(session),
+            *view.point_controls(session),
             Choice("field", "Over the disk", options, "alpha"),
             Slider("psi", "Along the blade at ψ", "deg", 0.0, 360.0, 5.0, 90.0),
         ]
@@ -99,8 +86,8 @@ class DiskView(view.View):
             ("stalled inside", COLOURS[1]),
             ("reverse flow inside", f"-{COLOURS[3]}"),
         ]
-        tables = [point_table(session, values)] if settled else []
-        return Answer(shown, tables, [f"{point_words(values)}: of the disk {words}"], key)
+        tables = [view.point_table(session, values)] if settled else []
+        return Answer(shown, tables, [f"{view.point_words(values)}: of the disk {words}"], key)
 
     def shell(self, session: Session, values: Values) -> str:
         """Write commands for the field as CSV and as a picture, and for the loads."""
@@ -112,7 +99,7 @@ class DiskView(view.View):
     def python(self, session: Session, values: Values) -> str:
         """Write lines that print the field."""
         return Recipe(session).python(
-            f"point = {point_python(values)}\n"
+            f"point = {view.point_python(values)}\n"
             "field = rotor.inflow(*point)\n"
             "print(np.degrees(field.alpha), field.local_inflow, field.normal_force)\n"
             "print(rotor.loads(*point))"
@@ -124,7 +111,7 @@ class DiskView(view.View):
 
 
 def _si(values: Values) -> tuple[float, float, float]:
-    omega, speed, beta = (float(part[0]) for part in point_of(values).si)
+    omega, speed, beta = (float(part[0]) for part in view.point_of(values).si)
     return omega, speed, beta
 
 

@@ -12,20 +12,7 @@ from numpy.typing import NDArray
 from propmap.errors import InputError, quoted
 from propmap.explore import view
 from propmap.explore.session import Recipe, Session, axis, fastest, hover_model, number, rotor_of
-from propmap.explore.view import (
-    Answer,
-    Choice,
-    Control,
-    Download,
-    Graph,
-    Several,
-    Slider,
-    Text,
-    Values,
-    data_choice,
-    point_controls,
-    point_table,
-)
+from propmap.explore.view import Answer, Choice, Control, Download, Graph, Several, Text, Values
 from propmap.fit.tunnel import TunnelData
 from propmap.io.csv import RPM, OperatingPoints, loads_csv, std_columns
 from propmap.report.html import COLOURS
@@ -55,13 +42,13 @@ class LoadsView(view.View):
         panels = tuple((name, view.LABELS[name]) for name in view.TITLES)
         return [
             Choice("x", "Against", against, "speed"),
-            *point_controls(session),
+            *view.point_controls(session),
             Text("angles", "Angles β, a curve each [deg]", "0,30,60,90"),
             Text("speeds", "Speeds, a curve each against β [m/s]", "0,5,10,20"),
-            Slider("fastest", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
+            view.Slider("fastest", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
             Several("show", "Panels", panels, SHOWN),
             Several("bands", "How sure", (("on", "95 % bands"),), ("on",)),
-            data_choice(session),
+            view.data_choice(session),
         ]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
@@ -119,7 +106,7 @@ class LoadsView(view.View):
                 xaxis={"range": [float(x[0]), float(x[-1])]},
                 yaxis=view.span(*heights, zero=True),
             )
-        tables = [point_table(session, values)] if settled else []
+        tables = [view.point_table(session, values)] if settled else []
         key = [*zip(names, COLOURS, strict=False), ("hover model", f"-{view.GREY}")]
         if data is not None:
             remarks.append(f"Points: {data.source}")

@@ -11,17 +11,7 @@ import numpy as np
 from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Session, rotor_of
-from propmap.explore.view import (
-    Answer,
-    Choice,
-    Control,
-    Download,
-    Graph,
-    Slider,
-    Table,
-    Values,
-    data_choice,
-)
+from propmap.explore.view import Answer, Choice, Control, Download, Graph, Slider, Table, Values
 from propmap.io.csv import RPM
 from propmap.loads import LOADS, error_scales
 from propmap.report.html import COLOURS
@@ -55,7 +45,7 @@ class TrustView(view.View):
         loads = tuple((name, load.label) for name, load in LOADS.items())
         return [
             Choice("load", "Error of", (("worst", "the worst load"), *loads), "worst"),
-            data_choice(session),
+            view.data_choice(session),
             Slider(
                 "at", "Limit of speed at", "rpm", round(low / RPM), round(high / RPM), 10.0,
                 round(float(np.sqrt(low * high)) / RPM),
