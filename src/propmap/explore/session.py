@@ -120,11 +120,8 @@ class Session:
 
     def without(self, *kinds: str) -> Session:
         """Leave out the files of these kinds."""
-        files, tokens = (
-            {kind: one for kind, one in entries.items() if kind not in kinds}
-            for entries in (self.files, self.tokens)
-        )
-        return replace(self, files=files, tokens=tokens)
+        files = {kind: one for kind, one in self.files.items() if kind not in kinds}
+        return replace(self, files=files, tokens={k: self.tokens[k] for k in files})
 
     def given(self, kind: str) -> Any:
         """Give what the file of this kind holds; None where there is none."""

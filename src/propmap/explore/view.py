@@ -203,8 +203,8 @@ def values_of(controls: Sequence[Control], given: Mapping[str, Any]) -> tuple[Va
     """
     values, remarks = {}, []
     for control in controls:
-        default = control.default
-        values[control.name] = list(default) if isinstance(control, Several) else default
+        own = list(control.default) if isinstance(control, Several) else control.default
+        values[control.name] = own
         if given.get(control.name) is not None:
             try:
                 values[control.name] = control.read(given[control.name])
@@ -407,7 +407,8 @@ def point_controls(session: Session) -> list[Slider]:
 
 def point_of(values: Values) -> OperatingPoints:
     """Give the operating point."""
-    return OperatingPoints(*(np.array([values[key]]) for key in POINT))
+    rpm, speed, beta = (np.array([values[key]]) for key in POINT)
+    return OperatingPoints(rpm, speed, beta)
 
 
 def point_words(values: Values) -> str:

@@ -90,7 +90,9 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
     # Speeds that the data cover at each angle; points at rest belong to all.
     from_rest = fit.covered.at_rest is not None
     ends = [
-        data and ((0.0 if from_rest else data.advance[0]) * tip, data.advance[1] * tip)
+        None
+        if data is None
+        else ((0.0 if from_rest else data.advance[0]) * tip, data.advance[1] * tip)
         for _, data in angles
     ]
     groups = []

@@ -387,7 +387,7 @@ def angles_without_data(fit: FitRecord) -> str:
 
 def band_errors(name: str, bands: Mapping[tuple[str, str], Mapping[str, Errors]]) -> FigureRecord:
     """Record errors by (load, unit) and by band of speed, in the order of speed; a panel a load."""
-    groups = [
+    groups: list[dict[str, Any]] = [
         {
             "load": load,
             "unit": unit,
@@ -535,7 +535,7 @@ def binned(trend: Trend) -> dict[str, Floats]:
 def residuals(name: str, trends: Sequence[Trend]) -> FigureRecord:
     """Record binned residuals of one load against every candidate, the strongest first."""
     load, unit = trends[0].load, trends[0].unit
-    groups = []
+    groups: list[dict[str, Any]] = []
     for trend in trends:
         variable, _, variable_unit = trend.variable.rstrip("]").partition(" [")
         found = binned(trend)

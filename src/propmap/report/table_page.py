@@ -345,11 +345,11 @@ def hover_errors(
 
     omega, speed, _ = points
     thrust, torque = (constants[name] * omega**2 for name in HOVER_LOADS)
-    shares = ((thrust - found.thrust) / thrust, (torque - found.torque) / torque)
-    shares += (found.drag / thrust,)
-    ends = lines.groups[0]["speed_mps"][[0, -1]]
+    off_thrust, off_torque = (thrust - found.thrust) / thrust, (torque - found.torque) / torque
+    shares = (off_thrust, off_torque, found.drag / thrust)
+    first, last = lines.groups[0]["speed_mps"][[0, -1]]
     cells, beyond, sizes, good = [], [], [], []
-    for low, high in itertools.pairwise(np.linspace(*ends, BANDS + 1).tolist()):
+    for low, high in itertools.pairwise(np.linspace(first, last, BANDS + 1).tolist()):
         mine = (speed >= low) & (speed <= high) & np.isfinite(shares[0])
         if not mine.any():
             continue

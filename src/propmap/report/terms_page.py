@@ -55,11 +55,9 @@ def terms_pages(
         rows = []
         for model in models:
             unseen, seen = (off.get((model, flight, raw, fitted)) for fitted in (False, True))
-            if alone:
-                shown = map(number, seen if unseen is None else unseen)
-            else:
-                shown = [*map(number, unseen), *(3 * [""] if seen is None else map(number, seen))]
-            rows.append((model, *shown))
+            each = [seen if unseen is None else unseen] if alone else [unseen, seen]
+            shown = [3 * [""] if e is None else [number(x) for x in e] for e in each]
+            rows.append((model, *itertools.chain(*shown)))
         return rows
 
     below = []

@@ -172,9 +172,7 @@ def _for_thrust(item: Item, wanted: Any, first: Any, speed: Any, beta: float) ->
     return after
 
 
-def _loads(
-    items: Sequence[Item], omegas: Sequence[Any], speed: Any, values: Values
-) -> list[SimpleNamespace]:
+def _loads(items: Sequence[Item], omegas: Sequence[Any], speed: Any, values: Values) -> list[Any]:
     """Compute loads, power and status of each item; a table has no power of its own."""
     found = []
     for one, omega in zip(items, omegas, strict=True):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,6 @@ ALONG = 31  # points of a curve
 MOST_CURVES = 6
 SHOWN = ("thrust", "drag", "torque", "roll_moment", "pitch_moment", "power")
 NAME = "loads.csv"
-WIDE = NormalDist().inv_cdf(0.975)  # standard deviations on either side of a 95 % band
 # How near a measured point must be to a curve to be drawn with it: shares, and degrees.
 SAME_RPM, SAME_SPEED, SAME_ANGLE = 0.01, 0.03, 0.5
 
@@ -65,9 +63,8 @@ class LoadsView(view.View):
         ]
         still = hover_model(model).loads(omega[0])
         still = {**still, "power": np.asarray(still["torque"]) * omega[0]}
-        std: Mapping[str, Floats] = {}
-        if settled and values["bands"] and model.uncertainty is not None:
-            std = {name: getattr(loads.std, name) for name in values["show"]}
+        sure = settled and values["bands"] and model.uncertainty is not None
+        ends = loads.interval() if sure else ()
         words = _words(flow, loads) if settled else []
         data = session.measured(values["data"])
         near = near_curves(flow, along, data) if data is not None else []
@@ -79,9 +76,10 @@ class LoadsView(view.View):
         for name in values["show"]:
             found: Floats = getattr(loads, name)
             traces: list[dict[str, Any]] = []
-            if name in std:
-                for row, half, colour in zip(found, WIDE * std[name], COLOURS, strict=False):
-                    traces.append(view.band(x, row - half, row + half, colour))
+            if ends:
+                for k in range(len(found)):
+                    low, high = (getattr(end, name)[k] for end in ends)
+                    traces.append(view.band(x, low, high, COLOURS[k]))
             for k, row in enumerate(found):
                 template = f"%{{x:.4g}}: %{{y:.4g}}<extra>{names[k]}</extra>"
                 more: dict[str, Any] = {"hovertemplate": template}
@@ -260,7 +258,7 @@ def _measured(
     inside = (at >= x[0]) & (at <= x[-1])
     # One trace for all: each costs some milliseconds of every step.
     mine = [which[inside[which]] for which in near]
-    curve = np.repeat(np.arange(len(near)), [which.size for which in mine])
+    curve = [k for k, which in enumerate(mine) for _ in which]
     every = np.concatenate(mine)
     trace = view.points(at[every], values[every], f"measured: {data.source}", COLOURS[0])
     trace["marker"] = {
