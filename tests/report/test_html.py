@@ -1,4 +1,4 @@
-"""Reports: escaped text, tables with units, figures inside, numbers as CSV; whole folders or none."""
+"""Reports: escaped text, tables with units, figures inside; folders are whole or as before."""
 
 from __future__ import annotations
 

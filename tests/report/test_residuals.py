@@ -66,16 +66,17 @@ def test_errors_of_means_count_a_second_as_one() -> None:
     """50 samples that err alike are worth one: bars are far wider than of independent ones."""
     trend = next(one for one in TRENDS if one.variable.startswith("time"))
     found = binned(trend)
-    assert found["samples"].sum() == COUNT and found["mean"].size == 8
+    assert found["samples"].sum() == COUNT and found["mean_in_unit"].size == 8
     within = [trend.residual[(trend.at >= a) & (trend.at <= b)]
-              for a, b in zip(found["from"], found["to"], strict=True)]  # fmt: skip
+              for a, b in zip(found["bin_from"], found["bin_to"], strict=True)]  # fmt: skip
     alone = np.array([part.std() / np.sqrt(part.size) for part in within])
-    ratio = found["error"] / alone
+    ratio = found["mean_error_in_unit"] / alone
     # The square root of the samples per second, less what the climb rate does within one.
     assert np.all(ratio > 4.0) and np.all(ratio < np.sqrt(RATE))
     means = np.array([part.mean() for part in within])
-    np.testing.assert_allclose(found["mean"], means, atol=0.01)
-    assert np.all(found["low"] <= found["mean"]) and np.all(found["mean"] <= found["high"])
+    np.testing.assert_allclose(found["mean_in_unit"], means, atol=0.01)
+    low, high = found["low_10_in_unit"], found["high_90_in_unit"]
+    assert np.all(low <= found["mean_in_unit"]) and np.all(found["mean_in_unit"] <= high)
 
 
 def test_a_variable_that_hardly_changes_has_few_bins() -> None:
@@ -85,7 +86,7 @@ def test_a_variable_that_hardly_changes_has_few_bins() -> None:
         assert found["samples"].sum() == COUNT
         assert all(np.isfinite(values).all() for values in found.values())
         if "velocity" in trend.variable:
-            assert found["mean"].size == 1 and not trend.tells
+            assert found["mean_in_unit"].size == 1 and not trend.tells
 
 
 def test_samples_without_a_residual_are_left_out() -> None:

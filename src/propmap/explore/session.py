@@ -213,16 +213,11 @@ def _model(session: Session) -> Model:
 
 
 def _blade(session: Session) -> Propeller:
-    found: Propeller
     if "fit" in session.files:
-        found = session.given("fit").model.propeller
-    elif "geometry" in session.files:
-        found = session.given("geometry")
-    elif session.vehicle is not None:
-        found = session.vehicle.propeller
-    else:
-        found = propeller(session.prop)
-    return found
+        return session.given("fit").model.propeller
+    if "geometry" in session.files:
+        return session.given("geometry")
+    return session.vehicle.propeller if session.vehicle is not None else propeller(session.prop)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -296,7 +291,10 @@ def _read(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
         return "table", LoadTable.load(path)
     if ending == ".toml":
         return _read_toml(path, trusted=trusted)
-    if looks_like_uiuc_loads(path) or (ending == ".csv" and _has_loads(path)):
+    first = ""
+    if ending == ".csv":
+        first = next((line for line in read_lines(path, "CSV file") if line.strip()), "")
+    if looks_like_uiuc_loads(path) or any(name in first for name in LOAD_COLUMNS):
         # Read once now, so that what is wrong is reported at once.
         return "data", measured_loads(path)
     return "geometry", read_geometry_file(str(path))
@@ -325,11 +323,6 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
     if is_fit(path):
         return "fit", read_fit(path)
     return "constants", read_airfoil(path)
-
-
-def _has_loads(path: Path) -> bool:
-    first = next((line for line in read_lines(path, "CSV file") if line.strip()), "")
-    return any(name in first for name in LOAD_COLUMNS)
 
 
 class Shelf:

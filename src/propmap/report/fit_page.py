@@ -512,9 +512,9 @@ def strong_pairs(fit: FitRecord) -> list[str]:
 
 
 def binned(trend: Trend) -> dict[str, Floats]:
-    """Bin a ``trend``: ends, middle, mean residual, its block-wise standard error, percentiles.
+    """Bin a ``trend`` into the columns (bins,) of its record; see the heads.
 
-    Each an array (bins,); errors within a stretch of time count as one.
+    Errors within a stretch of time count as one in the standard error of a bin's mean.
     """
     ends = np.unique(np.percentile(trend.at, np.linspace(0.0, 100.0, BINS + 1)))
     place = np.clip(np.searchsorted(ends, trend.at, side="right") - 1, 0, max(ends.size - 2, 0))
@@ -528,8 +528,9 @@ def binned(trend: Trend) -> dict[str, Floats]:
         low, high = ends[k], ends[min(k + 1, ends.size - 1)]
         middle = float(np.mean(trend.at[mine]))
         rows.append((low, high, middle, off.mean(), error, *np.percentile(off, SPREAD), off.size))
-    names = ("from", "to", "middle", "mean", "error", "low", "high", "samples")
-    return dict(zip(names, np.array(rows).T, strict=True))
+    heads = "bin_from bin_to bin_middle mean_in_unit mean_error_in_unit low_10_in_unit"
+    heads += " high_90_in_unit samples"
+    return dict(zip(heads.split(), np.array(rows).T, strict=True))
 
 
 def residuals(name: str, trends: Sequence[Trend]) -> FigureRecord:
@@ -538,7 +539,6 @@ def residuals(name: str, trends: Sequence[Trend]) -> FigureRecord:
     groups: list[dict[str, Any]] = []
     for trend in trends:
         variable, _, variable_unit = trend.variable.rstrip("]").partition(" [")
-        found = binned(trend)
         groups.append(
             {
                 "load": load,
@@ -548,12 +548,7 @@ def residuals(name: str, trends: Sequence[Trend]) -> FigureRecord:
                 "share_of_variance": trend.share,
                 "slope": trend.slope,
                 "slope_error": trend.error,
-                **{f"bin_{end}": found[end] for end in ("from", "to", "middle")},
-                "mean_in_unit": found["mean"],
-                "mean_error_in_unit": found["error"],
-                "low_10_in_unit": found["low"],
-                "high_90_in_unit": found["high"],
-                "samples": found["samples"],
+                **binned(trend),
             }
         )
 
