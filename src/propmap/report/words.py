@@ -39,10 +39,10 @@ def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
 def claims(found: Mapping[str, Any]) -> Iterator[str]:
     """Say what a table's certificate claims, a sentence each."""
     cells = int(found["unresolved_cells"])
-    except_these = ", unresolved cells apart" if cells else ""
+    outside = ", outside unresolved cells" if cells else ""
     yield (
         f"tolerance {found['tolerance']:.2%} holds on {found['points']} points that the table was "
-        f"not built from{except_these}"
+        f"not built from{outside}"
     )
     if found.get("search_points"):
         yield (
@@ -69,7 +69,8 @@ def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
         f"{', '.join(found['parameters'])}, on {found['points']} points"
     )
     if found["not_counted"]:
-        yield f"not counted, the fit's data say nothing of them: {', '.join(found['not_counted'])}"
+        names = ", ".join(found["not_counted"])
+        yield f"not counted, as the fit's data do not determine them: {names}"
 
 
 # -------------------------------------------------------------------------------------------------

@@ -42,7 +42,7 @@ class CompareView(view.View):
         for name in SHOWN
         for graph in (
             Graph(name, f"{LABELS[name]} against speed"),
-            Graph(f"{name}-apart", f"{LABELS[name]}: difference"),
+            Graph(f"{name}-difference", f"{LABELS[name]}: difference"),
         )
     )
 
@@ -74,7 +74,7 @@ class CompareView(view.View):
             own = [getattr(loads, name) for loads in every]
             for suffix, rows, words in (
                 ("", own, ""),
-                ("-apart", [row - own[0] for row in own], ", minus the first"),
+                ("-difference", [row - own[0] for row in own], ", minus the first"),
             ):
                 shown[f"{name}{suffix}"] = view.curves(
                     speed,

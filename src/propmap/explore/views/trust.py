@@ -226,4 +226,4 @@ def _facts(table: LoadTable) -> Table:
         ]
         for name, error in certificate["max_error"].items():
             rows.append([f"largest error, {LOADS[name].label}", f"{100.0 * error:.3g} %"])
-    return Table(("", "value"), rows, "What the table tells of itself")
+    return Table(("", "value"), rows, "From the table's file")
