@@ -436,18 +436,13 @@ class Job:
     message: str = "waiting for its turn"  # how far it is, or what came of it
     found: Mapping[str, float] = field(default_factory=dict)  # constants, once it is done
     done: bool = False
-    failed: bool = False  # ended without a result
     begun: float = field(default_factory=time.monotonic)
 
     @property
     def line(self) -> str:
         """Say how far it is, with the time it has taken so far."""
-        return (
-            self.message if self.done else f"{self.message} ({time.monotonic() - self.begun:.0f} s)"
-        )
-
-
-Work = Callable[[Job], Mapping[str, float]]
+        seconds = time.monotonic() - self.begun
+        return self.message if self.done else f"{self.message} ({seconds:.0f} s)"
 
 
 class Jobs:
@@ -458,34 +453,35 @@ class Jobs:
         self._lock = threading.Lock()
         self._turn = threading.Lock()
 
-    def begin(self, work: Work) -> str:
+    def begin(self, work: Callable[[Job], Mapping[str, float]]) -> str:
         """Do ``work`` in a thread of its own, and give the name under which it is asked for."""
         name, job = secrets.token_urlsafe(12), Job()
         with self._lock:
-            waiting = sum(not other.done for other in self._kept.values())
-            if waiting >= MOST:
+            done = [key for key, other in self._kept.items() if other.done]
+            if len(self._kept) - len(done) >= MOST:
                 raise InputError("too many fits are under way", "wait for one to end")
             self._kept[name] = job
-            for old in [k for k, other in self._kept.items() if other.done][: -MOST // 2]:
+            for old in done[: -MOST // 2]:
                 del self._kept[old]
-        threading.Thread(target=self._run, args=(job, work), daemon=True).start()
+
+        def run() -> None:
+            with self._turn:
+                try:
+                    job.found = work(job)
+                except InputError as error:
+                    job.message = str(error)
+                except Exception:
+                    logging.getLogger(__name__).exception("a fit failed")
+                    job.message = "the fit failed; the terminal says more"
+            job.done = True
+
+        threading.Thread(target=run, daemon=True).start()
         return name
 
     def get(self, name: str) -> Job | None:
         """Find a fit by its name; None where there is none of it."""
         with self._lock:
             return self._kept.get(name)
-
-    def _run(self, job: Job, work: Work) -> None:
-        with self._turn:
-            try:
-                job.found = work(job)
-            except InputError as error:
-                job.message, job.failed = str(error), True
-            except Exception:
-                logging.getLogger(__name__).exception("a fit failed")
-                job.message, job.failed = "the fit failed; the terminal says more", True
-        job.done = True
 
 
 # -------------------------------------------------------------------------------------------------
