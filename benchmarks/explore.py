@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from benchmarks.results_file import machine
-from tools.explore_browser import browser, explorer, open_view, settle, wait_until_fast
+from tools.explore_browser import browser, explorer, open_view, settle
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -57,7 +57,6 @@ def opened(address: str) -> tuple[list[float], list[float]]:
 def steps(page: Page, address: str, control: str) -> list[float]:
     """Milliseconds of each step of a slider."""
     open_view(page, address)
-    wait_until_fast(page)
     selector = f'[id=\'{{"control":"{control}"}}\']'
     found = []
     for _ in range(STEPS):
@@ -87,9 +86,9 @@ def main() -> None:
         with browser() as one:
             page = one.new_page(viewport={"width": 1280, "height": 900})
             for view, control in (("loads", "rpm"), ("disk", "speed")):
-                told = summary(steps(page, f"{address}/{view}", control))
-                found[f"{view}_step_ms"] = told
-                print(f"{view}: a step of {control} takes {told} ms")
+                times = summary(steps(page, f"{address}/{view}", control))
+                found[f"{view}_step_ms"] = times
+                print(f"{view}: a step of {control} takes {times} ms")
     print(f"first paint: {found['first_paint_s']} s, first figure: {found['first_figure_s']} s")
     RESULT.write_text(json.dumps({**found, "machine": machine()}, indent=2) + "\n")
 

@@ -8,7 +8,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -87,15 +86,3 @@ def open_view(page: Page, address: str, within: float = 60.0) -> None:
 def settle(page: Page, within: float = 60.0) -> None:
     """Wait until all that was asked for is there."""
     page.wait_for_function("window.propmap && window.propmap.quiet()", timeout=1e3 * within)
-
-
-def wait_until_fast(page: Page, within: float = 300.0) -> None:
-    """Wait until the compiled rotor is ready: a move of a slider after that tells it."""
-    end = time.monotonic() + within
-    while time.monotonic() < end:
-        settle(page, within)
-        if not page.locator("#state").inner_text():
-            return
-        page.wait_for_timeout(1000.0)
-        page.evaluate("window.propmap.again()")
-    raise RuntimeError("the compiled rotor was not ready in time")

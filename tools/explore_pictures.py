@@ -6,7 +6,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from tools.explore_browser import browser, explorer, open_view, settle, wait_until_fast
+from tools.explore_browser import browser, explorer, open_view, settle
 
 FOLDER = Path(__file__).parents[1] / "docs" / "figures"
 
@@ -29,8 +29,6 @@ def main() -> None:
     """Take them all."""
     with explorer("apc-8x6e") as (address, _), browser() as one:
         page = one.new_page(viewport=SIZE)  # type: ignore[arg-type]
-        open_view(page, f"{address}/disk", 180.0)
-        wait_until_fast(page, 600.0)
         for name, place in PICTURES.items():
             open_view(page, address + place, 180.0)
             settle(page, 180.0)

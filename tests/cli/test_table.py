@@ -80,7 +80,7 @@ def test_a_fit_brings_its_covariance(
     for shown in (done.out, run("show", "map.npz").out):
         assert "parameters, median" in shown and "1.500 %" in shown
         assert "covariance of c_l1, on 1000 points" in shown
-        assert "say nothing of them: c_d" in shown
+        assert "do not determine them: c_d" in shown
     told = json.loads(run("show", "map.npz", "--format", "json").out)
     assert told["airfoil_covariance"] == {
         "names": ["c_l1", "c_d"],

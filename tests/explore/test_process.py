@@ -26,7 +26,6 @@ def _run(*arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_ctrl_c_ends_it_at_once_with_exit_code_0() -> None:
-    """Even while it compiles in the background."""
     with explorer("apc-8x6e") as (address, process):
         with urllib.request.urlopen(address, timeout=30) as page:
             assert page.status == 200

@@ -25,7 +25,7 @@ from .conftest import EXAMPLES, with_file
 RPM = np.pi / 30.0
 BY_NAME = {view.name: view for view in VIEWS}
 NAMES = [
-    # Without compiling, the search for steady states takes some seconds.
+    # The search for steady states takes some seconds.
     pytest.param(name, marks=pytest.mark.slow) if name in ("aircraft", "loads") else name
     for name in BY_NAME
 ]
@@ -209,7 +209,7 @@ def test_without_a_vehicle_or_a_table_a_line_says_what_to_do(application: Applic
 def test_measured_points_are_drawn_and_fitted(shelf: Shelf) -> None:
     """A fit of loads that the model made with other constants finds these."""
     from propmap.explore.app import Job
-    from propmap.explore.views.constants import Fit, law_of
+    from propmap.explore.views.constants import fit_of, law_of
 
     model = pm.known_model("apc-8x6e")
     law = model.airfoil
@@ -230,5 +230,5 @@ def test_measured_points_are_drawn_and_fitted(shelf: Shelf) -> None:
     _, drawn = _answer(session, loads_view, rpm="5000", data="file", angles="0")
     assert any("mine.csv" in str(trace.get("name")) for trace in drawn.figures["thrust"]["data"])
     job = Job()
-    assert Fit.of(session, values).run(job)["c_l1"] == pytest.approx(true.c_l1, rel=1e-3)
-    assert "evaluations" in job.told or "Fitted" in job.told
+    assert fit_of(session, values).run(job)["c_l1"] == pytest.approx(true.c_l1, rel=1e-3)
+    assert "evaluations" in job.message or "Fitted" in job.message

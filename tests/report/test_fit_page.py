@@ -8,14 +8,15 @@ from html import unescape
 import msgspec
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import propmap
 from propmap.fit.files import FitFile, FitRecord
 from propmap.loads import LOADS
 from propmap.report import fit_curves, fit_page
-from propmap.report.fit_curves import DRAWS, Curve, Curves, drawn_changes, held, load_curves
+from propmap.report.fit_curves import DRAWS, drawn_changes, held, load_lines
 from propmap.report.fit_page import angles_without_data, overall, speed_rows
-from propmap.report.html import PAGE
+from propmap.report.html import PAGE, FigureRecord
 from tests.fit.fit_records import covered, load, parameter, record
 
 
@@ -26,10 +27,8 @@ def file_of(fit: FitRecord) -> FitFile:
 
 def told(fit: FitRecord, monkeypatch: pytest.MonkeyPatch) -> str:
     """The text of the page, without load curves and pictures."""
-    speed, nothing = np.linspace(0.0, 9.0, 3), dict.fromkeys(LOADS, np.zeros(3))
-    curve = Curve(0.0, None, nothing, None, None, np.full(3, True))
-    flat = Curves(500.0, 0.1, speed, [curve], dict.fromkeys(LOADS, 0.0), (), 0, "")
-    monkeypatch.setattr(fit_curves, "load_curves", lambda *_: flat)
+    nothing = FigureRecord("fit-loads", [], Figure), {"rpm": 5000.0, "draws": 0, "motor": ""}
+    monkeypatch.setattr(fit_curves, "load_lines", lambda *_: nothing)
     monkeypatch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")
     html = fit_page.fit_pages(file_of(fit), "fit.toml", "abc", None)[PAGE]
     assert isinstance(html, str)
@@ -136,21 +135,21 @@ def test_a_band_is_what_the_derivative_makes_of_the_deviation() -> None:
         at_rest=None,
     )
     file = file_of(fit)
-    found = load_curves(file)
-    (edgewise,) = (c for c in found.curves if c.covered)
-    assert edgewise.low is not None and edgewise.high is not None
-    tip = found.omega * found.radius
-    assert edgewise.covered == pytest.approx((0.01 * tip, 0.25 * tip))
-    assert found.speed[-1] == pytest.approx(1.25 * 0.25 * tip)
+    record_of_lines, facts = load_lines(file, None)
+    (edgewise,) = (group for group in record_of_lines.groups if group["covered"].any())
+    omega, speed = facts["rpm"] * np.pi / 30.0, edgewise["speed_mps"]
+    tip = omega * file.model.propeller.radius
+    assert speed[-1] == pytest.approx(1.25 * 0.25 * tip)
+    inside = (0.01 * tip <= speed) & (speed <= 0.25 * tip)
+    np.testing.assert_array_equal(edgewise["covered"], inside)
     k = 20
     pair = [
         propmap.Rotor(file.model.with_airfoil(law.with_parameters(c_l1=c))).loads(
-            found.omega, found.speed[k], edgewise.beta
+            omega, speed[k], np.radians(edgewise["beta_deg"])
         )
         for c in (value - 0.1, value + 0.1)
     ]
     half = 1.96 * abs(float(pair[1].thrust - pair[0].thrust)) / 2.0
-    width = edgewise.high["thrust"][k] - edgewise.low["thrust"][k]
-    assert width == pytest.approx(2.0 * half, rel=0.2)
-    assert (edgewise.low["thrust"] <= edgewise.loads["thrust"]).all()
-    assert (edgewise.high["thrust"] >= edgewise.loads["thrust"]).all()
+    low, high = (edgewise[f"thrust_{end}_95_N"] for end in ("low", "high"))
+    assert high[k] - low[k] == pytest.approx(2.0 * half, rel=0.2)
+    assert (low <= edgewise["thrust_N"]).all() and (high >= edgewise["thrust_N"]).all()

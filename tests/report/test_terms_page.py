@@ -10,7 +10,7 @@ import pytest
 
 from propmap.fit.flight_study import FittedStep, Flight, Off
 from propmap.report.html import PAGE, TERMS_FILES
-from propmap.report.terms_page import HOVER_MODEL, PREDICTION, rows, terms_pages, worth
+from propmap.report.terms_page import HOVER_MODEL, PREDICTION, step_errors, terms_pages, worth
 from tests.fit.test_flight_terms import COUNT, VEHICLE, flight, held
 
 STEPS = ("vertical balance alone", "wakes", "noise")
@@ -42,21 +42,22 @@ def found(flights: list[Flight]) -> list[FittedStep]:
 
 def test_rows_say_what_was_seen_and_what_not() -> None:
     flights = known(predicted=True)
-    told = rows(VEHICLE, flights, found(flights))
-    assert [r.model for r in told] == 2 * [HOVER_MODEL, *STEPS, PREDICTION]
-    hover, vertical, *_, own = told[:5]
-    assert hover.unseen is not None and vertical.seen is not None and own.unseen is not None
-    np.testing.assert_allclose(hover.unseen, 4.0)
-    np.testing.assert_allclose(own.unseen, 0.4)
-    assert vertical.unseen is not None
-    np.testing.assert_allclose(vertical.seen, 0.8 * vertical.unseen)
+    off = step_errors(VEHICLE, flights, found(flights))
+    assert list(dict.fromkeys((flight, model) for model, flight, *_ in off)) == [
+        (name, model) for name in ("first", "second") for model in (HOVER_MODEL, *STEPS, PREDICTION)
+    ]
+    np.testing.assert_allclose(off[HOVER_MODEL, "first", False, False], 4.0)
+    np.testing.assert_allclose(off[HOVER_MODEL, "first", True, False], 5.0)
+    np.testing.assert_allclose(off[PREDICTION, "first", False, False], 0.4)
+    unseen, seen = (off[STEPS[0], "first", False, fitted] for fitted in (False, True))
+    np.testing.assert_allclose(seen, 0.8 * unseen)
 
 
 def test_worth_is_judged_on_what_was_not_seen() -> None:
     flights = known(predicted=False)
     first, second = worth(flights, found(flights))
-    assert (first.step, first.word) == ("wakes", "pays") and first.fall > 2.0 * first.deviation
-    assert (second.step, second.word) == ("noise", "no sure gain")
+    assert first[:2] == ("wakes", "pays") and first[2] > 2.0 * first[3]
+    assert second[:2] == ("noise", "no sure gain")
 
 
 @pytest.mark.parametrize("predicted", [True, False])

@@ -367,7 +367,7 @@ def fit_tunnel(
         from propmap.report.fit_curves import tunnel_fit
         from propmap.report.html import save
 
-        save(tunnel_fit(measured, rotor), picture)
+        save(tunnel_fit(measured, rotor).figure(), picture)
     finish(fitted, rotor.model, remarks, text, output)
 
 
@@ -475,7 +475,7 @@ def fit_static(
         from propmap.report.fit_curves import tunnel_fit
         from propmap.report.html import save
 
-        save(tunnel_fit(measured, rotor), picture)
+        save(tunnel_fit(measured, rotor).figure(), picture)
     finish(fitted, rotor.model, remarks, text, output)
     _tell(forward_trust(model, fitted, float(np.median(measured.omega)), setting))
 

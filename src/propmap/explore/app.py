@@ -1,4 +1,4 @@
-"""The Dash application, its page, and the server: what a browser asks, and what it is answered."""
+"""The Dash application and its server: what a browser asks, and what it is answered."""
 
 from __future__ import annotations
 
@@ -8,15 +8,18 @@ import ipaddress
 import logging
 import os
 import secrets
+import socket
 import sys
 import threading
 import time
 import webbrowser
+from base64 import b64decode
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
+from urllib.parse import parse_qsl, urlencode
 
 import dash
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
@@ -25,46 +28,24 @@ from flask import Flask, Response, request
 from werkzeug.serving import BaseWSGIServer, make_server
 
 from propmap.errors import InputError
-from propmap.explore.session import Session, Shelf
-from propmap.explore.view import (
-    Answer,
-    Choices,
-    Control,
-    Figure,
-    Graph,
-    Table,
-    Values,
-    View,
-    of_query,
-    settings,
-    subject,
-    values_of,
-)
+from propmap.explore.page import INDEX, failed, legend, page, remarks, table, view_page
+from propmap.explore.session import KNOWN, MOST_BYTES, Session, Shelf, read_upload
+from propmap.explore.view import View, values_of
 
 # -------------------------------------------------------------------------------------------------
 # The Dash application: what a browser asks, and what it is answered.
 
 send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
 
-LIVE = "/_live"
-"""Where figures are asked for while something moves."""
+LIVE = "/_live"  # where figures are asked for while something moves
+OF_BLADE = ("chord-", "twist-")  # how controls begin that mean nothing for another blade
 
 
-class Application(Choices):
-    """The pages on a first session.
-
-    Parameters
-    ----------
-    first : Session
-        What the command line names.
-    views : sequence of View
-        The first is that of the address /.
-    shelf : Shelf
-        Where files are.
-    """
+class Application:
+    """The pages on a ``first`` session, that of the command line; the first view is that of /."""
 
     def __init__(self, first: Session, views: Sequence[View], shelf: Shelf) -> None:
-        super().__init__(first, shelf)
+        self.first, self.shelf = first, shelf
         self.views = {view.name: view for view in views}
         self.jobs = Jobs()
         self.dash = Dash(
@@ -82,38 +63,40 @@ class Application(Choices):
         # The first page is what a browser waits for; this one finds what is the same for all.
         self.page("/", "")
 
+    def session(self, search: Any) -> Session:
+        """Read the session of an address; ``InputError`` where it is nonsense."""
+        if search is not None and not isinstance(search, str):
+            raise InputError("the address is damaged", "open / instead")
+        return Session.of(query_of(search), self.first, self.shelf)
+
     def view(self, path: Any) -> View:
-        """The view of an address, the first for any other."""
+        """Find the view of an address, the first for any other."""
         name = str(path or "").strip("/")
         return self.views.get(name) or next(iter(self.views.values()))
 
     def page(self, path: Any, search: Any) -> tuple[Any, Any]:
-        """A view as it is first shown, and what the address has to tell of the session."""
+        """Make a view as it is first shown, and what the browser keeps of the session."""
         view, session = self.view(path), None
         try:
             session = self.session(search)
             controls = view.controls(session)
-            values, remarks = values_of(controls, of_query(search))
+            values, unread = values_of(controls, query_of(search))
             answer = view.answer(session, values, settled=False)
         except InputError as error:
-            query = session.query() if session else {}
-            return failed(session, str(error)), {
-                "query": query,
-                "view": view.name,
-                "empty": True,
-            }
-        answer = replace(answer, remarks=[*remarks, *answer.remarks])
+            base = {"query": session.query() if session else {}, "view": view.name, "empty": True}
+            return failed(session, str(error)), base
+        answer = replace(answer, remarks=[*unread, *answer.remarks])
         shown = view_page(view, session, values, controls, answer)
         return shown, {"query": session.query(), "view": view.name}
 
     def live(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        """Figures while something moves; none where that takes long or something is wrong.
+        """Draw figures while something moves; none where that takes long or something is wrong.
 
-        What is wrong is told as soon as all stands still.
+        What is wrong is reported as soon as all stands still.
         """
         try:
             view, session = self.view(asked.get("view")), self.session(asked.get("search"))
-            if getattr(view, "slow", False):
+            if view.slow:
                 return {}
             values, _ = values_of(view.controls(session), _mapping(asked.get("values")))
             found = view.answer(session, values, settled=False)
@@ -122,13 +105,13 @@ class Application(Choices):
         return {"figures": dict(found.figures)}
 
     def answer(self, path: Any, here: Any, given: Any) -> tuple[Any, ...]:
-        """Figures, which are hidden, tables, remarks, legend, command and Python."""
+        """Give figures, which are hidden, tables, remarks, legend, command and Python."""
         places = [entry["id"]["graph"] for entry in ctx.outputs_list[0]]
         try:
             view, session = self.view(path), self.session(here)
             values, unread = values_of(view.controls(session), given)
             found = view.answer(session, values, settled=True)
-            told = view.shell(session, values), view.python(session, values)
+            texts = view.shell(session, values), view.python(session, values)
         except InputError as error:
             same = [no_update] * len(places)
             wrong = remarks([str(error)], "trouble")
@@ -137,7 +120,67 @@ class Application(Choices):
         hidden = [name not in found.figures for name in places]
         tables = [table(one) for one in found.tables]
         lines = remarks([*unread, *found.remarks])
-        return drawn, hidden, tables, lines, legend(found.legend), *told
+        return drawn, hidden, tables, lines, legend(found.legend), *texts
+
+    def chosen(self, here: Any, prop: Any, law: Any, physics: Any) -> tuple[Any, str]:
+        """Give the address of another propeller, constants or physics, or what is wrong."""
+        try:
+            session = self.session(here)
+            if (prop, law, physics) == (session.name, session.law, session.physics):
+                # The page has just been drawn.
+                return no_update, ""
+            gone = []
+            if prop != session.name:
+                # What follows from the blade is as usual for the new one.
+                gone += ["file-fit", "file-geometry", "file-vehicle", "rpm", "data"]
+            if law != session.law:
+                gone += ["file-fit", "file-constants"]
+            query = {
+                name: value
+                for name, value in {**query_of(here), **session.query()}.items()
+                if name not in gone and not name.startswith(OF_BLADE)
+            }
+            query |= {
+                "prop": str(prop or session.prop),
+                "law": str(law or KNOWN),
+                "physics": str(physics or ""),
+            }
+            Session.of(query, self.first, self.shelf).model  # noqa: B018 - it may not exist
+        except InputError as error:
+            return no_update, str(error)
+        return f"?{urlencode(query)}", ""
+
+    def uploaded(self, here: Any, content: Any, name: Any) -> tuple[Any, str]:
+        """Give the address with one more file, or what its reader says."""
+        try:
+            _, comma, body = str(content).partition(",")
+            if not comma or len(body) > 1.4 * MOST_BYTES:
+                raise InputError(
+                    "the file is too large" if comma else "there is no file",
+                    f"give one of at most {MOST_BYTES / 1e6:g} MB",
+                    str(name)[-80:],
+                )
+            try:
+                data = b64decode(body, validate=True)
+            except ValueError:
+                raise InputError("the file came damaged", "give it again") from None
+            given = read_upload(str(name), data)
+            session = self.session(here).with_file(given, self.shelf.put(given))
+            session.model  # noqa: B018 - it may not exist
+            query = {k: v for k, v in query_of(here).items() if not k.startswith("file-")}
+            if given.kind in ("geometry", "fit", "vehicle"):
+                query.pop("rpm", None)
+            if given.kind == "data":
+                query["data"] = "file"
+        except InputError as error:
+            return no_update, str(error)
+        return f"?{urlencode({**query, **session.query()})}", ""
+
+    def removed(self, here: Any, kind: str) -> str:
+        """Give the address without a file."""
+        query = {**query_of(here), **self.session(here).query()}
+        query.pop(f"file-{kind}", None)
+        return f"?{urlencode(query)}"
 
     def _register(self) -> None:
         app = self.dash
@@ -167,19 +210,19 @@ class Application(Choices):
         # A step of a slider passes Dash by: half of what it takes was its bookkeeping.
         def _live() -> Any:
             asked = _mapping(request.get_json(silent=True))
-            newest.told(asked)
+            newest.note(asked)
             return self.live(asked)
 
         app.server.add_url_rule(LIVE, "live", _live, methods=["POST"])
 
         @app.callback(
-            *together, Output("told", "data"),
+            *together, Output("answered", "data"),
             Input("settled", "data"), *where,
             prevent_initial_call=True,
         )  # fmt: skip
         def _settled(asked: Any, path: Any, here: Any) -> Any:
             asked = _mapping(asked)
-            newest.told(asked)
+            newest.note(asked)
             given = _mapping(asked.get("values"))
             with newest.in_turn:
                 if not newest.is_it(asked):
@@ -241,265 +284,46 @@ class Application(Choices):
 
         register_in_the_browser(self.dash)
         for view in self.views.values():
-            more = getattr(view, "register", None)
-            if more is not None:
-                more(self)
+            view.register(self)
+
+
+def query_of(search: str | None) -> dict[str, str]:
+    """Read the parameters of an address, of ``?a=1&b=2``."""
+    return dict(parse_qsl((search or "").lstrip("?"), keep_blank_values=True, max_num_fields=100))
 
 
 def _mapping(value: Any) -> dict[str, Any]:
-    """What came from a browser, if it is a mapping; else an empty one."""
+    """Take what came from a browser if it is a mapping; else an empty one."""
     return value if isinstance(value, dict) else {}
-
-
-# -------------------------------------------------------------------------------------------------
-# The page: what is there from the first, and the parts of a view.
-
-html: Any = dash.html
-dcc: Any = dash.dcc
-
-LAYOUT = {"displayModeBar": False, "responsive": True, "doubleClick": "reset"}
-
-STORES = ("base", "here", "settled", "told")
-
-HEIGHTS = {
-    (False, False): "255px",
-    (True, False): "300px",
-    (False, True): "min(86vw, 460px)",
-    (True, True): "min(86vw, 560px)",
-}
-"""Of a graph by whether it is wide and tall: the same before and after it is drawn."""
-
-
-def page(views: Sequence[View]) -> Any:
-    """What the browser gets first."""
-    menu = [
-        dcc.Link(view.title, href=f"/{view.name}", id={"menu": view.name}, className="menu-item")
-        for view in views
-    ]
-    return html.Div(
-        [
-            html.A("Skip to the view", href="#page", className="skip"),
-            dcc.Location(id="address", refresh=False),
-            *(dcc.Store(id=name) for name in STORES),
-            dcc.Store(id="job", storage_type="session"),
-            dcc.Interval(id="tick", interval=700, disabled=True),
-            dcc.Download(id="saved"),
-            html.Header(
-                [
-                    html.Strong("propmap explore", className="brand"),
-                    html.Nav(menu, className="menu", **{"aria-label": "Views"}),
-                    html.Button("Dark or light", id="theme", className="quiet", n_clicks=0),
-                ]
-            ),
-            html.Main(html.P("Loading …", className="loading"), id="page", tabIndex="-1"),
-            html.Div(id="void", hidden=True),
-        ],
-        id="whole",
-    )
-
-
-def view_page(
-    view: View, session: Session, values: Values, controls: Sequence[Control], answer: Answer
-) -> Any:
-    """A view with its first answer."""
-    graphs = view.graphs(session)
-    return html.Div(
-        [
-            html.Div([html.H1(view.title), html.P(view.question, className="question")]),
-            subject(session),
-            html.Div(
-                [
-                    html.Div([*settings(controls, values), *more(view)], className="settings",
-                             role="group", **{"aria-label": "Settings"}),
-                    html.Div(
-                        [
-                            html.Div(remarks(answer.remarks), id="remarks", role="status",
-                                     **{"aria-live": "polite"}),
-                            html.Div(legend(answer.legend), id="legend", className="legend"),
-                            html.Div([place(g, answer) for g in graphs], className="graphs"),
-                            html.Div([table(t) for t in answer.tables], id="tables"),
-                            reproduce(view),
-                        ],
-                        className="answer",
-                    ),
-                ],
-                className="columns",
-            ),
-        ],
-        className=f"view view-{view.name}",
-    )  # fmt: skip
-
-
-def more(view: View) -> list[Any]:
-    """Buttons under the settings."""
-    own = getattr(view, "more", None)
-    return [html.Button("undo", id="undo", n_clicks=0), *(own() if own else [])]
-
-
-def failed(session: Session | None, message: str) -> Any:
-    """A page that says in a line what is wrong."""
-    return html.Div(
-        [
-            html.Div([html.H1("Nothing to show")]),
-            subject(session),
-            html.Div(remarks([message], "trouble"), id="remarks", role="alert"),
-            *(html.Div(id=name, hidden=True) for name in ("tables", "legend", "command", "python")),
-        ],
-        className="view",
-    )
-
-
-def place(graph: Graph, answer: Answer) -> Any:
-    """Where a figure is, with what can be saved of it."""
-    figure = answer.figures.get(graph.name)
-    look = " ".join(["place", *(["wide"] if graph.wide else []), *(["tall"] if graph.tall else [])])
-    return html.Figure(
-        [
-            html.Figcaption(
-                [
-                    html.Span(graph.label),
-                    *(
-                        html.Button(
-                            kind.upper(), id={"picture": graph.name, "as": kind}, n_clicks=0,
-                            className="quiet", **{"aria-label": f"save {graph.label} as {kind}"},
-                        )
-                        for kind in ("svg", "png")
-                    ),
-                ]
-            ),
-            html.Div(
-                dcc.Graph(
-                    id={"graph": graph.name},
-                    figure=figure or EMPTY,
-                    config={**LAYOUT, **_edits(figure)},
-                    className="graph",
-                    style={"height": HEIGHTS[(graph.wide, graph.tall)]},
-                ),
-                role="img",
-                **{"aria-label": graph.label},
-            ),
-        ],
-        id={"place": graph.name},
-        hidden=figure is None,
-        className=look,
-    )  # fmt: skip
-
-
-def _edits(figure: Figure | None) -> dict[str, Any]:
-    """Points that can be dragged, where a figure has such."""
-    if figure is None or not figure["layout"].get("meta", {}).get("drag"):
-        return {}
-    return {"edits": {"shapePosition": True}}
-
-
-EMPTY: Mapping[str, Any] = {"data": [], "layout": {"paper_bgcolor": "rgba(0,0,0,0)"}}
-
-
-def remarks(lines: Sequence[str], look: str = "remark") -> list[Any]:
-    """Remarks, a line each; ``look`` is "trouble" for errors."""
-    return [html.P(line, className=look) for line in lines]
-
-
-def legend(entries: Sequence[tuple[str, str]]) -> list[Any]:
-    """What colours mean."""
-    return [
-        html.Span(
-            [
-                html.I(
-                    className="dashed" if colour.startswith("-") else "",
-                    style={"borderColor": colour.lstrip("-")},
-                    **{"aria-hidden": "true"},
-                ),
-                name,
-            ]
-        )
-        for name, colour in entries
-    ]
-
-
-def table(found: Table) -> Any:
-    """A table of numbers."""
-    heads = [html.Th(head, scope="col") for head in found.heads]
-    rows = [
-        html.Tr([html.Th(row[0], scope="row"), *(html.Td(cell) for cell in row[1:])])
-        for row in found.rows
-    ]
-    return html.Div(
-        html.Table(
-            [html.Caption(found.caption), html.Thead(html.Tr(heads)), html.Tbody(rows)],
-            className="numbers",
-        ),
-        className="scroll",
-        tabIndex="0",
-        role="region",
-        **{"aria-label": found.caption or "numbers"},
-    )
-
-
-def reproduce(view: View) -> Any:
-    """Command line, Python and files."""
-    return html.Section(
-        [
-            html.H2("The same numbers elsewhere"),
-            html.Div(
-                [
-                    html.Button("copy command", id={"copy": "command"}, n_clicks=0),
-                    html.Button("copy Python", id={"copy": "python"}, n_clicks=0),
-                    *(
-                        html.Button(f"save {d.label}", id={"save": d.file}, n_clicks=0)
-                        for d in view.downloads
-                    ),
-                    html.Span("", id="copied", role="status"),
-                ],
-                className="buttons",
-            ),
-            html.Details(
-                [
-                    html.Summary("command line and Python"),
-                    html.Pre("", id="command", tabIndex="0", **{"aria-label": "command line"}),
-                    html.Pre("", id="python", tabIndex="0", **{"aria-label": "Python"}),
-                ]
-            ),
-        ],
-        className="reproduce",
-    )
 
 
 # -------------------------------------------------------------------------------------------------
 # The server: where it listens, whom it answers, and how it ends.
 
-MOST_BYTES = 8_000_000
-"""Of a request: an upload of 5 MB is a third larger on its way."""
-
+LARGEST_REQUEST = 8_000_000  # bytes: an upload of 5 MB is a third larger on its way
 LOOPBACK = ("localhost", "127.0.0.1", "[::1]")
-
 PORTS_TRIED = 20
 
 
 def guard(server: Flask, names: Iterable[str]) -> None:
-    """Refuse what is not meant for this server, and what is too large.
+    """Refuse what is too large, and what does not call the server by one of its ``names``.
 
     A page of another site that has its name point to this machine sends that name in ``Host``.
-
-    Parameters
-    ----------
-    server : Flask
-        To be guarded.
-    names : iterable of str
-        What it may be called, without port.
     """
     allowed = {name.lower() for name in names}
-    server.config["MAX_CONTENT_LENGTH"] = MOST_BYTES
+    server.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
 
     @server.before_request
     def _known_host() -> Response | None:
-        name = request.host.rpartition(":")[0] if _has_port(request.host) else request.host
-        if name.lower() in allowed:
+        host, colon, port = request.host.rpartition(":")
+        # The colons of an IPv6 address without a port are in brackets.
+        name = host if colon and port.isdigit() and (":" not in host or host[-1] == "]") else ""
+        if (name or request.host).lower() in allowed:
             return None
         return Response("This server does not answer under that name.\n", 403)
 
     @server.errorhandler(Exception)
-    def _told(error: Exception) -> Any:
+    def _failed(error: Exception) -> Any:
         code = getattr(error, "code", None)
         if isinstance(code, int):
             return Response(f"{getattr(error, 'name', 'error')}\n", code)
@@ -518,33 +342,20 @@ def guard(server: Flask, names: Iterable[str]) -> None:
         return response
 
 
-def _has_port(host: str) -> bool:
-    return host.rpartition(":")[2].isdigit() and (host.count(":") == 1 or "]:" in host)
-
-
 def names_of(host: str) -> set[str]:
-    """What a server that listens on ``host`` may be called."""
+    """Name what a server that listens on ``host`` may be called."""
     found = {*LOOPBACK, host, f"[{host}]"}
     if not is_loopback(host):
-        import socket
-
-        found |= {socket.gethostname(), socket.getfqdn()}
+        own = socket.gethostname()
+        found |= {own, socket.getfqdn()}
         if host in ("0.0.0.0", "::"):
-            found |= {info[4][0] for info in _own_addresses(socket.gethostname())}
-    return {str(name) for name in found}
-
-
-def _own_addresses(name: str) -> list[Any]:
-    import socket
-
-    try:
-        return socket.getaddrinfo(name, None)
-    except OSError:
-        return []
+            with contextlib.suppress(OSError):
+                found |= {str(info[4][0]) for info in socket.getaddrinfo(own, None)}
+    return found
 
 
 def is_loopback(host: str) -> bool:
-    """Whether ``host`` is this machine alone."""
+    """Tell whether ``host`` is this machine alone."""
     if host == "localhost":
         return True
     try:
@@ -554,70 +365,39 @@ def is_loopback(host: str) -> bool:
 
 
 def listen(app: Flask, host: str, port: int | None, first: int) -> BaseWSGIServer:
-    """A server that listens.
+    """Listen on ``port``, without one on ``first`` or the next that is free.
 
-    Parameters
-    ----------
-    app : Flask
-        What it serves.
-    host : str
-        Where.
-    port : int or None
-        Asked for; None for ``first`` or the next that is free.
-    first : int
-        Tried first where none is asked for.
-
-    Raises
-    ------
-    InputError
-        Where the port is taken or may not be used, and where there is no such host.
+    ``InputError`` where the port is taken or may not be used, and where there is no such host.
     """
     tried = [port] if port is not None else list(range(first, first + PORTS_TRIED))
+    name, family = host.strip("[]"), socket.AF_INET6 if ":" in host else socket.AF_INET
     for one in tried:
-        try:
-            return _bound(app, host, one)
-        except OSError as error:
-            if error.errno == errno.EADDRINUSE and one != tried[-1]:
-                continue
-            if error.errno == errno.EADDRINUSE:
-                found = f"port {one} of {host} is in use"
-                raise InputError(found, "give another by --port, or end what uses it") from None
-            reason = error.strerror or str(error)
-            raise InputError(
-                f"cannot listen on {host}, port {one}: {reason}", "give another --host or --port"
-            ) from None
+        # Bound here: werkzeug would print lines of its own and end the process if a port is taken.
+        with socket.socket(family, socket.SOCK_STREAM) as listener:
+            try:
+                listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                listener.bind((name, one))
+                listener.listen(64)
+                return make_server(name, one, app, threaded=True, fd=listener.fileno())
+            except OSError as error:
+                taken = error.errno == errno.EADDRINUSE
+                if taken and one != tried[-1]:
+                    continue
+                if taken:
+                    found = f"port {one} of {host} is in use"
+                    raise InputError(found, "give another by --port, or end what uses it") from None
+                reason = error.strerror or str(error)
+                raise InputError(
+                    f"cannot listen on {host}, port {one}: {reason}",
+                    "give another --host or --port",
+                ) from None
     raise AssertionError
-
-
-def _bound(app: Flask, host: str, port: int) -> BaseWSGIServer:
-    import socket
-
-    # Bound here: werkzeug would print its own lines and leave the process where a port is taken.
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listener = socket.socket(family, socket.SOCK_STREAM)
-    try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind((host.strip("[]"), port))
-        listener.listen(64)
-        server = make_server(host.strip("[]"), port, app, threaded=True, fd=listener.fileno())
-    finally:
-        listener.close()
-    return server
 
 
 def serve(server: BaseWSGIServer, say: Callable[[str], None], *, browser: bool, host: str) -> None:
     """Answer until Ctrl-C, which ends the process's work at once.
 
-    Parameters
-    ----------
-    server : BaseWSGIServer
-        From ``listen``.
-    say : callable
-        Gets lines for the terminal.
-    browser : bool
-        Whether one is opened.
-    host : str
-        As it was asked for.
+    ``say`` gets lines for the terminal; ``host`` is as it was asked for.
     """
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
     shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
@@ -626,7 +406,7 @@ def serve(server: BaseWSGIServer, say: Callable[[str], None], *, browser: bool, 
         say(f"propmap explore is at {address}")
         say("Ctrl-C ends it.")
         if browser:
-            threading.Thread(target=_open, args=(address, say), daemon=True).start()
+            threading.Thread(target=_open_browser, args=(address, say), daemon=True).start()
         server.serve_forever()
     # A fit under way is not waited for.
     sys.stdout.flush()
@@ -634,13 +414,11 @@ def serve(server: BaseWSGIServer, say: Callable[[str], None], *, browser: bool, 
     os._exit(0)
 
 
-def _open(address: str, say: Callable[[str], None]) -> None:
+def _open_browser(address: str, say: Callable[[str], None]) -> None:
     opened = False
     if sys.platform != "linux" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
-        try:
+        with contextlib.suppress(webbrowser.Error):
             opened = webbrowser.open(address)
-        except webbrowser.Error:
-            opened = False
     if not opened:
         say("There is no display or no browser here: open the address above yourself.")
 
@@ -648,39 +426,23 @@ def _open(address: str, say: Callable[[str], None]) -> None:
 # -------------------------------------------------------------------------------------------------
 # Fits that run while the page goes on: each under a name that its tab alone knows.
 
-MOST = 50
-"""Jobs that are remembered."""
+MOST = 50  # jobs that are remembered
 
 
 @dataclass
 class Job:
-    """A fit under way or done.
+    """A fit under way or done."""
 
-    Attributes
-    ----------
-    told : str
-        How far it is, or what came of it.
-    found : mapping of str to float
-        Constants, once it is done.
-    done, failed : bool
-        Whether it has ended, and without a result.
-    begun : float
-        When it began, by ``time.monotonic``.
-    """
-
-    told: str = "waiting for its turn"
-    found: Mapping[str, float] = field(default_factory=dict)
+    message: str = "waiting for its turn"  # how far it is, or what came of it
+    found: Mapping[str, float] = field(default_factory=dict)  # constants, once it is done
     done: bool = False
-    failed: bool = False
     begun: float = field(default_factory=time.monotonic)
 
     @property
     def line(self) -> str:
-        """What is told of it, with the time it has taken so far."""
-        return self.told if self.done else f"{self.told} ({time.monotonic() - self.begun:.0f} s)"
-
-
-Work = Callable[[Job], Mapping[str, float]]
+        """Say how far it is, with the time it has taken so far."""
+        seconds = time.monotonic() - self.begun
+        return self.message if self.done else f"{self.message} ({seconds:.0f} s)"
 
 
 class Jobs:
@@ -691,41 +453,41 @@ class Jobs:
         self._lock = threading.Lock()
         self._turn = threading.Lock()
 
-    def begin(self, work: Work) -> str:
-        """Do ``work`` in a thread of its own; the name under which it is asked for."""
+    def begin(self, work: Callable[[Job], Mapping[str, float]]) -> str:
+        """Do ``work`` in a thread of its own, and give the name under which it is asked for."""
         name, job = secrets.token_urlsafe(12), Job()
         with self._lock:
-            waiting = sum(not other.done for other in self._kept.values())
-            if waiting >= MOST:
+            done = [key for key, other in self._kept.items() if other.done]
+            if len(self._kept) - len(done) >= MOST:
                 raise InputError("too many fits are under way", "wait for one to end")
             self._kept[name] = job
-            for old in [k for k, other in self._kept.items() if other.done][: -MOST // 2]:
+            for old in done[: -MOST // 2]:
                 del self._kept[old]
-        threading.Thread(target=self._run, args=(job, work), daemon=True).start()
+
+        def run() -> None:
+            with self._turn:
+                try:
+                    job.found = work(job)
+                except InputError as error:
+                    job.message = str(error)
+                except Exception:
+                    logging.getLogger(__name__).exception("a fit failed")
+                    job.message = "the fit failed; the terminal says more"
+            job.done = True
+
+        threading.Thread(target=run, daemon=True).start()
         return name
 
     def get(self, name: str) -> Job | None:
-        """A fit by its name; None where there is none of it."""
+        """Find a fit by its name; None where there is none of it."""
         with self._lock:
             return self._kept.get(name)
-
-    def _run(self, job: Job, work: Work) -> None:
-        with self._turn:
-            try:
-                job.found = work(job)
-            except InputError as error:
-                job.told, job.failed = str(error), True
-            except Exception:
-                logging.getLogger(__name__).exception("a fit failed")
-                job.told, job.failed = "the fit failed; the terminal says more", True
-        job.done = True
 
 
 # -------------------------------------------------------------------------------------------------
 # Which request of a tab is its newest.
 
-MOST_TABS = 1000
-"""That are remembered."""
+MOST_TABS = 1000  # that are remembered
 
 
 class Newest:
@@ -736,16 +498,17 @@ class Newest:
         self._serials: OrderedDict[str, Any] = OrderedDict()
         self._lock = threading.Lock()
 
-    def told(self, asked: Mapping[str, Any]) -> None:
-        """Take note of the request that was ``asked``."""
+    def note(self, asked: Mapping[str, Any]) -> None:
+        """Remember the request that was ``asked``."""
+        tab = _tab(asked)
         with self._lock:
-            self._serials[_tab(asked)] = asked.get("serial")
-            self._serials.move_to_end(_tab(asked))
+            self._serials[tab] = asked.get("serial")
+            self._serials.move_to_end(tab)
             while len(self._serials) > MOST_TABS:
                 self._serials.popitem(last=False)
 
     def is_it(self, asked: Mapping[str, Any]) -> bool:
-        """Whether none has come from the same tab since this one was ``asked``."""
+        """Tell whether none has come from the same tab since this one was ``asked``."""
         return bool(self._serials.get(_tab(asked)) == asked.get("serial"))
 
 
@@ -754,40 +517,15 @@ def _tab(asked: Mapping[str, Any]) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# What the browser does by itself, by functions of assets/explore.js, and the page they are in.
-
-NAMESPACE = "propmap"
-
-# Plotly is asked for at once, not only when the first figure comes.
-INDEX = """<!DOCTYPE html>
-<html lang="en">
-<head>
-{%metas%}
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<title>{%title%}</title>
-<link rel="icon" href="data:,">
-{%css%}
-</head>
-<body>
-{%app_entry%}
-<footer>
-{%config%}
-{%scripts%}
-{%renderer%}
-<script src="/_dash-component-suites/plotly/package_data/plotly.min.js"></script>
-</footer>
-</body>
-</html>
-"""
+# What the browser does by itself, by functions of assets/explore.js.
 
 
 def register_in_the_browser(app: Dash) -> None:
-    """Tell the ``app`` which functions of assets/explore.js run at what."""
+    """Register which functions of assets/explore.js run at what."""
 
     def here(function: str, *parts: Any) -> None:
         register: Any = app.clientside_callback
-        register(ClientsideFunction(NAMESPACE, function), *parts, prevent_initial_call=True)
+        register(ClientsideFunction("propmap", function), *parts, prevent_initial_call=True)
 
     here(
         "moved",
@@ -812,7 +550,7 @@ def register_in_the_browser(app: Dash) -> None:
     here(
         "settled",
         Output("void", "className"), Output({"menu": ALL}, "href"),
-        Input("told", "data"), State({"menu": ALL}, "id"),
+        Input("answered", "data"), State({"menu": ALL}, "id"),
     )  # fmt: skip
     here("theme", Output("theme", "title"), Input("theme", "n_clicks"))
     here(

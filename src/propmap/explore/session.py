@@ -10,7 +10,7 @@ import tempfile
 import threading
 import tomllib
 from collections import OrderedDict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Literal
@@ -43,7 +43,6 @@ from propmap.rotor import Rotor
 from propmap.units import RPM
 
 if TYPE_CHECKING:
-    from propmap.fit.tunnel import TunnelData
     from propmap.table.query import LoadTable
     from propmap.vehicle.vehicle import Vehicle
 
@@ -52,57 +51,26 @@ if TYPE_CHECKING:
 # What one browser tab explores: names and files, the model that follows, and what it is called.
 
 DEFAULT = "apc-8x6e"
-
-KNOWN = "known"
-"""The section law where none is chosen: the best constants that are known."""
-
-FILE = "file-"
-"""Before the kinds of files in the address."""
-
+KNOWN = "known"  # the section law where none is chosen: the best constants that are known
+FILE = "file-"  # before the kinds of files in the address
 PHYSICS = ("recommended", "paper")
 
 
 @dataclass(frozen=True)
 class Session:
-    """What a tab explores.
+    """What a tab explores: names of the catalogue, and files that take their place."""
 
-    Attributes
-    ----------
-    prop : str
-        A name of the catalogue or a designation; it counts where no geometry is given.
-    law : str
-        ``KNOWN`` or the name of a set of constants; it counts where no constants are given.
-    physics : str
-        Of ``PHYSICS``, or "" for what the constants were found with.
-    files : mapping of str to Given
-        By what they are.
-    tokens : mapping of str to str
-        Under which names these are on the shelf.
-    """
-
-    prop: str = DEFAULT
-    law: str = KNOWN
-    physics: str = ""
-    files: Mapping[str, Given] = field(default_factory=dict, compare=False)
-    tokens: Mapping[str, str] = field(default_factory=dict, hash=False)
+    prop: str = DEFAULT  # a name of the catalogue or a designation
+    law: str = KNOWN  # or the name of a set of constants
+    physics: str = ""  # of ``PHYSICS``; "" for what the constants were found with
+    files: Mapping[str, Given] = field(default_factory=dict, compare=False)  # by their kind
+    tokens: Mapping[str, str] = field(default_factory=dict, hash=False)  # their names on the shelf
 
     @classmethod
     def of(cls, query: Mapping[str, str], first: Session, shelf: Shelf) -> Session:
-        """What an address tells.
+        """Read the parameters of an address; the ``first`` session where it has none.
 
-        Parameters
-        ----------
-        query : mapping of str
-            Parameters of the address.
-        first : Session
-            That of the command line, which counts where the address tells nothing.
-        shelf : Shelf
-            Where files are.
-
-        Raises
-        ------
-        InputError
-            For names that mean nothing, files of the server, and files that are not kept any more.
+        ``InputError`` for names that mean nothing, and for files that are not on the ``shelf``.
         """
         tokens = {
             key.removeprefix(FILE): token for key, token in query.items() if key.startswith(FILE)
@@ -119,79 +87,82 @@ class Session:
         for kind, given in found.files.items():
             if given.kind != kind:
                 raise InputError(f"the address is damaged at {quoted(kind)}", "open / instead")
-        found._check()
+        check_name(found.prop, " or such as 'HQ 5x4.3x3'; drop a file for another")
+        meant_by(found.prop)
+        check_law(found.law)
+        if found.physics not in ("", *PHYSICS):
+            raise InputError(
+                f"{quoted(found.physics)} is no physics", "choose recommended or paper"
+            )
         return found
 
     def query(self) -> dict[str, str]:
-        """What the address tells."""
-        told = {"prop": self.prop, "law": self.law, "physics": self.physics}
+        """Give the parameters of the address."""
+        names = {"prop": self.prop, "law": self.law, "physics": self.physics}
         return {
-            **{key: value for key, value in told.items() if value},
+            **{key: value for key, value in names.items() if value},
             **{FILE + kind: token for kind, token in self.tokens.items()},
         }
 
-    def _check(self) -> None:
-        if looks_like_path(self.prop):
-            raise InputError(
-                f"{quoted(self.prop)} is no name of a propeller",
-                "give one of the catalogue or such as 'HQ 5x4.3x3'; drop a file for another",
-            )
-        meant_by(self.prop)
-        if self.law != KNOWN and self.law not in airfoil_names():
-            raise InputError(
-                f"{quoted(self.law)} is no set of constants",
-                f"choose one of {', '.join((KNOWN, *airfoil_names()))}",
-            )
-        if self.physics not in ("", *PHYSICS):
-            raise InputError(f"{quoted(self.physics)} is no physics", "choose recommended or paper")
-
     def with_file(self, given: Given, token: str) -> Session:
-        """The session with one more file; a blade, constants or a fit take each other's place."""
+        """Add a file; a blade, constants, a fit or a vehicle take each other's place."""
         gone = {
-            "fit": {"geometry", "constants", "vehicle"},
-            "geometry": {"fit", "vehicle"},
-            "constants": {"fit"},
-            "vehicle": {"fit", "geometry"},
-        }.get(given.kind, set())
-
-        def kept(entries: Mapping[str, Any]) -> dict[str, Any]:
-            return {kind: value for kind, value in entries.items() if kind not in gone}
-
+            "fit": ("geometry", "constants", "vehicle"),
+            "geometry": ("fit", "vehicle"),
+            "constants": ("fit",),
+            "vehicle": ("fit", "geometry"),
+        }
+        rest = self.without(*gone.get(given.kind, ()))
         return replace(
-            self,
-            files={**kept(self.files), given.kind: given},
-            tokens={**kept(self.tokens), given.kind: token},
+            rest,
+            files={**rest.files, given.kind: given},
+            tokens={**rest.tokens, given.kind: token},
         )
 
+    def without(self, *kinds: str) -> Session:
+        """Leave out the files of these kinds."""
+        files = {kind: one for kind, one in self.files.items() if kind not in kinds}
+        return replace(self, files=files, tokens={k: self.tokens[k] for k in files})
+
     def given(self, kind: str) -> Any:
-        """What the file of this kind holds; None where there is none."""
+        """Give what the file of this kind holds; None where there is none."""
         one = self.files.get(kind)
         return None if one is None else one.found
 
     @property
     def table(self) -> LoadTable | None:
-        """The table that was given."""
+        """Give the table of a file."""
         found: LoadTable | None = self.given("table")
         return found
 
     @property
     def vehicle(self) -> Vehicle | None:
-        """The vehicle that was given."""
+        """Give the vehicle of a file."""
         found: Vehicle | None = self.given("vehicle")
         return found
 
     @property
     def model(self) -> Model:
-        """Propeller, constants, air and corrections."""
+        """Make the model of propeller, constants, air and corrections."""
         return _model(self)
 
     @property
     def name(self) -> str:
-        """What the blade is called in the catalogue or by designation, "" where it is in a file."""
-        return _name(self)
+        """Name the blade as in the catalogue or by designation; "" where it is in a file alone."""
+        if "fit" in self.files or "vehicle" in self.files:
+            blade = _blade(self)
+            try:
+                found = meant_by(blade.name)
+            except InputError:
+                return ""
+            if found is None or isinstance(found, ExpectedBlade):
+                return ""
+            same = load(found.name).fingerprint() == blade.fingerprint()
+            return blade.name if same else ""
+        return "" if "geometry" in self.files else self.prop
 
     def measured(self, which: str) -> TunnelData | None:
-        """Loads to compare with: "none", the "file" that was given, or a measurement by name."""
+        """Read loads to compare with: "none", the "file", or a measurement of the catalogue."""
         if which == "file":
             make = self.given("data")
             return None if make is None else make(self.model.propeller, self.model.air)
@@ -200,70 +171,54 @@ class Session:
         return None
 
     def measurements(self) -> list[str]:
-        """What ``measured`` knows of this propeller, the file first."""
+        """Name what ``measured`` knows of this propeller, the file first."""
         own = [name for name in measurement_names() if measurement(name).propeller == self.name]
         return [*(["file"] if "data" in self.files else []), *own]
 
 
+def check_name(name: str, others: str = "") -> None:
+    """Raise ``InputError`` for a path in place of a propeller's name."""
+    if looks_like_path(name):
+        raise InputError(
+            f"{quoted(name)} is no name of a propeller", f"give one of the catalogue{others}"
+        )
+
+
+def check_law(law: str) -> None:
+    """Raise ``InputError`` for a name that no set of constants has."""
+    known = (KNOWN, *airfoil_names())
+    if law not in known:
+        raise InputError(
+            f"{quoted(law)} is no set of constants", f"choose one of {', '.join(known)}"
+        )
+
+
 @functools.lru_cache(maxsize=64)
 def _model(session: Session) -> Model:
-    blade = _blade(session)
+    """Make the model, with constants and corrections as `propmap predict` chooses them."""
+    blade, files = _blade(session), session.files
     air = session.vehicle.air if session.vehicle is not None else Air()
-    if "fit" in session.files:
-        air = session.given("fit").model.air
-    return Model(blade, with_physics(_constants(session, blade), session.physics), air)
-
-
-def _blade(session: Session) -> Propeller:
-    found: Propeller
-    if "fit" in session.files:
-        found = session.given("fit").model.propeller
-    elif "geometry" in session.files:
-        found = session.given("geometry")
-    elif session.vehicle is not None:
-        found = session.vehicle.propeller
-    else:
-        found = propeller(session.prop)
-    return found
-
-
-def _constants(session: Session, blade: Propeller) -> Airfoil:
-    """The constants, as `propmap predict` chooses them."""
-    law: Airfoil
-    if "fit" in session.files:
-        law = session.given("fit").airfoil
-    elif "constants" in session.files:
+    if "fit" in files:
+        air, law = session.given("fit").model.air, session.given("fit").airfoil
+    elif "constants" in files:
         law = session.given("constants")
     elif session.law != KNOWN:
         law = parameter_set(session.law)
     else:
         meant = meant_by(session.name) if session.name else None
         law = (own_constants(meant, blade.blades) or predicted_constants(meant, blade)).airfoil
-    return law
+    if session.physics or law.corrections is None:
+        chosen = corrections_of(session.physics or "recommended")
+        law = law.with_corrections([as_text(one) for one in chosen])
+    return Model(blade, law, air)
 
 
-def _name(session: Session) -> str:
-    if "fit" in session.files or "vehicle" in session.files:
-        blade = _blade(session)
-        return blade.name if _in_catalogue(blade) else ""
-    return "" if "geometry" in session.files else session.prop
-
-
-def _in_catalogue(blade: Propeller) -> bool:
-    try:
-        found = meant_by(blade.name)
-    except InputError:
-        return False
-    if found is None or isinstance(found, ExpectedBlade):
-        return False
-    return load(found.name).fingerprint() == blade.fingerprint()
-
-
-def with_physics(law: Airfoil, physics: str) -> Airfoil:
-    """The constants with the corrections that are meant, as by `--model`."""
-    if not physics and law.corrections is not None:
-        return law
-    return law.with_corrections([as_text(one) for one in corrections_of(physics or "recommended")])
+def _blade(session: Session) -> Propeller:
+    if "fit" in session.files:
+        return session.given("fit").model.propeller
+    if "geometry" in session.files:
+        return session.given("geometry")
+    return session.vehicle.propeller if session.vehicle is not None else propeller(session.prop)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -271,61 +226,35 @@ def with_physics(law: Airfoil, physics: str) -> Airfoil:
 
 Kind = Literal["geometry", "constants", "fit", "table", "vehicle", "data"]
 
-MOST_BYTES = 5_000_000
-"""Of a file that comes through the browser."""
-
-MOST_FILES = 200
-"""Kept at a time, of all tabs; the one not used for longest goes first."""
-
+MOST_BYTES = 5_000_000  # of a file that comes through the browser
+MOST_FILES = 200  # kept at a time, of all tabs; the one not used for longest goes first
 ENDINGS = (".toml", ".npz", ".csv", ".txt", ".dat")
 
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """A file, read.
-
-    Attributes
-    ----------
-    kind : str
-        What it is.
-    name : str
-        Without its folder.
-    data : bytes
-        Its content.
-    path : str
-        As it was given on the command line, "" for what came through the browser.
-    found : Any
-        What the reader made of it: a ``Propeller``, an ``Airfoil``, a ``FitFile``, a ``LoadTable``,
-        a ``Vehicle``, or a function that gives ``TunnelData`` of a propeller and air.
-    """
+    """A file, read."""
 
     kind: Kind
-    name: str
+    name: str  # without its folder
     data: bytes
-    path: str
+    path: str  # as on the command line; "" for what came through the browser
+    # A ``Propeller``, an ``Airfoil``, a ``FitFile``, a ``LoadTable``, a ``Vehicle``, or a function
+    # that gives ``TunnelData`` of a propeller and air.
     found: Any
 
 
 def read_path(path: Path) -> Given:
-    """The file that the command line names; ``InputError`` in one line where it is none of ours."""
+    """Read the file that the command line names; ``InputError`` where it is none of ours."""
     kind, found = _read(path, trusted=True)
     return Given(kind, path.name, path.read_bytes(), str(path), found)
 
 
 def read_upload(name: str, data: bytes) -> Given:
-    """A file that came through the browser, written to a temporary folder for its reader.
+    """Read a file that came through the browser from a temporary folder of its own.
 
-    Parameters
-    ----------
-    name : str
-        As the browser says; only its last part counts, and its ending.
-    data : bytes
-        Its content.
-
-    Raises
-    ------
-    InputError
-        The reader's, with the name alone; and for a file that is too large or of another kind.
+    Of the ``name`` that the browser says the last part counts, and its ending. ``InputError`` is
+    the reader's with that name alone, or of a file that is too large or of another kind.
     """
     plain = (
         re.sub(r"[^\w.+ -]", "_", Path(name.replace("\\", "/")).name)[-80:].lstrip(".") or "file"
@@ -363,10 +292,12 @@ def _read(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
         return "table", LoadTable.load(path)
     if ending == ".toml":
         return _read_toml(path, trusted=trusted)
-    if looks_like_uiuc_loads(path) or (ending == ".csv" and _has_loads(path)):
-        # Read once now, so that what is wrong is told at once.
-        make = _loads_of(path)
-        return "data", make
+    first = ""
+    if ending == ".csv":
+        first = next((line for line in read_lines(path, "CSV file") if line.strip()), "")
+    if looks_like_uiuc_loads(path) or any(name in first for name in LOAD_COLUMNS):
+        # Read once now, so that what is wrong is reported at once.
+        return "data", measured_loads(path)
     return "geometry", read_geometry_file(str(path))
 
 
@@ -395,16 +326,6 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
     return "constants", read_airfoil(path)
 
 
-def _has_loads(path: Path) -> bool:
-    first = next((line for line in read_lines(path, "CSV file") if line.strip()), "")
-    return any(name in first for name in LOAD_COLUMNS)
-
-
-def _loads_of(path: Path) -> Callable[[Propeller, Air], TunnelData]:
-    """What turns the file's rows into loads, coefficients by a propeller and air."""
-    return measured_loads(path)
-
-
 class Shelf:
     """The files of all tabs, each under a name that only its own tab knows."""
 
@@ -414,7 +335,7 @@ class Shelf:
         self._lock = threading.Lock()
 
     def put(self, given: Given, *, always: bool = False) -> str:
-        """Keep a file, and give the name under which it is; ``always`` for the command line's."""
+        """Keep a file, and give its name here; ``always`` for the command line's."""
         token = secrets.token_urlsafe(12)
         with self._lock:
             if always:
@@ -426,7 +347,7 @@ class Shelf:
         return token
 
     def get(self, token: str) -> Given:
-        """The file under a name; ``InputError`` where it is not here any more."""
+        """Find the file under a name; ``InputError`` where it is not here any more."""
         with self._lock:
             if token in self._first:
                 return self._first[token]
@@ -444,18 +365,18 @@ KEPT = 32
 
 @functools.lru_cache(maxsize=KEPT)
 def rotor_of(model: Model) -> Rotor:
-    """The rotor of this model."""
+    """Make the rotor of a model."""
     return Rotor(model)
 
 
 @functools.lru_cache(maxsize=KEPT)
 def hover_model(model: Model) -> HoverModel:
-    """The hover model with this one's loads at rest."""
+    """Make the hover model with the loads of a model at rest."""
     return HoverModel.of(rotor_of(model))
 
 
 def fastest(model: Model) -> float:
-    """A high rotational speed for sliders [rad/s]: a tip at 200 m/s, as a round figure in rpm."""
+    """Give a high rotational speed for sliders [rad/s]: a tip at 200 m/s, round in rpm."""
     return float(np.ceil(200.0 / model.propeller.radius / RPM / 500.0)) * 500.0 * RPM
 
 
@@ -463,116 +384,108 @@ def fastest(model: Model) -> float:
 # The command lines and the lines of Python that make the same numbers as the page.
 
 BLADE_FILE, CONSTANTS_FILE = "blade.toml", "constants.toml"
+POINT = ("rpm", "speed", "beta")  # what is set of an operating point
 
 
 class Recipe:
     """How a command and a script name what a session explores.
 
-    Parameters
-    ----------
-    session : Session
-        What is explored.
-    blade : Propeller, optional
-        Another blade that takes the place of the session's.
-    constants : Airfoil, optional
-        Other constants that take the place of the session's.
+    Another ``blade`` or other ``constants`` take the place of the session's.
     """
 
     def __init__(
-        self,
-        session: Session,
-        blade: Propeller | None = None,
-        constants: Airfoil | None = None,
+        self, session: Session, blade: Propeller | None = None, constants: Airfoil | None = None
     ) -> None:
         self.session = session
         self._texts: dict[str, str] = {}
-        self.prop, self.options = self._named(blade, constants)
-
-    def _named(self, blade: Propeller | None, constants: Airfoil | None) -> tuple[str, list[str]]:
-        session, options = self.session, []
-        prop = session.name
-        if blade is not None:
-            prop = self._file(BLADE_FILE, propeller_toml(blade))
-        elif not prop and "geometry" in session.files:
-            prop = self._given("geometry")
-        elif not prop:
-            prop = self._file(BLADE_FILE, propeller_toml(session.model.propeller))
+        self.options: list[str] = []
+        model = session.model
+        if blade is None and not session.name and "geometry" in session.files:
+            self.prop = self.file("geometry")
+        elif blade is None and session.name:
+            self.prop = session.name
+        else:
+            self.prop = self._write(BLADE_FILE, propeller_toml(blade or model.propeller))
+        law = ""
         if constants is not None:
-            options += ["--airfoil", self._file(CONSTANTS_FILE, constants.to_toml())]
+            law = self._write(CONSTANTS_FILE, constants.to_toml())
         elif "fit" in session.files or "constants" in session.files:
-            options += ["--airfoil", self._given("fit" if "fit" in session.files else "constants")]
+            law = self.file("fit" if "fit" in session.files else "constants")
         elif session.law != KNOWN:
-            options += ["--airfoil", session.law]
+            law = session.law
         elif blade is not None:
             # By name the constants would be those of another blade.
-            options += [
-                "--airfoil",
-                self._file(CONSTANTS_FILE, constants_of(session.model.airfoil).to_toml()),
-            ]
+            law = self._write(CONSTANTS_FILE, constants_of(model.airfoil).to_toml())
+        if law:
+            self.options += ["--airfoil", law]
         if session.physics and constants is None:
-            options += ["--model", session.physics]
-        air = session.model.air
-        if air != type(air)():
-            options += ["--rho", repr(air.density), "--mu", repr(air.viscosity)]
-        return prop, options
+            self.options += ["--model", session.physics]
+        self._air = ""
+        if model.air != Air():
+            self.options += ["--rho", repr(model.air.density), "--mu", repr(model.air.viscosity)]
+            self._air = f", air=propmap.Air({model.air.density!r}, {model.air.viscosity!r})"
 
-    def _given(self, kind: str) -> str:
+    def file(self, kind: str) -> str:
+        """Name the session's file of this kind, which the command writes where it has to."""
         one = self.session.files[kind]
         if one.path:
             return one.path
         if PurePath(one.name).suffix.lower() == ".npz":
             return one.name
-        return self._file(one.name, one.data.decode("utf-8-sig", "replace"))
+        return self._write(one.name, one.data.decode("utf-8-sig", "replace"))
 
-    def _file(self, name: str, text: str) -> str:
+    def _write(self, name: str, text: str) -> str:
         self._texts[name] = text if text.endswith("\n") else text + "\n"
         return name
 
-    def file(self, kind: str) -> str:
-        """The path of the session's file of this kind, which the command writes where it has to."""
-        return self._given(kind)
+    def predict(self, values: Mapping[str, Any]) -> list[str]:
+        """Write the command for the loads at the operating point that is set."""
+        point = [part for key in POINT for part in (f"--{key}", number(values[key]))]
+        return ["predict", self.prop, *point, *self.options]
+
+    def sweep(self, values: Mapping[str, Any], top: float, count: int, file: str) -> list[str]:
+        """Write the command for the loads at ``count`` speeds up to ``top`` [m/s]."""
+        return [
+            *("sweep", self.prop, "--rpm", number(values["rpm"])),
+            *("--speed", axis(0.0, top, count), "--beta", number(values["beta"])),
+            *(*self.options, "--no-bands", "-o", file, "--force"),
+        ]
 
     def shell(self, *commands: Sequence[str]) -> str:
-        """Lines for a shell: the files that are needed, then ``propmap`` with each command."""
-        lines = []
-        for name, text in self._texts.items():
-            lines.append(f"cat > {shlex.quote(name)} <<'END_OF_FILE'\n{text}END_OF_FILE")
+        """Write lines for a shell: the files that are needed, then each command of propmap."""
+        lines = [
+            f"cat > {shlex.quote(name)} <<'END_OF_FILE'\n{text}END_OF_FILE"
+            for name, text in self._texts.items()
+        ]
         lines += [shlex.join(["propmap", *command]) for command in commands]
         return "\n".join(lines)
 
     def python(self, rest: str) -> str:
-        """Lines of Python: the model as ``model``, then the ``rest``."""
+        """Write lines of Python: the model as ``model``, its rotor, then the ``rest``."""
         lines = ["import numpy as np", "import propmap", ""]
         for name, text in self._texts.items():
             lines.append(f"open({name!r}, 'w', encoding='utf-8').write({text!r})")
-        blade = f"blade = propmap.propeller({self.prop!r})"
-        if "--airfoil" not in self.options and self.session.physics != "paper":
-            lines.append(f"model = propmap.known_model({self.prop!r}{self._air()})")
-        elif "--airfoil" not in self.options:
-            lines.append(f"model = propmap.known_model({self.prop!r}{self._air()}, corrections=())")
+        if "--airfoil" not in self.options:
+            bare = ", corrections=()" if self.session.physics == "paper" else ""
+            lines.append(f"model = propmap.known_model({self.prop!r}{self._air}{bare})")
         else:
             name = self.options[self.options.index("--airfoil") + 1]
-            lines += [blade, f"law = propmap.airfoil({name!r})"]
+            lines.append(f"blade = propmap.propeller({self.prop!r})")
+            lines.append(f"law = propmap.airfoil({name!r})")
             own = constants_of(self.session.model.airfoil).corrections
             corrections = tuple(self.session.model.correction_texts)
             if own is None or tuple(own) != corrections or self.session.physics:
                 lines.append(f"law = law.with_corrections({list(corrections)!r})")
-            lines.append(f"model = propmap.Model(blade, law{self._air()})")
+            lines.append(f"model = propmap.Model(blade, law{self._air})")
         lines.append("rotor = propmap.Rotor(model)")
         return "\n".join([*lines, rest.strip(), ""])
 
-    def _air(self) -> str:
-        air = self.session.model.air
-        if air == type(air)():
-            return ""
-        return f", air=propmap.Air({air.density!r}, {air.viscosity!r})"
-
 
 def number(value: float) -> str:
-    """A number as it is written in a command: all digits that it has, none that it has not."""
+    """Write a number for a command: all digits that it has, none that it has not."""
     return f"{float(value):.10g}"
 
 
 def axis(low: float, high: float, count: int) -> str:
-    """``A:B:N`` of a command."""
+    """Write ``A:B:N`` for a command."""
     return f"{number(low)}:{number(high)}:{count}"

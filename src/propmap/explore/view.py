@@ -1,44 +1,27 @@
-"""What a view is: a question, what can be set, and an answer; and the fields and figures of it."""
+"""Views: what can be set, what is answered, and figures as plain data for Plotly."""
 
 from __future__ import annotations
 
 import base64
-import json
 import math
-from base64 import b64decode
-from binascii import Error as Base64Error
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
-from urllib.parse import parse_qsl, urlencode
+from typing import TYPE_CHECKING, Any
 
-import dash
 import numpy as np
-from dash import no_update
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.catalogue import names
 from propmap.errors import InputError, quoted
-from propmap.explore.session import (
-    KNOWN,
-    MOST_BYTES,
-    PHYSICS,
-    Session,
-    Shelf,
-    fastest,
-    hover_model,
-    number,
-    read_upload,
-    rotor_of,
-)
+from propmap.explore.session import POINT, Session, fastest, hover_model, number, rotor_of
 from propmap.io.csv import OperatingPoints
 from propmap.loads import LOADS
-from propmap.model.airfoil import airfoil_names
 from propmap.report.html import COLOURS
 from propmap.units import RPM
 
-# -------------------------------------------------------------------------------------------------
-# What a view is: a question, what can be set, and an answer to it.
+if TYPE_CHECKING:
+    from propmap.explore.app import Application
+
+Figure = dict[str, Any]  # as Plotly takes it
 
 
 @dataclass(frozen=True)
@@ -52,44 +35,22 @@ class Table:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a view shows.
+    """What a view shows."""
 
-    Attributes
-    ----------
-    figures : mapping of str to Figure
-        By the names of the view's graphs.
-    tables : sequence of Table
-        Of numbers.
-    remarks : sequence of str
-        A line each.
-    legend : sequence of (str, str)
-        What colours mean: a name and its colour, which begins with "-" where the line is dashed.
-    """
-
-    figures: Mapping[str, Figure]
+    figures: Mapping[str, Figure]  # by the names of the view's graphs
     tables: Sequence[Table] = ()
-    remarks: Sequence[str] = ()
-    legend: Sequence[tuple[str, str]] = ()
+    remarks: Sequence[str] = ()  # a line each
+    legend: Sequence[tuple[str, str]] = ()  # names and colours; "-" before one of a dashed line
 
 
 @dataclass(frozen=True)
 class Graph:
-    """A place for a figure.
-
-    Attributes
-    ----------
-    name, label : str
-        Within the view; what it shows, in words.
-    wide : bool
-        Whether it takes the whole width.
-    tall : bool
-        Whether it is as high as it is wide.
-    """
+    """A place for a figure: its name within the view, and what it shows in words."""
 
     name: str
     label: str
-    wide: bool = False
-    tall: bool = False
+    wide: bool = False  # as wide as the page
+    tall: bool = False  # as high as it is wide
 
 
 @dataclass(frozen=True)
@@ -100,242 +61,72 @@ class Download:
     label: str
 
 
-class View(Protocol):
-    """A view; see the modules of ``propmap.explore.views``.
+class View:
+    """A question about what a session explores, what can be set, and an answer to it."""
 
-    Attributes
-    ----------
-    name, title, question : str
-        In the address, in the menu, and what it answers.
-    downloads : tuple of Download
-        What can be saved.
-    """
-
-    @property
-    def name(self) -> str: ...  # noqa: D102 - above
-    @property
-    def title(self) -> str: ...  # noqa: D102
-    @property
-    def question(self) -> str: ...  # noqa: D102
-    @property
-    def downloads(self) -> tuple[Download, ...]: ...  # noqa: D102
+    name: str  # in the address
+    title: str  # in the menu
+    question: str
+    downloads: tuple[Download, ...]
+    places: tuple[Graph, ...] = ()
+    slow = False  # whether figures wait until all stands still
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """What can be set."""
+        """List what can be set."""
+        raise NotImplementedError
 
-    def graphs(self, session: Session) -> Sequence[Graph]:
-        """Where figures are."""
+    def graphs(self, session: Session) -> Sequence[Graph]:  # noqa: ARG002 - the same for most
+        """List where figures are."""
+        return self.places
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """What is shown; ``settled`` when nothing has been moved for a moment."""
+        """Compute what is shown; ``settled`` when nothing has been moved for a moment."""
+        raise NotImplementedError
 
     def shell(self, session: Session, values: Values) -> str:
-        """Lines for a shell that make the same numbers."""
+        """Write lines for a shell that make the same numbers."""
+        raise NotImplementedError
 
     def python(self, session: Session, values: Values) -> str:
-        """The same in Python."""
+        """Write lines of Python that make the same numbers."""
+        raise NotImplementedError
 
     def text(self, session: Session, values: Values, file: str) -> str:
-        """What is saved in the ``file`` of one of the downloads."""
+        """Write what is saved in the ``file`` of one of the downloads."""
+        raise NotImplementedError
 
+    def more(self) -> list[Any]:
+        """Make what stands under the settings."""
+        return []
 
-# -------------------------------------------------------------------------------------------------
-# What is set and chosen on a page: fields, sliders, choices.
-
-html: Any = dash.html
-dcc: Any = dash.dcc
-
-KINDS = {
-    "geometry": "propeller",
-    "constants": "constants",
-    "fit": "fit",
-    "table": "table",
-    "vehicle": "vehicle",
-    "data": "measured loads",
-}
-
-
-def subject(session: Session | None) -> Any:
-    """What is explored, to be changed."""
-    session = session or Session()
-    files = [
-        html.Li(
-            [
-                f"{KINDS[kind]}: {given.name} ",
-                html.Button("remove", id={"remove": kind}, className="quiet", n_clicks=0,
-                            **{"aria-label": f"remove {given.name}"}),
-            ]
-        )
-        for kind, given in session.files.items()
-    ]  # fmt: skip
-    laws = ((KNOWN, "best known"), *((name, name) for name in airfoil_names()))
-    physics = (("", "as the constants"), *((name, name) for name in PHYSICS))
-    return html.Div(
-        [
-            html.Div(
-                [
-                    html.Label("Propeller", htmlFor="prop"),
-                    dcc.Input(id="prop", type="text", value=session.name, debounce=True,
-                              list="props", maxLength=80, autoComplete="off", className="text"),
-                    html.Datalist([html.Option(value=name) for name in names()], id="props"),
-                ],
-                className="field",
-            ),
-            radio("law", "Constants", laws, session.law),
-            radio("physics", "Physics", physics, session.physics),
-            html.Div(
-                dcc.Upload(
-                    html.Button("Open a file, or drop it here", className="quiet", type="button"),
-                    id="upload",
-                    max_size=-1,
-                    className="drop",
-                ),
-                className="field",
-            ),
-            html.Ul(files, className="files") if files else html.Span(),
-            html.P("", id="trouble", role="alert", className="trouble"),
-        ],
-        className="subject",
-    )  # fmt: skip
-
-
-def radio(name: str, label: str, options: Sequence[tuple[str, str]], value: str) -> Any:
-    """A choice behind a heading that says what is chosen."""
-    told = dict(options).get(value, value)
-    return html.Details(
-        [
-            html.Summary([f"{label}: ", html.Em(told)]),
-            dcc.RadioItems(
-                id=name,
-                options=[{"value": key, "label": text} for key, text in options],
-                value=value,
-                className="options",
-            ),
-        ],
-        className="field",
-    )
-
-
-def settings(controls: Sequence[Control], values: Values) -> list[Any]:
-    """The controls, in their groups."""
-    found: list[Any] = []
-    groups: dict[str, list[Any]] = {}
-    for control in controls:
-        one = setting(control, values[control.name])
-        if control.group:
-            if control.group not in groups:
-                groups[control.group] = []
-                found.append((control.group, groups[control.group]))
-            groups[control.group].append(one)
-        else:
-            found.append(one)
-    return [
-        html.Fieldset([html.Legend(item[0]), *item[1]]) if isinstance(item, tuple) else item
-        for item in found
-    ]
-
-
-def setting(control: Control, value: Any) -> Any:
-    """A control with its label."""
-    key = {"control": control.name}
-    target = json.dumps(key, separators=(",", ":"))
-    if isinstance(control, Slider):
-        number = {"number": control.name}
-        unit = f" [{control.unit}]" if control.unit else ""
-        parts: list[Any] = [
-            html.Label(f"{control.label}{unit}", htmlFor=target),
-            html.Div(
-                [
-                    dcc.Input(id=key, type="range", min=control.low, max=control.high,
-                              step=control.step, value=value, className="range"),
-                    html.Label(f"{control.label}, as a number", className="unseen",
-                               htmlFor=json.dumps(number, separators=(",", ":"))),
-                    dcc.Input(id=number, type="number", min=control.low, max=control.high,
-                              step="any", value=value, debounce=True, className="number"),
-                ],
-                className="slider",
-            ),
-        ]  # fmt: skip
-        if control.marked is not None:
-            parts.append(_mark(control))
-        return html.Div(parts, className="field")
-    if isinstance(control, Text):
-        return html.Div(
-            [
-                html.Label(control.label, htmlFor=target),
-                dcc.Input(id=key, type="text", value=value, debounce=True, className="text"),
-            ],
-            className="field",
-        )
-    options = [{"value": key_, "label": text} for key_, text in control.options]
-    make = dcc.RadioItems if isinstance(control, Choice) else dcc.Checklist
-    return html.Fieldset(
-        [
-            html.Legend(control.label),
-            make(id=key, options=options, value=value, className="options"),
-        ],
-        className="field",
-    )
-
-
-def _mark(control: Slider) -> Any:
-    """The marked range under a slider."""
-    assert control.marked is not None
-    low, high = (
-        100.0 * min(max((end - control.low) / (control.high - control.low), 0.0), 1.0)
-        for end in control.marked
-    )
-    return html.Div(
-        [
-            html.Div(
-                html.Span(style={"left": f"{low:.2f}%", "width": f"{max(high - low, 0.6):.2f}%"}),
-                className="interval",
-            ),
-            html.Small(f"95 %: {control.marked[0]:.4g} to {control.marked[1]:.4g}"),
-        ]
-    )
+    def register(self, application: Application) -> None:
+        """Say what happens when something of ``more`` is used."""
 
 
 # -------------------------------------------------------------------------------------------------
 # What a user can set on a view, and how it stands in the address.
 
-Values = dict[str, Any]
-"""What is set, by the names of the controls."""
+Values = dict[str, Any]  # what is set, by the names of the controls
 
-LONGEST = 400
-"""Characters of a text that is set."""
+LONGEST = 400  # characters of a text that is set
 
 
 @dataclass(frozen=True)
 class Slider:
-    """A number within limits.
+    """A number within limits."""
 
-    Attributes
-    ----------
-    name, label, unit : str
-        In the address, and on the page.
-    low, high, step : float
-        Limits and the width of a step.
-    default : float
-        Where it stands at first.
-    marked : tuple of 2 float, or None
-        A range to be marked, such as an interval of confidence.
-    group : str
-        Under which it is shown; "" for none.
-    """
-
-    name: str
+    name: str  # in the address
     label: str
     unit: str
     low: float
     high: float
     step: float
     default: float
-    marked: tuple[float, float] | None = None
-    group: str = ""
+    marked: tuple[float, float] | None = None  # a range to be marked, such as an interval
+    group: str = ""  # under which it is shown
 
     def read(self, given: Any) -> float:
-        """The number that is given, brought within the limits; ``InputError`` for none."""
+        """Bring the number that is given within the limits; ``InputError`` for none."""
         try:
             value = float(given)
         except (TypeError, ValueError):
@@ -357,7 +148,7 @@ class Text:
     group: str = ""
 
     def read(self, given: Any) -> str:
-        """The text that is given; ``InputError`` for what is none or too long."""
+        """Strip the text that is given; ``InputError`` for what is none or too long."""
         if not isinstance(given, str) or len(given) > LONGEST or not given.isprintable():
             raise InputError(f"{self.label} is {quoted(given)}", f"give up to {LONGEST} characters")
         return given.strip()
@@ -374,7 +165,7 @@ class Choice:
     group: str = ""
 
     def read(self, given: Any) -> str:
-        """The option that is given; ``InputError`` for another one."""
+        """Take the option that is given; ``InputError`` for another one."""
         known = [value for value, _ in self.options]
         if given not in known:
             raise InputError(
@@ -394,7 +185,7 @@ class Several:
     group: str = ""
 
     def read(self, given: Any) -> list[str]:
-        """The options that are given, in their order; ``InputError`` for another one."""
+        """Take the options that are given, in their order; ``InputError`` for another one."""
         if isinstance(given, str):
             given = [part for part in given.split(",") if part]
         known = [value for value, _ in self.options]
@@ -406,137 +197,36 @@ class Several:
 Control = Slider | Text | Choice | Several
 
 
-def default_of(control: Control) -> Any:
-    """What it is set to at first."""
-    return list(control.default) if isinstance(control, Several) else control.default
-
-
 def values_of(controls: Sequence[Control], given: Mapping[str, Any]) -> tuple[Values, list[str]]:
-    """What is set, and a line for each control that was given something it cannot be.
+    """Read what is set, by the names of the controls; what is missing is at its default.
 
-    Parameters
-    ----------
-    controls : sequence of Control
-        Of a view.
-    given : mapping of str
-        By their names; what is missing is at its default.
+    With it comes a line for each control that was given something it cannot be.
     """
     values, remarks = {}, []
     for control in controls:
-        values[control.name] = default_of(control)
-        if given.get(control.name) is None:
-            continue
-        try:
-            values[control.name] = control.read(given[control.name])
-        except InputError as error:
-            remarks.append(str(error))
+        own = list(control.default) if isinstance(control, Several) else control.default
+        values[control.name] = own
+        if given.get(control.name) is not None:
+            try:
+                values[control.name] = control.read(given[control.name])
+            except InputError as error:
+                remarks.append(str(error))
     return values, remarks
 
 
-def of_query(search: str | None) -> dict[str, str]:
-    """The parameters of an address by name, of ``?a=1&b=2``."""
-    return dict(parse_qsl((search or "").lstrip("?"), keep_blank_values=True, max_num_fields=100))
-
-
-# -------------------------------------------------------------------------------------------------
-# What is explored, changed on the page: the address that follows, or what is wrong in a line.
-
-OF_BLADE = ("chord-", "twist-")
-"""How controls begin that mean nothing for another blade."""
-
-
-class Choices:
-    """Sessions by their addresses, and the addresses of changed ones.
-
-    Parameters
-    ----------
-    first : Session
-        That of the command line.
-    shelf : Shelf
-        Where files are.
-    """
-
-    def __init__(self, first: Session, shelf: Shelf) -> None:
-        self.first, self.shelf = first, shelf
-
-    def session(self, search: Any) -> Session:
-        """What an address tells; ``InputError`` where it tells nonsense."""
-        if search is not None and not isinstance(search, str):
-            raise InputError("the address is damaged", "open / instead")
-        return Session.of(of_query(search), self.first, self.shelf)
-
-    def chosen(self, here: Any, prop: Any, law: Any, physics: Any) -> tuple[Any, str]:
-        """The address of another propeller, constants or physics, or what is wrong."""
-        try:
-            session = self.session(here)
-            if (prop, law, physics) == (session.name, session.law, session.physics):
-                # The page has just been drawn.
-                return no_update, ""
-            query = {**of_query(here), **session.query()}
-            if prop != session.name:
-                for kind in ("fit", "geometry", "vehicle"):
-                    query.pop(f"file-{kind}", None)
-                # What follows from the blade is as usual for the new one.
-                for name in ("rpm", "data"):
-                    query.pop(name, None)
-            if law != session.law:
-                for kind in ("fit", "constants"):
-                    query.pop(f"file-{kind}", None)
-            query |= {
-                "prop": str(prop or session.prop),
-                "law": str(law or KNOWN),
-                "physics": str(physics or ""),
-            }
-            for name in [name for name in query if name.startswith(OF_BLADE)]:
-                del query[name]
-            Session.of(query, self.first, self.shelf).model  # noqa: B018 - it may not exist
-        except InputError as error:
-            return no_update, str(error)
-        return f"?{urlencode(query)}", ""
-
-    def uploaded(self, here: Any, content: Any, name: Any) -> tuple[Any, str]:
-        """The address with one more file, or what its reader says."""
-        try:
-            _, comma, body = str(content).partition(",")
-            if not comma or len(body) > 1.4 * MOST_BYTES:
-                raise InputError(
-                    "the file is too large" if comma else "there is no file",
-                    f"give one of at most {MOST_BYTES / 1e6:g} MB",
-                    str(name)[-80:],
-                )
-            try:
-                data = b64decode(body, validate=True)
-            except (Base64Error, ValueError):
-                raise InputError("the file came damaged", "give it again") from None
-            given = read_upload(str(name), data)
-            session = self.session(here).with_file(given, self.shelf.put(given))
-            session.model  # noqa: B018 - it may not exist
-            query = {k: v for k, v in of_query(here).items() if not k.startswith("file-")}
-            if given.kind in ("geometry", "fit", "vehicle"):
-                query.pop("rpm", None)
-            if given.kind == "data":
-                query["data"] = "file"
-        except InputError as error:
-            return no_update, str(error)
-        return f"?{urlencode({**query, **session.query()})}", ""
-
-    def removed(self, here: Any, kind: str) -> str:
-        """The address without a file."""
-        session = self.session(here)
-        query = {**of_query(here), **session.query()}
-        query.pop(f"file-{kind}", None)
-        return f"?{urlencode(query)}"
+def data_choice(session: Session) -> Choice:
+    """Make the choice of measured loads to compare with."""
+    found = tuple((name, name) for name in session.measurements())
+    return Choice("data", "Measured", (("none", "none"), *found), found[0][0] if found else "none")
 
 
 # -------------------------------------------------------------------------------------------------
 # Figures as plain data for Plotly, in the reports' colours, labels and units.
 
-Figure = dict[str, Any]
-
 GREY = "#777777"
+HOVER = ("hover model", GREY, "dash")  # name, colour and dash of its curves
+# As ``report.html.MARKERS``.
 MARKS = ("circle", "square", "triangle-up", "diamond", "triangle-down", "cross", "x")
-"""Those of ``report.style.MARKERS``."""
-
 STATUS_MARKS = {
     "multiple_roots": ("circle-open", COLOURS[4]),
     "windmill": ("triangle-up", COLOURS[2]),
@@ -547,23 +237,28 @@ STATUS_MARKS = {
     "clamped": ("square", COLOURS[3]),
     "no_value": ("x", "#CC0000"),
     "outside": ("x", GREY),
-}
-"""Mark and colour of points that are not "ok"."""
+}  # mark and colour of points that are not "ok"
+
+# Axes, units and names of the loads and the power.
+TITLES = {**{name: load.title for name, load in LOADS.items()}, "power": "power P [W]"}
+UNITS = {**{name: load.unit for name, load in LOADS.items()}, "power": "W"}
+LABELS = {**{name: load.label for name, load in LOADS.items()}, "power": "power"}
+AXES = {"speed": "speed V [m/s]", "rpm": "rpm", "beta": "angle β [deg]"}
 
 
-def array(values: ArrayLike) -> dict[str, Any] | list[Any]:
-    """Numbers as Plotly takes them fastest."""
+def array(values: ArrayLike) -> dict[str, Any]:
+    """Write numbers as Plotly takes them fastest."""
     found: NDArray[np.float64] = np.ascontiguousarray(values, np.float64)
-    told = {"dtype": "f8", "bdata": base64.b64encode(found.tobytes()).decode()}
+    written = {"dtype": "f8", "bdata": base64.b64encode(found.tobytes()).decode()}
     if found.ndim > 1:
-        told["shape"] = ", ".join(map(str, found.shape))
-    return told
+        written["shape"] = ", ".join(map(str, found.shape))
+    return written
 
 
 def line(
     x: ArrayLike, y: ArrayLike, name: str, colour: str, dash: str = "solid", **more: Any
 ) -> dict[str, Any]:
-    """A curve."""
+    """Draw a curve."""
     return {
         "type": "scatter",
         "mode": "lines",
@@ -576,7 +271,7 @@ def line(
 
 
 def band(x: ArrayLike, low: ArrayLike, high: ArrayLike, colour: str) -> dict[str, Any]:
-    """What is shaded between two curves."""
+    """Shade what is between two curves."""
     along, least, most = np.asarray(x), np.asarray(low), np.asarray(high)
     known = np.isfinite(least) & np.isfinite(most)
     along, least, most = along[known], least[known], most[known]
@@ -597,7 +292,7 @@ def band(x: ArrayLike, low: ArrayLike, high: ArrayLike, colour: str) -> dict[str
 def points(
     x: ArrayLike, y: ArrayLike, name: str, colour: str, mark: str = "circle", **more: Any
 ) -> dict[str, Any]:
-    """Single points."""
+    """Draw single points."""
     return {
         "type": "scatter",
         "mode": "markers",
@@ -619,7 +314,7 @@ def figure(
     legend: bool = False,
     **layout: Any,
 ) -> Figure:
-    """A figure with named axes; ``revision`` changes where a zoom is to be forgotten."""
+    """Make a figure with named axes; ``revision`` changes where a zoom is to be forgotten."""
     axis = {"gridcolor": "#dddddd", "zerolinecolor": "#bbbbbb", "automargin": False, "ticks": ""}
     own = {"x": layout.pop("xaxis", {}), "y": layout.pop("yaxis", {})}
     return {
@@ -641,8 +336,27 @@ def figure(
     }
 
 
+def curves(
+    x: NDArray[np.float64],
+    lines: Sequence[tuple[Any, ...]],
+    across: str,
+    up: str,
+    *,
+    zero: bool = False,
+    **layout: Any,
+) -> Figure:
+    """Draw curves over all of ``x`` (n,): each (n,) with name, colour and perhaps a dash."""
+    return figure(
+        [line(x, *one) for one in lines],
+        across,
+        up,
+        yaxis=span(*(one[0] for one in lines), zero=zero),
+        **{"xaxis": {"range": [float(x[0]), float(x[-1])]}, **layout},
+    )
+
+
 def span(*values: ArrayLike, zero: bool = False) -> dict[str, Any]:
-    """A range of an axis that holds the finite ones of ``values``, with some room."""
+    """Choose a range of an axis that holds the finite ones of ``values``, with some room."""
     flat = np.concatenate([np.ravel(v) for v in values]) if values else np.zeros(1)
     flat = flat[np.isfinite(flat)]
     if zero or not flat.size:
@@ -653,7 +367,7 @@ def span(*values: ArrayLike, zero: bool = False) -> dict[str, Any]:
 
 
 def upright(x: float) -> dict[str, Any]:
-    """A thin line at an operating point."""
+    """Draw a thin line at an operating point."""
     return {
         "type": "line",
         "xref": "x",
@@ -666,27 +380,18 @@ def upright(x: float) -> dict[str, Any]:
     }
 
 
-TITLES = {**{name: load.title for name, load in LOADS.items()}, "power": "power P [W]"}
-"""Of loads and the power, for axes."""
-
-UNITS = {**{name: load.unit for name, load in LOADS.items()}, "power": "W"}
-
-LABELS = {**{name: load.label for name, load in LOADS.items()}, "power": "power"}
-
-
 def digits(value: float) -> str:
-    """A number as it is told on the page."""
+    """Write a number as the page shows it."""
     return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
 # -------------------------------------------------------------------------------------------------
-# The operating point that all views share, and what is told of it.
+# The operating point that all views share, and what is said of it.
 
 
 def point_controls(session: Session) -> list[Slider]:
-    """Sliders for rpm, speed and angle."""
-    blade = session.model.propeller
-    usual = 60.0 / blade.radius / RPM
+    """Make sliders for rpm, speed and angle."""
+    usual = 60.0 / session.model.propeller.radius / RPM
     found = session.measured(next(iter(session.measurements()), "none"))
     if found is not None and len(found):
         # Where measured points are.
@@ -702,26 +407,37 @@ def point_controls(session: Session) -> list[Slider]:
 
 
 def point_of(values: Values) -> OperatingPoints:
-    """The operating point."""
-    rpm, speed, beta = (np.array([values[key]]) for key in ("rpm", "speed", "beta"))
+    """Give the operating point."""
+    rpm, speed, beta = (np.array([values[key]]) for key in POINT)
     return OperatingPoints(rpm, speed, beta)
 
 
-def point_lines(values: Values) -> list[str]:
-    """Options of a command for it."""
-    return [part for key in ("rpm", "speed", "beta") for part in (f"--{key}", number(values[key]))]
-
-
 def point_words(values: Values) -> str:
-    """The operating point in words."""
+    """Write the operating point in words."""
     return f"{values['rpm']:g} rpm, {values['speed']:g} m/s, β {values['beta']:g}°"
 
 
+def point_python(values: Values) -> str:
+    """Write the operating point as arguments of ``Rotor.loads``."""
+    return (
+        f"{number(values['rpm'])} * np.pi / 30.0, {number(values['speed'])}, "
+        f"np.radians({number(values['beta'])})"
+    )
+
+
+def sweep_python(values: Values, top: float, count: int) -> str:
+    """Write lines of Python that print the loads at ``count`` speeds up to ``top`` [m/s]."""
+    return (
+        f"omega = {number(values['rpm'])} * np.pi / 30.0\n"
+        f"speed = np.linspace(0.0, {number(top)}, {count})\n"
+        f"print(rotor.loads(omega, speed, np.radians({number(values['beta'])})))"
+    )
+
+
 def point_table(session: Session, values: Values) -> Table:
-    """Loads at the operating point as `propmap predict` tells them, and how sure they are."""
-    rotor = rotor_of(session.model)
+    """Tabulate loads at the operating point as `propmap predict` does, and how sure they are."""
     point = point_of(values)
-    loads = point.loads(rotor)
+    loads = point.loads(rotor_of(session.model))
     still = hover_model(session.model).loads(point.si[0])
     hover = {**still, "power": still["torque"] * point.si[0]}
     known = loads.std if session.model.uncertainty is not None else None

@@ -1,4 +1,4 @@
-"""A report: one HTML page from a template, every figure as SVG, the numbers as CSV.
+"""Reports: one HTML page from a template, every figure as SVG and its numbers as CSV.
 
 The words and the order of a page are in a template of its name, beside the code that
 computes its numbers; all templates extend ``layout.html.j2`` of this folder.
@@ -11,9 +11,11 @@ import csv
 import io
 import math
 import os
+import re
 import shutil
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,14 +32,49 @@ from propmap.loads import LOADS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MINUS, MISSING = "\N{MINUS SIGN}", "\N{EN DASH}"
-"""In front of a negative number, and where there is none."""
+MINUS, MISSING = "\N{MINUS SIGN}", "\N{EN DASH}"  # before a negative number; in place of none
+DIGITS = 6  # of the numbers in CSV files: the accuracy of the loads
+ZERO = 1e-9  # smaller numbers are rounding errors, which differ between machines
 
-DIGITS = 6
-"""Of the numbers in CSV files: the accuracy of the loads."""
 
-ZERO = 1e-9
-"""Smaller numbers, in SI units or degrees, are rounding errors, which differ between machines."""
+@dataclass(frozen=True, eq=False)
+class FigureRecord:
+    """Columns with units that a picture draws, a CSV file holds and a table of the page shows."""
+
+    name: str  # of its files, without the ending
+    groups: Sequence[Mapping[str, Any]]  # columns by head, as "speed_mps"; a group per curve
+    draw: Callable[[], Figure] | None = None  # None for a table without a picture
+    cells: Sequence[Sequence[str]] = ()  # rows of the page's table
+
+    def csv(self) -> str:
+        """Return the columns as CSV, group after group."""
+        return csv_of_columns(self.groups)
+
+    def figure(self) -> Figure:
+        """Draw the picture in the package's style."""
+        assert self.draw is not None
+        with style():
+            return self.draw()
+
+
+def columns_of(heads: str, rows: Iterable[Sequence[Any]]) -> list[dict[str, Any]]:
+    """Turn rows into the one group of columns of a record; heads are separated by spaces."""
+    values = list(zip(*rows, strict=True)) or [()] * len(heads.split())
+    return [dict(zip(heads.split(), values, strict=True))]
+
+
+def record_files(
+    template: str, records: Iterable[FigureRecord], **values: Any
+) -> dict[str, str | bytes]:
+    """Make all files of a report by name; the template finds tables in ``cells`` by record."""
+    records = list(records)
+    return report_files(
+        template,
+        {one.name: one.figure() for one in records if one.draw},
+        {one.name: one.csv() for one in records},
+        cells={one.name: one.cells for one in records},
+        **values,
+    )
 
 
 def report_files(
@@ -47,20 +84,10 @@ def report_files(
     folder: Path = Path(__file__).parents[1],
     **values: Any,
 ) -> dict[str, str | bytes]:
-    """All files of a report by name.
+    """Make all files of a report by name: the page, ``.svg`` of figures, ``.csv`` of sheets.
 
-    Parameters
-    ----------
-    template : str
-        Path of the page's template in the folder.
-    figures : mapping of str to Figure
-        By name; the page holds them, and each is a file with the ending ``.svg`` as well.
-    sheets : mapping of str to str
-        Contents of CSV files, by name without the ending.
-    folder : Path
-        Where the template is, by default the package; what it extends is found there too.
-    **values
-        What the template uses.
+    ``template`` is the page's template, a path in ``folder``, by default the package, where what it
+    extends is found too; ``values`` are what it uses.
     """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
@@ -89,7 +116,7 @@ def report_files(
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """A number to so many significant digits, without an exponent where that can be read."""
+    """Write a number to so many significant digits, without an exponent where that can be read."""
     if value is None or value != value:
         return MISSING
     text = f"{value:.{digits}g}"
@@ -100,17 +127,17 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def percent(share: float) -> str:
-    """A share in per cent to two digits, without a line break."""
+    """Write a share in per cent to two digits, without a line break."""
     return f"{number(100.0 * share, 2)}\N{NO-BREAK SPACE}%"
 
 
 def sentence(text: str) -> str:
-    """With a capital letter and a full stop."""
+    """Give a text a capital letter and a full stop."""
     return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
 
 
 def csv_of_rows(heads: str, rows: Iterable[Sequence[Any]]) -> str:
-    """Rows as CSV under heads with units, separated by spaces; NaN and None are empty fields."""
+    """Write rows as CSV; heads are separated by spaces, NaN and None become empty fields."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(heads.split())
@@ -119,10 +146,7 @@ def csv_of_rows(heads: str, rows: Iterable[Sequence[Any]]) -> str:
 
 
 def csv_of_columns(groups: Iterable[Mapping[str, Any]]) -> str:
-    """Columns by head with unit as CSV; the groups of rows follow each other.
-
-    Values are array_like; in each group they are broadcast against each other.
-    """
+    """Write groups of columns by head as CSV; a group's array_like columns are broadcast."""
     heads = ""
     rows: list[Sequence[Any]] = []
     for group in groups:
@@ -141,26 +165,21 @@ def _field(value: Any) -> Any:
 
 
 def _columns(heads: str, rows: Iterable[Sequence[Any]]) -> list[tuple[str, str, bool, list[str]]]:
-    """Name, unit, whether it holds numbers, and cells of each column of a table.
+    """Split a table into columns: name, unit, whether it holds numbers, and cells.
 
-    ``heads`` such as "load | rms error [N]"; a cell is a text, or a number to be set to three
-    digits.
+    ``heads`` are such as "load | rms error [N]"; numbers become texts of three digits.
     """
+
+    def is_number(text: str) -> bool:
+        bare = re.sub(f"[{MINUS}{MISSING}% ]", "", text)
+        return bare == "" or bare.replace(".", "", 1).isdigit()
+
     columns = []
     for head, *values in zip(heads.split("|"), *rows, strict=True):
         name, _, unit = head.strip().removesuffix("]").partition(" [")
-        cells = [value if isinstance(value, str) else _shown(value) for value in values]
-        columns.append((name, unit, bool(unit) or all(map(_is_number, cells)), cells))
+        cells = [str(v) if isinstance(v, (str, int)) else number(v) for v in values]
+        columns.append((name, unit, bool(unit) or all(map(is_number, cells)), cells))
     return columns
-
-
-def _shown(value: float | None) -> str:
-    return str(value) if isinstance(value, int) else number(value)
-
-
-def _is_number(text: str) -> bool:
-    bare = text.replace(MINUS, "").replace(MISSING, "").replace("%", "").replace(" ", "")
-    return bare == "" or bare.replace(".", "", 1).isdigit()
 
 
 # -------------------------------------------------------------------------------------------------
@@ -170,13 +189,12 @@ PAGE = "index.html"
 
 
 def file_names(figures: Collection[str], tables: Collection[str]) -> frozenset[str]:
-    """The page, an SVG and a CSV for each figure, a CSV for each table without a figure."""
+    """Name a report's files: the page, an SVG and a CSV per figure, a CSV per bare table."""
     pairs = {f"{name}{ending}" for name in figures for ending in (".svg", ".csv")}
     return frozenset({PAGE, *pairs, *(f"{name}.csv" for name in tables)})
 
 
-MOST_LOADS = 6
-"""In flight, three forces and three moments."""
+MOST_LOADS = 6  # in flight: three forces and three moments
 
 REPORT_FILES = file_names(
     [f"fit-{name}" for name in ("coverage", "errors", "loads", "parameters", "check", "measured")]
@@ -191,23 +209,15 @@ TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values", "fit-terms-worth"])
 
 
 def check_folder(folder: Path, names: Collection[str]) -> None:
-    """Raise ``InputError`` unless the folder can be made, or replaced without loss.
-
-    Parameters
-    ----------
-    folder : Path
-        If it exists, it may hold no files but those named.
-    names : collection of str
-        Of the files to be written.
-    """
+    """Raise ``InputError`` unless the folder is new or holds no files but those of ``names``."""
     where = str(folder)
     try:
         parent = folder.absolute().parent
         if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
             raise InputError("this is not a folder", "name a folder to write into", where)
         if not parent.is_dir():
-            told = f"there is no folder {str(parent)!r}"
-            raise InputError(told, "make it or choose another", where)
+            missing = f"there is no folder {str(parent)!r}"
+            raise InputError(missing, "make it or choose another", where)
         held = folder.iterdir() if folder.exists() else ()
         others = sorted(p.name for p in held if p.name not in names or p.is_dir())
     except InputError:
@@ -227,21 +237,16 @@ def check_folder(folder: Path, names: Collection[str]) -> None:
 def write_folder(
     folder: Path, files: Mapping[str, str | bytes], names: Collection[str] = ()
 ) -> None:
-    """Make the folder, or replace it, with these files.
+    """Make a folder of ``files`` by name, or replace one that holds no others but ``names``.
 
     They are written into a folder beside it, which is renamed when all are there.
-
-    Parameters
-    ----------
-    folder : Path
-        Checked as by ``check_folder``, which may raise ``InputError``.
-    files : mapping of str to str or bytes
-        Contents by name; text is written as UTF-8.
-    names : collection of str
-        Of further files that the folder may hold; they are removed.
     """
     check_folder(folder, {*files, *names})
-    with _beside(folder, "part") as part, _beside(folder, "old") as old:
+    place = folder.absolute()
+    part, old = (
+        place.with_name(f".{place.name[:100]}.{os.getpid()}.{ending}") for ending in ("part", "old")
+    )
+    try:
         part.mkdir()
         for name, content in files.items():
             data = content.encode("utf-8") if isinstance(content, str) else content
@@ -254,28 +259,18 @@ def write_folder(
             if old.exists():
                 old.rename(folder)
             raise
-
-
-@contextmanager
-def _beside(folder: Path, ending: str) -> Iterator[Path]:
-    """The path of a temporary folder beside this one; it is removed at the end."""
-    place = folder.absolute()
-    path = place.with_name(f".{place.name[:100]}.{os.getpid()}.{ending}")
-    try:
-        yield path
     finally:
-        shutil.rmtree(path, ignore_errors=True)
+        for beside in (part, old):
+            shutil.rmtree(beside, ignore_errors=True)
 
 
 # -------------------------------------------------------------------------------------------------
 # One look for every figure, the pieces that many share, and how a figure is written.
 
+# Okabe and Ito's palette without its yellow, which does not print; readers with any colour vision
+# tell them apart. A marker goes with each, for print without colour.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-"""Okabe and Ito's palette without its yellow, which does not print: told apart by readers
-with any colour vision."""
-
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-"""A marker goes with each colour, for print without colour."""
 
 MODEL: dict[str, Any] = {"linestyle": "-", "linewidth": 1.6}
 DASHED: dict[str, Any] = {"linestyle": (0, (5, 3)), "linewidth": 1.2}
@@ -301,35 +296,35 @@ _SETTINGS: dict[Any, Any] = {
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Draw in the package's style; the settings of the process stay.  Also a decorator."""
+    """Draw in the package's style, also as a decorator; the settings of the process stay."""
     with mpl.rc_context(_SETTINGS):
         yield
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure of this size [inches] that lays itself out."""
+    """Make an empty figure of this size [inches] that lays itself out."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def load_panels(height: float, **shared: Any) -> tuple[Figure, Any]:
-    """A figure with two panels in a row of this height [inches], and the axes (rows, 2)."""
+    """Make a panel per load, two in a row of this height [inches]; figure and axes (rows, 2)."""
     rows = -(-len(LOADS) // 2)
     figure = new_figure(8.6, height * rows)
     return figure, figure.subplots(rows, 2, squeeze=False, **shared)
 
 
 def marked(k: int) -> dict[str, Any]:
-    """Colour and marker number k."""
+    """Give colour and marker number k."""
     return {"color": COLOURS[k], "marker": MARKERS[k]}
 
 
 def key(label: str, **look: Any) -> Line2D:
-    """A line of this look for a legend."""
+    """Make a line of this look for a legend."""
     return Line2D([], [], label=label, **look)
 
 
 def angle_keys(betas: Iterable[float], markersize: float = 0.0, **look: Any) -> list[Line2D]:
-    """A line for a legend for each angle [rad], with a marker if that has a size."""
+    """Make a line for a legend per angle [rad], with a marker if that has a size."""
     return [
         key(
             f"β = {np.degrees(beta):.4g}°", color=COLOURS[k],
@@ -340,13 +335,13 @@ def angle_keys(betas: Iterable[float], markersize: float = 0.0, **look: Any) -> 
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], columns: int = 0, **look: Any) -> None:
-    """A legend under the panels, in one row unless ``columns`` is given."""
+    """Put a legend under the panels, in one row unless ``columns`` is given."""
     ncols = columns or len(handles)
     figure.legend(handles=handles, loc="outside lower center", ncols=ncols, **look)
 
 
 def legend_in_last(axes: Sequence[Axes], handles: Sequence[Any], label: str) -> None:
-    """A legend in the last of 2 x 3 panels, and the label of the horizontal axis on the others."""
+    """Put a legend into the last of 2 x 3 panels, and ``label`` under the lowest of the others."""
     for ax in axes[2:5]:
         ax.set_xlabel(label)
         ax.tick_params(labelbottom=True)
@@ -355,7 +350,7 @@ def legend_in_last(axes: Sequence[Axes], handles: Sequence[Any], label: str) -> 
 
 
 def share_of_weight(ax: Axes, weight: float) -> None:
-    """A second scale, so that a force error can be read as a share of the weight [N]."""
+    """Add a scale on which a force [N] reads as a share of the ``weight`` [N]."""
     functions: Any = (lambda force: 100.0 * force / weight, lambda share: share * weight / 100.0)
     ax.secondary_yaxis("right", functions=functions).set_ylabel("share of the weight [%]")
 
@@ -368,10 +363,8 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def as_svg(figure: Figure) -> bytes:
-    """A figure for a page.
-
-    Letters are outlines, so that it looks alike everywhere; it holds no date and no random names,
-    so that the same figure gives the same bytes.
+    """Make a page's SVG of a figure: letters as outlines, no date or random name, so that it looks
+    alike everywhere and equal figures give equal bytes.
     """
     text = io.BytesIO()
     fixed: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "propmap"}

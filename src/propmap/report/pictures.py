@@ -35,9 +35,6 @@ from propmap.typing import Floats
 from propmap.units import RPM
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from numpy.typing import NDArray
-
     from propmap.aircraft.mission import Flown, Mission
     from propmap.aircraft.performance import Performance
     from propmap.aircraft.ranking import Judged
@@ -47,7 +44,6 @@ if TYPE_CHECKING:
     from propmap.results import Inflow
     from propmap.rotor import Rotor
     from propmap.study.files import ResponseSurface
-    from propmap.typing import Floats
 
 
 # -------------------------------------------------------------------------------------------------
@@ -58,26 +54,18 @@ NEAR_ANGLE = np.radians(0.5)
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLoads:
-    """Loads measured at one rotational speed.
-
-    Attributes
-    ----------
-    label : str
-        For the title.
-    speed, beta : ndarray, shape (n,)
-        Operating points [m/s], [rad].
-    loads : dict of str to ndarray, shape (n,)
-        By name; NaN where not measured.
-    """
+    """Loads measured at one rotational speed, with what the title calls them."""
 
     label: str
-    speed: Floats
-    beta: Floats
-    loads: dict[str, Floats]
+    speed: Floats  # (n,) [m/s]
+    beta: Floats  # (n,) [rad]
+    loads: dict[str, Floats]  # (n,) by name; NaN where not measured
 
     def along(self, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
-        """Which points lie within half a degree of ``beta`` [rad], in the order of their speed;
-        those at rest too, at any angle, if ``at_rest``."""
+        """Find the points within half a degree of ``beta`` [rad], in the order of their speed.
+
+        Those at rest are among them, at any angle, if ``at_rest``.
+        """
         near = np.abs(self.beta - beta) < NEAR_ANGLE
         mine = np.flatnonzero(near | (at_rest & (self.speed == 0.0)))
         return mine[np.argsort(self.speed[mine], kind="stable")]
@@ -94,52 +82,35 @@ def load_curves(
     band: Rotor | None = None,
     band_label: str = "95 % band of the model",
 ) -> Figure:
-    """Every load against flight speed, a curve for each angle, the hover model dashed.
+    """Draw every load over ``speed`` (n,) [m/s], a curve for each of up to 7 angles [rad].
 
-    Parameters
-    ----------
-    rotor : Rotor
-        What is drawn.
-    omega : float
-        Rotational speed [rad/s].
-    speed : ndarray, shape (n,)
-        Flight speeds [m/s].
-    betas : sequence of float
-        Up to 7 angles [rad].
-    measured : MeasuredLoads, optional
-        Points, drawn where their angle is within half a degree of a curve's; those at rest belong
-        to every curve and are drawn with the first.
-    band : Rotor, optional
-        Of this one, the band that holds the true loads with a probability of 95 % is shaded, where
-        it says how well it is known.
-    band_label : str
-        For the legend.
-
-    Raises
-    ------
-    InputError
-        For more than 7 angles.
+    The hover model is dashed. Measured points at rest belong to every curve and are drawn with the
+    first. The band that holds the loads of the rotor ``band`` with a probability of 95 % is shaded
+    where it says how well it is known.
     """
     if len(betas) > len(COLOURS):
         raise InputError(
             f"{len(betas)} angles make an unreadable picture", f"give at most {len(COLOURS)}"
         )
     found = rotor.loads(omega, speed, np.array(betas)[:, None])
-    low, high = None, None
+    edges: tuple[Any, ...] = ()
     if band is not None and band.model.uncertainty is not None:
         shaded = found if band is rotor else band.loads(omega, speed, np.array(betas)[:, None])
-        low, high = shaded.interval()
+        edges = shaded.interval()
     hover = HoverModel.of(rotor).loads(omega)
     figure, axes = load_panels(3.3, sharex=True)
     for ax, load in zip(axes.ravel(), LOADS.values(), strict=True):
         ax.axhline(float(hover[load.name]), **HOVER)
         for k, curve in enumerate(getattr(found, load.name)):
             ax.plot(speed, curve, color=COLOURS[k], **MODEL)
-            if low is not None and high is not None:
-                edges = (getattr(low, load.name)[k], getattr(high, load.name)[k])
-                ax.fill_between(speed, *edges, color=COLOURS[k], **BAND)
+            if edges:
+                ends = [getattr(edge, load.name)[k] for edge in edges]
+                ax.fill_between(speed, *ends, color=COLOURS[k], **BAND)
         if measured is not None and load.name in measured.loads:
-            _draw_measured(ax, load.name, betas, measured)
+            for k, beta in enumerate(betas):
+                mine = measured.along(beta, at_rest=k == 0)
+                values = measured.loads[load.name][mine]
+                ax.plot(measured.speed[mine], values, **marked(k), **MEASURED)
         ax.set_ylabel(load.title)
         ax.margins(x=0.02)
     for ax in axes[-1]:
@@ -149,18 +120,10 @@ def load_curves(
     figure.suptitle(title if measured is None else f"{title}; points: {measured.label}")
     keys: list[Any] = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
     keys.append(key("hover model", **HOVER))
-    if low is not None:
+    if edges:
         keys.append(Patch(label=band_label, color="0.4", **BAND))
     legend_below(figure, keys)
     return figure
-
-
-def _draw_measured(ax: Axes, load: str, betas: Sequence[float], measured: MeasuredLoads) -> None:
-    """The points of a load."""
-    values = measured.loads[load]
-    for k, beta in enumerate(betas):
-        mine = measured.along(beta, at_rest=k == 0)
-        ax.plot(measured.speed[mine], values[mine], **marked(k), **MEASURED)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -174,21 +137,10 @@ MM = 1e3
 
 @style()
 def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figure:
-    """Angle of attack over the disk seen from above, flight towards the top of the page.
+    """Draw the angle of attack over the disk seen from above, flight towards the top of the page.
 
-    A counter-clockwise propeller is shown; the other one is its mirror image.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        What is drawn.
-    omega, speed, beta : float
-        Operating point [rad/s], [m/s], [rad].
-
-    Raises
-    ------
-    InputError
-        Where the inflow did not converge everywhere.
+    The operating point is in [rad/s], [m/s], [rad]; ``InputError`` where the inflow did not
+    converge everywhere. A counter-clockwise propeller is shown; the other is its mirror image.
     """
     blade = rotor.model.propeller
     radius = np.linspace(*rotor.model.span, 160)
@@ -200,8 +152,20 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
         )
     # Placed by hand: what is written around a polar plot is not laid out automatically.
     figure = Figure(figsize=(9.2, 5.4))
-    disk = figure.add_axes((0.05, 0.15, 0.40, 0.66), projection="polar")
-    mesh = _angle_of_attack(disk, field)
+    disk: Any = figure.add_axes((0.05, 0.15, 0.40, 0.66), projection="polar")
+    degrees = np.degrees(field.alpha)
+    # In reverse flow alpha runs to +-180 deg; the colours are for the rest of the disk.
+    rest = degrees[~field.reverse] if not field.reverse.all() else degrees
+    low, high = np.floor(np.percentile(rest, 1.0)), np.ceil(np.percentile(rest, 99.0))
+    disk.set_theta_zero_location("S")
+    disk.grid(visible=False)
+    mesh = disk.pcolormesh(
+        azimuth, MM * radius, degrees, cmap="viridis", vmin=low, vmax=max(high, low + 1.0),
+        shading="gouraud", rasterized=True,
+    )  # fmt: skip
+    disk.set_ylim(0.0, MM * radius[-1])
+    disk.set_xticks([])
+    disk.set_yticks([])
     bar = figure.colorbar(mesh, cax=figure.add_axes((0.53, 0.22, 0.014, 0.52)), extend="both")
     bar.set_label(r"angle of attack $\alpha$ [deg]")
     _directions(disk, MM * blade.radius, oblique=speed * abs(np.sin(beta)) > 1e-9)
@@ -222,25 +186,8 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
     return figure
 
 
-def _angle_of_attack(ax: Any, field: Inflow) -> Any:
-    degrees = np.degrees(field.alpha)
-    # In reverse flow alpha runs to +-180 deg; the colours are for the rest of the disk.
-    rest = degrees[~field.reverse] if not field.reverse.all() else degrees
-    low, high = np.floor(np.percentile(rest, 1.0)), np.ceil(np.percentile(rest, 99.0))
-    ax.set_theta_zero_location("S")
-    ax.grid(visible=False)
-    mesh = ax.pcolormesh(
-        field.azimuth, MM * field.radius, degrees, cmap="viridis", vmin=low,
-        vmax=max(high, low + 1.0), shading="gouraud", rasterized=True,
-    )  # fmt: skip
-    ax.set_ylim(0.0, MM * field.radius[-1])
-    ax.set_xticks([])
-    ax.set_yticks([])
-    return mesh
-
-
 def _regions(ax: Any, field: Inflow) -> list[Line2D]:
-    """Outline stall and reverse flow; handles for the legend."""
+    """Outline stall and reverse flow, and give handles for the legend."""
     # Smooth fields whose zero is the boundary make smoother outlines than the regions.
     regions = (
         ("stalled", field.stalled, field.past_stall, STALL),
@@ -256,13 +203,13 @@ def _regions(ax: Any, field: Inflow) -> list[Line2D]:
                 linewidths=look["linewidth"], linestyles=look["linestyle"],
             )  # fmt: skip
         colour = "0.5" if look["color"] == "white" else look["color"]
-        label = f"{name}: {100.0 * _share(field, region):.2g} % of the disk"
+        label = f"{name}: {100.0 * share_of_disk(field, region):.2g} % of the disk"
         handles.append(Line2D([], [], **{**look, "color": colour}, label=label))
     return handles
 
 
-def _share(field: Inflow, region: NDArray[np.bool_]) -> float:
-    """Share of the annulus from root to tip that a region covers [-]."""
+def share_of_disk(field: Inflow, region: NDArray[np.bool_]) -> float:
+    """Compute the share of the annulus from root to tip that a region covers [-]."""
     around = region[:, :-1].mean(axis=1)
     area = np.trapezoid(around * field.radius, field.radius)
     return float(area / np.trapezoid(field.radius, field.radius))
@@ -293,13 +240,12 @@ def _directions(ax: Any, tip: float, *, oblique: bool) -> None:
 # -------------------------------------------------------------------------------------------------
 # A blade: its outline, chord and twist.
 
-WIDTH = 7.2
-"""Of the figure [inches]."""
+WIDTH = 7.2  # of the figure [inches]
 
 
 @style()
 def planform(propeller: Propeller) -> Figure:
-    """The outline drawn about mid-chord (sweep plays no part in the model), chord and twist."""
+    """Draw outline, chord and twist; the outline is about mid-chord, as the model has no sweep."""
     station, chord, root = 1e3 * propeller.station, 1e3 * propeller.chord, 1e3 * propeller.root
     tip = 1e3 * propeller.radius
     loaded = np.union1d(station[station > root], [root])
@@ -334,8 +280,7 @@ def planform(propeller: Propeller) -> Figure:
 # -------------------------------------------------------------------------------------------------
 # Power, attitude, rotor speeds and thrust margin of an aircraft against its speed.
 
-WIDE = NormalDist().inv_cdf(0.975)
-"""Standard deviations on either side of a band that holds 95 %."""
+WIDE = NormalDist().inv_cdf(0.975)  # standard deviations on either side of a 95 % band
 
 
 @style()
@@ -346,25 +291,11 @@ def power_curves(
     found: Performance | None = None,
     sure: Sequence[StateChange | None] = (),
 ) -> Figure:
-    """Four panels against speed, a curve for each climb rate, the hover model dashed.
+    """Draw power, pitch, rotor speeds and thrust margin over speed, a curve for each climb rate.
 
-    Power, pitch and rotor speeds have bands that hold them with a probability of 95 %.
-
-    Parameters
-    ----------
-    title : str
-        Of the picture.
-    flown, hover : sequence of SteadyStates
-        Up to 7, of the aircraft and of the same with the hover model, each at one climb rate.
-    found : Performance, optional
-        Whose states with a name are marked.
-    sure : sequence of StateChange, optional
-        Standard deviations of ``flown``, None where nothing is known of them.
-
-    Raises
-    ------
-    InputError
-        For more than 7 climb rates.
+    ``flown`` and ``hover`` are up to 7 states of the aircraft and of the same with the hover model,
+    which is dashed; ``sure`` has the deviations of ``flown`` that make bands of 95 %, None where
+    nothing is known. States of ``found`` that have a name are marked.
     """
     if len(flown) > len(COLOURS):
         raise InputError(
@@ -414,7 +345,18 @@ def power_curves(
     for ax in (margin, speed):
         ax.set_xlabel("horizontal speed through the air [m/s]")
     if found is not None:
-        _mark(power, found)
+        slowest, fastest = found.states.speed[[0, -1]]
+        for state, label, marker in (
+            (found.least_power, "least power", "v"),
+            (found.best_range, "best range", "D"),
+            (found.fastest, "top speed", "s"),
+        ):
+            if state is not None and slowest <= state.speed <= fastest:
+                power.plot(
+                    state.speed, state.power, marker, color="black", markersize=5.0, label=label
+                )
+        if power.get_legend_handles_labels()[0]:
+            power.legend(loc="lower left", fontsize=8.0)
     figure.suptitle(title)
     climbs = [float(states.climb[0]) for states in flown]
     keys: list[Any] = [
@@ -428,39 +370,17 @@ def power_curves(
     return figure
 
 
-def _mark(ax: Axes, found: Performance) -> None:
-    """The states with a name that lie in the picture, on the power curve."""
-    low, high = found.states.speed[[0, -1]]
-    for state, label, marker in (
-        (found.least_power, "least power", "v"),
-        (found.best_range, "best range", "D"),
-        (found.fastest, "top speed", "s"),
-    ):
-        if state is not None and low <= state.speed <= high:
-            ax.plot(state.speed, state.power, marker, color="black", markersize=5.0, label=label)
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(loc="lower left", fontsize=8.0)
-
-
 # -------------------------------------------------------------------------------------------------
 # Hover power against top speed of the propellers that an aircraft may have.
 
-NAMED = 3
-"""Of the ranking's best, so many are named beside those of the front."""
+NAMED = 3  # of the ranking's best that are named beside those of the front
 
 
 @style()
 def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int]) -> Figure:
-    """A point for each feasible propeller; those that no other beats in both are joined.
+    """Draw a point for each feasible propeller of a ranking, best first.
 
-    Parameters
-    ----------
-    title : str
-        Of the picture.
-    judged : sequence of Judged
-        The ranking, best first.
-    front : sequence of int
-        Numbers of those that no other beats, by rising hover power.
+    The numbers in ``front``, by rising hover power, are joined: no other beats them in both.
     """
     figure = new_figure(8.6, 5.6)
     ax = figure.subplots()
@@ -512,30 +432,16 @@ def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int])
 
 @style()
 def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
-    """Four panels over time, which end where the mission cannot go on.
-
-    Parameters
-    ----------
-    title : str
-        Of the picture.
-    legs : Mission
-        What was to be flown.
-    flown : Flown
-        How it was.
-    """
+    """Draw speed, power, charge and voltage over time; shaded where the mission cannot go on."""
     figure = new_figure(8.6, 5.4)
     axes = figure.subplots(2, 2, sharex=True)
     motion, power, charge, voltage = axes.ravel()
     time = flown.course.time / 60.0
     over = time[:, [0, -1]].ravel()
-
-    def steps(values: np.ndarray) -> np.ndarray:
-        return np.repeat(values, 2)
-
-    motion.plot(over, steps(legs.speed), color=COLOURS[0], **MODEL)
-    motion.plot(over, steps(legs.climb), color=COLOURS[1], **DASHED)
+    motion.plot(over, np.repeat(legs.speed, 2), color=COLOURS[0], **MODEL)
+    motion.plot(over, np.repeat(legs.climb, 2), color=COLOURS[1], **DASHED)
     motion.set_ylabel("speed; climb [m/s]")
-    power.plot(over, steps(flown.states.power), color=COLOURS[0], **MODEL)
+    power.plot(over, np.repeat(flown.states.power, 2), color=COLOURS[0], **MODEL)
     power.set_ylabel("power [W]")
     power.set_ylim(0.0, 1.1 * max(power.get_ylim()[1], 1.0))
     charge.plot(time.ravel(), 100.0 * flown.course.charge.ravel(), color=COLOURS[0], **MODEL)
@@ -564,8 +470,7 @@ def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
 # -------------------------------------------------------------------------------------------------
 # A response surface, with the designs that it was fitted to.
 
-GRID = 80
-"""Values along each axis."""
+GRID = 80  # values along each axis
 
 
 @style()
@@ -578,23 +483,11 @@ def response_picture(
     rows: dict[str, Floats],
     values: Floats,
 ) -> Figure:
-    """Contours over two variables, the others at the middle of their ranges.
+    """Draw contours of a quantity over two variables, the others at the middle of their ranges.
 
-    Dots are all designs, wherever the others are.  Beside it what the surface says of each design,
-    against what was computed.
-
-    Parameters
-    ----------
-    title, label : str
-        Of the picture, and of the quantity, with its unit.
-    surface : ResponseSurface
-        What is drawn.
-    axes, labels : tuple of 2 str
-        What varies across and up, and its words with units.
-    rows : dict of str to ndarray, shape (n,)
-        The designs.
-    values : ndarray, shape (n,)
-        The quantity, computed.
+    Dots are all designs (``rows`` of variables, (n,) each), wherever the others are. Beside it
+    what the surface says of each design, against the computed ``values`` (n,). ``label`` and
+    ``labels`` are words with units, of the quantity and of the ``axes``.
     """
     figure = new_figure(9.6, 4.6)
     ax, check = figure.subplots(1, 2, width_ratios=(1.35, 1.0))
@@ -614,10 +507,9 @@ def response_picture(
     ax.set_xlabel(labels[0])
     ax.set_ylabel(labels[1])
     rest = [f"{n.replace('_', ' ')} {v:.3g}" for n, v in middle.items() if n not in axes]
-    told_rest = [f"surface at {', '.join(rest)}", "dots: designs, at any of these"] if rest else []
-    ax.set_title("\n".join(told_rest), fontsize=8.0)
-    told = surface(rows)
-    check.plot(values, told, ".", markersize=3.5)
+    notes = [f"surface at {', '.join(rest)}", "dots: designs, at any of these"] if rest else []
+    ax.set_title("\n".join(notes), fontsize=8.0)
+    check.plot(values, surface(rows), ".", markersize=3.5)
     line = [np.nanmin(values), np.nanmax(values)]
     check.plot(line, line, color="0.35", linewidth=0.9)
     check.set_xlabel(f"computed: {label}")

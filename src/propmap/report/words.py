@@ -19,19 +19,14 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # A table's certificate in words.
 
-TITLES = {name: load.share for name, load in LOADS.items()}
-"""What errors are shares of, by load."""
-
-
-PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}
-"""How a place in the envelope is told, with units."""
+TITLES = {name: load.share for name, load in LOADS.items()}  # what errors are shares of
+PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}  # coordinates in the envelope, with units
 
 
 def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
-    """Where in the envelope, as in ``PLACE``, a certificate's largest errors are, by load.
+    """Find the place in the envelope, as in ``PLACE``, of a certificate's largest errors, by load.
 
-    Empty for a certificate of earlier versions, which does not say; None for a load without
-    errors.
+    Empty for a certificate of earlier versions, which does not say; None for a load without errors.
     """
     if not found.get("max_omega"):
         return {}
@@ -43,12 +38,12 @@ def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
 
 
 def claims(found: Mapping[str, Any]) -> Iterator[str]:
-    """What a table's certificate claims, a sentence each."""
+    """Say what a table's certificate claims, a sentence each."""
     cells = int(found["unresolved_cells"])
-    apart = ", unresolved cells apart" if cells else ""
+    outside = ", outside unresolved cells" if cells else ""
     yield (
         f"tolerance {found['tolerance']:.2%} holds on {found['points']} points that the table was "
-        f"not built from{apart}"
+        f"not built from{outside}"
     )
     if found.get("search_points"):
         yield (
@@ -69,13 +64,14 @@ def claims(found: Mapping[str, Any]) -> Iterator[str]:
 
 
 def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
-    """From what the uncertainty of the section law's parameters was computed."""
+    """Say from what the uncertainty of the section law's parameters was computed."""
     yield (
         "parameters: standard deviation of the loads by the fit's covariance of "
         f"{', '.join(found['parameters'])}, on {found['points']} points"
     )
     if found["not_counted"]:
-        yield f"not counted, the fit's data say nothing of them: {', '.join(found['not_counted'])}"
+        names = ", ".join(found["not_counted"])
+        yield f"not counted, as the fit's data do not determine them: {names}"
 
 
 # -------------------------------------------------------------------------------------------------
@@ -83,22 +79,10 @@ def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
 
 
 def rise_by_motor(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike) -> Floats:
-    """The drag of a motor in proportion to the propeller, over the rotor drag [-].
+    """Compute the drag of a motor in proportion to the propeller, over the rotor drag [-].
 
-    Parameters
-    ----------
-    rotor : Rotor
-        Without anything mounted.
-    loads : Loads
-        Its loads at n operating points.
-    speed, beta : array_like
-        Of these points [m/s], [rad]; they broadcast to the shape of the loads.
-
-    Returns
-    -------
-    ndarray
-        Of the shape of the loads; NaN without an in-plane velocity, and where the drag is not
-        positive.
+    The rotor has nothing mounted; speed [m/s] and beta [rad] broadcast to the shape of the loads.
+    NaN without an in-plane velocity, and where the drag is not positive.
     """
     from propmap.model.corrections import MountDrag
 
@@ -111,7 +95,7 @@ def rise_by_motor(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike)
 
 
 def motor_note(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike) -> str:
-    """A sentence on ``rise_by_motor``; empty where something is mounted, or nothing can be said."""
+    """Say what ``rise_by_motor`` gives; "" where something is mounted, or nothing can be said."""
     from propmap.model.corrections import MOTOR_DIAMETER, MOTOR_HEIGHT, MountDrag
 
     if rotor.model.correction_of(MountDrag) is not None:

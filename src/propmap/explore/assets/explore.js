@@ -55,11 +55,11 @@
   }
 
   function search(values) {
-    const told = new URLSearchParams(base ? base.query : {});
+    const query = new URLSearchParams(base ? base.query : {});
     for (const [name, value] of Object.entries(values)) {
-      if (value !== null && value !== undefined) told.set(name, Array.isArray(value) ? value.join(",") : value);
+      if (value !== null && value !== undefined) query.set(name, Array.isArray(value) ? value.join(",") : value);
     }
-    return "?" + told.toString();
+    return "?" + query.toString();
   }
 
   const links = (menu) => menu.map((id) => "/" + id.menu + window.location.search);
@@ -68,13 +68,11 @@
   let last = null, shown = null;
   const past = []; // settings before each move, for undo
 
-  let asked = 0, told = 0; // serials of what was asked for when all stood still, and answered
+  let asked = 0, answered = 0; // serials of what was asked for when all stood still, and answered
 
   window.propmap = {
     // Whether all that was asked for is on the page.
-    quiet: () => !busy && wanted === null && asked > 0 && asked === told,
-    // Ask once more without a move.
-    again: () => { if (last) later(last); },
+    quiet: () => !busy && wanted === null && asked > 0 && asked === answered,
     drawn: 0,
     undo() {
       if (past.length > 1) past.pop();
@@ -97,8 +95,8 @@
         for (const [name, value] of Object.entries(now)) {
           if (last && !fresh && !same(last[name], value) && numbered(name)) props({ number: name }, { value: Number(value) });
         }
-        const told = search(now);
-        if (ids.length) window.history.replaceState(window.history.state, "", window.location.pathname + told);
+        const address = search(now);
+        if (ids.length) window.history.replaceState(window.history.state, "", window.location.pathname + address);
         const hrefs = links(menu);
         document.querySelectorAll(".menu-item").forEach((item, k) => {
           if (menu[k].menu === base.view) item.setAttribute("aria-current", "page");
@@ -109,11 +107,11 @@
         if (!same(now, past[past.length - 1])) past.push(now);
         if (past.length > 200) past.shift();
         last = now;
-        if (newBase.empty) { busy = 0; wanted = null; asked = told = ++serial; }
+        if (newBase.empty) { busy = 0; wanted = null; asked = answered = ++serial; }
         // While moves are drawn, what takes longer waits: see answered.
         else if (wanted === null && !busy) later(now);
         else { clearTimeout(timer); asked = -1; }
-        return [told, fresh ? hrefs : menu.map(() => no)];
+        return [address, fresh ? hrefs : menu.map(() => no)];
       },
       // The number beside a slider was typed.
       typed(numbers, ids) {
@@ -158,7 +156,7 @@
         return !job;
       },
       settled(number, menu) {
-        told = number;
+        answered = number;
         return [window.dash_clientside.no_update, links(menu)];
       },
       theme(clicks) {

@@ -4,52 +4,42 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from propmap.explore import view
-from propmap.explore.session import Recipe, Session, axis, number, rotor_of
-from propmap.explore.view import (
-    Answer,
-    Control,
-    Download,
-    Graph,
-    Slider,
-    Table,
-    Values,
-    point_controls,
-    point_lines,
-    point_words,
-)
+from propmap.explore.session import Recipe, Session, rotor_of
+from propmap.explore.view import Answer, Control, Download, Graph, Slider, Table, Values
 from propmap.io.csv import OperatingPoints, loads_csv
 from propmap.io.geometry import propeller_toml
-from propmap.model.model import Propeller
+from propmap.model.model import Model, Propeller
 from propmap.report.html import COLOURS
-from propmap.typing import Floats
 from propmap.units import RPM
 
-PLACES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
-"""y/R of the points that can be dragged."""
-
+PLACES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)  # y/R of the points that can be dragged
 FILE, LOADS_FILE = "blade.toml", "blade-loads.csv"
-
-FASTEST, ALONG = 20.0, 21
-"""[m/s] and points of the curves."""
-
+FASTEST, ALONG = 20.0, 21  # [m/s] and points of the curves
 MM = 1e3
+BEFORE, AFTER = ("as it was", view.GREY, "dash"), ("as it is", COLOURS[0])
 
 
-class BladeView:
+class BladeView(view.View):
     """The blade beside a changed one."""
 
     name, title = "blade", "Blade"
     question = "What does another chord or twist do to the loads?"
     downloads = (Download(FILE, "blade as TOML"), Download(LOADS_FILE, "loads as CSV"))
+    places = (
+        Graph("outline", "outline, to scale", wide=True),
+        Graph("chord", "chord: drag the points"),
+        Graph("twist", "twist: drag the points"),
+        Graph("thrust", "thrust against speed"),
+        Graph("power", "power against speed"),
+    )
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """What can be set."""
+        """List what can be set."""
         chords = [
             Slider(f"chord-{k}", f"at {y:g} R", "%", 40.0, 200.0, 1.0, 100.0, group="Chord")
             for k, y in enumerate(PLACES)
@@ -58,99 +48,77 @@ class BladeView:
             Slider(f"twist-{k}", f"at {y:g} R", "deg", -15.0, 15.0, 0.1, 0.0, group="Twist, added")
             for k, y in enumerate(PLACES)
         ]
-        return [*point_controls(session), *chords, *twists]
-
-    def graphs(self, session: Session) -> Sequence[Graph]:  # noqa: ARG002 - the same for all
-        """The blade and its loads."""
-        return [
-            Graph("outline", "outline, to scale", wide=True),
-            Graph("chord", "chord: drag the points"),
-            Graph("twist", "twist: drag the points"),
-            Graph("thrust", "thrust against speed"),
-            Graph("power", "power against speed"),
-        ]
+        return [*view.point_controls(session), *chords, *twists]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """The blade as it was and as it is."""
-        old, new = session.model.propeller, changed(session.model.propeller, values)
-        model = replace(session.model, propeller=new)
+        """Draw the blade as it was and as it is, and both loads."""
+        old, model = session.model.propeller, model_of(session, values)
         speed = np.linspace(0.0, FASTEST, ALONG)
         flow = values["rpm"] * RPM, speed, np.radians(values["beta"])
         before, after = rotor_of(session.model).loads(*flow), rotor_of(model).loads(*flow)
         shown = {
-            "outline": _outline(old, new),
-            "chord": _draggable(old, new, "chord", values),
-            "twist": _draggable(old, new, "twist", values),
+            "outline": _outline(old, model.propeller),
+            "chord": _draggable(old, model.propeller, "chord", values),
+            "twist": _draggable(old, model.propeller, "twist", values),
         }
         for name in ("thrust", "power"):
-            pair = getattr(before, name), getattr(after, name)
-            shown[name] = view.figure(
-                [
-                    view.line(speed, pair[0], "as it was", view.GREY, "dash"),
-                    view.line(speed, pair[1], "as it is", COLOURS[0]),
-                ],
-                "speed V [m/s]",
+            shown[name] = view.curves(
+                speed,
+                [(getattr(before, name), *BEFORE), (getattr(after, name), *AFTER)],
+                view.AXES["speed"],
                 view.TITLES[name],
                 shapes=[view.upright(values["speed"])],
-                yaxis=view.span(*pair, zero=True),
-                xaxis={"range": [0.0, FASTEST]},
+                zero=True,
             )
-        key = [("as it was", f"-{view.GREY}"), ("as it is", COLOURS[0])]
-        return Answer(shown, [_table(session, model, values)] if settled else [], (), key)
+        key = [("as it was", f"-{view.GREY}"), AFTER]
+        return Answer(shown, [_table(session.model, model, values)] if settled else [], (), key)
 
     def shell(self, session: Session, values: Values) -> str:
-        """The loads of the blade as it is, from its file."""
+        """Write commands for the loads and the picture of the blade, from its file."""
         recipe = self._recipe(session, values)
         return recipe.shell(
-            [
-                *("sweep", recipe.prop, "--rpm", number(values["rpm"])),
-                *("--speed", axis(0.0, FASTEST, ALONG), "--beta", number(values["beta"])),
-                *(*recipe.options, "--no-bands", "-o", LOADS_FILE, "--force"),
-            ],
-            ["predict", recipe.prop, *point_lines(values), *recipe.options],
+            recipe.sweep(values, FASTEST, ALONG, LOADS_FILE),
+            recipe.predict(values),
             ["plot", "planform", recipe.prop, "-o", "blade.png"],
         )
 
     def python(self, session: Session, values: Values) -> str:
-        """The loads of the blade as it is."""
-        return self._recipe(session, values).python(
-            f"omega = {number(values['rpm'])} * np.pi / 30.0\n"
-            f"speed = np.linspace(0.0, {number(FASTEST)}, {ALONG})\n"
-            f"print(rotor.loads(omega, speed, np.radians({number(values['beta'])})))"
-        )
+        """Write lines that print the loads of the blade."""
+        return self._recipe(session, values).python(view.sweep_python(values, FASTEST, ALONG))
 
     def text(self, session: Session, values: Values, file: str) -> str:
-        """The blade, or what `propmap sweep` writes of its loads."""
-        blade = changed(session.model.propeller, values)
+        """Write the blade, or what `propmap sweep` does of its loads."""
+        model = model_of(session, values)
         if file == FILE:
-            return propeller_toml(blade)
+            return propeller_toml(model.propeller)
         speed = np.linspace(0.0, FASTEST, ALONG)
         points = OperatingPoints.grid(np.array([values["rpm"]]), speed, np.array([values["beta"]]))
-        rotor = rotor_of(replace(session.model, propeller=blade))
-        return loads_csv(points, points.loads(rotor), {})
+        return loads_csv(points, points.loads(rotor_of(model)), {})
 
     def _recipe(self, session: Session, values: Values) -> Recipe:
-        blade = changed(session.model.propeller, values)
-        same = blade is session.model.propeller
-        return Recipe(session) if same else Recipe(session, blade=blade)
+        blade = model_of(session, values).propeller
+        return Recipe(session, None if blade is session.model.propeller else blade)
 
 
-def changed(blade: Propeller, values: Values) -> Propeller:
-    """The blade with its chord scaled and its twist changed, smoothly between the places."""
+def model_of(session: Session, values: Values) -> Model:
+    """Scale the blade's chord and change its twist, smoothly between the places."""
+    model = session.model
+    blade = model.propeller
     chords = [values[f"chord-{k}"] for k in range(len(PLACES))]
     twists = [values[f"twist-{k}"] for k in range(len(PLACES))]
     if set(chords) == {100.0} and set(twists) == {0.0}:
-        return blade
+        return model
     share = np.clip(blade.station / blade.radius, PLACES[0], PLACES[-1])
     factor = PchipInterpolator(PLACES, np.array(chords) / 100.0)(share)
     more = PchipInterpolator(PLACES, np.radians(twists))(share)
-    return replace(
+    changed = replace(
         blade,
         name=f"{blade.name} changed",
         chord=blade.chord * factor,
         twist=blade.twist + more,
         source=f"{blade.name}, changed in propmap explore",
     )
+    return replace(model, propeller=changed)
 
 
 def _outline(old: Propeller, new: Propeller) -> view.Figure:
@@ -175,7 +143,7 @@ def _outline(old: Propeller, new: Propeller) -> view.Figure:
 
 
 def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> view.Figure:
-    """Chord [mm] or twist [deg] with a point to drag at each place."""
+    """Draw chord [mm] or twist [deg] with a point to drag at each place."""
     own, other = (
         (MM * blade.chord if what == "chord" else np.degrees(blade.twist)) for blade in (old, new)
     )
@@ -187,10 +155,7 @@ def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> vie
     size = 0.016 * MM * old.radius, 0.03 * (high - low)
     label = "chord c [mm]" if what == "chord" else "twist θ [deg]"
     return view.figure(
-        [
-            view.line(y, own, "as it was", view.GREY, "dash"),
-            view.line(y, other, "as it is", COLOURS[0]),
-        ],
+        [view.line(y, own, *BEFORE), view.line(y, other, *AFTER)],
         "radius y [mm]",
         label,
         shapes=[
@@ -221,23 +186,20 @@ def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> vie
     )
 
 
-def _table(session: Session, model: Any, values: Values) -> Table:
+def _table(old: Model, new: Model, values: Values) -> Table:
     flow = values["rpm"] * RPM, values["speed"], np.radians(values["beta"])
-    before, after = rotor_of(session.model).loads(*flow), rotor_of(model).loads(*flow)
+    before, after = (rotor_of(model).loads(*flow) for model in (old, new))
     rows = []
     for name, label in view.LABELS.items():
         a, b = float(getattr(before, name)), float(getattr(after, name))
         change = f"{100.0 * (b / a - 1.0):+.1f} %" if abs(a) > 1e-9 else ""
         rows.append([label, view.digits(a), view.digits(b), change, view.UNITS[name]])
-    solidity = _solidity(session.model.propeller), _solidity(model.propeller)
-    rows.append(["solidity", *(view.digits(s) for s in solidity), "", "-"])
+    # Shares of the disk that the blades cover.
+    solidity = []
+    for blade in (old.propeller, new.propeller):
+        loaded = blade.station >= blade.root
+        area = blade.blades * np.trapezoid(blade.chord[loaded], blade.station[loaded])
+        solidity.append(view.digits(float(area / (np.pi * blade.radius**2))))
+    rows.append(["solidity", *solidity, "", "-"])
     heads = ("", "as it was", "as it is", "change", "unit")
-    return Table(heads, rows, f"At {point_words(values)}")
-
-
-def _solidity(blade: Propeller) -> float:
-    """Share of the disk that the blades cover [-]."""
-    loaded = blade.station >= blade.root
-    y: Floats = blade.station[loaded]
-    area = blade.blades * np.trapezoid(blade.chord[loaded], y)
-    return float(area / (np.pi * blade.radius**2))
+    return Table(heads, rows, f"At {view.point_words(values)}")

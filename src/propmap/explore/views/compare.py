@@ -3,48 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from propmap.catalogue.lookup import looks_like_path
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError
 from propmap.explore import view
-from propmap.explore.session import KNOWN, Recipe, Session, axis, number, rotor_of
-from propmap.explore.view import (
-    Answer,
-    Choice,
-    Control,
-    Download,
-    Graph,
-    Slider,
-    Table,
-    Text,
-    Values,
-    point_controls,
-    point_lines,
-    point_words,
-)
+from propmap.explore.session import Recipe, Session, check_law, check_name, rotor_of
+from propmap.explore.view import LABELS, Answer, Choice, Control, Download, Graph, Table, Values
 from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints, csv_text
-from propmap.model.airfoil import airfoil_names
 from propmap.report.html import COLOURS
 from propmap.units import RPM
 
 ALONG = 31
-
 ITEMS = ("a", "b", "c", "d")
-
-GIVEN, TABLE = "this", "table"
-"""What is explored, and the table that was given."""
-
+GIVEN, TABLE = "this", "table"  # what is explored, and the table that was given
 NAME = "compare.csv"
-
 SHOWN = ("thrust", "power", "drag", "torque")
 
 
-@dataclass(frozen=True)
-class Item:
+class Item(NamedTuple):
     """What is compared: its name, its loads at points, and how a command names it."""
 
     name: str
@@ -52,125 +32,103 @@ class Item:
     session: Session | None
 
 
-class CompareView:
+class CompareView(view.View):
     """Curves of several, and their differences to the first."""
 
     name, title = "compare", "Compare"
     question = "Which of these is better, and by how much?"
     downloads = (Download(NAME, "all curves as CSV"),)
+    places = tuple(
+        graph
+        for name in SHOWN
+        for graph in (
+            Graph(name, f"{LABELS[name]} against speed"),
+            Graph(f"{name}-difference", f"{LABELS[name]}: difference"),
+        )
+    )
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """What can be set."""
+        """List what can be set."""
         other = f"{GIVEN} @ paper-apc" if session.table is None else TABLE
         first = (GIVEN, other, "", "")
         hint = "a propeller, with @ and constants if others are meant"
         items = [
-            Text(key, f"{'First' if key == 'a' else 'Beside it'}: {hint}", text)
+            view.Text(key, f"{'First' if key == 'a' else 'Beside it'}: {hint}", text)
             for key, text in zip(ITEMS, first, strict=True)
         ]
         equal = (("rpm", "rpm"), ("thrust", "thrust of the first"))
         return [
             *items,
-            *point_controls(session),
-            Slider("fastest", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
+            *view.point_controls(session),
+            view.Slider("fastest", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
             Choice("equal", "At equal", equal, "rpm"),
         ]
 
-    def graphs(self, session: Session) -> Sequence[Graph]:  # noqa: ARG002 - the same for all
-        """Curves above, differences below."""
-        curves = [Graph(name, f"{view.LABELS[name]} against speed") for name in SHOWN]
-        apart = [Graph(f"{name}-apart", f"{view.LABELS[name]}: difference") for name in SHOWN]
-        return [graph for pair in zip(curves, apart, strict=True) for graph in pair]
-
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """Curves, differences, and numbers at the operating point."""
+        """Draw curves and differences, and tabulate numbers at the operating point."""
         items = _items(session, values)
         speed = np.linspace(0.0, values["fastest"], ALONG)
-        beta = np.radians(values["beta"])
         omega = _omegas(items, values, speed)
-        every = [one.loads(w, speed, beta) for one, w in zip(items, omega, strict=True)]
+        every = _loads(items, omega, speed, values)
         shown = {}
         for name in SHOWN:
-            curves = [_of(loads, w, name) for loads, w in zip(every, omega, strict=True)]
-            for apart in (False, True):
-                rows = [c - curves[0] for c in curves] if apart else curves
-                title = f"{view.TITLES[name]}{', minus the first' if apart else ''}"
-                shown[f"{name}{'-apart' if apart else ''}"] = view.figure(
+            own = [getattr(loads, name) for loads in every]
+            for suffix, rows, words in (
+                ("", own, ""),
+                ("-difference", [row - own[0] for row in own], ", minus the first"),
+            ):
+                shown[f"{name}{suffix}"] = view.curves(
+                    speed,
                     [
-                        view.line(speed, row, one.name, colour)
+                        (row, one.name, colour)
                         for row, one, colour in zip(rows, items, COLOURS, strict=False)
                     ],
-                    "speed V [m/s]",
-                    title,
+                    view.AXES["speed"],
+                    f"{view.TITLES[name]}{words}",
                     shapes=[view.upright(values["speed"])],
-                    xaxis={"range": [0.0, values["fastest"]]},
-                    yaxis=view.span(*rows, zero=True),
+                    zero=True,
                 )
         key = [(one.name, colour) for one, colour in zip(items, COLOURS, strict=False)]
-        tables = [_table(items, values)] if settled else []
-        return Answer(shown, tables, (), key)
+        return Answer(shown, [_table(items, values)] if settled else [], (), key)
 
     def shell(self, session: Session, values: Values) -> str:
-        """A sweep for each, at equal rpm."""
+        """Write a sweep for each, at equal rpm."""
         lines = []
         for k, one in enumerate(_items(session, values), start=1):
             if one.session is None:
                 lines.append(f"propmap show {session.files['table'].path or 'map.npz'}")
                 continue
             recipe = Recipe(one.session)
-            sweep = [
-                *("sweep", recipe.prop, "--rpm", number(values["rpm"])),
-                *("--speed", axis(0.0, values["fastest"], ALONG)),
-                *("--beta", number(values["beta"]), *recipe.options, "--no-bands"),
-                *("-o", f"compare-{k}.csv", "--force"),
-            ]
-            point = ["predict", recipe.prop, *point_lines(values), *recipe.options]
-            lines.append(recipe.shell(sweep, point))
+            sweep = recipe.sweep(values, values["fastest"], ALONG, f"compare-{k}.csv")
+            lines.append(recipe.shell(sweep, recipe.predict(values)))
         return "\n".join(lines)
 
     def python(self, session: Session, values: Values) -> str:
-        """The same at equal rpm."""
-        rest = (
-            f"omega = {number(values['rpm'])} * np.pi / 30.0\n"
-            f"speed = np.linspace(0.0, {number(values['fastest'])}, {ALONG})\n"
-            f"print(rotor.loads(omega, speed, np.radians({number(values['beta'])})))"
-        )
-        parts = [
-            Recipe(one.session).python(rest)
-            for one in _items(session, values)
-            if one.session is not None
-        ]
-        return "\n".join(parts)
+        """Write lines that print the loads of each at equal rpm."""
+        rest = view.sweep_python(values, values["fastest"], ALONG)
+        items = _items(session, values)
+        return "\n".join(Recipe(one.session).python(rest) for one in items if one.session)
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
-        """Rows of `propmap sweep`, with what they are of before them."""
+        """Write rows of `propmap sweep`, with what they are of before them."""
         items = _items(session, values)
         speed = np.linspace(0.0, values["fastest"], ALONG)
+        omegas = _omegas(items, values, speed)
         rows = []
-        for one, omega in zip(items, _omegas(items, values, speed), strict=True):
+        for one, omega, loads in zip(
+            items, omegas, _loads(items, omegas, speed, values), strict=True
+        ):
             points = OperatingPoints(omega / RPM, speed, np.full(ALONG, values["beta"]))
-            loads = one.loads(*points.si)
-            if one.session is None:
-                loads = replace_power(loads, points)
             rows += [{"of": one.name, **row} for row in points.rows(loads)]
         return csv_text(("of", *PREDICT_COLUMNS), rows)
 
 
-def replace_power(loads: Any, points: OperatingPoints) -> Any:
-    """The loads of a table with the power that follows."""
-    from types import SimpleNamespace
-
-    own = {name: getattr(loads, name) for name in view.TITLES if name != "power"}
-    power = loads.torque * points.si[0]
-    return SimpleNamespace(**own, power=power, status=loads.status)
-
-
 def _items(session: Session, values: Values) -> list[Item]:
-    """What is compared; raises ``InputError`` for a name that means nothing."""
-    told = [values[key] for key in ITEMS if values[key]]
-    if not told:
+    """List what is compared; ``InputError`` for a name that means nothing."""
+    texts = [values[key] for key in ITEMS if values[key]]
+    if not texts:
         raise InputError("nothing is named", f"write {GIVEN} or a name in the first field")
-    return [_item(session, text) for text in told]
+    return [_item(session, text) for text in texts]
 
 
 def _item(session: Session, text: str) -> Item:
@@ -181,25 +139,18 @@ def _item(session: Session, text: str) -> Item:
         return Item(f"table {session.files['table'].name}", session.table.loads, None)
     one = session
     if name != GIVEN:
-        if looks_like_path(name):
-            raise InputError(
-                f"{quoted(name)} is no name of a propeller", "give one of the catalogue"
-            )
+        check_name(name)
         one = Session(prop=name, physics=session.physics)
     if at:
-        if law not in (KNOWN, *airfoil_names()):
-            names = ", ".join((KNOWN, *airfoil_names()))
-            raise InputError(f"{quoted(law)} is no set of constants", f"choose one of {names}")
-        kept = {k: v for k, v in one.files.items() if k not in ("constants", "fit")}
-        tokens = {k: v for k, v in one.tokens.items() if k in kept}
-        one = replace(one, law=law, files=kept, tokens=tokens)
+        check_law(law)
+        one = replace(one, law=law).without("constants", "fit")
     model = one.model
-    told = text if name != GIVEN else text.replace(GIVEN, model.propeller.name, 1)
-    return Item(told, rotor_of(model).loads, one)
+    shown = text if name != GIVEN else text.replace(GIVEN, model.propeller.name, 1)
+    return Item(shown, rotor_of(model).loads, one)
 
 
 def _omegas(items: Sequence[Item], values: Values, speed: Any) -> list[Any]:
-    """Rotational speeds of each item at each speed [rad/s]."""
+    """Choose the rotational speeds of each item at each speed [rad/s]."""
     first = np.full(speed.shape, values["rpm"] * RPM)
     if values["equal"] == "rpm":
         return [first for _ in items]
@@ -209,7 +160,7 @@ def _omegas(items: Sequence[Item], values: Values, speed: Any) -> list[Any]:
 
 
 def _for_thrust(item: Item, wanted: Any, first: Any, speed: Any, beta: float) -> Any:
-    """Where a rotor has the ``wanted`` thrust, by secants; NaN where that is not found."""
+    """Search where a rotor has the ``wanted`` thrust, by six secants from the ``first`` speeds."""
     before, after = first, 1.02 * first
     off = item.loads(before, speed, beta).thrust - wanted
     for _ in range(6):
@@ -222,27 +173,32 @@ def _for_thrust(item: Item, wanted: Any, first: Any, speed: Any, beta: float) ->
     return after
 
 
-def _of(loads: Any, omega: Any, name: str) -> Any:
-    return loads.torque * omega if name == "power" else getattr(loads, name)
+def _loads(items: Sequence[Item], omegas: Sequence[Any], speed: Any, values: Values) -> list[Any]:
+    """Compute loads, power and status of each item; a table has no power of its own."""
+    found = []
+    for one, omega in zip(items, omegas, strict=True):
+        loads = one.loads(omega, speed, np.radians(values["beta"]))
+        own = {name: getattr(loads, name) for name in LABELS if name != "power"}
+        found.append(SimpleNamespace(**own, power=loads.torque * omega, status=loads.status))
+    return found
 
 
 def _table(items: Sequence[Item], values: Values) -> Table:
     speed = np.array([values["speed"]])
     omegas = _omegas(items, values, speed)
-    beta = np.radians(values["beta"])
-    every = [one.loads(w, speed, beta) for one, w in zip(items, omegas, strict=True)]
-    rows = [["rpm", *_with_difference([float(w[0]) / RPM for w in omegas]), "1/min"]]
-    for name, label in view.LABELS.items():
-        found = [float(_of(x, w, name)[0]) for x, w in zip(every, omegas, strict=True)]
+    every = _loads(items, omegas, speed, values)
+    rows = [["rpm", *_with_difference([float(omega[0]) / RPM for omega in omegas]), "1/min"]]
+    for name, label in LABELS.items():
+        found = [float(getattr(loads, name)[0]) for loads in every]
         rows.append([label, *_with_difference(found), view.UNITS[name]])
-    rows.append(["status", *(str(x.status[0]) for x in every), ""])
-    return Table(("", *(one.name for one in items), "unit"), rows, f"At {point_words(values)}")
+    rows.append(["status", *(str(loads.status[0]) for loads in every), ""])
+    return Table(("", *(one.name for one in items), "unit"), rows, f"At {view.point_words(values)}")
 
 
 def _with_difference(found: Sequence[float]) -> list[str]:
-    first = found[0]
-    told = [view.digits(first)]
-    for value in found[1:]:
-        apart = f" ({100.0 * (value / first - 1.0):+.1f} %)" if abs(first) > 1e-9 else ""
-        told.append(f"{view.digits(value)}{apart}")
-    return told
+    first, *others = found
+    cells = [view.digits(first)]
+    for value in others:
+        change = f" ({100.0 * (value / first - 1.0):+.1f} %)" if abs(first) > 1e-9 else ""
+        cells.append(f"{view.digits(value)}{change}")
+    return cells

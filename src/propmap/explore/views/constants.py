@@ -3,34 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from dash import Input, Output, State, html, no_update, set_props
+from dash import ALL, Input, Output, State, html, no_update, set_props
 from dash.exceptions import PreventUpdate
 
 from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.app import Job
 from propmap.explore.session import CONSTANTS_FILE, Recipe, Session, rotor_of
-from propmap.explore.view import (
-    Answer,
-    Choice,
-    Control,
-    Download,
-    Graph,
-    Several,
-    Slider,
-    Table,
-    Values,
-    point_controls,
-    point_lines,
-    values_of,
-)
+from propmap.explore.view import Answer, Control, Download, Graph, Several, Slider, Table, Values
 from propmap.fit.least_squares import Rows
-from propmap.fit.parameters import SECTION
-from propmap.fit.parameters import Choice as FitChoice
+from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData
 from propmap.io.csv import csv_text
 from propmap.loads import LOADS
@@ -43,21 +29,16 @@ from propmap.units import RPM
 if TYPE_CHECKING:
     from propmap.explore.app import Application
 
-
-# -------------------------------------------------------------------------------------------------
-# Constants: the section law by hand or by a fit, with its curves and its error on data.
-
+SET = tuple(name for name in SECTION if name != "drag_factor")  # constants that have a slider
 FREE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle")
-
-MOST = 400
-"""Measured points that are predicted."""
-
+MOST = 400  # measured points that are predicted
 NAME = "errors.csv"
-
 SHOWN = ("thrust", "drag", "torque", "roll_moment")
+ALPHA = np.radians(np.linspace(-20.0, 60.0, 161))
+BEFORE, AFTER = ("as they were", view.GREY, "dash"), ("as they are", COLOURS[0])
 
 
-class ConstantsView:
+class ConstantsView(view.View):
     """Constants of the section law beside measured loads."""
 
     name, title = "constants", "Constants"
@@ -65,7 +46,7 @@ class ConstantsView:
     downloads = (Download(CONSTANTS_FILE, "constants as TOML"), Download(NAME, "errors as CSV"))
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """What can be set."""
+        """List what can be set."""
         law = law_at_first(session)
         known = session.model.uncertainty
         deviations = {}
@@ -79,22 +60,18 @@ class ConstantsView:
             sure = deviations.get(name, np.nan)
             marked = (here - 1.96 * sure, here + 1.96 * sure) if np.isfinite(sure) else None
             step = 0.001 if about.unit == "rad" or high <= 0.5 else 0.01
-            unit = about.unit
-            sliders.append(
-                Slider(name, f"{name}, {about.meaning}", unit, low, high, step, here, marked)
-            )
-        data = tuple((name, name) for name in session.measurements())
-        chosen = data[0][0] if data else "none"
+            label = f"{name}, {about.meaning}"
+            sliders.append(Slider(name, label, about.unit, low, high, step, here, marked))
         free = tuple((name, name) for name in SET)
         return [
             *sliders,
-            Choice("data", "Measured", (("none", "none"), *data), chosen),
+            view.data_choice(session),
             Several("free", "Free in a fit", free, FREE),
-            *point_controls(session),
+            *view.point_controls(session),
         ]
 
     def graphs(self, session: Session) -> Sequence[Graph]:
-        """The section's curves, and loads measured and modelled."""
+        """List the section's curves, and loads measured and modelled."""
         data = session.measured(next(iter(session.measurements()), "none"))
         names = [n for n in SHOWN if data is not None and n in data.loads] or ["thrust", "torque"]
         return [
@@ -104,53 +81,46 @@ class ConstantsView:
         ]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """Curves of the section, and errors on the data."""
+        """Draw curves of the section, and errors on the data."""
         old, new = law_at_first(session), law_of(session, values)
-        shown = of_section(session.model, old, new)
-        key = [("as they were", f"-{view.GREY}"), ("as they are", COLOURS[0])]
+        shown = _of_section(session.model, old, new)
+        key = [("as they were", f"-{view.GREY}"), AFTER]
         data = session.measured(values["data"])
         if data is None:
             return Answer(shown, (), ["Choose or drop measured loads to see errors."], key)
-        remarks, tables = [], []
-        part = _some(data)
-        if len(part) < len(data):
+        remarks, tables, part = [], [], data
+        if len(data) > MOST:
+            which = np.unique(np.linspace(0, len(data) - 1, MOST).astype(int))
+            loads = {name: each[which] for name, each in data.loads.items()}
+            points = (data.omega[which], data.speed[which], data.beta[which])
+            part = TunnelData(data.source, *points, loads)
             remarks.append(f"{len(part)} of {len(data)} points of {data.source}, evenly chosen")
-        model = model_of(session, values)
-        now = rotor_of(model).loads(part.omega, part.speed, part.beta)
+        flow = part.omega, part.speed, part.beta
+        now = rotor_of(model_of(session, values)).loads(*flow)
         for name in (n for n in SHOWN if n in data.loads):
-            shown[name] = measured_and_modelled(name, part, getattr(now, name))
+            shown[name] = _measured_and_modelled(name, part, getattr(now, name))
         if settled:
-            before = rotor_of(session.model).loads(part.omega, part.speed, part.beta)
-            tables = [errors(part, before, now)]
+            tables = [_errors(part, rotor_of(session.model).loads(*flow), now)]
         return Answer(shown, tables, remarks, key)
 
     def shell(self, session: Session, values: Values) -> str:
-        """Loads with these constants, and the fit from them."""
+        """Write commands for loads with these constants, and for the fit from them."""
         recipe = self._recipe(session, values)
-        lines = [["predict", recipe.prop, *point_lines(values), *recipe.options]]
+        lines = [recipe.predict(values)]
         if values["data"] != "none" and values["free"]:
-            data = values["data"]
-            if data == "file":
-                data = recipe.file("data")
-            lines.append(
-                [
-                    *("fit", "tunnel", recipe.prop, data, *recipe.options),
-                    *("--free", ",".join(values["free"]), "--starts", "1", "--folds", "0"),
-                    *("-o", "fit.toml"),
-                ]
-            )
+            data = recipe.file("data") if values["data"] == "file" else values["data"]
+            fit = ["fit", "tunnel", recipe.prop, data, *recipe.options, "--free"]
+            fit += [",".join(values["free"]), "--starts", "1", "--folds", "0", "-o", "fit.toml"]
+            lines.append(fit)
         return recipe.shell(*lines)
 
     def python(self, session: Session, values: Values) -> str:
-        """Loads with these constants."""
-        omega = f"{values['rpm']:.10g} * np.pi / 30.0"
-        return self._recipe(session, values).python(
-            f"print(rotor.loads({omega}, {values['speed']:.10g}, "
-            f"np.radians({values['beta']:.10g})))"
-        )
+        """Write lines that print the loads with these constants."""
+        lines = f"print(rotor.loads({view.point_python(values)}))"
+        return self._recipe(session, values).python(lines)
 
     def text(self, session: Session, values: Values, file: str) -> str:
-        """The constants, or measured and modelled loads."""
+        """Write the constants, or measured and modelled loads."""
         if file == CONSTANTS_FILE:
             return law_of(session, values).to_toml()
         data = session.measured(values["data"])
@@ -165,28 +135,30 @@ class ConstantsView:
         for name, measured in data.loads.items():
             columns[LOADS[name].column_of("measured")] = measured
             columns[LOADS[name].column_of("modelled")] = getattr(found, name)
-        flat = [column.tolist() for column in columns.values()]
-        rows = [dict(zip(columns, row, strict=True)) for row in zip(*flat, strict=True)]
-        cells = [{k: v if np.isfinite(v) else None for k, v in row.items()} for row in rows]
-        return csv_text(list(columns), cells)
+        flat = zip(*(column.tolist() for column in columns.values()), strict=True)
+        rows = [
+            {k: v if np.isfinite(v) else None for k, v in zip(columns, row, strict=True)}
+            for row in flat
+        ]
+        return csv_text(list(columns), rows)
 
     def more(self) -> list[Any]:
-        """The button for a fit, and how far it is."""
+        """Make the button for a fit, and say how far it is."""
         return [
             html.Button("fit now", id="fit", n_clicks=0),
             html.P("", id="progress", role="status"),
         ]
 
     def register(self, application: Application) -> None:
-        """What the button does."""
+        """Begin a fit at the button, and report how far it is."""
         app = application.dash
 
         @app.callback(
             Output("job", "data"),
             Output("progress", "children", allow_duplicate=True),
             Input("fit", "n_clicks"),
-            State({"control": _all()}, "value"),
-            State({"control": _all()}, "id"),
+            State({"control": ALL}, "value"),
+            State({"control": ALL}, "id"),
             State("here", "data"),
             prevent_initial_call=True,
         )
@@ -196,8 +168,8 @@ class ConstantsView:
             given = {one["control"]: value for one, value in zip(ids, values, strict=True)}
             try:
                 session = application.session(here)
-                found, _ = values_of(self.controls(session), given)
-                task = Fit.of(session, found)
+                found, _ = view.values_of(self.controls(session), given)
+                task = fit_of(session, found)
                 return application.jobs.begin(task.run), "the fit begins"
             except InputError as error:
                 return no_update, str(error)
@@ -221,32 +193,16 @@ class ConstantsView:
             return job.line, None if job.done else no_update
 
     def _recipe(self, session: Session, values: Values) -> Recipe:
-        same = law_of(session, values) is law_at_first(session)
-        return Recipe(session) if same else Recipe(session, constants=law_of(session, values))
-
-
-def _all() -> Any:
-    from dash import ALL
-
-    return ALL
-
-
-def _some(data: TunnelData) -> TunnelData:
-    if len(data) <= MOST:
-        return data
-    which = np.unique(np.linspace(0, len(data) - 1, MOST).astype(int))
-    loads = {name: values[which] for name, values in data.loads.items()}
-    return TunnelData(data.source, data.omega[which], data.speed[which], data.beta[which], loads)
+        law = law_of(session, values)
+        return Recipe(session, constants=None if law is law_at_first(session) else law)
 
 
 # -------------------------------------------------------------------------------------------------
-# Panels of the section's constants: its curves, and loads measured and modelled.
-
-ALPHA = np.radians(np.linspace(-20.0, 60.0, 161))
+# What is drawn and tabulated: the section's curves, and loads measured and modelled.
 
 
-def of_section(model: Model, old: Airfoil, new: Airfoil) -> dict[str, view.Figure]:
-    """C_L and C_D over the angle of attack, at the Reynolds number of three quarters of R."""
+def _of_section(model: Model, old: Airfoil, new: Airfoil) -> dict[str, view.Figure]:
+    """Draw C_L and C_D over the angle of attack, at the Reynolds number of three quarters of R."""
     blade, air = model.propeller, model.air
     omega = 60.0 / blade.radius
     chord = np.interp(0.75 * blade.radius, blade.station, blade.chord)
@@ -254,28 +210,23 @@ def of_section(model: Model, old: Airfoil, new: Airfoil) -> dict[str, view.Figur
         ALPHA, air.density * 0.75 * blade.radius * omega * chord / air.viscosity
     )
     both = [law.coefficients(ALPHA, reynolds) for law in (old, new)]
-    x = np.degrees(ALPHA)
-    found = {}
-    for k, key, title in (
-        (0, "lift", "lift coefficient C_L [-]"),
-        (1, "section-drag", "drag coefficient C_D [-]"),
-    ):
-        pair = [one[k] for one in both]
-        found[key] = view.figure(
-            [
-                view.line(x, pair[0], "as they were", view.GREY, "dash"),
-                view.line(x, pair[1], "as they are", COLOURS[0]),
-            ],
+    return {
+        name: view.curves(
+            np.degrees(ALPHA),
+            [(both[0][k], *BEFORE), (both[1][k], *AFTER)],
             f"angle of attack [deg], Re = {reynolds[0]:.2g}",
             title,
-            xaxis={"range": [float(x[0]), float(x[-1])]},
-            yaxis=view.span(*pair, zero=True),
+            zero=True,
         )
-    return found
+        for k, name, title in (
+            (0, "lift", "lift coefficient C_L [-]"),
+            (1, "section-drag", "drag coefficient C_D [-]"),
+        )
+    }
 
 
-def measured_and_modelled(name: str, data: TunnelData, modelled: Floats) -> view.Figure:
-    """A load, modelled over measured (n,)."""
+def _measured_and_modelled(name: str, data: TunnelData, modelled: Floats) -> view.Figure:
+    """Draw a load, modelled over measured (n,)."""
     measured = data.loads[name]
     both = view.span(measured, modelled)
     ends = both["range"]
@@ -302,8 +253,8 @@ def measured_and_modelled(name: str, data: TunnelData, modelled: Floats) -> view
     )
 
 
-def errors(data: TunnelData, before: Any, now: Any) -> Table:
-    """Root mean square errors of two sets of loads, such as ``Loads``, on the data."""
+def _errors(data: TunnelData, before: Any, now: Any) -> Table:
+    """Tabulate root mean square errors of two sets of loads on the data."""
     rows = []
     for name, measured in data.loads.items():
         size = np.sqrt(np.nanmean(measured**2))
@@ -319,12 +270,9 @@ def errors(data: TunnelData, before: Any, now: Any) -> Table:
 # -------------------------------------------------------------------------------------------------
 # Constants that are set by hand, and their fit to measured loads while the page goes on.
 
-SET = tuple(name for name in SECTION if name != "drag_factor")
-"""Constants that have a slider: all that a fit may vary, but for the deprecated one."""
-
 
 def law_at_first(session: Session) -> Airfoil:
-    """The constants that the ``session`` begins with; ``InputError`` where there are none."""
+    """Give the constants that the session begins with; ``InputError`` where there are none."""
     law = session.model.airfoil
     if not isinstance(law, Airfoil):
         raise InputError("a section table has no constants", "choose a set of constants")
@@ -332,7 +280,7 @@ def law_at_first(session: Session) -> Airfoil:
 
 
 def law_of(session: Session, values: Values) -> Airfoil:
-    """The constants that are set."""
+    """Make the constants that are set."""
     law = law_at_first(session)
     changes = {
         name: float(np.clip(values[name], *CONSTANTS[name].limits))
@@ -342,72 +290,68 @@ def law_of(session: Session, values: Values) -> Airfoil:
     if not changes:
         return law
     own = tuple(session.model.correction_texts)
-    told = {"name": f"{law.name} changed"[:80], "source": "changed in propmap explore"}
-    return law.with_parameters(**changes, **told, corrections=own)
+    words = {"name": f"{law.name} changed"[:80], "source": "changed in propmap explore"}
+    return law.with_parameters(**changes, **words, corrections=own)
 
 
 def model_of(session: Session, values: Values) -> Model:
-    """The model with the constants that are set."""
+    """Make the model with the constants that are set."""
     law = law_of(session, values)
     return session.model if law is session.model.airfoil else session.model.with_airfoil(law)
 
 
-@dataclass(frozen=True)
-class Fit:
+class SliderFit(NamedTuple):
     """A fit of a session's data from the constants that are set."""
 
     model: Model
     data: TunnelData
-    choice: FitChoice
-
-    @classmethod
-    def of(cls, session: Session, values: Values) -> Fit:
-        """The fit that the page asks for; ``InputError`` where there is nothing to fit."""
-        data = session.measured(values["data"])
-        if data is None:
-            raise InputError("there are no measured loads to fit", "choose or drop some")
-        if not values["free"]:
-            raise InputError("no constant is free", "choose some")
-        law, free = law_of(session, values), tuple(values["free"])
-        given = {name: float(getattr(law, name)) for name in SECTION}
-        fixed = {name: value for name, value in given.items() if name not in free}
-        start = {name: value for name, value in given.items() if name in free}
-        return cls(model_of(session, values), data, FitChoice(free, fixed, {}, start))
+    choice: Choice
 
     def run(self, job: Job) -> Mapping[str, float]:
-        """Fit, and tell how far it is."""
+        """Fit, and report how far it is."""
         from propmap.fit.fit import Settings, fit
         from propmap.fit.tunnel import tunnel_rows
 
-        rows = tunnel_rows(self.model, self.data, self.choice)
-        fitted = fit(_telling(rows, job), self.choice, Settings(starts=1, folds=0))
+        rows = _reporting(tunnel_rows(self.model, self.data, self.choice), job)
+        fitted = fit(rows, self.choice, Settings(starts=1, folds=0))
         errors = []
         for k, name in enumerate(fitted.rows.names):
             modelled, measured = fitted.compared(k)
             off = np.sqrt(np.nanmean((modelled - measured) ** 2) / np.nanmean(measured**2))
             errors.append(f"{name} {100.0 * off:.1f} %")
         half = 1.96 * np.sqrt(np.diag(fitted.uncertainty.covariance))
-        told = [
+        constants = [
             f"{name} = {value:.4g} ± {one:.2g}"
             for name, value, one in zip(self.choice.free, fitted.x, half, strict=True)
         ]
-        job.told = f"Fitted: {'; '.join(told)}. Errors, rms: {', '.join(errors)}."
+        job.message = f"Fitted: {'; '.join(constants)}. Errors, rms: {', '.join(errors)}."
         return dict(zip(self.choice.free, map(float, fitted.x), strict=True))
 
 
-def _telling(rows: Rows, job: Job) -> Rows:
-    """The rows, which tell how often they were evaluated and with what error."""
+def fit_of(session: Session, values: Values) -> SliderFit:
+    """Prepare the fit that the page asks for; ``InputError`` where there is nothing to fit."""
+    data, free = session.measured(values["data"]), tuple(values["free"])
+    if data is None:
+        raise InputError("there are no measured loads to fit", "choose or drop some")
+    if not free:
+        raise InputError("no constant is free", "choose some")
+    law = law_of(session, values)
+    given = {name: float(getattr(law, name)) for name in SECTION}
+    fixed = {name: value for name, value in given.items() if name not in free}
+    start = {name: value for name, value in given.items() if name in free}
+    return SliderFit(model_of(session, values), data, Choice(free, fixed, {}, start))
+
+
+def _reporting(rows: Rows, job: Job) -> Rows:
+    """Let the rows report how often they were evaluated and with what error."""
     count = 0
-    own = rows.model
 
     def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         nonlocal count
-        found = own(values, free)
+        found = rows.model(values, free)
         count += 1
-        off = (found[0] - rows.measured) / rows.scale
-        job.told = (
-            f"fitting: {count} evaluations, error {100.0 * np.sqrt(np.nanmean(off**2)):.2f} %"
-        )
+        off = 100.0 * np.sqrt(np.nanmean(((found[0] - rows.measured) / rows.scale) ** 2))
+        job.message = f"fitting: {count} evaluations, error {off:.2f} %"
         return found
 
     return replace(rows, model=model)

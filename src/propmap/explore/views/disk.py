@@ -10,143 +10,109 @@ from contourpy import contour_generator
 
 from propmap.errors import InputError
 from propmap.explore import view
-from propmap.explore.session import Recipe, Session, number, rotor_of
-from propmap.explore.view import (
-    Answer,
-    Choice,
-    Control,
-    Download,
-    Graph,
-    Slider,
-    Values,
-    point_controls,
-    point_lines,
-    point_of,
-    point_table,
-    point_words,
-)
+from propmap.explore.session import Recipe, Session, rotor_of
+from propmap.explore.view import Answer, Choice, Control, Download, Graph, Slider, Values
 from propmap.io.csv import disk_csv
 from propmap.report.html import COLOURS
+from propmap.report.pictures import share_of_disk
 from propmap.results import Inflow
 from propmap.typing import Floats
 
-STATIONS, AZIMUTHS = 40, 73
-"""Of the field that is drawn."""
-
-PIXELS = 161
-"""Along each side of the picture of the disk."""
-
+STATIONS, AZIMUTHS = 40, 73  # of the field that is drawn
+PIXELS = 161  # along each side of the picture of the disk
 MM = 1e3
-
 ALPHA = "\u03b1"
-
 FIELDS = {
     "alpha": (f"angle of attack {ALPHA} [deg]", "Viridis"),
     "inflow": ("inflow v_i [m/s]", "Cividis"),
     "force": ("force of a blade along the axis dT/dy [N/m]", "Viridis"),
     "margin": ("angle of attack past stall [deg]", "RdBu"),
-}
-"""What may be drawn over the disk: its title and its colours."""
-
+}  # what may be drawn over the disk: its title and its colours
 NAME = "disk.csv"
 
 
-class DiskView:
+class DiskView(view.View):
     """The flow over the disk at one operating point."""
 
     name, title = "disk", "Disk"
     question = "Where over the disk does the blade stall, and where does air come from behind?"
     downloads = (Download(NAME, "disk as CSV"),)
+    places = (
+        Graph("disk", "the disk from above, flight upwards", tall=True),
+        Graph("angle", "angle of attack along the blade"),
+        Graph("inflow", "inflow along the blade"),
+        Graph("force", "force along the blade"),
+    )
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """What can be set."""
+        """List what can be set."""
         options = tuple((key, title.partition(" [")[0]) for key, (title, _) in FIELDS.items())
         return [
-            *point_controls(session),
+            *view.point_controls(session),
             Choice("field", "Over the disk", options, "alpha"),
             Slider("psi", "Along the blade at ψ", "deg", 0.0, 360.0, 5.0, 90.0),
         ]
 
-    def graphs(self, session: Session) -> Sequence[Graph]:  # noqa: ARG002 - the same for all
-        """The disk, and two quantities along the blade."""
-        return [
-            Graph("disk", "the disk from above, flight upwards", tall=True),
-            Graph("angle", "angle of attack along the blade"),
-            Graph("inflow", "inflow along the blade"),
-            Graph("force", "force along the blade"),
-        ]
-
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """The field at the operating point."""
-        field = _field(session, values)
+        """Draw the field at the operating point."""
+        rotor = rotor_of(session.model)
+        radius = np.linspace(*rotor.model.span, STATIONS)
+        azimuth = np.linspace(0.0, 2.0 * np.pi, AZIMUTHS)
+        field = rotor.inflow(*_si(values), radius=radius, azimuth=azimuth)
         if not np.isfinite(field.alpha).all():
             raise InputError("the inflow was not found everywhere", "choose another point")
         psi = round(values["psi"] / 5.0) % (AZIMUTHS - 1)
-        shown = {
-            "disk": _disk(field, values),
-            "angle": _along(
-                field, np.degrees(field.alpha[:, psi]), f"angle of attack {ALPHA} [deg]"
-            ),
-            "inflow": _along(
-                field, field.local_inflow[:, psi], "inflow v_i [m/s]", field.inflow, "mean"
-            ),
-            "force": _along(field, field.normal_force[:, psi], "dT/dy of a blade [N/m]"),
-        }
+        mean = (field.inflow, "mean", view.GREY, "dash")
+        shown = {"disk": _disk(field, values)}
+        for name, along, title, *more in (
+            ("angle", np.degrees(field.alpha[:, psi]), FIELDS["alpha"][0]),
+            ("inflow", field.local_inflow[:, psi], FIELDS["inflow"][0], mean),
+            ("force", field.normal_force[:, psi], "dT/dy of a blade [N/m]"),
+        ):
+            shown[name] = view.curves(
+                MM * radius,
+                [(along, title, COLOURS[0]), *more],
+                "radius y [mm]",
+                title,
+                xaxis={"range": [0.0, float(MM * radius[-1])]},
+            )
         share = {"stalled": field.stalled, "in reverse flow": field.reverse}
-        told = ", ".join(f"{100.0 * _share(field, at):.2g} % {name}" for name, at in share.items())
+        words = ", ".join(
+            f"{100.0 * share_of_disk(field, at):.2g} % {name}" for name, at in share.items()
+        )
         key = [
             (f"at ψ = {5 * psi}°", COLOURS[0]),
             ("mean over azimuth", f"-{view.GREY}"),
             ("stalled inside", COLOURS[1]),
             ("reverse flow inside", f"-{COLOURS[3]}"),
         ]
-        tables = [point_table(session, values)] if settled else []
-        return Answer(shown, tables, [f"{point_words(values)}: of the disk {told}"], key)
+        tables = [view.point_table(session, values)] if settled else []
+        return Answer(shown, tables, [f"{view.point_words(values)}: of the disk {words}"], key)
 
     def shell(self, session: Session, values: Values) -> str:
-        """The field as CSV and as a picture, and the loads."""
-        recipe, point = Recipe(session), point_lines(values)
-        plot = ["plot", "disk", recipe.prop, *point, *recipe.options, "-o"]
-        return recipe.shell(
-            [*plot, NAME],
-            [*plot, "disk.png"],
-            ["predict", recipe.prop, *point, *recipe.options],
-        )
+        """Write commands for the field as CSV and as a picture, and for the loads."""
+        recipe = Recipe(session)
+        prop, *point = recipe.predict(values)[1:]
+        plot = ["plot", "disk", prop, *point, "-o"]
+        return recipe.shell([*plot, NAME], [*plot, "disk.png"], recipe.predict(values))
 
     def python(self, session: Session, values: Values) -> str:
-        """The field."""
-        omega = f"{number(values['rpm'])} * np.pi / 30.0"
+        """Write lines that print the field."""
         return Recipe(session).python(
-            f"point = {omega}, {number(values['speed'])}, np.radians({number(values['beta'])})\n"
+            f"point = {view.point_python(values)}\n"
             "field = rotor.inflow(*point)\n"
             "print(np.degrees(field.alpha), field.local_inflow, field.normal_force)\n"
             "print(rotor.loads(*point))"
         )
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
-        """What `propmap plot disk -o disk.csv` writes."""
+        """Write what `propmap plot disk -o disk.csv` does."""
         return disk_csv(rotor_of(session.model), *_si(values))
 
 
 def _si(values: Values) -> tuple[float, float, float]:
-    omega, speed, beta = (float(part[0]) for part in point_of(values).si)
+    omega, speed, beta = (float(part[0]) for part in view.point_of(values).si)
     return omega, speed, beta
-
-
-def _field(session: Session, values: Values) -> Inflow:
-    rotor = rotor_of(session.model)
-    radius = np.linspace(*rotor.model.span, STATIONS)
-    azimuth = np.linspace(0.0, 2.0 * np.pi, AZIMUTHS)
-    return rotor.inflow(*_si(values), radius=radius, azimuth=azimuth)
-
-
-def _shown(field: Inflow, which: str) -> Floats:
-    return {
-        "alpha": np.degrees(field.alpha),
-        "inflow": field.local_inflow,
-        "force": field.normal_force,
-        "margin": np.degrees(field.past_stall),
-    }[which]
 
 
 def _disk(field: Inflow, values: Values) -> view.Figure:
@@ -158,23 +124,25 @@ def _disk(field: Inflow, values: Values) -> view.Figure:
     # Seen from above with the flight upwards: psi = 0 is at the rear, 90 degrees on the right.
     away, psi = np.hypot(x, y), np.mod(np.arctan2(x, -y), 2.0 * np.pi)
     outside = (away > tip) | (away < root)
-    drawn = _shown(field, which)
+    drawn: Floats = {
+        "alpha": np.degrees(field.alpha),
+        "inflow": field.local_inflow,
+        "force": field.normal_force,
+        "margin": np.degrees(field.past_stall),
+    }[which]
     rest = drawn[~field.reverse] if not field.reverse.all() else drawn
     low, high = np.percentile(rest, 1.0), np.percentile(rest, 99.0)
     if which == "margin":
         low, high = -max(abs(low), abs(high)), max(abs(low), abs(high))
 
-    def over(values: Floats) -> Floats:
-        found = _interpolated(field, values, away / MM, psi)
-        found[outside] = np.nan
-        return found
-
+    over = _interpolated(field, drawn, away / MM, psi)
+    over[outside] = np.nan
     traces: list[dict[str, Any]] = [
         {
             "type": "heatmap",
             "x": view.array(side),
             "y": view.array(side),
-            "z": view.array(over(drawn).astype(np.float32)),
+            "z": view.array(over.astype(np.float32)),
             "zmin": low,
             "zmax": max(high, low + 1e-6),
             "colorscale": colours,
@@ -200,9 +168,10 @@ def _disk(field: Inflow, values: Values) -> view.Figure:
         "y1": -tip * np.cos(line),
         "line": {"color": COLOURS[0], "width": 2},
     }
+    word = {"xref": "paper", "yref": "paper", "x": 0.5, "xanchor": "center", "showarrow": False}
     names = [
-        _word(0.5, 1.0, "ψ = 180°, flight ↑", "bottom"),
-        _word(0.5, 0.0, "ψ = 0°", "top"),
+        {**word, "y": 1.0, "yanchor": "bottom", "text": "ψ = 180°, flight ↑"},
+        {**word, "y": 0.0, "yanchor": "top", "text": "ψ = 0°"},
     ]
     bare = {"visible": False, "range": [-1.03 * tip, 1.03 * tip]}
     return view.figure(
@@ -218,13 +187,8 @@ def _disk(field: Inflow, values: Values) -> view.Figure:
     )
 
 
-def _word(x: float, y: float, text: str, anchor: str) -> dict[str, Any]:
-    place = {"xref": "paper", "yref": "paper", "x": x, "y": y, "yanchor": anchor}
-    return {**place, "text": text, "showarrow": False, "xanchor": "center"}
-
-
 def _outline(field: Inflow, values: Floats, colour: str, dash: str) -> list[dict[str, Any]]:
-    """Where ``values`` (S, P) are zero; Plotly's own outlines take ten times as long to draw."""
+    """Outline where ``values`` (S, P) are zero; Plotly's own contours draw ten times slower."""
     along: list[float] = []
     across: list[float] = []
     for line in contour_generator(field.azimuth, MM * field.radius, values).lines(0.0):
@@ -235,7 +199,7 @@ def _outline(field: Inflow, values: Floats, colour: str, dash: str) -> list[dict
 
 
 def _interpolated(field: Inflow, values: Floats, radius: Floats, psi: Floats) -> Floats:
-    """Values (S, P) at other radii and azimuths, linear between the nodes."""
+    """Interpolate ``values`` (S, P) at other radii and azimuths, linearly between the nodes."""
     stations, azimuths = values.shape
     step = field.radius[1] - field.radius[0]
     row = np.clip((radius - field.radius[0]) / step, 0.0, stations - 1.000001)
@@ -248,27 +212,3 @@ def _interpolated(field: Inflow, values: Floats, radius: Floats, psi: Floats) ->
         + (1 - a) * b * values[i, j + 1]
         + a * b * values[i + 1, j + 1]
     )
-
-
-def _along(
-    field: Inflow, values: Floats, title: str, mean: Floats | None = None, name: str = ""
-) -> view.Figure:
-    radius = MM * field.radius
-    traces = [view.line(radius, values, title, COLOURS[0])]
-    if mean is not None:
-        traces.append(view.line(radius, mean, name, view.GREY, "dash"))
-    shown = [values] if mean is None else [values, mean]
-    return view.figure(
-        traces,
-        "radius y [mm]",
-        title,
-        xaxis={"range": [0.0, float(radius[-1])]},
-        yaxis=view.span(*shown),
-    )
-
-
-def _share(field: Inflow, region: Any) -> float:
-    """Share of the annulus from root to tip that a region covers [-]."""
-    around = region[:, :-1].mean(axis=1)
-    whole = np.trapezoid(field.radius, field.radius)
-    return float(np.trapezoid(around * field.radius, field.radius) / whole)

@@ -9,16 +9,15 @@ from html import unescape
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import propmap
 from propmap.fit.comparison import Comparison, candidates, trends
 from propmap.fit.files import FitFile
 from propmap.fit.least_squares import by_band, errors
-from propmap.loads import LOADS
 from propmap.report import fit_curves, fit_page
-from propmap.report.fit_curves import Curve, Curves
-from propmap.report.fit_page import GivenData, binned, residual_sheet, sentences
-from propmap.report.html import PAGE, REPORT_FILES
+from propmap.report.fit_page import GivenData, binned, residuals, sentences
+from propmap.report.html import PAGE, REPORT_FILES, FigureRecord
 from propmap.typing import Floats
 from propmap.vehicle.log import FlightLog, joined
 from tests.fit.fit_records import load, record
@@ -67,16 +66,17 @@ def test_errors_of_means_count_a_second_as_one() -> None:
     """50 samples that err alike are worth one: bars are far wider than of independent ones."""
     trend = next(one for one in TRENDS if one.variable.startswith("time"))
     found = binned(trend)
-    assert found["samples"].sum() == COUNT and found["mean"].size == 8
+    assert found["samples"].sum() == COUNT and found["mean_in_unit"].size == 8
     within = [trend.residual[(trend.at >= a) & (trend.at <= b)]
-              for a, b in zip(found["from"], found["to"], strict=True)]  # fmt: skip
+              for a, b in zip(found["bin_from"], found["bin_to"], strict=True)]  # fmt: skip
     alone = np.array([part.std() / np.sqrt(part.size) for part in within])
-    ratio = found["error"] / alone
+    ratio = found["mean_error_in_unit"] / alone
     # The square root of the samples per second, less what the climb rate does within one.
     assert np.all(ratio > 4.0) and np.all(ratio < np.sqrt(RATE))
     means = np.array([part.mean() for part in within])
-    np.testing.assert_allclose(found["mean"], means, atol=0.01)
-    assert np.all(found["low"] <= found["mean"]) and np.all(found["mean"] <= found["high"])
+    np.testing.assert_allclose(found["mean_in_unit"], means, atol=0.01)
+    low, high = found["low_10_in_unit"], found["high_90_in_unit"]
+    assert np.all(low <= found["mean_in_unit"]) and np.all(found["mean_in_unit"] <= high)
 
 
 def test_a_variable_that_hardly_changes_has_few_bins() -> None:
@@ -86,7 +86,7 @@ def test_a_variable_that_hardly_changes_has_few_bins() -> None:
         assert found["samples"].sum() == COUNT
         assert all(np.isfinite(values).all() for values in found.values())
         if "velocity" in trend.variable:
-            assert found["mean"].size == 1 and not trend.tells
+            assert found["mean_in_unit"].size == 1 and not trend.tells
 
 
 def test_samples_without_a_residual_are_left_out() -> None:
@@ -102,12 +102,8 @@ def test_stretches_of_two_flights_are_apart() -> None:
 
 
 def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.MonkeyPatch) -> None:
-    nothing = dict.fromkeys(LOADS, np.zeros(3))
-    curve = Curve(0.0, None, nothing, None, None, np.full(3, True))
-    flat = Curves(
-        500.0, 0.1, np.linspace(0.0, 9.0, 3), [curve], dict.fromkeys(LOADS, 0.0), (), 0, ""
-    )
-    monkeypatch.setattr(fit_curves, "load_curves", lambda *_: flat)
+    nothing = FigureRecord("fit-loads", [], Figure), {"rpm": 5000.0, "draws": 0, "motor": ""}
+    monkeypatch.setattr(fit_curves, "load_lines", lambda *_: nothing)
     measured = 7.6 + 0.0 * LEFT
     compared = Comparison(
         errors(measured + LEFT, measured, measured),
@@ -126,4 +122,4 @@ def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.Mo
     table = list(csv.DictReader(io.StringIO(str(files["fit-residuals-2.csv"]))))
     assert table[0]["variable"] == TRENDS[0].variable.partition(" [")[0]
     assert float(table[0]["slope"]) == pytest.approx(TRENDS[0].slope, rel=1e-4)
-    assert residual_sheet(TRENDS) == files["fit-residuals-2.csv"]
+    assert residuals("fit-residuals-2", TRENDS).csv() == files["fit-residuals-2.csv"]

@@ -120,7 +120,7 @@ def test_tunnel_fit(rotor: propmap.Rotor, tmp_path: Path) -> None:
     data = TunnelData(
         "tunnel.csv", omega, speed, np.full(4, 1.4), {"thrust": thrust, "drag": 0.1 * thrust}
     )
-    figure = tunnel_fit(data, rotor)
+    figure = tunnel_fit(data, rotor).figure()
     _check(figure, tmp_path / "tunnel.png")
     first, second = figure.axes[:2]
     assert first.get_xlabel() == "measured thrust T [N]"

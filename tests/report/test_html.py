@@ -1,19 +1,24 @@
-"""A report is one file: escaped text, tables with units, figures inside; its numbers are CSV."""
+"""Reports: escaped text, tables with units, figures inside; folders are whole or as before."""
 
 from __future__ import annotations
 
 import base64
 import re
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import numpy as np
 import pytest
 from jinja2 import DictLoader, Environment, FileSystemLoader
 
+from propmap.errors import InputError
 from propmap.report.html import (
     MINUS,
     MISSING,
     PAGE,
+    FigureRecord,
+    check_folder,
+    columns_of,
     csv_of_columns,
     csv_of_rows,
     new_figure,
@@ -21,6 +26,7 @@ from propmap.report.html import (
     report_files,
     sentence,
     style,
+    write_folder,
 )
 
 BODY = """
@@ -136,3 +142,71 @@ def test_columns_as_csv() -> None:
     first = {"set": "x", "a": np.array([1.5, 2.0])[:, None], "b": np.arange(2)}
     text = csv_of_columns([first, {"set": "y", "a": 3.0, "b": None}])
     assert text == "set,a,b\nx,1.5,0\nx,1.5,1\nx,2,0\nx,2,1\ny,3,\n"
+
+
+def test_a_record_gives_the_picture_and_the_numbers() -> None:
+    columns = columns_of("load rms_N", [("thrust", 0.5), ("drag", float("nan"))])
+    record = FigureRecord("errors", columns, lambda: new_figure(3.0, 2.0))
+    assert record.csv() == "load,rms_N\nthrust,0.5\ndrag,\n"
+    assert record.figure().get_size_inches().tolist() == [3.0, 2.0]
+    assert FigureRecord("none", columns_of("load rms_N", [])).csv() == "load,rms_N\n"
+
+
+# -------------------------------------------------------------------------------------------------
+# The folder of a report is there with all its files, or as it was before.
+
+FILES = {"index.html": "<p>β</p>", "a.csv": b"1\n"}
+
+
+def _held(folder: Path) -> dict[str, bytes]:
+    return {p.name: p.read_bytes() for p in folder.iterdir()}
+
+
+def test_all_files_and_nothing_beside(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    write_folder(folder, FILES)
+    assert _held(folder) == {"index.html": "<p>β</p>".encode(), "a.csv": b"1\n"}
+    assert list(tmp_path.iterdir()) == [folder]
+
+
+def test_an_earlier_run_is_replaced_as_a_whole(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    write_folder(folder, FILES)
+    write_folder(folder, {"index.html": "new", "a.csv": "2\n"})
+    assert _held(folder) == {"index.html": b"new", "a.csv": b"2\n"}
+    assert list(tmp_path.iterdir()) == [folder]
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_what_fails_half_way_leaves_no_trace(tmp_path: Path, there: bool) -> None:
+    folder = tmp_path / "out"
+    if there:
+        write_folder(folder, FILES)
+    broken = {"index.html": "new", "a.csv": None}
+    with pytest.raises(TypeError):
+        write_folder(folder, broken)  # type: ignore[arg-type]
+    assert folder.exists() == there
+    if there:
+        assert _held(folder)["index.html"] == "<p>β</p>".encode()
+    assert list(tmp_path.iterdir()) == ([folder] if there else [])
+
+
+def test_other_files_are_never_removed(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("years of work")
+    with pytest.raises(InputError, match=r"thesis\.tex.*choose a new or an empty folder"):
+        write_folder(tmp_path, FILES)
+    assert (tmp_path / "thesis.tex").read_text() == "years of work"
+    (tmp_path / "thesis.tex").rename(tmp_path / "a.csv")
+    (tmp_path / "index.html").mkdir()
+    with pytest.raises(InputError, match=r"index\.html"):
+        check_folder(tmp_path, FILES)
+
+
+def test_places_that_cannot_be(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="not a folder"):
+        check_folder(tmp_path / "file", FILES)
+    with pytest.raises(
+        InputError, match=r"out: there is no folder [^;]*; make it or choose another$"
+    ):
+        check_folder(tmp_path / "no" / "out", FILES)

@@ -1,0 +1,336 @@
+"""The page in the browser: fields and sliders, figures, tables, and what can be copied."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import dash
+
+from propmap.catalogue import names
+from propmap.explore.session import KNOWN, PHYSICS, Session
+from propmap.explore.view import Answer, Choice, Control, Graph, Slider, Table, Text, Values, View
+from propmap.model.airfoil import airfoil_names
+
+html: Any = dash.html
+dcc: Any = dash.dcc
+
+LAYOUT = {"displayModeBar": False, "responsive": True, "doubleClick": "reset"}
+STORES = ("base", "here", "settled", "answered")
+HEIGHTS = {
+    (False, False): "255px",
+    (True, False): "300px",
+    (False, True): "min(86vw, 460px)",
+    (True, True): "min(86vw, 560px)",
+}  # of a graph by whether it is wide and tall: equal before and after it is drawn
+EMPTY: Mapping[str, Any] = {"data": [], "layout": {"paper_bgcolor": "rgba(0,0,0,0)"}}
+KINDS = {
+    "geometry": "propeller",
+    "constants": "constants",
+    "fit": "fit",
+    "table": "table",
+    "vehicle": "vehicle",
+    "data": "measured loads",
+}
+
+# Plotly is asked for at once, not only when the first figure comes.
+INDEX = """<!DOCTYPE html>
+<html lang="en">
+<head>
+{%metas%}
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>{%title%}</title>
+<link rel="icon" href="data:,">
+{%css%}
+</head>
+<body>
+{%app_entry%}
+<footer>
+{%config%}
+{%scripts%}
+{%renderer%}
+<script src="/_dash-component-suites/plotly/package_data/plotly.min.js"></script>
+</footer>
+</body>
+</html>
+"""
+
+
+def page(views: Sequence[View]) -> Any:
+    """Make what the browser gets first."""
+    menu = [
+        dcc.Link(view.title, href=f"/{view.name}", id={"menu": view.name}, className="menu-item")
+        for view in views
+    ]
+    return html.Div(
+        [
+            html.A("Skip to the view", href="#page", className="skip"),
+            dcc.Location(id="address", refresh=False),
+            *(dcc.Store(id=name) for name in STORES),
+            dcc.Store(id="job", storage_type="session"),
+            dcc.Interval(id="tick", interval=700, disabled=True),
+            dcc.Download(id="saved"),
+            html.Header(
+                [
+                    html.Strong("propmap explore", className="brand"),
+                    html.Nav(menu, className="menu", **{"aria-label": "Views"}),
+                    html.Button("Dark or light", id="theme", className="quiet", n_clicks=0),
+                ]
+            ),
+            html.Main(html.P("Loading …", className="loading"), id="page", tabIndex="-1"),
+            html.Div(id="void", hidden=True),
+        ],
+        id="whole",
+    )
+
+
+def view_page(
+    view: View, session: Session, values: Values, controls: Sequence[Control], answer: Answer
+) -> Any:
+    """Make a view with its first answer."""
+    undo = html.Button("undo", id="undo", n_clicks=0)
+    return html.Div(
+        [
+            html.Div([html.H1(view.title), html.P(view.question, className="question")]),
+            _subject(session),
+            html.Div(
+                [
+                    html.Div([*_settings(controls, values), undo, *view.more()], role="group",
+                             className="settings", **{"aria-label": "Settings"}),
+                    html.Div(
+                        [
+                            html.Div(remarks(answer.remarks), id="remarks", role="status",
+                                     **{"aria-live": "polite"}),
+                            html.Div(legend(answer.legend), id="legend", className="legend"),
+                            html.Div([_place(one, answer) for one in view.graphs(session)],
+                                     className="graphs"),
+                            html.Div([table(one) for one in answer.tables], id="tables"),
+                            _reproduce(view),
+                        ],
+                        className="answer",
+                    ),
+                ],
+                className="columns",
+            ),
+        ],
+        className=f"view view-{view.name}",
+    )  # fmt: skip
+
+
+def failed(session: Session | None, message: str) -> Any:
+    """Make a page that says in a line what is wrong."""
+    return html.Div(
+        [
+            html.Div([html.H1("Nothing to show")]),
+            _subject(session),
+            html.Div(remarks([message], "trouble"), id="remarks", role="alert"),
+            *(html.Div(id=name, hidden=True) for name in ("tables", "legend", "command", "python")),
+        ],
+        className="view",
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# What is set and chosen: the subject, fields, sliders, choices.
+
+
+def _subject(session: Session | None) -> Any:
+    """Show what is explored, to be changed."""
+    session = session or Session()
+    files = [
+        html.Li(
+            [
+                f"{KINDS[kind]}: {given.name} ",
+                html.Button("remove", id={"remove": kind}, className="quiet", n_clicks=0,
+                            **{"aria-label": f"remove {given.name}"}),
+            ]
+        )
+        for kind, given in session.files.items()
+    ]  # fmt: skip
+    laws = [(KNOWN, "best known"), *((name, name) for name in airfoil_names())]
+    physics = [("", "as the constants"), *((name, name) for name in PHYSICS)]
+    prop = [
+        html.Label("Propeller", htmlFor="prop"),
+        dcc.Input(id="prop", type="text", value=session.name, debounce=True, list="props",
+                  maxLength=80, autoComplete="off", className="text"),
+        html.Datalist([html.Option(value=name) for name in names()], id="props"),
+    ]  # fmt: skip
+    upload = html.Button("Open a file, or drop it here", className="quiet", type="button")
+    return html.Div(
+        [
+            html.Div(prop, className="field"),
+            _radio("law", "Constants", laws, session.law),
+            _radio("physics", "Physics", physics, session.physics),
+            html.Div(dcc.Upload(upload, id="upload", max_size=-1, className="drop"),
+                     className="field"),
+            html.Ul(files, className="files") if files else html.Span(),
+            html.P("", id="trouble", role="alert", className="trouble"),
+        ],
+        className="subject",
+    )  # fmt: skip
+
+
+def _radio(name: str, label: str, options: Sequence[tuple[str, str]], value: str) -> Any:
+    """Make a choice behind a heading that says what is chosen."""
+    shown = [{"value": key, "label": text} for key, text in options]
+    return html.Details(
+        [
+            html.Summary([f"{label}: ", html.Em(dict(options).get(value, value))]),
+            dcc.RadioItems(id=name, options=shown, value=value, className="options"),
+        ],
+        className="field",
+    )
+
+
+def _settings(controls: Sequence[Control], values: Values) -> list[Any]:
+    """Make all controls, those of a group in a frame where its first one stands."""
+    found: dict[tuple[str, str], list[Any]] = {}
+    for control in controls:
+        key = control.group, "" if control.group else control.name
+        found.setdefault(key, []).append(_setting(control, values[control.name]))
+    return [
+        html.Fieldset([html.Legend(group), *parts]) if group else parts[0]
+        for (group, _), parts in found.items()
+    ]
+
+
+def _setting(control: Control, value: Any) -> Any:
+    """Make a control with its label."""
+    key = {"control": control.name}
+    target = json.dumps(key, separators=(",", ":"))
+    if isinstance(control, Slider):
+        number = {"number": control.name}
+        unit = f" [{control.unit}]" if control.unit else ""
+        ends: dict[str, Any] = {"min": control.low, "max": control.high, "value": value}
+        parts: list[Any] = [
+            html.Label(f"{control.label}{unit}", htmlFor=target),
+            html.Div(
+                [
+                    dcc.Input(id=key, type="range", step=control.step, className="range", **ends),
+                    html.Label(f"{control.label}, as a number", className="unseen",
+                               htmlFor=json.dumps(number, separators=(",", ":"))),
+                    dcc.Input(id=number, type="number", step="any", debounce=True,
+                              className="number", **ends),
+                ],
+                className="slider",
+            ),
+        ]  # fmt: skip
+        if control.marked is not None:
+            low, high = (
+                100.0 * min(max((end - control.low) / (control.high - control.low), 0.0), 1.0)
+                for end in control.marked
+            )
+            place = {"left": f"{low:.2f}%", "width": f"{max(high - low, 0.6):.2f}%"}
+            interval = html.Div(html.Span(style=place), className="interval")
+            words = f"95 %: {control.marked[0]:.4g} to {control.marked[1]:.4g}"
+            parts.append(html.Div([interval, html.Small(words)]))
+        return html.Div(parts, className="field")
+    if isinstance(control, Text):
+        field = dcc.Input(id=key, type="text", value=value, debounce=True, className="text")
+        return html.Div([html.Label(control.label, htmlFor=target), field], className="field")
+    options = [{"value": each, "label": text} for each, text in control.options]
+    make = dcc.RadioItems if isinstance(control, Choice) else dcc.Checklist
+    return html.Fieldset(
+        [
+            html.Legend(control.label),
+            make(id=key, options=options, value=value, className="options"),
+        ],
+        className="field",
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# What is answered: figures, tables, remarks, and the numbers elsewhere.
+
+
+def _place(graph: Graph, answer: Answer) -> Any:
+    """Make the place of a figure, with what can be saved of it."""
+    figure = answer.figures.get(graph.name)
+    # Points can be dragged where a figure has such.
+    drag = figure is not None and figure["layout"].get("meta", {}).get("drag")
+    edits = {"edits": {"shapePosition": True}} if drag else {}
+    look = " ".join(["place", *(["wide"] if graph.wide else []), *(["tall"] if graph.tall else [])])
+    saves = [
+        html.Button(
+            kind.upper(), id={"picture": graph.name, "as": kind}, n_clicks=0, className="quiet",
+            **{"aria-label": f"save {graph.label} as {kind}"},
+        )
+        for kind in ("svg", "png")
+    ]  # fmt: skip
+    drawing = dcc.Graph(
+        id={"graph": graph.name},
+        figure=figure or EMPTY,
+        config={**LAYOUT, **edits},
+        className="graph",
+        style={"height": HEIGHTS[(graph.wide, graph.tall)]},
+    )
+    return html.Figure(
+        [
+            html.Figcaption([html.Span(graph.label), *saves]),
+            html.Div(drawing, role="img", **{"aria-label": graph.label}),
+        ],
+        id={"place": graph.name},
+        hidden=figure is None,
+        className=look,
+    )
+
+
+def remarks(lines: Sequence[str], look: str = "remark") -> list[Any]:
+    """Make remarks, a line each; ``look`` is "trouble" for errors."""
+    return [html.P(line, className=look) for line in lines]
+
+
+def legend(entries: Sequence[tuple[str, str]]) -> list[Any]:
+    """Say what colours mean."""
+    found = []
+    for name, colour in entries:
+        dashed, style = colour.startswith("-"), {"borderColor": colour.lstrip("-")}
+        mark = html.I(className="dashed" if dashed else "", style=style, **{"aria-hidden": "true"})
+        found.append(html.Span([mark, name]))
+    return found
+
+
+def table(found: Table) -> Any:
+    """Make a table of numbers."""
+    heads = [html.Th(head, scope="col") for head in found.heads]
+    rows = [
+        html.Tr([html.Th(row[0], scope="row"), *(html.Td(cell) for cell in row[1:])])
+        for row in found.rows
+    ]
+    parts = [html.Caption(found.caption), html.Thead(html.Tr(heads)), html.Tbody(rows)]
+    return html.Div(
+        html.Table(parts, className="numbers"),
+        className="scroll",
+        tabIndex="0",
+        role="region",
+        **{"aria-label": found.caption or "numbers"},
+    )
+
+
+def _reproduce(view: View) -> Any:
+    """Offer the command line, Python and files."""
+    saves = [
+        html.Button(f"save {one.label}", id={"save": one.file}, n_clicks=0)
+        for one in view.downloads
+    ]
+    buttons = [
+        html.Button("copy command", id={"copy": "command"}, n_clicks=0),
+        html.Button("copy Python", id={"copy": "python"}, n_clicks=0),
+        *saves,
+        html.Span("", id="copied", role="status"),
+    ]
+    lines = [
+        html.Summary("command line and Python"),
+        html.Pre("", id="command", tabIndex="0", **{"aria-label": "command line"}),
+        html.Pre("", id="python", tabIndex="0", **{"aria-label": "Python"}),
+    ]
+    return html.Section(
+        [
+            html.H2("The same numbers elsewhere"),
+            html.Div(buttons, className="buttons"),
+            html.Details(lines),
+        ],
+        className="reproduce",
+    )
