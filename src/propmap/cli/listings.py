@@ -13,8 +13,8 @@ from typer.core import TyperGroup
 from propmap.catalogue import Entry
 from propmap.catalogue.expected import HELD
 from propmap.catalogue.identified import PARAMETERS, all_identified
-from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, propeller, search
-from propmap.cli.options import Blades, PropArgument, Radius, constants, say_doubts, say_expected
+from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, search
+from propmap.cli.options import Blades, PropArgument, Radius, constants, propeller_noted
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -27,25 +27,27 @@ from propmap.cli.output import (
     grid,
     show,
 )
-from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
-from propmap.model.plausibility import doubts_on_blade
+from propmap.model.airfoil import airfoil_names, parameter_set
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from propmap.model.model import Propeller
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap props`` and ``propmap airfoils``: what comes with propmap.
-
 ENTRY = ("name", "title", "family", "blades", "diameter_m", "source")
-OUTLINE_WIDTH = 72
-"""Characters from the axis to the tip."""
+OUTLINE_WIDTH = 72  # characters from the axis to the tip
+UNITS = {
+    "c_l1": "1/rad",
+    "c_d": "-",
+    "alpha_0": "rad",
+    "zero_lift_angle": "rad",
+    "c_d0": "-",
+    "reynolds_camber": "rad",
+    "drag_angle": "rad",
+}
 
 
 class ListByDefault(TyperGroup):
-    """A group whose command `list` need not be named: `props apc` is `props list apc`."""
+    """Make `list` the command that need not be named: `props apc` is `props list apc`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put `list` in front where no command of the group is named."""
@@ -57,13 +59,13 @@ class ListByDefault(TyperGroup):
 props_app = typer.Typer(
     name="props",
     cls=ListByDefault,
-    help="Propellers: props [TEXT] lists, props show NAME shows.",
+    help="List propellers, or show one: props [TEXT], props show NAME.",
     rich_markup_mode=None,
 )
 airfoils_app = typer.Typer(
     name="airfoils",
     cls=ListByDefault,
-    help="Section laws: list them, or airfoils show NAME.",
+    help="List section laws, or show one: airfoils show NAME.",
     rich_markup_mode=None,
 )
 
@@ -108,7 +110,7 @@ def list_props(
     format_: FormatOption = None,
     output: TextOutput = None,
 ) -> None:
-    """List the catalogue, or what in it matches all words."""
+    """List the propellers, all or those that match all words."""
     chosen = chosen_format(format_, output)
     text = " ".join(words or [])
     entries = search(text)
@@ -128,16 +130,16 @@ def show_prop(
     radius: Radius = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="Picture as well: .png, .svg, .pdf."),
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="Draw the blade too: .png, .svg, .pdf."
+        ),
     ] = None,
 ) -> None:
-    """A propeller's stations and outline, where they are from, and its section constants."""
+    """Show a propeller's blade and its section constants."""
     from rich.text import Text
 
     check_pictures(output)
-    blade = propeller(prop, blades, radius)
-    say_expected(prop)
-    say_doubts(doubts_on_blade(blade))
+    blade = propeller_noted(prop, blades, radius)
     rows = [
         (f"{y:.5f}", f"{y / blade.radius:.4f}", f"{1e3 * c:.3f}", f"{np.degrees(twist):.2f}")
         for y, c, twist in zip(blade.station, blade.chord, blade.twist, strict=True)
@@ -150,7 +152,7 @@ def show_prop(
         Text("\n".join(outline(blade)), no_wrap=True),
         f"source: {blade.source or 'not given'}",
         f"citation: {blade.citation or 'not given'}",
-        *known_constants(prop, blade.blades),
+        *_constants(prop, blade),
     )
     if output is not None:
         from propmap.report.html import save
@@ -161,7 +163,7 @@ def show_prop(
 
 
 def outline(blade: Propeller) -> list[str]:
-    """The blade about mid-chord in half-block characters, the axis at the left, to scale.
+    """Draw the blade about mid-chord in half-block characters, to scale, the axis at the left.
 
     A character is taken to be twice as high as wide, so a half block is as high as wide.
     """
@@ -179,54 +181,29 @@ def outline(blade: Propeller) -> list[str]:
     return ["".join(line).rstrip() for line in lines]
 
 
-# -------------------------------------------------------------------------------------------------
-# What ``propmap props show`` says of a propeller's section constants.
-
-UNITS = {
-    "c_l1": "1/rad",
-    "c_d": "-",
-    "alpha_0": "rad",
-    "zero_lift_angle": "rad",
-    "c_d0": "-",
-    "reynolds_camber": "rad",
-    "drag_angle": "rad",
-}
-
-
-def known_constants(prop: str, blades: int) -> list[object]:
-    """What to show: the constants that commands take for PROP by default, and how sure they are.
-
-    Parameters
-    ----------
-    prop : str
-        As it was given; of a file there is nothing to say.
-    blades : int
-        How many blades it has.
-    """
+def _constants(prop: str, blade: Propeller) -> list[object]:
+    """Show the constants that commands take for PROP by default, and how sure they are."""
     meant = meant_by(prop)
     if meant is None:
         return []
+    shown: list[object] = []
+    found = own_constants(meant, blade.blades)
+    if found is not None:
+        law = found.airfoil
+        shown += [found.told.removesuffix(f"; {found.verdict}"), f"verdict: {found.verdict}"]
+    else:
+        predicted = constants_to_expect(meant, blade)
+        law = predicted.airfoil
+        if isinstance(meant, Entry):
+            # Else a note on the blade has said what both rest on.
+            shown.append(predicted.told)
     others = sorted(
         one.blades
         for one in all_identified()
-        if isinstance(meant, Entry) and one.propeller == meant.name and one.blades != blades
+        if isinstance(meant, Entry) and one.propeller == meant.name and one.blades != blade.blades
     )
-    also = [f"identified with {' and '.join(map(str, others))} blades too: --blades N"]
-    found = own_constants(meant, blades)
-    if found is None:
-        expected = constants_to_expect(meant, propeller(prop, blades))
-        told: list[object] = [_table(expected.airfoil)]
-        if isinstance(meant, Entry):
-            # Else a note on the blade has said what both rest on.
-            told.append(expected.told)
-    else:
-        rest = found.told.removesuffix(f"; {found.verdict}")
-        told = [_table(found.airfoil), rest, f"verdict: {found.verdict}"]
-    return [*told, *(also if others else [])]
-
-
-def _table(law: Airfoil) -> Table:
-    """The constants with their standard deviations, and those that are held."""
+    if others:
+        shown.append(f"identified with {' and '.join(map(str, others))} blades too: --blades N")
     assert law.uncertainty is not None  # both kinds carry it
     deviations = np.sqrt(np.diag(law.uncertainty.covariance.matrix))
     rows = [
@@ -234,4 +211,4 @@ def _table(law: Airfoil) -> Table:
         for name, deviation in zip(PARAMETERS, deviations, strict=True)
     ]
     held = [(name, f"{value:.4f}", "held", "-") for name, value in HELD.items()]
-    return grid("<constant|value|standard deviation|<unit", [*rows, *held])
+    return [grid("<constant|value|standard deviation|<unit", [*rows, *held]), *shown]

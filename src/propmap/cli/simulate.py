@@ -1,4 +1,4 @@
-"""``propmap simulate``: flights that were not flown, and what they would tell."""
+"""``propmap simulate``: the log of a flight before it is flown, and how well a fit would do."""
 
 from __future__ import annotations
 
@@ -10,8 +10,15 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.cli.aircraft_options import NoWakes
-from propmap.cli.options import Corrections, ModelOption, constants, parse_axis, with_physics
+from propmap.cli.options import (
+    Corrections,
+    ModelOption,
+    NoWakes,
+    VehicleOption,
+    constants,
+    parse_axis,
+    with_physics,
+)
 from propmap.cli.output import Force, check_output, grid, show, write_text
 from propmap.errors import InputError
 from propmap.io.csv import RPM
@@ -20,14 +27,12 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from propmap.flight.simulate import Expectation
-    from propmap.vehicle.files import VehicleFile
 
-LARGEST_ERROR = 0.2
-"""Of the vertical force, as a share of the weight; with more, some draw leaves none to carry."""
+LARGEST_ERROR = 0.2  # share of the weight; with more, some draw leaves no vertical force to carry
 
 simulate_app = typer.Typer(
     name="simulate",
-    help="Flights that were not flown, and what they would tell.",
+    help="Simulate flights, and say how well a fit to them would do.",
     rich_markup_mode=None,
 )
 
@@ -39,56 +44,60 @@ def _group() -> None:
 
 @simulate_app.command("flight")
 def simulate_flight(
-    vehicle: Annotated[
-        Path, typer.Option("--vehicle", metavar="FILE.toml", help="The vehicle and its rotors.")
-    ],
+    vehicle: VehicleOption,
     section: Annotated[
         str,
         typer.Option("--airfoil", metavar="NAME|FILE", help="Section law taken for the truth."),
     ],
     speed: Annotated[
-        str, typer.Option("--speeds", metavar="A:B:N", help="Speeds [m/s], or a list 1,5,9.")
+        str,
+        typer.Option("--speeds", metavar="A:B:N", help="Flight speeds [m/s], or a list 1,5,9."),
     ],
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE.csv", help="The log, as CSV.")
+        Path,
+        typer.Option("--output", "-o", metavar="FILE.csv", help="Write the log to this CSV file."),
     ],
     model: ModelOption = None,
     correction: Corrections = None,
-    radius: Annotated[float, typer.Option("--radius", help="Of the circles [m].")] = 1.7,
+    radius: Annotated[float, typer.Option("--radius", help="Radius of the circles [m].")] = 1.7,
     banked: Annotated[
         bool, typer.Option("--banked", help="Bank into the circle instead of a tether.")
     ] = False,
     noise: Annotated[
         float,
-        typer.Option("--noise", help="Vertical force error of each speed, share of the weight."),
+        typer.Option(
+            "--noise",
+            help="Error of the vertical force at each speed, as a share of the weight [sd].",
+        ),
     ] = 0.01,
     rotor_noise: Annotated[
-        float, typer.Option("--rotor-noise", help="Of a sample of rotor speed, as a share.")
+        float, typer.Option("--rotor-noise", help="Error of a rotor speed, as a share [sd].")
     ] = 0.005,
     velocity_noise: Annotated[
-        float, typer.Option("--velocity-noise", help="Of a sample of velocity [m/s].")
+        float, typer.Option("--velocity-noise", help="Error of a velocity [m/s, sd].")
     ] = 0.05,
     attitude_noise: Annotated[
-        float, typer.Option("--attitude-noise", help="Of a sample of pitch and roll [deg].")
+        float, typer.Option("--attitude-noise", help="Error of pitch and roll [deg, sd].")
     ] = 0.3,
     accelerometer_noise: Annotated[
-        float, typer.Option("--accelerometer-noise", help="Of a sample [m/s^2].")
+        float, typer.Option("--accelerometer-noise", help="Error of a specific force [m/s^2, sd].")
     ] = 0.3,
     dwell: Annotated[float, typer.Option("--dwell", help="Time at each speed [s].")] = 6.0,
     rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 100.0,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the noise.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the errors.")] = 0,
     no_wakes: NoWakes = False,
     free: Annotated[
-        str, typer.Option("--free", metavar="NAME,...", help="Parameters of the planned fit.")
+        str, typer.Option("--free", metavar="NAME,...", help="Free parameters of the planned fit.")
     ] = "c_l1,c_l2,c_d,alpha_0",
     no_expectation: Annotated[
-        bool, typer.Option("--no-expectation", help="Do not reckon the intervals to expect.")
+        bool, typer.Option("--no-expectation", help="Do not predict the intervals.")
     ] = False,
     force: Force = False,
 ) -> None:
-    """The paper's experiment: level circles at each speed, on a tether, written as a log.
+    """Simulate the paper's experiment and write its log.
 
-    Before that, the 95 % intervals to expect of an identification from such a flight.
+    The vehicle flies level circles at each speed, on a tether. The 95 % intervals that a fit to
+    such a flight would have are printed first.
     """
     speeds = parse_axis("--speeds", "speed", speed)
     sizes = {
@@ -109,7 +118,16 @@ def simulate_flight(
     law = with_physics(constants(section), model, correction)
 
     from propmap.fit.parameters import Choice
-    from propmap.flight.simulate import SensorNoise, check_sampling, fly, log_csv
+    from propmap.flight.simulate import (
+        SensorNoise,
+        check_sampling,
+        expectation,
+        fly,
+        log_csv,
+        log_map,
+        log_table,
+        trim,
+    )
     from propmap.vehicle.files import read_vehicle
 
     check_sampling(dwell, rate)
@@ -122,8 +140,6 @@ def simulate_flight(
             "remove that table",
             str(vehicle),
         )
-
-    from propmap.flight.simulate import expectation, trim
 
     # Another stream than that of the sensors.
     error = noise * np.random.default_rng([seed, 1]).standard_normal(speeds.size)
@@ -141,7 +157,11 @@ def simulate_flight(
         f"{np.min(points.rotor_speed) / RPM:.0f} to {np.max(points.rotor_speed) / RPM:.0f} rpm, "
         f"flown with {' + '.join([law.name, *(law.corrections or ())])}"
     )
-    _how_to_read(read, str(vehicle))
+    rotors = len(read.vehicle.mounts)
+    if replace(log_map(rotors), file=read.log.file) == read.log:
+        typer.echo(f"{vehicle} reads it as it is")
+    else:
+        typer.echo(f"to read it, let the vehicle file say:\n\n{log_table(rotors)}", nl=False)
 
 
 def _expected(expected: Expectation, flights: int) -> Table:
@@ -162,14 +182,3 @@ def _expected(expected: Expectation, flights: int) -> Table:
         "each"
     )
     return grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)
-
-
-def _how_to_read(read: VehicleFile, name: str) -> None:
-    """Say how the log is read back, unless the vehicle file already does."""
-    from propmap.flight.simulate import log_map, log_table
-
-    rotors = len(read.vehicle.mounts)
-    if replace(log_map(rotors), file=read.log.file) == read.log:
-        typer.echo(f"{name} reads it as it is")
-        return
-    typer.echo(f"to read it, let the vehicle file say:\n\n{log_table(rotors)}", nl=False)
