@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import json
 from collections.abc import Callable, Iterator
@@ -16,6 +17,7 @@ import propmap
 from propmap.cli.app import app
 from propmap.model.airfoil import parameter_set
 from propmap.table import LoadTable, build_table
+from propmap.tasks import InTurn
 from tests.fit.fit_records import fit_text
 
 from .conftest import POINT, ROTOR, Run, be_brief
@@ -144,6 +146,9 @@ def test_a_correction_acts(run: Run, monkeypatch: pytest.MonkeyPatch, name: str)
     # It takes most of the time of `trim`, and the powers tell enough.
     found_at_once = "propmap.aircraft.performance.searched"
     monkeypatch.setattr(found_at_once, lambda _, states, __: (30.0, "", states))
+    # Processes of their own would know nothing of this.
+    in_turn = contextlib.nullcontext(InTurn())
+    monkeypatch.setattr("propmap.cli.choose.InProcesses", lambda _: in_turn)
     arguments, found = MAKERS[name]
     results = []
     for added in ([], TIP_LOSS):
@@ -227,7 +232,7 @@ def test_tables_and_what_is_made_of_them_tell_the_corrections(
     assert "corrections: pitt-peters, tip-loss" in Path("to/README-csv.txt").read_text()
     assert run("export", "x.npz", "--to", "nc", "-o", "to").code == 0
     refused = run("export", "x.npz", "--to", "c", "-o", "to", *TIP_LOSS)
-    assert "--correction is given with a map" in refused.err
+    assert "--correction is given with a table" in refused.err
     assert run("report", "x.npz", "-o", "page").code == 0
     assert "tip-loss" in Path("page/index.html").read_text()
 

@@ -58,7 +58,7 @@ def test_a_parameter_set_with_a_propeller(
     done = run("export", "law.toml", "--prop", "apc-8x6e", "--to", "npz", "-o", "to")
     assert done.code == 0
     assert done.err.startswith(
-        "building a map of apc-8x6e, paper-apc + pitt-peters, at 1880 to 9869 rpm"
+        "building a table of apc-8x6e, paper-apc + pitt-peters, at 1880 to 9869 rpm"
     )
     ((rotor, named),) = built
     assert rotor.model.propeller.name == "apc-8x6e" and rotor.model.airfoil.name == "paper-apc"

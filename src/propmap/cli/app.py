@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from typing import Annotated, Any, ClassVar
 
 import typer
+from typer import Option, echo
 from typer.core import TyperGroup
 
 import propmap
@@ -84,15 +85,14 @@ app = typer.Typer(
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"propmap {propmap.__version__}")
+        echo(f"propmap {propmap.__version__}")
         raise typer.Exit
 
 
 @app.callback()
 def _options(
     version: Annotated[
-        bool,
-        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+        bool, Option("--version", callback=_show_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
     pass
@@ -126,7 +126,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         reason = error.strerror or str(error)
         return _fail(f"{error.filename}: {reason}" if error.filename else reason)
     if code == INTERRUPTED:
-        typer.echo("propmap: interrupted", err=True)
+        echo("propmap: interrupted", err=True)
     return code or 0
 
 
@@ -142,7 +142,7 @@ def _deprecations_in_one_line() -> Iterator[None]:
                 show(message, *where)
             elif not printed:
                 printed.append(DRAG_FACTOR)
-                typer.echo(f"propmap: warning: {message}", err=True)
+                echo(f"propmap: warning: {message}", err=True)
 
         warnings.filterwarnings("always", DRAG_FACTOR, DeprecationWarning)
         warnings.showwarning = show_once  # type: ignore[assignment]
@@ -150,5 +150,5 @@ def _deprecations_in_one_line() -> Iterator[None]:
 
 
 def _fail(message: str) -> int:
-    typer.echo(f"propmap: error: {' '.join(message.split())}", err=True)
+    echo(f"propmap: error: {' '.join(message.split())}", err=True)
     return 2

@@ -10,30 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 import numpy as np
-import typer
+from typer import Argument, Option, echo
 
 from propmap.catalogue.lookup import airfoil, propeller
-from propmap.cli.options import (
-    Corrections,
-    ModelOption,
-    VehicleOfLogs,
-    note_if_predicted,
-    note_reynolds,
-    with_physics,
-)
-from propmap.cli.output import (
-    FolderOutput,
-    Format,
-    FormatOption,
-    TextOutput,
-    chosen_format,
-    emit,
-    emit_rows,
-    grid,
-    json_text,
-    print_notes,
-    show,
-)
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.model.corrections import in_words
 from propmap.model.model import Air, Model
@@ -50,42 +31,38 @@ if TYPE_CHECKING:
 
 def check(
     fit: Annotated[
-        Path,
-        typer.Argument(metavar="FIT.toml", help="Fit, parameter set or section table to check."),
+        Path, Argument(metavar="FIT.toml", help="Fit, parameter set or section table to check.")
     ],
-    data: Annotated[
-        list[str], typer.Argument(metavar="DATA...", help="Tunnel data, or flight logs.")
-    ],
-    vehicle: VehicleOfLogs = None,
+    data: Annotated[list[str], Argument(metavar="DATA...", help="Tunnel data, or flight logs.")],
+    vehicle: opt.VehicleOfLogs = None,
     prop: Annotated[
-        str | None,
-        typer.Option("--prop", metavar="PROP", help="Propeller, where the file has no [fit]."),
+        str | None, Option(metavar="PROP", help="Propeller, where the file has no [fit].")
     ] = None,
-    model: ModelOption = None,
-    correction: Corrections = None,
-    format_: FormatOption = None,
-    output: TextOutput = None,
+    model: opt.ModelOption = None,
+    correction: opt.Corrections = None,
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
 ) -> None:
     """Compare a fit with measurements it has not seen."""
-    chosen = chosen_format(format_, output)
-    law = with_physics(airfoil(fit), model, correction)
+    chosen = out.chosen_format(format_, output)
+    law = opt.with_physics(airfoil(fit), model, correction)
     found, learned = _compare(fit, law, data, vehicle, prop)
-    if chosen is Format.table:
+    if chosen is out.Format.table:
         tables = [_table(found, law)]
         if learned:
             tables.append(_table(learned, law, ", with the learned residual"))
-        show(output, *tables)
+        out.show(output, *tables)
         return
     loads = {
         name: _numbers(c.all) | {"by_speed": {band: _numbers(e) for band, e in c.by_speed.items()}}
         for name, c in found.items()
     }
-    if chosen is Format.json:
+    if chosen is out.Format.json:
         rows = max((c.all.rows for c in found.values()), default=0)
         whole = {"corrections": list(law.corrections or ()), "rows": rows, "loads": loads}
         if learned:
             whole["with_learned_residual"] = {n: _numbers(c.all) for n, c in learned.items()}
-        emit(json_text(whole), output)
+        out.emit(out.json_text(whole), output)
         return
     columns = ("load", "band", "rows", "rms", "relative_rms", "bias", "worst", "hover_rms")
     bands = [
@@ -93,7 +70,7 @@ def check(
         for name, load in loads.items()
         for band, numbers in {"all": load, **load["by_speed"]}.items()
     ]
-    emit_rows(columns, bands, chosen, output)
+    out.emit_rows(columns, bands, chosen, output)
 
 
 def _compare(
@@ -117,10 +94,10 @@ def _compare(
         blade = fitted.model.propeller if fitted and prop is None else propeller(prop or "")
         model = Model(blade, law, air)
         measured = read_tunnel(data, blade, air)
-        note_reynolds(model, measured.omega, measured.speed, measured.beta)
+        opt.note_reynolds(model, measured.omega, measured.speed, measured.beta)
         if prop is not None:
-            note_if_predicted(prop)
-        print_notes([*doubts_on_blade(blade), *doubts_on_tunnel(data, blade, air)])
+            opt.note_if_predicted(prop)
+        out.print_notes([*doubts_on_blade(blade), *doubts_on_tunnel(data, blade, air)])
         return compare_tunnel(model, measured), {}
 
     from propmap.cli.fit_flight import read_flights
@@ -136,7 +113,7 @@ def _compare(
     _, log, remarks = read_flights(paths, file, "balance", low_pass=cutoff)
     values, more = values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
     forces = flight_forces(flown, log, law, values)
-    print_notes([*remarks, *more])
+    out.print_notes([*remarks, *more])
     errors = compare_forces(flown, log, forces)
     learned = fitted.learned_residual if fitted else None
     if learned is None:
@@ -144,7 +121,7 @@ def _compare(
     added = learned.at(flown, log)
     with_it = np.concatenate([forces.model[:, :3] + added.force, forces.model[:, 3:]], axis=1)
     faded, off = (100.0 * float(np.mean(added.status == word)) for word in ("faded", "off"))
-    print_notes(
+    out.print_notes(
         [
             "the fit has a learned residual, apart from the physics; outside the flights that it "
             f"was trained on it fades at {faded:.1f} % of the samples and is off at {off:.1f} %"
@@ -176,7 +153,7 @@ def _table(
     ]
     physics = f", with {in_words(law.corrections or ())}{besides}"
     heads = "<load|<speed|rows|rms|relative|bias|worst|hover model's rms"
-    return grid(heads, rows, f"Model minus measurement{physics}")
+    return out.grid(heads, rows, f"Model minus measurement{physics}")
 
 
 # -------------------------------------------------------------------------------------------------
@@ -184,20 +161,17 @@ def _table(
 
 
 def report(
-    source: Annotated[
-        Path, typer.Argument(metavar="FIT|TABLE", help="Fit (.toml) or table (.npz).")
-    ],
-    output: FolderOutput,
+    source: Annotated[Path, Argument(metavar="FIT|TABLE", help="Fit (.toml) or table (.npz).")],
+    output: out.FolderOutput,
     data: Annotated[
         list[str] | None,
-        typer.Option(
-            "--data",
+        Option(
             metavar="DATA",
             help="Draw these tunnel data or flight logs and check a fit with them; may be "
             "repeated.",
         ),
     ] = None,
-    vehicle: VehicleOfLogs = None,
+    vehicle: opt.VehicleOfLogs = None,
 ) -> None:
     """Write a page that says how far to trust a fit or a table.
 
@@ -227,7 +201,7 @@ def report(
             str(source),
         )
     write_folder(output, files, REPORT_FILES)
-    typer.echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")
+    echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")
 
 
 def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[str, str | bytes]:

@@ -9,35 +9,10 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from typer import Option
 
-from propmap.cli.options import (
-    Charge,
-    Cluster,
-    Corrections,
-    MaximumRpm,
-    ModelName,
-    ModelOption,
-    NoWakes,
-    VehicleArgument,
-    checked_rpm,
-    note_missing,
-    vehicle_of,
-    workers_of,
-)
-from propmap.cli.output import (
-    Format,
-    FormatOption,
-    TextOutput,
-    WideGrid,
-    check_pictures,
-    chosen_format,
-    emit_rows,
-    grid,
-    number_or_none,
-    save_picture,
-    show,
-)
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError, quoted
 from propmap.tasks import InProcesses, Workers
 
@@ -61,72 +36,57 @@ class Measure(StrEnum):
 
 
 def choose(
-    vehicle: VehicleArgument,
-    speed: Annotated[
-        float | None, typer.Option("--speed", help="Cruise speed [m/s], needed to cruise.")
-    ] = None,
+    vehicle: opt.VehicleArgument,
+    speed: Annotated[float | None, Option(help="Cruise speed [m/s], needed to cruise.")] = None,
     task: Annotated[
         str,
-        typer.Option(
-            "--task",
+        Option(
             metavar="hover|cruise|fast|FILE.csv",
             help="Rank by hover power, energy per metre, top speed or a mission's energy.",
         ),
     ] = "cruise",
     by: Annotated[
-        Measure | None,
-        typer.Option("--by", help="Rank hover or cruise by this instead of energy."),
+        Measure | None, Option(help="Rank hover or cruise by this instead of energy.")
     ] = None,
     diameter: Annotated[
-        str | None,
-        typer.Option("--diameter", metavar="A:B", help="Diameters of the propellers [in]."),
+        str | None, Option(metavar="A:B", help="Diameters of the propellers [in].")
     ] = None,
-    blades: Annotated[
-        int | None, typer.Option("--blades", help="Number of blades of the propellers.")
-    ] = None,
+    blades: Annotated[int | None, Option(help="Number of blades of the propellers.")] = None,
     propeller: Annotated[
-        list[str] | None,
-        typer.Option("--propeller", metavar="FILE", help="Rank this one, too; may be repeated."),
+        list[str] | None, Option(metavar="FILE", help="Rank this one, too; may be repeated.")
     ] = None,
     airfoil: Annotated[
-        str | None,
-        typer.Option("--airfoil", metavar="NAME|FILE", help="Section law of each --propeller."),
+        str | None, Option(metavar="NAME|FILE", help="Section law of each --propeller.")
     ] = None,
     thrust_margin: Annotated[
-        float,
-        typer.Option("--thrust-margin", help="Least ratio of largest thrust to weight in hover."),
+        float, Option(help="Least ratio of largest thrust to weight in hover.")
     ] = 1.5,
-    top: Annotated[
-        int, typer.Option("--top", min=1, help="How many are shown, and compared closely.")
-    ] = 10,
-    all_: Annotated[
-        bool, typer.Option("--all", help="Show those that do not fit as well.")
-    ] = False,
-    model: ModelOption = None,
-    correction: Corrections = None,
-    max_rpm: MaximumRpm = None,
-    charge: Charge = 1.0,
-    no_wakes: NoWakes = False,
+    top: Annotated[int, Option(min=1, help="How many are shown, and compared closely.")] = 10,
+    all_: Annotated[bool, Option("--all", help="Show those that do not fit as well.")] = False,
+    model: opt.ModelOption = None,
+    correction: opt.Corrections = None,
+    max_rpm: opt.MaximumRpm = None,
+    charge: opt.Charge = 1.0,
+    no_wakes: opt.NoWakes = False,
     picture: Annotated[
-        Path | None,
-        typer.Option("--picture", metavar="FILE", help="Draw hover power and top speed."),
+        Path | None, Option(metavar="FILE", help="Draw hover power and top speed.")
     ] = None,
-    format_: FormatOption = None,
-    output: TextOutput = None,
-    cluster: Cluster = None,
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
+    cluster: opt.Cluster = None,
 ) -> None:
     """Rank the propellers of the catalogue on an aircraft."""
     sizes = _diameters(diameter)
-    largest = checked_rpm(max_rpm)
-    check_pictures(picture)
-    form = chosen_format(format_, output)
+    largest = opt.checked_rpm(max_rpm)
+    out.check_pictures(picture)
+    form = out.chosen_format(format_, output)
     if airfoil is not None and not propeller:
         raise InputError(
             "--airfoil is given without --propeller",
             "leave it out: propellers of the catalogue have their own constants",
         )
 
-    read = vehicle_of(vehicle, no_wakes=no_wakes)
+    read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
 
     from propmap.aircraft.ranking import Ranking, Task, catalogue_candidates, file_candidate
     from propmap.catalogue.lookup import airfoil as section_law
@@ -143,28 +103,28 @@ def choose(
     there = {one.name for one in own if law is None}
     others = catalogue_candidates(sizes, blades)
     candidates = [*own, *(one for one in others if one.name not in there)]
-    corrections = tuple(corrections_of(model or ModelName.recommended, correction or ()))
-    note_missing(read)
+    corrections = tuple(corrections_of(model or opt.ModelName.recommended, correction or ()))
+    opt.note_missing(read)
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
-    with InProcesses(cores()) as here, workers_of(cluster, here) as workers:
+    with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:
         judged = _judged(ranking, candidates, top, workers)
     title = (
         f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
         f"rho = {read.air.density:.4g} kg/m^3"
     )
-    if form is Format.table:
+    if form is out.Format.table:
         fit = [one for one in judged if one.feasible]
         shown = fit if all_ else fit[:top]
         ranked = [_table(wanted, shown)] if shown else []
-        show(output, title, *ranked, *_remarks(judged, top, all_=all_))
+        out.show(output, title, *ranked, *_remarks(judged, top, all_=all_))
     else:
         rows = _rows(wanted, judged)
-        emit_rows(list(rows[0]), rows, form, output)
+        out.emit_rows(list(rows[0]), rows, form, output)
     if picture is not None:
         from propmap.aircraft.ranking import pareto
         from propmap.report.pictures import propeller_choice
 
-        save_picture(propeller_choice(title, judged, pareto(judged).tolist()), picture)
+        out.save_picture(propeller_choice(title, judged, pareto(judged).tolist()), picture)
 
 
 def _diameters(text: str | None) -> tuple[float, float]:
@@ -217,7 +177,7 @@ def _judged(
 # A ranking as `propmap choose` shows it: a table, what it leaves open, and rows for files.
 
 
-def _table(task: Task, judged: list[Judged]) -> WideGrid:
+def _table(task: Task, judged: list[Judged]) -> out.WideGrid:
     """Make a table of the first propellers of a ranking."""
     from propmap.aircraft.ranking import beats
 
@@ -255,7 +215,7 @@ def _table(task: Task, judged: list[Judged]) -> WideGrid:
     )
     spare = ("hover [min]", f"{cruise} [min]", "margin", "top [m/s]", "1 beats it", f"{cruise} [W]")
     title, body = f"ranked by {task.words} [{unit}]", [list(cells.values()) for cells in rows]
-    return WideGrid("|".join(rows[0]), body, title, caption, spare)
+    return out.WideGrid("|".join(rows[0]), body, title, caption, spare)
 
 
 def _share(probability: float) -> str:
@@ -290,7 +250,7 @@ def _remarks(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
         remarks.append("no propeller fits; the closest reasons are below")
     if rest and (all_ or not fit):
         rows = [(one.candidate.name, one.why_not) for one in rest]
-        remarks.append(grid("<propeller|<why not", rows, f"{len(rest)} that do not fit"))
+        remarks.append(out.grid("<propeller|<why not", rows, f"{len(rest)} that do not fit"))
     elif rest:
         remarks.append(f"{len(rest)} do not fit: why is shown by --all")
     return remarks
@@ -320,7 +280,7 @@ def _rows(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
         }
         rows.append(
             {"propeller": one.candidate.name, "blades": one.candidate.propeller.blades}
-            | {key: number_or_none(value) for key, value in numbers.items()}
+            | {key: out.number_or_none(value) for key, value in numbers.items()}
             | {"feasible": one.feasible, "top_speed_limit": one.limit, "why_not": one.why_not}
             | {"constants": one.candidate.verdict}
         )

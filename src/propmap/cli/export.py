@@ -8,21 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-import typer
+from typer import Argument, Option, echo
 
-from propmap.cli.options import (
-    Corrections,
-    ModelName,
-    ModelOption,
-    NoWakes,
-    aircraft_of,
-    note_if_predicted,
-    note_reynolds,
-    parse_axis,
-    vehicle_of,
-    with_physics,
-)
-from propmap.cli.output import Force, blamed_on, print_notes
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.cli.table import building
 from propmap.errors import InputError
 from propmap.model.model import Model
@@ -41,60 +30,47 @@ TOLERANCE = 0.005
 def export(
     source: Annotated[
         Path,
-        typer.Argument(
+        Argument(
             metavar="TABLE|FIT|VEHICLE",
             help="Table (.npz), fit (.toml), any section law, or vehicle file.",
         ),
     ],
     to: Annotated[
         str,
-        typer.Option(
-            "--to",
+        Option(
             metavar="TARGET",
             help="Target: c, multinomial, gazebo, rotorpy, jsbsim, npz, nc or csv; of a vehicle "
             "file c or rotorpy with --table, px4 or ardupilot.",
         ),
     ],
     output: Annotated[
-        Path,
-        typer.Option(
-            "--output", "-o", metavar="DIR", help="Write to this folder, made if need be."
-        ),
+        Path, Option("--output", "-o", metavar="DIR", help="Write to this folder, made if need be.")
     ],
     prop: Annotated[
         str | None,
-        typer.Option(
-            "--prop", metavar="PROP", help="For a section law: propeller's name or geometry file."
-        ),
+        Option(metavar="PROP", help="For a section law: propeller's name or geometry file."),
     ] = None,
-    model: ModelOption = None,
-    correction: Corrections = None,
+    model: opt.ModelOption = None,
+    correction: opt.Corrections = None,
     airfoil: Annotated[
-        str | None,
-        typer.Option(
-            "--airfoil", metavar="NAME|FILE", help="For a vehicle: section law, as for predict."
-        ),
+        str | None, Option(metavar="NAME|FILE", help="For a vehicle: section law, as for predict.")
     ] = None,
     table: Annotated[
-        Path | None,
-        typer.Option("--table", metavar="FILE.npz", help="For a vehicle: take loads from a table."),
+        Path | None, Option(metavar="FILE.npz", help="For a vehicle: take loads from a table.")
     ] = None,
     speed: Annotated[
         str | None,
-        typer.Option(
-            "--speed",
+        Option(
             metavar="A:B:N",
             help="For px4 and ardupilot: level flights that drag is fitted to [m/s], else 1:15:8.",
         ),
     ] = None,
     charge: Annotated[
         float | None,
-        typer.Option(
-            "--charge", help="For px4 and ardupilot: state of charge of the thrust curve, else 1."
-        ),
+        Option(help="For px4 and ardupilot: state of charge of the thrust curve, else 1."),
     ] = None,
-    no_wakes: NoWakes = False,
-    force: Force = False,
+    no_wakes: opt.NoWakes = False,
+    force: out.Force = False,
 ) -> None:
     """Write files for simulators, flight code and autopilots.
 
@@ -129,18 +105,18 @@ def export(
             raise InputError(
                 f"{to} takes a vehicle file", "give VEHICLE.toml, see propmap trim", str(source)
             )
-        speeds = SPEEDS if speed is None else parse_axis("--speed", "speed", speed, len(SPEEDS))
-        craft = aircraft_of(
-            vehicle_of(source, no_wakes=no_wakes),
+        speeds = SPEEDS if speed is None else opt.parse_axis("--speed", "speed", speed, len(SPEEDS))
+        craft = opt.aircraft_of(
+            opt.vehicle_of(source, no_wakes=no_wakes),
             airfoil=airfoil,
             table=table,
             model=model,
             correction=correction,
             charge=1.0 if charge is None else charge,
         )
-        with blamed_on(source):
+        with out.blamed_on(source):
             paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=force)
-        print_notes(missing_drag(craft))
+        out.print_notes(missing_drag(craft))
     elif _is_vehicle(source):
         refuse(prop=prop, model=model, correction=correction or None)
         refuse(airfoil=airfoil, speed=speed, charge=charge)
@@ -157,17 +133,17 @@ def export(
                 str(source),
             )
         check_folder(output)
-        vehicle, loads = vehicle_of(source, no_wakes=no_wakes), LoadTable.load(table)
-        with blamed_on(source):
+        vehicle, loads = opt.vehicle_of(source, no_wakes=no_wakes), LoadTable.load(table)
+        with out.blamed_on(source):
             paths = export_vehicle(vehicle, loads, to, output, replace=force)
     else:
         refuse(airfoil=airfoil, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None)
         check_folder(output)
         found = _table_of(source, prop, model, correction)
-        with blamed_on(source):
+        with out.blamed_on(source):
             paths = export_table(found, to, output, replace=force)
     for path in paths:
-        typer.echo(f"wrote {path}")
+        echo(f"wrote {path}")
 
 
 def _is_vehicle(path: Path) -> bool:
@@ -181,7 +157,7 @@ def _is_vehicle(path: Path) -> bool:
 
 
 def _table_of(
-    source: Path, prop: str | None, physics: ModelName | None, corrections: list[str] | None
+    source: Path, prop: str | None, physics: opt.ModelName | None, corrections: list[str] | None
 ) -> LoadTable:
     """Load a table, or build one of a section law over what suits most multirotors."""
     from propmap.table import LoadTable, build_table
@@ -200,8 +176,8 @@ def _table_of(
     from propmap.rotor import Rotor
 
     if prop is not None:
-        note_if_predicted(prop)
-    law = with_physics(airfoil(source), physics, corrections)
+        opt.note_if_predicted(prop)
+    law = opt.with_physics(airfoil(source), physics, corrections)
     fit = read_fit(source) if prop is None or is_fit(source) else None
     model = (
         fit.model.with_airfoil(law) if fit and prop is None else Model(propeller(prop or ""), law)
@@ -209,14 +185,14 @@ def _table_of(
     blade = model.propeller
     omega = (TIP_SPEED[0] / blade.radius, TIP_SPEED[1] / blade.radius)
     rpm = [30.0 / math.pi * w for w in omega]
-    typer.echo(
+    echo(
         f"building a table of {blade.name}, {model.law_title}, "
         f"at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, {SPEED[0]:g} to {SPEED[1]:g} m/s, "
         "beta 0 to 180 deg, which takes minutes; "
         "for another range, build it with propmap table",
         err=True,
     )
-    note_reynolds(model, np.array(omega), np.array(SPEED), np.array(BETA))
+    opt.note_reynolds(model, np.array(omega), np.array(SPEED), np.array(BETA))
     with building() as progress:
         return build_table(
             Rotor(model),

@@ -10,29 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 
 from propmap.catalogue.expected import ExpectedBlade, airfoil_at, expected_prior, siblings, size_of
 from propmap.catalogue.identified import PARAMETERS, all_identified
 from propmap.catalogue.lookup import meant_by, own_constants
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.cli.app import LazyGroup
-from propmap.cli.options import (
-    Cluster,
-    PropOption,
-    RotorChoice,
-    constants,
-    takes_rotor,
-    with_physics,
-    workers_of_bootstrap,
-)
-from propmap.cli.output import (
-    blamed_on,
-    check_output,
-    check_pictures,
-    grid,
-    print_notes,
-    show,
-    write_text,
-)
 from propmap.errors import InputError, quoted
 from propmap.fit.comparison import (
     MODEL_ERROR,
@@ -98,16 +83,15 @@ fit_app = typer.Typer(
 # Options that all fits share, and what they mean.
 
 Free = Annotated[
-    str | None,
-    typer.Option("--free", metavar="NAMES", help="Free parameters, separated by commas."),
+    str | None, Option("--free", metavar="NAMES", help="Free parameters, separated by commas.")
 ]
 Fix = Annotated[
     list[str] | None,
-    typer.Option("--fix", metavar="NAME=VALUE", help="Hold this parameter; may be repeated."),
+    Option("--fix", metavar="NAME=VALUE", help="Hold this parameter; may be repeated."),
 ]
 Priors = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         "--prior",
         metavar="NAME=MEAN:SD",
         help="What is known of a free parameter; may be repeated.",
@@ -115,7 +99,7 @@ Priors = Annotated[
 ]
 PriorFrom = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--prior-from",
         metavar="family|population|none|CODE",
         help="Propellers whose constants are the prior: family, those of its family, or all where "
@@ -123,24 +107,18 @@ PriorFrom = Annotated[
         "default family, and none where --free or --airfoil says what to fit.",
     ),
 ]
-Starts = Annotated[
-    int, typer.Option("--starts", min=1, help="Number of searches from different starts.")
-]
-Robust = Annotated[bool, typer.Option("--robust", help="Let outliers count less (soft L1 loss).")]
-Folds = Annotated[
-    int, typer.Option("--folds", min=0, help="Number of folds of the cross-validation.")
-]
+Starts = Annotated[int, Option("--starts", min=1, help="Number of searches from different starts.")]
+Robust = Annotated[bool, Option("--robust", help="Let outliers count less (soft L1 loss).")]
+Folds = Annotated[int, Option("--folds", min=0, help="Number of folds of the cross-validation.")]
 Bootstrap = Annotated[
-    int,
-    typer.Option("--bootstrap", min=0, help="Number of refits to rows drawn with replacement."),
+    int, Option("--bootstrap", min=0, help="Number of refits to rows drawn with replacement.")
 ]
-Seed = Annotated[int, typer.Option("--seed", help="Seed of the random starts, folds and draws.")]
+Seed = Annotated[int, Option("--seed", help="Seed of the random starts, folds and draws.")]
 Output = Annotated[
-    Path, typer.Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file.")
+    Path, Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file.")
 ]
 Picture = Annotated[
-    Path | None,
-    typer.Option("--picture", metavar="FILE", help="Draw the fit: .png, .svg or .pdf."),
+    Path | None, Option("--picture", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
 ]
 
 
@@ -250,15 +228,15 @@ def note_prior(prior: SectionPrior | None) -> list[str]:
     """Note what prior a fit has, and return it as remarks for the fit's file."""
     if prior is None:
         return []
-    print_notes([f"{prior.told}; without, by --prior-from none"])
+    out.print_notes([f"{prior.told}; without, by --prior-from none"])
     return [prior.told]
 
 
 def check_outputs(output: Path | None, *pictures: Path | None) -> None:
     """Raise ``InputError`` where a fit or its pictures cannot be written."""
     if output is not None:
-        check_output(output, (".toml",))
-    check_pictures(*pictures)
+        out.check_output(output, (".toml",))
+    out.check_pictures(*pictures)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -275,10 +253,10 @@ def finish(
 ) -> None:
     """Write the ``text`` of a fit file and print the fit, by flight too where that is known."""
     if output is not None:
-        write_text(text, output)
-    show(None, *_printed(fitted, found.correction_texts, remarks, flights or {}))
+        out.write_text(text, output)
+    out.show(None, *_printed(fitted, found.correction_texts, remarks, flights or {}))
     if output is not None:
-        typer.echo(f"wrote {output}", err=True)
+        echo(f"wrote {output}", err=True)
 
 
 def _printed(
@@ -296,25 +274,26 @@ def _printed(
             interval += f" (bootstrap {low:.4g} to {high:.4g})"
         unit = described(name).unit
         parameters.append((name, f"{fitted.x[k]:.5g}", interval, unit, sure.verdicts[k]))
-    yield grid("<|value|<95 % interval|<unit|<verdict", parameters, "Parameters")
+    yield out.grid("<|value|<95 % interval|<unit|<verdict", parameters, "Parameters")
     values = ", ".join(f"{v:.2g}" for v in sure.singular_values)
     yield f"sensitivities (singular values per spread, relative): {values}"
     residuals = []
     for k, (name, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
         e = errors(*fitted.compared(k))
         relative, crossed = f"{100.0 * e.relative_rms:.2f} %", _rms(fitted.cross_validated[k])
-        size = f"{e.rms:.4g}", relative, f"{e.bias:+.3g}", f"{e.worst:+.3g}"
-        residuals.append((name, str(e.rows), *size, crossed, unit))
+        size = (str(e.rows), f"{e.rms:.4g}", relative, f"{e.bias:+.3g}", f"{e.worst:+.3g}")
+        residuals.append((name, *size, crossed, unit))
     heads = "<load|rows|rms|relative|bias|worst|cross-validated|<unit"
-    yield grid(heads, residuals, "Residuals, model minus measurement")
+    yield out.grid(heads, residuals, "Residuals, model minus measurement")
     if flights:
         by_flight = []
         for load, unit in zip(rows.names, rows.units, strict=True):
             for k, (flight, f) in enumerate(flights[load].items()):
-                size = f"{f.rms:.4g}", f"{f.bias:+.3g}", _rms(f.cross_validated_rms)
-                by_flight.append(("" if k else load, flight, str(f.rows), *size, unit))
+                crossed = _rms(f.cross_validated_rms)
+                part = (str(f.rows), f"{f.rms:.4g}", f"{f.bias:+.3g}", crossed)
+                by_flight.append(("" if k else load, flight, *part, unit))
         heads = "<load|<flight|rows|rms|bias|cross-validated|<unit"
-        yield grid(heads, by_flight, "Residuals of each flight")
+        yield out.grid(heads, by_flight, "Residuals of each flight")
     ends = fitted.minimum.ends
     best = sum(end.minimum == 1 for end in ends)
     many = f"{len(ends)} starts, {best} of them to the best minimum" if len(ends) > 1 else "1 start"
@@ -328,7 +307,7 @@ def _rms(value: float) -> str:
 
 
 def _finish_tunnel(
-    choice: RotorChoice,
+    choice: opt.RotorChoice,
     model: Model,
     measured: TunnelData,
     fitted: Fitted,
@@ -373,21 +352,17 @@ def _finish_tunnel(
 # ``propmap fit tunnel``: section parameters from loads measured in a tunnel or on a bench.
 
 
-@takes_rotor
+@opt.takes_rotor
 def fit_tunnel(
-    choice: RotorChoice,
+    choice: opt.RotorChoice,
     data: Annotated[
-        list[str],
-        typer.Argument(metavar="DATA...", help="CSV or UIUC files, or measurements by name."),
+        list[str], Argument(metavar="DATA...", help="CSV or UIUC files, or measurements by name.")
     ],
     output: Output,
     free: Free = None,
-    loads: Annotated[
-        str | None, typer.Option("--loads", help="Loads to fit, separated by commas.")
-    ] = None,
+    loads: Annotated[str | None, Option(help="Loads to fit, separated by commas.")] = None,
     weight: Annotated[
-        list[str] | None,
-        typer.Option("--weight", metavar="LOAD=W", help="Count this load's residuals W times."),
+        list[str] | None, Option(metavar="LOAD=W", help="Count this load's residuals W times.")
     ] = None,
     fix: Fix = None,
     prior: Priors = None,
@@ -398,11 +373,11 @@ def fit_tunnel(
     bootstrap: Bootstrap = 0,
     seed: Seed = 2017,
     picture: Picture = None,
-    cluster: Cluster = None,
+    cluster: opt.Cluster = None,
 ) -> None:
     """Fit loads measured in a tunnel or on a bench."""
     check_outputs(output, picture)
-    base = constants(choice.airfoil) if choice.airfoil else None
+    base = opt.constants(choice.airfoil) if choice.airfoil else None
     blade = choice.blade()
     default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
     by_default = free is None and base is None
@@ -421,9 +396,9 @@ def fit_tunnel(
     air = choice.medium()
     measured = read_tunnel(data, blade, air)
     doubts = doubts_on_tunnel(data, blade, air)
-    print_notes(doubts)
+    out.print_notes(doubts)
     law = base or (expected.airfoil if expected else first_guess())
-    model = Model(blade, with_physics(law, choice.model, choice.correction), air)
+    model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     options: Any = {
         "loads": [name.strip() for name in loads.split(",")] if loads else [],
         "weights": weights,
@@ -434,7 +409,7 @@ def fit_tunnel(
         return tunnel_rows(model, measured, c, **options)
 
     remake = functools.partial(tunnel_rows, model, measured, chosen, **options)
-    with workers_of_bootstrap(cluster, bootstrap) as workers:
+    with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
     remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
     _finish_tunnel(
@@ -479,12 +454,12 @@ COLUMNS = {
 }
 
 
-@functools.partial(takes_rotor, prop=PropOption)
+@functools.partial(opt.takes_rotor, prop=opt.PropOption)
 def fit_static(
-    choice: RotorChoice,
+    choice: opt.RotorChoice,
     files: Annotated[
         list[Path],
-        typer.Argument(
+        Argument(
             metavar="FILE...",
             help="CSV with the columns rpm and thrust_N, thrust_g or thrust_kg, and torque_Nm, "
             "torque_Ncm, torque_mNm or the shaft's power_W where measured; or UIUC files.",
@@ -492,7 +467,7 @@ def fit_static(
     ],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file."),
+        Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file."),
     ] = None,
     free: Free = None,
     fix: Fix = None,
@@ -507,24 +482,24 @@ def fit_static(
 ) -> None:
     """Fit a static test, and predict forward flight."""
     check_outputs(output, picture)
-    base = constants(choice.airfoil) if choice.airfoil else None
+    base = opt.constants(choice.airfoil) if choice.airfoil else None
     blade, air = choice.blade(), choice.medium()
     parts = [_read_static(path, blade, air) for path in files]
     doubts = []
     for part in parts:
         points = part.omega, part.speed, part.beta
-        with blamed_on(Path(part.source)):
+        with out.blamed_on(Path(part.source)):
             odd = doubts_on_points(blade, *points)
             odd += doubts_on_loads(blade, air, *points, part.loads)
         doubts += [f"{part.source}: {doubt}" for doubt in odd]
-    print_notes(doubts)
+    out.print_notes(doubts)
     measured = merged(parts)
     by_default = free is None and base is None
     expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
     chosen = choice_of(free, fix, prior, ("c_l1", "zero_lift_angle"), base, expected=expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
-    model = Model(blade, with_physics(law, choice.model, choice.correction), air)
+    model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     setting = choice.accuracy.value
     fitted = fit(tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
     remarks = [*range_warnings(fitted.rows), *doubts_on_constants(fitted)]
@@ -630,9 +605,9 @@ def _show_trust(trust: ForwardTrust) -> None:
     ]
     heads = "J|beta|thrust|sd before -> after|torque|sd before -> after"
     title = f"What is left uncertain of flight at {trust.omega / RPM:.0f} rpm, 0 deg along the axis"
-    show(
+    out.show(
         None,
-        grid(heads, rows, title),
+        out.grid(heads, rows, title),
         f"sd: standard deviation of what the constants leave open, and {MODEL_ERROR:.0%} of the "
         "load at rest for the model; checked in axial flow; stands differ by some per cent besides",
     )

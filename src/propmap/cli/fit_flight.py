@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
-import typer
+from typer import Argument, Option, echo
 
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.cli.fit import (
     Bootstrap,
     Fix,
@@ -32,16 +34,6 @@ from propmap.cli.fit import (
     section_prior,
     settings_of,
 )
-from propmap.cli.options import (
-    Cluster,
-    Corrections,
-    ModelOption,
-    VehicleOption,
-    constants,
-    with_physics,
-    workers_of_bootstrap,
-)
-from propmap.cli.output import FolderOutput, print_notes
 from propmap.errors import InputError, quoted
 from propmap.fit.comparison import body_terms_verdict, doubts_on_constants, still_explained
 from propmap.fit.files import fit_text
@@ -232,7 +224,7 @@ def all_level_tables(paths: Sequence[Path]) -> bool:
 
 LowPass = Annotated[
     float | None,
-    typer.Option(
+    Option(
         "--low-pass",
         metavar="HZ",
         help="Cut-off of all signals of whole flights; by default 6, 0 for none.",
@@ -337,16 +329,15 @@ class Method(StrEnum):
 def fit_flight(
     logs: Annotated[
         list[Path],
-        typer.Argument(metavar="LOG...", help="CSV, Parquet, ULog, bag, or a level-flight table."),
+        Argument(metavar="LOG...", help="CSV, Parquet, ULog, bag, or a level-flight table."),
     ],
-    vehicle: VehicleOption,
+    vehicle: opt.VehicleOption,
     output: Output,
     method: Annotated[
         Method,
-        typer.Option(
-            "--method",
+        Option(
             help="level: vertical balance of steady stretches, as in the paper; balance: all "
-            "forces at all times; auto: level if there are enough steady stretches.",
+            "forces at all times; auto: level if there are enough steady stretches."
         ),
     ] = Method.auto,
     free: Free = None,
@@ -355,21 +346,20 @@ def fit_flight(
     prior_from: PriorFrom = None,
     name_or_file: Annotated[
         str | None,
-        typer.Option(
+        Option(
             "--airfoil", metavar="NAME|FILE", help="Take the values of what is not free from here."
         ),
     ] = None,
-    physics: ModelOption = None,
-    correction: Corrections = None,
-    seconds: Annotated[float, typer.Option("--seconds", help="Shortest steady stretch [s].")] = 2.0,
+    physics: opt.ModelOption = None,
+    correction: opt.Corrections = None,
+    seconds: Annotated[float, Option(help="Shortest steady stretch [s].")] = 2.0,
     samples: Annotated[
-        int,
-        typer.Option("--samples", min=10, help="Largest number of samples used of whole flights."),
+        int, Option(min=10, help="Largest number of samples used of whole flights.")
     ] = 500,
     low_pass: LowPass = None,
     hover_scale: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--hover-scale/--no-hover-scale",
             help="Expect each flight's thrust scale where its own hover has it, in fits and "
             "checks.",
@@ -377,14 +367,13 @@ def fit_flight(
     ] = True,
     residual: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--residual",
             help="Learn a small correction of what the physics leaves, too, and keep it apart.",
         ),
     ] = False,
     body_study: Annotated[
-        bool,
-        typer.Option("--body-study", help="Say whether terms for body lift and drag pay."),
+        bool, Option("--body-study", help="Say whether terms for body lift and drag pay.")
     ] = False,
     starts: Starts = 2,
     robust: Robust = False,
@@ -393,10 +382,9 @@ def fit_flight(
     seed: Seed = 2017,
     picture: Picture = None,
     stretches_picture: Annotated[
-        Path | None,
-        typer.Option("--stretches", metavar="FILE", help="Draw the steady stretches."),
+        Path | None, Option("--stretches", metavar="FILE", help="Draw the steady stretches.")
     ] = None,
-    cluster: Cluster = None,
+    cluster: opt.Cluster = None,
 ) -> None:
     """Fit flight logs of a vehicle.
 
@@ -404,10 +392,10 @@ def fit_flight(
     estimated: state it in the vehicle file.
     """
     check_outputs(output, picture, stretches_picture)
-    base = constants(name_or_file) if name_or_file else None
+    base = opt.constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
     doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
-    print_notes(doubts)
+    out.print_notes(doubts)
     cutoff = DERIVATIVE_CUTOFF if low_pass is None else low_pass
     flights = read_flights(
         logs,
@@ -433,7 +421,7 @@ def fit_flight(
         chosen = with_flight_priors(chosen, known)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
-    law = with_physics(law, physics, correction)
+    law = opt.with_physics(law, physics, correction)
     model = ForceModel(file.vehicle, flights.log, law)
     make = level_rows if flights.level else balance_rows
     fewer = None
@@ -441,7 +429,7 @@ def fit_flight(
         part = flights.log.picked(slice(None, None, EVERY))
         fewer = make(ForceModel(file.vehicle, part, law), chosen)
     remake = functools.partial(make, model, chosen)
-    with workers_of_bootstrap(cluster, bootstrap) as workers:
+    with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, fewer, workers=workers, remake=remake)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
     remarks += still_explained(fitted, model.log)
@@ -499,20 +487,18 @@ ENDINGS = ("x", "y", "z")
 
 def fit_terms_page(
     logs: Annotated[
-        list[Path], typer.Argument(metavar="LOG...", help="CSV, Parquet, ULog or bag; two or more.")
+        list[Path], Argument(metavar="LOG...", help="CSV, Parquet, ULog or bag; two or more.")
     ],
-    vehicle: VehicleOption,
-    output: FolderOutput,
+    vehicle: opt.VehicleOption,
+    output: out.FolderOutput,
     samples: Annotated[
-        int,
-        typer.Option("--samples", min=10, help="Largest number of samples that each fit takes."),
+        int, Option(min=10, help="Largest number of samples that each fit takes.")
     ] = 300,
     low_pass: LowPass = None,
     prior_from: PriorFrom = None,
     prediction: Annotated[
         str | None,
-        typer.Option(
-            "--prediction",
+        Option(
             metavar="COLUMNS",
             help="Compare with the forces along x, y, z [N] that something else predicts, in three "
             "columns of CSV logs, separated by commas. By default those ending in _fx, _fy, _fz.",
@@ -544,13 +530,13 @@ def fit_terms_page(
         steps(file.vehicle, prior, known),
         law,
         samples=samples,
-        tell=lambda text: typer.echo(text, err=True),
+        tell=lambda text: echo(text, err=True),
     )
     pages = terms_pages(
         file.vehicle, flights, found, low_pass=cutoff, samples=samples, remarks=remarks
     )
     write_folder(output, pages, TERMS_FILES)
-    typer.echo(f"wrote {output / PAGE} and {len(pages) - 1} files beside it")
+    echo(f"wrote {output / PAGE} and {len(pages) - 1} files beside it")
 
 
 def expected(prior_from: str | None, vehicle: Vehicle) -> SectionPrior:

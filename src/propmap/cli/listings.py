@@ -8,25 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 from typer.core import TyperGroup
 
 from propmap.catalogue import Entry
 from propmap.catalogue.expected import HELD
 from propmap.catalogue.identified import PARAMETERS, all_identified
 from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, search
-from propmap.cli.options import Blades, PropArgument, Radius, constants, propeller_noted
-from propmap.cli.output import (
-    Format,
-    FormatOption,
-    TextOutput,
-    check_output,
-    check_pictures,
-    chosen_format,
-    emit,
-    emit_rows,
-    grid,
-    show,
-)
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.model.airfoil import airfoil_names, parameter_set
 
 if TYPE_CHECKING:
@@ -71,13 +61,13 @@ airfoils_app = typer.Typer(
 
 
 @airfoils_app.command("list")
-def list_airfoils(format_: FormatOption = None, output: TextOutput = None) -> None:
+def list_airfoils(format_: out.FormatOption = None, output: out.TextOutput = None) -> None:
     """List the parameter sets that come with propmap."""
-    chosen = chosen_format(format_, output)
+    chosen = out.chosen_format(format_, output)
     sets = [parameter_set(name) for name in airfoil_names()]
-    if chosen is not Format.table:
+    if chosen is not out.Format.table:
         rows = [one.metadata() for one in sets]
-        emit_rows(list(rows[0]), rows, chosen, output)
+        out.emit_rows(list(rows[0]), rows, chosen, output)
         return
     cells = [
         (
@@ -88,67 +78,67 @@ def list_airfoils(format_: FormatOption = None, output: TextOutput = None) -> No
         )
         for one in sets
     ]
-    show(output, grid("<name|c_l1 [1/rad]|c_l2|c_d|alpha_0 [deg]|zero lift [deg]|<source", cells))
+    out.show(
+        output, out.grid("<name|c_l1 [1/rad]|c_l2|c_d|alpha_0 [deg]|zero lift [deg]|<source", cells)
+    )
 
 
 @airfoils_app.command("show")
 def show_airfoil(
-    name: Annotated[str, typer.Argument(metavar="NAME|FILE", help="Parameter set or TOML file.")],
-    output: TextOutput = None,
+    name: Annotated[str, Argument(metavar="NAME|FILE", help="Parameter set or TOML file.")],
+    output: out.TextOutput = None,
 ) -> None:
     """Print a parameter set as TOML, a template for one's own."""
     if output is not None:
-        check_output(output, (".toml",))
-    emit(constants(name).to_toml(), output)
+        out.check_output(output, (".toml",))
+    out.emit(opt.constants(name).to_toml(), output)
 
 
 @props_app.command("list")
 def list_props(
     words: Annotated[
-        list[str] | None, typer.Argument(metavar="[TEXT]...", help="Words to search for.")
+        list[str] | None, Argument(metavar="[TEXT]...", help="Words to search for.")
     ] = None,
-    format_: FormatOption = None,
-    output: TextOutput = None,
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
 ) -> None:
     """List the propellers, all or those that match all words."""
-    chosen = chosen_format(format_, output)
+    chosen = out.chosen_format(format_, output)
     text = " ".join(words or [])
     entries = search(text)
-    if chosen is not Format.table:
-        emit_rows(ENTRY, [asdict(entry) for entry in entries], chosen, output)
+    if chosen is not out.Format.table:
+        out.emit_rows(ENTRY, [asdict(entry) for entry in entries], chosen, output)
         return
     cells = [(e.name, e.title, str(e.blades), f"{1e3 * e.diameter_m:.1f}") for e in entries]
     found = f"{len(entries)} propellers" + (f" with {text!r}" if text else "")
-    listed = [grid("<name|<propeller|blades|diameter [mm]", cells)] if entries else []
-    show(output, *listed, found)
+    listed = [out.grid("<name|<propeller|blades|diameter [mm]", cells)] if entries else []
+    out.show(output, *listed, found)
 
 
 @props_app.command("show")
 def show_prop(
-    prop: PropArgument,
-    blades: Blades = None,
-    radius: Radius = None,
+    prop: opt.PropArgument,
+    blades: opt.Blades = None,
+    radius: opt.Radius = None,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output", "-o", metavar="FILE", help="Draw the blade too: .png, .svg, .pdf."
-        ),
+        Option("--output", "-o", metavar="FILE", help="Draw the blade too: .png, .svg, .pdf."),
     ] = None,
 ) -> None:
     """Show a propeller's blade and its section constants."""
     from rich.text import Text
 
-    check_pictures(output)
-    blade = propeller_noted(prop, blades, radius)
+    out.check_pictures(output)
+    blade = opt.propeller_noted(prop, blades, radius)
     rows = [
         (f"{y:.5f}", f"{y / blade.radius:.4f}", f"{1e3 * c:.3f}", f"{np.degrees(twist):.2f}")
         for y, c, twist in zip(blade.station, blade.chord, blade.twist, strict=True)
     ]
-    show(
+    out.show(
         None,
         f"{blade.name}: {blade.blades} blades, radius {blade.radius:.5g} m, loaded from "
         f"{blade.root:.5g} m",
-        grid("radius [m]|r/R|chord [mm]|twist [deg]", rows),
+        out.grid("radius [m]|r/R|chord [mm]|twist [deg]", rows),
         Text("\n".join(outline(blade)), no_wrap=True),
         f"source: {blade.source or 'not given'}",
         f"citation: {blade.citation or 'not given'}",
@@ -159,7 +149,7 @@ def show_prop(
         from propmap.report.pictures import planform
 
         save(planform(blade), output)
-        typer.echo(output)
+        echo(output)
 
 
 def outline(blade: Propeller) -> list[str]:
@@ -211,4 +201,4 @@ def _constants(prop: str, blade: Propeller) -> list[object]:
         for name, deviation in zip(PARAMETERS, deviations, strict=True)
     ]
     held = [(name, f"{value:.4f}", "held", "-") for name, value in HELD.items()]
-    return [grid("<constant|value|standard deviation|<unit", [*rows, *held]), *shown]
+    return [out.grid("<constant|value|standard deviation|<unit", [*rows, *held]), *shown]

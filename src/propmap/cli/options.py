@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_ty
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 
 from propmap import catalogue
 from propmap.catalogue.expected import ExpectedBlade
@@ -48,18 +49,18 @@ if TYPE_CHECKING:
 Others = ParamSpec("Others")
 
 PROP_HELP = "Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file."
-PropArgument = Annotated[str, typer.Argument(metavar="PROP", help=PROP_HELP)]
-PropOption = Annotated[str, typer.Option("--prop", metavar="PROP", help=PROP_HELP)]
-Blades = Annotated[int | None, typer.Option("--blades", metavar="N", help="Number of blades.")]
+PropArgument = Annotated[str, Argument(metavar="PROP", help=PROP_HELP)]
+PropOption = Annotated[str, Option("--prop", metavar="PROP", help=PROP_HELP)]
+Blades = Annotated[int | None, Option("--blades", metavar="N", help="Number of blades.")]
 Radius = Annotated[
-    float | None, typer.Option("--radius", help="Tip radius [m], where the file gives none.")
+    float | None, Option("--radius", help="Tip radius [m], where the file gives none.")
 ]
 RootCutout = Annotated[
-    float | None, typer.Option("--root-cutout", help="Radius where the loaded blade begins [m].")
+    float | None, Option("--root-cutout", help="Radius where the loaded blade begins [m].")
 ]
 Corrections = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         "--correction",
         metavar="NAME[:FIELD=VALUE]",
         help=f"Add a correction to the model: {', '.join(CORRECTIONS)} (a field as in "
@@ -77,7 +78,7 @@ class ModelName(StrEnum):
 
 ModelOption = Annotated[
     ModelName | None,
-    typer.Option(
+    Option(
         "--model",
         help="Physics: recommended is the paper's with an inflow that varies around the disk "
         "(pitt-peters), paper is Gill & D'Andrea 2017 to the letter. By default the one with which "
@@ -95,7 +96,7 @@ class AccuracyName(StrEnum):
 
 AirfoilOption = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--airfoil",
         metavar="NAME|FILE",
         help="Section law: a name of propmap airfoils, a fit or parameter set (.toml), or a "
@@ -106,7 +107,7 @@ AirfoilOption = Annotated[
 ]
 AccuracyOption = Annotated[
     AccuracyName,
-    typer.Option("--accuracy", help="Compute loads to 0.1 % (standard) or to 0.01 %, slower."),
+    Option("--accuracy", help="Compute loads to 0.1 % (standard) or to 0.01 %, slower."),
 ]
 
 
@@ -116,19 +117,13 @@ class RotorChoice:
 
     prop: PropArgument
     airfoil: AirfoilOption = None
-    rho: Annotated[
-        float | None, typer.Option("--rho", help=f"Air density [kg/m^3], else {PAPER_DENSITY}.")
-    ] = None
-    mu: Annotated[
-        float | None, typer.Option("--mu", help=f"Viscosity [Pa s], else {PAPER_VISCOSITY}.")
-    ] = None
+    rho: Annotated[float | None, Option(help=f"Air density [kg/m^3], else {PAPER_DENSITY}.")] = None
+    mu: Annotated[float | None, Option(help=f"Viscosity [Pa s], else {PAPER_VISCOSITY}.")] = None
     altitude: Annotated[
-        float | None,
-        typer.Option("--altitude", help="Take the standard atmosphere's air at this height [m]."),
+        float | None, Option(help="Take the standard atmosphere's air at this height [m].")
     ] = None
     temperature_offset: Annotated[
-        float | None,
-        typer.Option("--temperature-offset", help="Add this to the standard atmosphere's [K]."),
+        float | None, Option(help="Add this to the standard atmosphere's [K].")
     ] = None
     model: ModelOption = None
     correction: Corrections = None
@@ -274,24 +269,23 @@ def takes_rotor(
 # VEHICLE and the options that choose the loads of its rotors.
 
 VehicleArgument = Annotated[
-    Path, typer.Argument(metavar="VEHICLE.toml", help="Vehicle file with rotors and motors.")
+    Path, Argument(metavar="VEHICLE.toml", help="Vehicle file with rotors and motors.")
 ]
 VehicleOption = Annotated[
-    Path,
-    typer.Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle that flew, with its rotors."),
+    Path, Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle that flew, with its rotors.")
 ]
 VehicleOfLogs = Annotated[
     Path | None,
-    typer.Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle, which flight logs need."),
+    Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle, which flight logs need."),
 ]
 MaximumRpm = Annotated[
-    float | None, typer.Option("--max-rpm", help="Largest speed of the rotors [1/min].")
+    float | None, Option("--max-rpm", help="Largest speed of the rotors [1/min].")
 ]
 Charge = Annotated[
-    float, typer.Option("--charge", help="State of charge at which limits hold, 1 when full.")
+    float, Option("--charge", help="State of charge at which limits hold, 1 when full.")
 ]
 NoWakes = Annotated[
-    bool, typer.Option("--no-wakes", help="Leave out [wakes], the rotors' wakes on each other.")
+    bool, Option("--no-wakes", help="Leave out [wakes], the rotors' wakes on each other.")
 ]
 
 MISSING = {
@@ -373,7 +367,8 @@ def single_point(rpm: float, speed: float, beta: float, **further: float | None)
     values = {"rpm": rpm, "speed": speed, "beta": beta}
     more = {name: value for name, value in further.items() if value is not None}
     checked = {k: np.array([check_value(k, v)]) for k, v in (values | more).items()}
-    return OperatingPoints(*(checked.pop(name) for name in values), checked)
+    rpm_, speed_, beta_ = (checked.pop(name) for name in values)
+    return OperatingPoints(rpm_, speed_, beta_, checked)
 
 
 def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:
@@ -431,7 +426,7 @@ def note_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> N
 
 Bands = Annotated[
     bool,
-    typer.Option(
+    Option(
         "--bands/--no-bands",
         help="Show standard deviations of the loads, where the constants or the blade say how "
         "well they are known.",
@@ -439,7 +434,7 @@ Bands = Annotated[
 ]
 StdBySource = Annotated[
     bool,
-    typer.Option(
+    Option(
         "--std-by-source",
         help="Show standard deviations by source, too: parameters of the section law, geometry "
         "that was not measured, discrepancy of the model, another tunnel.",
@@ -468,7 +463,7 @@ def command_line(context: typer.Context) -> str:
 
 Cluster = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--cluster",
         metavar="local[:N]|tcp://HOST:PORT",
         help="Work on N processes of this machine, by default one per core, or on the workers of a "
@@ -486,7 +481,7 @@ def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterato
     from propmap.cluster.workers import connected
 
     with connected(cluster) as workers:
-        typer.echo(
+        echo(
             f"{workers.count} worker threads, dashboard at {workers.client.dashboard_link}",
             err=True,
         )

@@ -13,7 +13,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from typer import Option, echo
 
 from propmap.errors import InputError
 from propmap.io.csv import csv_text, replacing
@@ -39,23 +39,21 @@ class Format(StrEnum):
 
 FormatOption = Annotated[
     Format | None,
-    typer.Option("--format", help="How to show it; by default as the output file's ending says."),
+    Option("--format", help="How to show it; by default as the output file's ending says."),
 ]
 TextOutput = Annotated[
-    Path | None,
-    typer.Option("--output", "-o", metavar="FILE", help="Write to this file, replacing it."),
+    Path | None, Option("--output", "-o", metavar="FILE", help="Write to this file, replacing it.")
 ]
 PictureOutput = Annotated[
-    Path,
-    typer.Option("--output", "-o", metavar="FILE", help="Write this picture: .png, .svg or .pdf."),
+    Path, Option("--output", "-o", metavar="FILE", help="Write this picture: .png, .svg or .pdf.")
 ]
 FolderOutput = Annotated[
     Path,
-    typer.Option(
+    Option(
         "--output", "-o", metavar="FOLDER", help="New, empty, or written by this command before."
     ),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Replace what exists.")]
+Force = Annotated[bool, Option("--force", help="Replace what exists.")]
 
 
 def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool = False) -> None:
@@ -106,10 +104,10 @@ def chosen_format(wanted: Format | None, output: Path | None) -> Format:
 def emit(text: str, output: Path | None) -> None:
     """Write text to the file, whole or not at all, or to standard output."""
     if output is None:
-        typer.echo(text, nl=False)
+        echo(text, nl=False)
     else:
         write_text(text, output)
-        typer.echo(f"wrote {output}", err=True)
+        echo(f"wrote {output}", err=True)
 
 
 def emit_rows(
@@ -130,13 +128,13 @@ def save_picture(figure: Figure, output: Path) -> None:
     from propmap.report.html import save
 
     save(figure, output)
-    typer.echo(f"wrote {output}", err=True)
+    echo(f"wrote {output}", err=True)
 
 
 def print_notes(texts: Iterable[str]) -> None:
     """Print each text as a note on standard error."""
     for text in texts:
-        typer.echo(f"note: {text}", err=True)
+        echo(f"note: {text}", err=True)
 
 
 @contextmanager

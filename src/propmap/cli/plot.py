@@ -8,22 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 
 from propmap.catalogue.lookup import looks_like_path
-from propmap.cli.options import (
-    Bands,
-    Blades,
-    PropArgument,
-    Radius,
-    RootCutout,
-    RotorChoice,
-    note_points,
-    parse_axis,
-    propeller_noted,
-    single_point,
-    takes_rotor,
-)
-from propmap.cli.output import PICTURES, PictureOutput, check_output, check_pictures, write_text
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import LOAD_COLUMNS, disk_csv, read_points
 
@@ -42,39 +31,33 @@ plot_app = typer.Typer(
 
 
 @plot_app.command("map")
-@takes_rotor
+@opt.takes_rotor
 def plot_map(
-    choice: RotorChoice,
-    rpm: Annotated[float, typer.Option("--rpm", help="Rotational speed [1/min].")],
-    output: PictureOutput,
-    speed: Annotated[
-        str, typer.Option("--speed", metavar="A:B", help="Flight speeds [m/s].")
-    ] = "0:20",
+    choice: opt.RotorChoice,
+    rpm: Annotated[float, Option(help="Rotational speed [1/min].")],
+    output: out.PictureOutput,
+    speed: Annotated[str, Option(metavar="A:B", help="Flight speeds [m/s].")] = "0:20",
     beta: Annotated[
-        str,
-        typer.Option(
-            "--beta", metavar="B,B,...", help="Angles of velocity to axis [deg], a curve each."
-        ),
+        str, Option(metavar="B,B,...", help="Angles of velocity to axis [deg], a curve each.")
     ] = "0,30,60,90",
     measured: Annotated[
         Path | None,
-        typer.Option(
-            "--measured",
+        Option(
             metavar="FILE.csv",
             help="Draw these points too: rpm, speed_mps, beta_deg and loads such as thrust_N.",
         ),
     ] = None,
-    bands: Bands = True,
+    bands: opt.Bands = True,
 ) -> None:
     """Draw all loads against flight speed, the hover model dashed."""
-    point = single_point(rpm, 0.0, 0.0)
+    point = opt.single_point(rpm, 0.0, 0.0)
     omega = float(point.si[0][0])
-    speeds = parse_axis("--speed", "speed", speed, SPEEDS_PER_CURVE)
-    betas = np.radians(parse_axis("--beta", "beta", beta))
-    check_pictures(output)
+    speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS_PER_CURVE)
+    betas = np.radians(opt.parse_axis("--beta", "beta", beta))
+    out.check_pictures(output)
     points = None if measured is None else _measured(measured, rpm)
     rotor = choice.rotor()
-    note_points(rotor.model, np.array(omega), speeds[:, None], betas)
+    opt.note_points(rotor.model, np.array(omega), speeds[:, None], betas)
 
     from propmap.report.pictures import load_curves
 
@@ -84,15 +67,15 @@ def plot_map(
 
 @plot_app.command("planform")
 def plot_planform(
-    prop: PropArgument,
-    output: PictureOutput,
-    blades: Blades = None,
-    radius: Radius = None,
-    root_cutout: RootCutout = None,
+    prop: opt.PropArgument,
+    output: out.PictureOutput,
+    blades: opt.Blades = None,
+    radius: opt.Radius = None,
+    root_cutout: opt.RootCutout = None,
 ) -> None:
     """Draw a blade's outline, chord and twist."""
-    check_pictures(output)
-    blade = propeller_noted(prop, blades, radius, root_cutout)
+    out.check_pictures(output)
+    blade = opt.propeller_noted(prop, blades, radius, root_cutout)
 
     from propmap.report.pictures import planform
 
@@ -100,15 +83,15 @@ def plot_planform(
 
 
 @plot_app.command("disk")
-@takes_rotor
+@opt.takes_rotor
 def plot_disk(
-    choice: RotorChoice,
-    rpm: Annotated[float, typer.Option("--rpm", help="Rotational speed [1/min].")],
-    speed: Annotated[float, typer.Option("--speed", help="Flight speed [m/s].")],
-    beta: Annotated[float, typer.Option("--beta", help="Angle of velocity to axis [deg].")],
+    choice: opt.RotorChoice,
+    rpm: Annotated[float, Option(help="Rotational speed [1/min].")],
+    speed: Annotated[float, Option(help="Flight speed [m/s].")],
+    beta: Annotated[float, Option(help="Angle of velocity to axis [deg].")],
     output: Annotated[
         Path,
-        typer.Option(
+        Option(
             "--output",
             "-o",
             metavar="FILE",
@@ -120,14 +103,14 @@ def plot_disk(
 
     Stall and reverse flow are outlined.
     """
-    point = single_point(rpm, speed, beta)
-    check_output(output, (*PICTURES, ".csv"))
+    point = opt.single_point(rpm, speed, beta)
+    out.check_output(output, (*out.PICTURES, ".csv"))
     rotor = choice.rotor()
-    note_points(rotor.model, *point.si)
+    opt.note_points(rotor.model, *point.si)
     omega, v, angle = (float(values[0]) for values in point.si)
     if output.suffix.lower() == ".csv":
-        write_text(disk_csv(rotor, omega, v, angle), output)
-        typer.echo(output)
+        out.write_text(disk_csv(rotor, omega, v, angle), output)
+        echo(output)
         return
 
     from propmap.report.pictures import disk_picture
@@ -140,7 +123,7 @@ def _save(figure: Figure, output: Path) -> None:
     from propmap.report.html import save
 
     save(figure, output)
-    typer.echo(output)
+    echo(output)
 
 
 def _measured(path: Path, rpm: float) -> MeasuredLoads:
@@ -169,7 +152,7 @@ def _measured(path: Path, rpm: float) -> MeasuredLoads:
 def explore(
     subject: Annotated[
         str | None,
-        typer.Argument(
+        Argument(
             metavar="[PROP|FIT.toml|TABLE.npz|VEHICLE.toml]",
             help="Name, designation or file of a propeller; a fit, constants, a table, a vehicle; "
             "or measured loads (.csv).",
@@ -177,16 +160,13 @@ def explore(
         ),
     ] = None,
     port: Annotated[
-        int | None,
-        typer.Option(
-            "--port", min=0, max=65535, help=f"Port; by default {PORT} or the next free one."
-        ),
+        int | None, Option(min=0, max=65535, help=f"Port; by default {PORT} or the next free one.")
     ] = None,
     browser: Annotated[
-        bool, typer.Option("--browser/--no-browser", help="Open a browser, or not.")
+        bool, Option("--browser/--no-browser", help="Open a browser, or not.")
     ] = True,
     host: Annotated[
-        str, typer.Option("--host", help="Address to listen at; by default for this machine alone.")
+        str, Option(help="Address to listen at; by default for this machine alone.")
     ] = "127.0.0.1",
 ) -> None:
     """Explore a propeller in the browser."""
@@ -209,8 +189,8 @@ def explore(
     guard(app.dash.server, names_of(host))
     server = listen(app.dash.server, host, port, PORT)
     if not is_loopback(host):
-        typer.echo(
+        echo(
             f"propmap: warning: whoever reaches {host} can use this server: it has no password",
             err=True,
         )
-    serve(server, typer.echo, browser=browser, host=host)
+    serve(server, echo, browser=browser, host=host)

@@ -6,29 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Option
 
-from propmap.cli.options import (
-    Bands,
-    RotorChoice,
-    StdBySource,
-    note_not_counted,
-    note_points,
-    single_point,
-    takes_rotor,
-)
-from propmap.cli.output import (
-    Format,
-    FormatOption,
-    TextOutput,
-    chosen_format,
-    emit,
-    emit_rows,
-    grid,
-    json_text,
-    print_notes,
-    show,
-)
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, read_points, std_columns
 from propmap.loads import LOADS
@@ -41,56 +22,49 @@ if TYPE_CHECKING:
     from propmap.typing import Floats
 
 
-@takes_rotor
+@opt.takes_rotor
 def predict(
-    choice: RotorChoice,
-    rpm: Annotated[float | None, typer.Option("--rpm", help="Rotational speed [1/min].")] = None,
-    speed: Annotated[
-        float | None, typer.Option("--speed", help="Speed through the air [m/s].")
-    ] = None,
+    choice: opt.RotorChoice,
+    rpm: Annotated[float | None, Option(help="Rotational speed [1/min].")] = None,
+    speed: Annotated[float | None, Option(help="Speed through the air [m/s].")] = None,
     beta: Annotated[
         float | None,
-        typer.Option(
-            "--beta", help="Angle of velocity to axis [deg]: 0 climb, 90 edgewise, 180 descent."
-        ),
+        Option(help="Angle of velocity to axis [deg]: 0 climb, 90 edgewise, 180 descent."),
     ] = None,
     height: Annotated[
         float | None,
-        typer.Option(
-            "--height", help="Height of the disk above level ground [m]; by default far from it."
-        ),
+        Option(help="Height of the disk above level ground [m]; by default far from it."),
     ] = None,
     points: Annotated[
         Path | None,
-        typer.Option(
-            "--points",
+        Option(
             metavar="FILE.csv",
             help="Operating points: rpm, speed_mps, beta_deg, and height_m if there is ground.",
         ),
     ] = None,
-    format_: FormatOption = None,
-    output: TextOutput = None,
-    bands: Bands = True,
-    std_by_source: StdBySource = False,
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
+    bands: opt.Bands = True,
+    std_by_source: opt.StdBySource = False,
 ) -> None:
     """Predict loads and power at operating points."""
     where = _points(rpm, speed, beta, points, height=height)
-    chosen = chosen_format(format_, output)
+    chosen = out.chosen_format(format_, output)
     rotor = choice.rotor()
     omega, speeds, angles = where.si
-    note_points(rotor.model, omega, speeds, angles)
+    opt.note_points(rotor.model, omega, speeds, angles)
     loads = rotor.loads(omega, speeds, angles, **where.further)
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
-        note_not_counted(rotor.model)
+        opt.note_not_counted(rotor.model)
         if where.further:
-            print_notes(["the deviations leave out what the ground's factor errs by"])
-    if chosen is not Format.table:
+            out.print_notes(["the deviations leave out what the ground's factor errs by"])
+    if chosen is not out.Format.table:
         rows = where.rows(loads, spread)
-        if points is None and chosen is Format.json:
-            emit(json_text(rows[0]), output)
+        if points is None and chosen is out.Format.json:
+            out.emit(out.json_text(rows[0]), output)
         else:
-            emit_rows([*where.columns, *spread], rows, chosen, output)
+            out.emit_rows([*where.columns, *spread], rows, chosen, output)
         return
 
     from propmap.baselines.hover import HoverModel
@@ -99,7 +73,7 @@ def predict(
     hover = HoverModel.of(rotor).loads(omega)
     hover["power"] = hover["torque"] * omega
     note, blade = motor_note(rotor, loads, speeds, angles), rotor.model.propeller
-    show(
+    out.show(
         output,
         f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; airfoil "
         f"{rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3",
@@ -125,14 +99,11 @@ def _points(
     if rpm is None or speed is None or beta is None:
         missing = next(option for option, value in given.items() if value is None)
         raise InputError(f"{missing} is missing", "give --rpm, --speed and --beta, or --points")
-    return single_point(rpm, speed, beta, **further)
+    return opt.single_point(rpm, speed, beta, **further)
 
 
 def _one_point(
-    where: OperatingPoints,
-    loads: Loads,
-    spread: Mapping[str, Floats],
-    hover: Mapping[str, Floats],
+    where: OperatingPoints, loads: Loads, spread: Mapping[str, Floats], hover: Mapping[str, Floats]
 ) -> Table:
     """Make a table with a row per load, and a column per kind of standard deviation."""
     sources = ["std", *(f"std_{source}" for source in SOURCES)]
@@ -162,14 +133,13 @@ def _one_point(
     title += "".join(f", {name} {values[0]:g} m" for name, values in where.further.items())
     heads = [kind.replace("std_", "by ").replace("std", "std. dev.") for kind in kinds]
     caption = "within two standard deviations with a probability of 95 %" if kinds else ""
-    return grid("|".join(("<", "propmap", *heads, "hover model", "<unit")), rows, title, caption)
+    return out.grid(
+        "|".join(("<", "propmap", *heads, "hover model", "<unit")), rows, title, caption
+    )
 
 
 def _many_points(
-    where: OperatingPoints,
-    loads: Loads,
-    spread: Mapping[str, Floats],
-    hover: Mapping[str, Floats],
+    where: OperatingPoints, loads: Loads, spread: Mapping[str, Floats], hover: Mapping[str, Floats]
 ) -> Table:
     """Make a table with a row per operating point."""
     columns = {}
@@ -191,7 +161,7 @@ def _many_points(
         caption += "; s: standard deviations, those of the other loads with --format csv"
     more = (f"{name} [m]" for name in where.further)
     heads = "|".join(("rpm", "V [m/s]", "beta [deg]", *more, *columns, "roots", "<status"))
-    return grid(heads, rows, caption=caption)
+    return out.grid(heads, rows, caption=caption)
 
 
 def _digits(value: float) -> str:

@@ -9,17 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
+from typer import Option, echo
 
-from propmap.cli.options import (
-    Corrections,
-    ModelOption,
-    NoWakes,
-    VehicleOption,
-    constants,
-    parse_axis,
-    with_physics,
-)
-from propmap.cli.output import Force, check_output, grid, show, write_text
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import RPM
 
@@ -44,62 +37,50 @@ def _group() -> None:
 
 @simulate_app.command("flight")
 def simulate_flight(
-    vehicle: VehicleOption,
+    vehicle: opt.VehicleOption,
     section: Annotated[
-        str,
-        typer.Option("--airfoil", metavar="NAME|FILE", help="Section law taken for the truth."),
+        str, Option("--airfoil", metavar="NAME|FILE", help="Section law taken for the truth.")
     ],
     speed: Annotated[
-        str,
-        typer.Option("--speeds", metavar="A:B:N", help="Flight speeds [m/s], or a list 1,5,9."),
+        str, Option("--speeds", metavar="A:B:N", help="Flight speeds [m/s], or a list 1,5,9.")
     ],
     output: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="FILE.csv", help="Write the log to this CSV file."),
+        Path, Option("--output", "-o", metavar="FILE.csv", help="Write the log to this CSV file.")
     ],
-    model: ModelOption = None,
-    correction: Corrections = None,
-    radius: Annotated[float, typer.Option("--radius", help="Radius of the circles [m].")] = 1.7,
+    model: opt.ModelOption = None,
+    correction: opt.Corrections = None,
+    radius: Annotated[float, Option(help="Radius of the circles [m].")] = 1.7,
     banked: Annotated[
-        bool, typer.Option("--banked", help="Bank into the circle instead of a tether.")
+        bool, Option("--banked", help="Bank into the circle instead of a tether.")
     ] = False,
     noise: Annotated[
         float,
-        typer.Option(
-            "--noise",
-            help="Error of the vertical force at each speed, as a share of the weight [sd].",
-        ),
+        Option(help="Error of the vertical force at each speed, as a share of the weight [sd]."),
     ] = 0.01,
-    rotor_noise: Annotated[
-        float, typer.Option("--rotor-noise", help="Error of a rotor speed, as a share [sd].")
-    ] = 0.005,
-    velocity_noise: Annotated[
-        float, typer.Option("--velocity-noise", help="Error of a velocity [m/s, sd].")
-    ] = 0.05,
-    attitude_noise: Annotated[
-        float, typer.Option("--attitude-noise", help="Error of pitch and roll [deg, sd].")
-    ] = 0.3,
+    rotor_noise: Annotated[float, Option(help="Error of a rotor speed, as a share [sd].")] = 0.005,
+    velocity_noise: Annotated[float, Option(help="Error of a velocity [m/s, sd].")] = 0.05,
+    attitude_noise: Annotated[float, Option(help="Error of pitch and roll [deg, sd].")] = 0.3,
     accelerometer_noise: Annotated[
-        float, typer.Option("--accelerometer-noise", help="Error of a specific force [m/s^2, sd].")
+        float, Option(help="Error of a specific force [m/s^2, sd].")
     ] = 0.3,
-    dwell: Annotated[float, typer.Option("--dwell", help="Time at each speed [s].")] = 6.0,
-    rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 100.0,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the errors.")] = 0,
-    no_wakes: NoWakes = False,
+    dwell: Annotated[float, Option(help="Time at each speed [s].")] = 6.0,
+    rate: Annotated[float, Option(help="Samples per second.")] = 100.0,
+    seed: Annotated[int, Option(min=0, help="Seed of the errors.")] = 0,
+    no_wakes: opt.NoWakes = False,
     free: Annotated[
-        str, typer.Option("--free", metavar="NAME,...", help="Free parameters of the planned fit.")
+        str, Option(metavar="NAME,...", help="Free parameters of the planned fit.")
     ] = "c_l1,c_l2,c_d,alpha_0",
     no_expectation: Annotated[
-        bool, typer.Option("--no-expectation", help="Do not predict the intervals.")
+        bool, Option("--no-expectation", help="Do not predict the intervals.")
     ] = False,
-    force: Force = False,
+    force: out.Force = False,
 ) -> None:
     """Simulate the paper's experiment and write its log.
 
     The vehicle flies level circles at each speed, on a tether. The 95 % intervals that a fit to
     such a flight would have are printed first.
     """
-    speeds = parse_axis("--speeds", "speed", speed)
+    speeds = opt.parse_axis("--speeds", "speed", speed)
     sizes = {
         "--noise": noise,
         "--rotor-noise": rotor_noise,
@@ -114,8 +95,8 @@ def simulate_flight(
         raise InputError(
             f"--noise is {noise:g}, a share of the weight", f"give at most {LARGEST_ERROR:g}"
         )
-    check_output(output, (".csv",), keep_existing=not force)
-    law = with_physics(constants(section), model, correction)
+    out.check_output(output, (".csv",), keep_existing=not force)
+    law = opt.with_physics(opt.constants(section), model, correction)
 
     from propmap.fit.parameters import Choice
     from propmap.flight.simulate import (
@@ -150,18 +131,18 @@ def simulate_flight(
     log = fly(points, dwell=dwell, rate=rate, noise=sensors, seed=seed)
     if not no_expectation:
         expected = expectation(flown, law, points, free=names, error=noise)
-        show(None, _expected(expected, len(points)))
-    write_text(log_csv(log), output)
-    typer.echo(
+        out.show(None, _expected(expected, len(points)))
+    out.write_text(log_csv(log), output)
+    echo(
         f"wrote {output}: {speeds.size} speeds, {log.time[-1]:.0f} s, "
         f"{np.min(points.rotor_speed) / RPM:.0f} to {np.max(points.rotor_speed) / RPM:.0f} rpm, "
         f"flown with {' + '.join([law.name, *(law.corrections or ())])}"
     )
     rotors = len(read.vehicle.mounts)
     if replace(log_map(rotors), file=read.log.file) == read.log:
-        typer.echo(f"{vehicle} reads it as it is")
+        echo(f"{vehicle} reads it as it is")
     else:
-        typer.echo(f"to read it, let the vehicle file say:\n\n{log_table(rotors)}", nl=False)
+        echo(f"to read it, let the vehicle file say:\n\n{log_table(rotors)}", nl=False)
 
 
 def _expected(expected: Expectation, flights: int) -> Table:
@@ -181,4 +162,4 @@ def _expected(expected: Expectation, flights: int) -> Table:
         f"To expect of {flights} speeds with a force error of {expected.error:.2%} of the weight "
         "each"
     )
-    return grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)
+    return out.grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)

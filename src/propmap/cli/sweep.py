@@ -10,30 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 
-from propmap.cli.options import (
-    AccuracyName,
-    AccuracyOption,
-    Bands,
-    Cluster,
-    RotorChoice,
-    StdBySource,
-    command_line,
-    note_not_counted,
-    note_points,
-    parse_axis,
-    progress_bar,
-    takes_rotor,
-    workers_of,
-)
-from propmap.cli.output import (
-    Force,
-    check_output,
-    check_pictures,
-    save_picture,
-    show,
-    write_text,
-)
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, loads_csv, std_columns, write_dataset
 from propmap.sweep.points import AXES, TEXTS, Grid, attributes, parts_along, quantities
@@ -57,8 +37,7 @@ ASK_ABOVE_BYTES = 1e9
 ASK_ABOVE_SECONDS = 3600.0  # a larger or longer run is not begun without ``--yes``
 
 Yes = Annotated[
-    bool,
-    typer.Option("--yes", "-y", help="Do not ask before a run of over 1 GB or one hour (.zarr)."),
+    bool, Option("--yes", "-y", help="Do not ask before a run of over 1 GB or one hour (.zarr).")
 ]
 
 
@@ -104,7 +83,7 @@ def opened(path: Path, layout: Layout) -> Store:
     if done.all():
         raise InputError("the store is there and complete", "pass --force to begin anew", where)
     if done.any():
-        typer.echo(f"{path}: {int(done.sum())} of {done.size} tasks are done; going on", err=True)
+        echo(f"{path}: {int(done.sum())} of {done.size} tasks are done; going on", err=True)
     return store
 
 
@@ -119,7 +98,7 @@ def announce(
     parts = math.prod(parts_along(layout.shape, layout.chunk))
     left = points * (1.0 - float(store.done(layout).mean()))
     needed = left * seconds / workers
-    typer.echo(
+    echo(
         f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {size_text(layout.bytes)}; "
         f"about {time_text(needed)} ({1e6 * seconds:.0f} us per point and worker)",
         err=True,
@@ -157,28 +136,20 @@ MOST_POINTS = 10_000_000  # of a grid that is computed in memory
 SOME = 30  # values of each axis at which a streamed sweep looks for what is implausible
 
 
-@takes_rotor
+@opt.takes_rotor
 def sweep(
-    choice: RotorChoice,
+    choice: opt.RotorChoice,
     context: typer.Context,
     rpm: Annotated[
-        str,
-        typer.Option(
-            "--rpm", metavar="A:B:N", help="Rotational speeds [1/min], or a list 4000,6000."
-        ),
+        str, Option(metavar="A:B:N", help="Rotational speeds [1/min], or a list 4000,6000.")
     ],
-    speed: Annotated[
-        str, typer.Option("--speed", metavar="A:B:N", help="Flight speeds [m/s], or a list.")
-    ],
+    speed: Annotated[str, Option(metavar="A:B:N", help="Flight speeds [m/s], or a list.")],
     beta: Annotated[
-        str,
-        typer.Option(
-            "--beta", metavar="A:B:N", help="Angles of velocity to axis [deg], or a list."
-        ),
+        str, Option(metavar="A:B:N", help="Angles of velocity to axis [deg], or a list.")
     ],
     output: Annotated[
         Path,
-        typer.Option(
+        Option(
             "--output",
             "-o",
             metavar="FILE",
@@ -186,20 +157,20 @@ def sweep(
             "written as it is computed, so that a run that was stopped goes on.",
         ),
     ],
-    force: Force = False,
-    bands: Bands = True,
-    std_by_source: StdBySource = False,
-    cluster: Cluster = None,
+    force: out.Force = False,
+    bands: opt.Bands = True,
+    std_by_source: opt.StdBySource = False,
+    cluster: opt.Cluster = None,
     yes: Yes = False,
 ) -> None:
     """Compute loads over a grid of operating points."""
     axes = (
-        parse_axis("--rpm", "rpm", rpm),
-        parse_axis("--speed", "speed", speed),
-        parse_axis("--beta", "beta", beta),
+        opt.parse_axis("--rpm", "rpm", rpm),
+        opt.parse_axis("--speed", "speed", speed),
+        opt.parse_axis("--beta", "beta", beta),
     )
     count = axes[0].size * axes[1].size * axes[2].size
-    command = command_line(context)
+    command = opt.command_line(context)
     if output.suffix.lower() == ".zarr":
         check_store(output, force=force)
         made = Sweep(choice.rotor(), Grid(*axes), bands, std_by_source)
@@ -215,16 +186,16 @@ def sweep(
             f"the grid has {count} points, more than the {MOST_POINTS} of such a file",
             "end the file's name with .zarr",
         )
-    check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
+    out.check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
     rotor = choice.rotor()
     points = OperatingPoints.grid(*axes)
-    note_points(rotor.model, *points.si)
+    opt.note_points(rotor.model, *points.si)
     loads = _compute(rotor, points, bands=bands)
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
-        note_not_counted(rotor.model)
+        opt.note_not_counted(rotor.model)
     if output.suffix.lower() == ".csv":
-        write_text(loads_csv(points, loads, spread), output)
+        out.write_text(loads_csv(points, loads, spread), output)
     else:
         import xarray
 
@@ -241,7 +212,7 @@ def sweep(
         write_dataset(found, output)
     lost = int((loads.status == "not_converged").sum())
     remark = f", {lost} of them not converged" if lost else ""
-    typer.echo(f"wrote {output}: {count} points{remark}")
+    echo(f"wrote {output}: {count} points{remark}")
 
 
 def _stream(
@@ -256,18 +227,18 @@ def _stream(
     """Run or go on with a sweep over ``axes`` [1/min], [m/s], [deg] into a store."""
     model = made.rotor.model
     few = [axis[np.unique(np.linspace(0, axis.size - 1, SOME).astype(int))] for axis in axes]
-    note_points(model, *OperatingPoints.grid(*few).si)
+    opt.note_points(model, *OperatingPoints.grid(*few).si)
     layout = made.layout(command)
     if any("_std" in name for name in layout.quantities):
-        note_not_counted(model)
+        opt.note_not_counted(model)
     store = opened(output, layout)
-    with workers_of(cluster) as workers:
+    with opt.workers_of(cluster) as workers:
         each = made.seconds_per_point(workers)
         announce(layout, store, each, workers.count, yes=yes, what="operating points")
         total = math.prod(parts_along(layout.shape, layout.chunk))
-        with progress_bar("tasks") as update:
+        with opt.progress_bar("tasks") as update:
             made.run(store, layout, workers, lambda done: update(done, total))
-    typer.echo(f"wrote {output}: {math.prod(layout.shape)} points")
+    echo(f"wrote {output}: {math.prod(layout.shape)} points")
 
 
 def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
@@ -300,11 +271,11 @@ SAMPLE = 4  # designs whose time predicts that of a study
 def study(
     context: typer.Context,
     file: Annotated[
-        Path, typer.Argument(metavar="FILE.toml", help="Study file: what varies, and where.")
+        Path, Argument(metavar="FILE.toml", help="Study file: what varies, and where.")
     ],
     output: Annotated[
         Path,
-        typer.Option(
+        Option(
             "--output",
             "-o",
             metavar="FILE",
@@ -313,14 +284,11 @@ def study(
         ),
     ],
     picture: Annotated[
-        Path | None,
-        typer.Option(
-            "--picture", metavar="FILE", help="Draw the response surface: .png, .svg or .pdf."
-        ),
+        Path | None, Option(metavar="FILE", help="Draw the response surface: .png, .svg or .pdf.")
     ] = None,
-    accuracy: AccuracyOption = AccuracyName.standard,
-    cluster: Cluster = None,
-    force: Force = False,
+    accuracy: opt.AccuracyOption = opt.AccuracyName.standard,
+    cluster: opt.Cluster = None,
+    force: out.Force = False,
     yes: Yes = False,
 ) -> None:
     """Compute loads of designs that vary a propeller."""
@@ -328,8 +296,8 @@ def study(
     if streamed:
         check_store(output, force=force)
     else:
-        check_output(output, (".nc", ".zarr"), keep_existing=not force)
-    check_pictures(picture)
+        out.check_output(output, (".nc", ".zarr"), keep_existing=not force)
+    out.check_pictures(picture)
 
     from propmap.study.files import read_study
     from propmap.study.run import Designs, InMemory, loads_of_designs, run_study, study_layout
@@ -337,12 +305,12 @@ def study(
     read = read_study(file)
     if picture is not None and read.surface is None:
         raise InputError("--picture needs two quantities that vary", "vary another", str(file))
-    choice = RotorChoice(read.propeller, airfoil=read.airfoil or None, accuracy=accuracy)
+    choice = opt.RotorChoice(read.propeller, airfoil=read.airfoil or None, accuracy=accuracy)
     try:
         made = read.study(choice.rotor())
     except InputError as error:
         raise InputError(error.found, error.remedy, str(file)) from None
-    layout = study_layout(made, command_line(context))
+    layout = study_layout(made, opt.command_line(context))
     points = math.prod(made.shape)
     if not streamed and points > MOST_IN_MEMORY:
         raise InputError(
@@ -353,13 +321,13 @@ def study(
     some = np.unique(np.linspace(0, made.count - 1, SAMPLE).astype(int))
     rows = {name: values[some] for name, values in made.rows.items()}
     sample = Designs(rows, {name: np.asarray(v) for name, v in made.axes.items()})
-    with workers_of(cluster) as workers:
+    with opt.workers_of(cluster) as workers:
         each = seconds(workers, loads_of_designs, made, sample) / (
             some.size * math.prod(made.shape[1:])
         )
         announce(layout, store, each, workers.count, yes=yes, what="points")
         total = store.done(layout).size
-        with progress_bar("tasks") as update:
+        with opt.progress_bar("tasks") as update:
             run_study(made, store, layout, workers, lambda done: update(done, total))
     if isinstance(store, InMemory):
         found = store.dataset()
@@ -370,7 +338,7 @@ def study(
         found = xarray.open_dataset(output, engine="zarr", chunks=None)
     lost = int(np.isnan(found["thrust"]).sum())
     remark = f", {lost} of them without loads" if lost else ""
-    typer.echo(f"wrote {output}: {made.count} designs, {points} points{remark}")
+    echo(f"wrote {output}: {made.count} designs, {points} points{remark}")
     if read.surface is not None:
         _show_surface(read, read.surface, made, found, picture)
 
@@ -393,7 +361,7 @@ def _show_surface(
     values = found[asked.quantity].isel(at).values
     surface = response_surface(made.rows, values)
     unit, _ = TEXTS[asked.quantity]
-    show(
+    out.show(
         None,
         f"{asked.quantity} at {', '.join(fixed) or 'the points of the designs'}: "
         f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g} {unit}; a quadratic of "
@@ -416,4 +384,4 @@ def _show_surface(
         made.rows,
         values,
     )
-    save_picture(figure, picture)
+    out.save_picture(figure, picture)

@@ -11,28 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 
-from propmap.cli.options import (
-    Cluster,
-    RotorChoice,
-    command_line,
-    note_points,
-    parse_axis,
-    takes_rotor,
-    workers_of,
-)
-from propmap.cli.output import (
-    Force,
-    Format,
-    FormatOption,
-    TextOutput,
-    check_output,
-    chosen_format,
-    emit,
-    grid,
-    json_text,
-    show,
-)
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError, quoted
 from propmap.io.csv import RPM
 from propmap.typing import Floats
@@ -42,38 +24,32 @@ if TYPE_CHECKING:
     from propmap.table.build import Progress
 
 
-@takes_rotor
+@opt.takes_rotor
 def table(
-    choice: RotorChoice,
+    choice: opt.RotorChoice,
     context: typer.Context,
-    rpm: Annotated[str, typer.Option("--rpm", metavar="A:B", help="Rotational speeds [1/min].")],
-    speed: Annotated[str, typer.Option("--speed", metavar="A:B", help="Flight speeds [m/s].")],
+    rpm: Annotated[str, Option(metavar="A:B", help="Rotational speeds [1/min].")],
+    speed: Annotated[str, Option(metavar="A:B", help="Flight speeds [m/s].")],
     output: Annotated[
         Path,
-        typer.Option(
-            "--output", "-o", metavar="FILE", help="Write this table (.npz) or NetCDF (.nc)."
-        ),
+        Option("--output", "-o", metavar="FILE", help="Write this table (.npz) or NetCDF (.nc)."),
     ],
     beta: Annotated[
-        str,
-        typer.Option("--beta", metavar="A:B", help="Angles of velocity to axis [deg], in 0:180."),
+        str, Option(metavar="A:B", help="Angles of velocity to axis [deg], in 0:180.")
     ] = "0:180",
     tolerance: Annotated[
-        str,
-        typer.Option(
-            "--tolerance", metavar="SHARE", help="Largest error, as a share of the static loads."
-        ),
+        str, Option(metavar="SHARE", help="Largest error, as a share of the static loads.")
     ] = "0.5%",
     no_vortex_ring: Annotated[
-        bool, typer.Option("--no-vortex-ring", help="Leave NaN in the vortex ring state.")
+        bool, Option("--no-vortex-ring", help="Leave NaN in the vortex ring state.")
     ] = False,
-    force: Force = False,
-    cluster: Cluster = None,
+    force: out.Force = False,
+    cluster: opt.Cluster = None,
 ) -> None:
     """Build a look-up table of the loads with certified errors."""
     ranges = [_range(name, text) for name, text in (("rpm", rpm), ("speed", speed), ("beta", beta))]
     share = _share("--tolerance", tolerance)
-    check_output(output, (".npz", ".nc"), keep_existing=not force)
+    out.check_output(output, (".npz", ".nc"), keep_existing=not force)
 
     from propmap.table import LoadTable
     from propmap.table.build import build_table, check_tolerance
@@ -81,8 +57,8 @@ def table(
     check_tolerance(share, choice.accuracy.value)
     rotor = choice.rotor()
     omega, speeds, betas = ranges[0] * RPM, ranges[1], np.radians(ranges[2])
-    note_points(rotor.model, *np.meshgrid(omega, speeds, betas, indexing="ij"))
-    with workers_of(cluster) as workers, building() as progress:
+    opt.note_points(rotor.model, *np.meshgrid(omega, speeds, betas, indexing="ij"))
+    with opt.workers_of(cluster) as workers, building() as progress:
         built = build_table(
             rotor,
             omega=(omega[0], omega[1]),
@@ -93,17 +69,17 @@ def table(
             progress=progress,
             workers=workers,
         )
-    content = replace(built.content, info={**built.info, "command": command_line(context)})
+    content = replace(built.content, info={**built.info, "command": opt.command_line(context)})
     if output.suffix.lower() == ".nc":
         from propmap.table.files import write_netcdf
 
         write_netcdf(LoadTable(content), output)
     else:
         LoadTable(content).save(output)
-    show(None, *certificate_of(built))
+    out.show(None, *certificate_of(built))
     knots = f"{built.content.advance.size} x {built.content.beta.size}"
     size = output.stat().st_size / 1e6
-    typer.echo(f"wrote {output}: {knots} knots, {size:.2f} MB")
+    echo(f"wrote {output}: {knots} knots, {size:.2f} MB")
 
 
 def _share(option: str, text: str) -> float:
@@ -121,27 +97,27 @@ def _range(quantity: str, text: str) -> Floats:
     """Read the ends (2,) of "A:B"."""
     if text.count(":") != 1:
         raise InputError(f"--{quantity} {quoted(text)} is no range", "write A:B, from A to B")
-    return parse_axis(f"--{quantity}", quantity, text, count=2)
+    return opt.parse_axis(f"--{quantity}", quantity, text, count=2)
 
 
 def show_table(
-    source: Annotated[Path, typer.Argument(metavar="TABLE", help="Table of loads (.npz).")],
-    format_: FormatOption = None,
-    output: TextOutput = None,
+    source: Annotated[Path, Argument(metavar="TABLE", help="Table of loads (.npz).")],
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
 ) -> None:
     """Show where a table comes from, its range and its errors."""
-    chosen = chosen_format(format_, output)
-    if chosen is Format.csv:
+    chosen = out.chosen_format(format_, output)
+    if chosen is out.Format.csv:
         raise InputError("what a table holds has no columns", "use --format json")
 
     from propmap.export.files import origin
     from propmap.table import LoadTable
 
     found = LoadTable.load(source)
-    if chosen is Format.json:
-        emit(json_text({"envelope": found.envelope, **found.info}), output)
+    if chosen is out.Format.json:
+        out.emit(out.json_text({"envelope": found.envelope, **found.info}), output)
     else:
-        show(output, *origin(found), *certificate_of(found))
+        out.show(output, *origin(found), *certificate_of(found))
 
 
 @contextmanager
@@ -193,6 +169,6 @@ def certificate_of(found: LoadTable) -> Iterator[object]:
         )
         for name, title in TITLES.items()
     ]
-    yield grid("|".join(["<error, share of static", *heads]), rows, "Certificate")
+    yield out.grid("|".join(["<error, share of static", *heads]), rows, "Certificate")
     yield from claims(errors)
     yield from parameter_claims(parameters) if parameters else ()

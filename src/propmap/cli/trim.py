@@ -9,45 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer import Option, echo
 
 import propmap
 from propmap.aircraft.performance import FASTEST, RPM, columns, performance, rows
 from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft
 from propmap.catalogue.identified import identified
-from propmap.cli.options import (
-    AccuracyName,
-    AccuracyOption,
-    AirfoilOption,
-    Bands,
-    Charge,
-    Corrections,
-    MaximumRpm,
-    ModelOption,
-    NoWakes,
-    VehicleArgument,
-    aircraft_of,
-    command_line,
-    note_not_counted,
-    parse_axis,
-    vehicle_of,
-)
-from propmap.cli.output import (
-    Format,
-    FormatOption,
-    TextOutput,
-    WideGrid,
-    check_output,
-    check_pictures,
-    chosen_format,
-    emit,
-    emit_rows,
-    grid,
-    json_text,
-    number_or_none,
-    print_notes,
-    save_picture,
-    show,
-)
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import write_dataset
 from propmap.model.plausibility import doubts_on_points
@@ -70,73 +39,63 @@ SPEEDS = 21  # where --speed is A:B
 
 def trim(
     context: typer.Context,
-    vehicle: VehicleArgument,
+    vehicle: opt.VehicleArgument,
     speed: Annotated[
-        str, typer.Option("--speed", metavar="A:B:N", help="Horizontal speeds [m/s], or a list.")
+        str, Option(metavar="A:B:N", help="Horizontal speeds [m/s], or a list.")
     ] = "0:20",
-    climb: Annotated[
-        str, typer.Option("--climb", metavar="A:B:N", help="Climb rates [m/s], or a list.")
-    ] = "0",
+    climb: Annotated[str, Option(metavar="A:B:N", help="Climb rates [m/s], or a list.")] = "0",
     bank: Annotated[
-        float,
-        typer.Option("--bank", help="Bank of a coordinated level turn [deg], right positive."),
+        float, Option(help="Bank of a coordinated level turn [deg], right positive.")
     ] = 0.0,
-    wind: Annotated[float, typer.Option("--wind", help="Headwind [m/s], for distances.")] = 0.0,
-    airfoil: AirfoilOption = None,
+    wind: Annotated[float, Option(help="Headwind [m/s], for distances.")] = 0.0,
+    airfoil: opt.AirfoilOption = None,
     table: Annotated[
-        Path | None,
-        typer.Option("--table", metavar="FILE.npz", help="Take loads from a table instead."),
+        Path | None, Option(metavar="FILE.npz", help="Take loads from a table instead.")
     ] = None,
-    model: ModelOption = None,
-    correction: Corrections = None,
-    accuracy: AccuracyOption = AccuracyName.standard,
-    max_rpm: MaximumRpm = None,
-    charge: Charge = 1.0,
-    no_wakes: NoWakes = False,
+    model: opt.ModelOption = None,
+    correction: opt.Corrections = None,
+    accuracy: opt.AccuracyOption = opt.AccuracyName.standard,
+    max_rpm: opt.MaximumRpm = None,
+    charge: opt.Charge = 1.0,
+    no_wakes: opt.NoWakes = False,
     mission: Annotated[
         Path | None,
-        typer.Option(
-            "--mission",
-            metavar="FILE.csv",
-            help="Fly these legs instead: speed_mps, climb_mps, duration_s.",
+        Option(
+            metavar="FILE.csv", help="Fly these legs instead: speed_mps, climb_mps, duration_s."
         ),
     ] = None,
-    bands: Bands = True,
+    bands: opt.Bands = True,
     picture: Annotated[
         Path | None,
-        typer.Option(
-            "--picture",
-            metavar="FILE",
-            help="Draw power, pitch, rpm and margin, or a mission over time.",
-        ),
+        Option(metavar="FILE", help="Draw power, pitch, rpm and margin, or a mission over time."),
     ] = None,
-    format_: FormatOption = None,
-    output: TextOutput = None,
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
 ) -> None:
     """Find steady flight: attitude, power, range, endurance, top speed."""
-    speeds = parse_axis("--speed", "speed", speed, SPEEDS)
-    climbs = parse_axis("--climb", "climb", climb)
+    speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS)
+    climbs = opt.parse_axis("--climb", "climb", climb)
     if mission is not None and (bank or climbs.size > 1 or climbs[0] != 0.0):
         raise InputError(
             "--mission is given with --climb or --bank", "leave these out: legs say all"
         )
     if not math.isfinite(bank):
         raise InputError(f"--bank is {bank}", "give degrees")
-    check_pictures(picture)
+    out.check_pictures(picture)
     netcdf = output if output is not None and output.suffix.lower() == ".nc" else None
     if netcdf is not None:
-        check_output(netcdf)
+        out.check_output(netcdf)
         if format_ is not None or mission is not None:
             raise InputError("the output is NetCDF", "leave --format and --mission out")
-    form = chosen_format(format_, None if netcdf else output)
+    form = out.chosen_format(format_, None if netcdf else output)
 
-    read = vehicle_of(vehicle, no_wakes=no_wakes)
+    read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
     legs = None
     if mission is not None:
         from propmap.aircraft.mission import read_mission
 
         legs = read_mission(mission)
-    craft = aircraft_of(
+    craft = opt.aircraft_of(
         read,
         airfoil=airfoil,
         table=table,
@@ -151,7 +110,7 @@ def trim(
         return
     if bank and speeds[0] == 0.0:
         speeds = speeds[1:]
-        print_notes(["a turn takes speed: 0 m/s is left out"])
+        out.print_notes(["a turn takes speed: 0 m/s is left out"])
 
     def steady(craft: Aircraft) -> list[SteadyStates]:
         return [craft.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
@@ -170,32 +129,33 @@ def trim(
         from propmap.aircraft.sensitivity import spread
 
         if isinstance(craft.loads, Rotor):
-            note_not_counted(craft.loads.model)
+            opt.note_not_counted(craft.loads.model)
         sure = [spread(craft, states) for states in flown]
     if netcdf is not None:
-        write_dataset(_dataset(craft, flown, sure, command_line(context)), netcdf)
-        typer.echo(f"wrote {netcdf}", err=True)
-    elif form is Format.table:
+        write_dataset(_dataset(craft, flown, sure, opt.command_line(context)), netcdf)
+        echo(f"wrote {netcdf}", err=True)
+    elif form is out.Format.table:
         tables = (_table(*both, found) for both in zip(flown, sure, strict=True))
-        show(output, _title(craft), *tables, *_named_lines(found))
+        out.show(output, _title(craft), *tables, *_named_lines(found))
     else:
         listed = [row for both in zip(flown, sure, strict=True) for row in rows(*both)]
         if found is not None:
             for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
-                row["endurance_s"], row["distance_m"] = number_or_none(time), number_or_none(way)
-        if form is Format.csv:
-            emit_rows(list(listed[0]), listed, form, output)
+                row["endurance_s"] = out.number_or_none(time)
+                row["distance_m"] = out.number_or_none(way)
+        if form is out.Format.csv:
+            out.emit_rows(list(listed[0]), listed, form, output)
         else:
             whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "states": listed}
             if found is not None:
                 whole["performance"] = {name: plain(state) for name, _, state in _named(found)}
                 whole["performance"]["top_speed_limit"] = found.limit or None
-            emit(json_text(whole), output)
+            out.emit(out.json_text(whole), output)
     if picture is not None:
         from propmap.report.pictures import power_curves
 
         still = steady(craft.with_hover_model())
-        save_picture(power_curves(_title(craft), flown, still, found, sure), picture)
+        out.save_picture(power_curves(_title(craft), flown, still, found, sure), picture)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -215,7 +175,7 @@ def _note_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
     largest = np.nanmax(left, axis=0)
     if largest.max() > NOTHING * craft.vehicle.mass * craft.vehicle.propeller.radius:
         moments = ", ".join(f"{name} {m:.2g}" for name, m in zip("xyz", largest, strict=True))
-        print_notes(
+        out.print_notes(
             [
                 f"the rotors cannot balance all moments; up to {moments} N m about these axes are "
                 "left to control surfaces (check position and spin, if there are none)"
@@ -254,12 +214,12 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
             )
         if parts:
             doubts = [*doubts, f"beyond the data of the constants: {'; '.join(parts)}"]
-    print_notes(f"{where}{doubt}" for doubt in doubts)
+    out.print_notes(f"{where}{doubt}" for doubt in doubts)
 
 
 def plain(state: NamedState | None) -> dict[str, float | None] | None:
     """Return the fields of a state for JSON, None where there is none."""
-    return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
+    return None if state is None else {k: out.number_or_none(v) for k, v in vars(state).items()}
 
 
 def _title(craft: Aircraft) -> str:
@@ -278,7 +238,7 @@ def _digits(value: float) -> str:
     return "0" if abs(value) < 5e-4 else f"{value:.4g}"
 
 
-def _table(states: SteadyStates, sure: Spread | None, found: Performance | None) -> WideGrid:
+def _table(states: SteadyStates, sure: Spread | None, found: Performance | None) -> out.WideGrid:
     """Make a table of states at one climb rate and bank."""
 
     def cells(values: Any) -> list[str]:
@@ -317,7 +277,7 @@ def _table(states: SteadyStates, sure: Spread | None, found: Performance | None)
     met = [status for status in STATUSES if status != "ok" and status in states.status]
     caption += "".join(f"\n{status}: {STATUSES[status]}" for status in met)
     rows = list(zip(*columns.values(), strict=True))
-    return WideGrid("|".join(columns), rows, title, caption, SPARE)
+    return out.WideGrid("|".join(columns), rows, title, caption, SPARE)
 
 
 def _rough(std: float) -> str:
@@ -442,7 +402,7 @@ def _dataset(
 
 
 def _fly(
-    craft: Aircraft, legs: Mission, form: Format, output: Path | None, picture: Path | None
+    craft: Aircraft, legs: Mission, form: out.Format, output: Path | None, picture: Path | None
 ) -> None:
     """Fly a mission, and show it leg by leg or draw it over time."""
     from propmap.aircraft.mission import fly
@@ -461,9 +421,9 @@ def _fly(
         "voltage_V": course.voltage[:, -1],
     }
     status = flown.status.tolist()
-    if form is Format.table:
+    if form is out.Format.table:
         heads = "until [s]|V [m/s]|climb [m/s]|time [s]|pitch [deg]|P [W]|energy [J]|charge|U [V]"
-        body = grid(
+        body = out.grid(
             f"{heads}|<status",
             zip(*([_digits(v) for v in each] for each in columns.values()), status, strict=True),
             f"mission {legs.source}",
@@ -475,22 +435,22 @@ def _fly(
         if lost.any():
             leg = int(np.argmax(lost))
             outcome = f"leg {leg + 1} cannot be flown to its end: {flown.told(leg)}"
-        show(output, _title(craft), body, outcome)
+        out.show(output, _title(craft), body, outcome)
     else:
-        numbers = [[number_or_none(v) for v in each.tolist()] for each in columns.values()]
+        numbers = [[out.number_or_none(v) for v in each.tolist()] for each in columns.values()]
         names = [*columns, "status"]
         listed = [dict(zip(names, row, strict=True)) for row in zip(*numbers, status, strict=True)]
-        if form is Format.csv:
-            emit_rows(names, listed, form, output)
+        if form is out.Format.csv:
+            out.emit_rows(names, listed, form, output)
         else:
             shown = {"time_s": course.time, "charge": course.charge, "voltage_V": course.voltage}
             over_time = {
-                name: [number_or_none(v) for v in each.ravel().tolist()]
+                name: [out.number_or_none(v) for v in each.ravel().tolist()]
                 for name, each in shown.items()
             }
             whole = {"vehicle": craft.vehicle.name, "legs": listed, "over_time": over_time}
-            emit(json_text(whole), output)
+            out.emit(out.json_text(whole), output)
     if picture is not None:
         from propmap.report.pictures import mission_course
 
-        save_picture(mission_course(_title(craft), legs, flown), picture)
+        out.save_picture(mission_course(_title(craft), legs, flown), picture)
