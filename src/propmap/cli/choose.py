@@ -5,9 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from typer import Option
 
@@ -27,14 +26,6 @@ SHOWN = {"J": ("Wh", 3600.0), "s": ("min", 60.0), "m": ("km", 1000.0)}
 SURE = 0.95  # probability below which neighbours are said not to be separated
 
 
-class Measure(StrEnum):
-    """What a task may be ranked by."""
-
-    energy = "energy"
-    time = "time"
-    range = "range"
-
-
 def choose(
     vehicle: opt.VehicleArgument,
     speed: Annotated[float | None, Option(help="Cruise speed [m/s], needed to cruise.")] = None,
@@ -46,7 +37,8 @@ def choose(
         ),
     ] = "cruise",
     by: Annotated[
-        Measure | None, Option(help="Rank hover or cruise by this instead of energy.")
+        Literal["energy", "time", "range"] | None,
+        Option(help="Rank hover or cruise by this instead of energy."),
     ] = None,
     diameter: Annotated[
         str | None, Option(metavar="A:B", help="Diameters of the propellers [in].")
@@ -95,15 +87,15 @@ def choose(
 
     legs = _legs(task)
     name = "mission" if legs else task
-    wanted = Task(name, speed, legs, thrust_margin, by.value if by else "")
-    if by in (Measure.time, Measure.range) and read.powertrain.battery is None:
-        raise InputError(f"--by {by.value}: the vehicle file has no [battery]", "add it")
+    wanted = Task(name, speed, legs, thrust_margin, by or "")
+    if by in ("time", "range") and read.powertrain.battery is None:
+        raise InputError(f"--by {by}: the vehicle file has no [battery]", "add it")
     law = section_law(airfoil) if airfoil else None
     own = [file_candidate(name, law) for name in propeller or ()]
     there = {one.name for one in own if law is None}
     others = catalogue_candidates(sizes, blades)
     candidates = [*own, *(one for one in others if one.name not in there)]
-    corrections = tuple(corrections_of(model or opt.ModelName.recommended, correction or ()))
+    corrections = tuple(corrections_of(model or "recommended", correction or ()))
     opt.note_missing(read)
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
     with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:
@@ -160,16 +152,13 @@ def _judged(
     ranking: Ranking, candidates: list[Candidate], top: int, workers: Workers
 ) -> list[Judged]:
     """Rank the candidates, with standard deviations of the first ``top``."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as progress:
-        step = progress.add_task("propellers", total=len(candidates))
-        found = ranking.judged(candidates, lambda: progress.advance(step), workers)
-        first = [one for one in found if one.feasible][:top]
-        step = progress.add_task("uncertainty", total=len(first))
-        closer = ranking.with_deviations(first, lambda: progress.advance(step), workers)
+    count = itertools.count(1)
+    with out.progress_bar("propellers") as update:
+        found = ranking.judged(candidates, lambda: update(next(count), len(candidates)), workers)
+    first = [one for one in found if one.feasible][:top]
+    again = itertools.count(1)
+    with out.progress_bar("uncertainty") as update:
+        closer = ranking.with_deviations(first, lambda: update(next(again), len(first)), workers)
     return [*closer, *found[len(closer) :]]
 
 

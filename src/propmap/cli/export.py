@@ -12,7 +12,6 @@ from typer import Argument, Option, echo
 
 from propmap.cli import options as opt
 from propmap.cli import output as out
-from propmap.cli.table import building
 from propmap.errors import InputError
 from propmap.model.model import Model
 
@@ -193,12 +192,12 @@ def _table_of(
         err=True,
     )
     opt.note_reynolds(model, np.array(omega), np.array(SPEED), np.array(BETA))
-    with building() as progress:
+    with out.progress_bar("") as update:
         return build_table(
             Rotor(model),
             omega=omega,
             speed=SPEED,
             beta=BETA,
             tolerance=TOLERANCE,
-            progress=progress,
+            progress=lambda stage, done: update(done, what=stage),
         )

@@ -321,7 +321,7 @@ def _finish_tunnel(
     doubts: Sequence[str],
 ) -> None:
     """Write, draw and print a fit to loads; ``doubts`` on the data are in its file alone."""
-    rotor = rotor_with(model, fitted.values, choice.accuracy.value)
+    rotor = rotor_with(model, fitted.values, choice.accuracy)
     blade = model.propeller
     text = fit_text(
         fitted,
@@ -402,7 +402,7 @@ def fit_tunnel(
     options: Any = {
         "loads": [name.strip() for name in loads.split(",")] if loads else [],
         "weights": weights,
-        "setting": choice.accuracy.value,
+        "setting": choice.accuracy,
     }
 
     def rows_for(c: Choice) -> Rows:
@@ -500,7 +500,7 @@ def fit_static(
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
-    setting = choice.accuracy.value
+    setting = choice.accuracy
     fitted = fit(tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
     remarks = [*range_warnings(fitted.rows), *doubts_on_constants(fitted)]
     if expected is not None:

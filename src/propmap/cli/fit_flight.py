@@ -6,9 +6,8 @@ import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from typer import Argument, Option, echo
@@ -318,14 +317,6 @@ def with_flight_priors(choice: Choice, known: Mapping[str, Prior]) -> Choice:
 EVERY, FEW = 3, 1500
 
 
-class Method(StrEnum):
-    """Which balance of forces is fitted."""
-
-    auto = "auto"
-    level = "level"
-    balance = "balance"
-
-
 def fit_flight(
     logs: Annotated[
         list[Path],
@@ -334,12 +325,12 @@ def fit_flight(
     vehicle: opt.VehicleOption,
     output: Output,
     method: Annotated[
-        Method,
+        Literal["auto", "level", "balance"],
         Option(
             help="level: vertical balance of steady stretches, as in the paper; balance: all "
             "forces at all times; auto: level if there are enough steady stretches."
         ),
-    ] = Method.auto,
+    ] = "auto",
     free: Free = None,
     fix: Fix = None,
     prior: Priors = None,
@@ -400,7 +391,7 @@ def fit_flight(
     flights = read_flights(
         logs,
         file,
-        method.value,
+        method,
         seconds=seconds,
         samples=samples,
         low_pass=cutoff,

@@ -10,9 +10,18 @@ import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, fields, replace
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_type_hints, overload
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    Concatenate,
+    Literal,
+    ParamSpec,
+    TypeVar,
+    cast,
+    get_type_hints,
+)
 
 import numpy as np
 import typer
@@ -47,6 +56,7 @@ if TYPE_CHECKING:
 # PROP and the options that choose a rotor.
 
 Others = ParamSpec("Others")
+Law = TypeVar("Law", bound=Airfoil | SectionTable)
 
 PROP_HELP = "Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file."
 PropArgument = Annotated[str, Argument(metavar="PROP", help=PROP_HELP)]
@@ -69,13 +79,7 @@ Corrections = Annotated[
 ]
 
 
-class ModelName(StrEnum):
-    """The keys of ``MODELS``."""
-
-    recommended = "recommended"
-    paper = "paper"
-
-
+ModelName = Literal["recommended", "paper"]  # the keys of ``MODELS``
 ModelOption = Annotated[
     ModelName | None,
     Option(
@@ -87,13 +91,7 @@ ModelOption = Annotated[
 ]
 
 
-class AccuracyName(StrEnum):
-    """The settings of ``Rotor``."""
-
-    standard = "standard"
-    fine = "fine"
-
-
+AccuracyName = Literal["standard", "fine"]
 AirfoilOption = Annotated[
     str | None,
     Option(
@@ -130,7 +128,7 @@ class RotorChoice:
     root_cutout: RootCutout = None
     blades: Blades = None
     radius: Radius = None
-    accuracy: AccuracyOption = AccuracyName.standard
+    accuracy: AccuracyOption = "standard"
 
     def rotor(self) -> Rotor:
         """Make the rotor; notes say what is assumed and what is implausible about it."""
@@ -141,7 +139,7 @@ class RotorChoice:
 
         from propmap.rotor import Rotor
 
-        return Rotor(Model(blade, section, air), accuracy=self.accuracy.value)
+        return Rotor(Model(blade, section, air), accuracy=self.accuracy)
 
     def blade(self) -> Propeller:
         """Read the propeller; notes say what is assumed and what is implausible about it."""
@@ -200,26 +198,14 @@ def section_law(asked: str | None, prop: str, blade: Propeller) -> Airfoil | Sec
     return found.airfoil
 
 
-@overload
-def with_physics(law: Airfoil, model: ModelName | None, added: Sequence[str] | None) -> Airfoil: ...
-
-
-@overload
-def with_physics(
-    law: Airfoil | SectionTable, model: ModelName | None, added: Sequence[str] | None
-) -> Airfoil | SectionTable: ...
-
-
-def with_physics(
-    law: Airfoil | SectionTable, model: ModelName | None, added: Sequence[str] | None
-) -> Airfoil | SectionTable:
+def with_physics(law: Law, model: ModelName | None, added: Sequence[str] | None) -> Law:
     """Return the law with the corrections that ``--model`` and ``--correction`` ask for."""
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = apart(more)
     if model is None and not physics and own is not None:
-        return law.with_corrections([*apart(own)[0], *mount])
-    chosen = corrections_of(model or ModelName.recommended, more)
-    return law.with_corrections([as_text(value) for value in chosen])
+        return cast(Law, law.with_corrections([*apart(own)[0], *mount]))
+    chosen = corrections_of(model or "recommended", more)
+    return cast(Law, law.with_corrections([as_text(value) for value in chosen]))
 
 
 def constants(name_or_path: str) -> Airfoil:
@@ -310,7 +296,7 @@ def aircraft_of(
     table: Path | None,
     model: ModelName | None,
     correction: list[str] | None,
-    accuracy: AccuracyName = AccuracyName.standard,
+    accuracy: AccuracyName = "standard",
     maximum_rpm: float | None = None,
     charge: float = 1.0,
 ) -> Aircraft:
@@ -337,7 +323,7 @@ def aircraft_of(
     from propmap.aircraft.trim import Aircraft
     from propmap.rotor import Rotor
 
-    rotor = Rotor(Model(blade, law, vehicle.air), accuracy=accuracy.value)
+    rotor = Rotor(Model(blade, law, vehicle.air), accuracy=accuracy)
     return Aircraft(vehicle, rotor, **limits)
 
 
@@ -496,32 +482,3 @@ def workers_of_bootstrap(cluster: str | None, bootstrap: int) -> AbstractContext
             "give --bootstrap 200, or leave --cluster out",
         )
     return workers_of(cluster)
-
-
-@contextmanager
-def progress_bar(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a progress bar on a terminal, and give the function that takes done and total."""
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left:"),
-        TimeRemainingColumn(),
-    )
-    with Progress(
-        *columns, console=console, disable=not console.is_terminal, transient=True
-    ) as bar:
-        task = bar.add_task(what, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -236,28 +236,24 @@ def _stream(
         each = made.seconds_per_point(workers)
         announce(layout, store, each, workers.count, yes=yes, what="operating points")
         total = math.prod(parts_along(layout.shape, layout.chunk))
-        with opt.progress_bar("tasks") as update:
+        with out.progress_bar("tasks") as update:
             made.run(store, layout, workers, lambda done: update(done, total))
     echo(f"wrote {output}: {math.prod(layout.shape)} points")
 
 
 def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
-    from rich.console import Console
-    from rich.progress import Progress
-
     from propmap.results import joined
 
-    console = Console(stderr=True)
-    parts = []
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as progress:
-        task = progress.add_task("operating points", total=points.count)
-        for start in range(0, points.count, CHUNK):
-            part = points.part(start, CHUNK)
+    parts, done = [], 0
+    with out.progress_bar("operating points") as update:
+        while done < points.count:
+            part = points.part(done, CHUNK)
             found = part.loads(rotor)
             if bands:
                 _ = found.std_by_source  # now, while the bar shows the progress
             parts.append(found)
-            progress.advance(task, part.count)
+            done += part.count
+            update(done, points.count)
     return joined(parts)
 
 
@@ -286,7 +282,7 @@ def study(
     picture: Annotated[
         Path | None, Option(metavar="FILE", help="Draw the response surface: .png, .svg or .pdf.")
     ] = None,
-    accuracy: opt.AccuracyOption = opt.AccuracyName.standard,
+    accuracy: opt.AccuracyOption = "standard",
     cluster: opt.Cluster = None,
     force: out.Force = False,
     yes: Yes = False,
@@ -327,7 +323,7 @@ def study(
         )
         announce(layout, store, each, workers.count, yes=yes, what="points")
         total = store.done(layout).size
-        with opt.progress_bar("tasks") as update:
+        with out.progress_bar("tasks") as update:
             run_study(made, store, layout, workers, lambda done: update(done, total))
     if isinstance(store, InMemory):
         found = store.dataset()

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
@@ -21,7 +20,6 @@ from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable
-    from propmap.table.build import Progress
 
 
 @opt.takes_rotor
@@ -54,11 +52,11 @@ def table(
     from propmap.table import LoadTable
     from propmap.table.build import build_table, check_tolerance
 
-    check_tolerance(share, choice.accuracy.value)
+    check_tolerance(share, choice.accuracy)
     rotor = choice.rotor()
     omega, speeds, betas = ranges[0] * RPM, ranges[1], np.radians(ranges[2])
     opt.note_points(rotor.model, *np.meshgrid(omega, speeds, betas, indexing="ij"))
-    with opt.workers_of(cluster) as workers, building() as progress:
+    with opt.workers_of(cluster) as workers, out.progress_bar("") as update:
         built = build_table(
             rotor,
             omega=(omega[0], omega[1]),
@@ -66,7 +64,7 @@ def table(
             beta=(betas[0], betas[1]),
             tolerance=share,
             leave_out_vortex_ring=no_vortex_ring,
-            progress=progress,
+            progress=lambda stage, done: update(done, what=stage),
             workers=workers,
         )
     content = replace(built.content, info={**built.info, "command": opt.command_line(context)})
@@ -118,26 +116,6 @@ def show_table(
         out.emit(out.json_text({"envelope": found.envelope, **found.info}), output)
     else:
         out.show(output, *origin(found), *certificate_of(found))
-
-
-@contextmanager
-def building() -> Iterator[Progress]:
-    """Show what is being built and how far it is; refinement decides how much there will be."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    columns: list[Any] = [
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed} operating points"),
-        TimeElapsedColumn(),
-    ]
-    with Progress(
-        *columns, console=console, disable=not console.is_terminal, transient=True
-    ) as bar:
-        task = bar.add_task("", total=None)
-        yield lambda stage, done: bar.update(task, description=stage, completed=done)
 
 
 def certificate_of(found: LoadTable) -> Iterator[object]:

@@ -54,7 +54,7 @@ def trim(
     ] = None,
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
-    accuracy: opt.AccuracyOption = opt.AccuracyName.standard,
+    accuracy: opt.AccuracyOption = "standard",
     max_rpm: opt.MaximumRpm = None,
     charge: opt.Charge = 1.0,
     no_wakes: opt.NoWakes = False,
