@@ -57,20 +57,17 @@ def check(
         name: _numbers(c.all) | {"by_speed": {band: _numbers(e) for band, e in c.by_speed.items()}}
         for name, c in found.items()
     }
-    if chosen is out.Format.json:
-        rows = max((c.all.rows for c in found.values()), default=0)
-        whole = {"corrections": list(law.corrections or ()), "rows": rows, "loads": loads}
-        if learned:
-            whole["with_learned_residual"] = {n: _numbers(c.all) for n, c in learned.items()}
-        out.emit(out.json_text(whole), output)
-        return
+    rows = max((c.all.rows for c in found.values()), default=0)
+    whole = {"corrections": list(law.corrections or ()), "rows": rows, "loads": loads}
+    if learned:
+        whole["with_learned_residual"] = {n: _numbers(c.all) for n, c in learned.items()}
     columns = ("load", "band", "rows", "rms", "relative_rms", "bias", "worst", "hover_rms")
     bands = [
         {"load": name, "band": band} | numbers
         for name, load in loads.items()
         for band, numbers in {"all": load, **load["by_speed"]}.items()
     ]
-    out.emit_rows(columns, bands, chosen, output)
+    out.emit_rows(columns, bands, chosen, output, whole=whole)
 
 
 def _compare(
@@ -97,7 +94,7 @@ def _compare(
         opt.note_reynolds(model, measured.omega, measured.speed, measured.beta)
         if prop is not None:
             opt.note_if_predicted(prop)
-        out.print_notes([*doubts_on_blade(blade), *doubts_on_tunnel(data, blade, air)])
+        out.note(*doubts_on_blade(blade), *doubts_on_tunnel(data, blade, air))
         return compare_tunnel(model, measured), {}
 
     from propmap.cli.fit_flight import read_flights
@@ -113,7 +110,7 @@ def _compare(
     _, log, remarks = read_flights(paths, file, "balance", low_pass=cutoff)
     values, more = values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
     forces = flight_forces(flown, log, law, values)
-    out.print_notes([*remarks, *more])
+    out.note(*remarks, *more)
     errors = compare_forces(flown, log, forces)
     learned = fitted.learned_residual if fitted else None
     if learned is None:
@@ -121,11 +118,9 @@ def _compare(
     added = learned.at(flown, log)
     with_it = np.concatenate([forces.model[:, :3] + added.force, forces.model[:, 3:]], axis=1)
     faded, off = (100.0 * float(np.mean(added.status == word)) for word in ("faded", "off"))
-    out.print_notes(
-        [
-            "the fit has a learned residual, apart from the physics; outside the flights that it "
-            f"was trained on it fades at {faded:.1f} % of the samples and is off at {off:.1f} %"
-        ]
+    out.note(
+        "the fit has a learned residual, apart from the physics; outside the flights that it "
+        f"was trained on it fades at {faded:.1f} % of the samples and is off at {off:.1f} %"
     )
     return errors, compare_forces(flown, log, replace(forces, model=with_it))
 

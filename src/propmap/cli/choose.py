@@ -54,7 +54,7 @@ def choose(
         float, Option(help="Least ratio of largest thrust to weight in hover.")
     ] = 1.5,
     top: Annotated[int, Option(min=1, help="How many are shown, and compared closely.")] = 10,
-    all_: Annotated[bool, Option("--all", help="Show those that do not fit as well.")] = False,
+    all_: Annotated[bool, Option("--all", help="Show propellers that do not fit, too.")] = False,
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
     max_rpm: opt.MaximumRpm = None,

@@ -73,7 +73,7 @@ def export(
 ) -> None:
     """Write files for simulators, flight code and autopilots.
 
-    A note beside them says what errors the form makes.
+    A note beside the files says what errors the target's form makes.
     """
     from propmap.export import (
         AUTOPILOTS,
@@ -115,7 +115,7 @@ def export(
         )
         with out.blamed_on(source):
             paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=force)
-        out.print_notes(missing_drag(craft))
+        out.note(*missing_drag(craft))
     elif _is_vehicle(source):
         refuse(prop=prop, model=model, correction=correction or None)
         refuse(airfoil=airfoil, speed=speed, charge=charge)

@@ -228,7 +228,7 @@ def note_prior(prior: SectionPrior | None) -> list[str]:
     """Note what prior a fit has, and return it as remarks for the fit's file."""
     if prior is None:
         return []
-    out.print_notes([f"{prior.told}; without, by --prior-from none"])
+    out.note(f"{prior.told}; without, by --prior-from none")
     return [prior.told]
 
 
@@ -342,9 +342,8 @@ def _finish_tunnel(
     )
     if picture is not None:
         from propmap.report.fit_curves import tunnel_fit
-        from propmap.report.html import save
 
-        save(tunnel_fit(measured, rotor), picture)
+        out.save_picture(tunnel_fit(measured, rotor), picture)
     finish(fitted, rotor.model, remarks, text, output)
 
 
@@ -396,7 +395,7 @@ def fit_tunnel(
     air = choice.medium()
     measured = read_tunnel(data, blade, air)
     doubts = doubts_on_tunnel(data, blade, air)
-    out.print_notes(doubts)
+    out.note(*doubts)
     law = base or (expected.airfoil if expected else first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     options: Any = {
@@ -492,7 +491,7 @@ def fit_static(
             odd = doubts_on_points(blade, *points)
             odd += doubts_on_loads(blade, air, *points, part.loads)
         doubts += [f"{part.source}: {doubt}" for doubt in odd]
-    out.print_notes(doubts)
+    out.note(*doubts)
     measured = merged(parts)
     by_default = free is None and base is None
     expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)

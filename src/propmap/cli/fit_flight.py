@@ -195,9 +195,8 @@ def _points(
             continue
         if picture is not None:
             from propmap.report.fit_curves import steady_parts
-            from propmap.report.html import save
 
-            save(steady_parts(log, stretches), picture)
+            out.save_picture(steady_parts(log, stretches), picture)
         found.append(operating_points(log, stretches))
     if not found or (not needed and sum(len(p) for p in found) < ENOUGH_STRETCHES):
         if needed:
@@ -352,15 +351,14 @@ def fit_flight(
         bool,
         Option(
             "--hover-scale/--no-hover-scale",
-            help="Expect each flight's thrust scale where its own hover has it, in fits and "
-            "checks.",
+            help="Expect each flight's thrust scale where its own hover has it.",
         ),
     ] = True,
     residual: Annotated[
         bool,
         Option(
             "--residual",
-            help="Learn a small correction of what the physics leaves, too, and keep it apart.",
+            help="Learn a small correction of what the physics leaves unexplained, kept apart.",
         ),
     ] = False,
     body_study: Annotated[
@@ -386,7 +384,7 @@ def fit_flight(
     base = opt.constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
     doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
-    out.print_notes(doubts)
+    out.note(*doubts)
     cutoff = DERIVATIVE_CUTOFF if low_pass is None else low_pass
     flights = read_flights(
         logs,
@@ -460,10 +458,9 @@ def fit_flight(
     )
     if picture is not None:
         from propmap.report.fit_curves import level_flight
-        from propmap.report.html import save
 
         drawn = section_with(model.model.airfoil, fitted.values)
-        save(level_flight(file.vehicle, flights.log, drawn), picture)
+        out.save_picture(level_flight(file.vehicle, flights.log, drawn), picture)
     finish(fitted, model_with(model.model, fitted.values), remarks, text, output, flown)
 
 
@@ -498,8 +495,9 @@ def fit_terms_page(
 ) -> None:
     """Write a page that says which terms of a flight fit pay.
 
-    Hover model, vertical balance, then one term more at a time, each fitted to all flights but
-    one and checked on that one, beside a prediction that comes with the logs.
+    The steps are the hover model, the vertical balance, then one term more at a time. Each is
+    fitted to all flights but one and checked on that one, beside a prediction that comes with
+    the logs.
     """
     from propmap.report.html import PAGE, TERMS_FILES, check_folder, write_folder
 

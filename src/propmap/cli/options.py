@@ -36,7 +36,7 @@ from propmap.catalogue.lookup import (
     own_constants,
     propeller,
 )
-from propmap.cli.output import print_notes
+from propmap.cli.output import note
 from propmap.errors import InputError
 from propmap.io.csv import RPM, OperatingPoints, check_value
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
@@ -121,7 +121,7 @@ class RotorChoice:
         float | None, Option(help="Take the standard atmosphere's air at this height [m].")
     ] = None
     temperature_offset: Annotated[
-        float | None, Option(help="Add this to the standard atmosphere's [K].")
+        float | None, Option(help="Difference from the standard atmosphere's [K].")
     ] = None
     model: ModelOption = None
     correction: Corrections = None
@@ -159,7 +159,7 @@ class RotorChoice:
             PAPER_DENSITY if self.rho is None else self.rho,
             PAPER_VISCOSITY if self.mu is None else self.mu,
         )
-        print_notes(doubts_on_air(air))
+        note(*doubts_on_air(air))
         return air
 
 
@@ -172,7 +172,7 @@ def propeller_noted(
     """Read PROP, with notes on a blade that was not measured and on what is implausible."""
     found = propeller(prop, blades, radius, root_cutout)
     note_if_predicted(prop)
-    print_notes(doubts_on_blade(found))
+    note(*doubts_on_blade(found))
     return found
 
 
@@ -180,7 +180,7 @@ def note_if_predicted(prop: str) -> None:
     """Note what a blade that was not measured rests on."""
     meant = meant_by(prop)
     if isinstance(meant, ExpectedBlade):
-        print_notes([meant.told])
+        note(meant.told)
 
 
 def section_law(asked: str | None, prop: str, blade: Propeller) -> Airfoil | SectionTable:
@@ -194,7 +194,7 @@ def section_law(asked: str | None, prop: str, blade: Propeller) -> Airfoil | Sec
     found = own_constants(meant, blade.blades) or constants_to_expect(meant, blade)
     if not (isinstance(meant, ExpectedBlade) and meant.own is None):
         # Else the note on the blade has said what the constants rest on too.
-        print_notes([f"{found.told}; another law by --airfoil"])
+        note(f"{found.told}; another law by --airfoil")
     return found.airfoil
 
 
@@ -257,12 +257,9 @@ def takes_rotor(
 VehicleArgument = Annotated[
     Path, Argument(metavar="VEHICLE.toml", help="Vehicle file with rotors and motors.")
 ]
-VehicleOption = Annotated[
-    Path, Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle that flew, with its rotors.")
-]
+VehicleOption = Annotated[Path, Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle file.")]
 VehicleOfLogs = Annotated[
-    Path | None,
-    Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle, which flight logs need."),
+    Path | None, Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle file, for flight logs.")
 ]
 MaximumRpm = Annotated[
     float | None, Option("--max-rpm", help="Largest speed of the rotors [1/min].")
@@ -341,7 +338,7 @@ def note_missing(vehicle: Vehicle) -> None:
     power = vehicle.powertrain
     has = {"motor": power.motor, "esc": power.controller, "battery": power.battery}
     missing = ["motor"] if power.motor is None else [name for name in MISSING if has[name] is None]
-    print_notes(MISSING[name] for name in missing)
+    note(*(MISSING[name] for name in missing))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -350,11 +347,14 @@ def note_missing(vehicle: Vehicle) -> None:
 
 def single_point(rpm: float, speed: float, beta: float, **further: float | None) -> OperatingPoints:
     """Check one operating point [1/min], [m/s], [deg], with those ``further`` given."""
-    values = {"rpm": rpm, "speed": speed, "beta": beta}
-    more = {name: value for name, value in further.items() if value is not None}
-    checked = {k: np.array([check_value(k, v)]) for k, v in (values | more).items()}
-    rpm_, speed_, beta_ = (checked.pop(name) for name in values)
-    return OperatingPoints(rpm_, speed_, beta_, checked)
+
+    def checked(name: str, value: float) -> Floats:
+        return np.array([check_value(name, value)])
+
+    more = {name: checked(name, v) for name, v in further.items() if v is not None}
+    return OperatingPoints(
+        checked("rpm", rpm), checked("speed", speed), checked("beta", beta), more
+    )
 
 
 def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:
@@ -392,7 +392,7 @@ def note_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> Non
     Raises ``InputError`` where a blade tip is faster than sound.
     """
     note_reynolds(model, omega, speed, beta)
-    print_notes(doubts_on_points(model.propeller, omega, speed, beta))
+    note(*doubts_on_points(model.propeller, omega, speed, beta))
 
 
 def note_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
@@ -407,7 +407,7 @@ def note_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> N
         covered = f"covers {first:.2g} to {last:.2g}, its nearest row is used outside"
         if first == last:
             covered = "has one Reynolds number, which is used for all"
-        print_notes([f"Re from {low:.2g} to {high:.2g} along the blade; the table {covered}"])
+        note(f"Re from {low:.2g} to {high:.2g} along the blade; the table {covered}")
 
 
 Bands = Annotated[
@@ -433,9 +433,7 @@ def note_not_counted(model: Model) -> None:
     known = model.uncertainty
     if known is not None and known.covariance.unknown:
         names = ", ".join(known.covariance.unknown)
-        print_notes(
-            [f"standard deviations do not count {names}, of which the data of the fit say nothing"]
-        )
+        note(f"standard deviations do not count {names}, of which the data of the fit say nothing")
 
 
 # -------------------------------------------------------------------------------------------------

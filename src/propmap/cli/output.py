@@ -39,7 +39,7 @@ class Format(StrEnum):
 
 FormatOption = Annotated[
     Format | None,
-    Option("--format", help="How to show it; by default as the output file's ending says."),
+    Option("--format", help="Form of the output; by default as the file's ending says."),
 ]
 TextOutput = Annotated[
     Path | None, Option("--output", "-o", metavar="FILE", help="Write to this file, replacing it.")
@@ -50,7 +50,10 @@ PictureOutput = Annotated[
 FolderOutput = Annotated[
     Path,
     Option(
-        "--output", "-o", metavar="FOLDER", help="New, empty, or written by this command before."
+        "--output",
+        "-o",
+        metavar="FOLDER",
+        help="Folder for the page: new, empty, or written by this command.",
     ),
 ]
 Force = Annotated[bool, Option("--force", help="Replace what exists.")]
@@ -111,10 +114,18 @@ def emit(text: str, output: Path | None) -> None:
 
 
 def emit_rows(
-    columns: Sequence[str], rows: Sequence[Mapping[str, Any]], form: Format, output: Path | None
+    columns: Sequence[str],
+    rows: Sequence[Mapping[str, Any]],
+    form: Format,
+    output: Path | None,
+    *,
+    whole: Any = None,
 ) -> None:
-    """Write rows as JSON or CSV, to the file or to standard output."""
-    emit(json_text(rows) if form is Format.json else csv_text(columns, rows), output)
+    """Write rows as CSV, or them or a ``whole`` that holds them as JSON."""
+    if form is Format.csv:
+        emit(csv_text(columns, rows), output)
+    else:
+        emit(json_text(rows if whole is None else whole), output)
 
 
 def write_text(text: str, output: Path) -> None:
@@ -131,7 +142,7 @@ def save_picture(figure: Figure, output: Path) -> None:
     echo(f"wrote {output}", err=True)
 
 
-def print_notes(texts: Iterable[str]) -> None:
+def note(*texts: str) -> None:
     """Print each text as a note on standard error."""
     for text in texts:
         echo(f"note: {text}", err=True)

@@ -58,13 +58,11 @@ def predict(
     if spread:
         opt.note_not_counted(rotor.model)
         if where.further:
-            out.print_notes(["the deviations leave out what the ground's factor errs by"])
+            out.note("the deviations leave out what the ground's factor errs by")
     if chosen is not out.Format.table:
         rows = where.rows(loads, spread)
-        if points is None and chosen is out.Format.json:
-            out.emit(out.json_text(rows[0]), output)
-        else:
-            out.emit_rows([*where.columns, *spread], rows, chosen, output)
+        whole = None if points else rows[0]
+        out.emit_rows([*where.columns, *spread], rows, chosen, output, whole=whole)
         return
 
     from propmap.baselines.hover import HoverModel

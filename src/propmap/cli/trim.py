@@ -72,7 +72,7 @@ def trim(
     format_: out.FormatOption = None,
     output: out.TextOutput = None,
 ) -> None:
-    """Find steady flight: attitude, power, range, endurance, top speed."""
+    """Find steady flight: power, range, endurance, top speed."""
     speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS)
     climbs = opt.parse_axis("--climb", "climb", climb)
     if mission is not None and (bank or climbs.size > 1 or climbs[0] != 0.0):
@@ -110,7 +110,7 @@ def trim(
         return
     if bank and speeds[0] == 0.0:
         speeds = speeds[1:]
-        out.print_notes(["a turn takes speed: 0 m/s is left out"])
+        out.note("a turn takes speed: 0 m/s is left out")
 
     def steady(craft: Aircraft) -> list[SteadyStates]:
         return [craft.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
@@ -143,14 +143,11 @@ def trim(
             for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
                 row["endurance_s"] = out.number_or_none(time)
                 row["distance_m"] = out.number_or_none(way)
-        if form is out.Format.csv:
-            out.emit_rows(list(listed[0]), listed, form, output)
-        else:
-            whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "states": listed}
-            if found is not None:
-                whole["performance"] = {name: plain(state) for name, _, state in _named(found)}
-                whole["performance"]["top_speed_limit"] = found.limit or None
-            out.emit(out.json_text(whole), output)
+        whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "states": listed}
+        if found is not None:
+            whole["performance"] = {name: plain(state) for name, _, state in _named(found)}
+            whole["performance"]["top_speed_limit"] = found.limit or None
+        out.emit_rows(list(listed[0]), listed, form, output, whole=whole)
     if picture is not None:
         from propmap.report.pictures import power_curves
 
@@ -175,11 +172,9 @@ def _note_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
     largest = np.nanmax(left, axis=0)
     if largest.max() > NOTHING * craft.vehicle.mass * craft.vehicle.propeller.radius:
         moments = ", ".join(f"{name} {m:.2g}" for name, m in zip("xyz", largest, strict=True))
-        out.print_notes(
-            [
-                f"the rotors cannot balance all moments; up to {moments} N m about these axes are "
-                "left to control surfaces (check position and spin, if there are none)"
-            ]
+        out.note(
+            f"the rotors cannot balance all moments; up to {moments} N m about these axes are "
+            "left to control surfaces (check position and spin, if there are none)"
         )
 
 
@@ -214,7 +209,7 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
             )
         if parts:
             doubts = [*doubts, f"beyond the data of the constants: {'; '.join(parts)}"]
-    out.print_notes(f"{where}{doubt}" for doubt in doubts)
+    out.note(*(f"{where}{doubt}" for doubt in doubts))
 
 
 def plain(state: NamedState | None) -> dict[str, float | None] | None:
@@ -440,16 +435,13 @@ def _fly(
         numbers = [[out.number_or_none(v) for v in each.tolist()] for each in columns.values()]
         names = [*columns, "status"]
         listed = [dict(zip(names, row, strict=True)) for row in zip(*numbers, status, strict=True)]
-        if form is out.Format.csv:
-            out.emit_rows(names, listed, form, output)
-        else:
-            shown = {"time_s": course.time, "charge": course.charge, "voltage_V": course.voltage}
-            over_time = {
-                name: [out.number_or_none(v) for v in each.ravel().tolist()]
-                for name, each in shown.items()
-            }
-            whole = {"vehicle": craft.vehicle.name, "legs": listed, "over_time": over_time}
-            out.emit(out.json_text(whole), output)
+        shown = {"time_s": course.time, "charge": course.charge, "voltage_V": course.voltage}
+        over_time = {
+            name: [out.number_or_none(v) for v in each.ravel().tolist()]
+            for name, each in shown.items()
+        }
+        whole = {"vehicle": craft.vehicle.name, "legs": listed, "over_time": over_time}
+        out.emit_rows(names, listed, form, output, whole=whole)
     if picture is not None:
         from propmap.report.pictures import mission_course
 
