@@ -6,12 +6,14 @@ point in hover.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import scipy.signal
 from scipy.spatial.transform import Rotation
 
 from propmap.cli.fit_flight import read_flights
@@ -28,6 +30,14 @@ V, W, F, P = (agile.VECTORS[name] for name in ("velocity", "rates", "specific_fo
 Q, ROTORS = agile.QUATERNION, agile.ROTORS
 Columns = dict[str, Floats]
 LONGEST = 500
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _filters_are_designed_once() -> Iterator[None]:
+    """The logs here share their rates, and a filter costs more to design than to use."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(scipy.signal, "butter", functools.cache(scipy.signal.butter))
+        yield
 
 
 def vectors(columns: Columns, names: tuple[str, ...]) -> Floats:

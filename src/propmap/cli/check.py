@@ -15,16 +15,28 @@ from typer import Argument, Option, echo
 from propmap.catalogue.lookup import airfoil, propeller
 from propmap.cli import options as opt
 from propmap.cli import output as out
+from propmap.cli.fit_flight import all_level_tables, read_flights
 from propmap.errors import InputError
+from propmap.fit.comparison import (
+    Comparison,
+    compare_forces,
+    compare_level,
+    compare_tunnel,
+    flight_forces,
+    force_trends,
+)
+from propmap.fit.files import FitFile, Source, is_fit, read_fit
+from propmap.fit.flight import wing_values
+from propmap.fit.flight_study import values_for
+from propmap.fit.tunnel import doubts_on_tunnel, read_tunnel, sources
 from propmap.model.corrections import in_words
 from propmap.model.model import Air, Model
 from propmap.model.plausibility import doubts_on_blade
+from propmap.vehicle.files import read_vehicle
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from propmap.fit.comparison import Comparison
-    from propmap.fit.files import FitFile
     from propmap.model.airfoil import Airfoil, SectionTable
     from propmap.report.fit_page import GivenData
 
@@ -47,7 +59,7 @@ def check(
     chosen = out.chosen_format(format_, output)
     law = opt.with_physics(airfoil(fit), model, correction)
     found, learned = _compare(fit, law, data, vehicle, prop)
-    if chosen is out.Format.table:
+    if chosen == "table":
         tables = [_table(found, law)]
         if learned:
             tables.append(_table(learned, law, ", with the learned residual"))
@@ -74,13 +86,8 @@ def _compare(
     fit: Path, law: Airfoil | SectionTable, data: list[str], vehicle: Path | None, prop: str | None
 ) -> tuple[Mapping[str, Comparison], Mapping[str, Comparison]]:
     """Compare the physics, and the physics with a learned residual where the fit has one."""
-    from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
-    from propmap.fit.files import is_fit, read_fit
-
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is None:
-        from propmap.fit.tunnel import doubts_on_tunnel, read_tunnel
-
         if fitted is None and prop is None:
             raise InputError(
                 "which propeller is not said: the file has no table [fit]",
@@ -96,11 +103,6 @@ def _compare(
             opt.note_if_predicted(prop)
         out.note(*doubts_on_blade(blade), *doubts_on_tunnel(data, blade, air))
         return compare_tunnel(model, measured), {}
-
-    from propmap.cli.fit_flight import read_flights
-    from propmap.fit.flight import wing_values
-    from propmap.fit.flight_study import values_for
-    from propmap.vehicle.files import read_vehicle
 
     if prop is not None:
         raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
@@ -178,7 +180,16 @@ def report(
     check_folder(output, REPORT_FILES)
     ending = source.suffix.lower()
     if ending == ".toml":
-        files = _fit_files(source, data or [], vehicle)
+        from propmap.report.fit_page import fit_pages
+
+        file = read_fit(source)
+        if vehicle is not None and not data:
+            raise InputError("--vehicle is for flight logs", "name them with --data")
+        if file.record.kind != "tunnel" and data and vehicle is None:
+            raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
+        given = _given(file, data, vehicle) if data else None
+        digest = hashlib.sha256(source.read_bytes()).hexdigest()
+        files = fit_pages(file, source.name, digest, given)
     elif ending == ".npz":
         if data or vehicle is not None:
             raise InputError(
@@ -199,44 +210,14 @@ def report(
     echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")
 
 
-def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[str, str | bytes]:
-    from propmap.fit.files import read_fit
-
-    file = read_fit(source)
-    if vehicle is not None and not data:
-        raise InputError("--vehicle is for flight logs", "name them with --data")
-    if file.record.kind != "tunnel" and data and vehicle is None:
-        raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
-
-    from propmap.report.fit_page import fit_pages
-
-    given = _given(file, data, vehicle) if data else None
-    digest = hashlib.sha256(source.read_bytes()).hexdigest()
-    return fit_pages(file, source.name, digest, given)
-
-
 def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenData:
     """Compare a fit with the data given beside it."""
-    from propmap.fit.comparison import (
-        compare_forces,
-        compare_level,
-        compare_tunnel,
-        flight_forces,
-        force_trends,
-    )
-    from propmap.fit.files import Source
     from propmap.report.fit_page import GivenData
 
     if vehicle is None:
-        from propmap.fit.tunnel import read_tunnel, sources
-
         measured = read_tunnel(data, file.model.propeller, file.model.air)
         found = compare_tunnel(file.model, measured)
         return GivenData([Source.of(item) for item in sources(data)], found, tunnel=measured)
-
-    from propmap.cli.fit_flight import all_level_tables, read_flights
-    from propmap.fit.flight_study import values_for
-    from propmap.vehicle.files import read_vehicle
 
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]
     flown, files = described.vehicle, [Source.of(path) for path in paths]

@@ -6,19 +6,29 @@ import itertools
 import math
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from typer import Option
 
+from propmap.aircraft.mission import Mission, read_mission
+from propmap.aircraft.ranking import (
+    MEASURES,
+    Candidate,
+    Judged,
+    Ranking,
+    Task,
+    beats,
+    catalogue_candidates,
+    file_candidate,
+    pareto,
+)
+from propmap.aircraft.trim import STATUSES
+from propmap.catalogue.lookup import airfoil as section_law
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError, quoted
-from propmap.tasks import InProcesses, Workers
-
-if TYPE_CHECKING:
-    from propmap.aircraft.mission import Mission
-    from propmap.aircraft.ranking import Candidate, Judged, Ranking, Task
-
+from propmap.model.corrections import corrections_of
+from propmap.tasks import InProcesses, Workers, cores
 
 INCH = 0.0254  # [m]
 SHOWN = {"J": ("Wh", 3600.0), "s": ("min", 60.0), "m": ("km", 1000.0)}
@@ -80,11 +90,6 @@ def choose(
 
     read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
 
-    from propmap.aircraft.ranking import Ranking, Task, catalogue_candidates, file_candidate
-    from propmap.catalogue.lookup import airfoil as section_law
-    from propmap.model.corrections import corrections_of
-    from propmap.tasks import cores
-
     legs = _legs(task)
     name = "mission" if legs else task
     wanted = Task(name, speed, legs, thrust_margin, by or "")
@@ -104,7 +109,7 @@ def choose(
         f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
         f"rho = {read.air.density:.4g} kg/m^3"
     )
-    if form is out.Format.table:
+    if form == "table":
         fit = [one for one in judged if one.feasible]
         shown = fit if all_ else fit[:top]
         ranked = [_table(wanted, shown)] if shown else []
@@ -113,7 +118,6 @@ def choose(
         rows = _rows(wanted, judged)
         out.emit_rows(list(rows[0]), rows, form, output)
     if picture is not None:
-        from propmap.aircraft.ranking import pareto
         from propmap.report.pictures import propeller_choice
 
         out.save_picture(propeller_choice(title, judged, pareto(judged).tolist()), picture)
@@ -135,9 +139,6 @@ def _diameters(text: str | None) -> tuple[float, float]:
 
 def _legs(task: str) -> Mission | None:
     """Read the mission that ``--task`` names, None for another task."""
-    from propmap.aircraft.mission import read_mission
-    from propmap.aircraft.ranking import MEASURES
-
     if task != "mission" and task in MEASURES:
         return None
     if not task.lower().endswith(".csv"):
@@ -168,8 +169,6 @@ def _judged(
 
 def _table(task: Task, judged: list[Judged]) -> out.WideGrid:
     """Make a table of the first propellers of a ranking."""
-    from propmap.aircraft.ranking import beats
-
     unit, size = SHOWN.get(task.unit, (task.unit, 1.0))
     times = any(math.isfinite(one.hover_time) for one in judged)
     cruise = "" if task.speed is None else f"{task.speed:g} m/s"
@@ -213,9 +212,6 @@ def _share(probability: float) -> str:
 
 def _remarks(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
     """Say what the uncertainty does not separate, and why the rest do not fit."""
-    from propmap.aircraft.ranking import beats
-    from propmap.aircraft.trim import STATUSES
-
     fit = [one for one in judged if one.feasible]
     rest = [one for one in judged if not one.feasible]
     remarks: list[Any] = []
@@ -247,8 +243,6 @@ def _remarks(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
 
 def _rows(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
     """List the ranking as rows for files, None for NaN."""
-    from propmap.aircraft.ranking import beats
-
     name = f"{task.ranked_by}_{task.unit.replace('/', '_per_')}"
     rows = []
     for k, one in enumerate(judged):

@@ -10,10 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from typer import Argument, Option, echo
 
+from propmap.catalogue.lookup import airfoil as section_law
+from propmap.catalogue.lookup import propeller
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
+from propmap.fit.files import is_fit, read_fit
 from propmap.model.model import Model
+from propmap.rotor import Rotor
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable
@@ -170,13 +174,9 @@ def _table_of(
                 )
         return LoadTable.load(source)
 
-    from propmap.catalogue.lookup import airfoil, propeller
-    from propmap.fit.files import is_fit, read_fit
-    from propmap.rotor import Rotor
-
     if prop is not None:
         opt.note_if_predicted(prop)
-    law = opt.with_physics(airfoil(source), physics, corrections)
+    law = opt.with_physics(section_law(source), physics, corrections)
     fit = read_fit(source) if prop is None or is_fit(source) else None
     model = (
         fit.model.with_airfoil(law) if fit and prop is None else Model(propeller(prop or ""), law)

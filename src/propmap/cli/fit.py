@@ -6,7 +6,7 @@ import difflib
 import functools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 import typer
@@ -21,13 +21,14 @@ from propmap.cli.app import LazyGroup
 from propmap.errors import InputError, quoted
 from propmap.fit.comparison import (
     MODEL_ERROR,
+    ForwardTrust,
     doubts_on_constants,
     failing_assumptions,
     forward_trust,
 )
 from propmap.fit.files import fit_text
 from propmap.fit.fit import Fitted, Settings, coverage, fit, range_warnings
-from propmap.fit.least_squares import FlightErrors, errors
+from propmap.fit.least_squares import FlightErrors, Rows, errors
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
 from propmap.fit.tunnel import (
     TunnelData,
@@ -52,10 +53,6 @@ from propmap.model.plausibility import (
     doubts_on_points,
 )
 from propmap.typing import Floats
-
-if TYPE_CHECKING:
-    from propmap.fit.comparison import ForwardTrust
-    from propmap.fit.least_squares import Rows
 
 
 class FitCommands(LazyGroup):

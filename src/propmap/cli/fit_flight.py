@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from typer import Argument, Option, echo
@@ -89,10 +89,7 @@ from propmap.vehicle.log import (
 )
 from propmap.vehicle.log_checks import check_recording
 from propmap.vehicle.log_readers import read_recording
-
-if TYPE_CHECKING:
-    from propmap.vehicle.vehicle import Vehicle
-
+from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
 # Logs of flight fits and checks, as samples or as operating points.
@@ -148,7 +145,15 @@ def read_flights(
             f"fewer than {ENOUGH_STRETCHES} steady stretches of {seconds:g} s: the balance of all "
             "forces at all times is fitted instead"
         )
-    remarks += [text for log in logs for text in _too_slow_to_filter(log, low_pass)]
+    needed = FEWEST_PER_PERIOD * low_pass
+    for log in logs:
+        rate = 1.0 / float(np.median(np.diff(log.time)))
+        if rate < needed:
+            remarks.append(
+                f"{log.source}: {rate:.3g} samples per second are too few for a low-pass at "
+                f"{low_pass:g} Hz, which takes {needed:g}, and are fitted as they are: log the "
+                f"slowest signal faster, or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
+            )
     logs = [low_passed(log, low_pass) for log in logs]
     flying = joined([log.picked(airborne(log)) for log in logs], names)
     picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))
@@ -168,18 +173,6 @@ def _recorded(paths: Sequence[Path], file: VehicleFile) -> tuple[list[FlightLog]
         remarks += check_rotor_speed(logs[-1], _nominal_rotor(file), file.vehicle, unit)
         check_rotor_order(logs[-1], file.vehicle)
     return logs, [*remarks, *mixed_vehicles(logs, file.vehicle)]
-
-
-def _too_slow_to_filter(log: FlightLog, low_pass: float) -> list[str]:
-    rate = 1.0 / float(np.median(np.diff(log.time)))
-    needed = FEWEST_PER_PERIOD * low_pass
-    if rate >= needed:
-        return []
-    return [
-        f"{log.source}: {rate:.3g} samples per second are too few for a low-pass at {low_pass:g} "
-        f"Hz, which takes {needed:g}, and are fitted as they are: log the slowest signal faster, "
-        f"or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
-    ]
 
 
 def _points(

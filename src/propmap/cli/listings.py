@@ -65,7 +65,7 @@ def list_airfoils(format_: out.FormatOption = None, output: out.TextOutput = Non
     """List the parameter sets that come with propmap."""
     chosen = out.chosen_format(format_, output)
     sets = [parameter_set(name) for name in airfoil_names()]
-    if chosen is not out.Format.table:
+    if chosen != "table":
         rows = [one.metadata() for one in sets]
         out.emit_rows(list(rows[0]), rows, chosen, output)
         return
@@ -106,7 +106,7 @@ def list_props(
     chosen = out.chosen_format(format_, output)
     text = " ".join(words or [])
     entries = search(text)
-    if chosen is not out.Format.table:
+    if chosen != "table":
         out.emit_rows(ENTRY, [asdict(entry) for entry in entries], chosen, output)
         return
     cells = [(e.name, e.title, str(e.blades), f"{1e3 * e.diameter_m:.1f}") for e in entries]

@@ -271,12 +271,6 @@ NoWakes = Annotated[
     bool, Option("--no-wakes", help="Leave out [wakes], the rotors' wakes on each other.")
 ]
 
-MISSING = {
-    "motor": "power is shaft power: the vehicle file has no [motor]",
-    "esc": "nothing is lost in the speed controllers: the vehicle file has no [esc]",
-    "battery": "no times and no voltage limit: the vehicle file has no [battery]",
-}
-
 
 def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
     """Read a vehicle; with ``no_wakes`` as if its file had no table ``[wakes]``."""
@@ -336,9 +330,13 @@ def checked_rpm(maximum: float | None) -> float:
 def note_missing(vehicle: Vehicle) -> None:
     """Note which tables of the powertrain the vehicle file does not have."""
     power = vehicle.powertrain
-    has = {"motor": power.motor, "esc": power.controller, "battery": power.battery}
-    missing = ["motor"] if power.motor is None else [name for name in MISSING if has[name] is None]
-    note(*(MISSING[name] for name in missing))
+    if power.motor is None:
+        note("power is shaft power: the vehicle file has no [motor]")
+        return
+    if power.controller is None:
+        note("nothing is lost in the speed controllers: the vehicle file has no [esc]")
+    if power.battery is None:
+        note("no times and no voltage limit: the vehicle file has no [battery]")
 
 
 # -------------------------------------------------------------------------------------------------

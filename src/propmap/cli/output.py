@@ -9,9 +9,8 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from typer import Option, echo
 
@@ -28,15 +27,7 @@ PICTURES = (".png", ".svg", ".pdf")
 WIDTH_ELSEWHERE = 160
 """Columns of a table that does not go to a terminal, so that nothing is cut."""
 
-
-class Format(StrEnum):
-    """How rows are shown."""
-
-    table = "table"
-    json = "json"
-    csv = "csv"
-
-
+Format = Literal["table", "json", "csv"]
 FormatOption = Annotated[
     Format | None,
     Option("--format", help="Form of the output; by default as the file's ending says."),
@@ -100,8 +91,9 @@ def chosen_format(wanted: Format | None, output: Path | None) -> Format:
     if output is not None:
         check_output(output)
     if wanted is None and output is not None:
-        return {".json": Format.json, ".csv": Format.csv}.get(output.suffix.lower(), Format.table)
-    return wanted or Format.table
+        ending = output.suffix.lower()
+        return "json" if ending == ".json" else "csv" if ending == ".csv" else "table"
+    return wanted or "table"
 
 
 def emit(text: str, output: Path | None) -> None:
@@ -122,7 +114,7 @@ def emit_rows(
     whole: Any = None,
 ) -> None:
     """Write rows as CSV, or them or a ``whole`` that holds them as JSON."""
-    if form is Format.csv:
+    if form == "csv":
         emit(csv_text(columns, rows), output)
     else:
         emit(json_text(rows if whole is None else whole), output)

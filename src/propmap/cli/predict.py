@@ -59,7 +59,7 @@ def predict(
         opt.note_not_counted(rotor.model)
         if where.further:
             out.note("the deviations leave out what the ground's factor errs by")
-    if chosen is not out.Format.table:
+    if chosen != "table":
         rows = where.rows(loads, spread)
         whole = None if points else rows[0]
         out.emit_rows([*where.columns, *spread], rows, chosen, output, whole=whole)

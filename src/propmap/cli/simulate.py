@@ -14,7 +14,9 @@ from typer import Option, echo
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
+from propmap.fit.parameters import EVERY, Choice
 from propmap.io.csv import RPM
+from propmap.vehicle.files import read_vehicle
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -98,7 +100,6 @@ def simulate_flight(
     out.check_output(output, (".csv",), keep_existing=not force)
     law = opt.with_physics(opt.constants(section), model, correction)
 
-    from propmap.fit.parameters import Choice
     from propmap.flight.simulate import (
         SensorNoise,
         check_sampling,
@@ -109,7 +110,6 @@ def simulate_flight(
         log_table,
         trim,
     )
-    from propmap.vehicle.files import read_vehicle
 
     check_sampling(dwell, rate)
     names = Choice(tuple(name.strip() for name in free.split(","))).free
@@ -146,8 +146,6 @@ def simulate_flight(
 
 
 def _expected(expected: Expectation, flights: int) -> Table:
-    from propmap.fit.parameters import EVERY
-
     found = expected.uncertainty
     rows = [
         (

@@ -16,18 +16,25 @@ from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, loads_csv, std_columns, write_dataset
+from propmap.results import Loads, joined
+from propmap.rotor import Rotor
+from propmap.study.files import StudyFile, Surface, read_study, response_surface
+from propmap.study.run import (
+    VARIABLES,
+    Designs,
+    InMemory,
+    Study,
+    loads_of_designs,
+    run_study,
+    study_layout,
+)
 from propmap.sweep.points import AXES, TEXTS, Grid, attributes, parts_along, quantities
 from propmap.sweep.run import Filed, Sweep, provenance, seconds
 from propmap.sweep.store import Layout, Store, begun
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     import xarray
-
-    from propmap.results import Loads
-    from propmap.rotor import Rotor
-    from propmap.study.files import StudyFile, Surface
-    from propmap.study.run import Study
-    from propmap.typing import Floats
 
 
 # -------------------------------------------------------------------------------------------------
@@ -242,8 +249,6 @@ def _stream(
 
 
 def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
-    from propmap.results import joined
-
     parts, done = [], 0
     with out.progress_bar("operating points") as update:
         while done < points.count:
@@ -295,9 +300,6 @@ def study(
         out.check_output(output, (".nc", ".zarr"), keep_existing=not force)
     out.check_pictures(picture)
 
-    from propmap.study.files import read_study
-    from propmap.study.run import Designs, InMemory, loads_of_designs, run_study, study_layout
-
     read = read_study(file)
     if picture is not None and read.surface is None:
         raise InputError("--picture needs two quantities that vary", "vary another", str(file))
@@ -343,9 +345,6 @@ def _show_surface(
     read: StudyFile, asked: Surface, made: Study, found: xarray.Dataset, picture: Path | None
 ) -> None:
     """Fit the response surface, print how good it is, and draw it."""
-    from propmap.study.files import response_surface
-    from propmap.study.run import VARIABLES
-
     at: dict[str, Any] = {}
     fixed = []
     for dim, (name, unit, _) in AXES.items():

@@ -105,14 +105,14 @@ def show_table(
 ) -> None:
     """Show where a table comes from, its range and its errors."""
     chosen = out.chosen_format(format_, output)
-    if chosen is out.Format.csv:
+    if chosen == "csv":
         raise InputError("what a table holds has no columns", "use --format json")
 
     from propmap.export.files import origin
     from propmap.table import LoadTable
 
     found = LoadTable.load(source)
-    if chosen is out.Format.json:
+    if chosen == "json":
         out.emit(out.json_text({"envelope": found.envelope, **found.info}), output)
     else:
         out.show(output, *origin(found), *certificate_of(found))

@@ -12,8 +12,18 @@ import typer
 from typer import Option, echo
 
 import propmap
-from propmap.aircraft.performance import FASTEST, RPM, columns, performance, rows
-from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft
+from propmap.aircraft.mission import Mission, fly, read_mission
+from propmap.aircraft.performance import (
+    FASTEST,
+    RPM,
+    NamedState,
+    Performance,
+    columns,
+    performance,
+    rows,
+)
+from propmap.aircraft.sensitivity import Spread, spread
+from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft, SteadyStates
 from propmap.catalogue.identified import identified
 from propmap.cli import options as opt
 from propmap.cli import output as out
@@ -24,11 +34,6 @@ from propmap.rotor import Rotor
 
 if TYPE_CHECKING:
     import xarray
-
-    from propmap.aircraft.mission import Mission
-    from propmap.aircraft.performance import NamedState, Performance
-    from propmap.aircraft.sensitivity import Spread
-    from propmap.aircraft.trim import SteadyStates
 
 
 # -------------------------------------------------------------------------------------------------
@@ -90,11 +95,7 @@ def trim(
     form = out.chosen_format(format_, None if netcdf else output)
 
     read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
-    legs = None
-    if mission is not None:
-        from propmap.aircraft.mission import read_mission
-
-        legs = read_mission(mission)
+    legs = read_mission(mission) if mission is not None else None
     craft = opt.aircraft_of(
         read,
         airfoil=airfoil,
@@ -126,15 +127,13 @@ def trim(
             _note_beyond_data(craft, [top], "at the top speed, ")
     sure: list[Spread | None] = [None] * len(flown)
     if bands:
-        from propmap.aircraft.sensitivity import spread
-
         if isinstance(craft.loads, Rotor):
             opt.note_not_counted(craft.loads.model)
         sure = [spread(craft, states) for states in flown]
     if netcdf is not None:
         write_dataset(_dataset(craft, flown, sure, opt.command_line(context)), netcdf)
         echo(f"wrote {netcdf}", err=True)
-    elif form is out.Format.table:
+    elif form == "table":
         tables = (_table(*both, found) for both in zip(flown, sure, strict=True))
         out.show(output, _title(craft), *tables, *_named_lines(found))
     else:
@@ -400,8 +399,6 @@ def _fly(
     craft: Aircraft, legs: Mission, form: out.Format, output: Path | None, picture: Path | None
 ) -> None:
     """Fly a mission, and show it leg by leg or draw it over time."""
-    from propmap.aircraft.mission import fly
-
     flown = fly(craft, legs)
     course = flown.course
     columns = {
@@ -416,7 +413,7 @@ def _fly(
         "voltage_V": course.voltage[:, -1],
     }
     status = flown.status.tolist()
-    if form is out.Format.table:
+    if form == "table":
         heads = "until [s]|V [m/s]|climb [m/s]|time [s]|pitch [deg]|P [W]|energy [J]|charge|U [V]"
         body = out.grid(
             f"{heads}|<status",
