@@ -6,14 +6,12 @@ point in hover.
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-import scipy.signal
 from scipy.spatial.transform import Rotation
 
 from propmap.cli.fit_flight import read_flights
@@ -32,12 +30,7 @@ Columns = dict[str, Floats]
 LONGEST = 500
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _filters_are_designed_once() -> Iterator[None]:
-    """The logs here share their rates, and a filter costs more to design than to use."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(scipy.signal, "butter", functools.cache(scipy.signal.butter))
-        yield
+pytestmark = pytest.mark.usefixtures("filters_once")
 
 
 def vectors(columns: Columns, names: tuple[str, ...]) -> Floats:

@@ -93,7 +93,7 @@ MAKERS: dict[str, tuple[list[str], Found]] = {
         lambda out: json.loads(out)["loads"],
     ),
     "plot map": ([*ROTOR, "--rpm", "4000", "--speed", "13:15", "-o", "x.png"], _drawn),
-    "plot disk": ([*ROTOR, *POINT, "-o", "x.png"], _drawn),
+    "plot disk": ([*ROTOR, *POINT, "-o", "x.csv"], _file("x.csv")),
 }
 """Commands that make a model: their arguments, and what shows its loads."""
 

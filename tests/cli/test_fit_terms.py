@@ -17,6 +17,8 @@ from propmap.vehicle.log import GRAVITY
 from .conftest import Run
 from .test_fit_flight import turning_log
 
+pytestmark = pytest.mark.usefixtures("filters_once", "pictures_as_they_fall")
+
 ASKED: list[dict[str, Any]] = []
 
 

@@ -17,6 +17,8 @@ from propmap.typing import Floats
 
 from .conftest import POINT, ROTOR, Run
 
+pytestmark = pytest.mark.usefixtures("pictures_as_they_fall")
+
 SIGNATURES = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}
 
 

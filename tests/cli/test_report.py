@@ -22,6 +22,8 @@ from .conftest import Run
 from .fit_inputs import FREE, LEVEL, QUICK, VEHICLE, fit_record
 from .invented_tables import certificate, invented, without_figures
 
+pytestmark = pytest.mark.usefixtures("pictures_as_they_fall")
+
 
 def rows_of(path: Path) -> list[dict[str, str]]:
     with path.open(newline="") as file:
