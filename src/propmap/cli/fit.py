@@ -71,7 +71,6 @@ fit_app = typer.Typer(
     name="fit",
     cls=FitCommands,
     help="Identify section constants from measurements.",
-    no_args_is_help=True,
     rich_markup_mode=None,
 )
 

@@ -223,10 +223,8 @@ LowPass = Annotated[
 ]
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
 """Constants of the blade that a flight moves; it says nothing of the others."""
-
 BODY_ALONG_Z = ("drag_area_z", "download_area_x", "download_area_y")
 """Terms of the body that the drag of the rotors' mounts does not take the place of."""
-
 WAKE_PRIORS = {
     "wake_ahead": Prior(1.0, 3.0),
     "wake_beside": Prior(1.0, 1.0),
@@ -235,7 +233,6 @@ WAKE_PRIORS = {
 }
 """The vortex cylinder is right within a factor of about two, and a wake is skewed by the inflow at
 the disk (1) or far below it (2) or by less, as air at the rim is slower."""
-
 # Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
 UNTWIST = Prior(0.02, 0.02)
 CLOCK = Prior(0.0, 0.01)  # [s]; filters of sensors delay them by some milliseconds

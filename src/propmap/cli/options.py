@@ -77,8 +77,6 @@ Corrections = Annotated[
         "hub-loss:radius_m=0.012); may be repeated.",
     ),
 ]
-
-
 ModelName = Literal["recommended", "paper"]  # the keys of ``MODELS``
 ModelOption = Annotated[
     ModelName | None,
@@ -89,8 +87,6 @@ ModelOption = Annotated[
         "the section law's constants were found, else recommended.",
     ),
 ]
-
-
 AccuracyName = Literal["standard", "fine"]
 AirfoilOption = Annotated[
     str | None,

@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 PICTURES = (".png", ".svg", ".pdf")
-
-WIDTH_ELSEWHERE = 160
-"""Columns of a table that does not go to a terminal, so that nothing is cut."""
+WIDTH_ELSEWHERE = 160  # columns of a table that does not go to a terminal, so that nothing is cut
 
 Format = Literal["table", "json", "csv"]
 FormatOption = Annotated[
