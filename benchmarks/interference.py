@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.results_file import machine, write_results
-from propmap.cli.fit_options import BLADE, section_prior
+from propmap.cli.fit import section_prior
+from propmap.cli.fit_flight import BLADE
 from propmap.fit.comparison import flight_forces
 from propmap.fit.flight import ForceModel
 from propmap.fit.parameters import BODY, FIRST_GUESS, FLEX, MOUNT, SECTION, WAKES

@@ -17,8 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.cli.fit_flight import expected, read_pairs, steps
-from propmap.cli.fit_options import flight_priors
+from propmap.cli.fit_flight import expected, flight_priors, read_pairs, steps
 from propmap.fit.comparison import flight_forces
 from propmap.fit.learned_residual import learn
 from propmap.fit.parameters import BODY, FIRST_GUESS, SENSOR, WAKES, constants_of

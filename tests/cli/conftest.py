@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,6 +53,25 @@ def brief_commands() -> Iterator[None]:
     """Brief commands for what tests share."""
     with pytest.MonkeyPatch.context() as patch:
         be_brief(patch)
+        yield
+
+
+@pytest.fixture(scope="module")
+def filters_once() -> Iterator[None]:
+    """Filters for logs of one rate are designed once: that takes longer than to use them."""
+    import scipy.signal
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(scipy.signal, "butter", functools.cache(scipy.signal.butter))
+        yield
+
+
+@pytest.fixture(scope="module")
+def pictures_as_they_fall() -> Iterator[None]:
+    """Pictures are drawn without laying them out, which takes longer; ``tests/report`` does."""
+    with pytest.MonkeyPatch.context() as patch:
+        engine = "matplotlib.layout_engine.ConstrainedLayoutEngine.execute"
+        patch.setattr(engine, lambda *_: None)
         yield
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 
 from propmap.loads import LOADS
 from propmap.table import LoadTable
@@ -30,6 +31,13 @@ def invented() -> LoadTable:
             },
         )
     )
+
+
+def without_figures(patch: pytest.MonkeyPatch) -> None:
+    """Pages on tables are written without drawing, for tests of their words."""
+    for name in ("cell", "curve", "map", "hover"):
+        patch.setattr(f"propmap.report.table_page.{name}_figure", lambda _: None)
+    patch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")
 
 
 def certificate(unresolved_cells: int) -> dict[str, Any]:

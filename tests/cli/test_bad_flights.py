@@ -30,6 +30,9 @@ Columns = dict[str, Floats]
 LONGEST = 500
 
 
+pytestmark = pytest.mark.usefixtures("filters_once")
+
+
 def vectors(columns: Columns, names: tuple[str, ...]) -> Floats:
     return np.stack([columns[name] for name in names], axis=1)
 

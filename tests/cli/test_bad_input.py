@@ -104,6 +104,7 @@ CASES: list[tuple[list[str], str]] = [
     (["plot", "planform", "apc-8x6f", "-o", "out.png"], "apc-8x6e"),
     (["plot", "disk", *ROTOR, *POINT[:4], "--beta", "nan", "-o", "out.png"], "beta"),
     (["plot"], "command"),
+    (["fit"], "Missing command"),
     (["props", "show", "apc-8x6f"], "apc-8x6e"),
     (["airfoils", "show", "paper"], "paper-apc"),
     (["fly"], "fly"),

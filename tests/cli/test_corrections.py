@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import json
 from collections.abc import Callable, Iterator
@@ -16,6 +17,7 @@ import propmap
 from propmap.cli.app import app
 from propmap.model.airfoil import parameter_set
 from propmap.table import LoadTable, build_table
+from propmap.tasks import InTurn
 from tests.fit.fit_records import fit_text
 
 from .conftest import POINT, ROTOR, Run, be_brief
@@ -91,7 +93,7 @@ MAKERS: dict[str, tuple[list[str], Found]] = {
         lambda out: json.loads(out)["loads"],
     ),
     "plot map": ([*ROTOR, "--rpm", "4000", "--speed", "13:15", "-o", "x.png"], _drawn),
-    "plot disk": ([*ROTOR, *POINT, "-o", "x.png"], _drawn),
+    "plot disk": ([*ROTOR, *POINT, "-o", "x.csv"], _file("x.csv")),
 }
 """Commands that make a model: their arguments, and what shows its loads."""
 
@@ -144,6 +146,9 @@ def test_a_correction_acts(run: Run, monkeypatch: pytest.MonkeyPatch, name: str)
     # It takes most of the time of `trim`, and the powers tell enough.
     found_at_once = "propmap.aircraft.performance.searched"
     monkeypatch.setattr(found_at_once, lambda _, states, __: (30.0, "", states))
+    # Processes of their own would know nothing of this.
+    in_turn = contextlib.nullcontext(InTurn())
+    monkeypatch.setattr("propmap.cli.choose.InProcesses", lambda _: in_turn)
     arguments, found = MAKERS[name]
     results = []
     for added in ([], TIP_LOSS):

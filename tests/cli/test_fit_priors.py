@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.cli.fit_options import choice_of, section_prior
+from propmap.cli.fit import choice_of, section_prior
 from propmap.fit.files import FitFile, read_fit
 from propmap.fit.parameters import Choice
 from propmap.loads import LOADS

@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from propmap.fit import flight_study
 from propmap.fit.flight_study import FittedStep, Flight, Off, Step
 from propmap.units import GRAVITY
 
 from .conftest import Run
 from .test_fit_flight import turning_log
+
+pytestmark = pytest.mark.usefixtures("filters_once", "pictures_as_they_fall")
 
 ASKED: list[dict[str, Any]] = []
 
@@ -38,7 +39,7 @@ def made_up(
 @pytest.fixture
 def flown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Two logs with a prediction beside them, the vehicle, and no fitting."""
-    monkeypatch.setattr(flight_study, "fit_terms", made_up)
+    monkeypatch.setattr("propmap.cli.fit_flight.fit_terms", made_up)
     ASKED.clear()
     log = turning_log(tmp_path, 400)
     with log.open() as lines:

@@ -11,6 +11,8 @@ from propmap.report.pictures import MeasuredLoads
 
 from .conftest import POINT, ROTOR, Run
 
+pytestmark = pytest.mark.usefixtures("pictures_as_they_fall")
+
 SIGNATURES = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
+import sys
 from pathlib import Path
+from types import FrameType
 
 import numpy as np
 import pytest
@@ -196,3 +198,23 @@ def test_an_empty_height_in_a_file_is_named(run: Run, tmp_path: Path) -> None:
 
 def test_a_table_has_no_height(run: Run) -> None:
     assert "--height" in run("table", *ROTOR, "--height", 1).err
+
+
+def test_the_way_to_the_core_leads_through_few_files(run: Run) -> None:
+    """Of the package, functions of at most so many files are called; see docs/architecture.md."""
+    assert run("predict", "apc-8x6e", *POINT).code == 0  # imports are no part of the way
+    root, files = Path(propmap.__file__).parent, set()
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        if event == "call":
+            files.add(frame.f_code.co_filename)
+
+    before = sys.getprofile()
+    sys.setprofile(note)
+    try:
+        run("predict", "apc-8x6e", *POINT)
+    finally:
+        sys.setprofile(before)
+    way = {Path(name).relative_to(root).as_posix() for name in files if root in Path(name).parents}
+    assert {"cli/app.py", "cli/predict.py", "rotor.py", "operating_points.py"} <= way
+    assert len(way) <= 25, sorted(way)

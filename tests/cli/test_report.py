@@ -20,7 +20,9 @@ from tests.fit.fit_records import fit_text
 
 from .conftest import Run
 from .fit_inputs import FREE, LEVEL, QUICK, VEHICLE, fit_record
-from .invented_tables import certificate, invented
+from .invented_tables import certificate, invented, without_figures
+
+pytestmark = pytest.mark.usefixtures("pictures_as_they_fall")
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
@@ -173,7 +175,7 @@ def test_a_table(run: Run, tmp_path: Path) -> None:
 def test_tables_that_are_not_certified_or_do_not_hold(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")  # words are all
+    without_figures(monkeypatch)
     invented().save("map.npz")
     assert run("report", "map.npz", "-o", "out").code == 0
     assert "As a copy of the model: not known" in page_of(tmp_path / "out")

@@ -12,7 +12,7 @@ from propmap.cli import sweep
 
 from .conftest import ROTOR, Run
 
-pytestmark = pytest.mark.usefixtures("brief")
+pytestmark = pytest.mark.usefixtures("brief", "pictures_as_they_fall")
 
 GRID = ["--rpm", "4000,4200", "--speed", "14:16:2", "--beta", "80:90:2"]
 

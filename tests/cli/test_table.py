@@ -19,7 +19,7 @@ from propmap.table import LoadTable, build_table
 from tests.fit.fit_records import fit_text, parameter
 
 from .conftest import ROTOR, Run
-from .invented_tables import certificate, invented
+from .invented_tables import certificate, invented, without_figures
 
 SMALL = ["--rpm", "4000:4400", "--speed", "14:16", "--beta", "75:90", "--tolerance", "5%"]
 
@@ -42,6 +42,9 @@ def _built(rotor: propmap.Rotor, **options: Any) -> LoadTable:
 @pytest.fixture(autouse=True)
 def _short_certificate(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("propmap.table.build.build_table", _built)
+    # How few errors are overlooked is a question for `tests/table`.
+    monkeypatch.setattr("propmap.table.build.PATROL_POINTS", 256)
+    monkeypatch.setattr("propmap.table.certificate.FEWEST_CLIMBS", 2)
 
 
 def test_a_table_is_filed_and_its_certificate_shown(run: Run, tmp_path: Path) -> None:
@@ -123,7 +126,7 @@ def test_a_certificate_from_before_the_search_is_shown(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It does not say where its largest errors are, nor that they were searched for."""
-    monkeypatch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")  # words are all
+    without_figures(monkeypatch)
     content = invented().content
     later = ("search_points", "max_omega", "max_speed", "max_beta")
     told = {k: v for k, v in certificate(unresolved_cells=0).items() if k not in later}

@@ -365,7 +365,7 @@ def test_by_command(
     assert "_wakes(" not in Path("still/vehicle_2_inch_test.h").read_text()
     assert "--no-wakes was given" in " ".join(Path("still/README-c.txt").read_text().split())
     for arguments, message in (
-        (("--to", "c"), "give it as --table TABLE.npz"),
+        (("--to", "c"), "give it as --table FILE.npz"),
         (("--to", "gazebo", "--table", "map.npz"), "gazebo is written of a table alone"),
         (("--to", "c", "--table", "map.npz", "--prop", "apc-8x6e"), "--prop is given with --to c"),
         (("--to", "c", "--table", "map.npz", "--charge", "1"), "--charge is given with --to c"),

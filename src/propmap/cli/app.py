@@ -1,7 +1,8 @@
-"""The entry point: the commands together, and errors as one line."""
+"""The entry point: commands that are imported when they are asked for, and errors in one line."""
 
 from __future__ import annotations
 
+import importlib
 import io
 import os
 import sys
@@ -11,9 +12,10 @@ from contextlib import contextmanager
 from typing import Annotated, Any, ClassVar
 
 import typer
+from typer import Option, echo
+from typer.core import TyperGroup
 
 import propmap
-from propmap.cli.lazy_group import LazyGroup
 from propmap.errors import DRAG_FACTOR, InputError
 
 INTERRUPTED = 130
@@ -22,21 +24,45 @@ INTERRUPTED = 130
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
+class LazyGroup(TyperGroup):
+    """A group that imports the module of a command when that command, or all help, is asked for."""
+
+    places: ClassVar[dict[str, str]]  # "module.function" within ``propmap.cli``, by command
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__(**given)
+        none_yet: Any = dict.fromkeys(self.places)
+        self.commands = none_yet
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return the command, imported on first use, or None where there is none of the name."""
+        if cmd_name in self.places and self.commands[cmd_name] is None:
+            module, _, name = self.places[cmd_name].partition(".")
+            found = getattr(importlib.import_module(f"propmap.cli.{module}"), name)
+            if isinstance(found, typer.Typer):
+                self.commands[cmd_name] = typer.main.get_group(found)
+            else:
+                alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+                alone.command(cmd_name)(found)
+                self.commands[cmd_name] = typer.main.get_command(alone)
+        return super().get_command(ctx, cmd_name)
+
+
 class Commands(LazyGroup):
     """All commands, in the order in which help lists them."""
 
     places: ClassVar = {
         "predict": "predict.predict",
         "sweep": "sweep.sweep",
-        "study": "study.study",
+        "study": "sweep.study",
         "table": "table.table",
-        "show": "show.show_table",
+        "show": "table.show_table",
         "export": "export.export",
         "trim": "trim.trim",
         "choose": "choose.choose",
         "check": "check.check",
-        "report": "report.report",
-        "explore": "explore.explore",
+        "report": "check.report",
+        "explore": "plot.explore",
         "fit": "fit.fit_app",
         "simulate": "simulate.simulate_app",
         "plot": "plot.plot_app",
@@ -47,7 +73,7 @@ class Commands(LazyGroup):
 
 app = typer.Typer(
     cls=Commands,
-    help="A propeller's six loads, from hover to fast oblique flight.",
+    help="Predict a propeller's six loads, from hover to fast oblique flight.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -56,22 +82,21 @@ app = typer.Typer(
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"propmap {propmap.__version__}")
+        echo(f"propmap {propmap.__version__}")
         raise typer.Exit
 
 
 @app.callback()
 def _options(
     version: Annotated[
-        bool,
-        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+        bool, Option("--version", callback=_show_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
     pass
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; returns the exit code: 0, 2 for bad input, 130 when interrupted.
+    """Run a command and return its exit code: 0, 2 for bad input, 130 when interrupted.
 
     The ``arguments``, without the program's name, are by default those of the process.
     """
@@ -98,29 +123,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
         reason = error.strerror or str(error)
         return _fail(f"{error.filename}: {reason}" if error.filename else reason)
     if code == INTERRUPTED:
-        typer.echo("propmap: interrupted", err=True)
+        echo("propmap: interrupted", err=True)
     return code or 0
 
 
 @contextmanager
 def _deprecations_in_one_line() -> Iterator[None]:
-    """What is deprecated in propmap as a line of its own, once."""
-    said: list[str] = []
+    """Print what is deprecated in propmap as a line of its own, once."""
+    printed: list[str] = []
     with warnings.catch_warnings():
         show = warnings.showwarning
 
-        def tell(message: Any, *where: Any) -> None:
+        def show_once(message: Any, *where: Any) -> None:
             if str(message) != DRAG_FACTOR:
                 show(message, *where)
-            elif not said:
-                said.append(DRAG_FACTOR)
-                typer.echo(f"propmap: warning: {message}", err=True)
+            elif not printed:
+                printed.append(DRAG_FACTOR)
+                echo(f"propmap: warning: {message}", err=True)
 
         warnings.filterwarnings("always", DRAG_FACTOR, DeprecationWarning)
-        warnings.showwarning = tell  # type: ignore[assignment]
+        warnings.showwarning = show_once  # type: ignore[assignment]
         yield
 
 
 def _fail(message: str) -> int:
-    typer.echo(f"propmap: error: {' '.join(message.split())}", err=True)
+    echo(f"propmap: error: {' '.join(message.split())}", err=True)
     return 2

@@ -1,164 +1,139 @@
-"""``propmap check``: a parameter set against measurements it has not seen."""
+"""``propmap check`` and ``propmap report``: a fit against measurements, as errors or as a page."""
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 import numpy as np
-import typer
+from typer import Argument, Option, echo
 
-from propmap.catalogue.lookup import airfoil
-from propmap.cli.options import (
-    Corrections,
-    ModelOption,
-    say_doubts,
-    say_expected,
-    say_reynolds,
-    with_physics,
-)
-from propmap.cli.output import (
-    Format,
-    FormatOption,
-    TextOutput,
-    chosen_format,
-    emit,
-    grid,
-    json_text,
-    show,
-)
+from propmap.catalogue.lookup import airfoil, propeller
+from propmap.cli import options as opt
+from propmap.cli import output as out
+from propmap.cli.fit_flight import all_level_tables, read_flights
 from propmap.errors import InputError
-from propmap.io.csv import csv_text
+from propmap.fit.comparison import (
+    Comparison,
+    compare_forces,
+    compare_level,
+    compare_tunnel,
+    flight_forces,
+    force_trends,
+)
+from propmap.fit.files import FitFile, Source, is_fit, read_fit
+from propmap.fit.flight import wing_values
+from propmap.fit.flight_study import values_for
+from propmap.fit.tunnel import doubts_on_tunnel, read_tunnel, sources
 from propmap.model.corrections import in_words
 from propmap.model.model import Air, Model
 from propmap.model.plausibility import blade_warnings
+from propmap.vehicle.files import read_vehicle
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from propmap.fit.comparison import Comparison
-    from propmap.fit.learned_residual import Correction
     from propmap.model.airfoil import Airfoil, SectionTable
+    from propmap.report.fit_page import GivenData
 
 
 def check(
-    fit: Annotated[Path, typer.Argument(metavar="FIT.toml", help="Fit, parameter set or table.")],
-    data: Annotated[
-        list[str], typer.Argument(metavar="DATA...", help="Tunnel data, or flight logs.")
+    fit: Annotated[
+        Path, Argument(metavar="FIT.toml", help="Fit, parameter set or section table to check.")
     ],
-    vehicle: Annotated[
-        Path | None,
-        typer.Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle, for flight logs."),
-    ] = None,
+    data: Annotated[list[str], Argument(metavar="DATA...", help="Tunnel data, or flight logs.")],
+    vehicle: opt.VehicleOfLogs = None,
     prop: Annotated[
-        str | None,
-        typer.Option("--prop", metavar="PROP", help="Propeller, where the file has no [fit]."),
+        str | None, Option(metavar="PROP", help="Propeller, where the file has no [fit].")
     ] = None,
-    model: ModelOption = None,
-    correction: Corrections = None,
-    format_: FormatOption = None,
-    output: TextOutput = None,
+    model: opt.ModelOption = None,
+    correction: opt.Corrections = None,
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
 ) -> None:
-    """Errors per load and band of speed, beside the hover model's."""
-    chosen = chosen_format(format_, output)
-    law = with_physics(airfoil(fit), model, correction)
+    """Compare a fit with measurements it has not seen."""
+    chosen = out.chosen_format(format_, output)
+    law = opt.with_physics(airfoil(fit), model, correction)
     found, learned = _compare(fit, law, data, vehicle, prop)
-    if chosen is Format.table:
+    if chosen == "table":
         tables = [_table(found, law)]
         if learned:
             tables.append(_table(learned, law, ", with the learned residual"))
-        show(output, *tables)
+        out.show(output, *tables)
         return
     loads = {
         name: _numbers(c.all) | {"by_speed": {band: _numbers(e) for band, e in c.by_speed.items()}}
         for name, c in found.items()
     }
-    if chosen is Format.json:
-        rows = max((c.all.rows for c in found.values()), default=0)
-        told = {"corrections": list(law.corrections or ()), "rows": rows, "loads": loads}
-        if learned:
-            told["with_learned_residual"] = {n: _numbers(c.all) for n, c in learned.items()}
-        emit(json_text(told), output)
-        return
+    rows = max((c.all.rows for c in found.values()), default=0)
+    whole = {"corrections": list(law.corrections or ()), "rows": rows, "loads": loads}
+    if learned:
+        whole["with_learned_residual"] = {n: _numbers(c.all) for n, c in learned.items()}
     columns = ("load", "band", "rows", "rms", "relative_rms", "bias", "worst", "hover_rms")
     bands = [
         {"load": name, "band": band} | numbers
         for name, load in loads.items()
         for band, numbers in {"all": load, **load["by_speed"]}.items()
     ]
-    emit(csv_text(columns, bands), output)
+    out.emit_rows(columns, bands, chosen, output, whole=whole)
 
 
 def _compare(
     fit: Path, law: Airfoil | SectionTable, data: list[str], vehicle: Path | None, prop: str | None
-) -> tuple[dict[str, Comparison], dict[str, Comparison]]:
-    """Errors of the physics, and of it with a learned residual where the fit has one."""
-    from propmap.catalogue.lookup import propeller
-    from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
-    from propmap.fit.files import is_fit, read_fit
-    from propmap.fit.flight_study import values_for
-
+) -> tuple[Mapping[str, Comparison], Mapping[str, Comparison]]:
+    """Compare the physics, and the physics with a learned residual where the fit has one."""
     fitted = read_fit(fit) if is_fit(fit) else None
-    if vehicle is not None:
-        from propmap.cli.fit_flight import read_flights
-        from propmap.fit.flight import wing_values
-        from propmap.vehicle.files import read_vehicle
-
+    if vehicle is None:
+        if fitted is None and prop is None:
+            raise InputError(
+                "which propeller is not said: the file has no table [fit]",
+                "add --prop NAME",
+                str(fit),
+            )
+        air = fitted.model.air if fitted else Air()
+        blade = fitted.model.propeller if fitted and prop is None else propeller(prop or "")
+        model = Model(blade, law, air)
+        measured = read_tunnel(data, blade, air)
+        opt.note_reynolds(model, measured.omega, measured.speed, measured.beta)
         if prop is not None:
-            raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
-        file = read_vehicle(vehicle)
-        paths = [Path(item) for item in data]
-        cutoff = fitted.low_pass if fitted else 0.0
-        flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31, low_pass=cutoff)
-        values, told = wing_values(file.vehicle), list[str]()
-        if fitted:
-            values, told = values_for(fitted, file.vehicle, flights.log, paths)
-        forces = flight_forces(file.vehicle, flights.log, law, values)
-        for text in (*flights.remarks, *told):
-            typer.echo(f"note: {text}", err=True)
-        errors = compare_forces(file.vehicle, flights.log, forces)
-        learned = fitted.learned_residual if fitted else None
-        if learned is None:
-            return errors, {}
-        added = learned.at(file.vehicle, flights.log)
-        with_it = np.concatenate([forces.model[:, :3] + added.force, forces.model[:, 3:]], axis=1)
-        typer.echo(f"note: {_envelope(added)}", err=True)
-        corrected = compare_forces(file.vehicle, flights.log, replace(forces, model=with_it))
-        return errors, corrected
-    from propmap.fit.tunnel import doubts_on_tunnel, read_tunnel
+            opt.note_if_predicted(prop)
+        out.note(*blade_warnings(blade), *doubts_on_tunnel(data, blade, air))
+        return compare_tunnel(model, measured), {}
 
-    if fitted is None and prop is None:
-        raise InputError(
-            "which propeller is not said: the file has no table [fit]", "add --prop NAME", str(fit)
-        )
-    air = fitted.model.air if fitted else Air()
-    blade = fitted.model.propeller if fitted and prop is None else propeller(prop or "")
-    model = Model(blade, law, air)
-    measured = read_tunnel(data, blade, air)
-    say_reynolds(model, measured.omega, measured.speed, measured.beta)
     if prop is not None:
-        say_expected(prop)
-    say_doubts([*blade_warnings(blade), *doubts_on_tunnel(data, blade, air)])
-    return compare_tunnel(model, measured), {}
-
-
-def _envelope(added: Correction) -> str:
-    """Where a learned residual acts, in words."""
-    faded, off = (float(np.mean(added.status == word)) for word in ("faded", "off"))
-    return (
-        "the fit has a learned residual, told apart from the physics; outside the flights that it "
-        f"was trained on it fades at {100.0 * faded:.1f} % of the samples and is off at "
-        f"{100.0 * off:.1f} %"
+        raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
+    file = read_vehicle(vehicle)
+    flown, paths = file.vehicle, [Path(item) for item in data]
+    cutoff = fitted.low_pass if fitted else 0.0
+    _, log, remarks = read_flights(paths, file, "balance", low_pass=cutoff)
+    values, more = values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
+    forces = flight_forces(flown, log, law, values)
+    out.note(*remarks, *more)
+    errors = compare_forces(flown, log, forces)
+    learned = fitted.learned_residual if fitted else None
+    if learned is None:
+        return errors, {}
+    added = learned.at(flown, log)
+    with_it = np.concatenate([forces.model[:, :3] + added.force, forces.model[:, 3:]], axis=1)
+    faded, off = (100.0 * float(np.mean(added.status == word)) for word in ("faded", "off"))
+    out.note(
+        "the fit has a learned residual, apart from the physics; outside the flights that it "
+        f"was trained on it fades at {faded:.1f} % of the samples and is off at {off:.1f} %"
     )
+    return errors, compare_forces(flown, log, replace(forces, model=with_it))
 
 
 def _numbers(errors: Any) -> dict[str, Any]:
     return {k: None if np.isnan(v) else v for k, v in msgspec.structs.asdict(errors).items()}
 
 
-def _table(found: dict[str, Comparison], law: Airfoil | SectionTable, besides: str = "") -> Table:
+def _table(
+    found: Mapping[str, Comparison], law: Airfoil | SectionTable, besides: str = ""
+) -> Table:
     rows = [
         (
             name if band == "all" else "",
@@ -173,6 +148,85 @@ def _table(found: dict[str, Comparison], law: Airfoil | SectionTable, besides: s
         for name, c in found.items()
         for band, e in {"all": c.all, **c.by_speed}.items()
     ]
-    added = f", with {in_words(law.corrections or ())}{besides}"
+    physics = f", with {in_words(law.corrections or ())}{besides}"
     heads = "<load|<speed|rows|rms|relative|bias|worst|hover model's rms"
-    return grid(heads, rows, f"Model minus measurement{added}")
+    return out.grid(heads, rows, f"Model minus measurement{physics}")
+
+
+# -------------------------------------------------------------------------------------------------
+# ``propmap report``: a page on a fit or a table.
+
+
+def report(
+    source: Annotated[Path, Argument(metavar="FIT|TABLE", help="Fit (.toml) or table (.npz).")],
+    output: out.FolderOutput,
+    data: Annotated[
+        list[str] | None,
+        Option(
+            metavar="DATA",
+            help="Draw these tunnel data or flight logs and check a fit with them; may be "
+            "repeated.",
+        ),
+    ] = None,
+    vehicle: opt.VehicleOfLogs = None,
+) -> None:
+    """Write a page that says how far to trust a fit or a table.
+
+    FOLDER gets index.html with all figures inside, and every figure as SVG and CSV; the files
+    are there all at once or not at all.
+    """
+    from propmap.report.html import PAGE, REPORT_FILES, check_folder, write_folder
+
+    check_folder(output, REPORT_FILES)
+    ending = source.suffix.lower()
+    if ending == ".toml":
+        from propmap.report.fit_page import fit_pages
+
+        file = read_fit(source)
+        if vehicle is not None and not data:
+            raise InputError("--vehicle is for flight logs", "name them with --data")
+        if file.record.kind != "tunnel" and data and vehicle is None:
+            raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
+        given = _given(file, data, vehicle) if data else None
+        digest = hashlib.sha256(source.read_bytes()).hexdigest()
+        files = fit_pages(file, source.name, digest, given)
+    elif ending == ".npz":
+        if data or vehicle is not None:
+            raise InputError(
+                "--data and --vehicle are for fits",
+                "compare data with the fit the table was built from",
+            )
+        from propmap.report.table_page import table_pages
+        from propmap.table import LoadTable
+
+        files = table_pages(LoadTable.load(source), source.name)
+    else:
+        raise InputError(
+            f"the file's ending is {source.suffix!r}",
+            "give a fit (.toml) or a table (.npz)",
+            str(source),
+        )
+    write_folder(output, files, REPORT_FILES)
+    echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")
+
+
+def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenData:
+    """Compare a fit with the data given beside it."""
+    from propmap.report.fit_page import GivenData
+
+    if vehicle is None:
+        measured = read_tunnel(data, file.model.propeller, file.model.air)
+        found = compare_tunnel(file.model, measured)
+        return GivenData([Source.of(item) for item in sources(data)], found, tunnel=measured)
+
+    described, paths = read_vehicle(vehicle), [Path(item) for item in data]
+    flown, files = described.vehicle, [Source.of(path) for path in paths]
+    if all_level_tables(paths):
+        _, log, _ = read_flights(paths, described, "level")
+        errors = compare_level(flown, log, file.airfoil, file.values)
+        return GivenData(files, errors, level=(flown, log))
+    _, log, _ = read_flights(paths, described, "balance", low_pass=file.low_pass)
+    values, _ = values_for(file, flown, log, paths)
+    forces = flight_forces(flown, log, file.airfoil, values)
+    errors = compare_forces(flown, log, forces)
+    return GivenData(files, errors, residuals=force_trends(flown, log, forces))

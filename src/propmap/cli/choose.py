@@ -5,156 +5,122 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, Literal
 
-import typer
+from typer import Option
 
-from propmap.cli.aircraft_options import (
-    Charge,
-    MaximumRpm,
-    NoWakes,
-    VehicleArgument,
-    checked_rpm,
-    say_missing,
-    vehicle_of,
+from propmap.aircraft.mission import Mission, read_mission
+from propmap.aircraft.ranking import (
+    MEASURES,
+    Candidate,
+    Judged,
+    Ranking,
+    Task,
+    beats,
+    catalogue_candidates,
+    file_candidate,
+    pareto,
 )
-from propmap.cli.options import Cluster, Corrections, ModelName, ModelOption, workers_of
-from propmap.cli.output import (
-    Format,
-    FormatOption,
-    TextOutput,
-    WideGrid,
-    check_pictures,
-    chosen_format,
-    emit_rows,
-    grid,
-    show,
-)
+from propmap.aircraft.trim import STATUSES
+from propmap.catalogue.lookup import airfoil as section_law
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError, quoted
-from propmap.tasks import InProcesses, Workers
+from propmap.model.corrections import corrections_of
+from propmap.tasks import InProcesses, Workers, cores
 from propmap.units import INCH
 
-if TYPE_CHECKING:
-    from propmap.aircraft.mission import Mission
-    from propmap.aircraft.ranking import Candidate, Judged, Ranking, Task
-
-
-# -------------------------------------------------------------------------------------------------
-# ``propmap choose``: which propeller suits an aircraft.
-
-
-class Measure(StrEnum):
-    """What a task may be ranked by."""
-
-    energy = "energy"
-    time = "time"
-    range = "range"
+SHOWN = {"J": ("Wh", 3600.0), "s": ("min", 60.0), "m": ("km", 1000.0)}
+"""Units of scores as tables show them, and how much of the unit in files that is."""
+SURE = 0.95  # probability below which neighbours are said not to be separated
 
 
 def choose(
-    vehicle: VehicleArgument,
-    speed: Annotated[
-        float | None, typer.Option("--speed", help="Cruise speed [m/s], needed to cruise.")
-    ] = None,
+    vehicle: opt.VehicleArgument,
+    speed: Annotated[float | None, Option(help="Cruise speed [m/s], needed to cruise.")] = None,
     task: Annotated[
         str,
-        typer.Option(
-            "--task",
+        Option(
             metavar="hover|cruise|fast|FILE.csv",
-            help="Ranked by hover power, energy per metre, top speed, a mission's energy.",
+            help="Rank by hover power, energy per metre, top speed or a mission's energy.",
         ),
     ] = "cruise",
     by: Annotated[
-        Measure | None,
-        typer.Option("--by", help="Hover or cruise ranked by this instead of energy."),
+        Literal["energy", "time", "range"] | None,
+        Option(help="Rank hover or cruise by this instead of energy."),
     ] = None,
     diameter: Annotated[
-        str | None, typer.Option("--diameter", metavar="A:B", help="Of the propellers [in].")
+        str | None, Option(metavar="A:B", help="Diameters of the propellers [in].")
     ] = None,
-    blades: Annotated[int | None, typer.Option("--blades", help="How many they have.")] = None,
+    blades: Annotated[int | None, Option(help="Number of blades of the propellers.")] = None,
     propeller: Annotated[
-        list[str] | None,
-        typer.Option("--propeller", metavar="FILE", help="Another one; may be repeated."),
+        list[str] | None, Option(metavar="FILE", help="Rank this one, too; may be repeated.")
     ] = None,
     airfoil: Annotated[
-        str | None,
-        typer.Option("--airfoil", metavar="NAME|FILE", help="Section law of those of --propeller."),
+        str | None, Option(metavar="NAME|FILE", help="Section law of each --propeller.")
     ] = None,
     thrust_margin: Annotated[
-        float, typer.Option("--thrust-margin", help="That hover must leave, 2 for twice.")
+        float, Option(help="Least ratio of largest thrust to weight in hover.")
     ] = 1.5,
-    top: Annotated[
-        int, typer.Option("--top", min=1, help="How many are shown, and compared closely.")
-    ] = 10,
-    all_: Annotated[
-        bool, typer.Option("--all", help="Show those that do not fit as well.")
-    ] = False,
-    model: ModelOption = None,
-    correction: Corrections = None,
-    max_rpm: MaximumRpm = None,
-    charge: Charge = 1.0,
-    no_wakes: NoWakes = False,
+    top: Annotated[int, Option(min=1, help="How many are shown, and compared closely.")] = 10,
+    all_: Annotated[bool, Option("--all", help="Show propellers that do not fit, too.")] = False,
+    model: opt.ModelOption = None,
+    correction: opt.Corrections = None,
+    max_rpm: opt.MaximumRpm = None,
+    charge: opt.Charge = 1.0,
+    no_wakes: opt.NoWakes = False,
     picture: Annotated[
-        Path | None, typer.Option("--picture", metavar="FILE", help="Hover power and top speed.")
+        Path | None, Option(metavar="FILE", help="Draw hover power and top speed.")
     ] = None,
-    format_: FormatOption = None,
-    output: TextOutput = None,
-    cluster: Cluster = None,
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
+    cluster: opt.Cluster = None,
 ) -> None:
-    """Rank the propellers of the catalogue on an aircraft, those that fit first."""
+    """Rank the propellers of the catalogue on an aircraft."""
     sizes = _diameters(diameter)
-    largest = checked_rpm(max_rpm)
-    check_pictures(picture)
-    form = chosen_format(format_, output)
+    largest = opt.checked_rpm(max_rpm)
+    out.check_pictures(picture)
+    form = out.chosen_format(format_, output)
     if airfoil is not None and not propeller:
         raise InputError(
             "--airfoil is given without --propeller",
             "leave it out: propellers of the catalogue have their own constants",
         )
 
-    read = vehicle_of(vehicle, no_wakes=no_wakes)
-
-    from propmap.aircraft.ranking import Ranking, Task, catalogue_candidates, file_candidate
-    from propmap.catalogue.lookup import airfoil as section_law
-    from propmap.model.corrections import corrections_of
-    from propmap.tasks import cores
+    read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
 
     legs = _legs(task)
     name = "mission" if legs else task
-    wanted = Task(name, speed, legs, thrust_margin, by.value if by else "")
-    if by in (Measure.time, Measure.range) and read.powertrain.battery is None:
-        raise InputError(f"--by {by.value}: the vehicle file has no [battery]", "add it")
+    wanted = Task(name, speed, legs, thrust_margin, by or "")
+    if by in ("time", "range") and read.powertrain.battery is None:
+        raise InputError(f"--by {by}: the vehicle file has no [battery]", "add it")
     law = section_law(airfoil) if airfoil else None
     own = [file_candidate(name, law) for name in propeller or ()]
     there = {one.name for one in own if law is None}
     others = catalogue_candidates(sizes, blades)
     candidates = [*own, *(one for one in others if one.name not in there)]
-    corrections = tuple(corrections_of(model or ModelName.recommended, correction or ()))
-    say_missing(read)
+    corrections = tuple(corrections_of(model or "recommended", correction or ()))
+    opt.note_missing(read)
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
-    with InProcesses(cores()) as here, workers_of(cluster, here) as workers:
+    with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:
         judged = _judged(ranking, candidates, top, workers)
     title = (
         f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
         f"rho = {read.air.density:.4g} kg/m^3"
     )
-    if form is Format.table:
+    if form == "table":
         fit = [one for one in judged if one.feasible]
         shown = fit if all_ else fit[:top]
-        ranked = [table_of(wanted, shown)] if shown else []
-        show(output, title, *ranked, *told_of(judged, top, all_=all_))
+        ranked = [_table(wanted, shown)] if shown else []
+        out.show(output, title, *ranked, *_remarks(judged, top, all_=all_))
     else:
-        rows = rows_of(wanted, judged)
-        emit_rows(list(rows[0]), rows, form, output)
+        rows = _rows(wanted, judged)
+        out.emit_rows(list(rows[0]), rows, form, output)
     if picture is not None:
-        from propmap.aircraft.ranking import pareto
-        from propmap.report.html import save
         from propmap.report.pictures import propeller_choice
 
-        save(propeller_choice(title, judged, pareto(judged).tolist()), picture)
-        typer.echo(f"wrote {picture}", err=True)
+        out.save_picture(propeller_choice(title, judged, pareto(judged).tolist()), picture)
 
 
 def _diameters(text: str | None) -> tuple[float, float]:
@@ -172,10 +138,7 @@ def _diameters(text: str | None) -> tuple[float, float]:
 
 
 def _legs(task: str) -> Mission | None:
-    """The mission that ``--task`` names, None for another task."""
-    from propmap.aircraft.mission import read_mission
-    from propmap.aircraft.ranking import MEASURES
-
+    """Read the mission that ``--task`` names, None for another task."""
     if task != "mission" and task in MEASURES:
         return None
     if not task.lower().endswith(".csv"):
@@ -189,62 +152,48 @@ def _legs(task: str) -> Mission | None:
 def _judged(
     ranking: Ranking, candidates: list[Candidate], top: int, workers: Workers
 ) -> list[Judged]:
-    """The ranking, with deviations of the first ``top``."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as progress:
-        step = progress.add_task("propellers", total=len(candidates))
-        found = ranking.judged(candidates, lambda: progress.advance(step), workers)
-        first = [one for one in found if one.feasible][:top]
-        step = progress.add_task("uncertainty", total=len(first))
-        closer = ranking.with_deviations(first, lambda: progress.advance(step), workers)
+    """Rank the candidates, with standard deviations of the first ``top``."""
+    count = itertools.count(1)
+    with out.progress_bar("propellers") as update:
+        found = ranking.judged(candidates, lambda: update(next(count), len(candidates)), workers)
+    first = [one for one in found if one.feasible][:top]
+    again = itertools.count(1)
+    with out.progress_bar("uncertainty") as update:
+        closer = ranking.with_deviations(first, lambda: update(next(again), len(first)), workers)
     return [*closer, *found[len(closer) :]]
 
 
 # -------------------------------------------------------------------------------------------------
 # A ranking as `propmap choose` shows it: a table, what it leaves open, and rows for files.
 
-SHOWN = {"J": ("Wh", 3600.0), "s": ("min", 60.0), "m": ("km", 1000.0)}
-"""Units of scores as tables show them, and how much of the unit in files that is."""
 
-
-SURE = 0.95
-"""Probability below which neighbours are said not to be separated."""
-
-
-def table_of(task: Task, judged: list[Judged]) -> WideGrid:
-    """The first of a ranking, ``judged`` for a ``task``, in a table."""
-    from propmap.aircraft.ranking import beats
-
+def _table(task: Task, judged: list[Judged]) -> out.WideGrid:
+    """Make a table of the first propellers of a ranking."""
     unit, size = SHOWN.get(task.unit, (task.unit, 1.0))
     times = any(math.isfinite(one.hover_time) for one in judged)
-    heads = ["", "<propeller", unit, "+-", "beats next", "1 beats it", "hover [W]"]
-    heads += ["hover [min]"] if times else []
-    cruise = task.speed is not None
-    if cruise:
-        heads += [f"{task.speed:g} m/s [W]", *([f"{task.speed:g} m/s [min]"] if times else [])]
-    heads += ["margin", "top [m/s]", "<constants"]
+    cruise = "" if task.speed is None else f"{task.speed:g} m/s"
     rows = []
     for k, one in enumerate(judged):
-        cells = [
-            str(k + 1),
-            one.candidate.name,
-            _digits(one.score / size),
-            _digits(one.deviation / size, 2),
-            _share(beats(one, judged[k + 1]) if k + 1 < len(judged) else math.nan),
-            _share(beats(judged[0], one) if k else math.nan),
-            _digits(one.hover_power),
-            *([_digits(one.hover_time / 60.0, 3)] if times else []),
-        ]
+        nearer = beats(one, judged[k + 1]) if k + 1 < len(judged) else math.nan
+        cells = {
+            "": str(k + 1),
+            "<propeller": one.candidate.name,
+            unit: _digits(one.score / size),
+            "+-": _digits(one.deviation / size, 2),
+            "beats next": _share(nearer),
+            "1 beats it": _share(beats(judged[0], one) if k else math.nan),
+            "hover [W]": _digits(one.hover_power),
+        }
+        if times:
+            cells["hover [min]"] = _digits(one.hover_time / 60.0, 3)
         if cruise:
-            cells += [
-                _digits(one.cruise_power),
-                *([_digits(one.cruise_time / 60.0, 3)] if times else []),
-            ]
-        cells += [_digits(one.thrust_margin, 3), _digits(one.top_speed, 3)]
-        cells.append("good" if one.candidate.verdict == "good" else "doubtful")
+            cells[f"{cruise} [W]"] = _digits(one.cruise_power)
+            if times:
+                cells[f"{cruise} [min]"] = _digits(one.cruise_time / 60.0, 3)
+        cells["margin"], cells["top [m/s]"] = (
+            _digits(value, 3) for value in (one.thrust_margin, one.top_speed)
+        )
+        cells["<constants"] = "good" if one.candidate.verdict == "good" else "doubtful"
         rows.append(cells)
     caption = (
         "+-: one standard deviation, from that of the constants alone; beats next, 1 beats it: "
@@ -252,64 +201,48 @@ def table_of(task: Task, judged: list[Judged]) -> WideGrid:
         "same; margin: thrust at the first limit over weight, in hover; doubtful constants: why, "
         "by --format csv"
     )
-    speed = f"{task.speed:g} m/s" if cruise else ""
-    spare = ("hover [min]", f"{speed} [min]", "margin", "top [m/s]", "1 beats it", f"{speed} [W]")
-    title = f"ranked by {task.words} [{unit}]"
-    return WideGrid("|".join(heads), rows, title, caption, spare)
+    spare = ("hover [min]", f"{cruise} [min]", "margin", "top [m/s]", "1 beats it", f"{cruise} [W]")
+    title, body = f"ranked by {task.words} [{unit}]", [list(cells.values()) for cells in rows]
+    return out.WideGrid("|".join(rows[0]), body, title, caption, spare)
 
 
 def _share(probability: float) -> str:
     return f"{100.0 * probability:.0f} %" if math.isfinite(probability) else "-"
 
 
-def told_of(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
-    """What the uncertainty does not separate, and why the rest do not fit.
-
-    Parameters
-    ----------
-    judged : list of Judged
-        The whole ranking.
-    top : int
-        How many are compared closely.
-    all_ : bool
-        Whether all are shown.
-    """
-    from propmap.aircraft.ranking import beats
-    from propmap.aircraft.trim import STATUSES
-
+def _remarks(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
+    """Say what the uncertainty does not separate, and why the rest do not fit."""
     fit = [one for one in judged if one.feasible]
     rest = [one for one in judged if not one.feasible]
-    told: list[Any] = []
+    remarks: list[Any] = []
     close = [
         f"{k + 1} and {k + 2}"
         for k, (a, b) in enumerate(itertools.pairwise(fit[:top]))
         if beats(a, b) < SURE
     ]
     if close:
-        told.append(f"neighbours not separated to {SURE:.0%}: {', '.join(close)}")
+        remarks.append(f"neighbours not separated to {SURE:.0%}: {', '.join(close)}")
     level = [k + 2 for k, one in enumerate(fit[1:top]) if beats(fit[0], one) < SURE]
     if level:
-        told.append(f"not separated from the first: {', '.join(map(str, level))}")
+        remarks.append(f"not separated from the first: {', '.join(map(str, level))}")
     limits = Counter(one.limit for one in fit[:top] if one.limit in STATUSES)
     if limits:
         words = (f"{STATUSES[name].removeprefix('beyond ')} ({n})" for name, n in limits.items())
-        told.append(f"top speeds are limited by {', '.join(words)}")
+        remarks.append(f"top speeds are limited by {', '.join(words)}")
     if len(fit) > top and not all_:
-        told.append(f"{len(fit) - top} more fit: all are shown by --all, or --format csv")
+        remarks.append(f"{len(fit) - top} more fit: all are shown by --all, or --format csv")
     if not fit:
-        told.append("no propeller fits; the closest reasons are below")
+        remarks.append("no propeller fits; the closest reasons are below")
     if rest and (all_ or not fit):
         rows = [(one.candidate.name, one.why_not) for one in rest]
-        told.append(grid("<propeller|<why not", rows, f"{len(rest)} that do not fit"))
+        remarks.append(out.grid("<propeller|<why not", rows, f"{len(rest)} that do not fit"))
     elif rest:
-        told.append(f"{len(rest)} do not fit: why is shown by --all")
-    return told
+        remarks.append(f"{len(rest)} do not fit: why is shown by --all")
+    return remarks
 
 
-def rows_of(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
-    """A mapping for each of a ranking, ``judged`` for a ``task``; None for NaN."""
-    from propmap.aircraft.ranking import beats
-
+def _rows(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
+    """List the ranking as rows for files, None for NaN."""
     name = f"{task.ranked_by}_{task.unit.replace('/', '_per_')}"
     rows = []
     for k, one in enumerate(judged):
@@ -330,7 +263,7 @@ def rows_of(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
         }
         rows.append(
             {"propeller": one.candidate.name, "blades": one.candidate.propeller.blades}
-            | {key: value if math.isfinite(value) else None for key, value in numbers.items()}
+            | {key: out.number_or_none(value) for key, value in numbers.items()}
             | {"feasible": one.feasible, "top_speed_limit": one.limit, "why_not": one.why_not}
             | {"constants": one.candidate.verdict}
         )

@@ -1,52 +1,51 @@
-"""``propmap fit``: its commands, on tunnels and thrust stands, and what all fits print."""
+"""``propmap fit``: what all fits share, and those to tunnels and thrust stands."""
 
 from __future__ import annotations
 
+import difflib
 import functools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 
-from propmap.cli.fit_options import (
-    Bootstrap,
-    Fix,
-    Folds,
-    Free,
-    PriorFrom,
-    Priors,
-    Robust,
-    Seed,
-    Starts,
-    choice_of,
-    say_prior,
-    section_prior,
-    settings_of,
+from propmap.catalogue.expected import ExpectedBlade, airfoil_at, expected_prior, siblings, size_of
+from propmap.catalogue.identified import PARAMETERS, all_identified
+from propmap.catalogue.lookup import meant_by, own_constants
+from propmap.cli import options as opt
+from propmap.cli import output as out
+from propmap.cli.app import LazyGroup
+from propmap.errors import InputError, quoted
+from propmap.fit.comparison import (
+    MODEL_ERROR,
+    ForwardTrust,
+    doubts_on_constants,
+    failing_assumptions,
+    forward_trust,
 )
-from propmap.cli.lazy_group import LazyGroup
-from propmap.cli.options import (
-    Cluster,
-    PropOption,
-    RotorChoice,
-    constants,
-    say_doubts,
-    takes_rotor,
-    with_physics,
-    workers_of_bootstrap,
+from propmap.fit.files import fit_text
+from propmap.fit.fit import Fitted, Settings, coverage, fit, range_warnings
+from propmap.fit.least_squares import FlightErrors, Rows, errors
+from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
+from propmap.fit.tunnel import (
+    TunnelData,
+    doubts_on_tunnel,
+    first_guess,
+    hover_rows,
+    merged,
+    read_tunnel,
+    rotor_with,
+    sources,
+    tunnel_rows,
 )
-from propmap.cli.output import check_output, check_pictures, grid, show, write_text
-from propmap.errors import InputError
-from propmap.fit.fit import Fitted
-from propmap.fit.least_squares import FlightErrors, errors
-from propmap.fit.parameters import described
-from propmap.fit.tunnel import TunnelData, read_tunnel
 from propmap.io.csv import read_columns, read_lines
 from propmap.io.uiuc import looks_like_uiuc_loads
-from propmap.model.airfoil import PAPER_FOUR
+from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import in_words
-from propmap.model.model import Air, Propeller
+from propmap.model.model import Air, Model, Propeller
 from propmap.model.plausibility import (
     air_warnings,
     blade_warnings,
@@ -55,17 +54,6 @@ from propmap.model.plausibility import (
 )
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
-
-if TYPE_CHECKING:
-    from propmap.fit.comparison import ForwardTrust
-    from propmap.fit.fit import Fitted
-    from propmap.fit.least_squares import FlightErrors, Rows
-    from propmap.fit.parameters import Choice
-    from propmap.model.model import Model
-
-
-# -------------------------------------------------------------------------------------------------
-# The commands of ``propmap fit`` together.
 
 
 class FitCommands(LazyGroup):
@@ -82,28 +70,173 @@ class FitCommands(LazyGroup):
 fit_app = typer.Typer(
     name="fit",
     cls=FitCommands,
-    help="Identify section parameters.",
-    no_args_is_help=True,
+    help="Identify section constants from measurements.",
     rich_markup_mode=None,
 )
 
 
 # -------------------------------------------------------------------------------------------------
-# Where fits go, the same for all commands of ``propmap fit``: a file, a picture, the screen.
+# Options that all fits share, and what they mean.
 
+Free = Annotated[
+    str | None, Option("--free", metavar="NAMES", help="Free parameters, separated by commas.")
+]
+Fix = Annotated[
+    list[str] | None,
+    Option("--fix", metavar="NAME=VALUE", help="Hold this parameter; may be repeated."),
+]
+Priors = Annotated[
+    list[str] | None,
+    Option(
+        "--prior",
+        metavar="NAME=MEAN:SD",
+        help="What is known of a free parameter; may be repeated.",
+    ),
+]
+PriorFrom = Annotated[
+    str | None,
+    Option(
+        "--prior-from",
+        metavar="family|population|none|CODE",
+        help="Propellers whose constants are the prior: family, those of its family, or all where "
+        "that is not known; population, all; CODE, those of this family, as apcsf; none. By "
+        "default family, and none where --free or --airfoil says what to fit.",
+    ),
+]
+Starts = Annotated[int, Option("--starts", min=1, help="Number of searches from different starts.")]
+Robust = Annotated[bool, Option("--robust", help="Let outliers count less (soft L1 loss).")]
+Folds = Annotated[int, Option("--folds", min=0, help="Number of folds of the cross-validation.")]
+Bootstrap = Annotated[
+    int, Option("--bootstrap", min=0, help="Number of refits to rows drawn with replacement.")
+]
+Seed = Annotated[int, Option("--seed", help="Seed of the random starts, folds and draws.")]
 Output = Annotated[
-    Path, typer.Option("--output", "-o", metavar="FIT.toml", help="Where the fit is written.")
+    Path, Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file.")
 ]
 Picture = Annotated[
-    Path | None, typer.Option("--picture", metavar="FILE", help="Picture of the fit.")
+    Path | None, Option("--picture", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
 ]
+
+
+def choice_of(
+    free: str | None,
+    fix: Sequence[str] | None,
+    priors: Sequence[str] | None,
+    default: Sequence[str],
+    base: Airfoil | None,
+    also_fixed: Mapping[str, float] | None = None,
+    expected: SectionPrior | None = None,
+) -> Choice:
+    """Choose the free parameters and what holds the others.
+
+    ``base`` gives the values of what is not free and the first start, ``also_fixed`` values known
+    from elsewhere, as those of a vehicle's wing.  With a prior ``expected`` from other propellers,
+    its constants are free by default, less those that are fixed, and so are any more in ``priors``.
+    """
+    law = base or (expected.airfoil if expected else None)
+    given = {name: getattr(law, name) for name in SECTION} if law else {}
+    stated = dict(_pair(text, "--fix") for text in fix or ())
+    believed = dict(_pair(text, "--prior") for text in priors or ())
+    wanted = tuple(default)
+    if free is not None:
+        wanted = tuple(name.strip() for name in free.split(","))
+    elif expected is not None:
+        more = [name for name in (*default, *believed) if name not in SECTION or name in believed]
+        wanted = tuple(dict.fromkeys((*PARAMETERS, *more)))
+        wanted = tuple(name for name in wanted if name not in stated)
+    values = {**given, **(also_fixed or {})}
+    values |= {name: _number(value, f"--fix {name}") for name, value in stated.items()}
+    fixed = {n: v for n, v in values.items() if n not in wanted or n in stated}
+    beliefs = {}
+    for name, text in believed.items():
+        mean, colon, deviation = text.partition(":")
+        if not colon:
+            raise InputError(f"--prior {name} has no deviation", "write --prior c_l2=2.0:0.3")
+        beliefs[name] = Prior(*(_number(v, f"--prior {name}") for v in (mean, deviation)))
+    start = {n: v for n, v in values.items() if n in wanted}
+    return Choice(wanted, fixed, beliefs, start, expected)
+
+
+def settings_of(starts: int, robust: bool, folds: int, bootstrap: int, seed: int) -> Settings:
+    """Make the settings of a fit from its options."""
+    return Settings(starts, "soft_l1" if robust else "linear", folds, bootstrap, seed)
+
+
+def _pair(text: str, option: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        example = next(iter(EVERY))
+        raise InputError(f"{option} {quoted(text)} has no '='", f"write {option} {example}=6.0")
+    return known(name.strip()), value.strip()
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{quoted(text)} is not a number", "give a number", where) from None
+
+
+def section_prior(
+    wanted: str | None, prop: str, blade: Propeller | None = None, *, by_default: bool
+) -> SectionPrior | None:
+    """Predict the constants of a propeller from others, as ``--prior-from`` wants it, or not.
+
+    The ``prop`` may be a name of the catalogue, a designation, or unknown; its ``blade`` tells its
+    size, else it is a middling one.  ``by_default`` says whether there is a prior where none is
+    asked for.  Raises ``InputError`` for an unknown family.
+    """
+    source = (wanted or ("family" if by_default else "none")).strip().lower()
+    if source == "none":
+        return None
+    try:
+        meant = meant_by(prop)
+    except InputError:  # a file, or the name of a blade in one
+        meant = None
+    family = meant.family if meant is not None else None
+    if source == "population":
+        family = None
+    elif source != "family":
+        families = sorted({one.family for one in all_identified()})
+        if source not in families:
+            close = difflib.get_close_matches(source, families, n=3) or families
+            raise InputError(
+                f"{quoted(source)} is no family of identified propellers",
+                f"give family, population, none or a code such as {', '.join(close)}",
+                "--prior-from",
+            )
+        family = source
+    found = None if meant is None or blade is None else own_constants(meant, blade.blades)
+    own = found.tested if found is not None else None
+    size = None if blade is None else size_of(meant, blade)
+    geometry = meant.geometry if isinstance(meant, ExpectedBlade) else "measured"
+    distribution = expected_prior(family, size, geometry, without=own)
+    members = siblings(family, without=own)
+    few = "one propeller" if members == 1 else f"{members} propellers"
+    others = f"{few} of the family {family}" if members else "small propellers of all families"
+    words = f"what {others} let expect is the prior of the section constants"
+    if own:
+        words += " (its own in the catalogue left out)"
+    return SectionPrior(distribution, airfoil_at(distribution.mean, "expected", words), words)
+
+
+def note_prior(prior: SectionPrior | None) -> list[str]:
+    """Note what prior a fit has, and return it as remarks for the fit's file."""
+    if prior is None:
+        return []
+    out.note(f"{prior.told}; without, by --prior-from none")
+    return [prior.told]
 
 
 def check_outputs(output: Path | None, *pictures: Path | None) -> None:
     """Raise ``InputError`` where a fit or its pictures cannot be written."""
     if output is not None:
-        check_output(output, (".toml",))
-    check_pictures(*pictures)
+        out.check_output(output, (".toml",))
+    out.check_pictures(*pictures)
+
+
+# -------------------------------------------------------------------------------------------------
+# What ``propmap fit`` writes and prints: parameters with their verdicts, residuals, remarks.
 
 
 def finish(
@@ -114,37 +247,49 @@ def finish(
     output: Path | None,
     flights: Mapping[str, Mapping[str, FlightErrors]] | None = None,
 ) -> None:
-    """Write the ``text`` of a fit file and show the fit, by flight where ``flights`` has that."""
-
+    """Write the ``text`` of a fit file and print the fit, by flight too where that is known."""
     if output is not None:
-        write_text(text, output)
-    show(None, *told(fitted, found.correction_texts, remarks, flights or {}))
+        out.write_text(text, output)
+    out.show(None, *_printed(fitted, found.correction_texts, remarks, flights or {}))
     if output is not None:
-        typer.echo(f"wrote {output}", err=True)
+        echo(f"wrote {output}", err=True)
 
 
-# -------------------------------------------------------------------------------------------------
-# What ``propmap fit`` prints: parameters with their verdicts, residuals, remarks.
-
-
-def told(
+def _printed(
     fitted: Fitted,
     corrections: Sequence[str],
     remarks: Sequence[str],
     flights: Mapping[str, Mapping[str, FlightErrors]],
 ) -> Iterator[object]:
-    """Texts and tables on a fit that was made with these corrections, by load and flight too."""
     sure, rows = fitted.uncertainty, fitted.rows
-    heads = "<|value|<95 % interval|<unit|<verdict"
-    yield grid(heads, [_parameter(fitted, k) for k in range(len(fitted.choice.free))], "Parameters")
+    parameters = []
+    for k, name in enumerate(fitted.choice.free):
+        interval = f"{sure.low[k]:.4g} to {sure.high[k]:.4g}"
+        if fitted.bootstrapped.size:
+            low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5])
+            interval += f" (bootstrap {low:.4g} to {high:.4g})"
+        unit = described(name).unit
+        parameters.append((name, f"{fitted.x[k]:.5g}", interval, unit, sure.verdicts[k]))
+    yield out.grid("<|value|<95 % interval|<unit|<verdict", parameters, "Parameters")
     values = ", ".join(f"{v:.2g}" for v in sure.singular_values)
     yield f"sensitivities (singular values per spread, relative): {values}"
+    residuals = []
+    for k, (name, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
+        e = errors(*fitted.compared(k))
+        relative, crossed = f"{100.0 * e.relative_rms:.2f} %", _rms(fitted.cross_validated[k])
+        size = (str(e.rows), f"{e.rms:.4g}", relative, f"{e.bias:+.3g}", f"{e.worst:+.3g}")
+        residuals.append((name, *size, crossed, unit))
     heads = "<load|rows|rms|relative|bias|worst|cross-validated|<unit"
-    residuals = [_residuals(fitted, k) for k in range(len(rows.names))]
-    yield grid(heads, residuals, "Residuals, model minus measurement")
+    yield out.grid(heads, residuals, "Residuals, model minus measurement")
     if flights:
+        by_flight = []
+        for load, unit in zip(rows.names, rows.units, strict=True):
+            for k, (flight, f) in enumerate(flights[load].items()):
+                crossed = _rms(f.cross_validated_rms)
+                part = (str(f.rows), f"{f.rms:.4g}", f"{f.bias:+.3g}", crossed)
+                by_flight.append(("" if k else load, flight, *part, unit))
         heads = "<load|<flight|rows|rms|bias|cross-validated|<unit"
-        yield grid(heads, _by_flight(fitted, flights), "Residuals of each flight")
+        yield out.grid(heads, by_flight, "Residuals of each flight")
     ends = fitted.minimum.ends
     best = sum(end.minimum == 1 for end in ends)
     many = f"{len(ends)} starts, {best} of them to the best minimum" if len(ends) > 1 else "1 start"
@@ -153,51 +298,135 @@ def told(
     yield from (f"note: {remark}" for remark in remarks)
 
 
-def _parameter(fitted: Fitted, k: int) -> tuple[str, ...]:
-    name, sure = fitted.choice.free[k], fitted.uncertainty
-    interval = f"{sure.low[k]:.4g} to {sure.high[k]:.4g}"
-    if fitted.bootstrapped.size:
-        low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5])
-        interval += f" (bootstrap {low:.4g} to {high:.4g})"
-    return name, f"{fitted.x[k]:.5g}", interval, described(name).unit, sure.verdicts[k]
+def _rms(value: float) -> str:
+    return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
-def _by_flight(
-    fitted: Fitted, flights: Mapping[str, Mapping[str, FlightErrors]]
-) -> list[tuple[str, ...]]:
-    return [
-        (
-            load if first else "",
-            flight,
-            str(e.rows),
-            f"{e.rms:.4g}",
-            f"{e.bias:+.3g}",
-            f"{e.cross_validated_rms:.4g}" if np.isfinite(e.cross_validated_rms) else "-",
-            unit,
-        )
-        for load, unit in zip(fitted.rows.names, fitted.rows.units, strict=True)
-        for first, (flight, e) in zip(
-            (True, *(len(flights[load]) * (False,))), flights[load].items(), strict=False
-        )
-    ]
+def _finish_tunnel(
+    choice: opt.RotorChoice,
+    model: Model,
+    measured: TunnelData,
+    fitted: Fitted,
+    output: Path | None,
+    picture: Path | None,
+    *,
+    data: Sequence[str | Path],
+    weights: Mapping[str, float],
+    prior: SectionPrior | None,
+    remarks: Sequence[str],
+    doubts: Sequence[str],
+) -> None:
+    """Write, draw and print a fit to loads; ``doubts`` on the data are in its file alone."""
+    rotor = rotor_with(model, fitted.values, choice.accuracy)
+    blade = model.propeller
+    text = fit_text(
+        fitted,
+        kind="tunnel",
+        name=output.stem if output else "static",
+        model=model,
+        data=data,
+        covered=coverage(measured.omega, measured.speed, measured.folded_beta, blade.radius),
+        hover=hover_rows(rotor, measured, fitted.rows),
+        remarks=[
+            *note_prior(prior),
+            *remarks,
+            *blade_warnings(blade),
+            *air_warnings(model.air),
+            *doubts,
+        ],
+        options={"loads": list(fitted.rows.names), "weights": weights},
+    )
+    if picture is not None:
+        from propmap.report.fit_curves import tunnel_fit
+
+        out.save_picture(tunnel_fit(measured, rotor).figure(), picture)
+    finish(fitted, rotor.model, remarks, text, output)
 
 
-def _residuals(fitted: Fitted, k: int) -> tuple[str, ...]:
-    e, crossed = errors(*fitted.compared(k)), fitted.cross_validated[k]
-    return (
-        fitted.rows.names[k],
-        str(e.rows),
-        f"{e.rms:.4g}",
-        f"{100.0 * e.relative_rms:.2f} %",
-        f"{e.bias:+.3g}",
-        f"{e.worst:+.3g}",
-        f"{crossed:.4g}" if np.isfinite(crossed) else "-",
-        fitted.rows.units[k],
+# -------------------------------------------------------------------------------------------------
+# ``propmap fit tunnel``: section parameters from loads measured in a tunnel or on a bench.
+
+
+@opt.takes_rotor
+def fit_tunnel(
+    choice: opt.RotorChoice,
+    data: Annotated[
+        list[str], Argument(metavar="DATA...", help="CSV or UIUC files, or measurements by name.")
+    ],
+    output: Output,
+    free: Free = None,
+    loads: Annotated[str | None, Option(help="Loads to fit, separated by commas.")] = None,
+    weight: Annotated[
+        list[str] | None, Option(metavar="LOAD=W", help="Count this load's residuals W times.")
+    ] = None,
+    fix: Fix = None,
+    prior: Priors = None,
+    prior_from: PriorFrom = None,
+    starts: Starts = 4,
+    robust: Robust = False,
+    folds: Folds = 5,
+    bootstrap: Bootstrap = 0,
+    seed: Seed = 2017,
+    picture: Picture = None,
+    cluster: opt.Cluster = None,
+) -> None:
+    """Fit loads measured in a tunnel or on a bench."""
+    check_outputs(output, picture)
+    base = opt.constants(choice.airfoil) if choice.airfoil else None
+    blade = choice.blade()
+    default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
+    by_default = free is None and base is None
+    expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
+    chosen = choice_of(free, fix, prior, default, base, expected=expected)
+    settings = settings_of(starts, robust, folds, bootstrap, seed)
+    weights = {}
+    for text in weight or ():
+        name, _, value = text.partition("=")
+        try:
+            weights[name.strip()] = float(value)
+        except ValueError:
+            raise InputError(
+                f"--weight {text!r} has no number", "write --weight thrust=2"
+            ) from None
+    air = choice.medium()
+    measured = read_tunnel(data, blade, air)
+    doubts = doubts_on_tunnel(data, blade, air)
+    out.note(*doubts)
+    law = base or (expected.airfoil if expected else first_guess())
+    model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
+    options: Any = {
+        "loads": [name.strip() for name in loads.split(",")] if loads else [],
+        "weights": weights,
+        "setting": choice.accuracy,
+    }
+
+    def rows_for(c: Choice) -> Rows:
+        return tunnel_rows(model, measured, c, **options)
+
+    remake = functools.partial(tunnel_rows, model, measured, chosen, **options)
+    with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
+        fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
+    remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
+    _finish_tunnel(
+        choice,
+        model,
+        measured,
+        fitted,
+        output,
+        picture,
+        data=sources(data),
+        weights=weights,
+        prior=expected,
+        remarks=[*remarks, *doubts_on_constants(fitted)],
+        doubts=doubts,
     )
 
 
 # -------------------------------------------------------------------------------------------------
-# Static tests as thrust stands write them: CSV with rpm and loads, or a UIUC file.
+# ``propmap fit static``: a thrust stand's rows, and what they say of forward flight.
+
+LIKE_ELECTRICAL = 1.2  # measured power over what the prior predicts; from there the battery's?
+SPEED = "speed_mps"
 
 
 class Column(NamedTuple):
@@ -215,31 +444,97 @@ COLUMNS = {
     "torque_Nm": Column("torque", 1.0),
     "torque_Ncm": Column("torque", 0.01),
     "torque_mNm": Column("torque", 0.001),
-    "power_W": Column("torque", 1.0, is_power=True),
+    "power_W": Column("torque", 1.0, is_power=True),  # of the shaft
 }
-"""Columns of loads; power is that of the shaft."""
-
-SPEED = "speed_mps"
 
 
-def read_static(files: Sequence[Path], propeller: Propeller, air: Air) -> list[TunnelData]:
-    """Loads at rest, one set per file; coefficients become loads with this propeller and air.
+@functools.partial(opt.takes_rotor, prop=opt.PropOption)
+def fit_static(
+    choice: opt.RotorChoice,
+    files: Annotated[
+        list[Path],
+        Argument(
+            metavar="FILE...",
+            help="CSV with the columns rpm and thrust_N, thrust_g or thrust_kg, and torque_Nm, "
+            "torque_Ncm, torque_mNm or the shaft's power_W where measured; or UIUC files.",
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file."),
+    ] = None,
+    free: Free = None,
+    fix: Fix = None,
+    prior: Priors = None,
+    prior_from: PriorFrom = None,
+    starts: Starts = 1,
+    robust: Robust = False,
+    folds: Folds = 0,
+    bootstrap: Bootstrap = 0,
+    seed: Seed = 2017,
+    picture: Picture = None,
+) -> None:
+    """Fit a static test, and predict forward flight."""
+    check_outputs(output, picture)
+    base = opt.constants(choice.airfoil) if choice.airfoil else None
+    blade, air = choice.blade(), choice.medium()
+    parts = [_read_static(path, blade, air) for path in files]
+    doubts = []
+    for part in parts:
+        points = part.omega, part.speed, part.beta
+        with out.blamed_on(Path(part.source)):
+            odd = point_warnings(blade, *points)
+            odd += load_warnings(blade, air, *points, part.loads)
+        doubts += [f"{part.source}: {doubt}" for doubt in odd]
+    out.note(*doubts)
+    measured = merged(parts)
+    by_default = free is None and base is None
+    expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
+    chosen = choice_of(free, fix, prior, ("c_l1", "zero_lift_angle"), base, expected=expected)
+    settings = settings_of(starts, robust, folds, bootstrap, seed)
+    law = base or (expected.airfoil if expected else first_guess())
+    model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
+    setting = choice.accuracy
+    fitted = fit(tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
+    remarks = [*range_warnings(fitted.rows), *doubts_on_constants(fitted)]
+    if expected is not None:
+        remarks += _like_electrical(fitted, files)
+    _finish_tunnel(
+        choice,
+        model,
+        measured,
+        fitted,
+        output,
+        picture,
+        data=files,
+        weights={},
+        prior=expected,
+        remarks=remarks,
+        doubts=doubts,
+    )
+    _show_trust(forward_trust(model, fitted, float(np.median(measured.omega)), setting))
 
-    Raises
-    ------
-    InputError
-        Naming the file and what is wrong in it; also where the air moves.
+
+def _read_static(path: Path, propeller: Propeller, air: Air) -> TunnelData:
+    """Read loads at rest; coefficients become loads with this propeller and air.
+
+    Raises ``InputError`` that names the file and what is wrong in it, also where the air moves.
     """
-    return [_read(path, propeller, air) for path in files]
 
+    def check_rest(speed: Floats) -> None:
+        if np.any(speed != 0.0):
+            raise InputError(
+                f"the air moves in some rows, by up to {np.max(speed):g} m/s",
+                "fit such data with propmap fit tunnel",
+                str(path),
+            )
 
-def _read(path: Path, propeller: Propeller, air: Air) -> TunnelData:
     if path.is_file() and looks_like_uiuc_loads(path):
         found = read_tunnel([str(path)], propeller, air)
-        _check_rest(found.speed, path)
+        check_rest(found.speed)
         return found
     columns = read_columns(path, ("rpm",), (*COLUMNS, SPEED), "CSV file of a static test")
-    _check_rest(np.nan_to_num(columns.pop(SPEED, np.zeros(1))), path)
+    check_rest(np.nan_to_num(columns.pop(SPEED, np.zeros(1))))
     omega = columns.pop("rpm") * RPM
     loads: dict[str, Floats] = {}
     for name, values in columns.items():
@@ -263,228 +558,14 @@ def _read(path: Path, propeller: Propeller, air: Air) -> TunnelData:
     return TunnelData(path.name, omega, still, still, loads)
 
 
-def _check_rest(speed: Floats, path: Path) -> None:
-    if np.any(speed != 0.0):
-        raise InputError(
-            f"the air moves in some rows, by up to {np.max(speed):g} m/s",
-            "fit such data with propmap fit tunnel",
-            str(path),
-        )
-
-
-def has_power(path: Path) -> bool:
-    """Whether a CSV file that was read gives the power in place of the torque."""
-    return not looks_like_uiuc_loads(path) and "power_W" in "".join(read_lines(path, "CSV file"))
-
-
-# -------------------------------------------------------------------------------------------------
-# ``propmap fit tunnel``: section parameters from loads measured in a tunnel or on a bench.
-
-
-@takes_rotor
-def fit_tunnel(
-    choice: RotorChoice,
-    data: Annotated[
-        list[str],
-        typer.Argument(metavar="DATA...", help="CSV or UIUC files, or measurements by name."),
-    ],
-    output: Output,
-    free: Free = None,
-    loads: Annotated[
-        str | None, typer.Option("--loads", help="Loads to fit, separated by commas.")
-    ] = None,
-    weight: Annotated[
-        list[str] | None,
-        typer.Option("--weight", metavar="LOAD=W", help="Count this load's residuals W times."),
-    ] = None,
-    fix: Fix = None,
-    prior: Priors = None,
-    prior_from: PriorFrom = None,
-    starts: Starts = 4,
-    robust: Robust = False,
-    folds: Folds = 5,
-    bootstrap: Bootstrap = 0,
-    seed: Seed = 2017,
-    picture: Picture = None,
-    cluster: Cluster = None,
-) -> None:
-    """Fit loads measured in a tunnel or on a bench."""
-    from propmap.fit.tunnel import doubts_on_tunnel, read_tunnel, sources
-
-    check_outputs(output, picture)
-    base = constants(choice.airfoil) if choice.airfoil else None
-    blade = choice.blade()
-    default = (*PAPER_FOUR, "zero_lift_angle")
-    by_default = free is None and base is None
-    expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
-    chosen = choice_of(free, fix, prior, default, base, expected=expected)
-    settings = settings_of(starts, robust, folds, bootstrap, seed)
-    weights = _weights(weight)
-    air = choice.medium()
-    measured = read_tunnel(data, blade, air)
-    doubts = doubts_on_tunnel(data, blade, air)
-    say_doubts(doubts)
-
-    from propmap.fit.comparison import doubts_on_constants, failing_assumptions
-    from propmap.fit.files import fit_text
-    from propmap.fit.fit import coverage, fit, range_warnings
-    from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
-    from propmap.model.model import Model
-
-    law = base or (expected.airfoil if expected else first_guess())
-    model = Model(blade, with_physics(law, choice.model, choice.correction), air)
-    named = [name.strip() for name in loads.split(",")] if loads else []
-
-    options: Any = {"loads": named, "weights": weights, "setting": choice.accuracy.value}
-
-    def rows_for(c: Choice) -> Rows:
-        return tunnel_rows(model, measured, c, **options)
-
-    remake = functools.partial(tunnel_rows, model, measured, chosen, **options)
-    with workers_of_bootstrap(cluster, bootstrap) as workers:
-        fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
-    remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
-    remarks += doubts_on_constants(fitted)
-    rotor = rotor_with(model, fitted.values, choice.accuracy.value)
-    text = fit_text(
-        fitted,
-        kind="tunnel",
-        name=output.stem,
-        model=model,
-        data=sources(data),
-        covered=coverage(measured.omega, measured.speed, measured.folded_beta, blade.radius),
-        hover=hover_rows(rotor, measured, fitted.rows),
-        remarks=[
-            *say_prior(expected),
-            *remarks,
-            *blade_warnings(blade),
-            *air_warnings(air),
-            *doubts,
-        ],
-        options={"loads": list(fitted.rows.names), "weights": weights},
-    )
-    if picture is not None:
-        from propmap.report.fit_curves import tunnel_fit
-        from propmap.report.html import save
-
-        save(tunnel_fit(measured, rotor).figure(), picture)
-    finish(fitted, rotor.model, remarks, text, output)
-
-
-def _weights(texts: Sequence[str] | None) -> dict[str, float]:
-    found = {}
-    for text in texts or ():
-        name, _, value = text.partition("=")
-        try:
-            found[name.strip()] = float(value)
-        except ValueError:
-            raise InputError(
-                f"--weight {text!r} has no number", "write --weight thrust=2"
-            ) from None
-    return found
-
-
-# -------------------------------------------------------------------------------------------------
-# ``propmap fit static``: a thrust stand's rows, and what they tell of forward flight.
-
-LIKE_ELECTRICAL = 1.2
-"""Measured power over what the prior lets expect, from which it may be the battery's."""
-
-
-@functools.partial(takes_rotor, prop=PropOption)
-def fit_static(
-    choice: RotorChoice,
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="FILE...",
-            help="CSV with the columns rpm and thrust_N, thrust_g or thrust_kg, and torque_Nm, "
-            "torque_Ncm, torque_mNm or the shaft's power_W where measured; or UIUC files.",
-        ),
-    ],
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FIT.toml", help="Where the fit is written."),
-    ] = None,
-    free: Free = None,
-    fix: Fix = None,
-    prior: Priors = None,
-    prior_from: PriorFrom = None,
-    starts: Starts = 1,
-    robust: Robust = False,
-    folds: Folds = 0,
-    bootstrap: Bootstrap = 0,
-    seed: Seed = 2017,
-    picture: Picture = None,
-) -> None:
-    """Fit a static test, and say what it tells of forward flight."""
-    from propmap.fit.tunnel import merged
-
-    check_outputs(output, picture)
-    base = constants(choice.airfoil) if choice.airfoil else None
-    blade, air = choice.blade(), choice.medium()
-    parts = read_static(files, blade, air)
-    doubts = []
-    for part in parts:
-        points = part.omega, part.speed, part.beta
-        try:
-            odd = point_warnings(blade, *points)
-            odd += load_warnings(blade, air, *points, part.loads)
-        except InputError as error:
-            raise InputError(error.found, error.remedy, part.source) from None
-        doubts += [f"{part.source}: {doubt}" for doubt in odd]
-    say_doubts(doubts)
-    measured = merged(parts)
-    by_default = free is None and base is None
-    expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
-    chosen = choice_of(free, fix, prior, ("c_l1", "zero_lift_angle"), base, expected=expected)
-    settings = settings_of(starts, robust, folds, bootstrap, seed)
-
-    from propmap.fit.comparison import doubts_on_constants, forward_trust
-    from propmap.fit.files import fit_text
-    from propmap.fit.fit import coverage, fit, range_warnings
-    from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
-    from propmap.model.model import Model
-
-    law = base or (expected.airfoil if expected else first_guess())
-    model = Model(blade, with_physics(law, choice.model, choice.correction), air)
-    setting = choice.accuracy.value
-    fitted = fit(tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
-    remarks = [*range_warnings(fitted.rows), *doubts_on_constants(fitted)]
-    if expected is not None:
-        remarks += _like_electrical(fitted, files)
-    rotor = rotor_with(model, fitted.values, setting)
-    text = fit_text(
-        fitted,
-        kind="tunnel",
-        name=output.stem if output else "static",
-        model=model,
-        data=files,
-        covered=coverage(measured.omega, measured.speed, measured.beta, blade.radius),
-        hover=hover_rows(rotor, measured, fitted.rows),
-        remarks=[
-            *say_prior(expected),
-            *remarks,
-            *blade_warnings(blade),
-            *air_warnings(air),
-            *doubts,
-        ],
-        options={"loads": list(fitted.rows.names), "weights": {}},
-    )
-    if picture is not None:
-        from propmap.report.fit_curves import tunnel_fit
-        from propmap.report.html import save
-
-        save(tunnel_fit(measured, rotor).figure(), picture)
-    finish(fitted, rotor.model, remarks, text, output)
-    _tell(forward_trust(model, fitted, float(np.median(measured.omega)), setting))
-
-
 def _like_electrical(fitted: Fitted, files: list[Path]) -> list[str]:
-    """A doubt about a power that is larger than a shaft's is likely to be."""
-
+    """Remark that a power is larger than a shaft's is likely to be."""
     rows = fitted.rows
-    if "torque" not in rows.names or not any(has_power(path) for path in files):
+    has_power = any(
+        not looks_like_uiuc_loads(path) and "power_W" in "".join(read_lines(path, "CSV file"))
+        for path in files
+    )
+    if "torque" not in rows.names or not has_power:
         return []
     mine = rows.of_load(rows.names.index("torque"))
     value, _ = rows.model(fitted.choice.values(fitted.choice.first), fitted.choice.free)
@@ -497,32 +578,30 @@ def _like_electrical(fitted: Fitted, files: list[Path]) -> list[str]:
     ]
 
 
-def _tell(trust: ForwardTrust) -> None:
-    """A table of what forward flight can be trusted to."""
-    from propmap.fit.comparison import MODEL_ERROR
+def _show_trust(trust: ForwardTrust) -> None:
+    """Print how far forward flight can be trusted."""
 
-    heads = "J|beta|thrust|sd before -> after|torque|sd before -> after"
+    def change(before: float, after: float) -> str:
+        if not np.isfinite(after):
+            return "-"
+        return f"{f'{before:.0%}' if np.isfinite(before) else '?'} -> {after:.0%}"
+
     rows = [
         (
             f"{trust.advance[k]:.1f}",
             f"{np.degrees(trust.beta[k]):.0f} deg",
             f"{trust.load[k, 0]:.3g} N",
-            _change(trust.before[k, 0], trust.after[k, 0]),
+            change(trust.before[k, 0], trust.after[k, 0]),
             f"{trust.load[k, 1]:.3g} N m",
-            _change(trust.before[k, 1], trust.after[k, 1]),
+            change(trust.before[k, 1], trust.after[k, 1]),
         )
         for k in range(trust.advance.size)
     ]
+    heads = "J|beta|thrust|sd before -> after|torque|sd before -> after"
     title = f"What is left uncertain of flight at {trust.omega / RPM:.0f} rpm, 0 deg along the axis"
-    show(
+    out.show(
         None,
-        grid(heads, rows, title),
+        out.grid(heads, rows, title),
         f"sd: standard deviation of what the constants leave open, and {MODEL_ERROR:.0%} of the "
         "load at rest for the model; checked in axial flow; stands differ by some per cent besides",
     )
-
-
-def _change(before: float, after: float) -> str:
-    if not np.isfinite(after):
-        return "-"
-    return f"{f'{before:.0%}' if np.isfinite(before) else '?'} -> {after:.0%}"

@@ -3,50 +3,66 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from enum import StrEnum
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-import typer
+from typer import Argument, Option, echo
 
-from propmap.cli.fit import Output, Picture, check_outputs, finish
-from propmap.cli.fit_options import (
-    BLADE,
+from propmap.cli import options as opt
+from propmap.cli import output as out
+from propmap.cli.fit import (
     Bootstrap,
     Fix,
     Folds,
     Free,
-    HoverScale,
-    LowPass,
+    Output,
+    Picture,
     PriorFrom,
     Priors,
-    Residual,
     Robust,
     Seed,
     Starts,
+    check_outputs,
     choice_of,
-    flight_priors,
-    free_by_default,
-    learned_residual,
-    say_prior,
+    finish,
+    note_prior,
     section_prior,
     settings_of,
-    with_flight_priors,
-)
-from propmap.cli.options import (
-    Cluster,
-    Corrections,
-    ModelOption,
-    constants,
-    say_doubts,
-    with_physics,
-    workers_of_bootstrap,
 )
 from propmap.errors import InputError, quoted
-from propmap.fit.parameters import FLEX, MOUNT, SECTION, SENSOR, WAKES, Choice, Prior
+from propmap.fit.comparison import body_terms_verdict, doubts_on_constants, still_explained
+from propmap.fit.files import fit_text
+from propmap.fit.fit import fit, range_warnings
+from propmap.fit.flight import (
+    CENTRE,
+    OFFSET,
+    OVER_FLIGHTS,
+    ForceModel,
+    HoverScale,
+    balance_rows,
+    hover_rows,
+    level_rows,
+    of_each,
+    wing_values,
+)
+from propmap.fit.flight_study import Flight, Step, by_flight, fit_terms
+from propmap.fit.parameters import (
+    BODY,
+    FLEX,
+    MOUNT,
+    SECTION,
+    SENSOR,
+    TURNING,
+    WAKES,
+    Choice,
+    Prior,
+    SectionPrior,
+)
+from propmap.fit.tunnel import first_guess, model_with, section_with
 from propmap.flight.checks import check_rotor_order, check_rotor_speed, mixed_vehicles
 from propmap.flight.steady import (
     airborne,
@@ -55,10 +71,14 @@ from propmap.flight.steady import (
     read_level_table,
     steady_stretches,
 )
+from propmap.model.airfoil import PAPER_FOUR, parameter_set
+from propmap.model.model import Model
 from propmap.model.plausibility import air_warnings, blade_warnings
+from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.files import VehicleFile
+from propmap.vehicle.files import VehicleFile, read_vehicle
 from propmap.vehicle.log import (
+    DERIVATIVE_CUTOFF,
     FEWEST_PER_PERIOD,
     FlightLog,
     flight_log,
@@ -68,26 +88,15 @@ from propmap.vehicle.log import (
 )
 from propmap.vehicle.log_checks import check_recording
 from propmap.vehicle.log_readers import read_recording
-
-if TYPE_CHECKING:
-    from propmap.fit.fit import Fitted
-    from propmap.fit.flight import ForceModel
-    from propmap.fit.flight_study import Flight, Step
-    from propmap.fit.parameters import SectionPrior
-    from propmap.rotor import Rotor
-    from propmap.vehicle.files import VehicleFile
-    from propmap.vehicle.log import FlightLog
-    from propmap.vehicle.vehicle import Vehicle
-
+from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
-# LOG arguments of flight fits and checks, as samples or as operating points.
+# Logs of flight fits and checks, as samples or as operating points.
 
 ENOUGH_STRETCHES = 4
 
 
-@dataclass(frozen=True, eq=False)
-class Flights:
+class Flights(NamedTuple):
     """A log, whether it holds steady operating points alone, and remarks for the report."""
 
     level: bool
@@ -100,27 +109,16 @@ def read_flights(
     file: VehicleFile,
     method: str,
     *,
-    seconds: float,
-    samples: int,
+    seconds: float = 2.0,
+    samples: int = 2**31,
     low_pass: float = 0.0,
     picture: Path | None = None,
 ) -> Flights:
     """Read logs, or tables of operating points, for the method "level", "balance" or "auto".
 
-    Parameters
-    ----------
-    paths, file : sequence of Path, VehicleFile
-        What was flown, and by what.
-    method : str
-        As in ``propmap fit flight``.
-    seconds : float
-        Shortest steady stretch [s].
-    samples : int
-        Of whole flights, at most; more would be no more information, as neighbours err alike.
-    low_pass : float
-        Cut-off for all signals of whole flights [Hz], 0 for none.
-    picture : Path, optional
-        Of the steady stretches.
+    Steady stretches last ``seconds`` at least, and are drawn as a ``picture``. Of whole flights
+    there are so many ``samples`` at most, as neighbours err alike, with all signals passed below
+    ``low_pass`` [Hz], 0 for none.
     """
     names = flight_names([str(path) for path in paths])
     if all_level_tables(paths):
@@ -129,7 +127,13 @@ def read_flights(
                 "a level-flight table has no accelerations", "fit it with --method level"
             )
         tables = [read_level_table(path, file.vehicle) for path in paths]
-        found = [text for table in tables for text in _table_remarks(table, file)]
+        nominal, found = _nominal_rotor(file), list[str]()
+        for table in tables:
+            try:
+                found += check_rotor_speed(table, nominal, file.vehicle, "rpm")
+            except InputError as error:
+                remedy = "give rpm_1, rpm_2 ... in revolutions per minute of the propeller"
+                raise InputError(error.found, remedy, table.source) from None
         return Flights(True, joined(tables, names), tuple(found))
     logs, remarks = _recorded(paths, file)
     if method != "balance":
@@ -140,7 +144,15 @@ def read_flights(
             f"fewer than {ENOUGH_STRETCHES} steady stretches of {seconds:g} s: the balance of all "
             "forces at all times is fitted instead"
         )
-    remarks += [text for log in logs for text in _too_slow_to_filter(log, low_pass)]
+    needed = FEWEST_PER_PERIOD * low_pass
+    for log in logs:
+        rate = 1.0 / float(np.median(np.diff(log.time)))
+        if rate < needed:
+            remarks.append(
+                f"{log.source}: {rate:.3g} samples per second are too few for a low-pass at "
+                f"{low_pass:g} Hz, which takes {needed:g}, and are fitted as they are: log the "
+                f"slowest signal faster, or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
+            )
     logs = [low_passed(log, low_pass) for log in logs]
     flying = joined([log.picked(airborne(log)) for log in logs], names)
     picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))
@@ -148,7 +160,7 @@ def read_flights(
 
 
 def _recorded(paths: Sequence[Path], file: VehicleFile) -> tuple[list[FlightLog], list[str]]:
-    """Logs, and warnings on what they may not be."""
+    """Read logs, with warnings on what they may not be."""
     logs, remarks = [], []
     for path in paths:
         recording = read_recording(path, file)
@@ -156,21 +168,10 @@ def _recorded(paths: Sequence[Path], file: VehicleFile) -> tuple[list[FlightLog]
         logs.append(flight_log(recording, file))
         if logs[-1].source != recording.source:
             remarks.append(logs[-1].source)
-        remarks += _rpm_remarks(logs[-1], file)
+        unit = file.log.rotor_unit or ("rpm" if logs[-1].source.endswith(".ulg") else None)
+        remarks += check_rotor_speed(logs[-1], _nominal_rotor(file), file.vehicle, unit)
         check_rotor_order(logs[-1], file.vehicle)
     return logs, [*remarks, *mixed_vehicles(logs, file.vehicle)]
-
-
-def _too_slow_to_filter(log: FlightLog, low_pass: float) -> list[str]:
-    rate = 1.0 / float(np.median(np.diff(log.time)))
-    needed = FEWEST_PER_PERIOD * low_pass
-    if rate >= needed:
-        return []
-    return [
-        f"{log.source}: {rate:.3g} samples per second are too few for a low-pass at {low_pass:g} "
-        f"Hz, which takes {needed:g}, and are fitted as they are: log the slowest signal faster, "
-        f"or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
-    ]
 
 
 def _points(
@@ -186,9 +187,8 @@ def _points(
             continue
         if picture is not None:
             from propmap.report.fit_curves import steady_parts
-            from propmap.report.html import save
 
-            save(steady_parts(log, stretches), picture)
+            out.save_picture(steady_parts(log, stretches), picture)
         found.append(operating_points(log, stretches))
     if not found or (not needed and sum(len(p) for p in found) < ENOUGH_STRETCHES):
         if needed:
@@ -200,85 +200,158 @@ def _points(
     return joined(found)
 
 
-def _table_remarks(table: FlightLog, file: VehicleFile) -> list[str]:
-    try:
-        return check_rotor_speed(table, _nominal_rotor(file), file.vehicle, "rpm")
-    except InputError as error:
-        remedy = "give rpm_1, rpm_2 ... in revolutions per minute of the propeller"
-        raise InputError(error.found, remedy, table.source) from None
-
-
-def _rpm_remarks(log: FlightLog, file: VehicleFile) -> list[str]:
-    unit = file.log.rotor_unit or ("rpm" if log.source.endswith(".ulg") else None)
-    return check_rotor_speed(log, _nominal_rotor(file), file.vehicle, unit)
-
-
 def _nominal_rotor(file: VehicleFile) -> Rotor:
-    from propmap.model.airfoil import parameter_set
-    from propmap.model.model import Model
-    from propmap.rotor import Rotor
-
-    model = Model(file.vehicle.propeller, parameter_set("paper-apc"), file.vehicle.air)
-    return Rotor(model)
+    return Rotor(Model(file.vehicle.propeller, parameter_set("paper-apc"), file.vehicle.air))
 
 
 def all_level_tables(paths: Sequence[Path]) -> bool:
-    """Whether all files are tables of operating points."""
+    """Return whether all files are tables of operating points."""
     return all(is_level_table(path) for path in paths)
+
+
+# -------------------------------------------------------------------------------------------------
+# What is free in fits to flights, and what is known of it beforehand.
+
+LowPass = Annotated[
+    float | None,
+    Option(
+        "--low-pass",
+        metavar="HZ",
+        help="Cut-off of all signals of whole flights; by default 6, 0 for none.",
+    ),
+]
+BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
+"""Constants of the blade that a flight moves; it says nothing of the others."""
+BODY_ALONG_Z = ("drag_area_z", "download_area_x", "download_area_y")
+"""Terms of the body that the drag of the rotors' mounts does not take the place of."""
+WAKE_PRIORS = {
+    "wake_ahead": Prior(1.0, 3.0),
+    "wake_beside": Prior(1.0, 1.0),
+    "wake_downwash": Prior(1.0, 1.0),
+    "wake_share": Prior(1.0, 0.5),
+}
+"""The vortex cylinder is right within a factor of about two, and a wake is skewed by the inflow at
+the disk (1) or far below it (2) or by less, as air at the rim is slower."""
+# Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
+UNTWIST = Prior(0.02, 0.02)
+CLOCK = Prior(0.0, 0.01)  # [s]; filters of sensors delay them by some milliseconds
+# What motor controllers report is right within a hundredth: a clock's error, and rounding.
+ROTOR_SPEEDS = Prior(1.0, 0.01)
+
+# Standard deviations: areas of a body over that of all disks, and of a mount over that of its
+# disk; places of the accelerometer and of the centre of mass over the hubs' mean distance; mass of
+# a rotor at its radius over the vehicle's.
+BODY_SHARE, MOUNT_SHARE = 0.4, 0.5
+SENSOR_SHARE, CENTRE_SHARE = 0.5, 0.1
+ROTOR_SHARE = 0.01
+
+
+def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, Prior]:
+    """Give priors of all parameters but the section's, by the vehicle's size.
+
+    With ``hover``, the thrust scale of each flight is expected where its own hover has it.
+    """
+    disk = math.pi * vehicle.propeller.radius**2
+    bodies = Prior(0.0, BODY_SHARE * disk * len(vehicle.mounts))
+    places = [math.hypot(*mount.position) for mount in vehicle.mounts]
+    arm = sum(places) / len(places) or vehicle.propeller.radius
+    heavy = ROTOR_SHARE * vehicle.mass * vehicle.propeller.radius**2
+    scale = HoverScale.of(vehicle, log)
+    if not hover:
+        scale = replace(scale, measured={})
+    return {
+        **dict.fromkeys(BODY, bodies),
+        "mount_area": Prior(0.0, MOUNT_SHARE * disk),
+        "untwist": UNTWIST,
+        **dict.fromkeys(OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
+        **dict.fromkeys(("clock_offset", *of_each("clock_offset", log)), CLOCK),
+        **dict.fromkeys(CENTRE, Prior(0.0, CENTRE_SHARE * arm)),
+        "rotor_inertia": Prior(0.0, heavy),
+        **WAKE_PRIORS,
+        "rotor_speed_scale": ROTOR_SPEEDS,
+        "thrust_scale": Prior(1.0, OVER_FLIGHTS),
+        **scale.priors,
+    }
+
+
+def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[str, ...]:
+    """List what a fit to flights varies where nothing is stated.
+
+    With steady stretches (``level``) the paper's four; with whole flights what else moves the
+    residuals: drag of the rotors' mounts, which takes the place of the body's in the disk plane,
+    the body's along z, the accelerometer, the wakes of several rotors on each other, and of each
+    flight of the ``log`` the clock and, beside others, the thrust scale.
+    """
+    if level:
+        return PAPER_FOUR
+    turning = tuple(TURNING) if vehicle.inertia else ()
+    mount = () if any(one.drag for one in vehicle.mounts) else tuple(MOUNT)
+    wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
+    scales = of_each("thrust_scale", log) if len(log.flights) > 1 else ()
+    own = (*of_each("clock_offset", log), *scales)
+    return (*BLADE, *FLEX, *mount, *BODY_ALONG_Z, *OFFSET, *turning, *wakes, *own)
+
+
+def with_flight_priors(choice: Choice, known: Mapping[str, Prior]) -> Choice:
+    """Add what is known of those free parameters that have no prior."""
+    more = {n: p for n, p in known.items() if n in choice.free and n not in choice.priors}
+    return replace(choice, priors={**more, **choice.priors}) if more else choice
 
 
 # -------------------------------------------------------------------------------------------------
 # ``propmap fit flight``: section parameters from flight logs of a vehicle.
 
+# Of so many samples of whole flights one is fitted from all starts, and all from the best end.
 EVERY, FEW = 3, 1500
-"""Of so many samples of whole flights one is fitted from all starts, and all from the best end."""
-
-
-class Method(StrEnum):
-    """Which balance of forces is fitted."""
-
-    auto = "auto"
-    level = "level"
-    balance = "balance"
 
 
 def fit_flight(
     logs: Annotated[
         list[Path],
-        typer.Argument(metavar="LOG...", help="CSV, Parquet, ULog, bag, or a level-flight table."),
+        Argument(metavar="LOG...", help="CSV, Parquet, ULog, bag, or a level-flight table."),
     ],
-    vehicle: Annotated[
-        Path, typer.Option("--vehicle", metavar="VEHICLE.toml", help="The vehicle.")
-    ],
+    vehicle: opt.VehicleOption,
     output: Output,
     method: Annotated[
-        Method,
-        typer.Option(
-            "--method",
+        Literal["auto", "level", "balance"],
+        Option(
             help="level: vertical balance of steady stretches, as in the paper; balance: all "
-            "forces at all times; auto: level if there are enough steady stretches.",
+            "forces at all times; auto: level if there are enough steady stretches."
         ),
-    ] = Method.auto,
+    ] = "auto",
     free: Free = None,
     fix: Fix = None,
     prior: Priors = None,
     prior_from: PriorFrom = None,
     name_or_file: Annotated[
         str | None,
-        typer.Option("--airfoil", metavar="NAME|FILE", help="Values of what is not free."),
+        Option(
+            "--airfoil", metavar="NAME|FILE", help="Take the values of what is not free from here."
+        ),
     ] = None,
-    physics: ModelOption = None,
-    correction: Corrections = None,
-    seconds: Annotated[float, typer.Option("--seconds", help="Shortest steady stretch [s].")] = 2.0,
+    physics: opt.ModelOption = None,
+    correction: opt.Corrections = None,
+    seconds: Annotated[float, Option(help="Shortest steady stretch [s].")] = 2.0,
     samples: Annotated[
-        int, typer.Option("--samples", min=10, help="Samples used of a whole flight, at most.")
+        int, Option(min=10, help="Largest number of samples used of whole flights.")
     ] = 500,
     low_pass: LowPass = None,
-    hover_scale: HoverScale = True,
-    residual: Residual = False,
-    body_study: Annotated[
+    hover_scale: Annotated[
         bool,
-        typer.Option("--body-study", help="Say whether body lift and drag earn their place."),
+        Option(
+            "--hover-scale/--no-hover-scale",
+            help="Expect each flight's thrust scale where its own hover has it.",
+        ),
+    ] = True,
+    residual: Annotated[
+        bool,
+        Option(
+            "--residual",
+            help="Learn a small correction of what the physics leaves unexplained, kept apart.",
+        ),
+    ] = False,
+    body_study: Annotated[
+        bool, Option("--body-study", help="Say whether terms for body lift and drag pay.")
     ] = False,
     starts: Starts = 2,
     robust: Robust = False,
@@ -287,38 +360,25 @@ def fit_flight(
     seed: Seed = 2017,
     picture: Picture = None,
     stretches_picture: Annotated[
-        Path | None,
-        typer.Option("--stretches", metavar="FILE", help="Picture of the steady stretches."),
+        Path | None, Option("--stretches", metavar="FILE", help="Draw the steady stretches.")
     ] = None,
-    cluster: Cluster = None,
+    cluster: opt.Cluster = None,
 ) -> None:
     """Fit flight logs of a vehicle.
 
     Whole flights have a thrust scale (where there are several) and a clock each. Wind is not
     estimated: state it in the vehicle file.
     """
-    from propmap.vehicle.files import read_vehicle
-    from propmap.vehicle.log import DERIVATIVE_CUTOFF
-
     check_outputs(output, picture, stretches_picture)
-    base = constants(name_or_file) if name_or_file else None
+    base = opt.constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
     doubts = [*blade_warnings(file.vehicle.propeller), *air_warnings(file.vehicle.air)]
-    say_doubts(doubts)
-
-    from propmap.fit.comparison import body_terms_verdict, doubts_on_constants, still_explained
-    from propmap.fit.files import fit_text
-    from propmap.fit.fit import fit, range_warnings
-    from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows, wing_values
-    from propmap.fit.flight import HoverScale as Scale
-    from propmap.fit.flight_study import by_flight
-    from propmap.fit.tunnel import first_guess, model_with
-
+    out.note(*doubts)
     cutoff = DERIVATIVE_CUTOFF if low_pass is None else low_pass
     flights = read_flights(
         logs,
         file,
-        method.value,
+        method,
         seconds=seconds,
         samples=samples,
         low_pass=cutoff,
@@ -339,7 +399,7 @@ def fit_flight(
         chosen = with_flight_priors(chosen, known)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
-    law = with_physics(law, physics, correction)
+    law = opt.with_physics(law, physics, correction)
     model = ForceModel(file.vehicle, flights.log, law)
     make = level_rows if flights.level else balance_rows
     fewer = None
@@ -347,18 +407,25 @@ def fit_flight(
         part = flights.log.picked(slice(None, None, EVERY))
         fewer = make(ForceModel(file.vehicle, part, law), chosen)
     remake = functools.partial(make, model, chosen)
-    with workers_of_bootstrap(cluster, bootstrap) as workers:
+    with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, fewer, workers=workers, remake=remake)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
     remarks += still_explained(fitted, model.log)
     remarks += doubts_on_constants(fitted)
-    learned = learned_residual(model, fitted, wanted=residual, level=flights.level)
-    remarks += learned.told() if learned else []
+    learned = None
+    if residual:
+        if flights.level:
+            raise InputError("--residual is for whole flights", "add --method balance")
+        from propmap.fit.learned_residual import learn
+
+        left = file.vehicle.mass * model.log.specific_force - model.at(fitted.values, ()).force
+        learned = learn(file.vehicle, model.log, left)
+        remarks += learned.told()
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     flown = by_flight(fitted, flights.log)
     wanted = hover_scale and not flights.level
-    hovers = Scale.of(file.vehicle, flights.log) if wanted else None
+    hovers = HoverScale.of(file.vehicle, flights.log) if wanted else None
     text = fit_text(
         fitted,
         kind="level flight" if flights.level else "flight",
@@ -367,7 +434,7 @@ def fit_flight(
         data=[*logs, vehicle],
         covered=model.coverage(),
         hover=hover_rows(model, fitted.values, fitted.rows),
-        remarks=[*say_prior(expected), *remarks, *doubts],
+        remarks=[*note_prior(expected), *remarks, *doubts],
         options={
             "seconds": seconds,
             "samples": samples,
@@ -379,98 +446,79 @@ def fit_flight(
         flights=flown,
     )
     if picture is not None:
-        _picture_of_flight(picture, fitted, model, flights.log)
+        from propmap.report.fit_curves import level_flight
+
+        drawn = section_with(model.model.airfoil, fitted.values)
+        out.save_picture(level_flight(file.vehicle, flights.log, drawn), picture)
     finish(fitted, model_with(model.model, fitted.values), remarks, text, output, flown)
-
-
-def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
-    from propmap.fit.tunnel import section_with
-    from propmap.report.fit_curves import level_flight
-    from propmap.report.html import save
-
-    law = section_with(model.model.airfoil, fitted.values)
-    save(level_flight(model.vehicle, log, law), picture)
 
 
 # -------------------------------------------------------------------------------------------------
 # ``propmap fit terms``: what each term of a flight fit is worth, as a page.
 
-ALMOST_NONE = 1e-9
-"""Area [m^2] of a mount that drags nothing."""
-
-STALL = ("c_l1", "c_d", "alpha_0")
-"""The paper's four without c_l2, which level flights do not tell."""
-
+ALMOST_NONE = 1e-9  # area [m^2] of a mount that drags nothing
+STALL = ("c_l1", "c_d", "alpha_0")  # the paper's four without c_l2, which level flights do not show
 DRAGS, DOWN = ("drag_area_x", "drag_area_y", "drag_area_z"), ("download_area_x", "download_area_y")
 ENDINGS = ("x", "y", "z")
 
 
 def fit_terms_page(
     logs: Annotated[
-        list[Path], typer.Argument(metavar="LOG...", help="CSV, Parquet, ULog or bag; two or more.")
+        list[Path], Argument(metavar="LOG...", help="CSV, Parquet, ULog or bag; two or more.")
     ],
-    vehicle: Annotated[
-        Path, typer.Option("--vehicle", metavar="VEHICLE.toml", help="The vehicle.")
-    ],
-    output: Annotated[
-        Path,
-        typer.Option(
-            "--output", "-o", metavar="FOLDER", help="New, empty, or written by this command."
-        ),
-    ],
+    vehicle: opt.VehicleOption,
+    output: out.FolderOutput,
     samples: Annotated[
-        int, typer.Option("--samples", min=10, help="Samples that each fit takes, at most.")
+        int, Option(min=10, help="Largest number of samples that each fit takes.")
     ] = 300,
     low_pass: LowPass = None,
     prior_from: PriorFrom = None,
     prediction: Annotated[
         str | None,
-        typer.Option(
-            "--prediction",
+        Option(
             metavar="COLUMNS",
-            help="Three columns of CSV logs, separated by commas: forces along x, y, z [N] that "
-            "something else predicts. By default those ending in _fx, _fy, _fz.",
+            help="Compare with the forces along x, y, z [N] that something else predicts, in three "
+            "columns of CSV logs, separated by commas. By default those ending in _fx, _fy, _fz.",
         ),
     ] = None,
 ) -> None:
-    """A page that says which terms of a flight fit pay.
+    """Write a page that says which terms of a flight fit pay.
 
-    Hover model, vertical balance, then one term more at a time, each fitted to all flights but
-    one and checked on that one, beside a prediction that comes with the logs.
+    The steps are the hover model, the vertical balance, then one term more at a time. Each is
+    fitted to all flights but one and checked on that one, beside a prediction that comes with
+    the logs.
     """
     from propmap.report.html import PAGE, TERMS_FILES, check_folder, write_folder
-    from propmap.vehicle.files import read_vehicle
-    from propmap.vehicle.log import DERIVATIVE_CUTOFF
 
     check_folder(output, TERMS_FILES)
     file = read_vehicle(vehicle)
     # Moments play no part here, and the wakes are one of the terms.
     file = replace(file, vehicle=replace(file.vehicle, inertia=None, wakes=None))
 
-    from propmap.fit.flight_study import fit_terms
     from propmap.report.terms_page import terms_pages
 
     cutoff = DERIVATIVE_CUTOFF if low_pass is None else low_pass
     flights, remarks = read_pairs(logs, file, cutoff, prediction)
     prior = expected(prior_from, file.vehicle)
+    known = flight_priors(file.vehicle, flights[0].passed, hover=False)
     law = prior.airfoil.with_corrections(["pitt-peters"])
     found = fit_terms(
         file.vehicle,
         flights,
-        steps(file.vehicle, prior, flight_priors(file.vehicle, flights[0].passed, hover=False)),
+        steps(file.vehicle, prior, known),
         law,
         samples=samples,
-        tell=lambda text: typer.echo(text, err=True),
+        tell=lambda text: echo(text, err=True),
     )
     pages = terms_pages(
         file.vehicle, flights, found, low_pass=cutoff, samples=samples, remarks=remarks
     )
     write_folder(output, pages, TERMS_FILES)
-    typer.echo(f"wrote {output / PAGE} and {len(pages) - 1} files beside it")
+    echo(f"wrote {output / PAGE} and {len(pages) - 1} files beside it")
 
 
 def expected(prior_from: str | None, vehicle: Vehicle) -> SectionPrior:
-    """What other propellers tell of the vehicle's blade; ``InputError`` for none."""
+    """Predict the constants of the vehicle's blade; ``InputError`` where no prior is wanted."""
     blade = vehicle.propeller
     prior = section_prior(prior_from, blade.name, blade, by_default=True)
     if prior is None:
@@ -479,12 +527,10 @@ def expected(prior_from: str | None, vehicle: Vehicle) -> SectionPrior:
 
 
 def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> list[Step]:
-    """The models of a ``vehicle``'s flights, each with one term more, in order.
+    """List models of a vehicle's flights, each with one term more.
 
-    ``prior`` is what other propellers tell of the blade, ``known`` what is known of other terms.
+    Other propellers give the ``prior`` of the blade; ``known`` are the priors of other terms.
     """
-    from propmap.fit.flight_study import Step
-
     own_mounts = any(one.drag for one in vehicle.mounts)
     mount = () if own_mounts else tuple(MOUNT)
     drag = DRAGS if own_mounts else (*mount, "drag_area_z")
@@ -499,43 +545,26 @@ def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> 
         "download of the body": (*blade, *wakes, *FLEX, *DOWN),
     }
 
+    at = {name: float(getattr(prior.airfoil, name)) for name in SECTION}
+    absent = {**dict.fromkeys(mount, ALMOST_NONE), **dict.fromkeys(FLEX, 0.0)}
+
     def choice(free: tuple[str, ...]) -> Choice:
-        return with_flight_priors(_choice(free, prior, mount), known)
+        """Hold what is not free where other propellers have it, or absent."""
+        fixed = {name: value for name, value in {**at, **absent}.items() if name not in free}
+        start = {name: value for name, value in at.items() if name in free}
+        return with_flight_priors(Choice(free, fixed, {}, start, prior), known)
 
     found = [Step("vertical balance alone", choice(STALL), vertical=True)]
     return found + [Step(name, choice(f)) for name, f in named.items() if f]
 
 
-def _choice(free: tuple[str, ...], prior: SectionPrior, mount: tuple[str, ...]) -> Choice:
-    """What is free, everything else where other propellers have it, or absent."""
-    absent = {**dict.fromkeys(mount, ALMOST_NONE), **dict.fromkeys(FLEX, 0.0)}
-    at = {name: float(getattr(prior.airfoil, name)) for name in SECTION}
-    fixed = {name: value for name, value in {**at, **absent}.items() if name not in free}
-    start = {name: value for name, value in at.items() if name in free}
-    return Choice(free, fixed, {}, start, prior)
-
-
 def read_pairs(
     paths: Sequence[Path], file: VehicleFile, cutoff: float, prediction: str | None
 ) -> tuple[list[Flight], list[str]]:
-    """Flights with their signals low-passed and not, and remarks on them.
+    """Read flights, their signals low-passed below ``cutoff`` [Hz] and raw, and remarks on them.
 
-    Parameters
-    ----------
-    paths, file : sequence of Path, VehicleFile
-        Logs, and what flew.
-    cutoff : float
-        Of the low-pass [Hz].
-    prediction : str or None
-        As ``--prediction``.
-
-    Raises
-    ------
-    InputError
-        For bad logs, and columns that are not there.
+    Raises ``InputError`` for bad logs, and for columns of the ``prediction`` that are not there.
     """
-    from propmap.fit.flight_study import Flight
-
     names = [path.stem for path in paths]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
@@ -543,10 +572,7 @@ def read_pairs(
     found: list[Flight] = []
     remarks: list[str] = []
     for path in paths:
-        passed, raw = (
-            read_flights([path], file, "balance", seconds=2.0, samples=2**31, low_pass=hz)
-            for hz in (cutoff, 0.0)
-        )
+        passed, raw = (read_flights([path], file, "balance", low_pass=hz) for hz in (cutoff, 0.0))
         remarks += passed.remarks
         if not np.isfinite(passed.log.specific_force).all():
             raise InputError(
@@ -563,9 +589,7 @@ def read_pairs(
 def _predicted(
     path: Path, file: VehicleFile, time: Floats, cutoff: float, columns: str | None
 ) -> Floats | None:
-    """Forces [N] (n, 3) that columns of a CSV log predict at these times, low-passed."""
-    from propmap.vehicle.log import FlightLog, low_passed
-
+    """Read forces [N] (n, 3) that columns of a CSV log predict at these times, low-passed."""
     if path.suffix.lower() != ".csv":
         return None
     with path.open(encoding="utf-8-sig", errors="replace") as lines:

@@ -8,44 +8,27 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 from typer.core import TyperGroup
 
 from propmap.catalogue import Entry
 from propmap.catalogue.expected import HELD
 from propmap.catalogue.identified import PARAMETERS, all_identified
-from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, propeller, search
-from propmap.cli.options import Blades, PropArgument, Radius, constants, say_doubts, say_expected
-from propmap.cli.output import (
-    Format,
-    FormatOption,
-    TextOutput,
-    check_output,
-    check_pictures,
-    chosen_format,
-    emit,
-    emit_rows,
-    grid,
-    show,
-)
-from propmap.model.airfoil import CONSTANTS, Airfoil, airfoil_names, parameter_set
-from propmap.model.plausibility import blade_warnings
+from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, search
+from propmap.cli import options as opt
+from propmap.cli import output as out
+from propmap.model.airfoil import CONSTANTS, airfoil_names, parameter_set
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from propmap.model.model import Propeller
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap props`` and ``propmap airfoils``: what comes with propmap.
-
 ENTRY = ("name", "title", "family", "blades", "diameter_m", "source")
-OUTLINE_WIDTH = 72
-"""Characters from the axis to the tip."""
+OUTLINE_WIDTH = 72  # characters from the axis to the tip
 
 
 class ListByDefault(TyperGroup):
-    """A group whose command `list` need not be named: `props apc` is `props list apc`."""
+    """Make `list` the command that need not be named: `props apc` is `props list apc`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put `list` in front where no command of the group is named."""
@@ -57,25 +40,25 @@ class ListByDefault(TyperGroup):
 props_app = typer.Typer(
     name="props",
     cls=ListByDefault,
-    help="Propellers: props [TEXT] lists, props show NAME shows.",
+    help="List propellers, or show one: props [TEXT], props show NAME.",
     rich_markup_mode=None,
 )
 airfoils_app = typer.Typer(
     name="airfoils",
     cls=ListByDefault,
-    help="Section laws: list them, or airfoils show NAME.",
+    help="List section laws, or show one: airfoils show NAME.",
     rich_markup_mode=None,
 )
 
 
 @airfoils_app.command("list")
-def list_airfoils(format_: FormatOption = None, output: TextOutput = None) -> None:
+def list_airfoils(format_: out.FormatOption = None, output: out.TextOutput = None) -> None:
     """List the parameter sets that come with propmap."""
-    chosen = chosen_format(format_, output)
+    chosen = out.chosen_format(format_, output)
     sets = [parameter_set(name) for name in airfoil_names()]
-    if chosen is not Format.table:
+    if chosen != "table":
         rows = [one.metadata() for one in sets]
-        emit_rows(list(rows[0]), rows, chosen, output)
+        out.emit_rows(list(rows[0]), rows, chosen, output)
         return
     cells = [
         (
@@ -86,82 +69,82 @@ def list_airfoils(format_: FormatOption = None, output: TextOutput = None) -> No
         )
         for one in sets
     ]
-    show(output, grid("<name|c_l1 [1/rad]|c_l2|c_d|alpha_0 [deg]|zero lift [deg]|<source", cells))
+    out.show(
+        output, out.grid("<name|c_l1 [1/rad]|c_l2|c_d|alpha_0 [deg]|zero lift [deg]|<source", cells)
+    )
 
 
 @airfoils_app.command("show")
 def show_airfoil(
-    name: Annotated[str, typer.Argument(metavar="NAME|FILE", help="Parameter set or TOML file.")],
-    output: TextOutput = None,
+    name: Annotated[str, Argument(metavar="NAME|FILE", help="Parameter set or TOML file.")],
+    output: out.TextOutput = None,
 ) -> None:
     """Print a parameter set as TOML, a template for one's own."""
     if output is not None:
-        check_output(output, (".toml",))
-    emit(constants(name).to_toml(), output)
+        out.check_output(output, (".toml",))
+    out.emit(opt.constants(name).to_toml(), output)
 
 
 @props_app.command("list")
 def list_props(
     words: Annotated[
-        list[str] | None, typer.Argument(metavar="[TEXT]...", help="Words to search for.")
+        list[str] | None, Argument(metavar="[TEXT]...", help="Words to search for.")
     ] = None,
-    format_: FormatOption = None,
-    output: TextOutput = None,
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
 ) -> None:
-    """List the catalogue, or what in it matches all words."""
-    chosen = chosen_format(format_, output)
+    """List the propellers, all or those that match all words."""
+    chosen = out.chosen_format(format_, output)
     text = " ".join(words or [])
     entries = search(text)
-    if chosen is not Format.table:
-        emit_rows(ENTRY, [asdict(entry) for entry in entries], chosen, output)
+    if chosen != "table":
+        out.emit_rows(ENTRY, [asdict(entry) for entry in entries], chosen, output)
         return
     cells = [(e.name, e.title, str(e.blades), f"{1e3 * e.diameter_m:.1f}") for e in entries]
     found = f"{len(entries)} propellers" + (f" with {text!r}" if text else "")
-    listed = [grid("<name|<propeller|blades|diameter [mm]", cells)] if entries else []
-    show(output, *listed, found)
+    listed = [out.grid("<name|<propeller|blades|diameter [mm]", cells)] if entries else []
+    out.show(output, *listed, found)
 
 
 @props_app.command("show")
 def show_prop(
-    prop: PropArgument,
-    blades: Blades = None,
-    radius: Radius = None,
+    prop: opt.PropArgument,
+    blades: opt.Blades = None,
+    radius: opt.Radius = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="Picture as well: .png, .svg, .pdf."),
+        Option("--output", "-o", metavar="FILE", help="Draw the blade too: .png, .svg, .pdf."),
     ] = None,
 ) -> None:
-    """A propeller's stations and outline, where they are from, and its section constants."""
+    """Show a propeller's blade and its section constants."""
     from rich.text import Text
 
-    check_pictures(output)
-    blade = propeller(prop, blades, radius)
-    say_expected(prop)
-    say_doubts(blade_warnings(blade))
+    out.check_pictures(output)
+    blade = opt.propeller_noted(prop, blades, radius)
     rows = [
         (f"{y:.5f}", f"{y / blade.radius:.4f}", f"{1e3 * c:.3f}", f"{np.degrees(twist):.2f}")
         for y, c, twist in zip(blade.station, blade.chord, blade.twist, strict=True)
     ]
-    show(
+    out.show(
         None,
         f"{blade.name}: {blade.blades} blades, radius {blade.radius:.5g} m, loaded from "
         f"{blade.root:.5g} m",
-        grid("radius [m]|r/R|chord [mm]|twist [deg]", rows),
+        out.grid("radius [m]|r/R|chord [mm]|twist [deg]", rows),
         Text("\n".join(outline(blade)), no_wrap=True),
         f"source: {blade.source or 'not given'}",
         f"citation: {blade.citation or 'not given'}",
-        *known_constants(prop, blade.blades),
+        *_constants(prop, blade),
     )
     if output is not None:
         from propmap.report.html import save
         from propmap.report.pictures import planform
 
         save(planform(blade), output)
-        typer.echo(output)
+        echo(output)
 
 
 def outline(blade: Propeller) -> list[str]:
-    """The blade about mid-chord in half-block characters, the axis at the left, to scale.
+    """Draw the blade about mid-chord in half-block characters, to scale, the axis at the left.
 
     A character is taken to be twice as high as wide, so a half block is as high as wide.
     """
@@ -179,44 +162,29 @@ def outline(blade: Propeller) -> list[str]:
     return ["".join(line).rstrip() for line in lines]
 
 
-# -------------------------------------------------------------------------------------------------
-# What ``propmap props show`` says of a propeller's section constants.
-
-
-def known_constants(prop: str, blades: int) -> list[object]:
-    """What to show: the constants that commands take for PROP by default, and how sure they are.
-
-    Parameters
-    ----------
-    prop : str
-        As it was given; of a file there is nothing to say.
-    blades : int
-        How many blades it has.
-    """
+def _constants(prop: str, blade: Propeller) -> list[object]:
+    """Show the constants that commands take for PROP by default, and how sure they are."""
     meant = meant_by(prop)
     if meant is None:
         return []
+    shown: list[object] = []
+    found = own_constants(meant, blade.blades)
+    if found is not None:
+        law = found.airfoil
+        shown += [found.summary.removesuffix(f"; {found.verdict}"), f"verdict: {found.verdict}"]
+    else:
+        predicted = predicted_constants(meant, blade)
+        law = predicted.airfoil
+        if isinstance(meant, Entry):
+            # Else a note on the blade has said what both rest on.
+            shown.append(predicted.summary)
     others = sorted(
         one.blades
         for one in all_identified()
-        if isinstance(meant, Entry) and one.propeller == meant.name and one.blades != blades
+        if isinstance(meant, Entry) and one.propeller == meant.name and one.blades != blade.blades
     )
-    also = [f"identified with {' and '.join(map(str, others))} blades too: --blades N"]
-    found = own_constants(meant, blades)
-    if found is None:
-        expected = predicted_constants(meant, propeller(prop, blades))
-        told: list[object] = [_table(expected.airfoil)]
-        if isinstance(meant, Entry):
-            # Else a note on the blade has said what both rest on.
-            told.append(expected.summary)
-    else:
-        rest = found.summary.removesuffix(f"; {found.verdict}")
-        told = [_table(found.airfoil), rest, f"verdict: {found.verdict}"]
-    return [*told, *(also if others else [])]
-
-
-def _table(law: Airfoil) -> Table:
-    """The constants with their standard deviations, and those that are held."""
+    if others:
+        shown.append(f"identified with {' and '.join(map(str, others))} blades too: --blades N")
     assert law.uncertainty is not None  # both kinds carry it
     deviations = np.sqrt(np.diag(law.uncertainty.covariance.matrix))
     rows = [
@@ -224,4 +192,4 @@ def _table(law: Airfoil) -> Table:
         for name, deviation in zip(PARAMETERS, deviations, strict=True)
     ]
     held = [(name, f"{value:.4f}", "held", "-") for name, value in HELD.items()]
-    return grid("<constant|value|standard deviation|<unit", [*rows, *held])
+    return [out.grid("<constant|value|standard deviation|<unit", [*rows, *held]), *shown]

@@ -1,21 +1,34 @@
-"""Options that commands share: PROP and its rotor, operating points, workers, bands, notes."""
+"""Options that commands share, and what they describe: rotor, aircraft, points, workers."""
 
 from __future__ import annotations
 
 import functools
 import inspect
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import math
+import shlex
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, fields
-from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_type_hints, overload
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    Concatenate,
+    Literal,
+    ParamSpec,
+    TypeVar,
+    cast,
+    get_type_hints,
+)
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 
+from propmap import catalogue
 from propmap.catalogue.expected import ExpectedBlade
-from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import (
     airfoil,
     meant_by,
@@ -23,6 +36,7 @@ from propmap.catalogue.lookup import (
     predicted_constants,
     propeller,
 )
+from propmap.cli.output import note
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_value
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
@@ -31,203 +45,168 @@ from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Prop
 from propmap.model.plausibility import air_warnings, blade_warnings, point_warnings
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
-    from propmap.model.model import Model
+    from propmap.aircraft.trim import Aircraft
     from propmap.rotor import Rotor
-    from propmap.typing import Floats
+    from propmap.vehicle.vehicle import Vehicle
 
 
 # -------------------------------------------------------------------------------------------------
-# PROP and the options that choose a rotor, shared by the commands that compute loads.
+# PROP and the options that choose a rotor.
 
 Others = ParamSpec("Others")
+Law = TypeVar("Law", bound=Airfoil | SectionTable)
 
-PropArgument = Annotated[
-    str,
-    typer.Argument(
-        metavar="PROP",
-        help="Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file.",
-    ),
-]
-PropOption = Annotated[
-    str,
-    typer.Option(
-        "--prop",
-        metavar="PROP",
-        help="Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file.",
-    ),
-]
-Blades = Annotated[int | None, typer.Option("--blades", metavar="N", help="Number of blades.")]
+PROP_HELP = "Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file."
+PropArgument = Annotated[str, Argument(metavar="PROP", help=PROP_HELP)]
+PropOption = Annotated[str, Option("--prop", metavar="PROP", help=PROP_HELP)]
+Blades = Annotated[int | None, Option("--blades", metavar="N", help="Number of blades.")]
 Radius = Annotated[
-    float | None, typer.Option("--radius", help="Tip radius [m], where the file gives none.")
+    float | None, Option("--radius", help="Tip radius [m], where the file gives none.")
 ]
 RootCutout = Annotated[
-    float | None, typer.Option("--root-cutout", help="Where the loaded blade begins [m].")
+    float | None, Option("--root-cutout", help="Radius where the loaded blade begins [m].")
 ]
-
-
 Corrections = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         "--correction",
         metavar="NAME[:FIELD=VALUE]",
-        help=f"Added to the model: {', '.join(CORRECTIONS)} (a field as in "
+        help=f"Add a correction to the model: {', '.join(CORRECTIONS)} (a field as in "
         "hub-loss:radius_m=0.012); may be repeated.",
     ),
 ]
-
-
-class ModelName(StrEnum):
-    """The keys of ``MODELS``."""
-
-    recommended = "recommended"
-    paper = "paper"
-
-
+ModelName = Literal["recommended", "paper"]  # the keys of ``MODELS``
 ModelOption = Annotated[
     ModelName | None,
-    typer.Option(
+    Option(
         "--model",
-        help="Physics: recommended, the paper's with an inflow that varies around the disk "
-        "(pitt-peters), or paper, Gill & D'Andrea 2017 to the letter. By default that with which "
+        help="Physics: recommended is the paper's with an inflow that varies around the disk "
+        "(pitt-peters), paper is Gill & D'Andrea 2017 to the letter. By default the one with which "
         "the section law's constants were found, else recommended.",
     ),
 ]
-
-
-class AccuracyName(StrEnum):
-    """The settings of ``Rotor``."""
-
-    standard = "standard"
-    fine = "fine"
-
-
+AccuracyName = Literal["standard", "fine"]
 AirfoilOption = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--airfoil",
         metavar="NAME|FILE",
         help="Section law: a name of propmap airfoils, a fit or parameter set (.toml), or a "
         "section table of AeroDyn, XFOIL (a file or a folder), CACTUS or CSV. By default the "
-        "constants identified for the propeller, else those to be expected of its family or of "
-        "any; a fit starts from the paper's first guess.",
+        "constants identified for the propeller, else those predicted from its family or from all "
+        "propellers; a fit starts from the paper's first guess.",
     ),
 ]
 AccuracyOption = Annotated[
-    AccuracyName, typer.Option("--accuracy", help="Loads to 0.1 % or, slower, to 0.01 %.")
+    AccuracyName,
+    Option("--accuracy", help="Compute loads to 0.1 % (standard) or to 0.01 %, slower."),
 ]
 
 
 @dataclass(frozen=True)
 class RotorChoice:
-    """What the user said about the rotor; the fields are the command's parameters."""
+    """The propeller, section law and air that a user asked for; its fields become options."""
 
     prop: PropArgument
     airfoil: AirfoilOption = None
-    rho: Annotated[
-        float | None, typer.Option("--rho", help=f"Air density [kg/m^3], else {PAPER_DENSITY}.")
-    ] = None
-    mu: Annotated[
-        float | None, typer.Option("--mu", help=f"Viscosity [Pa s], else {PAPER_VISCOSITY}.")
-    ] = None
+    rho: Annotated[float | None, Option(help=f"Air density [kg/m^3], else {PAPER_DENSITY}.")] = None
+    mu: Annotated[float | None, Option(help=f"Viscosity [Pa s], else {PAPER_VISCOSITY}.")] = None
     altitude: Annotated[
-        float | None, typer.Option("--altitude", help="Air of the standard atmosphere here [m].")
+        float | None, Option(help="Take the standard atmosphere's air at this height [m].")
     ] = None
     temperature_offset: Annotated[
-        float | None,
-        typer.Option("--temperature-offset", help="Warmer than the standard atmosphere by [K]."),
+        float | None, Option(help="Difference from the standard atmosphere's [K].")
     ] = None
     model: ModelOption = None
     correction: Corrections = None
     root_cutout: RootCutout = None
     blades: Blades = None
     radius: Radius = None
-    accuracy: AccuracyOption = AccuracyName.standard
+    accuracy: AccuracyOption = "standard"
 
     def rotor(self) -> Rotor:
-        """The rotor that the options tell of."""
+        """Make the rotor; notes say what is assumed and what is implausible about it."""
         blade, air = self.blade(), self.medium()
-        section = with_physics(self.section(blade), self.model, self.correction)
+        section = with_physics(
+            section_law(self.airfoil, self.prop, blade), self.model, self.correction
+        )
 
         from propmap.rotor import Rotor
 
-        return Rotor(Model(blade, section, air), accuracy=self.accuracy.value)
-
-    def section(self, blade: Propeller) -> Airfoil | SectionTable:
-        """The section law: that which is named, else constants known for the ``blade``.
-
-        These are the identified ones, else those to be expected of its family or of any propeller;
-        a note says which.
-        """
-        if self.airfoil is not None:
-            return airfoil(self.airfoil)
-        found = self.identified(blade.blades)
-        if found is not None:
-            law, told = found.airfoil, found.summary
-        else:
-            meant = meant_by(self.prop)
-            expected = predicted_constants(meant, blade)
-            law, told = expected.airfoil, expected.summary
-            if isinstance(meant, ExpectedBlade) and meant.own is None:
-                return law  # the note on the blade tells of the constants too
-        typer.echo(f"note: {told}; another law by --airfoil", err=True)
-        return law
-
-    def identified(self, blades: int) -> Identified | None:
-        """The constants identified for PROP with so many ``blades``, where none are named."""
-        return own_constants(meant_by(self.prop), blades) if self.airfoil is None else None
+        return Rotor(Model(blade, section, air), accuracy=self.accuracy)
 
     def blade(self) -> Propeller:
-        """The propeller; notes say what is odd about it, and if it was not measured."""
-        found = propeller(self.prop, self.blades, self.radius, self.root_cutout)
-        say_expected(self.prop)
-        say_doubts(blade_warnings(found))
-        return found
+        """Read the propeller; notes say what is assumed and what is implausible about it."""
+        return propeller_noted(self.prop, self.blades, self.radius, self.root_cutout)
 
     def medium(self) -> Air:
-        """The air; notes say what is odd about its figures."""
+        """Make the air; notes say what is implausible about its figures."""
         stated = self.rho is not None or self.mu is not None
-        standard = self.altitude is not None or self.temperature_offset is not None
-        if stated and standard:
-            raise InputError(
-                "the air is given twice, by its figures and by the standard atmosphere",
-                "give --rho and --mu, or --altitude and --temperature-offset",
-            )
-        if standard:
+        if self.altitude is not None or self.temperature_offset is not None:
+            if stated:
+                raise InputError(
+                    "the air is given twice, by its figures and by the standard atmosphere",
+                    "give --rho and --mu, or --altitude and --temperature-offset",
+                )
             return Air.standard(self.altitude or 0.0, self.temperature_offset or 0.0)
         air = Air(
             PAPER_DENSITY if self.rho is None else self.rho,
             PAPER_VISCOSITY if self.mu is None else self.mu,
         )
-        say_doubts(air_warnings(air))
+        note(*air_warnings(air))
         return air
 
 
-@overload
-def with_physics(law: Airfoil, model: ModelName | None, added: Sequence[str] | None) -> Airfoil: ...
+def propeller_noted(
+    prop: str,
+    blades: int | None = None,
+    radius: float | None = None,
+    root_cutout: float | None = None,
+) -> Propeller:
+    """Read PROP, with notes on a blade that was not measured and on what is implausible."""
+    found = propeller(prop, blades, radius, root_cutout)
+    note_if_predicted(prop)
+    note(*blade_warnings(found))
+    return found
 
 
-@overload
-def with_physics(
-    law: Airfoil | SectionTable, model: ModelName | None, added: Sequence[str] | None
-) -> Airfoil | SectionTable: ...
+def note_if_predicted(prop: str) -> None:
+    """Note what a blade that was not measured rests on."""
+    meant = meant_by(prop)
+    if isinstance(meant, ExpectedBlade):
+        note(meant.summary)
 
 
-def with_physics(
-    law: Airfoil | SectionTable, model: ModelName | None, added: Sequence[str] | None
-) -> Airfoil | SectionTable:
-    """The section law with the corrections that ``--model`` and ``--correction`` ask for."""
+def section_law(asked: str | None, prop: str, blade: Propeller) -> Airfoil | SectionTable:
+    """Find the law that ``--airfoil`` asks for, else that identified or predicted for PROP.
+
+    A note says which constants are taken where none are asked for.
+    """
+    if asked is not None:
+        return airfoil(asked)
+    meant = meant_by(prop)
+    found = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
+    if not (isinstance(meant, ExpectedBlade) and meant.own is None):
+        # Else the note on the blade has said what the constants rest on too.
+        note(f"{found.summary}; another law by --airfoil")
+    return found.airfoil
+
+
+def with_physics(law: Law, model: ModelName | None, added: Sequence[str] | None) -> Law:
+    """Return the law with the corrections that ``--model`` and ``--correction`` ask for."""
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)
     if model is None and not physics and own is not None:
-        return law.with_corrections([*split_mount(own)[0], *mount])
-    chosen = corrections_of(model or ModelName.recommended, more)
-    return law.with_corrections([as_text(value) for value in chosen])
+        return cast(Law, law.with_corrections([*split_mount(own)[0], *mount]))
+    chosen = corrections_of(model or "recommended", more)
+    return cast(Law, law.with_corrections([as_text(value) for value in chosen]))
 
 
 def constants(name_or_path: str) -> Airfoil:
-    """The set of constants that ``--airfoil`` names; ``InputError`` for a section table."""
+    """Read the constants that ``--airfoil`` names; ``InputError`` for a section table."""
     found = airfoil(name_or_path)
     if isinstance(found, SectionTable):
         raise InputError(
@@ -238,28 +217,12 @@ def constants(name_or_path: str) -> Airfoil:
     return found
 
 
-def say_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
-    """Say where a section table does not reach at operating points [rad/s], [m/s], [rad]."""
-    if not isinstance(model.airfoil, SectionTable):
-        return
-    points = np.broadcast_arrays(omega, speed, beta)
-    some = np.unique(np.linspace(0, points[0].size - 1, 400).astype(int))
-    low, high = model.reynolds(*(values.ravel()[some] for values in points))
-    first, last = model.airfoil.reynolds[[0, -1]]
-    if low < first or high > last:
-        covered = f"covers {first:.2g} to {last:.2g}, its nearest row is used outside"
-        if first == last:
-            covered = "has one Reynolds number, which is used for all"
-        told = f"note: Re from {low:.2g} to {high:.2g} along the blade; the table {covered}"
-        typer.echo(told, err=True)
-
-
 def takes_rotor(
     command: Callable[Concatenate[RotorChoice, Others], None], prop: Any = PropArgument
 ) -> Callable[..., None]:
-    """A command with the parameters of ``RotorChoice`` in place of its first argument.
+    """Give a command the parameters of ``RotorChoice`` in place of its first argument.
 
-    ``prop`` says how the propeller is given: as an argument, or by an option.
+    ``prop`` makes the propeller an argument of the command line or an option.
     """
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
     types = get_type_hints(RotorChoice, include_extras=True)
@@ -286,22 +249,113 @@ def takes_rotor(
 
 
 # -------------------------------------------------------------------------------------------------
-# Operating points as options of the command line.
+# VEHICLE and the options that choose the loads of its rotors.
+
+VehicleArgument = Annotated[
+    Path, Argument(metavar="VEHICLE.toml", help="Vehicle file with rotors and motors.")
+]
+VehicleOption = Annotated[Path, Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle file.")]
+VehicleOfLogs = Annotated[
+    Path | None, Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle file, for flight logs.")
+]
+MaximumRpm = Annotated[
+    float | None, Option("--max-rpm", help="Largest speed of the rotors [1/min].")
+]
+Charge = Annotated[
+    float, Option("--charge", help="State of charge at which limits hold, 1 when full.")
+]
+NoWakes = Annotated[
+    bool, Option("--no-wakes", help="Leave out [wakes], the rotors' wakes on each other.")
+]
+
+
+def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
+    """Read a vehicle; with ``no_wakes`` as if its file had no table ``[wakes]``."""
+    from propmap.vehicle.files import read_vehicle
+
+    found = read_vehicle(path).vehicle
+    return replace(found, wakes=None) if no_wakes else found
+
+
+def aircraft_of(
+    vehicle: Vehicle,
+    *,
+    airfoil: str | None,
+    table: Path | None,
+    model: ModelName | None,
+    correction: list[str] | None,
+    accuracy: AccuracyName = "standard",
+    maximum_rpm: float | None = None,
+    charge: float = 1.0,
+) -> Aircraft:
+    """Make the aircraft, with loads from a table or from a rotor in the vehicle's air."""
+    limits = {"maximum_rotor_speed": checked_rpm(maximum_rpm), "charge": charge}
+    if table is not None:
+        if airfoil or model or correction:
+            raise InputError(
+                "--table is given with --airfoil, --model or --correction",
+                "leave these out: the table was built with its own",
+            )
+        from propmap.aircraft.trim import Aircraft
+        from propmap.table.query import LoadTable
+
+        found = LoadTable.load(table)
+        note_missing(vehicle)
+        return Aircraft(vehicle, found, **limits)
+    blade = vehicle.propeller
+    # A name that is not in the catalogue is of a file, written so that it is taken for one.
+    name = blade.name if blade.name in catalogue.names() else f"./{blade.name}"
+    law = with_physics(section_law(airfoil, name, blade), model, correction)
+    note_missing(vehicle)
+
+    from propmap.aircraft.trim import Aircraft
+    from propmap.rotor import Rotor
+
+    rotor = Rotor(Model(blade, law, vehicle.air), accuracy=accuracy)
+    return Aircraft(vehicle, rotor, **limits)
+
+
+def checked_rpm(maximum: float | None) -> float:
+    """Return ``--max-rpm`` in rad/s, infinite where it is not given."""
+    if maximum is None:
+        return math.inf
+    if not 0.0 < maximum < math.inf:
+        raise InputError(f"--max-rpm is {maximum:g}", "give revolutions per minute, above 0")
+    return maximum * RPM
+
+
+def note_missing(vehicle: Vehicle) -> None:
+    """Note which tables of the powertrain the vehicle file does not have."""
+    power = vehicle.powertrain
+    if power.motor is None:
+        note("power is shaft power: the vehicle file has no [motor]")
+        return
+    if power.controller is None:
+        note("nothing is lost in the speed controllers: the vehicle file has no [esc]")
+    if power.battery is None:
+        note("no times and no voltage limit: the vehicle file has no [battery]")
+
+
+# -------------------------------------------------------------------------------------------------
+# Operating points, and how sure their loads are.
 
 
 def single_point(rpm: float, speed: float, beta: float, **further: float | None) -> OperatingPoints:
-    """One checked operating point, with what of ``further`` variables is not None."""
-    values = {"rpm": rpm, "speed": speed, "beta": beta}
-    more = {name: value for name, value in further.items() if value is not None}
-    checked = {k: np.array([check_value(k, v)]) for k, v in (values | more).items()}
-    rpm_, speed_, beta_ = (checked.pop(name) for name in values)
-    return OperatingPoints(rpm_, speed_, beta_, checked)
+    """Check one operating point [1/min], [m/s], [deg], with those ``further`` given."""
+
+    def checked(name: str, value: float) -> Floats:
+        return np.array([check_value(name, value)])
+
+    more = {name: checked(name, v) for name, v in further.items() if v is not None}
+    return OperatingPoints(
+        checked("rpm", rpm), checked("speed", speed), checked("beta", beta), more
+    )
 
 
 def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:
-    """Rising values (n,) from "6000", "10,20" or "A:B:N", N values from A to B.
+    """Read rising values (n,) from "6000", "10,20" or "A:B:N", N values from A to B.
 
-    ``option`` is its name in messages, ``count`` N where "A:B" is written, None to ask for it.
+    Messages name the ``option``; ``count`` is the N of "A:B", which is refused without it.
     """
     parts = text.split(":")
     form = "A:B:N" if count is None else "A:B or A:B:N"
@@ -327,91 +381,86 @@ def parse_axis(option: str, quantity: str, text: str, count: int | None = None) 
     return values
 
 
-# -------------------------------------------------------------------------------------------------
-# Columns and cells of how sure the loads are.
+def note_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
+    """Note what is implausible about operating points [rad/s], [m/s], [rad], before any work.
+
+    Raises ``InputError`` where a blade tip is faster than sound.
+    """
+    note_reynolds(model, omega, speed, beta)
+    note(*point_warnings(model.propeller, omega, speed, beta))
+
+
+def note_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
+    """Note where a section table does not reach at operating points [rad/s], [m/s], [rad]."""
+    if not isinstance(model.airfoil, SectionTable):
+        return
+    points = np.broadcast_arrays(omega, speed, beta)
+    some = np.unique(np.linspace(0, points[0].size - 1, 400).astype(int))
+    low, high = model.reynolds(*(values.ravel()[some] for values in points))
+    first, last = model.airfoil.reynolds[[0, -1]]
+    if low < first or high > last:
+        covered = f"covers {first:.2g} to {last:.2g}, its nearest row is used outside"
+        if first == last:
+            covered = "has one Reynolds number, which is used for all"
+        note(f"Re from {low:.2g} to {high:.2g} along the blade; the table {covered}")
+
 
 Bands = Annotated[
     bool,
-    typer.Option(
+    Option(
         "--bands/--no-bands",
-        help="Standard deviations or bands of the loads, where the constants or the blade say "
-        "how well they are known.",
+        help="Show standard deviations of the loads, where the constants or the blade say how "
+        "well they are known.",
     ),
 ]
 StdBySource = Annotated[
     bool,
-    typer.Option(
+    Option(
         "--std-by-source",
-        help="Standard deviations by what they are from, too: parameters of the section law, "
-        "geometry that was not measured, discrepancy of the model, another tunnel.",
+        help="Show standard deviations by source, too: parameters of the section law, geometry "
+        "that was not measured, discrepancy of the model, another tunnel.",
     ),
 ]
 
 
-def say_not_counted(model: Model) -> None:
-    """Name constants of which the data of a fit said nothing, on standard error."""
+def note_not_counted(model: Model) -> None:
+    """Note which constants the standard deviations leave out: the fit's data do not show them."""
     known = model.uncertainty
     if known is not None and known.covariance.unknown:
         names = ", ".join(known.covariance.unknown)
-        typer.echo(
-            f"note: standard deviations do not count {names}, of which the data of the fit say "
-            "nothing",
-            err=True,
-        )
+        note(f"standard deviations do not count {names}, of which the data of the fit say nothing")
 
 
 # -------------------------------------------------------------------------------------------------
-# What is unlike small propellers or not measured, as notes beside the output of a command.
+# The command line as it was given, and ``--cluster``: who does the work, and how far it is.
 
 
-def say_doubts(doubts: Iterable[str]) -> None:
-    """A line on standard error for each."""
-    for doubt in doubts:
-        typer.echo(f"note: {doubt}", err=True)
+def command_line(context: typer.Context) -> str:
+    """Write the command as it was typed, for files that say what made them."""
+    return shlex.join(["propmap", *context.obj])
 
-
-def say_expected(prop: str) -> None:
-    """Say what a blade rests on that was not measured."""
-    meant = meant_by(prop)
-    if isinstance(meant, ExpectedBlade):
-        typer.echo(f"note: {meant.summary}", err=True)
-
-
-def say_doubts_on_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
-    """Say what is odd about operating points [rad/s], [m/s], [rad], before loads are computed.
-
-    Raises ``InputError`` where a blade tip is faster than sound.
-    """
-    say_doubts(point_warnings(model.propeller, omega, speed, beta))
-
-
-# -------------------------------------------------------------------------------------------------
-# ``--cluster``: who does the work, and how far it is.
 
 Cluster = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--cluster",
         metavar="local[:N]|tcp://HOST:PORT",
         help="Work on N processes of this machine, by default one per core, or on the workers of a "
-        "Dask scheduler. Results are the same.",
+        "Dask scheduler. Results do not depend on it.",
     ),
 ]
 
 
 @contextmanager
 def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterator[Workers]:
-    """The workers that ``--cluster`` asks for; without it ``otherwise``, by default this process.
-
-    A line on standard error says how many, and where their dashboard is.
-    """
+    """Connect to the workers of ``--cluster``; without it give ``otherwise`` or this process."""
     if cluster is None:
         yield otherwise or InTurn()
         return
     from propmap.cluster.workers import connected
 
     with connected(cluster) as workers:
-        typer.echo(
+        echo(
             f"{workers.count} worker threads, dashboard at {workers.client.dashboard_link}",
             err=True,
         )
@@ -419,39 +468,10 @@ def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterato
 
 
 def workers_of_bootstrap(cluster: str | None, bootstrap: int) -> AbstractContextManager[Workers]:
-    """The same for a fit, of which only the refits of ``bootstrap`` are independent tasks."""
+    """Connect as ``workers_of`` does for a fit, whose only independent tasks are its refits."""
     if cluster is not None and not bootstrap:
         raise InputError(
             "--cluster spreads the refits of --bootstrap, of which there are none",
             "give --bootstrap 200, or leave --cluster out",
         )
     return workers_of(cluster)
-
-
-@contextmanager
-def progress_bar(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar on a terminal, told how much is done and of how much; with what is left."""
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left:"),
-        TimeRemainingColumn(),
-    )
-    with Progress(
-        *columns, console=console, disable=not console.is_terminal, transient=True
-    ) as bar:
-        task = bar.add_task(what, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

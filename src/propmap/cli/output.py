@@ -1,66 +1,58 @@
-"""Where a command writes: the checked path, the format, text to a file or to the terminal."""
+"""Output of commands: checked paths, formats, tables, text to a file or the terminal, notes."""
 
 from __future__ import annotations
 
 import io
 import json
+import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import typer
+from typer import Option, echo
 
 from propmap.errors import InputError
 from propmap.io.csv import csv_text, replacing
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from rich.console import Console, ConsoleOptions
     from rich.table import Table
 
 PICTURES = (".png", ".svg", ".pdf")
+WIDTH_ELSEWHERE = 160  # columns of a table that does not go to a terminal, so that nothing is cut
 
-TERMINAL_WIDTH_ELSEWHERE = 160
-"""Columns of a table that does not go to a terminal, so that nothing is cut."""
-
-
-class Format(StrEnum):
-    """How rows are shown."""
-
-    table = "table"
-    json = "json"
-    csv = "csv"
-
-
+Format = Literal["table", "json", "csv"]
 FormatOption = Annotated[
     Format | None,
-    typer.Option("--format", help="By default a table, or what the output file's ending says."),
+    Option("--format", help="Form of the output; by default as the file's ending says."),
 ]
 TextOutput = Annotated[
-    Path | None,
-    typer.Option("--output", "-o", metavar="FILE", help="Write here instead; replaces the file."),
+    Path | None, Option("--output", "-o", metavar="FILE", help="Write to this file, replacing it.")
 ]
 PictureOutput = Annotated[
-    Path,
-    typer.Option("--output", "-o", metavar="FILE", help="Picture: .png, .svg or .pdf."),
+    Path, Option("--output", "-o", metavar="FILE", help="Write this picture: .png, .svg or .pdf.")
 ]
+FolderOutput = Annotated[
+    Path,
+    Option(
+        "--output",
+        "-o",
+        metavar="FOLDER",
+        help="Folder for the page: new, empty, or written by this command.",
+    ),
+]
+Force = Annotated[bool, Option("--force", help="Replace what exists.")]
 
-Force = Annotated[bool, typer.Option("--force", help="Replace what exists.")]
 
+def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool = False) -> None:
+    """Raise ``InputError`` before any work is done if a file cannot be written at the path.
 
-def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool = False) -> Path:
-    """The path, if a file can be written there; ``InputError`` before any work is done.
-
-    Parameters
-    ----------
-    path : Path
-        Of the file.
-    endings : sequence of str
-        Those allowed, with their dot; empty for any.
-    keep_existing : bool
-        Whether a file that is there already is refused.
+    It must have one of the ``endings``, dots included, where some are given; ``keep_existing``
+    refuses a file that is there already.
     """
     where = str(path)
     if endings and path.suffix.lower() not in endings:
@@ -83,39 +75,47 @@ def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool
         raise InputError("the folder cannot be written to", "choose another", where)
     if exists and keep_existing:
         raise InputError("the file exists", "pass --force to replace it", where)
-    return path
 
 
 def check_pictures(*paths: Path | None) -> None:
-    """Check those that are given, as ``check_output``."""
+    """Check each path that is given as ``check_output`` does, for the ending of a picture."""
     for path in paths:
         if path is not None:
             check_output(path, PICTURES)
 
 
 def chosen_format(wanted: Format | None, output: Path | None) -> Format:
-    """The format asked for, else the one of the file's ending, else a table; checks the file."""
+    """Check the file and return the format: as asked for, by the file's ending, or a table."""
     if output is not None:
         check_output(output)
     if wanted is None and output is not None:
-        return {".json": Format.json, ".csv": Format.csv}.get(output.suffix.lower(), Format.table)
-    return wanted or Format.table
+        ending = output.suffix.lower()
+        return "json" if ending == ".json" else "csv" if ending == ".csv" else "table"
+    return wanted or "table"
 
 
 def emit(text: str, output: Path | None) -> None:
     """Write text to the file, whole or not at all, or to standard output."""
     if output is None:
-        typer.echo(text, nl=False)
-        return
-    write_text(text, output)
-    typer.echo(f"wrote {output}", err=True)
+        echo(text, nl=False)
+    else:
+        write_text(text, output)
+        echo(f"wrote {output}", err=True)
 
 
 def emit_rows(
-    columns: Sequence[str], rows: Sequence[Mapping[str, Any]], form: Format, output: Path | None
+    columns: Sequence[str],
+    rows: Sequence[Mapping[str, Any]],
+    form: Format,
+    output: Path | None,
+    *,
+    whole: Any = None,
 ) -> None:
-    """Write rows as JSON or CSV."""
-    emit(json_text(rows) if form is Format.json else csv_text(columns, rows), output)
+    """Write rows as CSV, or them or a ``whole`` that holds them as JSON."""
+    if form == "csv":
+        emit(csv_text(columns, rows), output)
+    else:
+        emit(json_text(rows if whole is None else whole), output)
 
 
 def write_text(text: str, output: Path) -> None:
@@ -124,23 +124,41 @@ def write_text(text: str, output: Path) -> None:
         part.write_text(text, encoding="utf-8", newline="")
 
 
+def save_picture(figure: Figure, output: Path) -> None:
+    """Save a figure and say so on standard error."""
+    from propmap.report.html import save
+
+    save(figure, output)
+    echo(f"wrote {output}", err=True)
+
+
+def note(*texts: str) -> None:
+    """Print each text as a note on standard error."""
+    for text in texts:
+        echo(f"note: {text}", err=True)
+
+
+@contextmanager
+def blamed_on(file: Path) -> Iterator[None]:
+    """Let an ``InputError`` from within name this file, unless it names a place itself."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(error.found, error.remedy, error.where or str(file)) from None
+
+
+def number_or_none(value: float) -> float | None:
+    """Return the value for JSON, None where it is not finite."""
+    return float(value) if math.isfinite(value) else None
+
+
 def json_text(value: Any) -> str:
-    """Strict JSON, which has no NaN: callers put None where there is no number."""
+    """Format strict JSON, which has no NaN: callers put None where there is no number."""
     return json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def grid(heads: str, rows: Iterable[Sequence[str]], title: str = "", caption: str = "") -> Table:
-    """A table to show.
-
-    Parameters
-    ----------
-    heads : str
-        Of the columns, separated by bars; columns of words, not of figures, begin with "<".
-    rows : iterable of sequence of str
-        Cells.
-    title, caption : str
-        Above and below.
-    """
+    """Make a table of texts; heads are separated by bars, those of words begin with "<"."""
     from rich.table import Table
 
     found = Table(
@@ -153,30 +171,21 @@ def grid(heads: str, rows: Iterable[Sequence[str]], title: str = "", caption: st
     return found
 
 
-FRAME = 3
-"""Columns of a terminal that a table's column takes beside what is in it."""
+FRAME = 3  # characters that a column takes beside its cells
 
 
 @dataclass(frozen=True)
 class WideGrid:
-    """A table that leaves out columns where a terminal is too narrow, and says which.
-
-    Attributes
-    ----------
-    heads, rows, title, caption
-        As for ``grid``.
-    spare : tuple of str
-        Heads of columns to leave out, the first first.
-    """
+    """A ``grid`` that leaves out columns where a terminal is too narrow, and says which."""
 
     heads: str
     rows: Sequence[Sequence[str]]
     title: str
     caption: str
-    spare: tuple[str, ...]
+    spare: tuple[str, ...]  # heads of the columns to leave out, the first first
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Table]:
-        """Called by rich, with the terminal's width among the ``options``."""
+        """Draw the table as wide as the terminal is, which rich calls for."""
         heads = self.heads.split("|")
         # Heads may be broken at their spaces, cells not.
         needed = [
@@ -214,10 +223,43 @@ def show(output: Path | None, *parts: object) -> None:
     text = io.StringIO()
     console = Console(**plain)
     if output is not None:
-        console = Console(file=text, width=TERMINAL_WIDTH_ELSEWHERE, **plain)
+        console = Console(file=text, width=WIDTH_ELSEWHERE, **plain)
     elif not console.is_terminal:
-        console = Console(width=TERMINAL_WIDTH_ELSEWHERE, **plain)
+        console = Console(width=WIDTH_ELSEWHERE, **plain)
     for part in parts:
         console.print(part)
     if output is not None:
         emit(text.getvalue(), output)
+
+
+@contextmanager
+def progress_bar(what: str) -> Iterator[Callable[..., None]]:
+    """Show a progress bar on a terminal, and give the function that sets done, total and words."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left:"),
+        TimeRemainingColumn(),
+    )
+    with Progress(
+        *columns, console=console, disable=not console.is_terminal, transient=True
+    ) as bar:
+        task = bar.add_task(what, total=None)
+
+        def update(done: int, total: int | None = None, what: str = what) -> None:
+            bar.update(task, completed=done, total=total, description=what)
+
+        yield update

@@ -1,141 +1,129 @@
-"""``propmap plot``: pictures of loads, of a blade and of the disk."""
+"""``propmap plot`` and ``propmap explore``: loads, blade and disk in pictures or a browser."""
 
 from __future__ import annotations
 
+import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 
-from propmap.catalogue.lookup import propeller
-from propmap.cli.options import (
-    Bands,
-    Blades,
-    PropArgument,
-    Radius,
-    RootCutout,
-    RotorChoice,
-    parse_axis,
-    say_doubts,
-    say_doubts_on_points,
-    say_expected,
-    say_reynolds,
-    single_point,
-    takes_rotor,
-)
-from propmap.cli.output import PICTURES, PictureOutput, check_output, check_pictures, write_text
+from propmap.catalogue.lookup import looks_like_path
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import LOAD_COLUMNS, disk_csv, read_points
-from propmap.model.plausibility import blade_warnings
-from propmap.units import RPM
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from propmap.report.pictures import MeasuredLoads
 
 SPEEDS_PER_CURVE = 61
-
-SAME_RPM = 0.01
-"""Measured rows within this share of the picture's rpm are drawn."""
+SAME_RPM = 0.01  # measured rows within this share of the picture's rpm are drawn
+PORT = 8765
 
 plot_app = typer.Typer(
-    name="plot", help="Pictures: loads against speed, a blade, the disk.", rich_markup_mode=None
+    name="plot", help="Draw loads against speed, a blade or the disk.", rich_markup_mode=None
 )
 
 
 @plot_app.command("map")
-@takes_rotor
+@opt.takes_rotor
 def plot_map(
-    choice: RotorChoice,
-    rpm: Annotated[float, typer.Option("--rpm", help="Rotational speed [1/min].")],
-    output: PictureOutput,
-    speed: Annotated[
-        str, typer.Option("--speed", metavar="A:B", help="Range of flight speeds [m/s].")
-    ] = "0:20",
+    choice: opt.RotorChoice,
+    rpm: Annotated[float, Option(help="Rotational speed [1/min].")],
+    output: out.PictureOutput,
+    speed: Annotated[str, Option(metavar="A:B", help="Flight speeds [m/s].")] = "0:20",
     beta: Annotated[
-        str, typer.Option("--beta", metavar="B,B,...", help="Angles, a curve each [deg].")
+        str, Option(metavar="B,B,...", help="Angles of velocity to axis [deg], a curve each.")
     ] = "0,30,60,90",
     measured: Annotated[
         Path | None,
-        typer.Option("--measured", metavar="FILE.csv", help="Points to draw, such as thrust_N."),
+        Option(
+            metavar="FILE.csv",
+            help="Draw these points too: rpm, speed_mps, beta_deg and loads such as thrust_N.",
+        ),
     ] = None,
-    bands: Bands = True,
+    bands: opt.Bands = True,
 ) -> None:
-    """All loads against flight speed, the hover model dashed."""
-    omega = float(single_point(rpm, 0.0, 0.0).rpm[0]) * RPM
-    speeds = parse_axis("--speed", "speed", speed, SPEEDS_PER_CURVE)
-    betas = np.radians(parse_axis("--beta", "beta", beta))
-    check_pictures(output)
+    """Draw all loads against flight speed, the hover model dashed."""
+    point = opt.single_point(rpm, 0.0, 0.0)
+    omega = float(point.si[0][0])
+    speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS_PER_CURVE)
+    betas = np.radians(opt.parse_axis("--beta", "beta", beta))
+    out.check_pictures(output)
     points = None if measured is None else _measured(measured, rpm)
     rotor = choice.rotor()
-    points_drawn = np.array(omega), speeds[:, None], betas
-    say_reynolds(rotor.model, *points_drawn)
-    say_doubts_on_points(rotor.model, *points_drawn)
+    opt.note_points(rotor.model, np.array(omega), speeds[:, None], betas)
 
-    from propmap.report.html import save
     from propmap.report.pictures import load_curves
 
     band = rotor if bands else None
-    save(load_curves(rotor, omega, speeds, betas.tolist(), points, band=band), output)
-    typer.echo(output)
+    _save(load_curves(rotor, omega, speeds, betas.tolist(), points, band=band), output)
 
 
 @plot_app.command("planform")
 def plot_planform(
-    prop: PropArgument,
-    output: PictureOutput,
-    blades: Blades = None,
-    radius: Radius = None,
-    root_cutout: RootCutout = None,
+    prop: opt.PropArgument,
+    output: out.PictureOutput,
+    blades: opt.Blades = None,
+    radius: opt.Radius = None,
+    root_cutout: opt.RootCutout = None,
 ) -> None:
-    """A blade's outline, chord and twist."""
-    check_pictures(output)
-    blade = propeller(prop, blades, radius, root_cutout)
-    say_expected(prop)
-    say_doubts(blade_warnings(blade))
+    """Draw a blade's outline, chord and twist."""
+    out.check_pictures(output)
+    blade = opt.propeller_noted(prop, blades, radius, root_cutout)
 
-    from propmap.report.html import save
     from propmap.report.pictures import planform
 
-    save(planform(blade), output)
-    typer.echo(output)
+    _save(planform(blade), output)
 
 
 @plot_app.command("disk")
-@takes_rotor
+@opt.takes_rotor
 def plot_disk(
-    choice: RotorChoice,
-    rpm: Annotated[float, typer.Option("--rpm", help="Rotational speed [1/min].")],
-    speed: Annotated[float, typer.Option("--speed", help="Flight speed [m/s].")],
-    beta: Annotated[float, typer.Option("--beta", help="Velocity to axis [deg].")],
+    choice: opt.RotorChoice,
+    rpm: Annotated[float, Option(help="Rotational speed [1/min].")],
+    speed: Annotated[float, Option(help="Flight speed [m/s].")],
+    beta: Annotated[float, Option(help="Angle of velocity to axis [deg].")],
     output: Annotated[
         Path,
-        typer.Option(
+        Option(
             "--output",
             "-o",
             metavar="FILE",
-            help="Picture: .png, .svg or .pdf; field: .csv.",
+            help="Write this picture (.png, .svg or .pdf) or field (.csv).",
         ),
     ],
 ) -> None:
-    """The angle of attack over the disk, with stall and reverse flow outlined."""
-    point = single_point(rpm, speed, beta)
-    check_output(output, (*PICTURES, ".csv"))
-    rotor = choice.rotor()
-    say_reynolds(rotor.model, *point.si)
-    say_doubts_on_points(rotor.model, *point.si)
+    """Draw the angle of attack over the disk.
 
-    flow = (float(point.rpm[0]) * RPM, speed, float(np.radians(beta)))
+    Stall and reverse flow are outlined.
+    """
+    point = opt.single_point(rpm, speed, beta)
+    out.check_output(output, (*out.PICTURES, ".csv"))
+    rotor = choice.rotor()
+    opt.note_points(rotor.model, *point.si)
+    omega, v, angle = (float(values[0]) for values in point.si)
     if output.suffix.lower() == ".csv":
-        write_text(disk_csv(rotor, *flow), output)
-        typer.echo(output)
+        out.write_text(disk_csv(rotor, omega, v, angle), output)
+        echo(output)
         return
 
-    from propmap.report.html import save
     from propmap.report.pictures import disk_picture
 
-    save(disk_picture(rotor, *flow), output)
-    typer.echo(output)
+    _save(disk_picture(rotor, omega, v, angle), output)
+
+
+def _save(figure: Figure, output: Path) -> None:
+    """Save a figure and print its path for the shell."""
+    from propmap.report.html import save
+
+    save(figure, output)
+    echo(output)
 
 
 def _measured(path: Path, rpm: float) -> MeasuredLoads:
@@ -154,3 +142,54 @@ def _measured(path: Path, rpm: float) -> MeasuredLoads:
 
     beta = np.radians(points.beta_deg[mine])
     return MeasuredLoads(path.stem, points.speed_mps[mine], beta, loads)
+
+
+# -------------------------------------------------------------------------------------------------
+# ``propmap explore``: the propeller in a browser.
+
+
+def explore(
+    subject: Annotated[
+        str | None,
+        Argument(
+            metavar="[PROP|FIT.toml|TABLE.npz|VEHICLE.toml]",
+            help="Name, designation or file of a propeller; a fit, constants, a table, a vehicle; "
+            "or measured loads (.csv).",
+            show_default=False,
+        ),
+    ] = None,
+    port: Annotated[
+        int | None, Option(min=0, max=65535, help=f"Port; by default {PORT} or the next free one.")
+    ] = None,
+    browser: Annotated[
+        bool, Option("--browser/--no-browser", help="Open a browser, or not.")
+    ] = True,
+    host: Annotated[
+        str, Option(help="Address to listen at; by default for this machine alone.")
+    ] = "127.0.0.1",
+) -> None:
+    """Explore a propeller in the browser."""
+    if importlib.util.find_spec("dash") is None:
+        raise InputError(
+            "the package dash is not installed", "pip install '.[explore]' in propmap's checkout"
+        )
+    from propmap.explore.app import Application, guard, is_loopback, listen, names_of, serve
+    from propmap.explore.session import Session, Shelf, read_path
+    from propmap.explore.views import VIEWS
+
+    shelf, first = Shelf(), Session()
+    if subject is not None and looks_like_path(subject):
+        given = read_path(Path(subject))
+        first = first.with_file(given, shelf.put(given, always=True))
+    elif subject is not None:
+        first = Session(prop=subject)
+    first.model  # noqa: B018 - what is wrong with it is said before anything listens
+    app = Application(first, VIEWS, shelf)
+    guard(app.dash.server, names_of(host))
+    server = listen(app.dash.server, host, port, PORT)
+    if not is_loopback(host):
+        echo(
+            f"propmap: warning: whoever reaches {host} can use this server: it has no password",
+            err=True,
+        )
+    serve(server, echo, browser=browser, host=host)

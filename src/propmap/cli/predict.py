@@ -2,33 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Option
 
-from propmap.cli.options import (
-    Bands,
-    RotorChoice,
-    StdBySource,
-    say_doubts_on_points,
-    say_not_counted,
-    say_reynolds,
-    single_point,
-    takes_rotor,
-)
-from propmap.cli.output import (
-    Format,
-    FormatOption,
-    TextOutput,
-    chosen_format,
-    emit,
-    emit_rows,
-    grid,
-    json_text,
-    show,
-)
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, read_points, std_columns
 from propmap.loads import LOADS
@@ -37,60 +18,66 @@ from propmap.model.airfoil import SOURCES
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from propmap.baselines.hover import HoverModel
     from propmap.results import Loads
-    from propmap.rotor import Rotor
     from propmap.typing import Floats
 
 
-@takes_rotor
+@opt.takes_rotor
 def predict(
-    choice: RotorChoice,
-    rpm: Annotated[float | None, typer.Option("--rpm", help="Rotational speed [1/min].")] = None,
-    speed: Annotated[
-        float | None, typer.Option("--speed", help="Speed through the air [m/s].")
-    ] = None,
+    choice: opt.RotorChoice,
+    rpm: Annotated[float | None, Option(help="Rotational speed [1/min].")] = None,
+    speed: Annotated[float | None, Option(help="Speed through the air [m/s].")] = None,
     beta: Annotated[
         float | None,
-        typer.Option("--beta", help="Velocity to axis [deg]: 0 climb, 90 edgewise, 180 descent."),
+        Option(help="Angle of velocity to axis [deg]: 0 climb, 90 edgewise, 180 descent."),
     ] = None,
     height: Annotated[
         float | None,
-        typer.Option(
-            "--height", help="Of the disk above level ground [m]; by default far from it."
-        ),
+        Option(help="Height of the disk above level ground [m]; by default far from it."),
     ] = None,
     points: Annotated[
         Path | None,
-        typer.Option(
-            "--points",
+        Option(
             metavar="FILE.csv",
-            help="Points: rpm, speed_mps, beta_deg, and height_m if there is ground.",
+            help="Operating points: rpm, speed_mps, beta_deg, and height_m if there is ground.",
         ),
     ] = None,
-    format_: FormatOption = None,
-    output: TextOutput = None,
-    bands: Bands = True,
-    std_by_source: StdBySource = False,
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
+    bands: opt.Bands = True,
+    std_by_source: opt.StdBySource = False,
 ) -> None:
-    """All six loads and the power at operating points, and how sure they are."""
+    """Predict loads and power at operating points."""
     where = _points(rpm, speed, beta, points, height=height)
-    chosen = chosen_format(format_, output)
+    chosen = out.chosen_format(format_, output)
     rotor = choice.rotor()
-    say_reynolds(rotor.model, *where.si)
-    say_doubts_on_points(rotor.model, *where.si)
-    loads = where.loads(rotor)
+    omega, speeds, angles = where.si
+    opt.note_points(rotor.model, omega, speeds, angles)
+    loads = rotor.loads(omega, speeds, angles, **where.further)
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
-        say_not_counted(rotor.model)
+        opt.note_not_counted(rotor.model)
         if where.further:
-            typer.echo("note: the deviations leave out what the ground's factor errs by", err=True)
-    if chosen is Format.table:
-        _show_table(output, rotor, where, loads, spread, one=points is None)
-    elif points is None and chosen is Format.json:
-        emit(json_text(where.rows(loads, spread)[0]), output)
-    else:
-        emit_rows([*where.columns, *spread], where.rows(loads, spread), chosen, output)
+            out.note("the deviations leave out what the ground's factor errs by")
+    if chosen != "table":
+        rows = where.rows(loads, spread)
+        whole = None if points else rows[0]
+        out.emit_rows([*where.columns, *spread], rows, chosen, output, whole=whole)
+        return
+
+    from propmap.baselines.hover import HoverModel
+    from propmap.report.words import motor_note
+
+    hover = HoverModel.of(rotor).loads(omega)
+    hover["power"] = hover["torque"] * omega
+    note, blade = motor_note(rotor, loads, speeds, angles), rotor.model.propeller
+    out.show(
+        output,
+        f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; airfoil "
+        f"{rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3",
+        (_many_points if points else _one_point)(where, loads, spread, hover),
+        *([f"note: {note}"] if note else []),
+    )
 
 
 def _points(
@@ -110,66 +97,29 @@ def _points(
     if rpm is None or speed is None or beta is None:
         missing = next(option for option, value in given.items() if value is None)
         raise InputError(f"{missing} is missing", "give --rpm, --speed and --beta, or --points")
-    return single_point(rpm, speed, beta, **further)
-
-
-def _show_table(
-    output: Path | None,
-    rotor: Rotor,
-    where: OperatingPoints,
-    loads: Loads,
-    spread: Mapping[str, Floats],
-    *,
-    one: bool,
-) -> None:
-    from propmap.baselines.hover import HoverModel
-    from propmap.report.words import motor_note
-
-    hover = HoverModel.of(rotor)
-    note = motor_note(rotor, loads, *where.si[1:])
-    blade = rotor.model.propeller
-    show(
-        output,
-        f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; airfoil "
-        f"{rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3",
-        _one_point(where, loads, spread, hover)
-        if one
-        else _many_points(where, loads, spread, hover),
-        *([f"note: {note}"] if note else []),
-    )
+    return opt.single_point(rpm, speed, beta, **further)
 
 
 def _one_point(
-    where: OperatingPoints, loads: Loads, spread: Mapping[str, Floats], hover: HoverModel
+    where: OperatingPoints, loads: Loads, spread: Mapping[str, Floats], hover: Mapping[str, Floats]
 ) -> Table:
-    (rpm,), (speed,), (beta,) = where.rpm, where.speed_mps, where.beta_deg
-    still = {name: float(values[0]) for name, values in hover.loads(where.si[0]).items()}
-    kinds = [
-        what for what in ("std", *(f"std_{s}" for s in SOURCES)) if f"power_{what}_W" in spread
-    ]
-
-    def deviations(columns: Iterable[str]) -> list[str]:
-        return [f"{spread[column][0]:.2g}" for column in columns]
-
-    rows = [
-        *(
+    """Make a table with a row per load, and a column per kind of standard deviation."""
+    sources = ["std", *(f"std_{source}" for source in SOURCES)]
+    kinds = [kind for kind in sources if f"power_{kind}_W" in spread]
+    units = {name: load.unit for name, load in LOADS.items()} | {"power": "W"}
+    rows = []
+    for name, unit in units.items():
+        load = LOADS.get(name)
+        columns = [load.column_of(kind) if load else f"power_{kind}_W" for kind in kinds]
+        rows.append(
             (
-                load.label,
+                load.label if load else name,
                 _digits(getattr(loads, name)[0]),
-                *deviations(load.column_of(what) for what in kinds),
-                _digits(still[name]),
-                load.unit,
+                *(f"{spread[column][0]:.2g}" for column in columns),
+                _digits(hover[name][0]),
+                unit,
             )
-            for name, load in LOADS.items()
-        ),
-        (
-            "power",
-            _digits(loads.power[0]),
-            *deviations(f"power_{what}_W" for what in kinds),
-            _digits(still["torque"] * where.si[0][0]),
-            "W",
-        ),
-    ]
+        )
     none = [""] * len(kinds)
     rows += [
         ("mean inflow", _digits(loads.mean_inflow[0]), *none, "", "m/s"),
@@ -177,36 +127,39 @@ def _one_point(
         ("roots of (11)", str(loads.roots[0]), *none, "", ""),
         ("status", str(loads.status[0]), *none, "", ""),
     ]
-    title = f"{rpm:g} rpm, {speed:g} m/s, beta {beta:g} deg"
+    title = f"{where.rpm[0]:g} rpm, {where.speed_mps[0]:g} m/s, beta {where.beta_deg[0]:g} deg"
     title += "".join(f", {name} {values[0]:g} m" for name, values in where.further.items())
-    heads = [what.replace("std_", "by ").replace("std", "std. dev.") for what in kinds]
+    heads = [kind.replace("std_", "by ").replace("std", "std. dev.") for kind in kinds]
     caption = "within two standard deviations with a probability of 95 %" if kinds else ""
-    return grid("|".join(("<", "propmap", *heads, "hover model", "<unit")), rows, title, caption)
+    return out.grid(
+        "|".join(("<", "propmap", *heads, "hover model", "<unit")), rows, title, caption
+    )
 
 
 def _many_points(
-    where: OperatingPoints, loads: Loads, spread: Mapping[str, Floats], hover: HoverModel
+    where: OperatingPoints, loads: Loads, spread: Mapping[str, Floats], hover: Mapping[str, Floats]
 ) -> Table:
-    still, columns = hover.loads(where.si[0]), {}
+    """Make a table with a row per operating point."""
+    columns = {}
     for name, load in LOADS.items():
         columns[f"{load.head} [{load.unit}]"] = getattr(loads, name)
         if not load.inplane:
             if spread:
                 columns[f"s({load.head}) [{load.unit}]"] = spread[load.column_of("std")]
-            columns[f"{load.head} h [{load.unit}]"] = still[name]
+            columns[f"{load.head} h [{load.unit}]"] = hover[name]
     columns |= {"P [W]": loads.power, "reverse [%]": 100.0 * loads.reverse_flow}
     rows = []
     for i, status in enumerate(loads.status.tolist()):
-        given = [where.rpm[i], where.speed_mps[i], where.beta_deg[i]]
-        given += [values[i] for values in where.further.values()]
-        cells = [f"{v:g}" for v in given] + [_digits(column[i]) for column in columns.values()]
+        given = (where.rpm, where.speed_mps, where.beta_deg, *where.further.values())
+        cells = [f"{values[i]:g}" for values in given]
+        cells += [_digits(column[i]) for column in columns.values()]
         rows.append([*cells, str(loads.roots[i]), status])
     caption = "T h, Q h: thrust and torque of the hover model"
     if spread:
         caption += "; s: standard deviations, those of the other loads with --format csv"
     more = (f"{name} [m]" for name in where.further)
     heads = "|".join(("rpm", "V [m/s]", "beta [deg]", *more, *columns, "roots", "<status"))
-    return grid(heads, rows, caption=caption)
+    return out.grid(heads, rows, caption=caption)
 
 
 def _digits(value: float) -> str:

@@ -1,4 +1,4 @@
-"""``propmap simulate``: flights that were not flown, and what they would tell."""
+"""``propmap simulate``: the log of a flight before it is flown, and how well a fit would do."""
 
 from __future__ import annotations
 
@@ -9,26 +9,25 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
+from typer import Option, echo
 
-from propmap.cli.aircraft_options import NoWakes
-from propmap.cli.options import Corrections, ModelOption, constants, parse_axis, with_physics
-from propmap.cli.output import Force, check_output, grid, show, write_text
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
-from propmap.model.airfoil import PAPER_FOUR
+from propmap.fit.parameters import EVERY, Choice
 from propmap.units import RPM
+from propmap.vehicle.files import read_vehicle
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from propmap.flight.simulate import Expectation
-    from propmap.vehicle.files import VehicleFile
 
-LARGEST_ERROR = 0.2
-"""Of the vertical force, as a share of the weight; with more, some draw leaves none to carry."""
+LARGEST_ERROR = 0.2  # share of the weight; with more, some draw leaves no vertical force to carry
 
 simulate_app = typer.Typer(
     name="simulate",
-    help="Flights that were not flown, and what they would tell.",
+    help="Simulate flights, and say how well a fit to them would do.",
     rich_markup_mode=None,
 )
 
@@ -40,58 +39,50 @@ def _group() -> None:
 
 @simulate_app.command("flight")
 def simulate_flight(
-    vehicle: Annotated[
-        Path, typer.Option("--vehicle", metavar="FILE.toml", help="The vehicle and its rotors.")
-    ],
+    vehicle: opt.VehicleOption,
     section: Annotated[
-        str,
-        typer.Option("--airfoil", metavar="NAME|FILE", help="Section law taken for the truth."),
+        str, Option("--airfoil", metavar="NAME|FILE", help="Section law taken for the truth.")
     ],
     speed: Annotated[
-        str, typer.Option("--speeds", metavar="A:B:N", help="Speeds [m/s], or a list 1,5,9.")
+        str, Option("--speeds", metavar="A:B:N", help="Flight speeds [m/s], or a list 1,5,9.")
     ],
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE.csv", help="The log, as CSV.")
+        Path, Option("--output", "-o", metavar="FILE.csv", help="Write the log to this CSV file.")
     ],
-    model: ModelOption = None,
-    correction: Corrections = None,
-    radius: Annotated[float, typer.Option("--radius", help="Of the circles [m].")] = 1.7,
+    model: opt.ModelOption = None,
+    correction: opt.Corrections = None,
+    radius: Annotated[float, Option(help="Radius of the circles [m].")] = 1.7,
     banked: Annotated[
-        bool, typer.Option("--banked", help="Bank into the circle instead of a tether.")
+        bool, Option("--banked", help="Bank into the circle instead of a tether.")
     ] = False,
     noise: Annotated[
         float,
-        typer.Option("--noise", help="Vertical force error of each speed, share of the weight."),
+        Option(help="Error of the vertical force at each speed, as a share of the weight [sd]."),
     ] = 0.01,
-    rotor_noise: Annotated[
-        float, typer.Option("--rotor-noise", help="Of a sample of rotor speed, as a share.")
-    ] = 0.005,
-    velocity_noise: Annotated[
-        float, typer.Option("--velocity-noise", help="Of a sample of velocity [m/s].")
-    ] = 0.05,
-    attitude_noise: Annotated[
-        float, typer.Option("--attitude-noise", help="Of a sample of pitch and roll [deg].")
-    ] = 0.3,
+    rotor_noise: Annotated[float, Option(help="Error of a rotor speed, as a share [sd].")] = 0.005,
+    velocity_noise: Annotated[float, Option(help="Error of a velocity [m/s, sd].")] = 0.05,
+    attitude_noise: Annotated[float, Option(help="Error of pitch and roll [deg, sd].")] = 0.3,
     accelerometer_noise: Annotated[
-        float, typer.Option("--accelerometer-noise", help="Of a sample [m/s^2].")
+        float, Option(help="Error of a specific force [m/s^2, sd].")
     ] = 0.3,
-    dwell: Annotated[float, typer.Option("--dwell", help="Time at each speed [s].")] = 6.0,
-    rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 100.0,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the noise.")] = 0,
-    no_wakes: NoWakes = False,
+    dwell: Annotated[float, Option(help="Time at each speed [s].")] = 6.0,
+    rate: Annotated[float, Option(help="Samples per second.")] = 100.0,
+    seed: Annotated[int, Option(min=0, help="Seed of the errors.")] = 0,
+    no_wakes: opt.NoWakes = False,
     free: Annotated[
-        str, typer.Option("--free", metavar="NAME,...", help="Parameters of the planned fit.")
-    ] = ",".join(PAPER_FOUR),
+        str, Option(metavar="NAME,...", help="Free parameters of the planned fit.")
+    ] = "c_l1,c_l2,c_d,alpha_0",
     no_expectation: Annotated[
-        bool, typer.Option("--no-expectation", help="Do not reckon the intervals to expect.")
+        bool, Option("--no-expectation", help="Do not predict the intervals.")
     ] = False,
-    force: Force = False,
+    force: out.Force = False,
 ) -> None:
-    """The paper's experiment: level circles at each speed, on a tether, written as a log.
+    """Simulate the paper's experiment and write its log.
 
-    Before that, the 95 % intervals to expect of an identification from such a flight.
+    The vehicle flies level circles at each speed, on a tether. The 95 % intervals that a fit to
+    such a flight would have are printed first.
     """
-    speeds = parse_axis("--speeds", "speed", speed)
+    speeds = opt.parse_axis("--speeds", "speed", speed)
     sizes = {
         "--noise": noise,
         "--rotor-noise": rotor_noise,
@@ -106,12 +97,19 @@ def simulate_flight(
         raise InputError(
             f"--noise is {noise:g}, a share of the weight", f"give at most {LARGEST_ERROR:g}"
         )
-    check_output(output, (".csv",), keep_existing=not force)
-    law = with_physics(constants(section), model, correction)
+    out.check_output(output, (".csv",), keep_existing=not force)
+    law = opt.with_physics(opt.constants(section), model, correction)
 
-    from propmap.fit.parameters import Choice
-    from propmap.flight.simulate import SensorNoise, check_sampling, fly, log_csv
-    from propmap.vehicle.files import read_vehicle
+    from propmap.flight.simulate import (
+        SensorNoise,
+        check_sampling,
+        expectation,
+        fly,
+        log_csv,
+        log_map,
+        log_table,
+        trim,
+    )
 
     check_sampling(dwell, rate)
     names = Choice(tuple(name.strip() for name in free.split(","))).free
@@ -124,8 +122,6 @@ def simulate_flight(
             str(vehicle),
         )
 
-    from propmap.flight.simulate import expectation, trim
-
     # Another stream than that of the sensors.
     error = noise * np.random.default_rng([seed, 1]).standard_normal(speeds.size)
     points = trim(flown, law, speeds, radius=radius, tether=not banked, disturbance=error)
@@ -135,19 +131,21 @@ def simulate_flight(
     log = fly(points, dwell=dwell, rate=rate, noise=sensors, seed=seed)
     if not no_expectation:
         expected = expectation(flown, law, points, free=names, error=noise)
-        show(None, _expected(expected, len(points)))
-    write_text(log_csv(log), output)
-    typer.echo(
+        out.show(None, _expected(expected, len(points)))
+    out.write_text(log_csv(log), output)
+    echo(
         f"wrote {output}: {speeds.size} speeds, {log.time[-1]:.0f} s, "
         f"{np.min(points.rotor_speed) / RPM:.0f} to {np.max(points.rotor_speed) / RPM:.0f} rpm, "
         f"flown with {' + '.join([law.name, *(law.corrections or ())])}"
     )
-    _how_to_read(read, str(vehicle))
+    rotors = len(read.vehicle.mounts)
+    if replace(log_map(rotors), file=read.log.file) == read.log:
+        echo(f"{vehicle} reads it as it is")
+    else:
+        echo(f"to read it, let the vehicle file say:\n\n{log_table(rotors)}", nl=False)
 
 
 def _expected(expected: Expectation, flights: int) -> Table:
-    from propmap.fit.parameters import EVERY
-
     found = expected.uncertainty
     rows = [
         (
@@ -162,15 +160,4 @@ def _expected(expected: Expectation, flights: int) -> Table:
         f"To expect of {flights} speeds with a force error of {expected.error:.2%} of the weight "
         "each"
     )
-    return grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)
-
-
-def _how_to_read(read: VehicleFile, name: str) -> None:
-    """Say how the log is read back, unless the vehicle file already does."""
-    from propmap.flight.simulate import log_map, log_table
-
-    rotors = len(read.vehicle.mounts)
-    if replace(log_map(rotors), file=read.log.file) == read.log:
-        typer.echo(f"{name} reads it as it is")
-        return
-    typer.echo(f"to read it, let the vehicle file say:\n\n{log_table(rotors)}", nl=False)
+    return out.grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)

@@ -1,63 +1,57 @@
-"""``propmap sweep``: loads over a grid of points, to NetCDF or CSV, or streamed to Zarr."""
+"""``propmap sweep`` and ``propmap study``: loads over a grid of points, or of many designs."""
 
 from __future__ import annotations
 
 import math
-import shlex
 import shutil
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 
-from propmap.cli.options import (
-    Bands,
-    Cluster,
-    RotorChoice,
-    StdBySource,
-    parse_axis,
-    progress_bar,
-    say_doubts_on_points,
-    say_not_counted,
-    say_reynolds,
-    takes_rotor,
-    workers_of,
-)
-from propmap.cli.output import Force, check_output, write_text
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
-from propmap.io.csv import OperatingPoints, loads_csv, std_columns
-from propmap.sweep.points import AXES, Grid, attributes, parts_along, quantities
-from propmap.sweep.run import Filed, Sweep, provenance
+from propmap.io.csv import OperatingPoints, loads_csv, std_columns, write_dataset
+from propmap.results import Loads, joined
+from propmap.rotor import Rotor
+from propmap.study.files import StudyFile, Surface, read_study, response_surface
+from propmap.study.run import (
+    VARIABLES,
+    Designs,
+    InMemory,
+    Study,
+    loads_of_designs,
+    run_study,
+    study_layout,
+)
+from propmap.sweep.points import AXES, TEXTS, Grid, attributes, parts_along, quantities
+from propmap.sweep.run import Filed, Sweep, provenance, seconds
 from propmap.sweep.store import Layout, Store, begun
-from propmap.units import RPM
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     import xarray
 
-    from propmap.results import Loads
-    from propmap.rotor import Rotor
-    from propmap.typing import Floats
-
 
 # -------------------------------------------------------------------------------------------------
-# A run into a Zarr store: the store new or to go on with, its size and time told first.
+# A run into a Zarr store, new or to go on with; its size and time are printed first.
 
 ASK_ABOVE_BYTES = 1e9
-ASK_ABOVE_SECONDS = 3600.0
-"""Size and time from which on a run is not begun without ``--yes``."""
+ASK_ABOVE_SECONDS = 3600.0  # a larger or longer run is not begun without ``--yes``
 
 Yes = Annotated[
-    bool,
-    typer.Option("--yes", "-y", help="Do not ask before a run of over 1 GB or one hour (.zarr)."),
+    bool, Option("--yes", "-y", help="Do not ask before a run of over 1 GB or one hour (.zarr).")
 ]
 
 
 def check_store(path: Path, *, force: bool) -> None:
-    """Refuse a folder that a store cannot be made in, or ``force``d away, before any work.
+    """Raise ``InputError`` before any work where no store can be made or gone on with.
 
-    Raises ``InputError`` where there is something else than a store of propmap's.
+    A store of propmap's that is there goes away with ``force``; nothing else does.
     """
     if not path.parent.is_dir():
         raise InputError(
@@ -70,9 +64,9 @@ def check_store(path: Path, *, force: bool) -> None:
 
 
 def opened(path: Path, layout: Layout) -> Store:
-    """The store, new or to go on with; ``InputError`` where it is complete or the disk too small.
+    """Make the store or go on with what a stopped run has left, and say which.
 
-    What a run that was stopped has done is kept, and a line says so.
+    Raises ``InputError`` where the store is complete or the disk too small.
     """
     where = str(path)
     if not path.exists():
@@ -96,33 +90,22 @@ def opened(path: Path, layout: Layout) -> Store:
     if done.all():
         raise InputError("the store is there and complete", "pass --force to begin anew", where)
     if done.any():
-        typer.echo(f"{path}: {int(done.sum())} of {done.size} tasks are done; going on", err=True)
+        echo(f"{path}: {int(done.sum())} of {done.size} tasks are done; going on", err=True)
     return store
 
 
 def announce(
     layout: Layout, store: Filed, seconds: float, workers: int, *, yes: bool, what: str
 ) -> None:
-    """Say how large a run is and how long it takes, and ask where that is much.
+    """Print how large a run is and how long it takes, and ask where that is much.
 
-    Parameters
-    ----------
-    layout, store : Layout, Filed
-        Of the run.
-    seconds : float
-        That a worker takes for a point.
-    workers : int
-        How many there are.
-    yes : bool
-        Whether not to ask.
-    what : str
-        "operating points" or the like.
+    A worker takes ``seconds`` for each of the points, which ``what`` names; ``yes`` does not ask.
     """
     points = math.prod(layout.shape)
     parts = math.prod(parts_along(layout.shape, layout.chunk))
     left = points * (1.0 - float(store.done(layout).mean()))
     needed = left * seconds / workers
-    typer.echo(
+    echo(
         f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {size_text(layout.bytes)}; "
         f"about {time_text(needed)} ({1e6 * seconds:.0f} us per point and worker)",
         err=True,
@@ -138,14 +121,14 @@ def announce(
 
 
 def size_text(size: float) -> str:
-    """A size in bytes as "1.3 GB"."""
+    """Write a size in bytes as "1.3 GB"."""
     units = ("B", "kB", "MB", "GB", "TB", "PB")
     power = min(int(math.log10(max(size, 1.0))) // 3, len(units) - 1)
     return f"{size / 1000.0**power:.3g} {units[power]}"
 
 
 def time_text(seconds: float) -> str:
-    """A time as "3.5 h"."""
+    """Write a time in seconds as "3.5 h"."""
     for unit, length in (("years", 3.156e7), ("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * length:
             return f"{seconds / length:.3g} {unit}"
@@ -153,133 +136,52 @@ def time_text(seconds: float) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# ``propmap sweep -o map.zarr``: a grid of any size, streamed.
-
-SOME = 30
-"""Values of each axis at which operating points are looked at for what is odd about them."""
-
-
-def streamed_sweep(
-    rotor: Rotor,
-    axes: tuple[Floats, Floats, Floats],
-    output: Path,
-    command: str,
-    *,
-    bands: bool,
-    by_source: bool,
-    cluster: str | None,
-    yes: bool,
-) -> None:
-    """Run or go on with a sweep over ``axes`` [1/min], [m/s], [degree] into a store."""
-    grid = Grid(*axes)
-    _say_doubts(rotor, axes)
-    sweep = Sweep(rotor, grid, bands, by_source)
-    layout = sweep.layout(command)
-    if any("_std" in name for name in layout.quantities):
-        say_not_counted(rotor.model)
-    store = opened(output, layout)
-    with workers_of(cluster) as workers:
-        seconds = sweep.seconds_per_point(workers)
-        announce(layout, store, seconds, workers.count, yes=yes, what="operating points")
-        total = int(np.prod(parts_along(layout.shape, layout.chunk)))
-        with progress_bar("tasks") as tell:
-            sweep.run(store, layout, workers, lambda done: tell(done, total))
-    typer.echo(f"wrote {output}: {int(np.prod(layout.shape))} points")
-
-
-def _say_doubts(rotor: Rotor, axes: tuple[Floats, Floats, Floats]) -> None:
-    few = [axis[np.unique(np.linspace(0, axis.size - 1, SOME).astype(int))] for axis in axes]
-    rpm, speed, beta = (values.ravel() for values in np.meshgrid(*few, indexing="ij"))
-    points = rpm * RPM, speed, np.radians(beta)
-    say_reynolds(rotor.model, *points)
-    say_doubts_on_points(rotor.model, *points)
-
-
-# -------------------------------------------------------------------------------------------------
-# A sweep as an xarray dataset: units, meanings, and where the figures come from.
-
-
-def dataset(
-    rotor: Rotor,
-    axes: tuple[Floats, Floats, Floats],
-    loads: Loads,
-    command: str,
-    *,
-    bands: bool,
-    by_source: bool,
-) -> xarray.Dataset:
-    """Loads (n,) over the axes rpm, speed [m/s] and beta [deg], beta fastest, with provenance.
-
-    ``bands`` and ``by_source`` tell of which standard deviations there are, as in ``quantities``.
-    """
-    import xarray
-
-    shape = tuple(axis.size for axis in axes)
-    dims = tuple(AXES)
-    coordinates = {
-        name: (dim, values, {"units": unit, "long_name": meaning})
-        for (dim, (name, unit, meaning)), values in zip(AXES.items(), axes, strict=True)
-    }
-    variables = {
-        name: (dims, values.reshape(shape), attributes(name))
-        for name, values in quantities(loads, bands=bands, by_source=by_source).items()
-    }
-    return xarray.Dataset(variables, coordinates, provenance(rotor, command))
-
-
-# -------------------------------------------------------------------------------------------------
 # ``propmap sweep``: loads over a grid of operating points, to NetCDF, CSV or Zarr.
 
-CHUNK = 4096
-"""Operating points per step of the progress bar: some tenths of a second."""
+CHUNK = 4096  # operating points per step of the progress bar: some tenths of a second
+MOST_POINTS = 10_000_000  # of a grid that is computed in memory
+SOME = 30  # values of each axis at which a streamed sweep looks for what is implausible
 
-MOST_POINTS = 10_000_000
 
-
-@takes_rotor
+@opt.takes_rotor
 def sweep(
-    choice: RotorChoice,
+    choice: opt.RotorChoice,
     context: typer.Context,
-    rpm: Annotated[str, typer.Option("--rpm", metavar="A:B:N", help="Or 6000, or 4000,6000.")],
-    speed: Annotated[str, typer.Option("--speed", metavar="A:B:N", help="Speeds [m/s].")],
-    beta: Annotated[str, typer.Option("--beta", metavar="A:B:N", help="Angles [deg].")],
+    rpm: Annotated[
+        str, Option(metavar="A:B:N", help="Rotational speeds [1/min], or a list 4000,6000.")
+    ],
+    speed: Annotated[str, Option(metavar="A:B:N", help="Flight speeds [m/s], or a list.")],
+    beta: Annotated[
+        str, Option(metavar="A:B:N", help="Angles of velocity to axis [deg], or a list.")
+    ],
     output: Annotated[
         Path,
-        typer.Option(
+        Option(
             "--output",
             "-o",
             metavar="FILE",
-            help="NetCDF (.nc) or CSV (.csv); or Zarr (.zarr), for grids of any size: it is "
-            "written as it is computed, and a run that was stopped goes on.",
+            help="Write NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr), which is "
+            "written as it is computed, so that a run that was stopped goes on.",
         ),
     ],
-    force: Force = False,
-    bands: Bands = True,
-    std_by_source: StdBySource = False,
-    cluster: Cluster = None,
+    force: out.Force = False,
+    bands: opt.Bands = True,
+    std_by_source: opt.StdBySource = False,
+    cluster: opt.Cluster = None,
     yes: Yes = False,
 ) -> None:
-    """Loads over a grid of rotational speeds, flight speeds and angles."""
+    """Compute loads over a grid of operating points."""
     axes = (
-        parse_axis("--rpm", "rpm", rpm),
-        parse_axis("--speed", "speed", speed),
-        parse_axis("--beta", "beta", beta),
+        opt.parse_axis("--rpm", "rpm", rpm),
+        opt.parse_axis("--speed", "speed", speed),
+        opt.parse_axis("--beta", "beta", beta),
     )
     count = axes[0].size * axes[1].size * axes[2].size
-    command = shlex.join(["propmap", *context.obj])
+    command = opt.command_line(context)
     if output.suffix.lower() == ".zarr":
         check_store(output, force=force)
-
-        streamed_sweep(
-            choice.rotor(),
-            axes,
-            output,
-            command,
-            bands=bands,
-            by_source=std_by_source,
-            cluster=cluster,
-            yes=yes,
-        )
+        made = Sweep(choice.rotor(), Grid(*axes), bands, std_by_source)
+        _stream(made, axes, output, command, cluster=cluster, yes=yes)
         return
     if cluster is not None:
         raise InputError(
@@ -291,42 +193,190 @@ def sweep(
             f"the grid has {count} points, more than the {MOST_POINTS} of such a file",
             "end the file's name with .zarr",
         )
-    check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
+    out.check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
     rotor = choice.rotor()
     points = OperatingPoints.grid(*axes)
-    say_reynolds(rotor.model, *points.si)
-    say_doubts_on_points(rotor.model, *points.si)
+    opt.note_points(rotor.model, *points.si)
     loads = _compute(rotor, points, bands=bands)
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
-        say_not_counted(rotor.model)
-    if output.suffix.lower() == ".nc":
-        from propmap.io.csv import write_dataset
-
-        found = dataset(rotor, axes, loads, command, bands=bands, by_source=std_by_source)
-        write_dataset(found, output)
+        opt.note_not_counted(rotor.model)
+    if output.suffix.lower() == ".csv":
+        out.write_text(loads_csv(points, loads, spread), output)
     else:
-        write_text(loads_csv(points, loads, spread), output)
+        import xarray
+
+        coordinates = {
+            name: (dim, values, {"units": unit, "long_name": meaning})
+            for (dim, (name, unit, meaning)), values in zip(AXES.items(), axes, strict=True)
+        }
+        shape = tuple(axis.size for axis in axes)
+        variables = {
+            name: (tuple(AXES), values.reshape(shape), attributes(name))
+            for name, values in quantities(loads, bands=bands, by_source=std_by_source).items()
+        }
+        found = xarray.Dataset(variables, coordinates, provenance(rotor, command))
+        write_dataset(found, output)
     lost = int((loads.status == "not_converged").sum())
     remark = f", {lost} of them not converged" if lost else ""
-    typer.echo(f"wrote {output}: {count} points{remark}")
+    echo(f"wrote {output}: {count} points{remark}")
+
+
+def _stream(
+    made: Sweep,
+    axes: tuple[Floats, Floats, Floats],
+    output: Path,
+    command: str,
+    *,
+    cluster: str | None,
+    yes: bool,
+) -> None:
+    """Run or go on with a sweep over ``axes`` [1/min], [m/s], [deg] into a store."""
+    model = made.rotor.model
+    few = [axis[np.unique(np.linspace(0, axis.size - 1, SOME).astype(int))] for axis in axes]
+    opt.note_points(model, *OperatingPoints.grid(*few).si)
+    layout = made.layout(command)
+    if any("_std" in name for name in layout.quantities):
+        opt.note_not_counted(model)
+    store = opened(output, layout)
+    with opt.workers_of(cluster) as workers:
+        each = made.seconds_per_point(workers)
+        announce(layout, store, each, workers.count, yes=yes, what="operating points")
+        total = math.prod(parts_along(layout.shape, layout.chunk))
+        with out.progress_bar("tasks") as update:
+            made.run(store, layout, workers, lambda done: update(done, total))
+    echo(f"wrote {output}: {math.prod(layout.shape)} points")
 
 
 def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
-    from rich.console import Console
-    from rich.progress import Progress
-
-    from propmap.results import joined
-
-    console = Console(stderr=True)
-    parts = []
-    with Progress(console=console, disable=not console.is_terminal, transient=True) as progress:
-        task = progress.add_task("operating points", total=points.rpm.size)
-        for start in range(0, points.rpm.size, CHUNK):
-            part = points.part(start, CHUNK)
+    parts, done = [], 0
+    with out.progress_bar("operating points") as update:
+        while done < points.count:
+            part = points.part(done, CHUNK)
             found = part.loads(rotor)
             if bands:
-                _ = found.std_by_source  # now, while the bar tells of the progress
+                _ = found.std_by_source  # now, while the bar shows the progress
             parts.append(found)
-            progress.advance(task, part.rpm.size)
+            done += part.count
+            update(done, points.count)
     return joined(parts)
+
+
+# -------------------------------------------------------------------------------------------------
+# ``propmap study``: many designs made from a propeller, at many operating points.
+
+MOST_IN_MEMORY = 5_000_000  # operating points of a study that goes into a NetCDF file
+SAMPLE = 4  # designs whose time predicts that of a study
+
+
+def study(
+    context: typer.Context,
+    file: Annotated[
+        Path, Argument(metavar="FILE.toml", help="Study file: what varies, and where.")
+    ],
+    output: Annotated[
+        Path,
+        Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Write NetCDF (.nc) or, for studies of any size, Zarr (.zarr), where a run that "
+            "was stopped goes on.",
+        ),
+    ],
+    picture: Annotated[
+        Path | None, Option(metavar="FILE", help="Draw the response surface: .png, .svg or .pdf.")
+    ] = None,
+    accuracy: opt.AccuracyOption = "standard",
+    cluster: opt.Cluster = None,
+    force: out.Force = False,
+    yes: Yes = False,
+) -> None:
+    """Compute loads of designs that vary a propeller."""
+    streamed = output.suffix.lower() == ".zarr"
+    if streamed:
+        check_store(output, force=force)
+    else:
+        out.check_output(output, (".nc", ".zarr"), keep_existing=not force)
+    out.check_pictures(picture)
+
+    read = read_study(file)
+    if picture is not None and read.surface is None:
+        raise InputError("--picture needs two quantities that vary", "vary another", str(file))
+    choice = opt.RotorChoice(read.propeller, airfoil=read.airfoil or None, accuracy=accuracy)
+    try:
+        made = read.study(choice.rotor())
+    except InputError as error:
+        raise InputError(error.found, error.remedy, str(file)) from None
+    layout = study_layout(made, opt.command_line(context))
+    points = math.prod(made.shape)
+    if not streamed and points > MOST_IN_MEMORY:
+        raise InputError(
+            f"the study has {points} points, more than the {MOST_IN_MEMORY} of a NetCDF file",
+            "end the file's name with .zarr",
+        )
+    store = opened(output, layout) if streamed else InMemory(layout)
+    some = np.unique(np.linspace(0, made.count - 1, SAMPLE).astype(int))
+    rows = {name: values[some] for name, values in made.rows.items()}
+    sample = Designs(rows, {name: np.asarray(v) for name, v in made.axes.items()})
+    with opt.workers_of(cluster) as workers:
+        each = seconds(workers, loads_of_designs, made, sample) / (
+            some.size * math.prod(made.shape[1:])
+        )
+        announce(layout, store, each, workers.count, yes=yes, what="points")
+        total = store.done(layout).size
+        with out.progress_bar("tasks") as update:
+            run_study(made, store, layout, workers, lambda done: update(done, total))
+    if isinstance(store, InMemory):
+        found = store.dataset()
+        write_dataset(found, output)
+    else:
+        import xarray
+
+        found = xarray.open_dataset(output, engine="zarr", chunks=None)
+    lost = int(np.isnan(found["thrust"]).sum())
+    remark = f", {lost} of them without loads" if lost else ""
+    echo(f"wrote {output}: {made.count} designs, {points} points{remark}")
+    if read.surface is not None:
+        _show_surface(read, read.surface, made, found, picture)
+
+
+def _show_surface(
+    read: StudyFile, asked: Surface, made: Study, found: xarray.Dataset, picture: Path | None
+) -> None:
+    """Fit the response surface, print how good it is, and draw it."""
+    at: dict[str, Any] = {}
+    fixed = []
+    for dim, (name, unit, _) in AXES.items():
+        if name in made.axes:
+            values = made.axes[name]
+            at[dim] = index = int(np.argmin(np.abs(values - asked.at.get(name, values[0]))))
+            value, word = f"{values[index]:g}", name.partition("_")[0]
+            fixed.append(f"{value} rpm" if word == "rpm" else f"{word} {value} {unit}")
+    values = found[asked.quantity].isel(at).values
+    surface = response_surface(made.rows, values)
+    unit, _ = TEXTS[asked.quantity]
+    out.show(
+        None,
+        f"{asked.quantity} at {', '.join(fixed) or 'the points of the designs'}: "
+        f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g} {unit}; a quadratic of "
+        f"{', '.join(surface.names)} predicts designs left out to {surface.left_out_rms:.2g} "
+        f"{unit} rms",
+    )
+    if picture is None:
+        return
+    from propmap.report.pictures import response_picture
+
+    across, up = (
+        f"{name.replace('_', ' ')} [{VARIABLES[name][0]}]" for name in (asked.across, asked.up)
+    )
+    figure = response_picture(
+        f"{read.title}: {', '.join(fixed)}" if fixed else read.title,
+        f"{asked.quantity.replace('_', ' ')} [{unit}]",
+        surface,
+        (asked.across, asked.up),
+        (across, up),
+        made.rows,
+        values,
+    )
+    out.save_picture(figure, picture)

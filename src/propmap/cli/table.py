@@ -1,88 +1,87 @@
-"""``propmap table``: build a certified table of a rotor's loads."""
+"""``propmap table`` builds a certified table of loads, ``propmap show`` shows what one holds."""
 
 from __future__ import annotations
 
 import math
-import shlex
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
+from typer import Argument, Option, echo
 
-from propmap.cli.options import (
-    Cluster,
-    RotorChoice,
-    parse_axis,
-    say_doubts_on_points,
-    say_reynolds,
-    takes_rotor,
-    workers_of,
-)
-from propmap.cli.output import Force, check_output, show
-from propmap.cli.table_report import building, told
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError, quoted
+from propmap.typing import Floats
 from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable
 
 
-@takes_rotor
+@opt.takes_rotor
 def table(
-    choice: RotorChoice,
+    choice: opt.RotorChoice,
     context: typer.Context,
-    rpm: Annotated[str, typer.Option("--rpm", metavar="A:B", help="Rotational speeds [1/min].")],
-    speed: Annotated[str, typer.Option("--speed", metavar="A:B", help="Speeds [m/s].")],
+    rpm: Annotated[str, Option(metavar="A:B", help="Rotational speeds [1/min].")],
+    speed: Annotated[str, Option(metavar="A:B", help="Flight speeds [m/s].")],
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE", help="Table (.npz) or NetCDF (.nc).")
+        Path,
+        Option("--output", "-o", metavar="FILE", help="Write this table (.npz) or NetCDF (.nc)."),
     ],
     beta: Annotated[
-        str, typer.Option("--beta", metavar="A:B", help="Angles [deg] within 0:180.")
+        str, Option(metavar="A:B", help="Angles of velocity to axis [deg], in 0:180.")
     ] = "0:180",
     tolerance: Annotated[
-        str, typer.Option("--tolerance", metavar="SHARE", help="Of the static loads: 0.5%.")
+        str, Option(metavar="SHARE", help="Largest error, as a share of the static loads.")
     ] = "0.5%",
     no_vortex_ring: Annotated[
-        bool, typer.Option("--no-vortex-ring", help="NaN in the vortex ring state.")
+        bool, Option("--no-vortex-ring", help="Leave NaN in the vortex ring state.")
     ] = False,
-    force: Force = False,
-    cluster: Cluster = None,
+    force: out.Force = False,
+    cluster: opt.Cluster = None,
 ) -> None:
-    """A look-up table of the loads, with its errors against the model certified."""
-    ranges = (_range("rpm", rpm), _range("speed", speed), _range("beta", beta))
+    """Build a look-up table of the loads with certified errors."""
+    ranges = [_range(name, text) for name, text in (("rpm", rpm), ("speed", speed), ("beta", beta))]
     share = _share("--tolerance", tolerance)
-    check_output(output, (".npz", ".nc"), keep_existing=not force)
+    out.check_output(output, (".npz", ".nc"), keep_existing=not force)
 
+    from propmap.table import LoadTable
     from propmap.table.build import build_table, check_tolerance
 
-    check_tolerance(share, choice.accuracy.value)
+    check_tolerance(share, choice.accuracy)
     rotor = choice.rotor()
-    ends = np.meshgrid(*(np.array(pair) for pair in ranges), indexing="ij")
-    corners = ends[0] * RPM, ends[1], np.radians(ends[2])
-    say_reynolds(rotor.model, *corners)
-    say_doubts_on_points(rotor.model, *corners)
-    with workers_of(cluster) as workers, building() as progress:
+    omega, speeds, betas = ranges[0] * RPM, ranges[1], np.radians(ranges[2])
+    opt.note_points(rotor.model, *np.meshgrid(omega, speeds, betas, indexing="ij"))
+    with opt.workers_of(cluster) as workers, out.progress_bar("") as update:
         built = build_table(
             rotor,
-            omega=(ranges[0][0] * RPM, ranges[0][1] * RPM),
-            speed=ranges[1],
-            beta=(math.radians(ranges[2][0]), math.radians(ranges[2][1])),
+            omega=(omega[0], omega[1]),
+            speed=(speeds[0], speeds[1]),
+            beta=(betas[0], betas[1]),
             tolerance=share,
             leave_out_vortex_ring=no_vortex_ring,
-            progress=progress,
+            progress=lambda stage, done: update(done, what=stage),
             workers=workers,
         )
-    _save(built, output, shlex.join(["propmap", *context.obj]))
-    show(None, *told(built))
+    content = replace(built.content, info={**built.info, "command": opt.command_line(context)})
+    if output.suffix.lower() == ".nc":
+        from propmap.table.files import write_netcdf
+
+        write_netcdf(LoadTable(content), output)
+    else:
+        LoadTable(content).save(output)
+    out.show(None, *certificate_of(built))
     knots = f"{built.content.advance.size} x {built.content.beta.size}"
     size = output.stat().st_size / 1e6
-    typer.echo(f"wrote {output}: {knots} knots, {size:.2f} MB")
+    echo(f"wrote {output}: {knots} knots, {size:.2f} MB")
 
 
 def _share(option: str, text: str) -> float:
-    """0.005 from "0.5%" or "0.005" of an ``option``."""
+    """Read 0.005 from "0.5%" or "0.005", for a message about the ``option``."""
     try:
         value = float(text[:-1]) / 100.0 if text.endswith("%") else float(text)
     except ValueError:
@@ -92,22 +91,62 @@ def _share(option: str, text: str) -> float:
     return value
 
 
-def _range(quantity: str, text: str) -> tuple[float, float]:
-    option = f"--{quantity}"
+def _range(quantity: str, text: str) -> Floats:
+    """Read the ends (2,) of "A:B"."""
     if text.count(":") != 1:
-        raise InputError(f"{option} {quoted(text)} is no range", "write A:B, from A to B")
-    low, high = parse_axis(option, quantity, text, count=2).tolist()
-    return low, high
+        raise InputError(f"--{quantity} {quoted(text)} is no range", "write A:B, from A to B")
+    return opt.parse_axis(f"--{quantity}", quantity, text, count=2)
 
 
-def _save(built: LoadTable, output: Path, command: str) -> None:
+def show_table(
+    source: Annotated[Path, Argument(metavar="TABLE", help="Table of loads (.npz).")],
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
+) -> None:
+    """Show where a table comes from, its range and its errors."""
+    chosen = out.chosen_format(format_, output)
+    if chosen == "csv":
+        raise InputError("what a table holds has no columns", "use --format json")
+
+    from propmap.export.files import origin
     from propmap.table import LoadTable
 
-    content = replace(built.content, info={**built.info, "command": command})
-    filed = LoadTable(content)
-    if output.suffix.lower() == ".nc":
-        from propmap.table.files import write_netcdf
-
-        write_netcdf(filed, output)
+    found = LoadTable.load(source)
+    if chosen == "json":
+        out.emit(out.json_text({"envelope": found.envelope, **found.info}), output)
     else:
-        filed.save(output)
+        out.show(output, *origin(found), *certificate_of(found))
+
+
+def certificate_of(found: LoadTable) -> Iterator[object]:
+    """Say how far the table is from the model, and the model's own uncertainty if it is known."""
+    from propmap.report.words import PLACE, TITLES, claims, largest_at, parameter_claims
+
+    errors = found.certificate
+    if not errors:
+        yield "not certified: how far the table is from the model is not known"
+        return
+    columns = {
+        "max": errors["max_error"],
+        "rms": errors["rms_error"],
+        "max unresolved": errors["unresolved_max_error"],
+    }
+    parameters = found.info.get("parameter_uncertainty")
+    if parameters:
+        columns |= {
+            "parameters, median": parameters["median"],
+            "parameters, 95 %": parameters["percentile_95"],
+        }
+    places = largest_at(errors)
+    heads = [*columns, *(f"at [{unit}]" for unit in PLACE.values() if places)]
+    rows = [
+        (
+            title,
+            *(f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values()),
+            *(f"{value:.4g}" for value in places.get(name) or ()),
+        )
+        for name, title in TITLES.items()
+    ]
+    yield out.grid("|".join(["<error, share of static", *heads]), rows, "Certificate")
+    yield from claims(errors)
+    yield from parameter_claims(parameters) if parameters else ()

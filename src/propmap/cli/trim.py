@@ -3,56 +3,31 @@
 from __future__ import annotations
 
 import math
-import shlex
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer import Option, echo
 
 import propmap
-from propmap.aircraft.performance import columns
-from propmap.aircraft.trim import STATUSES, Aircraft
-from propmap.catalogue.identified import Identified, identified
-from propmap.cli.aircraft_options import (
-    Charge,
-    MaximumRpm,
-    NoWakes,
-    VehicleArgument,
-    Wind,
-    aircraft_of,
-    digits,
-    number_or_none,
-    title,
-    vehicle_of,
+from propmap.aircraft.mission import Mission, fly, read_mission
+from propmap.aircraft.performance import (
+    FASTEST,
+    NamedState,
+    Performance,
+    columns,
+    performance,
+    rows,
 )
-from propmap.cli.options import (
-    AccuracyName,
-    AccuracyOption,
-    AirfoilOption,
-    Bands,
-    Corrections,
-    ModelOption,
-    parse_axis,
-    say_doubts,
-    say_not_counted,
-)
-from propmap.cli.output import (
-    Format,
-    FormatOption,
-    TextOutput,
-    WideGrid,
-    check_output,
-    check_pictures,
-    chosen_format,
-    emit,
-    emit_rows,
-    grid,
-    json_text,
-    show,
-)
+from propmap.aircraft.sensitivity import StateChange, spread
+from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft, SteadyStates
+from propmap.catalogue.identified import identified
+from propmap.cli import options as opt
+from propmap.cli import output as out
 from propmap.errors import InputError
+from propmap.io.csv import write_dataset
 from propmap.model.plausibility import point_warnings
 from propmap.rotor import Rotor
 from propmap.units import RPM
@@ -60,85 +35,68 @@ from propmap.units import RPM
 if TYPE_CHECKING:
     import xarray
 
-    from propmap.aircraft.mission import Flown, Mission
-    from propmap.aircraft.performance import NamedState, Performance
-    from propmap.aircraft.sensitivity import StateChange
-    from propmap.aircraft.trim import Aircraft, SteadyStates
-
 
 # -------------------------------------------------------------------------------------------------
 # ``propmap trim``: an aircraft's steady states, its power curve and top speed.
 
-SPEEDS = 21
-"""Where --speed is A:B."""
+SPEEDS = 21  # where --speed is A:B
 
 
 def trim(
     context: typer.Context,
-    vehicle: VehicleArgument,
+    vehicle: opt.VehicleArgument,
     speed: Annotated[
-        str, typer.Option("--speed", metavar="A:B:N", help="Horizontal speeds [m/s], or a list.")
+        str, Option(metavar="A:B:N", help="Horizontal speeds [m/s], or a list.")
     ] = "0:20",
-    climb: Annotated[
-        str, typer.Option("--climb", metavar="A:B:N", help="Climb rates [m/s], or a list.")
-    ] = "0",
+    climb: Annotated[str, Option(metavar="A:B:N", help="Climb rates [m/s], or a list.")] = "0",
     bank: Annotated[
-        float, typer.Option("--bank", help="Of a coordinated level turn [deg], right positive.")
+        float, Option(help="Bank of a coordinated level turn [deg], right positive.")
     ] = 0.0,
-    wind: Wind = 0.0,
-    airfoil: AirfoilOption = None,
+    wind: Annotated[float, Option(help="Headwind [m/s], for distances.")] = 0.0,
+    airfoil: opt.AirfoilOption = None,
     table: Annotated[
-        Path | None,
-        typer.Option("--table", metavar="FILE.npz", help="Loads from `propmap table` instead."),
+        Path | None, Option(metavar="FILE.npz", help="Take loads from a table instead.")
     ] = None,
-    model: ModelOption = None,
-    correction: Corrections = None,
-    accuracy: AccuracyOption = AccuracyName.standard,
-    max_rpm: MaximumRpm = None,
-    charge: Charge = 1.0,
-    no_wakes: NoWakes = False,
+    model: opt.ModelOption = None,
+    correction: opt.Corrections = None,
+    accuracy: opt.AccuracyOption = "standard",
+    max_rpm: opt.MaximumRpm = None,
+    charge: opt.Charge = 1.0,
+    no_wakes: opt.NoWakes = False,
     mission: Annotated[
         Path | None,
-        typer.Option(
-            "--mission",
-            metavar="FILE.csv",
-            help="Fly these legs instead: speed_mps, climb_mps, duration_s.",
+        Option(
+            metavar="FILE.csv", help="Fly these legs instead: speed_mps, climb_mps, duration_s."
         ),
     ] = None,
-    bands: Bands = True,
+    bands: opt.Bands = True,
     picture: Annotated[
         Path | None,
-        typer.Option(
-            "--picture", metavar="FILE", help="Power, pitch, rpm and margin; a mission over time."
-        ),
+        Option(metavar="FILE", help="Draw power, pitch, rpm and margin, or a mission over time."),
     ] = None,
-    format_: FormatOption = None,
-    output: TextOutput = None,
+    format_: out.FormatOption = None,
+    output: out.TextOutput = None,
 ) -> None:
-    """Steady flight: attitude, rotor speeds, power and margins; range, endurance, top speed."""
-    speeds = parse_axis("--speed", "speed", speed, SPEEDS)
-    climbs = parse_axis("--climb", "climb", climb)
+    """Find steady flight: power, range, endurance, top speed."""
+    speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS)
+    climbs = opt.parse_axis("--climb", "climb", climb)
     if mission is not None and (bank or climbs.size > 1 or climbs[0] != 0.0):
         raise InputError(
             "--mission is given with --climb or --bank", "leave these out: legs say all"
         )
     if not math.isfinite(bank):
         raise InputError(f"--bank is {bank}", "give degrees")
-    check_pictures(picture)
-    netcdf = output is not None and output.suffix.lower() == ".nc"
-    if netcdf and output is not None:
-        check_output(output)
+    out.check_pictures(picture)
+    netcdf = output if output is not None and output.suffix.lower() == ".nc" else None
+    if netcdf is not None:
+        out.check_output(netcdf)
         if format_ is not None or mission is not None:
             raise InputError("the output is NetCDF", "leave --format and --mission out")
-    form = chosen_format(format_, None if netcdf else output)
+    form = out.chosen_format(format_, None if netcdf else output)
 
-    read = vehicle_of(vehicle, no_wakes=no_wakes)
-    legs = None
-    if mission is not None:
-        from propmap.aircraft.mission import read_mission
-
-        legs = read_mission(mission)
-    craft = aircraft_of(
+    read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
+    legs = read_mission(mission) if mission is not None else None
+    craft = opt.aircraft_of(
         read,
         airfoil=airfoil,
         table=table,
@@ -149,118 +107,81 @@ def trim(
         charge=charge,
     )
     if legs is not None:
-        fly_and_show(craft, legs, form, output, picture)
+        _fly(craft, legs, form, output, picture)
         return
     if bank and speeds[0] == 0.0:
         speeds = speeds[1:]
-        typer.echo("note: a turn takes speed: 0 m/s is left out", err=True)
-    flown = [craft.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
-    say_moments(craft, flown)
-    say_beyond_data(craft, flown)
+        out.note("a turn takes speed: 0 m/s is left out")
+
+    def steady(craft: Aircraft) -> list[SteadyStates]:
+        return [craft.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
+
+    flown = steady(craft)
+    _note_moments(craft, flown)
+    _note_beyond_data(craft, flown)
     found = None
     if not bank and climbs.size == 1 and speeds.size > 1:
-        from propmap.aircraft.performance import performance
-
         found = performance(craft, flown[0], climb=float(climbs[0]), wind=wind, bands=bands)
-        say_fastest(craft, flown[0], found)
-    sure = _deviations(craft, flown, bands=bands)
-    command = shlex.join(["propmap", *context.obj])
-    if netcdf and output is not None:
-        from propmap.io.csv import write_dataset
-
-        write_dataset(dataset(craft, flown, sure, command), output)
-        typer.echo(f"wrote {output}", err=True)
-    elif form is Format.table:
-        tables = (table_of(*both, found) for both in zip(flown, sure, strict=True))
-        show(output, title(craft), *tables, *told(found))
+        if found.fastest is not None and found.fastest.speed > speeds[-1]:
+            top = craft.steady(found.fastest.speed, climbs[0], margin=False, near=flown[0])
+            _note_beyond_data(craft, [top], "at the top speed, ")
+    sure: list[StateChange | None] = [None] * len(flown)
+    if bands:
+        if isinstance(craft.loads, Rotor):
+            opt.note_not_counted(craft.loads.model)
+        sure = [spread(craft, states) for states in flown]
+    if netcdf is not None:
+        write_dataset(_dataset(craft, flown, sure, opt.command_line(context)), netcdf)
+        echo(f"wrote {netcdf}", err=True)
+    elif form == "table":
+        tables = (_table(*both, found) for both in zip(flown, sure, strict=True))
+        out.show(output, _title(craft), *tables, *_named_lines(found))
     else:
-        _emit(craft, flown, sure, found, form, output)
+        listed = [row for both in zip(flown, sure, strict=True) for row in rows(*both)]
+        if found is not None:
+            for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
+                row["endurance_s"] = out.number_or_none(time)
+                row["distance_m"] = out.number_or_none(way)
+        whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "states": listed}
+        if found is not None:
+            whole["performance"] = {name: plain(state) for name, _, state in _named(found)}
+            whole["performance"]["top_speed_limit"] = found.limit or None
+        out.emit_rows(list(listed[0]), listed, form, output, whole=whole)
     if picture is not None:
-        from propmap.report.html import save
         from propmap.report.pictures import power_curves
 
-        hover = craft.with_hover_model()
-        still = [hover.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
-        save(power_curves(title(craft), flown, still, found, sure), picture)
-        typer.echo(f"wrote {picture}", err=True)
-
-
-def _deviations(
-    craft: Aircraft, flown: list[SteadyStates], *, bands: bool
-) -> list[StateChange | None]:
-    """Standard deviations of the states, None where they are not asked for or not known."""
-    if not bands:
-        return [None] * len(flown)
-    from propmap.aircraft.sensitivity import spread
-    from propmap.rotor import Rotor
-
-    if isinstance(craft.loads, Rotor):
-        say_not_counted(craft.loads.model)
-    return [spread(craft, states) for states in flown]
-
-
-def _emit(
-    craft: Aircraft,
-    flown: list[SteadyStates],
-    sure: list[StateChange | None],
-    found: Performance | None,
-    form: Format,
-    output: Path | None,
-) -> None:
-    from propmap.aircraft.performance import rows
-
-    listed = [row for both in zip(flown, sure, strict=True) for row in rows(*both)]
-    if found is not None:
-        for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
-            row["endurance_s"], row["distance_m"] = number_or_none(time), number_or_none(way)
-    if form is Format.csv:
-        emit_rows(list(listed[0]), listed, form, output)
-        return
-    whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "states": listed}
-    if found is not None:
-        whole["performance"] = {name: plain(state) for name, _, state in named(found)}
-        whole["performance"]["top_speed_limit"] = found.limit or None
-    emit(json_text(whole), output)
+        still = steady(craft.with_hover_model())
+        out.save_picture(power_curves(_title(craft), flown, still, found, sure), picture)
 
 
 # -------------------------------------------------------------------------------------------------
 # Steady states as `propmap trim` shows them: tables, lines, and notes on what is odd.
 
+# Columns that a narrow window goes without, the first first.
 SPARE = ("throttle [%]", "I motor [A]", "T [N]", "P shaft [W]", "way [km]", "roll [deg]", "rpm")
-"""Columns that a narrow window goes without, the first first."""
-
-LEVEL = 1e-4
-"""Roll [rad] that is not worth a column."""
-
-NOTHING = 1e-4
-"""Unbalanced moment over mass and radius [m/s^2] that is not worth a word."""
+LEVEL = 1e-4  # roll [rad] that is not worth a column
+NOTHING = 1e-4  # unbalanced moment over mass and radius [m/s^2] that is not worth a word
 
 
-def say_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
-    """Say what moments the rotors of ``craft`` cannot balance in the states that are ``flown``.
-
-    They are for a wing's flaps, or of a spin that is wrong.
-    """
+def _note_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
+    """Note moments that the rotors cannot balance: a wing's flaps do, or a spin is wrong."""
     left = np.concatenate([np.abs(states.moment) for states in flown])
     if not np.isfinite(left).any():
         return
     largest = np.nanmax(left, axis=0)
     if largest.max() > NOTHING * craft.vehicle.mass * craft.vehicle.propeller.radius:
-        told = ", ".join(f"{name} {m:.2g}" for name, m in zip("xyz", largest, strict=True))
-        typer.echo(
-            f"note: the rotors cannot balance all moments; up to {told} N m about these axes are "
-            "left to control surfaces (check position and spin, if there are none)",
-            err=True,
+        moments = ", ".join(f"{name} {m:.2g}" for name, m in zip("xyz", largest, strict=True))
+        out.note(
+            f"the rotors cannot balance all moments; up to {moments} N m about these axes are "
+            "left to control surfaces (check position and spin, if there are none)"
         )
 
 
-def say_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "") -> None:
-    """Say what of the states ``flown`` is beyond the data of the constants or unlike propellers.
+def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "") -> None:
+    """Note which states are beyond the data of the constants, or implausible.
 
-    ``craft`` is what flies, ``where`` says which states these are, if not all.
+    ``where`` begins each note, if these are not all states.
     """
-    from propmap.rotor import Rotor
-
     if not isinstance(craft.loads, Rotor):
         return
     blade = craft.vehicle.propeller
@@ -276,98 +197,87 @@ def say_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "")
     doubts = point_warnings(blade, omega, speed, beta)
     own = identified(blade.name, blade.blades)
     if own is not None and craft.loads.model.airfoil.name == own.airfoil.name:
-        doubts = [*doubts, *_beyond(own, omega, speed, blade.diameter)]
-    say_doubts([f"{where}{doubt}" for doubt in doubts])
-
-
-def _beyond(own: Identified, omega: Any, speed: Any, diameter: float) -> list[str]:
-
-    rpm, advance = (
-        float(omega.max()) / RPM,
-        float((2.0 * np.pi * speed / (omega * diameter)).max()),
-    )
-    parts = []
-    if rpm > own.rpm_high:
-        parts.append(f"{rpm:.0f} rpm where the data end at {own.rpm_high:.0f}")
-    if advance > own.advance_high:
-        parts.append(f"J = V/(n D) up to {advance:.2f} where they end at {own.advance_high:.2f}")
-    return [f"beyond the data of the constants: {'; '.join(parts)}"] if parts else []
-
-
-def say_fastest(craft: Aircraft, states: SteadyStates, found: Performance) -> None:
-    """As ``say_beyond_data`` of a top speed that was ``found`` beyond the ``states`` asked for."""
-    if found.fastest is not None and found.fastest.speed > states.speed[-1]:
-        climb = states.climb[0]
-        there = craft.steady(found.fastest.speed, climb, margin=False, near=states)
-        say_beyond_data(craft, [there], "at the top speed, ")
+        rpm = float(omega.max()) / RPM
+        advance = float((2.0 * np.pi * speed / (omega * blade.diameter)).max())
+        parts = []
+        if rpm > own.rpm_high:
+            parts.append(f"{rpm:.0f} rpm where the data end at {own.rpm_high:.0f}")
+        if advance > own.advance_high:
+            parts.append(
+                f"J = V/(n D) up to {advance:.2f} where they end at {own.advance_high:.2f}"
+            )
+        if parts:
+            doubts = [*doubts, f"beyond the data of the constants: {'; '.join(parts)}"]
+    out.note(*(f"{where}{doubt}" for doubt in doubts))
 
 
 def plain(state: NamedState | None) -> dict[str, float | None] | None:
-    """A ``state`` with a name as plain data, None where there is none."""
-    return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
+    """Return the fields of a state for JSON, None where there is none."""
+    return None if state is None else {k: out.number_or_none(v) for k, v in vars(state).items()}
 
 
-def table_of(states: SteadyStates, sure: StateChange | None, found: Performance | None) -> WideGrid:
-    """States in a table.
+def _title(craft: Aircraft) -> str:
+    vehicle = craft.vehicle
+    wakes = ", in each other's wakes" if vehicle.wakes is not None else ""
+    return (
+        f"{vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x {vehicle.propeller.name}"
+        f"{wakes}; rho = {vehicle.air.density:.4g} kg/m^3"
+    )
 
-    Parameters
-    ----------
-    states : SteadyStates
-        At one climb rate and bank.
-    sure : StateChange, optional
-        Their standard deviations.
-    found : Performance, optional
-        With their times and distances.
-    """
-    rpm = states.rotor_speed / RPM
-    heads, columns = ["V [m/s]", "pitch [deg]"], [[f"{v:.4g}" for v in states.speed]]
-    columns.append([digits(v) for v in np.degrees(states.pitch)])
+
+def _digits(value: float) -> str:
+    """Write a cell of a table, a dash for NaN."""
+    if not math.isfinite(value):
+        return "-"
+    return "0" if abs(value) < 5e-4 else f"{value:.4g}"
+
+
+def _table(
+    states: SteadyStates, sure: StateChange | None, found: Performance | None
+) -> out.WideGrid:
+    """Make a table of states at one climb rate and bank."""
+
+    def cells(values: Any) -> list[str]:
+        return [_digits(value) for value in values]
+
+    columns = {
+        "V [m/s]": [f"{v:.4g}" for v in states.speed],
+        "pitch [deg]": cells(np.degrees(states.pitch)),
+    }
     if np.nanmax(np.abs(np.nan_to_num(states.roll))) > LEVEL:
-        heads.append("roll [deg]")
-        columns.append([digits(v) for v in np.degrees(states.roll)])
-    heads += ["rpm", "T [N]", "P shaft [W]"]
-    columns += [
-        [_span(each) for each in rpm],
-        [digits(v) for v in states.thrust.sum(axis=1)],
-        [digits(v) for v in states.shaft_power],
-    ]
-    electric = bool(np.isfinite(states.electrical_power).any())
-    deviations = [] if sure is None else [[_rough(v) for v in sure.power]]
-    if deviations and not electric:
-        heads.append("+- [W]")
-        columns += deviations
-    if electric:
-        heads += ["P electric [W]", *(["+- [W]"] if deviations else []), "I motor [A]"]
-        columns += [
-            [digits(v) for v in states.electrical_power],
-            *deviations,
-            [digits(v) for v in states.motor_current.max(axis=1)],
-        ]
+        columns["roll [deg]"] = cells(np.degrees(states.roll))
+    columns |= {
+        "rpm": [_span(each) for each in states.rotor_speed / RPM],
+        "T [N]": cells(states.thrust.sum(axis=1)),
+        "P shaft [W]": cells(states.shaft_power),
+    }
+    deviations = {} if sure is None else {"+- [W]": [_rough(v) for v in sure.power]}
+    if np.isfinite(states.electrical_power).any():
+        columns |= {"P electric [W]": cells(states.electrical_power), **deviations}
+        columns["I motor [A]"] = cells(states.motor_current.max(axis=1))
+    else:
+        columns |= deviations
     if np.isfinite(states.throttle).any():
-        heads.append("throttle [%]")
-        columns.append([digits(v) for v in 100.0 * states.throttle.max(axis=1)])
+        columns["throttle [%]"] = cells(100.0 * states.throttle.max(axis=1))
     if found is not None and np.isfinite(found.endurance).any():
-        heads += ["time [min]", "way [km]"]
-        columns += [
-            [digits(v) for v in found.endurance / 60.0],
-            [digits(v) for v in found.distance / 1000.0],
-        ]
-    heads += ["thrust margin", "<status"]
-    columns += [[digits(v) for v in states.thrust_margin], states.status.tolist()]
+        columns |= {
+            "time [min]": cells(found.endurance / 60.0),
+            "way [km]": cells(found.distance / 1000.0),
+        }
+    columns |= {"thrust margin": cells(states.thrust_margin), "<status": states.status.tolist()}
     climb, bank = float(states.climb[0]), math.degrees(float(states.bank[0]))
     title = f"climb {climb:g} m/s" if climb else (f"bank {bank:g} deg" if bank else "level flight")
     caption = "rpm: slowest to fastest rotor; thrust margin: T at the first limit over T needed"
     if deviations:
         caption += "\n+-: one standard deviation of the power, from those of the rotors' loads"
-    from propmap.aircraft.trim import STATUSES
-
     met = [status for status in STATUSES if status != "ok" and status in states.status]
     caption += "".join(f"\n{status}: {STATUSES[status]}" for status in met)
-    return WideGrid("|".join(heads), list(zip(*columns, strict=True)), title, caption, SPARE)
+    rows = list(zip(*columns.values(), strict=True))
+    return out.WideGrid("|".join(columns), rows, title, caption, SPARE)
 
 
 def _rough(std: float) -> str:
-    # Two digits, without an exponent.
+    """Write two digits without an exponent."""
     return f"{float(f'{std:.2g}'):g}" if math.isfinite(std) else "-"
 
 
@@ -382,8 +292,8 @@ def _span(rpm: Any) -> str:
     return low if low == high else f"{low}-{high}"
 
 
-def named(found: Performance) -> list[tuple[str, str, NamedState | None]]:
-    """Key, words and state of each that was ``found``."""
+def _named(found: Performance) -> list[tuple[str, str, NamedState | None]]:
+    """List key, words and state of those that have a name."""
     return [
         ("hover", "hover", found.hover),
         ("least_power", "least power, longest time", found.least_power),
@@ -392,16 +302,12 @@ def named(found: Performance) -> list[tuple[str, str, NamedState | None]]:
     ]
 
 
-def told(found: Performance | None) -> list[str]:
-    """Lines on the states that have a name."""
+def _named_lines(found: Performance | None) -> list[str]:
     if found is None:
         return []
-    from propmap.aircraft.performance import FASTEST
-    from propmap.aircraft.trim import LIMITS, STATUSES
-
     lines = []
     climbs = bool(found.states.climb[0])
-    for name, label, state in named(found):
+    for name, label, state in _named(found):
         words = "straight up or down" if climbs and name == "hover" else label
         if state is None:
             if name == "fastest" and not found.limit:
@@ -440,19 +346,16 @@ def told(found: Performance | None) -> list[str]:
 AXES = ("climb_mps", "speed_mps")
 
 
-def dataset(
+def _dataset(
     craft: Aircraft, flown: list[SteadyStates], sure: list[StateChange | None], command: str
 ) -> xarray.Dataset:
-    """States at the same n speeds for each of several climb rates, with provenance.
-
-    ``sure`` are their standard deviations.
-    """
+    """Pack states at the same speeds for each of several climb rates, with provenance."""
     import xarray
 
     parts = [columns(*both) for both in zip(flown, sure, strict=True)]
     speed, climb = parts[0]["speed_mps"], parts[0]["climb_mps"]
     rates = np.array([states.climb[0] for states in flown])
-    coordinates = {
+    coordinates: dict[str, Any] = {
         "climb_mps": ("climb_mps", rates, {"units": climb.unit, "long_name": climb.meaning}),
         "speed_mps": ("speed_mps", speed.values, {"units": speed.unit, "long_name": speed.meaning}),
         "rotor": ("rotor", np.arange(1, len(craft.vehicle.mounts) + 1)),
@@ -464,7 +367,21 @@ def dataset(
         dims = (*AXES, "rotor") if column.values.ndim == 2 else AXES
         values = np.stack([part[name].values for part in parts])
         variables[name] = (dims, values, {"units": column.unit, "long_name": column.meaning})
-    found = xarray.Dataset(variables, coordinates, _provenance(craft, command))
+    vehicle, blade = craft.vehicle, craft.vehicle.propeller
+    provenance: dict[str, str | float] = {
+        "title": f"Steady flight of {vehicle.name}",
+        "propmap_version": propmap.__version__,
+        "mass_kg": vehicle.mass,
+        "propeller": blade.name,
+        "geometry_sha256": blade.fingerprint(),
+        "air_density_kg_m3": vehicle.air.density,
+        "command": command,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    if isinstance(craft.loads, Rotor):
+        model = craft.loads.model
+        provenance |= {"section_law": model.law_title, "model_sha256": model.fingerprint()}
+    found = xarray.Dataset(variables, coordinates, provenance)
     names = list(STATUSES)
     codes = [[names.index(status) for status in states.status.tolist()] for states in flown]
     flags = {
@@ -476,39 +393,18 @@ def dataset(
     return found
 
 
-def _provenance(craft: Aircraft, command: str) -> dict[str, str | float]:
-    vehicle, loads = craft.vehicle, craft.loads
-    told: dict[str, str | float] = {
-        "title": f"Steady flight of {vehicle.name}",
-        "propmap_version": propmap.__version__,
-        "mass_kg": vehicle.mass,
-        "propeller": vehicle.propeller.name,
-        "geometry_sha256": vehicle.propeller.fingerprint(),
-        "air_density_kg_m3": vehicle.air.density,
-        "command": command,
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
-    if isinstance(loads, Rotor):
-        told |= {"section_law": loads.model.law_title, "model_sha256": loads.model.fingerprint()}
-    return told
-
-
 # -------------------------------------------------------------------------------------------------
 # A mission as `propmap trim` shows it: energy and state of charge, leg by leg and over time.
 
 
-def fly_and_show(
-    craft: Aircraft, legs: Mission, form: Format, output: Path | None, picture: Path | None
+def _fly(
+    craft: Aircraft, legs: Mission, form: out.Format, output: Path | None, picture: Path | None
 ) -> None:
-    """Fly the ``legs`` with the aircraft ``craft``.
-
-    Rows in this ``form`` go to ``output``, and where it is wanted a ``picture`` of all over time.
-    """
-    from propmap.aircraft.mission import fly
-
+    """Fly a mission, and show it leg by leg or draw it over time."""
     flown = fly(craft, legs)
+    course = flown.course
     columns = {
-        "time_s": flown.course.time[:, -1],
+        "time_s": course.time[:, -1],
         "speed_mps": legs.speed,
         "climb_mps": legs.climb,
         "duration_s": legs.duration,
@@ -516,52 +412,36 @@ def fly_and_show(
         "power_W": flown.states.power,
         "energy_J": flown.energy,
         "charge": flown.charge,
-        "voltage_V": flown.course.voltage[:, -1],
+        "voltage_V": course.voltage[:, -1],
     }
-    if form is Format.table:
-        _show_table(craft, legs, flown, columns, output)
+    status = flown.status.tolist()
+    if form == "table":
+        heads = "until [s]|V [m/s]|climb [m/s]|time [s]|pitch [deg]|P [W]|energy [J]|charge|U [V]"
+        body = out.grid(
+            f"{heads}|<status",
+            zip(*([_digits(v) for v in each] for each in columns.values()), status, strict=True),
+            f"mission {legs.source}",
+            "charge, U: state of charge (1 when full) and the battery's voltage at the end of the "
+            "leg",
+        )
+        lost = ~flown.lasted
+        outcome = f"{np.sum(flown.energy) / 3600.0:.4g} Wh in {legs.duration.sum() / 60.0:.4g} min"
+        if lost.any():
+            leg = int(np.argmax(lost))
+            outcome = f"leg {leg + 1} cannot be flown to its end: {flown.status_in_words(leg)}"
+        out.show(output, _title(craft), body, outcome)
     else:
+        numbers = [[out.number_or_none(v) for v in each.tolist()] for each in columns.values()]
         names = [*columns, "status"]
-        values = zip(*(v.tolist() for v in columns.values()), flown.status.tolist(), strict=True)
-        listed = [
-            dict(zip(names, [*(number_or_none(v) for v in row[:-1]), row[-1]], strict=True))
-            for row in values
-        ]
-        if form is Format.csv:
-            emit_rows(names, listed, form, output)
-        else:
-            whole = {"vehicle": craft.vehicle.name, "legs": listed, "over_time": _over_time(flown)}
-            emit(json_text(whole), output)
+        listed = [dict(zip(names, row, strict=True)) for row in zip(*numbers, status, strict=True)]
+        shown = {"time_s": course.time, "charge": course.charge, "voltage_V": course.voltage}
+        over_time = {
+            name: [out.number_or_none(v) for v in each.ravel().tolist()]
+            for name, each in shown.items()
+        }
+        whole = {"vehicle": craft.vehicle.name, "legs": listed, "over_time": over_time}
+        out.emit_rows(names, listed, form, output, whole=whole)
     if picture is not None:
-        from propmap.report.html import save
         from propmap.report.pictures import mission_course
 
-        save(mission_course(title(craft), legs, flown), picture)
-        typer.echo(f"wrote {picture}", err=True)
-
-
-def _over_time(flown: Flown) -> dict[str, list[float | None]]:
-    named = {"time_s": "time", "charge": "charge", "voltage_V": "voltage"}
-    return {
-        key: [number_or_none(v) for v in getattr(flown.course, name).ravel().tolist()]
-        for key, name in named.items()
-    }
-
-
-def _show_table(
-    craft: Aircraft, legs: Mission, flown: Flown, columns: dict[str, Any], output: Path | None
-) -> None:
-    cells = [[digits(v) for v in values] for values in columns.values()]
-    heads = "until [s]|V [m/s]|climb [m/s]|time [s]|pitch [deg]|P [W]|energy [J]|charge|U [V]"
-    body = grid(
-        f"{heads}|<status",
-        zip(*cells, flown.status.tolist(), strict=True),
-        f"mission {legs.source}",
-        "charge, U: state of charge (1 when full) and the battery's voltage at the end of the leg",
-    )
-    lost = ~flown.lasted
-    told = f"{np.sum(flown.energy) / 3600.0:.4g} Wh in {legs.duration.sum() / 60.0:.4g} min"
-    if lost.any():
-        leg = int(np.argmax(lost))
-        told = f"leg {leg + 1} cannot be flown to its end: {flown.status_in_words(leg)}"
-    show(output, title(craft), body, told)
+        out.save_picture(mission_course(_title(craft), legs, flown), picture)
