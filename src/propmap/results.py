@@ -270,9 +270,10 @@ def array_fields() -> list[str]:
 
 
 def joined(parts: Sequence[Loads]) -> Loads:
-    """Loads of some shapes (n,) as those of all points together."""
+    """Join loads of any shapes to those of all points, each field (n,)."""
     arrays: Any = {
-        name: np.concatenate([getattr(part, name) for part in parts]) for name in array_fields()
+        name: np.concatenate([getattr(part, name).ravel() for part in parts])
+        for name in array_fields()
     }
     if parts[0].deviations is None:
         return Loads(**arrays)
@@ -282,7 +283,7 @@ def joined(parts: Sequence[Loads]) -> Loads:
             source: LoadValues(
                 **{
                     each.name: np.concatenate(
-                        [getattr(part.std_by_source[source], each.name) for part in parts]
+                        [getattr(part.std_by_source[source], each.name).ravel() for part in parts]
                     )
                     for each in fields(LoadValues)
                 }

@@ -9,31 +9,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
-from propmap.cli.options import (
-    AccuracyName,
-    AccuracyOption,
-    Cluster,
-    RotorChoice,
-    progress_bar,
-    workers_of,
-)
+from propmap.cli.options import AccuracyName, AccuracyOption, Cluster, RotorChoice
 from propmap.cli.output import Force, check_output, check_pictures, show
-from propmap.cli.sweep import Yes, announce, check_store, opened
+from propmap.cli.sweep import Yes, check_store, opened, run_announced
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
     import xarray
 
     from propmap.study.files import StudyFile, Surface
-    from propmap.study.run import InMemory, Study
-    from propmap.sweep.store import Layout, Store
-    from propmap.tasks import Workers
+    from propmap.study.run import Study
 
 MOST_IN_MEMORY = 5_000_000
 """Operating points of a study that goes into a NetCDF file."""
-
-SAMPLE = 4
-"""Designs by which the time of a study is foretold."""
 
 
 def study(
@@ -67,7 +55,7 @@ def study(
     check_pictures(picture)
 
     from propmap.study.files import read_study
-    from propmap.study.run import InMemory, run_study, study_layout
+    from propmap.sweep.store import InMemory
 
     read = read_study(file)
     if picture is not None and read.surface is None:
@@ -77,7 +65,7 @@ def study(
         made = read.study(choice.rotor())
     except InputError as error:
         raise InputError(error.found, error.remedy, str(file)) from None
-    layout = study_layout(made, shlex.join(["propmap", *context.obj]))
+    layout = made.layout(shlex.join(["propmap", *context.obj]))
     points = int(np.prod(made.shape))
     if not streamed and points > MOST_IN_MEMORY:
         raise InputError(
@@ -85,44 +73,21 @@ def study(
             "end the file's name with .zarr",
         )
     store = opened(output, layout) if streamed else InMemory(layout)
-    with workers_of(cluster) as workers:
-        _announce(made, layout, store, workers, yes=yes)
-        total = store.done(layout).size
-        with progress_bar("tasks") as tell:
-            run_study(made, store, layout, workers, lambda done: tell(done, total))
-    found = _dataset(store, output)
-    if not streamed:
+    run_announced(made, store, layout, cluster, yes=yes, what="points")
+    if isinstance(store, InMemory):
         from propmap.io.csv import write_dataset
 
+        found = store.dataset()
         write_dataset(found, output)
+    else:
+        import xarray
+
+        found = xarray.open_dataset(output, engine="zarr", chunks=None)
     lost = int(np.isnan(found["thrust"]).sum())
     remark = f", {lost} of them without loads" if lost else ""
     typer.echo(f"wrote {output}: {made.count} designs, {points} points{remark}")
     if read.surface is not None:
         _surface(read, read.surface, made, found, picture)
-
-
-def _announce(
-    made: Study, layout: Layout, store: Store | InMemory, workers: Workers, *, yes: bool
-) -> None:
-    from propmap.study.run import Designs, loads_of_designs
-    from propmap.sweep.run import seconds
-
-    some = np.unique(np.linspace(0, made.count - 1, SAMPLE).astype(int))
-    rows = {name: values[some] for name, values in made.rows.items()}
-    sample = Designs(rows, {name: np.asarray(v) for name, v in made.axes.items()})
-    each = seconds(workers, loads_of_designs, made, sample) / (some.size * np.prod(made.shape[1:]))
-    announce(layout, store, each, workers.count, yes=yes, what="points")
-
-
-def _dataset(store: Store | InMemory, output: Path) -> xarray.Dataset:
-    from propmap.study.run import InMemory
-
-    if isinstance(store, InMemory):
-        return store.dataset()
-    import xarray
-
-    return xarray.open_dataset(output, engine="zarr", chunks=None)
 
 
 def _surface(
@@ -149,7 +114,7 @@ def _surface(
         None,
         f"{asked.quantity} at {', '.join(told) or 'the points of the designs'}: "
         f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g} {unit}; a quadratic of "
-        f"{', '.join(surface.names)} foretells designs left out to {surface.left_out_rms:.2g} "
+        f"{', '.join(surface.names)} predicts designs left out to {surface.left_out_rms:.2g} "
         f"{unit} rms",
     )
     if picture is None:

@@ -28,13 +28,11 @@ from propmap.cli.options import (
 from propmap.cli.output import Force, check_output, write_text
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, loads_csv, std_columns
-from propmap.sweep.points import AXES, RPM, Grid, attributes, parts_along, quantities
-from propmap.sweep.run import Filed, Sweep, provenance
-from propmap.sweep.store import Layout, Store, begun
+from propmap.sweep.points import RPM, Grid, parts_count, quantities
+from propmap.sweep.run import Evaluation, Sweep
+from propmap.sweep.store import Filed, Layout, Store, begun
 
 if TYPE_CHECKING:
-    import xarray
-
     from propmap.results import Loads
     from propmap.rotor import Rotor
     from propmap.typing import Floats
@@ -99,41 +97,38 @@ def opened(path: Path, layout: Layout) -> Store:
     return store
 
 
-def announce(
-    layout: Layout, store: Filed, seconds: float, workers: int, *, yes: bool, what: str
+def run_announced(
+    evaluation: Evaluation,
+    store: Filed,
+    layout: Layout,
+    cluster: str | None,
+    *,
+    yes: bool,
+    what: str,
 ) -> None:
-    """Say how large a run is and how long it takes, and ask where that is much.
+    """Run, with a progress bar, after saying how large that is and how long it takes.
 
-    Parameters
-    ----------
-    layout, store : Layout, Filed
-        Of the run.
-    seconds : float
-        That a worker takes for a point.
-    workers : int
-        How many there are.
-    yes : bool
-        Whether not to ask.
-    what : str
-        "operating points" or the like.
+    Asks first where that is much, unless ``yes``; ``what`` is "operating points" or the like.
     """
-    points = math.prod(layout.shape)
-    parts = math.prod(parts_along(layout.shape, layout.chunk))
-    left = points * (1.0 - float(store.done(layout).mean()))
-    needed = left * seconds / workers
-    typer.echo(
-        f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {size_text(layout.bytes)}; "
-        f"about {time_text(needed)} ({1e6 * seconds:.0f} us per point and worker)",
-        err=True,
-    )
-    if yes or (layout.bytes <= ASK_ABOVE_BYTES and needed <= ASK_ABOVE_SECONDS):
-        return
-    if not sys.stdin.isatty():
-        raise InputError(
-            f"a run of {size_text(layout.bytes)} and {time_text(needed)} is not begun unasked",
-            "pass --yes, or ask for fewer points",
+    with workers_of(cluster) as workers:
+        seconds = evaluation.seconds_per_point(workers)
+        points, parts = math.prod(layout.shape), parts_count(layout.shape, layout.chunk)
+        needed = points * (1.0 - float(store.done(layout).mean())) * seconds / workers.count
+        typer.echo(
+            f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {size_text(layout.bytes)}; "
+            f"about {time_text(needed)} ({1e6 * seconds:.0f} us per point and worker)",
+            err=True,
         )
-    typer.confirm("begin?", abort=True, err=True)
+        if not yes and (layout.bytes > ASK_ABOVE_BYTES or needed > ASK_ABOVE_SECONDS):
+            if not sys.stdin.isatty():
+                raise InputError(
+                    f"a run of {size_text(layout.bytes)} and {time_text(needed)} is not begun "
+                    "unasked",
+                    "pass --yes, or ask for fewer points",
+                )
+            typer.confirm("begin?", abort=True, err=True)
+        with progress_bar("tasks") as tell:
+            evaluation.run(store, layout, workers, tell)
 
 
 def size_text(size: float) -> str:
@@ -177,13 +172,8 @@ def streamed_sweep(
     if any("_std" in name for name in layout.quantities):
         say_not_counted(rotor.model)
     store = opened(output, layout)
-    with workers_of(cluster) as workers:
-        seconds = sweep.seconds_per_point(workers)
-        announce(layout, store, seconds, workers.count, yes=yes, what="operating points")
-        total = int(np.prod(parts_along(layout.shape, layout.chunk)))
-        with progress_bar("tasks") as tell:
-            sweep.run(store, layout, workers, lambda done: tell(done, total))
-    typer.echo(f"wrote {output}: {int(np.prod(layout.shape))} points")
+    run_announced(sweep, store, layout, cluster, yes=yes, what="operating points")
+    typer.echo(f"wrote {output}: {math.prod(layout.shape)} points")
 
 
 def _say_doubts(rotor: Rotor, axes: tuple[Floats, Floats, Floats]) -> None:
@@ -195,42 +185,10 @@ def _say_doubts(rotor: Rotor, axes: tuple[Floats, Floats, Floats]) -> None:
 
 
 # -------------------------------------------------------------------------------------------------
-# A sweep as an xarray dataset: units, meanings, and where the figures come from.
-
-
-def dataset(
-    rotor: Rotor,
-    axes: tuple[Floats, Floats, Floats],
-    loads: Loads,
-    command: str,
-    *,
-    bands: bool,
-    by_source: bool,
-) -> xarray.Dataset:
-    """Loads (n,) over the axes rpm, speed [m/s] and beta [deg], beta fastest, with provenance.
-
-    ``bands`` and ``by_source`` tell of which standard deviations there are, as in ``quantities``.
-    """
-    import xarray
-
-    shape = tuple(axis.size for axis in axes)
-    dims = tuple(AXES)
-    coordinates = {
-        name: (dim, values, {"units": unit, "long_name": meaning})
-        for (dim, (name, unit, meaning)), values in zip(AXES.items(), axes, strict=True)
-    }
-    variables = {
-        name: (dims, values.reshape(shape), attributes(name))
-        for name, values in quantities(loads, bands=bands, by_source=by_source).items()
-    }
-    return xarray.Dataset(variables, coordinates, provenance(rotor, command))
-
-
-# -------------------------------------------------------------------------------------------------
 # ``propmap sweep``: loads over a grid of operating points, to NetCDF, CSV or Zarr.
 
 CHUNK = 4096
-"""Operating points per step of the progress bar: some tenths of a second."""
+"""Operating points per step of the progress bar, at most: some tenths of a second."""
 
 MOST_POINTS = 10_000_000
 
@@ -295,15 +253,16 @@ def sweep(
     points = OperatingPoints.grid(*axes)
     say_reynolds(rotor.model, *points.si)
     say_doubts_on_points(rotor.model, *points.si)
-    loads = _compute(rotor, points, bands=bands)
+    evaluation = Sweep(rotor, Grid(*axes), bands, std_by_source, CHUNK)
+    loads = _compute(evaluation)
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
         say_not_counted(rotor.model)
     if output.suffix.lower() == ".nc":
         from propmap.io.csv import write_dataset
 
-        found = dataset(rotor, axes, loads, command, bands=bands, by_source=std_by_source)
-        write_dataset(found, output)
+        values = quantities(loads, bands=bands, by_source=std_by_source)
+        write_dataset(evaluation.layout(command).dataset(values), output)
     else:
         write_text(loads_csv(points, loads, spread), output)
     lost = int((loads.status == "not_converged").sum())
@@ -311,7 +270,8 @@ def sweep(
     typer.echo(f"wrote {output}: {count} points{remark}")
 
 
-def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
+def _compute(evaluation: Sweep) -> Loads:
+    """Loads (n,) of all points in memory, with a progress bar."""
     from rich.console import Console
     from rich.progress import Progress
 
@@ -320,12 +280,10 @@ def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
     console = Console(stderr=True)
     parts = []
     with Progress(console=console, disable=not console.is_terminal, transient=True) as progress:
-        task = progress.add_task("operating points", total=points.count)
-        for start in range(0, points.count, CHUNK):
-            part = points.part(start, CHUNK)
-            found = part.loads(rotor)
-            if bands:
+        task = progress.add_task("operating points", total=math.prod(evaluation.shape))
+        for found in evaluation.in_turn():
+            if evaluation.bands:
                 _ = found.std_by_source  # now, while the bar tells of the progress
             parts.append(found)
-            progress.advance(task, part.count)
+            progress.advance(task, found.status.size)
     return joined(parts)

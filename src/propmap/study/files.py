@@ -181,7 +181,7 @@ def _surface(top: TomlTable, varied: dict[str, Floats], axes: dict[str, Floats])
 
 
 # -------------------------------------------------------------------------------------------------
-# A quadratic through a study's results, and how well it foretells designs that it has not seen.
+# A quadratic through a study's results, and how well it predicts designs that it has not seen.
 
 
 @dataclass(frozen=True, eq=False)
