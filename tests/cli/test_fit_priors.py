@@ -37,7 +37,7 @@ def test_seven_constants_from_the_family_by_default() -> None:
     assert choice.free == SEVEN and choice.fixed["c_l2"] == 2.0
     assert choice.expected is not None and "family apce" in choice.expected.told
     # The search starts at the most likely constants.
-    assert np.abs(choice.apart(choice.first)[0]).max() < 1e-9
+    assert np.abs(choice.prior_residuals(choice.first)[0]).max() < 1e-9
 
 
 def test_whoever_says_what_to_fit_gets_that_and_no_more() -> None:

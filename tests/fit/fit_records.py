@@ -12,13 +12,13 @@ import tomli_w
 import propmap
 from propmap.fit.files import FitRecord, FittedLoad, FittedPropeller, FreeParameter, Source
 from propmap.fit.fit import Coverage, CoveredAngle
-from propmap.fit.least_squares import End, Errors
+from propmap.fit.least_squares import End, ResidualErrors
 
 
 def load(name: str, rms: float, hover: float, crossed: float = math.nan) -> FittedLoad:
     """A load whose measured values have the root mean square 1."""
-    bands = {"0-3 m/s": Errors(4, 0.5 * rms, 0.5 * rms, 0.0, rms, hover)}
-    bands["6-9 m/s"] = Errors(6, 4.0 * rms, 4.0 * rms, 0.0, rms, hover)
+    bands = {"0-3 m/s": ResidualErrors(4, 0.5 * rms, 0.5 * rms, 0.0, rms, hover)}
+    bands["6-9 m/s"] = ResidualErrors(6, 4.0 * rms, 4.0 * rms, 0.0, rms, hover)
     return FittedLoad(10, rms, rms, 0.0, rms, hover, name, "N", crossed, bands)
 
 

@@ -50,13 +50,13 @@ def rows_on(design: dict[str, Floats], noise: Floats, **truth: float) -> Rows:
 
 
 def test_the_means_are_no_distance_away_and_slopes_are_difference_quotients() -> None:
-    assert np.abs(PRIOR.apart(MEAN)[0]).max() < 1e-12
+    assert np.abs(PRIOR.z_scores(MEAN)[0]).max() < 1e-12
     values = {name: value * 1.1 + 0.003 for name, value in MEAN.items()}
-    _, slopes = PRIOR.apart(values)
+    _, slopes = PRIOR.z_scores(values)
     for k, name in enumerate(PARAMETERS):
         step = 1e-6 * abs(values[name])
-        high = PRIOR.apart(values | {name: values[name] + step})[0]
-        low = PRIOR.apart(values | {name: values[name] - step})[0]
+        high = PRIOR.z_scores(values | {name: values[name] + step})[0]
+        low = PRIOR.z_scores(values | {name: values[name] - step})[0]
         np.testing.assert_allclose(slopes[:, k], (high - low) / (2.0 * step), rtol=1e-6, atol=1e-6)
 
 

@@ -25,7 +25,7 @@ from propmap.fit.flight import (
     sensor_force,
     wakes_with,
 )
-from propmap.fit.least_squares import Errors, Rows, by_band, errors, rms, search
+from propmap.fit.least_squares import ResidualErrors, Rows, by_band, errors, rms, search
 from propmap.fit.parameters import (
     FIRST_GUESS,
     MOUNT,
@@ -56,8 +56,8 @@ from propmap.vehicle.wakes import HubFlow, hub_flow, in_wakes, rotor_wrench
 class Comparison:
     """Errors of one load: over all rows and per band of speed."""
 
-    all: Errors
-    by_speed: Mapping[str, Errors]
+    all: ResidualErrors
+    by_speed: Mapping[str, ResidualErrors]
 
 
 def compare_tunnel(model: Model, data: TunnelData) -> dict[str, Comparison]:
@@ -339,7 +339,7 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
         Accuracy of the loads, as in ``Rotor``.
     """
     choice = fitted.choice
-    by_prior = choice.apart(choice.first)[1]
+    by_prior = choice.prior_residuals(choice.first)[1]
     before = np.asarray(np.linalg.pinv(by_prior.T @ by_prior), np.float64)
     unknown = [k for k, name in enumerate(choice.free) if choice.prior_of(name) is None]
     speed = np.array(ADVANCE) * omega / (2.0 * np.pi) * model.propeller.diameter
@@ -382,7 +382,7 @@ def doubts_on_constants(fitted: Fitted) -> list[str]:
     expected = fitted.choice.expected
     if expected is None:
         return []
-    apart = np.abs(expected.apart(fitted.values)[0])
+    apart = np.abs(expected.z_scores(fitted.values)[0])
     own = {**fitted.choice.fixed, **fitted.choice.priors}
     far = [
         f"{name} is {fitted.values[name]:.3g}, {apart[k]:.1f} standard deviations from what "

@@ -19,7 +19,7 @@ from propmap.errors import InputError
 from propmap.fit.comparison import discrepancy
 from propmap.fit.fit import Coverage, Fitted
 from propmap.fit.learned_residual import LearnedResidual
-from propmap.fit.least_squares import End, Errors, FlightErrors, by_band, errors
+from propmap.fit.least_squares import End, FlightErrors, ResidualErrors, by_band, errors
 from propmap.fit.parameters import (
     BODY,
     FLIGHT,
@@ -125,7 +125,7 @@ def fit_text(
     remarks, options : sequence of str, mapping
         Sentences for the reader; further settings by name.
     flights : mapping of str to mapping, optional
-        Errors by load and flight, where there are several.
+        ResidualErrors by load and flight, where there are several.
 
     Returns
     -------
@@ -289,13 +289,13 @@ class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):
     bootstrap_high: float | None = msgspec.field(name="bootstrap_high_95", default=None)
 
 
-class FittedLoad(Errors, frozen=True):
+class FittedLoad(ResidualErrors, frozen=True):
     """Errors of one load, in ``unit``: over all rows, on rows left out, by speed and by flight."""
 
     name: str
     unit: str
     cross_validated: float = msgspec.field(name="cross_validated_rms")
-    by_speed: dict[str, Errors]
+    by_speed: dict[str, ResidualErrors]
     by_flight: dict[str, FlightErrors] = msgspec.field(default_factory=dict)
 
     @property
@@ -365,7 +365,7 @@ class FitRecord(msgspec.Struct, frozen=True):
     starts : list of End
         Where the searches ended, best first.
     discrepancy : dict of str to float
-        Errors that the fit left, as standard deviations of C_T and C_P [-], by the names of
+        ResidualErrors that the fit left, as standard deviations of C_T and C_P [-], by the names of
         ``model.uncertainty.DISCREPANCIES``; empty where an earlier version wrote the file.
     """
 

@@ -199,9 +199,10 @@ def _cross_validate(
     rng = np.random.default_rng(settings.seed)
     fold = (rng.permutation(labels.size) % settings.folds)[index]
     for k in range(settings.folds):
-        value, _ = rows.model(choice.values(refit(rows.left(fold != k))), choice.free)
         out = (fold == k) & (rows.weight > 0.0)
-        left_out[out] = (value - rows.measured)[out]
+        unseen = rows.left(out)
+        value, _ = unseen.model(choice.values(refit(rows.left(fold != k))), ())
+        left_out[out] = value - unseen.measured
     return left_out
 
 
@@ -240,8 +241,8 @@ def _bootstrap(refit: _Refit, settings: Settings, workers: Workers) -> Floats:
 
 def _refit_to(refit: _Refit, drawn: NDArray[np.intp]) -> Floats:
     """The parameters by rows that count as often as they were drawn (M,)."""
-    rows = refit.rows
-    return refit(replace(rows, weight=rows.weight * np.sqrt(drawn)))
+    rows = replace(refit.rows, weight=refit.rows.weight * np.sqrt(drawn))
+    return refit(rows.left(drawn > 0))
 
 
 # -------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError, quoted
 from propmap.fit.fit import Coverage, coverage
-from propmap.fit.least_squares import Rows
+from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.parameters import (
     EVERY,
     MOUNT,
@@ -170,10 +170,15 @@ def _rows(
                 f"{useless[0]} is free but the vehicle has no wing", "add a [wing] table"
             )
 
-    def forces(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        balance = model.at(values, free)
-        slopes = _along(model.log, names, balance.slopes)
-        return _along(model.log, names, balance.loads), np.moveaxis(slopes, 0, -1)
+    def table(points: NDArray[np.intp]) -> RowModel:
+        here = model if points.size == len(model.log) else model.at_samples(points)
+
+        def forces(values: Mapping[str, float], free: tuple[str, ...]) -> Evaluation:
+            balance = here.at(values, free)
+            slopes = _along(here.log, names, balance.slopes)
+            return _along(here.log, names, balance.loads), np.moveaxis(slopes, 0, -1)
+
+        return forces
 
     weight = model.vehicle.mass * GRAVITY
     places = np.array([mount.position for mount in model.vehicle.mounts])
@@ -181,7 +186,7 @@ def _rows(
     each = np.array([weight * (arm if name in MOMENTS else 1.0) for name in names])
     scale = np.broadcast_to(each, measured.shape)
     units = tuple(UNITS[name] for name in names)
-    return Rows.of_points(names, units, measured, scale, model.log.speed, forces, group)
+    return Rows.of_points(names, units, measured, scale, model.log.speed, table, group)
 
 
 def _along(log: FlightLog, names: tuple[str, ...], loads: Floats) -> Floats:
@@ -277,6 +282,10 @@ class ForceModel:
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
 
+    def at_samples(self, samples: NDArray[np.intp]) -> ForceModel:
+        """The model at some of the samples."""
+        return ForceModel(self.vehicle, self.log.picked(samples), self.model.airfoil, self.setting)
+
     def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
         """Forces and moments, and their derivatives.
 
@@ -318,10 +327,12 @@ class ForceModel:
             slopes[at_section] = _six(self.flow, by_section)
             return _six(self.flow, loads), slopes
         check_apart(self.vehicle)
-        named = (*section, "v_axial")
         thrust, by_lift = self._attached(values, section)
         wake = wake_flow(self.vehicle, wakes, self.flow, thrust)
+        named = (*section, "v_axial") if free else ()
         loads, by_here = self._loads(values, named, self.flow.axial + wake.added)
+        if not free:
+            return _six(self.flow, loads), slopes
         by_axial = by_here[:, -1]
         # The wakes change with the thrusts that they are computed from.
         followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_lift)

@@ -230,7 +230,7 @@ class Choice:
         found = self.expected.of_constant(name)
         return Prior(*found) if found else None
 
-    def apart(self, x: Floats) -> tuple[Floats, Floats]:
+    def prior_residuals(self, x: Floats) -> tuple[Floats, Floats]:
         """How many standard deviations ``x`` is from what is known beforehand.
 
         Parameters
@@ -322,7 +322,7 @@ class SectionPrior:
     airfoil: Airfoil
     told: str
 
-    def apart(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
+    def z_scores(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
         """How many standard deviations each coordinate is from its mean.
 
         Parameters
@@ -357,7 +357,7 @@ class SectionPrior:
         tuple of ndarray
             The numbers (K,), and their derivatives by the constants (K, 7).
         """
-        apart, slopes = self.apart(values)
+        apart, slopes = self.z_scores(values)
         own = list(kept)
         root = np.linalg.cholesky(self.distribution.correlation[np.ix_(own, own)])
         return np.linalg.solve(root, apart[own]), np.linalg.solve(root, slopes[own])

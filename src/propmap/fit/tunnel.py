@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import measurement, measurement_names
 from propmap.errors import InputError, quoted
-from propmap.fit.least_squares import Rows
+from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.parameters import (
     BODY,
     FIRST_GUESS,
@@ -169,10 +170,14 @@ def tunnel_rows(
         scale = np.hypot(scale, scale.max(axis=0))
     columns = [list(LOADS).index(name) for name in names]
 
-    def modelled(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        rotor = rotor_with(model, values, setting)
-        found = rotor.gradients(free, data.omega, axial, inplane)
-        return found.loads[columns].T, found.slopes[columns].transpose(2, 0, 1)
+    def table(points: NDArray[np.intp]) -> RowModel:
+        flow = data.omega[points], axial[points], inplane[points]
+
+        def loads(values: Mapping[str, float], free: tuple[str, ...]) -> Evaluation:
+            found = rotor_with(model, values, setting).gradients(free, *flow)
+            return found.loads[columns].T, found.slopes[columns].transpose(2, 0, 1)
+
+        return loads
 
     return Rows.of_points(
         names,
@@ -180,7 +185,7 @@ def tunnel_rows(
         measured,
         scale / [weights.get(name, 1.0) for name in names],
         data.speed,
-        modelled,
+        table,
     )
 
 

@@ -16,7 +16,7 @@ from propmap.baselines.hover import HoverModel
 from propmap.fit.comparison import Comparison, Trend, level_forces
 from propmap.fit.files import FitFile, FitRecord, FittedLoad, Source
 from propmap.fit.fit import Covered, CoveredAngle
-from propmap.fit.least_squares import Errors
+from propmap.fit.least_squares import ResidualErrors
 from propmap.fit.parameters import EVERY, general
 from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
@@ -463,7 +463,7 @@ def _parted(name: str) -> tuple[str, str]:
 # -------------------------------------------------------------------------------------------------
 # Errors by load and band of speed, beside the hover model's.
 
-Bands = Mapping[tuple[str, str], Mapping[str, Errors]]
+Bands = Mapping[tuple[str, str], Mapping[str, ResidualErrors]]
 """Errors by load with its unit, then by band of speed."""
 
 
