@@ -55,9 +55,8 @@ def test_residuals_are_shares_of_the_scales_and_weights_leave_out() -> None:
     kept = np.arange(TIME.size) % 3 != 0
     found = search(rows.left(kept), THREE, [THREE.first])
     value, slope = rows.model(THREE.values(found.x), THREE.free)
-    np.testing.assert_allclose(found.residual[kept], ((value - rows.measured) / 4.0)[kept])
-    np.testing.assert_array_equal(found.residual[~kept], 0.0)
-    np.testing.assert_allclose(found.slopes[kept], slope[kept] / 4.0)
+    np.testing.assert_allclose(found.residual, ((value - rows.measured) / 4.0)[kept])
+    np.testing.assert_allclose(found.slopes, slope[kept] / 4.0)
     np.testing.assert_allclose(found.slopes.T @ found.residual, 0.0, atol=1e-6)
 
 

@@ -125,7 +125,7 @@ def fit_text(
     remarks, options : sequence of str, mapping
         Sentences for the reader; further settings by name.
     flights : mapping of str to mapping, optional
-        ResidualErrors by load and flight, where there are several.
+        Errors by load and flight, where there are several.
 
     Returns
     -------
@@ -365,7 +365,7 @@ class FitRecord(msgspec.Struct, frozen=True):
     starts : list of End
         Where the searches ended, best first.
     discrepancy : dict of str to float
-        ResidualErrors that the fit left, as standard deviations of C_T and C_P [-], by the names of
+        Errors that the fit left, as standard deviations of C_T and C_P [-], by the names of
         ``model.uncertainty.DISCREPANCIES``; empty where an earlier version wrote the file.
     """
 

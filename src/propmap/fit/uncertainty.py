@@ -220,7 +220,7 @@ def _stretched(
 
 
 def _standard_error(residual: Floats, share: float) -> float:
-    """Standard error of residuals, ``share`` parameters fitted to each; at least the noise floor."""
+    """Standard error of residuals with ``share`` fitted parameters each, at least the noise floor."""
     if residual.size == 0:
         return NOISE_FLOOR
     freedom = max(residual.size * (1.0 - share), 1.0)
