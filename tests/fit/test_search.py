@@ -158,11 +158,13 @@ def test_residuals_come_in_the_unit_of_the_measurement() -> None:
 def kept_points(
     monkeypatch: pytest.MonkeyPatch, rows: Rows, settings: Settings
 ) -> list[np.ndarray]:
-    """The weights with which every refit is done."""
+    """The weights of all rows with which every refit is done; what was measured tells them."""
+    assert np.unique(rows.measured).size == rows.measured.size
     seen = []
 
     def watched(part: Rows, *arguments: object, **options: object) -> Minimum:
-        seen.append(part.weight)
+        seen.append(np.zeros(rows.measured.size))
+        seen[-1][np.isin(rows.measured, part.measured)] = part.weight
         return search(part, *arguments, **options)  # type: ignore[arg-type]
 
     monkeypatch.setattr(module, "search", watched)
