@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from propmap.fit import flight_study
-from propmap.fit.flight_study import FittedStep, Flight, Off, Step
+from propmap.fit.flight_study import AxisErrors, FittedStep, RecordedFlight, Step
 from propmap.vehicle.log import GRAVITY
 
 from .conftest import Run
@@ -22,7 +22,7 @@ ASKED: list[dict[str, Any]] = []
 
 
 def made_up(
-    _: object, flights: Sequence[Flight], steps: Sequence[Step], __: object, **settings: Any
+    _: object, flights: Sequence[RecordedFlight], steps: Sequence[Step], __: object, **settings: Any
 ) -> list[FittedStep]:
     """Each step has half of the error of the one before it."""
     ASKED.append({"flights": flights, "steps": steps, **settings})
@@ -30,7 +30,7 @@ def made_up(
     for number, step in enumerate(steps):
         for left_out in range(len(flights)):
             offs = [np.full((len(f.passed), 3), 0.5**number) for f in flights]
-            off = tuple(Off(one, one) for one in offs)
+            off = tuple(AxisErrors(one, one) for one in offs)
             found.append(FittedStep(step.name, left_out, {"c_l1": 5.0}, off, off))
     return found
 

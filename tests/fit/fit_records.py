@@ -10,7 +10,7 @@ import numpy as np
 import tomli_w
 
 import propmap
-from propmap.fit.files import FitRecord, FittedLoad, FittedPropeller, FreeParameter, Source
+from propmap.fit.files import DataSource, FitRecord, FittedLoad, FittedPropeller, FreeParameter
 from propmap.fit.fit import Coverage, CoveredAngle
 from propmap.fit.least_squares import End, ResidualErrors
 
@@ -55,7 +55,7 @@ def record(**changed: Any) -> FitRecord:
         "fixed": {},
         "air": propmap.Air(),
         "propeller": FittedPropeller.of(propmap.propeller("apc-8x6e")),
-        "data": [Source("mine.csv", "abc")],
+        "data": [DataSource("mine.csv", "abc")],
         "covered": msgspec.structs.replace(whole, **of_coverage),
         "parameters": [parameter("c_l1", 5.0, 0.5, 12.0), parameter("c_d", 1.0, 0.0, 10.0)],
         "body": {},

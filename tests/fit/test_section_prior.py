@@ -16,7 +16,7 @@ from propmap.catalogue.expected import (
     expected_prior,
 )
 from propmap.catalogue.identified import PARAMETERS
-from propmap.fit.comparison import doubts_on_constants
+from propmap.fit.comparison import unlikely_constants
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.least_squares import INDEPENDENT, INDEPENDENT_AT_REST, Rows
 from propmap.fit.parameters import LEAST_ERROR, Choice, Prior, SectionPrior
@@ -162,7 +162,7 @@ def test_a_prior_of_one_s_own_takes_the_place_of_the_propellers() -> None:
     assert found.x[0] == pytest.approx(8.0, abs=1e-6)
     assert found.uncertainty.covariance[0, 0] == pytest.approx(0.1**2, rel=1e-3)
     assert found.x[1] == pytest.approx(MEAN["c_d"], rel=1e-4)
-    assert doubts_on_constants(found) == []
+    assert unlikely_constants(found) == []
 
 
 def test_fewer_rows_than_constants_are_enough() -> None:
@@ -175,10 +175,10 @@ def test_fewer_rows_than_constants_are_enough() -> None:
 
 def test_constants_far_from_all_propellers_are_pointed_out() -> None:
     rows = rows_on({"c_l1": np.ones(40)}, np.zeros(40), c_l1=11.0)
-    (told,) = doubts_on_constants(fit(rows, choice_of("c_l1"), QUICK))
+    (told,) = unlikely_constants(fit(rows, choice_of("c_l1"), QUICK))
     assert told.startswith("c_l1 is 1") and "standard deviations from what propellers" in told
     near = rows_on({"c_l1": np.ones(40)}, np.zeros(40), c_l1=5.5)
-    assert doubts_on_constants(fit(near, choice_of("c_l1"), QUICK)) == []
+    assert unlikely_constants(fit(near, choice_of("c_l1"), QUICK)) == []
 
 
 def test_an_outlier_does_not_soften_the_prior() -> None:

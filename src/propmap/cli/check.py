@@ -38,8 +38,8 @@ from propmap.model.plausibility import doubts_on_blade
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from propmap.fit.comparison import Comparison
-    from propmap.fit.learned_residual import Correction
+    from propmap.fit.comparison import SpeedErrors
+    from propmap.fit.learned_residual import AddedForce
     from propmap.model.airfoil import Airfoil, SectionTable
 
 
@@ -93,7 +93,7 @@ def check(
 
 def _compare(
     fit: Path, law: Airfoil | SectionTable, data: list[str], vehicle: Path | None, prop: str | None
-) -> tuple[dict[str, Comparison], dict[str, Comparison]]:
+) -> tuple[dict[str, SpeedErrors], dict[str, SpeedErrors]]:
     """Errors of the physics, and of it with a learned residual where the fit has one."""
     from propmap.catalogue.lookup import propeller
     from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
@@ -144,7 +144,7 @@ def _compare(
     return compare_tunnel(model, measured), {}
 
 
-def _envelope(added: Correction) -> str:
+def _envelope(added: AddedForce) -> str:
     """Where a learned residual acts, in words."""
     faded, off = (float(np.mean(added.status == word)) for word in ("faded", "off"))
     return (
@@ -158,7 +158,7 @@ def _numbers(errors: Any) -> dict[str, Any]:
     return {k: None if np.isnan(v) else v for k, v in msgspec.structs.asdict(errors).items()}
 
 
-def _table(found: dict[str, Comparison], law: Airfoil | SectionTable, besides: str = "") -> Table:
+def _table(found: dict[str, SpeedErrors], law: Airfoil | SectionTable, besides: str = "") -> Table:
     rows = [
         (
             name if band == "all" else "",

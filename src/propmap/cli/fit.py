@@ -327,7 +327,7 @@ def fit_tunnel(
     doubts = doubts_on_tunnel(data, blade, air)
     say_doubts(doubts)
 
-    from propmap.fit.comparison import doubts_on_constants, failing_assumptions
+    from propmap.fit.comparison import failing_assumptions, unlikely_constants
     from propmap.fit.files import fit_text
     from propmap.fit.fit import coverage, fit, range_warnings
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
@@ -346,7 +346,7 @@ def fit_tunnel(
     with workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
     remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
-    remarks += doubts_on_constants(fitted)
+    remarks += unlikely_constants(fitted)
     rotor = rotor_with(model, fitted.values, choice.accuracy.value)
     text = fit_text(
         fitted,
@@ -442,7 +442,7 @@ def fit_static(
     chosen = choice_of(free, fix, prior, ("c_l1", "zero_lift_angle"), base, expected=expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
 
-    from propmap.fit.comparison import doubts_on_constants, forward_trust
+    from propmap.fit.comparison import forward_trust, unlikely_constants
     from propmap.fit.files import fit_text
     from propmap.fit.fit import coverage, fit, range_warnings
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
@@ -452,7 +452,7 @@ def fit_static(
     model = Model(blade, with_physics(law, choice.model, choice.correction), air)
     setting = choice.accuracy.value
     fitted = fit(tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
-    remarks = [*range_warnings(fitted.rows), *doubts_on_constants(fitted)]
+    remarks = [*range_warnings(fitted.rows), *unlikely_constants(fitted)]
     if expected is not None:
         remarks += _like_electrical(fitted, files)
     rotor = rotor_with(model, fitted.values, setting)

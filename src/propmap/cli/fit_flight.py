@@ -72,7 +72,7 @@ from propmap.vehicle.log_readers import read_recording
 if TYPE_CHECKING:
     from propmap.fit.fit import Fitted
     from propmap.fit.flight import ForceModel
-    from propmap.fit.flight_study import Flight, Step
+    from propmap.fit.flight_study import RecordedFlight, Step
     from propmap.fit.parameters import SectionPrior
     from propmap.rotor import Rotor
     from propmap.vehicle.files import VehicleFile
@@ -278,7 +278,7 @@ def fit_flight(
     residual: Residual = False,
     body_study: Annotated[
         bool,
-        typer.Option("--body-study", help="Say whether body lift and drag earn their place."),
+        typer.Option("--body-study", help="Say whether body lift and drag pay."),
     ] = False,
     starts: Starts = 2,
     robust: Robust = False,
@@ -306,7 +306,7 @@ def fit_flight(
     doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
     say_doubts(doubts)
 
-    from propmap.fit.comparison import body_terms_verdict, doubts_on_constants, still_explained
+    from propmap.fit.comparison import body_terms_verdict, residual_trends, unlikely_constants
     from propmap.fit.files import fit_text
     from propmap.fit.fit import fit, range_warnings
     from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows, wing_values
@@ -350,10 +350,10 @@ def fit_flight(
     with workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, fewer, workers=workers, remake=remake)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
-    remarks += still_explained(fitted, model.log)
-    remarks += doubts_on_constants(fitted)
+    remarks += residual_trends(fitted, model.log)
+    remarks += unlikely_constants(fitted)
     learned = learned_residual(model, fitted, wanted=residual, level=flights.level)
-    remarks += learned.told() if learned else []
+    remarks += learned.sentences() if learned else []
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     flown = by_flight(fitted, flights.log)
@@ -517,7 +517,7 @@ def _choice(free: tuple[str, ...], prior: SectionPrior, mount: tuple[str, ...]) 
 
 def read_pairs(
     paths: Sequence[Path], file: VehicleFile, cutoff: float, prediction: str | None
-) -> tuple[list[Flight], list[str]]:
+) -> tuple[list[RecordedFlight], list[str]]:
     """Flights with their signals low-passed and not, and remarks on them.
 
     Parameters
@@ -534,13 +534,13 @@ def read_pairs(
     InputError
         For bad logs, and columns that are not there.
     """
-    from propmap.fit.flight_study import Flight
+    from propmap.fit.flight_study import RecordedFlight
 
     names = [path.stem for path in paths]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise InputError(f"two logs are called {twice[0]!r}", "give each flight once")
-    found: list[Flight] = []
+    found: list[RecordedFlight] = []
     remarks: list[str] = []
     for path in paths:
         passed, raw = (
@@ -556,7 +556,7 @@ def read_pairs(
             _predicted(path, file, flown.log.time, hz, prediction)
             for flown, hz in ((passed, cutoff), (raw, 0.0))
         ]
-        found.append(Flight(path.stem, passed.log, raw.log, *both))
+        found.append(RecordedFlight(path.stem, passed.log, raw.log, *both))
     return found, remarks
 
 

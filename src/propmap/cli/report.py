@@ -82,7 +82,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         flight_forces,
         force_trends,
     )
-    from propmap.fit.files import Source
+    from propmap.fit.files import DataSource
     from propmap.fit.flight_study import values_for
     from propmap.report.fit_page import GivenData
 
@@ -91,7 +91,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
 
         measured = read_tunnel(data, file.model.propeller, file.model.air)
         found = compare_tunnel(file.model, measured)
-        return GivenData([Source.of(item) for item in sources(data)], found, tunnel=measured)
+        return GivenData([DataSource.of(item) for item in sources(data)], found, tunnel=measured)
     from propmap.cli.fit_flight import all_level_tables, read_flights
     from propmap.vehicle.files import read_vehicle
 
@@ -107,7 +107,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         forces = flight_forces(flown, log, file.airfoil, values)
         errors = compare_forces(flown, log, forces)
     return GivenData(
-        [Source.of(path) for path in paths],
+        [DataSource.of(path) for path in paths],
         errors,
         level=(flown, log) if level else None,
         residuals=() if level else force_trends(flown, log, forces),

@@ -13,8 +13,8 @@ from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
 from propmap.fit.fit import Fitted
 from propmap.fit.flight import (
-    ALIKE,
     AXES,
+    CORRELATED,
     MOMENTS,
     UNITS,
     added_moment,
@@ -53,14 +53,14 @@ from propmap.vehicle.wakes import HubFlow, hub_flow, in_wakes, rotor_wrench
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Errors of one load: over all rows and per band of speed."""
+class SpeedErrors:
+    """Errors of one load over all rows and in each band of speed."""
 
     all: ResidualErrors
     by_speed: Mapping[str, ResidualErrors]
 
 
-def compare_tunnel(model: Model, data: TunnelData) -> dict[str, Comparison]:
+def compare_tunnel(model: Model, data: TunnelData) -> dict[str, SpeedErrors]:
     """Errors of a model on loads measured in a tunnel or on a bench.
 
     Parameters
@@ -72,7 +72,7 @@ def compare_tunnel(model: Model, data: TunnelData) -> dict[str, Comparison]:
 
     Returns
     -------
-    dict of str to Comparison
+    dict of str to SpeedErrors
         Every measured load by its name with unit.  The hover model beside it has thrust and
         torque alone.
     """
@@ -89,15 +89,12 @@ def compare_tunnel(model: Model, data: TunnelData) -> dict[str, Comparison]:
 class FlightForces:
     """All forces but gravity on a vehicle at n samples, by a model and by the hover model.
 
-    Attributes
-    ----------
-    model, hover : ndarray, shape (n, 6)
-        In the vehicle's frame: forces [N], as an accelerometer feels them where it sits, and
-        moments about the centre of mass [N m].
+    Forces [N] are as an accelerometer feels them where it sits, moments [N m] about the centre of
+    mass, in the vehicle's frame.
     """
 
-    model: Floats
-    hover: Floats
+    model: Floats  # (n, 6)
+    hover: Floats  # (n, 6)
 
 
 def flight_forces(
@@ -138,7 +135,7 @@ def flight_forces(
 
 
 def _rotor_loads(vehicle: Vehicle, model: Model, flow: HubFlow) -> Floats:
-    """In the order of ``LOADS`` [N], [N m]; (L, n, m)."""
+    """Loads of all rotors in the order of ``LOADS`` [N], [N m]; (L, n, m)."""
     velocity = np.stack([flow.inplane, np.zeros_like(flow.inplane), flow.axial], axis=-1)
     found = np.empty((len(LOADS), *flow.omega.shape))
     for mounted, mine in mounted_rotors(vehicle, model):
@@ -147,28 +144,14 @@ def _rotor_loads(vehicle: Vehicle, model: Model, flow: HubFlow) -> Floats:
     return found
 
 
-def compare_forces(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> dict[str, Comparison]:
-    """Errors of forces and moments along the vehicle's axes.
+def compare_forces(
+    vehicle: Vehicle, log: FlightLog, forces: FlightForces
+) -> dict[str, SpeedErrors]:
+    """Errors of forces and moments along the vehicle's axes, by name with unit.
 
     Forces are held against mass times specific force, and moments, where the vehicle file has
-    moments of inertia, against what turns the vehicle.
-
-    Parameters
-    ----------
-    vehicle, log : Vehicle, FlightLog
-        What flew, and how.
-    forces : FlightForces
-        Of the samples of the log.
-
-    Returns
-    -------
-    dict of str to Comparison
-        By the name of the force with unit.
-
-    Raises
-    ------
-    InputError
-        Where the log has no specific force.
+    moments of inertia, against what turns the vehicle. Raises ``InputError`` without specific
+    force.
     """
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
@@ -185,28 +168,23 @@ def compare_forces(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> di
 
 
 def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list[list[Trend]]:
-    """What the error of each force still goes with, the strongest first.
-
-    Parameters
-    ----------
-    vehicle, log, forces : Vehicle, FlightLog, FlightForces
-        As for ``compare_forces``.
-    """
+    """What the error of each force goes with, the strongest first; arguments as of
+    ``compare_forces``."""
     off = forces.model[:, :3] - vehicle.mass * log.specific_force
-    block = log.stretches(ALIKE)
+    block = log.stretches(CORRELATED)
     return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(AXES)]
 
 
 def compare_flight(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
-) -> dict[str, Comparison]:
+) -> dict[str, SpeedErrors]:
     """``compare_forces`` of ``flight_forces`` with ``vehicle``, ``log``, ``law`` and ``values``."""
     return compare_forces(vehicle, log, flight_forces(vehicle, log, law, values))
 
 
 def compare_level(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
-) -> dict[str, Comparison]:
+) -> dict[str, SpeedErrors]:
     """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17).
 
     Arguments are those of ``flight_forces``; no specific force is needed.
@@ -219,20 +197,19 @@ def compare_level(
 def level_forces(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
-    """Vertical forces [N] (n,) by this model and by the hover model; see ``flight_forces``.
+    """Vertical forces [N] (n,) by the model of ``flight_forces`` and by the hover model.
 
     Where the accelerometer sits plays no part.
     """
     values = {name: value for name, value in values.items() if general(name) not in SENSOR}
     here = replace(vehicle, sensor=(0.0, 0.0, 0.0))
     found = flight_forces(here, log, law, values)
-    vertical = (np.sum(one[:, :3] * log.up, axis=1) for one in (found.model, found.hover))
-    model, hover = vertical
+    model, hover = (np.sum(one[:, :3] * log.up, axis=1) for one in (found.model, found.hover))
     return model, hover
 
 
-def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> Comparison:
-    return Comparison(errors(model, measured, hover), by_band(model, measured, speed, hover))
+def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> SpeedErrors:
+    return SpeedErrors(errors(model, measured, hover), by_band(model, measured, speed, hover))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -243,18 +220,10 @@ OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
 
 
 def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]:
-    """Standard deviations of C_T and C_P, by the names of ``model.uncertainty.DISCREPANCIES``.
+    """Standard deviations of C_T and C_P that a fit leaves, by name of ``DISCREPANCIES``.
 
-    A load that was not fitted is taken to err by as large a share as the other.
-
-    Parameters
-    ----------
-    fitted : Fitted
-        The fit.
-    found : Model
-        With its parameters.
-    hover : ndarray, shape (M,)
-        The hover model's values of the rows.
+    ``found`` is the model with the fitted parameters, ``hover`` (M,) what the hover model says of
+    the rows. A load that was not fitted is taken to err by as large a share as the other.
     """
     shares = {}
     for kind, names in (("thrust", OF_THRUST), ("torque", OF_TORQUE)):
@@ -285,58 +254,37 @@ ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)
 BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])
 """Their angles to the axis [rad]."""
 
-TOLD = ("thrust", "torque")
+JUDGED = ("thrust", "torque")
 
 MODEL_ERROR = 0.03
 """What the model gets wrong with the best constants, as a share of the load at rest; so much makes
 the intervals hold after a fit to static rows: ``python -m tools.after_static``."""
 
 SMALL = 0.1
-"""Share of the load at rest below which a load has no relative uncertainty worth telling."""
+"""Share of the load at rest below which a relative uncertainty of a load means nothing."""
 
 
 @dataclass(frozen=True, eq=False)
 class ForwardTrust:
-    """Thrust and torque at m points, and how uncertain they are.
+    """Thrust and torque at m points, and how uncertain they are before and after a fit."""
 
-    Attributes
-    ----------
-    omega : float
-        Rotational speed of all points [rad/s].
-    advance, beta : ndarray, shape (m,)
-        V / (n D) [-] and the angle to the axis [rad].
-    load : ndarray, shape (m, 2)
-        Thrust [N] and torque [N m] after the fit.
-    before, after : ndarray, shape (m, 2)
-        Standard deviations over the loads [-]; NaN where a load is hardly there, and infinite
-        where nothing was known.
-    """
-
-    omega: float
-    advance: Floats
-    beta: Floats
-    load: Floats
+    omega: float  # rotational speed of all points [rad/s]
+    advance: Floats  # V / (n D) [-], (m,)
+    beta: Floats  # angle to the axis [rad], (m,)
+    load: Floats  # thrust [N] and torque [N m] after the fit, (m, 2)
+    # Standard deviations over the loads [-], (m, 2); NaN where a load is hardly there, and infinite
+    # where nothing was known.
     before: Floats
     after: Floats
 
 
 def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> ForwardTrust:
-    """What a fit leaves open of thrust and torque at rest, in axial and in edgewise flow.
+    """What a fit of a ``model`` leaves open of thrust and torque at rest, in axial and in edgewise
+    flow.
 
-    To first order, sqrt(g' S g) with g the derivatives by the free constants: before the fit at
-    the most likely ones with their covariance, after it at those found with that of the fit; and
+    To first order, sqrt(g' S g) with g the derivatives by the free constants: before the fit at the
+    most likely ones with their covariance, after it at those found with that of the fit; and
     ``MODEL_ERROR`` beside it.
-
-    Parameters
-    ----------
-    model : Model
-        That was fitted.
-    fitted : Fitted
-        The fit.
-    omega : float
-        Rotational speed [rad/s].
-    setting : str
-        Accuracy of the loads, as in ``Rotor``.
     """
     choice = fitted.choice
     by_prior = choice.prior_residuals(choice.first)[1]
@@ -344,7 +292,7 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
     unknown = [k for k, name in enumerate(choice.free) if choice.prior_of(name) is None]
     speed = np.array(ADVANCE) * omega / (2.0 * np.pi) * model.propeller.diameter
     flow = np.full(speed.size, omega), speed * np.cos(BETA), speed * np.sin(BETA)
-    rows = [list(LOADS).index(name) for name in TOLD]
+    rows = [list(LOADS).index(name) for name in JUDGED]
 
     def loads(x: Floats, covariance: Floats) -> tuple[Floats, Floats]:
         rotor = rotor_with(model, choice.values(x), setting)
@@ -365,30 +313,27 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether the constants that a fit found are at odds with those of other propellers.
+# Whether the constants that a fit found are unlikely beside those of other propellers.
 
 FAR = 2.5
 """Standard deviations from what propellers let expect, from which a constant is worth a remark."""
 
 
-def doubts_on_constants(fitted: Fitted) -> list[str]:
-    """Constants that lie far from those of other propellers, in one sentence; mostly nothing.
+def unlikely_constants(fitted: Fitted) -> list[str]:
+    """Name the constants of a fit that lie far from those of other propellers, in one sentence.
 
-    Parameters
-    ----------
-    fitted : Fitted
-        The fit; without a prior over propellers there is nothing to compare with.
+    There is none where nothing is far, or no prior over propellers was used.
     """
     expected = fitted.choice.expected
     if expected is None:
         return []
-    apart = np.abs(expected.z_scores(fitted.values)[0])
+    away = np.abs(expected.z_scores(fitted.values)[0])
     own = {**fitted.choice.fixed, **fitted.choice.priors}
     far = [
-        f"{name} is {fitted.values[name]:.3g}, {apart[k]:.1f} standard deviations from what "
+        f"{name} is {fitted.values[name]:.3g}, {away[k]:.1f} standard deviations from what "
         "propellers let expect"
         for k, name in enumerate(PARAMETERS)
-        if apart[k] > FAR and name not in own
+        if away[k] > FAR and name not in own
     ]
     if not far:
         return []
@@ -398,8 +343,8 @@ def doubts_on_constants(fitted: Fitted) -> list[str]:
 # -------------------------------------------------------------------------------------------------
 # What one more free parameter changes in a fit: assumptions that fail, terms of the body.
 
-TELLING = 0.7
-"""Share of the residuals' size below which giving up an assumption is worth saying."""
+REMARKABLE = 0.7
+"""Share of the residuals' size below which giving up an assumption is worth a remark."""
 
 POOR = 0.03
 """Relative residual from which a fit is looked into."""
@@ -414,29 +359,19 @@ ASSUMPTIONS = {
 BODY_TERMS = ("lift_area", "drag_area_x")
 
 LEAST_FALL = 0.05
-"""Share by which a term of the body has to lower the residuals to earn its place."""
+"""Share by which a term of the body has to lower the residuals to pay."""
 
 
 def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
-    """Which assumptions of the section law a poor fit points at.
+    """Name the assumptions of the section law that a poor fit points at, a sentence each.
 
-    Parameters
-    ----------
-    fitted : Fitted
-        The fit.
-    rows_for : callable
-        The same data as rows for another choice of free parameters.
-
-    Returns
-    -------
-    list of str
-        A sentence per assumption that lowers the residuals by 30 % or more when it is given up;
-        none where the fit is good.
+    They are those that lower the residuals by 30 % or more when given up. ``rows_for`` gives the
+    same data as rows for another choice of free parameters.
     """
     size = rms(fitted.minimum.residual)
     if size < POOR:
         return []
-    told = []
+    sentences = []
     for name, assumption in ASSUMPTIONS.items():
         acts = name not in MOUNT or "drag" in fitted.rows.names
         if name in fitted.choice.free or not acts:
@@ -444,32 +379,21 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
         choice, begin = _with(fitted, name)
         again = search(rows_for(choice), choice, [choice.first, begin], error=fitted.error)
         left = rms(again.residual) / size
-        if left < TELLING:
-            told.append(
+        if left < REMARKABLE:
+            sentences.append(
                 f"{assumption}, does not hold: with {name} free ({again.x[-1]:.3g} "
                 f"{described(name).unit}) the residuals fall to {100.0 * left:.0f} %"
             )
-    return told
+    return sentences
 
 
 def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
-    """Whether lift and drag of the body earn their place in a flight fit (section III.A).
+    """Say whether lift and drag of the body pay in a flight fit without them (section III.A).
 
     A term does if its 95 % interval leaves out zero and the residuals fall by more than 5 %.
-
-    Parameters
-    ----------
-    fitted : Fitted
-        The fit without them.
-    rows_for : callable
-        The same data as rows for another choice of free parameters.
-
-    Returns
-    -------
-    list of str
-        A sentence per term of the body that was not free.
+    ``rows_for`` gives the same data as rows for another choice of free parameters.
     """
-    told = []
+    sentences = []
     size = rms(fitted.minimum.residual)
     for name in BODY_TERMS:
         if name in fitted.choice.free:
@@ -481,13 +405,13 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> li
         fall = 1.0 - rms(again.residual) / size if size > 0.0 else 0.0
         shift = np.max(np.abs(again.x[:-1] - fitted.x) / fitted.choice.column("spread"))
         nonzero = sure.low[-1] > 0.0 or sure.high[-1] < 0.0
-        earns = "earns its place" if nonzero and fall > LEAST_FALL else "does not earn its place"
-        told.append(
-            f"{name} {earns}: {again.x[-1]:.4g} m^2 ({sure.low[-1]:.2g} to {sure.high[-1]:.2g}), "
+        pays = "pays" if nonzero and fall > LEAST_FALL else "does not pay"
+        sentences.append(
+            f"{name} {pays}: {again.x[-1]:.4g} m^2 ({sure.low[-1]:.2g} to {sure.high[-1]:.2g}), "
             f"residuals {-100.0 * fall:+.1f} %, the other parameters move by at most "
             f"{shift:.2f} of their spread"
         )
-    return told
+    return sentences
 
 
 def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
@@ -499,7 +423,7 @@ def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Which variables still explain something of a flight fit's residuals, in words.
+# Which variables the residuals of a flight fit still depend on, in words.
 
 LEAST_SHARE = 0.05
 """Share of the residuals' variance from which a variable is worth a sentence."""
@@ -512,13 +436,7 @@ MOST = 2
 
 
 def candidates(log: FlightLog) -> dict[str, Floats]:
-    """Variables (n,) of a log that residuals may depend on, by their names with units.
-
-    Parameters
-    ----------
-    log : FlightLog
-        n samples.
-    """
+    """Variables (n,) of a log that residuals may depend on, by their names with units."""
     forward, left, up = log.velocity.T
     roll, pitch, yaw = log.rates.T
     rotor = np.sqrt(np.mean(np.square(log.rotor_speed), axis=1))
@@ -543,34 +461,20 @@ def candidates(log: FlightLog) -> dict[str, Floats]:
 
 @dataclass(frozen=True, eq=False)
 class Trend:
-    """How the residual of one load goes with one variable, over n samples.
-
-    Attributes
-    ----------
-    load, unit, variable : str
-        Names; that of the variable with its unit.
-    at, residual : ndarray, shape (n,)
-        The variable, and model minus measurement.
-    block : ndarray, shape (n,)
-        Stretches within which errors may be alike.
-    slope, error : float
-        By least squares, and its block-wise standard error.
-    share : float
-        Of the residual's variance that the slope explains [-].
-    """
+    """How the residual of one load goes with one variable, over n samples."""
 
     load: str
     unit: str
-    variable: str
-    at: Floats
-    residual: Floats
-    block: NDArray[np.intp]
-    slope: float
-    error: float
-    share: float
+    variable: str  # with its unit
+    at: Floats  # the variable, (n,)
+    residual: Floats  # model minus measurement, (n,)
+    block: NDArray[np.intp]  # stretches within which errors may be correlated, (n,)
+    slope: float  # by least squares
+    error: float  # its block-wise standard error
+    share: float  # of the residual's variance that the slope explains [-]
 
     @property
-    def tells(self) -> bool:
+    def sure(self) -> bool:
         """Whether it is worth a sentence and no chance."""
         return self.share >= LEAST_SHARE and abs(self.slope) >= CERTAIN * self.error
 
@@ -587,18 +491,10 @@ class Trend:
 def trends(
     log: FlightLog, load: str, unit: str, residual: Floats, block: NDArray[np.intp]
 ) -> list[Trend]:
-    """The residual of a load against every candidate, the strongest first.
+    """Fit the residual of a load to every candidate, the strongest first.
 
-    Parameters
-    ----------
-    log : FlightLog
-        n samples.
-    load, unit : str
-        Of the residual.
-    residual : ndarray, shape (n,)
-        Model minus measurement; samples that are not finite are left out.
-    block : ndarray, shape (n,)
-        Stretches within which errors may be alike.
+    ``residual`` (n,) is model minus measurement; what is not finite is left out. Errors may be
+    correlated within a ``block`` (n,).
     """
     known = np.isfinite(residual)
     off, stretch, found = residual[known], block[known], []
@@ -608,29 +504,22 @@ def trends(
     return sorted(found, key=lambda trend: -trend.share)
 
 
-def still_explained(fitted: Fitted, log: FlightLog) -> list[str]:
-    """Sentences on what residuals still depend on, the strongest first, two per load at most.
+def residual_trends(fitted: Fitted, log: FlightLog) -> list[str]:
+    """Say what the residuals of a fit to the samples of ``log`` still depend on.
 
-    Parameters
-    ----------
-    fitted : Fitted
-        A fit of rows made of the samples of ``log``.
-    log : FlightLog
-        The n samples.
+    The strongest dependence comes first, with two sentences per load at most.
     """
-    rows, told = fitted.rows, []
+    rows, sentences = fitted.rows, []
     if rows.group is None:
         return []
     for k, (load, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
         mine = rows.of_load(k)
         residual, block = np.full(len(log), np.nan), np.zeros(len(log), dtype=np.intp)
-        residual[rows.point[mine]], block[rows.point[mine]] = (
-            fitted.residual[mine],
-            rows.group[mine],
-        )
-        telling = [one for one in trends(log, load, unit, residual, block) if one.tells]
-        told += [one.sentence for one in telling[:MOST]]
-    return told
+        residual[rows.point[mine]] = fitted.residual[mine]
+        block[rows.point[mine]] = rows.group[mine]
+        sure = [one for one in trends(log, load, unit, residual, block) if one.sure]
+        sentences += [one.sentence for one in sure[:MOST]]
+    return sentences
 
 
 def _slope(

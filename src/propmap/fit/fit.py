@@ -1,4 +1,4 @@
-"""A whole identification: search, uncertainty, cross-validation, bootstrap, and what data cover."""
+"""A whole identification: search, uncertainty, cross-validation, bootstrap, coverage of data."""
 
 from __future__ import annotations
 
@@ -207,7 +207,7 @@ def _cross_validate(
 
 
 class _Refit(RowsElsewhere):
-    """Fits much the same rows again; what is sent to another process remakes the rows there."""
+    """Fits much the same rows again; ``remake`` gives the rows in another process."""
 
     def __init__(
         self,
@@ -228,7 +228,7 @@ class _Refit(RowsElsewhere):
 
 
 def _bootstrap(refit: _Refit, settings: Settings, workers: Workers) -> Floats:
-    """Parameters refitted to units drawn with replacement (B, P)."""
+    """Parameters (B, P) refitted to units drawn with replacement."""
     rng = np.random.default_rng(settings.seed + 1)
     labels, index = np.unique(refit.rows.unit, return_inverse=True)
     drawn = [
@@ -246,7 +246,7 @@ def _refit_to(refit: _Refit, drawn: NDArray[np.intp]) -> Floats:
 
 
 # -------------------------------------------------------------------------------------------------
-# Which operating points the data of a fit cover, and what they cannot tell.
+# Which operating points the data of a fit cover, and what these cannot determine.
 
 AT_REST = 0.1
 """Speed [m/s] below which the direction of the flow means nothing."""
@@ -266,8 +266,8 @@ Range = tuple[float, float]
 """Least and largest."""
 
 
-class _Points(msgspec.Struct, frozen=True, omit_defaults=True):
-    """How many operating points, their ranges, and the median rotational speed."""
+class _CoveredPoints(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Number of operating points, their ranges, and the median rotational speed."""
 
     points: int
     rpm: Range
@@ -280,7 +280,7 @@ class _Points(msgspec.Struct, frozen=True, omit_defaults=True):
                 raise ValueError(f"{value[0]:g} to {value[1]:g} is no range")
 
 
-class Covered(_Points, frozen=True):
+class Covered(_CoveredPoints, frozen=True):
     """Operating points of one kind; the advance ratio is V/(Omega R) [-]."""
 
     advance: Range = msgspec.field(name="advance_ratio")
@@ -293,7 +293,7 @@ class CoveredAngle(Covered, frozen=True):
     typical_beta: float = msgspec.field(name="typical_beta_deg")
 
 
-class Coverage(_Points, frozen=True):
+class Coverage(_CoveredPoints, frozen=True):
     """All operating points of a fit's data: their ranges, and those at rest and by angle.
 
     Points where the propeller stands still do not count.  ``angles`` has an entry for each band of
@@ -311,21 +311,10 @@ class Coverage(_Points, frozen=True):
 
 
 def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Coverage:
-    """Ranges of n operating points, at rest and by angle.
+    """Ranges of n operating points, at rest and by angle; beta is in 0...pi [rad], radius is R [m].
 
-    Loads over Omega^2 depend on the advance ratio and the angle, and on little else.
-
-    Parameters
-    ----------
-    omega, speed, beta : ndarray, shape (n,)
-        Rotational speed [rad/s], flight speed [m/s], angle to the axis [rad] in 0...pi.
-    radius : float
-        Of the tip [m].
-
-    Raises
-    ------
-    InputError
-        Where the propeller turns at none of the points.
+    Loads over Omega^2 depend on the advance ratio and the angle, and on little else. Raises
+    ``InputError`` where the propeller turns at none of the points.
     """
     turning = omega > 0.0
     if not turning.any():
@@ -345,7 +334,7 @@ def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Cover
 
 
 def range_warnings(rows: Rows) -> list[str]:
-    """Sentences on what the range of speeds of the rows cannot tell; none where it is wide."""
+    """Say what the range of speeds of the rows cannot determine; nothing where it is wide."""
     speed = rows.speed[rows.weight > 0.0]
     low, high = _ends(speed)
     if high < HOVER_BELOW:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,17 +45,17 @@ from propmap.vehicle.wakes import HubFlow, check_apart, hub_flow, rotor_wrench, 
 
 AXES, VERTICAL = ("force_x", "force_y", "force_z"), ("vertical_force",)
 MOMENTS = ("moment_x", "moment_y", "moment_z")
-ALIKE = 1.0
-"""Time within which errors of a flight are taken to be alike [s]."""
+CORRELATED = 1.0
+"""Time within which errors of a flight are taken to be correlated [s]."""
 
 UNITS = {**dict.fromkeys((*AXES, *VERTICAL), "N"), **dict.fromkeys(MOMENTS, "N m")}
 
 
 def level_rows(model: ForceModel, choice: Choice) -> Rows:
-    """A row per steady level flight, where the vertical forces sum up to m g: eqs. (16)(17).
+    """Make a row per steady level flight, where the vertical forces sum up to m g: eqs. (16)(17).
 
-    With V horizontal, the vertical parts of a rotor's forces are T sin(beta) and D cos(beta);
-    here they come from the attitude, so that a trace of climb or of bank is no error.
+    With V horizontal, the vertical parts of a rotor's forces are T sin(beta) and D cos(beta); here
+    they come from the attitude, so that a trace of climb or of bank is no error.
 
     Parameters
     ----------
@@ -72,27 +73,17 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
     return _rows(model, choice, VERTICAL, weight)
 
 
-def vertical_rows(model: ForceModel, choice: Choice, *, stretch: float = ALIKE) -> Rows:
-    """A row per sample of a whole flight: the vertical forces alone, as in (16) and (17).
+def vertical_rows(model: ForceModel, choice: Choice, *, stretch: float = CORRELATED) -> Rows:
+    """Make a row per sample of a whole flight: the vertical forces alone, as in (16) and (17).
 
     Where the flight is not steady, mass times the vertical specific force stands for the weight.
-
-    Parameters
-    ----------
-    model, choice, stretch
-        As for ``balance_rows``.
-
-    Raises
-    ------
-    InputError
-        For free parameters that do not act.
     """
     log = model.log
     measured = model.vehicle.mass * np.sum(log.specific_force * log.up, axis=1, keepdims=True)
     return _rows(model, choice, VERTICAL, measured, log.stretches(stretch))
 
 
-def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = ALIKE) -> Rows:
+def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = CORRELATED) -> Rows:
     """Rows of a whole flight: all forces but gravity against m times the specific force.
 
     There are three per sample, and three more of moments where the vehicle file has moments of
@@ -105,7 +96,7 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = ALIKE) -
     choice : Choice
         Which parameters are free.
     stretch : float
-        Time within which errors are taken to be alike [s].
+        Time within which errors are taken to be correlated [s].
 
     Raises
     ------
@@ -135,8 +126,11 @@ def _rows(
     measured: Floats,
     group: NDArray[np.intp] | None = None,
 ) -> Rows:
-    """A row per load ``measured`` (n, L), in units of the weight and of that at the hubs' mean
-    distance from the centre of mass, or at a radius where that is none."""
+    """Make a row per load ``measured`` (n, L).
+
+    Units are the weight, and for moments that at the hubs' mean distance from the centre of mass,
+    or at a radius where that is none.
+    """
     if names == VERTICAL:
         useless = [name for name in choice.free if general(name) in SENSOR | TURNING]
         if useless:
@@ -174,9 +168,8 @@ def _rows(
         here = model if points.size == len(model.log) else model.at_samples(points)
 
         def forces(values: Mapping[str, float], free: tuple[str, ...]) -> Evaluation:
-            balance = here.at(values, free)
-            slopes = _along(here.log, names, balance.slopes)
-            return _along(here.log, names, balance.loads), np.moveaxis(slopes, 0, -1)
+            loads, slopes = (_along(here.log, names, one) for one in here.at(values, free))
+            return loads, np.moveaxis(slopes, 0, -1)
 
         return forces
 
@@ -190,7 +183,7 @@ def _rows(
 
 
 def _along(log: FlightLog, names: tuple[str, ...], loads: Floats) -> Floats:
-    """The loads of these names (..., n, L) of forces and moments (..., n, 6)."""
+    """Pick the loads ``names`` (..., n, L) out of forces and moments (..., n, 6)."""
     if names == VERTICAL:
         return np.asarray(np.sum(loads[..., :3] * log.up, axis=-1, keepdims=True))
     return loads[..., : len(names)]
@@ -199,7 +192,7 @@ def _along(log: FlightLog, names: tuple[str, ...], loads: Floats) -> Floats:
 def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Floats:
     """What the hover model says of the rows (M,) made of ``model``.
 
-    ``values``, all parameters by name, give the rotor whose constants are taken.
+    The parameters ``values`` give the rotor whose constants are taken.
     """
     hover = HoverModel.of(Rotor(model_with(model.model, values)))
     return rows.picked(_along(model.log, rows.names, hover_loads(hover, model.flow)))
@@ -218,9 +211,8 @@ SPEED_STEP = 1e-6
 """Of that by the rotor speed, over the speed."""
 
 
-@dataclass(frozen=True)
-class Balance:
-    """What acts on the vehicle at n samples, in its frame.
+class VehicleLoads(NamedTuple):
+    """What acts on a vehicle at n samples, in its frame.
 
     Attributes
     ----------
@@ -228,7 +220,7 @@ class Balance:
         Force [N] and moment about the centre of mass [N m], NaN where the rotors' loads were not
         found.
     slopes : ndarray, shape (P, n, 6)
-        By the parameters asked for.
+        Derivatives by the parameters asked for.
     """
 
     loads: Floats
@@ -278,15 +270,15 @@ class ForceModel:
                 "give the vehicle file one [[rotors]] table per rotor of the log",
                 log.source,
             )
-        self.vehicle, self.log, self.setting = vehicle, log, setting
+        self.vehicle, self.log, self.base, self.setting = vehicle, log, base, setting
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
 
     def at_samples(self, samples: NDArray[np.intp]) -> ForceModel:
-        """The model at some of the samples."""
-        return ForceModel(self.vehicle, self.log.picked(samples), self.model.airfoil, self.setting)
+        """The model at some of the ``samples``."""
+        return ForceModel(self.vehicle, self.log.picked(samples), self.base, self.setting)
 
-    def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
+    def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> VehicleLoads:
         """Forces and moments, and their derivatives.
 
         Parameters
@@ -310,14 +302,13 @@ class ForceModel:
             self.vehicle, self.log, self.flow, force, by_force, values, free
         )
         sensed, by_sensor = sensor_force(self.vehicle, self.log, values, free)
-        return Balance(
+        return VehicleLoads(
             np.concatenate([force + sensed, loads[:, 3:] + more], axis=-1),
             np.concatenate([by_force + by_sensor, slopes[..., 3:] + by_more], axis=-1),
         )
 
     def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        """Loads (n, 6) of all rotors, in each other's wakes where there are any, and their
-        derivatives (P, n, 6)."""
+        """Loads (n, 6) of all rotors, in each other's wakes if there are any; slopes (P, n, 6)."""
         section = tuple(name for name in free if name in (*ROTOR, ROTOR_SPEED))
         at_section = [name in section for name in free]
         slopes = np.zeros((len(free), len(self.log), 6))
@@ -352,14 +343,14 @@ class ForceModel:
         known = {name: value for name, value in values.items() if name not in MOUNT}
         lifting = [name for name in names if name in LIFT]
         steps = [LIFT_STEP * EVERY[name].spread for name in lifting]
-        moved = [
+        perturbed = [
             model_with(self.model, {**known, name: known[name] + step})
             for name, step in zip(lifting, steps, strict=True)
         ]
         scale = values.get(ROTOR_SPEED, 1.0)
         omega, along = scale * flow.omega, (flow.axial, flow.inplane)
         rotor = Rotor(model_with(self.model, known))
-        thrust, more = rotor.attached_thrust(omega, *along, moved)
+        thrust, more = rotor.attached_thrust(omega, *along, perturbed)
         slopes = np.zeros((len(names), *omega.shape))
         if ROTOR_SPEED in names:
             faster, _ = rotor.attached_thrust((1.0 + SPEED_STEP) * omega, *along)
@@ -371,8 +362,7 @@ class ForceModel:
     def _loads(
         self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
     ) -> tuple[Floats, Floats]:
-        """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m), and their derivatives
-        (L, P, n, m) by the P of these ``names``."""
+        """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m); slopes (L, P, n, m)."""
         flow, shape = self.flow, self.flow.omega.shape
         omega = values.get(ROTOR_SPEED, 1.0) * flow.omega
         asked = tuple("omega" if name == ROTOR_SPEED else name for name in names)
@@ -388,7 +378,7 @@ class ForceModel:
         return loads, slopes
 
     def coverage(self) -> Coverage:
-        """What ``coverage`` says of the flow at all rotors."""
+        """Ranges of the flow at all rotors."""
         flow = self.flow
         speed, beta = np.hypot(flow.axial, flow.inplane), np.arctan2(flow.inplane, flow.axial)
         radius = self.vehicle.propeller.radius
@@ -425,21 +415,10 @@ def wing_values(vehicle: Vehicle) -> dict[str, float]:
 def body_force(
     vehicle: Vehicle, log: FlightLog, values: Mapping[str, float], free: tuple[str, ...]
 ) -> tuple[Floats, Floats]:
-    """Force of body and wing in the vehicle's frame, and its derivatives.
+    """Force (n, 3) [N] of body and wing in the vehicle's frame, and its derivatives (P, n, 3).
 
-    Parameters
-    ----------
-    vehicle, log : Vehicle, FlightLog
-        What flies, and how.
-    values : mapping of str to float
-        The body's and the wing's parameters by name; the body's add to the vehicle file's.
-    free : tuple of str
-        Names of the P parameters by which to differentiate, by central differences.
-
-    Returns
-    -------
-    force, slopes : ndarray, shape (n, 3) and (P, n, 3)
-        [N], and per unit of each parameter.
+    The body's parameters among ``values`` add to the vehicle file's. Derivatives are central
+    differences.
     """
     force = _force(vehicle, log, values)
     slopes = np.zeros((len(free), *force.shape))
@@ -475,29 +454,11 @@ CLOCK = "clock_offset"
 def sensor_force(
     vehicle: Vehicle, log: FlightLog, values: Mapping[str, float], free: tuple[str, ...]
 ) -> tuple[Floats, Floats]:
-    """Mass times what the sensor reads beyond the acceleration of the centre of mass.
+    """Mass times what the sensor reads beyond the acceleration of the centre of mass [N]; slopes.
 
-    Of steady operating points, which have no time derivatives, the vehicle file's place of the
-    sensor plays no part.
-
-    Parameters
-    ----------
-    vehicle, log : Vehicle, FlightLog
-        What flies, and how; with time derivatives, see ``propmap.vehicle.log``.
-    values : mapping of str to float
-        The sensor's parameters by name; its place adds to the vehicle file's.
-    free : tuple of str
-        Names of the P parameters by which to differentiate.
-
-    Returns
-    -------
-    force, slopes : ndarray, shape (n, 3) and (P, n, 3)
-        [N], and per unit of each parameter; zero of parameters that are not the sensor's.
-
-    Raises
-    ------
-    InputError
-        Where a parameter acts and the log has no time derivatives.
+    Shapes are (n, 3) and (P, n, 3). The sensor's place among ``values`` adds to the vehicle file's,
+    which plays no part at steady operating points, as these have no time derivatives. Raises
+    ``InputError`` where a parameter acts and the log has no time derivatives.
     """
     own = np.array([values.get(name, 0.0) for name in OFFSET])
     place, late = own + vehicle.sensor, at_samples(CLOCK, values, log)
@@ -544,10 +505,7 @@ ROTOR_INERTIA = "rotor_inertia"
 def measured_moment(vehicle: Vehicle, log: FlightLog) -> Floats:
     """Moment that turns the frame, J dw/dt + w x J w [N m]; (n, 3), NaN where it is not known.
 
-    Parameters
-    ----------
-    vehicle, log : Vehicle, FlightLog
-        With its moments of inertia; with time derivatives, see ``time_derivatives``.
+    It takes moments of inertia and the log's time derivatives.
     """
     if vehicle.inertia is None:
         return np.full_like(log.rates, np.nan)
@@ -565,23 +523,10 @@ def added_moment(
     values: Mapping[str, float],
     free: tuple[str, ...],
 ) -> tuple[Floats, Floats]:
-    """Moment of a shifted centre of mass and of the spinning rotors on the frame.
+    """Moment (n, 3) [N m] of a shifted centre of mass and of the spinning rotors; slopes (P, n, 3).
 
-    Parameters
-    ----------
-    vehicle, log, flow : Vehicle, FlightLog, HubFlow
-        What flies, how, and the flow at its m rotors.
-    force, slopes : ndarray, shape (n, 3) and (P, n, 3)
-        Of the air on the vehicle [N], and its derivatives.
-    values : mapping of str to float
-        The parameters of ``TURNING`` by name; they add to the vehicle file's.
-    free : tuple of str
-        Names of the P parameters.
-
-    Returns
-    -------
-    moment, slopes : ndarray, shape (n, 3) and (P, n, 3)
-        [N m], and per unit of each parameter.
+    The parameters of ``TURNING`` among ``values`` add to the vehicle file's. ``force`` (n, 3) [N]
+    is that of the air on the vehicle, ``slopes`` (P, n, 3) its derivatives.
     """
     centre = np.array([values.get(name, 0.0) for name in CENTRE])
     spun = flow.spin[:, None] * flow.axis
@@ -607,17 +552,7 @@ PREFIX = "wake_"
 def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
     """The vehicle's wakes with those parameters of ``WAKES`` that are among ``values``.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Gives what is not among the values, or else ``Wakes`` as it is by default.
-    values : mapping of str to float
-        Parameters by name.
-
-    Returns
-    -------
-    Wakes or None
-        None where neither tells of wakes: the rotors then do not act on each other.
+    None where neither has any: the rotors then do not act on each other.
     """
     given = {name.removeprefix(PREFIX): values[name] for name in WAKES if name in values}
     if not given:
@@ -626,13 +561,12 @@ def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
 
 
 # -------------------------------------------------------------------------------------------------
-# A flight's thrust scale: what its own hover says of battery, mass and motor-speed scale.
+# A flight's thrust scale, from its own hover: battery, mass, and the scale of its motor speeds.
 #
-# In hover a rotor's thrust goes as the square of its speed.  How much thrust a flight measures
-# there
-# per square of its rotor speeds, over what the flights of a fit measure, is no matter of the model:
-# it is a scale of that flight's rotor speeds or forces, ``thrust_scale[FLIGHT]``, by which all its
-# rotor loads are multiplied.
+# In hover a rotor's thrust goes as the square of its speed.  What thrust a flight measures there
+# per square of its rotor speeds, over that of all flights of a fit, is no matter of the model: it
+# is a scale of that flight's rotor speeds or forces, ``thrust_scale[FLIGHT]``, by which its rotor
+# loads are multiplied.
 
 SLOW, LEVEL_RATE, QUIET = 1.0, 0.5, 0.15
 """A sample hovers below this speed [m/s] and rate [rad/s], its specific force within this share of
@@ -654,34 +588,17 @@ RANGE = (0.9, 1.1)
 
 @dataclass(frozen=True)
 class HoverScale:
-    """Thrust scales of the flights of a log, from where each of them hovers.
+    """Thrust scales of the flights of a log, from where each of them hovers."""
 
-    Attributes
-    ----------
-    flights : tuple of str
-        Names of the flights, by number.
-    measured : mapping of int to float
-        Thrust over the sum of the squares of the rotor speeds [N s^2], by number of each flight
-        that hovers for long enough.
-    reference : float or None
-        The same of the flights of a fit [N s^2]; None where none of them hovers.
-    """
-
-    flights: tuple[str, ...]
+    flights: tuple[str, ...]  # names by number
+    # Thrust over the sum of the squares of the rotor speeds [N s^2], by number of each flight that
+    # hovers for long enough.
     measured: Mapping[int, float]
-    reference: float | None
+    reference: float | None  # of the flights of a fit [N s^2]; None where none of them hovers
 
     @classmethod
     def of(cls, vehicle: Vehicle, log: FlightLog, reference: float | None = None) -> HoverScale:
-        """Find where the flights hover.
-
-        Parameters
-        ----------
-        vehicle, log : Vehicle, FlightLog
-            What flew, and one or several of its flights.
-        reference : float, optional
-            Of the flights of a fit; by default the mean of these flights.
-        """
+        """Find where the flights of a ``log`` hover; by default the reference is their mean."""
         total = np.sum([mount.axis for mount in vehicle.mounts], axis=0)
         axis = total / max(float(np.linalg.norm(total)), 1e-9)
         still = (log.speed < SLOW) & (np.linalg.norm(log.rates, axis=1) < LEVEL_RATE)
@@ -703,7 +620,7 @@ class HoverScale:
 
     @property
     def scales(self) -> dict[str, float]:
-        """By the flight's parameter, where it is within ``RANGE`` [-]."""
+        """Scale by the flight's parameter, where it is within ``RANGE`` [-]."""
         if not self.reference:
             return {}
         found = {
@@ -713,15 +630,15 @@ class HoverScale:
         return {n: scale for n, scale in found.items() if RANGE[0] <= scale <= RANGE[1]}
 
     @property
-    def telling(self) -> dict[str, float]:
+    def remarkable(self) -> dict[str, float]:
         """Those that differ from 1 by more than a hover may by itself."""
         return {name: one for name, one in self.scales.items() if abs(one - 1.0) > 2.0 * IN_HOVER}
 
     @property
     def priors(self) -> dict[str, Prior]:
-        """What is known of the scale of each flight before a fit; nothing of one flight alone.
+        """Prior of each flight's scale before a fit; none of one flight alone.
 
-        The scale of a flight is beside the others': alone, it is not told from the blade.
+        Alone, a flight's scale cannot be distinguished from the blade's thrust.
         """
         if len(self.flights) < 2:
             return {}
@@ -730,13 +647,7 @@ class HoverScale:
         return {name: known.get(name, Prior(1.0, OVER_FLIGHTS)) for name in names}
 
     def reference_at(self, values: Mapping[str, float]) -> float | None:
-        """What a flight with the scale 1 measures in hover [N s^2], by the scales that a fit found.
-
-        Parameters
-        ----------
-        values : mapping of str to float
-            Parameters by name.
-        """
+        """What a flight of scale 1 measures in hover [N s^2], by the scales that a fit found."""
         each = [
             one / values.get(of_flight(NAME, self.flights[number]), 1.0)
             for number, one in self.measured.items()
@@ -754,16 +665,9 @@ def of_each(name: str, log: FlightLog) -> tuple[str, ...]:
 
 
 def at_samples(name: str, values: Mapping[str, float], log: FlightLog) -> Floats:
-    """The parameter of the flight of each sample; (n,).
+    """The parameter ``name``, of ``PER_FLIGHT``, of the flight of each sample; (n,).
 
-    Parameters
-    ----------
-    name : str
-        One of ``PER_FLIGHT``.
-    values : mapping of str to float
-        Parameters by name; what is not given for a flight is what is given for all.
-    log : FlightLog
-        n samples.
+    What is not given for a flight is what is given for all.
     """
     common = values.get(name, EVERY[name].start)
     each = [values.get(one, common) for one in of_each(name, log)]
@@ -771,8 +675,10 @@ def at_samples(name: str, values: Mapping[str, float], log: FlightLog) -> Floats
 
 
 def samples_of(name: str, values: Mapping[str, float], log: FlightLog) -> NDArray[np.bool_]:
-    """Which samples (n,) the parameter ``name`` acts on: those of its flight, or of all flights
-    that have none of their own among the ``values``."""
+    """Which samples (n,) the parameter ``name`` acts on.
+
+    Those of its flight, or of all flights that have none of their own among the ``values``.
+    """
     if general(name) == name:
         own = np.array([one in values for one in of_each(name, log)])
         return np.asarray(~own[log.flight.astype(int)])
@@ -792,7 +698,7 @@ def check_flights(names: Sequence[str], log: FlightLog) -> None:
 
 
 def of_others(values: Mapping[str, float]) -> dict[str, float]:
-    """The ``values`` with those for flights that a fit has not seen: the means of its flights'."""
+    """Give flights that a fit has not seen the means of its flights' own ``values``."""
     found = dict(values)
     for name in PER_FLIGHT:
         mine = [value for one, value in values.items() if general(one) == name != one]

@@ -9,9 +9,16 @@ from pathlib import Path
 import numpy as np
 
 from propmap.fit.comparison import flight_forces
-from propmap.fit.files import FitFile, Source
+from propmap.fit.files import DataSource, FitFile
 from propmap.fit.fit import Fitted, Settings, fit
-from propmap.fit.flight import ALIKE, ForceModel, HoverScale, balance_rows, of_others, vertical_rows
+from propmap.fit.flight import (
+    CORRELATED,
+    ForceModel,
+    HoverScale,
+    balance_rows,
+    of_others,
+    vertical_rows,
+)
 from propmap.fit.least_squares import FlightErrors, rms_known
 from propmap.fit.parameters import (
     BODY,
@@ -39,61 +46,35 @@ SURE = 2.0
 
 
 @dataclass(frozen=True, eq=False)
-class Flight:
+class RecordedFlight:
     """One flight, its signals low-passed and as they were recorded.
 
-    Attributes
-    ----------
-    name : str
-        What it is called.
-    passed, raw : FlightLog
-        The samples in flight, low-passed and not.
-    prediction : ndarray, shape (n, 3), or None
-        Forces [N] that something else predicts at the samples of ``passed``, low-passed alike.
-    raw_prediction : ndarray, shape (m, 3), or None
-        The same, not low-passed, at those of ``raw``.
+    A prediction is of forces [N] by something else, (n, 3) at the samples of ``passed`` and
+    low-passed like these, and (m, 3) at those of ``raw``; None where there is none.
     """
 
     name: str
-    passed: FlightLog
-    raw: FlightLog
+    passed: FlightLog  # low-passed
+    raw: FlightLog  # not low-passed
     prediction: Floats | None = None
     raw_prediction: Floats | None = None
 
 
 @dataclass(frozen=True)
 class Step:
-    """A model with one term more than the one before it.
+    """A model with one term more than the one before it."""
 
-    Attributes
-    ----------
-    name : str
-        Of what is added.
-    choice : Choice
-        What is free.
-    vertical : bool
-        Whether the vertical forces alone are fitted.
-    """
-
-    name: str
-    choice: Choice
-    vertical: bool = False
+    name: str  # of what is added
+    choice: Choice  # what is free
+    vertical: bool = False  # whether the vertical forces alone are fitted
 
 
 @dataclass(frozen=True, eq=False)
-class Off:
-    """Errors of forces on one flight along x, y and z [N].
+class AxisErrors:
+    """Errors of forces on one flight along x, y and z, model minus measurement [N]."""
 
-    Attributes
-    ----------
-    passed : ndarray, shape (n, 3)
-        Model minus measurement of low-passed signals.
-    raw : ndarray, shape (m, 3)
-        Of signals as they were recorded.
-    """
-
-    passed: Floats
-    raw: Floats
+    passed: Floats  # of low-passed signals, (n, 3)
+    raw: Floats  # of signals as they were recorded, (m, 3)
 
     @property
     def rms(self) -> Floats:
@@ -102,36 +83,24 @@ class Off:
 
     @property
     def raw_rms(self) -> Floats:
-        """Those of the others, (3,)."""
+        """Root mean squares of the errors as recorded, (3,)."""
         return _rms(self.raw)
 
 
 @dataclass(frozen=True, eq=False)
 class FittedStep:
-    """One step fitted to all flights but one, or to a single flight.
+    """One step fitted to all flights but one, or to a single flight."""
 
-    Attributes
-    ----------
-    step : str
-        Its name.
-    left_out : int or None
-        Number of the flight that was not fitted to; None where there is one flight alone.
-    values : dict of str to float
-        The free parameters.
-    off, hover : tuple of Off
-        Errors of this model and of the hover model with its blade, one per flight.
-    """
-
-    step: str
-    left_out: int | None
-    values: dict[str, float]
-    off: tuple[Off, ...]
-    hover: tuple[Off, ...]
+    step: str  # its name
+    left_out: int | None  # number of the flight that was not fitted to; None for a single flight
+    values: dict[str, float]  # the free parameters
+    off: tuple[AxisErrors, ...]  # errors of this model, one per flight
+    hover: tuple[AxisErrors, ...]  # errors of the hover model with its blade
 
 
 def fit_terms(
     vehicle: Vehicle,
-    flights: Sequence[Flight],
+    flights: Sequence[RecordedFlight],
     steps: Sequence[Step],
     law: Airfoil,
     *,
@@ -140,25 +109,9 @@ def fit_terms(
 ) -> list[FittedStep]:
     """Fit all steps, each flight in turn left out and the others joined.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        What flew.
-    flights : sequence of Flight
-        One or more.
-    steps : sequence of Step
-        Models, in order.
-    law : Airfoil
-        Section law for what no step frees.
-    samples : int
-        Of the flights that are fitted to, at most.
-    tell : callable, optional
-        Called with a line after each fit.
-
-    Returns
-    -------
-    list of Fitted
-        In the order of the steps, then of the flights left out.
+    The section ``law`` gives what no step frees; of the flights that are fitted to, ``samples`` are
+    taken at most. After each fit ``tell`` is called with a line of text. The results are in the
+    order of the steps, then of the flights left out.
     """
     found = []
     for step in steps:
@@ -178,27 +131,17 @@ def fit_terms(
     return found
 
 
-def gain(old: Sequence[Off], new: Sequence[Off], flights: Sequence[Flight]) -> tuple[float, float]:
-    """By how much the mean square error falls from one model to another, and its standard error.
+def gain(
+    old: Sequence[AxisErrors], new: Sequence[AxisErrors], flights: Sequence[RecordedFlight]
+) -> tuple[float, float]:
+    """Fall of the mean square of the force error from one model to another [N^2]; its deviation.
 
-    Errors within a second of each other count as one, as they are alike.
-
-    Parameters
-    ----------
-    old, new : sequence of Off
-        Of the same flights.
-    flights : sequence of Flight
-        Those.
-
-    Returns
-    -------
-    tuple of float
-        Fall of the mean square of the force's error [N^2], and its standard deviation.
+    Errors within a second of each other count as one, as they are correlated.
     """
     means = []
     for a, b, flight in zip(old, new, flights, strict=True):
         fall = np.sum(a.passed**2 - b.passed**2, axis=1)
-        block = flight.passed.stretches(ALIKE)
+        block = flight.passed.stretches(CORRELATED)
         known = np.isfinite(fall)
         total = np.bincount(block[known], fall[known])
         count = np.bincount(block[known])
@@ -217,19 +160,19 @@ def judged(fall: float, deviation: float) -> str:
     return "no sure gain"
 
 
-def measured_off(vehicle: Vehicle, flight: Flight) -> Off | None:
+def measured_off(vehicle: Vehicle, flight: RecordedFlight) -> AxisErrors | None:
     """Errors of the prediction that comes with a flight; None where there is none."""
     if flight.prediction is None or flight.raw_prediction is None:
         return None
-    return Off(
+    return AxisErrors(
         flight.prediction - vehicle.mass * flight.passed.specific_force,
         flight.raw_prediction - vehicle.mass * flight.raw.specific_force,
     )
 
 
 def _off(
-    vehicle: Vehicle, flight: Flight, base: Airfoil, values: dict[str, float]
-) -> tuple[Off, Off]:
+    vehicle: Vehicle, flight: RecordedFlight, base: Airfoil, values: dict[str, float]
+) -> tuple[AxisErrors, AxisErrors]:
     """Errors of a fit's model and of the hover model."""
     found = model_with(Model(vehicle.propeller, base, vehicle.air), values)
     law = replace(constants_of(found.airfoil), corrections=tuple(found.correction_texts))
@@ -239,7 +182,7 @@ def _off(
     measured = [vehicle.mass * log.specific_force for log in logs]
     model = (f.model[:, :3] - m for f, m in zip(forces, measured, strict=True))
     hover = (f.hover[:, :3] - m for f, m in zip(forces, measured, strict=True))
-    return Off(*model), Off(*hover)
+    return AxisErrors(*model), AxisErrors(*hover)
 
 
 def _rms(off: Floats) -> Floats:
@@ -254,31 +197,22 @@ def _rms(off: Floats) -> Floats:
 def values_for(
     file: FitFile, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
 ) -> tuple[dict[str, float], list[str]]:
-    """Parameters for flights, and what is to be said of them.
+    """Parameters for the flights of a ``log`` with these ``paths``, and what is to be said of them.
 
-    A flight of the fit keeps its own.  Of any other, the thrust scale is what its own hover has
-    beside the hover of the fit's flights, where that tells; else it is the mean of the fit's
+    A flight of the fit keeps its own. Of any other, the thrust scale is what its own hover has
+    beside the hover of the fit's flights, where that is sure; else it is the mean of the fit's
     flights, as its clock is.
-
-    Parameters
-    ----------
-    file : FitFile
-        The fit.
-    vehicle, log : Vehicle, FlightLog
-        What flew, and how.
-    paths : sequence of Path
-        The flights' files.
     """
     logs = file.record.data[:-1]  # The vehicle's file is the last.
     names = flight_names([source.file for source in logs])
     seen = {source.sha256: name for source, name in zip(logs, names, strict=True)}
-    values, told = of_others(file.values), []
-    by_hover, telling = dict[str, float](), dict[str, float]()
+    values, remarks = of_others(file.values), []
+    by_hover, applied = dict[str, float](), dict[str, float]()
     if file.hover_reference:
         hovers = HoverScale.of(vehicle, log, file.hover_reference)
-        by_hover, telling = hovers.scales, hovers.telling
+        by_hover, applied = hovers.scales, hovers.remarkable
     for flight, path in zip(log.flights, paths, strict=True):
-        name = seen.get(Source.of(path).sha256)
+        name = seen.get(DataSource.of(path).sha256)
         for one in PER_FLIGHT:
             here = of_flight(one, flight)
             values.pop(here, None)
@@ -287,13 +221,13 @@ def values_for(
                 values[here] = file.values.get(of_flight(one, name), common)
         scale = of_flight("thrust_scale", flight)
         if name is None and scale in by_hover:
-            values |= {scale: telling[scale]} if scale in telling else {}
-            why = "so much is applied" if scale in telling else "too near to 1 to be applied"
-            told.append(
+            values |= {scale: applied[scale]} if scale in applied else {}
+            why = "so much is applied" if scale in applied else "too near to 1 to be applied"
+            remarks.append(
                 f"in its hover flight {flight} has {by_hover[scale]:.3f} times the thrust of the "
                 f"fit's flights at the same rotor speeds: {why}"
             )
-    return values, told
+    return values, remarks
 
 
 # -------------------------------------------------------------------------------------------------
@@ -301,20 +235,7 @@ def values_for(
 
 
 def by_flight(fitted: Fitted, log: FlightLog) -> dict[str, dict[str, FlightErrors]]:
-    """Errors by load and by flight.
-
-    Parameters
-    ----------
-    fitted : Fitted
-        A fit of rows made of the samples of ``log``.
-    log : FlightLog
-        The samples.
-
-    Returns
-    -------
-    dict of str to dict of str to FlightErrors
-        By the name of the load and that of the flight; of one flight alone, nothing.
-    """
+    """Errors by load and by flight of a fit to the samples of ``log``; none of one flight alone."""
     if len(log.flights) < 2:
         return {}
     rows = fitted.rows

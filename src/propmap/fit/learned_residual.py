@@ -1,7 +1,7 @@
 """A small learned correction of what the physics leaves, linear in non-dimensional features.
 
-The errors of a flight are alike within a second, so that a stretch of a second counts as one sample
-of the regression (``evidence_regression``).  Outside the envelope of the flights it was trained on,
+The errors of a flight are correlated within a second, so that a stretch of a second counts as one
+sample of the regression.  Outside the envelope of the flights it was trained on,
 the correction is clipped and fades.
 """
 
@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
+from propmap.fit.flight import CORRELATED
 from propmap.results import spin_sign
 from propmap.typing import Floats
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
-
-ALIKE = 1.0
-"""Time within which errors of a flight are taken to be alike [s]."""
 
 FOLDS = 5
 """Parts of each flight, one after the other, that are left out in turn."""
@@ -37,13 +35,7 @@ CERTAIN = 3.0
 
 
 def features(vehicle: Vehicle, log: FlightLog) -> dict[str, Floats]:
-    """What the correction is linear in, by name (n,), all without dimension.
-
-    Parameters
-    ----------
-    vehicle, log : Vehicle, FlightLog
-        What flew, and n samples of how.
-    """
+    """What the correction is linear in, by name (n,), all without dimension."""
     square = np.square(log.rotor_speed)
     omega = np.sqrt(np.mean(square, axis=1))
     radius = vehicle.propeller.radius
@@ -72,20 +64,12 @@ def features(vehicle: Vehicle, log: FlightLog) -> dict[str, Floats]:
 
 
 @dataclass(frozen=True, eq=False)
-class Correction:
-    """Forces that a learned residual adds at n samples.
+class AddedForce:
+    """Forces that a learned residual adds at n samples."""
 
-    Attributes
-    ----------
-    force, deviation : ndarray, shape (n, 3)
-        What it adds, and the standard deviation of what is left [N].
-    strength : ndarray, shape (n,)
-        1 within the envelope of its training, falling to 0 outside [-].
-    """
-
-    force: Floats
-    deviation: Floats
-    strength: Floats
+    force: Floats  # what it adds [N], (n, 3)
+    deviation: Floats  # standard deviation of what is left [N], (n, 3)
+    strength: Floats  # 1 within the envelope of its training, falling to 0 outside [-], (n,)
 
     @property
     def status(self) -> NDArray[np.str_]:
@@ -135,7 +119,7 @@ class LearnedResidual:
         sure = (self.evidence > CERTAIN) & (self.with_it < self.without)
         return tuple(bool(one) for one in sure)
 
-    def at(self, vehicle: Vehicle, log: FlightLog) -> Correction:
+    def at(self, vehicle: Vehicle, log: FlightLog) -> AddedForce:
         """What to add to the forces of the physics, along the axes on which it pays.
 
         Parameters
@@ -153,10 +137,10 @@ class LearnedResidual:
         pays = np.array(self.pays)
         force = strength[:, None] * scale[:, None] * (design @ self.weights.T) * pays
         spread = np.einsum("nf,afg,ng->na", design, self.covariance, design) * pays
-        return Correction(force, scale[:, None] * np.sqrt(self.noise**2 + spread), strength)
+        return AddedForce(force, scale[:, None] * np.sqrt(self.noise**2 + spread), strength)
 
-    def told(self) -> list[str]:
-        """Sentences on whether it pays."""
+    def sentences(self) -> list[str]:
+        """Say of each axis whether the residual pays."""
         pairs = zip("xyz", self.pays, self.without, self.with_it, self.evidence, strict=True)
         return [
             f"learned residual along {axis}: {'pays' if pays else 'does not pay, left out'} "
@@ -207,11 +191,11 @@ def learn(vehicle: Vehicle, log: FlightLog, left: Floats) -> LearnedResidual:
     found, scale = np.stack(list(by_name.values()), axis=1), _scale(vehicle, log)
     known = np.isfinite(left).all(axis=1)
     found, scale, left = found[known], scale[known], left[known]
-    blocks = log.stretches(ALIKE)[known]
+    blocks = log.stretches(CORRELATED)[known]
     count = np.unique(blocks).size
     if count < LEAST:
         raise InputError(
-            f"the flights have {count} stretches of {ALIKE:g} s",
+            f"the flights have {count} stretches of {CORRELATED:g} s",
             f"learn a residual from {LEAST} or more, or leave --residual out",
             log.source,
         )
@@ -260,7 +244,7 @@ def _sizes(found: Floats, scale: Floats) -> tuple[Floats, Floats]:
 
 
 def _folds(log: FlightLog) -> NDArray[np.intp]:
-    """Which part of its flight each sample is in, of ``FOLDS`` (n,)."""
+    """Which part of its flight each sample is in, of ``FOLDS``; (n,)."""
     place = np.empty(len(log), np.intp)
     for number in np.unique(log.flight):
         mine = log.flight == number
@@ -282,7 +266,7 @@ STEPS = 200
 def regression(design: Floats, target: Floats, share: float) -> tuple[Floats, Floats, float, float]:
     """Weights, their covariance, the noise's deviation, and the gain of ln evidence.
 
-    Every sample counts ``share`` of one, since neighbours err alike.
+    Every sample counts ``share`` of one, since neighbours have correlated errors.
     """
     count, number = share * len(target), design.shape[1]
     values, vectors = np.linalg.eigh(share * design.T @ design)

@@ -322,16 +322,8 @@ class Rows:
     ) -> Rows:
         """Make a row of each finite number in a table of L loads at n operating points.
 
-        Parameters
-        ----------
-        names, units : tuple of str
-            Of the L loads.
-        measured, scale : ndarray, shape (n, L)
-            See ``Rows``.
-        speed, group : ndarray, shape (n,)
-            Flight speed [m/s], and the stretch of each point.
-        table : callable
-            From the indices of m points a model of them: values (m, L) and derivatives (m, L, P).
+        ``measured`` and ``scale`` are (n, L), ``speed`` and ``group`` (n,). From the indices of m
+        points ``table`` gives a model of them: values (m, L) and derivatives (m, L, P).
         """
         point, load = np.nonzero(np.isfinite(measured))
         # A search is polished where it ended, and refits of parts of the data begin there.
@@ -406,11 +398,11 @@ class Rows:
         columns = {name: getattr(self, name)[rows] for name in names}
         group = None if self.group is None else self.group[rows]
 
-        def model(values: Mapping[str, float], free: tuple[str, ...]) -> Evaluation:
+        def some(values: Mapping[str, float], free: tuple[str, ...]) -> Evaluation:
             value, slope = self.model(values, free)
             return value[rows], slope[rows]
 
-        model = model if self.part is None else self.part(rows)
+        model = some if self.part is None else self.part(rows)
         return replace(self, **columns, group=group, model=model, part=None)
 
 

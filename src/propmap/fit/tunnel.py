@@ -72,7 +72,7 @@ class TunnelData:
 
 
 def merged(parts: Sequence[TunnelData]) -> TunnelData:
-    """Several sets as one."""
+    """Join several sets to one."""
     names = [name for name in LOADS if any(name in part.loads for part in parts)]
 
     def column(part: TunnelData, name: str) -> Floats:
@@ -96,7 +96,7 @@ def section_with(base: Section, values: Mapping[str, float]) -> Airfoil:
 
 
 def model_with(model: Model, values: Mapping[str, float]) -> Model:
-    """The model with what ``values`` has of the parameters of ``ROTOR``."""
+    """The model with the parameters of ``ROTOR`` among ``values``."""
     model = model.with_airfoil(section_with(model.airfoil, values))
     if "untwist" in values:
         model = model.found_with(BladeUntwist(values["untwist"]))
@@ -110,7 +110,7 @@ def model_with(model: Model, values: Mapping[str, float]) -> Model:
 
 
 def rotor_with(model: Model, values: Mapping[str, float], setting: str) -> Rotor:
-    """A rotor of ``model_with``."""
+    """A rotor of ``model_with`` of this accuracy."""
     return Rotor(model_with(model, values), accuracy=setting)
 
 
@@ -242,12 +242,12 @@ def sources(data: Sequence[str]) -> list[Path | str]:
 
 
 def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelData:
-    """All of it as one set; coefficients become loads with this propeller and air."""
+    """Read all ``data`` as one set; coefficients become loads with this propeller and air."""
     return merged([_read(item, propeller, air) for item in sources(data)])
 
 
 def doubts_on_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
-    """What does not fit this propeller, for each file by itself, with the likely cause.
+    """Say what does not fit this propeller, file by file, with the likely cause.
 
     Raises ``InputError`` where there can be no such loads or points.
     """
@@ -273,10 +273,7 @@ def measured_in_catalogue(name: str, air: Air) -> TunnelData:
 
 
 def measured_loads(path: Path) -> Callable[[Propeller, Air], TunnelData]:
-    """The loads in a file, as a function of the propeller and the air that coefficients need.
-
-    ``path`` is that of a CSV or UIUC file, which is read now.
-    """
+    """Read the loads in a CSV or UIUC file now; coefficients take propeller and air later."""
     if looks_like_uiuc_loads(path):
         return functools.partial(_of_coefficients, path.name, read_uiuc_loads(path))
     file = read_points(path, LOAD_COLUMNS)

@@ -199,7 +199,7 @@ def _stretched(
         r = np.concatenate([residual, weight * from_prior])
         j = np.concatenate([slopes, weight * by_prior]) * spread
         # A triangle of P + 1 rows has the same sum of squares as all rows.
-        reduced = np.linalg.qr(np.column_stack([j, j @ at - r]), mode="r")
+        reduced = np.asarray(np.linalg.qr(np.column_stack([j, j @ at - r]), mode="r"))
         return Quadratic(reduced[:, :-1], reduced[:, -1], *bounds), float(r @ r)
 
     x = found.x / spread
@@ -220,7 +220,7 @@ def _stretched(
 
 
 def _standard_error(residual: Floats, share: float) -> float:
-    """Standard error of residuals with ``share`` fitted parameters each, at least the noise floor."""
+    """Standard error of residuals, ``share`` parameters fitted to each, or the noise floor."""
     if residual.size == 0:
         return NOISE_FLOOR
     freedom = max(residual.size * (1.0 - share), 1.0)

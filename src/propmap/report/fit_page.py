@@ -13,8 +13,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from propmap.baselines.hover import HoverModel
-from propmap.fit.comparison import Comparison, Trend, level_forces
-from propmap.fit.files import FitFile, FitRecord, FittedLoad, Source
+from propmap.fit.comparison import SpeedErrors, Trend, level_forces
+from propmap.fit.files import DataSource, FitFile, FitRecord, FittedLoad
 from propmap.fit.fit import Covered, CoveredAngle
 from propmap.fit.least_squares import ResidualErrors
 from propmap.fit.parameters import EVERY, general
@@ -369,9 +369,9 @@ class GivenData:
 
     Attributes
     ----------
-    sources : sequence of Source
+    sources : sequence of DataSource
         Of the data.
-    errors : mapping of str to Comparison
+    errors : mapping of str to SpeedErrors
         By load with its unit, such as "torque_Nm".
     tunnel : TunnelData, optional
         The rows, where they are from a tunnel.
@@ -381,8 +381,8 @@ class GivenData:
         Of each force of whole flights, its residual against every candidate.
     """
 
-    sources: Sequence[Source]
-    errors: Mapping[str, Comparison]
+    sources: Sequence[DataSource]
+    errors: Mapping[str, SpeedErrors]
     tunnel: TunnelData | None = None
     level: tuple[Vehicle, FlightLog] | None = None
     residuals: Sequence[Sequence[Trend]] = ()
@@ -666,7 +666,7 @@ def residual_figure(trends: Sequence[Trend]) -> Figure:
     for ax in axes.ravel()[len(trends) :]:
         ax.axis("off")
     for ax, trend in zip(axes.ravel(), trends, strict=False):
-        colour, found = COLOURS[1 if trend.tells else 0], binned(trend)
+        colour, found = COLOURS[1 if trend.sure else 0], binned(trend)
         ax.axhline(0.0, color="0.5", linewidth=0.8)
         ax.fill_between(found["middle"], found["low"], found["high"], color=colour, **BAND)
         ax.errorbar(
@@ -676,7 +676,7 @@ def residual_figure(trends: Sequence[Trend]) -> Figure:
         ax.set_xlabel(_in_two_lines(trend.variable), fontsize=7.5)
         ax.tick_params(labelsize=7.5)
         share = f"{100.0 * trend.share:.0f} % of the variance"
-        ax.set_title(share, fontsize=8.0, fontweight="bold" if trend.tells else "normal")
+        ax.set_title(share, fontsize=8.0, fontweight="bold" if trend.sure else "normal")
     for ax in axes[:, 0]:
         ax.set_ylabel(f"error [{trends[0].unit}]")
     look: dict[str, Any] = {"marker": "o", "markersize": 4.0, "linewidth": 1.3}
@@ -722,7 +722,7 @@ def residual_sheet(trends: Sequence[Trend]) -> str:
 
 def sentences(loads: Sequence[Sequence[Trend]]) -> list[str]:
     """What still explains something, the strongest first; a sequence of trends per load."""
-    telling = [trend for trend in itertools.chain(*loads) if trend.tells]
+    telling = [trend for trend in itertools.chain(*loads) if trend.sure]
     return [trend.sentence for trend in sorted(telling, key=lambda trend: -trend.share)]
 
 

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.fit.flight_study import FittedStep, Flight, Off, gain, judged, measured_off
+from propmap.fit.flight_study import (
+    AxisErrors,
+    FittedStep,
+    RecordedFlight,
+    gain,
+    judged,
+    measured_off,
+)
 from propmap.report.html import (
     DASHED,
     HOVER,
@@ -35,7 +42,7 @@ COLOURS = 7
 
 def terms_pages(
     vehicle: Vehicle,
-    flights: Sequence[Flight],
+    flights: Sequence[RecordedFlight],
     found: Sequence[FittedStep],
     *,
     low_pass: float,
@@ -48,7 +55,7 @@ def terms_pages(
     ----------
     vehicle : Vehicle
         What flew.
-    flights : sequence of Flight
+    flights : sequence of RecordedFlight
         What was fitted.
     found : sequence of Fitted
         From ``fit_terms``.
@@ -99,7 +106,7 @@ def terms_pages(
 
 @style()
 def terms_figure(
-    told: Sequence[Row], flights: Sequence[Flight], found: Sequence[FittedStep]
+    told: Sequence[Row], flights: Sequence[RecordedFlight], found: Sequence[FittedStep]
 ) -> Figure:
     """Errors along each axis as terms are added, on the flights left out.
 
@@ -107,7 +114,7 @@ def terms_figure(
     ----------
     told : sequence of Row
         Errors.
-    flights, found : sequence of Flight, sequence of Fitted
+    flights, found : sequence of RecordedFlight, sequence of Fitted
         As for ``terms_pages``.
     """
     steps = steps_of(found)
@@ -161,7 +168,7 @@ def errors_sheet(told: Sequence[Row]) -> str:
     return csv_of_rows("model flight signals fitted_to_it x_rms_N y_rms_N z_rms_N", lines)
 
 
-def values_sheet(flights: Sequence[Flight], found: Sequence[FittedStep]) -> str:
+def values_sheet(flights: Sequence[RecordedFlight], found: Sequence[FittedStep]) -> str:
     """What each fit found, as CSV."""
     return csv_of_rows(
         "step left_out parameter value",
@@ -251,14 +258,16 @@ class Worth:
     deviation: float
 
 
-def rows(vehicle: Vehicle, flights: Sequence[Flight], found: Sequence[FittedStep]) -> list[Row]:
+def rows(
+    vehicle: Vehicle, flights: Sequence[RecordedFlight], found: Sequence[FittedStep]
+) -> list[Row]:
     """Hover model, steps in order, and the prediction that comes with the data, flight by flight.
 
     Parameters
     ----------
     vehicle : Vehicle
         What flew.
-    flights : sequence of Flight
+    flights : sequence of RecordedFlight
         What was fitted.
     found : sequence of Fitted
         From ``fit_terms``.
@@ -287,12 +296,12 @@ def rows(vehicle: Vehicle, flights: Sequence[Flight], found: Sequence[FittedStep
     return told
 
 
-def worth(flights: Sequence[Flight], found: Sequence[FittedStep]) -> list[Worth]:
+def worth(flights: Sequence[RecordedFlight], found: Sequence[FittedStep]) -> list[Worth]:
     """What each step but the first changes, on flights that its fits have not seen.
 
     Parameters
     ----------
-    flights, found : sequence of Flight, sequence of Fitted
+    flights, found : sequence of RecordedFlight, sequence of Fitted
         As for ``rows``.
     """
     steps = steps_of(found)
@@ -308,13 +317,13 @@ def steps_of(found: Sequence[FittedStep]) -> list[str]:
     return list(dict.fromkeys(f.step for f in found))
 
 
-def _unseen(step: str, found: Sequence[FittedStep]) -> list[Off]:
+def _unseen(step: str, found: Sequence[FittedStep]) -> list[AxisErrors]:
     """One per flight."""
     fits = [f for f in found if f.step == step]
     return [f.off[f.left_out or 0] for f in fits]
 
 
-def _own(off: Off) -> tuple[Floats, Floats]:
+def _own(off: AxisErrors) -> tuple[Floats, Floats]:
     return off.rms, off.raw_rms
 
 
