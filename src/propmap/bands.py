@@ -24,39 +24,22 @@ if TYPE_CHECKING:
 
 
 def load_deviations(rotor: Rotor, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
-    """Standard deviations of the loads by their source.
+    """Standard deviations (L, N) of the loads (L, N) by source, for each of ``SOURCES`` that is
+    known.
 
     To first order: sqrt(g' S g) with g the derivatives by uncertain parameters and S their
-    covariance.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        With a model that says how well it is known.
-    at : FlowPoints
-        N operating points.
-    loads : ndarray, shape (L, N)
-        Their loads in the order of ``LOADS`` [N], [N m].
-
-    Returns
-    -------
-    dict of str to ndarray, shape (L, N)
-        For each of ``model.uncertainty.SOURCES`` that is known of the model; NaN where the
-        derivatives were not found.
+    covariance; NaN where the derivatives were not found.
     """
     model = rotor.model
     known = model.uncertainty
     if known is None:
         return {}
-    found = _by_parameters(known, rotor, at)
-    return found | errors_of_loads(model, at, loads)
+    return _by_parameters(known, rotor, at) | errors_of_loads(model, at, loads)
 
 
 def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
-    """Those of ``load_deviations`` that are of the loads themselves, not of what they rest on.
-
-    ``model``, ``at`` and ``loads`` are those of ``load_deviations``.
-    """
+    """Standard deviations of the loads themselves, not of what they rest on; see
+    ``load_deviations``."""
     known = model.uncertainty
     if known is None:
         return {}
@@ -67,7 +50,7 @@ def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Fl
 
 
 def _by_parameters(known: SectionUncertainty, rotor: Rotor, at: FlowPoints) -> dict[str, Floats]:
-    """Standard deviations (L, N) that follow from what is not known of constants and blade."""
+    """Standard deviations (L, N) that follow from the uncertain constants and blade."""
     whole = known.covariance.determined
     if not whole.names:
         return {}
@@ -85,7 +68,7 @@ def _by_parameters(known: SectionUncertainty, rotor: Rotor, at: FlowPoints) -> d
 
 
 def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads: Floats) -> Floats:
-    """What the model would err by with the best constants (L, N)."""
+    """Errors (L, N) of the model with the best constants."""
     blade, air = model.propeller, model.air
     # In a wind a rotor that turns slowly has the loads of the wind.
     square = at.omega**2 + (at.v_axial**2 + at.v_inplane**2) / blade.radius**2
@@ -105,7 +88,7 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
 
 
 def _tunnel(model: Model, at: FlowPoints, loads: Floats) -> Floats:
-    """By how much another tunnel, or the open air, would read other loads (L, N)."""
+    """Differences (L, N) between the loads that several tunnels, or the open air, would read."""
     tip = np.hypot(at.omega * model.propeller.radius, np.hypot(at.v_axial, at.v_inplane))
     speed = np.hypot(at.v_axial, at.v_inplane)
     advance = np.divide(speed, tip, out=np.zeros_like(tip), where=tip > 0.0)

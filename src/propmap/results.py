@@ -265,7 +265,7 @@ class SearchReport:
 
 
 def array_fields() -> list[str]:
-    """Fields of ``Loads`` that are arrays over the operating points."""
+    """Names of the fields of ``Loads`` that are arrays over the operating points."""
     return [each.name for each in fields(Loads) if each.name != "deviations"]
 
 
@@ -309,23 +309,16 @@ class Wrench:
 
 
 def spin_sign(spin: str) -> float:
-    """1 for a ``spin`` "ccw", -1 for "cw"; ``InputError`` for another."""
+    """Take 1 for a ``spin`` "ccw", -1 for "cw"; ``InputError`` for another."""
     if spin not in ("ccw", "cw"):
         raise InputError(f"spin is {spin!r}: it must be 'ccw' or 'cw', seen from above")
     return 1.0 if spin == "ccw" else -1.0
 
 
 def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
-    """Loads as vectors in the right-handed rotor frame with z along the thrust.
+    """Make vectors of loads (...) in the right-handed rotor frame with z along the thrust.
 
-    Parameters
-    ----------
-    loads : Loads
-        Of shape (...).
-    direction : ndarray, shape (..., 3)
-        Unit vector of the in-plane velocity.
-    sign : float
-        That of the spin, see ``spin_sign``.
+    ``direction`` (..., 3) is the unit vector of the in-plane velocity, ``sign`` that of the spin.
     """
     # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.  What is to
     # the left acts along (-y, x).

@@ -51,7 +51,7 @@ RADII_TOGETHER = 1000
 
 
 def core_corrections(model: Model) -> dict[str, Any]:
-    """The corrections of a ``model`` as the core takes them: numbers by name."""
+    """Write the corrections of a ``model`` as the core takes them: numbers by name."""
     found: dict[str, Any] = {}
     for value in model.applied:
         found |= value.core_numbers(name_of(value), model)
@@ -91,7 +91,6 @@ class Rotor:
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """What another process makes the rotor of; the core's own is made there."""
         return {"model": self.model, "accuracy": self.accuracy}
 
     def with_model(self, model: Model) -> Rotor:
@@ -376,7 +375,7 @@ class Rotor:
         )
 
     def _allowed(self, points: FlowPoints) -> FlowPoints:
-        """The ``points``, if they are not so near the ground that nothing is known of it."""
+        """Refuse ``points`` so near the ground that nothing is known of it."""
         least = 0.5 * self.model.span[1]
         if points.height is not FAR and (points.height < least).any():
             raise InputError(
@@ -419,7 +418,7 @@ class Rotor:
         shape: tuple[int, ...],
         deviations: Deviations | None = None,
     ) -> Loads:
-        """Loads (L, N), and the results of each point (5, N), as the core gives them."""
+        """Make ``Loads`` of loads (L, N) and the core's other results of each point (5, N)."""
         by_name = {name: row.reshape(shape) for name, row in zip(LOADS, loads, strict=True)}
         status, roots, ring, mean_inflow, reverse = (row.reshape(shape) for row in found)
         return Loads(

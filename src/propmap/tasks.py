@@ -1,4 +1,4 @@
-"""Work that is cut into independent tasks, and who does it: this process, or a cluster."""
+"""Work that is cut into independent tasks, and who does it: this process, others, or a cluster."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Result = TypeVar("Result")
 
 
 class Workers(Protocol):
-    """Who does tasks."""
+    """Whoever does tasks."""
 
     @property
     def count(self) -> int:
@@ -57,19 +57,13 @@ class InTurn:
         common: Common,
         tasks: Iterable[Task],
     ) -> Iterator[tuple[int, Result]]:
-        """As ``Workers.results``."""
+        """Do tasks as ``Workers.results``."""
         for place, task in enumerate(tasks):
             yield place, work(common, task)
 
 
 class InThreads:
-    """Tasks of this process beside each other, for work that does not use all cores by itself.
-
-    Parameters
-    ----------
-    count : int
-        How many at a time.
-    """
+    """Does ``count`` tasks at a time in threads, for work that does not use all cores by itself."""
 
     def __init__(self, count: int) -> None:
         self.count = count
@@ -80,7 +74,7 @@ class InThreads:
         common: Common,
         tasks: Iterable[Task],
     ) -> Iterator[tuple[int, Result]]:
-        """As ``Workers.results``, but for a list that is not long: all tasks are taken at once."""
+        """Do tasks as ``Workers.results``, but of a short list: all are taken at once."""
         # Imported here, as every rotor imports this module and few use threads of Python.
         from concurrent.futures import ThreadPoolExecutor, as_completed
 
@@ -91,14 +85,9 @@ class InThreads:
 
 
 class InProcesses:
-    """Tasks in processes of this machine, for work of which Python itself does much.
+    """Does ``count`` tasks at a time in processes of one core, for work of which Python does much.
 
-    They start with the first tasks, and end with the ``with`` that this is used in.
-
-    Parameters
-    ----------
-    count : int
-        How many at a time, each on one core.
+    The processes start with the first tasks, and end with the ``with`` that this is used in.
     """
 
     def __init__(self, count: int) -> None:
@@ -122,7 +111,7 @@ class InProcesses:
         common: Common,
         tasks: Iterable[Task],
     ) -> Iterator[tuple[int, Result]]:
-        """As ``InThreads.results``."""
+        """Do tasks as ``InThreads.results``."""
         from concurrent.futures import as_completed
 
         submit = self._pool.submit
@@ -137,13 +126,7 @@ def _on_one_core(work: Callable[[Common, Task], Result], common: Common, task: T
 
 
 def in_order(results: Iterable[tuple[int, Result]]) -> list[Result]:
-    """All results in the order of their tasks.
-
-    Parameters
-    ----------
-    results : iterable of tuple
-        As ``Workers.results`` gives them.
-    """
+    """Sort ``results``, as of ``Workers.results``, into the order of their tasks."""
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 
 
@@ -153,10 +136,7 @@ _most_cores: ContextVar[int | None] = ContextVar("most_cores", default=None)
 
 @contextmanager
 def on_cores(most: int) -> Iterator[None]:
-    """Use ``most`` cores of this machine at most, in this thread.
-
-    For a process that has others beside it.  Loads do not depend on it.
-    """
+    """Use ``most`` cores at most in this thread; loads do not depend on it."""
     token = _most_cores.set(most)
     try:
         yield

@@ -37,54 +37,32 @@ KEYS = {
 
 @dataclass(frozen=True)
 class Surface:
-    """The response surface to draw.
+    """The response surface to draw."""
 
-    Attributes
-    ----------
-    quantity : str
-        Of ``TEXTS``.
-    across, up : str
-        Of what varies.
-    at : dict of str to float
-        Where on the axes of shared operating points, the nearest value of each; by default the
-        first.
-    """
-
-    quantity: str
-    across: str
+    quantity: str  # of ``TEXTS``
+    across: str  # of what varies
     up: str
+    # Where on the axes of shared operating points, the nearest value of each; by default the first.
     at: dict[str, float]
 
 
 @dataclass(frozen=True)
 class StudyFile:
-    """What a file says.
-
-    Attributes
-    ----------
-    title : str
-        Of the study.
-    propeller, airfoil : str
-        What it begins with, as the command line names it; an empty airfoil is that known of the
-        propeller.
-    varied, axes, designs, seed
-        As in ``Study``.
-    surface : Surface or None
-        None where no two quantities vary.
-    """
+    """What a file asks for."""
 
     title: str
+    # As the command line names the first design; an empty airfoil is that known of the propeller.
     propeller: str
     airfoil: str
-    varied: dict[str, Floats]
+    varied: dict[str, Floats]  # this and the next three as in ``Study``
     axes: dict[str, Floats]
     designs: int | None
     seed: int
-    surface: Surface | None
+    surface: Surface | None  # None where no two quantities vary
 
     @property
     def points(self) -> int:
-        """How many operating points all designs have together."""
+        """Number of operating points of all designs together."""
         levels = [] if self.designs is not None else list(self.varied.values())
         shared = [values.size for values in (*levels, *self.axes.values())]
         return (self.designs or 1) * math.prod(shared)
@@ -215,7 +193,7 @@ class ResponseSurface:
         return dict(zip(self.names, (0.5 * (self.low + self.high)).tolist(), strict=True))
 
     def _unit(self, rows: Mapping[str, Floats]) -> Floats:
-        """What varies (n, k), each from -1 to 1."""
+        """Scale what varies (n, k) to -1 to 1."""
         values = np.stack([np.asarray(rows[name], np.float64) for name in self.names], axis=1)
         return np.asarray(2.0 * (values - self.low) / (self.high - self.low) - 1.0)
 
