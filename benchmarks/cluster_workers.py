@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.cluster_rotor import LARGE, grid, rotor, usage
 from benchmarks.scheduler_simulation import Costs, efficiency, simulate
-from propmap.cluster.workers import DaskWorkers, connected
+from propmap.cluster import DaskWorkers, connected
 from propmap.sweep.points import Part
 from propmap.sweep.run import Sweep
 

@@ -9,9 +9,16 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.bands import load_deviations
 from propmap.errors import InputError
 from propmap.loads import GEOMETRY, LOADS, MOUNT_AREA
+from propmap.model.airfoil import (
+    INPLANE_SHARES,
+    TUNNEL_GAIN,
+    TUNNEL_TILT,
+    UNKNOWN_SHARE,
+    SectionCovariance,
+    SectionUncertainty,
+)
 from propmap.model.corrections import MountDrag, name_of
 from propmap.model.model import Model
 from propmap.operating_points import (
@@ -399,8 +406,15 @@ class Rotor:
     def _deviations(
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
     ) -> dict[str, LoadValues]:
-        """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``."""
-        found = load_deviations(self, at, loads)
+        """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``.
+
+        To first order sqrt(g' S g), with g the derivatives by uncertain parameters and S their
+        covariance; NaN where the derivatives were not found.
+        """
+        known = self.model.uncertainty
+        if known is None:
+            return {}
+        found = _by_parameters(known, self, at) | errors_of_loads(self.model, at, loads)
         values = {}
         for source, rows in found.items():
             lost = np.where(np.isnan(loads), np.nan, rows)
@@ -431,3 +445,66 @@ class Rotor:
             mean_inflow=mean_inflow,
             deviations=deviations,
         )
+
+
+# -------------------------------------------------------------------------------------------------
+# Standard deviations of loads, by what they are from.
+
+
+def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
+    """Standard deviations (L, N) by source of the loads (L, N) alone, not of what they rest on."""
+    known = model.uncertainty
+    if known is None:
+        return {}
+    found = {"discrepancy": _discrepancy(model, known, at, loads)}
+    if known.another_tunnel:
+        found["tunnel"] = _tunnel(model, at, loads)
+    return found
+
+
+def _by_parameters(known: SectionUncertainty, rotor: Rotor, at: FlowPoints) -> dict[str, Floats]:
+    """Standard deviations (L, N) that follow from the uncertain constants and blade."""
+    whole = known.covariance.determined
+    if not whole.names:
+        return {}
+    slopes = rotor.gradients_at(whole.names, at).slopes
+
+    def variance(of: SectionCovariance) -> Floats:
+        return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)
+
+    if known.with_blade is None:
+        return {"parameters": np.sqrt(variance(whole))}
+    # The two populations are estimated apart: their sum is to be the whole all the same.
+    total = variance(whole)
+    own = np.minimum(variance(known.with_blade), total)
+    return {"parameters": np.sqrt(own), "geometry": np.sqrt(total - own)}
+
+
+def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads: Floats) -> Floats:
+    """Errors (L, N) of the model with the best constants."""
+    blade, air = model.propeller, model.air
+    # In a wind a rotor that turns slowly has the loads of the wind.
+    square = at.omega**2 + (at.v_axial**2 + at.v_inplane**2) / blade.radius**2
+    force = air.density * square / (2.0 * np.pi) ** 2 * blade.diameter**4
+    of_axial = {
+        "thrust": known.thrust_coefficient * force,
+        "torque": known.power_coefficient / (2.0 * np.pi) * force * blade.diameter,
+    }
+    return np.stack(
+        [
+            of_axial[name]
+            if name in of_axial
+            else INPLANE_SHARES.get(name, UNKNOWN_SHARE) * np.abs(load)
+            for name, load in zip(LOADS, loads, strict=True)
+        ]
+    )
+
+
+def _tunnel(model: Model, at: FlowPoints, loads: Floats) -> Floats:
+    """Differences (L, N) between the loads that several tunnels, or the open air, would read."""
+    tip = np.hypot(at.omega * model.propeller.radius, np.hypot(at.v_axial, at.v_inplane))
+    speed = np.hypot(at.v_axial, at.v_inplane)
+    advance = np.divide(speed, tip, out=np.zeros_like(tip), where=tip > 0.0)
+    share = np.full_like(loads, TUNNEL_GAIN)
+    share[list(LOADS).index("thrust")] = np.hypot(TUNNEL_GAIN, TUNNEL_TILT * advance)
+    return np.asarray(share * np.abs(loads))

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from propmap.fit import flight_study
-from propmap.fit.flight_study import AxisErrors, FittedStep, RecordedFlight, Step
+from propmap.fit import comparison
+from propmap.fit.comparison import AxisErrors, FittedStep, RecordedFlight, Step
 from propmap.vehicle.log import GRAVITY
 
 from .conftest import Run
@@ -38,7 +38,7 @@ def made_up(
 @pytest.fixture
 def flown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Two logs with a prediction beside them, the vehicle, and no fitting."""
-    monkeypatch.setattr(flight_study, "fit_terms", made_up)
+    monkeypatch.setattr(comparison, "fit_terms", made_up)
     ASKED.clear()
     log = turning_log(tmp_path, 400)
     with log.open() as lines:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 
+from propmap.fit.comparison import by_flight
 from propmap.fit.fit import Settings, fit
-from propmap.fit.flight_study import by_flight
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import Choice
 from propmap.fit.uncertainty import block_errors

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit import flight_study
-from propmap.fit.flight_study import (
+from propmap.fit import comparison
+from propmap.fit.comparison import (
     AxisErrors,
     RecordedFlight,
     Step,
@@ -98,13 +98,13 @@ def test_each_flight_is_left_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
     class Found:
         values = FIRST_GUESS | {name: getattr(LAW, name) for name in SECTION}
 
-    monkeypatch.setattr(flight_study, "ForceModel", Model)
-    monkeypatch.setattr(flight_study, "vertical_rows", lambda *_: "vertical")
-    monkeypatch.setattr(flight_study, "balance_rows", lambda *_: "balance")
-    monkeypatch.setattr(flight_study, "fit", lambda *_: Found)
+    monkeypatch.setattr(comparison, "ForceModel", Model)
+    monkeypatch.setattr(comparison, "vertical_rows", lambda *_: "vertical")
+    monkeypatch.setattr(comparison, "balance_rows", lambda *_: "balance")
+    monkeypatch.setattr(comparison, "fit", lambda *_: Found)
     zero = np.zeros((COUNT, 3))
     monkeypatch.setattr(
-        flight_study, "flight_forces", lambda *_: type("F", (), {"model": zero, "hover": zero})
+        comparison, "flight_forces", lambda *_: type("F", (), {"model": zero, "hover": zero})
     )
     flights = [flight(name) for name in ("a", "b", "c")]
     steps = [Step("one", Choice(("c_l1",)), vertical=True), Step("two", Choice(("c_l1", "c_d")))]

@@ -8,7 +8,7 @@ import io
 import numpy as np
 import pytest
 
-from propmap.fit.flight_study import AxisErrors, FittedStep, RecordedFlight
+from propmap.fit.comparison import AxisErrors, FittedStep, RecordedFlight
 from propmap.report.html import PAGE, TERMS_FILES
 from propmap.report.terms_page import HOVER_MODEL, PREDICTION, rows, terms_pages, worth
 from tests.fit.test_flight_terms import COUNT, VEHICLE, flight, held

@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.aircraft.trim import Aircraft, Balanced, Flight, SteadyStates
-from propmap.bands import errors_of_loads
 from propmap.errors import InputError
 from propmap.loads import FLOW, LOADS
 from propmap.model.airfoil import SectionCovariance
 from propmap.operating_points import FlowPoints
-from propmap.rotor import Rotor
+from propmap.rotor import Rotor, errors_of_loads
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.vehicle.rotors import LoadSource, Rotors

@@ -96,9 +96,8 @@ def _compare(
 ) -> tuple[dict[str, SpeedErrors], dict[str, SpeedErrors]]:
     """Errors of the physics, and of it with a learned residual where the fit has one."""
     from propmap.catalogue.lookup import propeller
-    from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
+    from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces, values_for
     from propmap.fit.files import is_fit, read_fit
-    from propmap.fit.flight_study import values_for
 
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is not None:

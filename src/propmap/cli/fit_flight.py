@@ -70,9 +70,9 @@ from propmap.vehicle.log_checks import check_recording
 from propmap.vehicle.log_readers import read_recording
 
 if TYPE_CHECKING:
+    from propmap.fit.comparison import RecordedFlight, Step
     from propmap.fit.fit import Fitted
     from propmap.fit.flight import ForceModel
-    from propmap.fit.flight_study import RecordedFlight, Step
     from propmap.fit.parameters import SectionPrior
     from propmap.rotor import Rotor
     from propmap.vehicle.files import VehicleFile
@@ -306,12 +306,16 @@ def fit_flight(
     doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
     say_doubts(doubts)
 
-    from propmap.fit.comparison import body_terms_verdict, residual_trends, unlikely_constants
+    from propmap.fit.comparison import (
+        body_terms_verdict,
+        by_flight,
+        residual_trends,
+        unlikely_constants,
+    )
     from propmap.fit.files import fit_text
     from propmap.fit.fit import fit, range_warnings
     from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows, wing_values
     from propmap.fit.flight import HoverScale as Scale
-    from propmap.fit.flight_study import by_flight
     from propmap.fit.tunnel import first_guess, model_with
 
     cutoff = DERIVATIVE_CUTOFF if low_pass is None else low_pass
@@ -447,7 +451,7 @@ def fit_terms_page(
     # Moments play no part here, and the wakes are one of the terms.
     file = replace(file, vehicle=replace(file.vehicle, inertia=None, wakes=None))
 
-    from propmap.fit.flight_study import fit_terms
+    from propmap.fit.comparison import fit_terms
     from propmap.report.terms_page import terms_pages
 
     cutoff = DERIVATIVE_CUTOFF if low_pass is None else low_pass
@@ -483,7 +487,7 @@ def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> 
 
     ``prior`` is what other propellers tell of the blade, ``known`` what is known of other terms.
     """
-    from propmap.fit.flight_study import Step
+    from propmap.fit.comparison import Step
 
     own_mounts = any(one.drag for one in vehicle.mounts)
     mount = () if own_mounts else tuple(MOUNT)
@@ -534,7 +538,7 @@ def read_pairs(
     InputError
         For bad logs, and columns that are not there.
     """
-    from propmap.fit.flight_study import RecordedFlight
+    from propmap.fit.comparison import RecordedFlight
 
     names = [path.stem for path in paths]
     twice = [name for name in names if names.count(name) > 1]

@@ -81,9 +81,9 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         compare_tunnel,
         flight_forces,
         force_trends,
+        values_for,
     )
     from propmap.fit.files import DataSource
-    from propmap.fit.flight_study import values_for
     from propmap.report.fit_page import GivenData
 
     if vehicle is None:

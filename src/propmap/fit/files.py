@@ -15,8 +15,8 @@ import msgspec
 import numpy as np
 
 import propmap
+from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
-from propmap.fit.comparison import discrepancy
 from propmap.fit.fit import Coverage, Fitted
 from propmap.fit.learned_residual import LearnedResidual
 from propmap.fit.least_squares import End, FlightErrors, ResidualErrors, by_band, errors
@@ -36,6 +36,7 @@ from propmap.io.sections import looks_like_section_table
 from propmap.model.airfoil import Airfoil, SectionCovariance, fitted_uncertainty, read_airfoil
 from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Air, Model, Propeller
+from propmap.rotor import Rotor
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
@@ -410,3 +411,36 @@ def _listed(tables: Any) -> Any:
     if not isinstance(tables, Mapping):
         return tables
     return [{"name": k, **t} if isinstance(t, Mapping) else t for k, t in tables.items()]
+
+
+# -------------------------------------------------------------------------------------------------
+# What a fit could not explain, as errors of thrust and power coefficients.
+
+OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
+"""Rows whose errors, over what the hover model says of them, are shares of a static load."""
+
+
+def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]:
+    """Standard deviations of C_T and C_P that a fit leaves, by name of ``DISCREPANCIES``.
+
+    ``found`` is the model with the fitted parameters, ``hover`` (M,) what the hover model says of
+    the rows. A load that was not fitted is taken to err by as large a share as the other.
+    """
+    shares = {}
+    for kind, names in (("thrust", OF_THRUST), ("torque", OF_TORQUE)):
+        for k, name in enumerate(fitted.rows.names):
+            still = hover[fitted.rows.of_load(k)]
+            size = float(np.sqrt(np.nanmean(still**2))) if still.size else 0.0
+            if name in names and size > 0.0:
+                shares[kind] = errors(*fitted.compared(k)).rms / size
+    if not shares or not np.isfinite(list(shares.values())).all():
+        return {}
+    static = HoverModel.of(Rotor(found))
+    blade, air = found.propeller, found.air
+    thrust = abs(static.k_thrust) * (2.0 * np.pi) ** 2 / (air.density * blade.diameter**4)
+    power = abs(static.k_torque) * (2.0 * np.pi) ** 3 / (air.density * blade.diameter**5)
+    largest = max(shares.values())
+    return {
+        "thrust_coefficient": shares.get("thrust", largest) * thrust,
+        "power_coefficient": shares.get("torque", largest) * power,
+    }

@@ -206,20 +206,14 @@ def _cross_validate(
     return left_out
 
 
+@dataclass(eq=False)
 class _Refit(RowsElsewhere):
     """Fits much the same rows again; ``remake`` gives the rows in another process."""
 
-    def __init__(
-        self,
-        rows: Rows,
-        remake: Callable[[], Rows] | None,
-        choice: Choice,
-        start: Floats,
-        loss: str,
-        error: float,
-    ) -> None:
-        self.rows, self.remake = rows, remake
-        self.choice, self.start, self.loss, self.error = choice, start, loss, error
+    choice: Choice
+    start: Floats
+    loss: str
+    error: float
 
     def __call__(self, part: Rows) -> Floats:
         """The parameters (P,) that fit some rows."""

@@ -131,38 +131,29 @@ def _rows(
     Units are the weight, and for moments that at the hubs' mean distance from the centre of mass,
     or at a radius where that is none.
     """
+    free, given = choice.free, (*choice.free, *choice.fixed)
+
+    def refuse(useless: list[str], fault: str, remedy: str) -> None:
+        if useless:
+            raise InputError(f"{useless[0]} {fault}", remedy)
+
     if names == VERTICAL:
-        useless = [name for name in choice.free if general(name) in SENSOR | TURNING]
-        if useless:
-            raise InputError(
-                f"{useless[0]} has no part in steady stretches", "fit it with --method balance"
-            )
+        sensing = [name for name in free if general(name) in SENSOR | TURNING]
+        refuse(sensing, "has no part in steady stretches", "fit it with --method balance")
     elif MOMENTS[0] not in names:
-        useless = [name for name in choice.free if name in TURNING]
-        if useless:
-            raise InputError(
-                f"{useless[0]} is free but moments are not balanced",
-                "add inertia = [about x, about y, about z] in kg m^2 to the vehicle file",
-            )
+        remedy = "add inertia = [about x, about y, about z] in kg m^2 to the vehicle file"
+        turning = [name for name in free if name in TURNING]
+        refuse(turning, "is free but moments are not balanced", remedy)
     if any(mount.drag is not None for mount in model.vehicle.mounts):
-        known = [name for name in (*choice.free, *choice.fixed) if name in MOUNT]
-        if known:
-            raise InputError(
-                f"{known[0]} is given for a vehicle whose file has it as well",
-                "remove the [mount] table, or leave the parameter to the file",
-            )
+        remedy = "remove the [mount] table, or leave the parameter to the file"
+        mounted = [name for name in given if name in MOUNT]
+        refuse(mounted, "is given for a vehicle whose file has it as well", remedy)
     if len(model.vehicle.mounts) == 1:
-        useless = [name for name in choice.free if name in WAKES]
-        if useless:
-            raise InputError(
-                f"{useless[0]} is free but the vehicle has one rotor", "leave it out of --free"
-            )
+        wakes = [name for name in free if name in WAKES]
+        refuse(wakes, "is free but the vehicle has one rotor", "leave it out of --free")
     if model.vehicle.wing is None:
-        useless = [name for name in choice.free if name in WING]
-        if useless:
-            raise InputError(
-                f"{useless[0]} is free but the vehicle has no wing", "add a [wing] table"
-            )
+        wing = [name for name in free if name in WING]
+        refuse(wing, "is free but the vehicle has no wing", "add a [wing] table")
 
     def table(points: NDArray[np.intp]) -> RowModel:
         here = model if points.size == len(model.log) else model.at_samples(points)
@@ -290,22 +281,7 @@ class ForceModel:
         """
         check_flights(free, self.log)
         loads, slopes = self._rotors(values, free)
-        scale = at_samples("thrust_scale", values, self.log)[:, None]
-        slopes = scale * slopes
-        for row, name in enumerate(free):
-            if general(name) == "thrust_scale":
-                slopes[row] = samples_of(name, values, self.log)[:, None] * loads
-        loads = scale * loads
-        body, by_body = body_force(self.vehicle, self.log, values, free)
-        force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body
-        more, by_more = added_moment(
-            self.vehicle, self.log, self.flow, force, by_force, values, free
-        )
-        sensed, by_sensor = sensor_force(self.vehicle, self.log, values, free)
-        return VehicleLoads(
-            np.concatenate([force + sensed, loads[:, 3:] + more], axis=-1),
-            np.concatenate([by_force + by_sensor, slopes[..., 3:] + by_more], axis=-1),
-        )
+        return on_vehicle(self.vehicle, self.log, self.flow, loads, slopes, values, free)
 
     def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         """Loads (n, 6) of all rotors, in each other's wakes if there are any; slopes (P, n, 6)."""
@@ -315,25 +291,25 @@ class ForceModel:
         wakes = wakes_with(self.vehicle, values)
         if wakes is None:
             loads, by_section = self._loads(values, section, self.flow.axial)
-            slopes[at_section] = _six(self.flow, by_section)
-            return _six(self.flow, loads), slopes
+            slopes[at_section] = six_loads(self.flow, by_section)
+            return six_loads(self.flow, loads), slopes
         check_apart(self.vehicle)
         thrust, by_lift = self._attached(values, section)
         wake = wake_flow(self.vehicle, wakes, self.flow, thrust)
         named = (*section, "v_axial") if free else ()
         loads, by_here = self._loads(values, named, self.flow.axial + wake.added)
         if not free:
-            return _six(self.flow, loads), slopes
+            return six_loads(self.flow, loads), slopes
         by_axial = by_here[:, -1]
         # The wakes change with the thrusts that they are computed from.
         followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_lift)
         by_section = by_here[:, :-1] + by_axial[:, None] * followed
-        slopes[at_section] = _six(self.flow, by_section)
+        slopes[at_section] = six_loads(self.flow, by_section)
         for row, name in enumerate(free):
             if name in WAKES:
                 added = wake.by_gain[name.removeprefix(PREFIX)]
-                slopes[row] = _six(self.flow, by_axial * added)
-        return _six(self.flow, loads), slopes
+                slopes[row] = six_loads(self.flow, by_axial * added)
+        return six_loads(self.flow, loads), slopes
 
     def _attached(
         self, values: Mapping[str, float], names: tuple[str, ...]
@@ -385,7 +361,33 @@ class ForceModel:
         return coverage(flow.omega.ravel(), speed.ravel(), beta.ravel(), radius)
 
 
-def _six(flow: HubFlow, loads: Floats) -> Floats:
+def on_vehicle(
+    vehicle: Vehicle,
+    log: FlightLog,
+    flow: HubFlow,
+    loads: Floats,
+    slopes: Floats,
+    values: Mapping[str, float],
+    free: tuple[str, ...],
+) -> VehicleLoads:
+    """All but gravity on the vehicle, from the loads (n, 6) of its rotors and slopes (P, n, 6)."""
+    scale = at_samples("thrust_scale", values, log)[:, None]
+    slopes = scale * slopes
+    for row, name in enumerate(free):
+        if general(name) == "thrust_scale":
+            slopes[row] = samples_of(name, values, log)[:, None] * loads
+    loads = scale * loads
+    body, by_body = body_force(vehicle, log, values, free)
+    force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body
+    more, by_more = added_moment(vehicle, log, flow, force, by_force, values, free)
+    sensed, by_sensor = sensor_force(vehicle, log, values, free)
+    return VehicleLoads(
+        np.concatenate([force + sensed, loads[:, 3:] + more], axis=-1),
+        np.concatenate([by_force + by_sensor, slopes[..., 3:] + by_more], axis=-1),
+    )
+
+
+def six_loads(flow: HubFlow, loads: Floats) -> Floats:
     """Force and moment (..., n, 6) of all rotors from loads (L, ..., n, m)."""
     return np.concatenate(rotor_wrench(flow, loads), axis=-1)
 
@@ -393,7 +395,7 @@ def _six(flow: HubFlow, loads: Floats) -> Floats:
 def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
     """The hover model's force [N] and moment [N m] of all rotors on the vehicle; (n, 6)."""
     known = hover.loads(flow.omega)
-    return _six(flow, np.stack([known[name] for name in LOADS]))
+    return six_loads(flow, np.stack([known[name] for name in LOADS]))
 
 
 # -------------------------------------------------------------------------------------------------

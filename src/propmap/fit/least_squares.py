@@ -479,6 +479,7 @@ def by_band(
 # Rows in other processes: they are made there again, since their models cannot be sent.
 
 
+@dataclass(eq=False)
 class RowsElsewhere:
     """``rows`` and what goes with them, to be sent to workers, who make the rows again.
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.fit.flight_study import (
+from propmap.fit.comparison import (
     AxisErrors,
     FittedStep,
     RecordedFlight,

@@ -286,7 +286,7 @@ def sweep_to_store(
     path : Path
         The store, a folder whose name ends with ".zarr".
     workers : Workers, optional
-        Who computes: by default this process; ``propmap.cluster.workers.DaskWorkers(client)``
+        Who computes: by default this process; ``propmap.cluster.DaskWorkers(client)``
         for a ``distributed.Client``.  Loads are the same to the last digit
         where they have the same build of the core.
     bands, by_source : bool

@@ -113,7 +113,7 @@ def _local(count: int) -> Iterator[DaskWorkers]:
             dashboard_address="127.0.0.1:0",
             local_directory=folder,
             silence_logs=logging.CRITICAL,
-            preload=["propmap.cluster.workers"],
+            preload=["propmap.cluster"],
         ) as cluster,
         Client(cluster, timeout=START_WITHIN) as client,
     ):
