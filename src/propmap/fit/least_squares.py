@@ -182,11 +182,13 @@ def search(
     lower, upper, spread = (choice.column(a) for a in ("lower", "upper", "spread"))
 
     def run(x0: Floats, most: int, step: float, gain: float, *, exact: bool = False) -> End:
+        # At the end of a search many steps are refused, whose derivatives nobody needs.
+        often_refused = step <= FINE[0]
         with warnings.catch_warnings():
             # At a bound SciPy divides by a zero distance and goes on.
             warnings.simplefilter("ignore", RuntimeWarning)
             found = least_squares(
-                evaluator.computed if exact else evaluator.residual,
+                evaluator.computed if often_refused else evaluator.residual,
                 np.clip(x0, lower, upper),
                 evaluator.difference_quotients if exact else evaluator.jacobian,
                 bounds=(lower, upper),
