@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class InputError(ValueError):
-    """An input that cannot be used, told in one printable line.
+    """An input that cannot be used, described in one printable line.
 
     Attributes
     ----------

@@ -79,8 +79,7 @@ def resolved(
     one: bool = False,
     **further: Unpack[Further],
 ) -> FlowPoints:
-    """Resolve V along the axis and across it; where beta is a multiple of pi/2, one is exactly
-    zero.
+    """Resolve V along the axis and across it, exactly at multiples of pi/2.
 
     Arrays are refused where ``one`` is true.
     """

@@ -474,7 +474,7 @@ def _by_parameters(known: SectionUncertainty, rotor: Rotor, at: FlowPoints) -> d
 
     if known.with_blade is None:
         return {"parameters": np.sqrt(variance(whole))}
-    # The two populations are estimated apart: their sum is to be the whole all the same.
+    # The two populations are estimated separately; their sum has to be the whole.
     total = variance(whole)
     own = np.minimum(variance(known.with_blade), total)
     return {"parameters": np.sqrt(own), "geometry": np.sqrt(total - own)}

@@ -186,8 +186,8 @@ def say_prior(prior: SectionPrior | None) -> list[str]:
     """Say on standard error what a fit started from; the same as remarks for its file."""
     if prior is None:
         return []
-    typer.echo(f"note: {prior.told}; without, by --prior-from none", err=True)
-    return [prior.told]
+    typer.echo(f"note: {prior.source}; without, by --prior-from none", err=True)
+    return [prior.source]
 
 
 def _meant(prop: str) -> Entry | ExpectedBlade | None:

@@ -176,8 +176,7 @@ def compare_forces(
 
 
 def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list[list[Trend]]:
-    """What the error of each force goes with, the strongest first; arguments as of
-    ``compare_forces``."""
+    """What the error of each force goes with, the strongest first; see ``compare_forces``."""
     off = forces.model[:, :3] - vehicle.mass * log.specific_force
     block = log.stretches(CORRELATED)
     return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(AXES)]
@@ -254,8 +253,7 @@ class ForwardTrust:
 
 
 def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> ForwardTrust:
-    """What a fit of a ``model`` leaves open of thrust and torque at rest, in axial and in edgewise
-    flow.
+    """Uncertainty that a fit of a ``model`` leaves at rest, in axial and in edgewise flow.
 
     To first order, sqrt(g' S g) with g the derivatives by the free constants: before the fit at the
     most likely ones with their covariance, after it at those found with that of the fit; and

@@ -196,10 +196,10 @@ LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "untwist")
 """Parameters of attached lift, and so of the rotors' wakes."""
 
 LIFT_STEP = 1e-4
-"""Of the difference quotients by these, over the spread of each."""
+"""Step of the difference quotients by these, over the spread of each."""
 
 SPEED_STEP = 1e-6
-"""Of that by the rotor speed, over the speed."""
+"""Step of the quotient by the rotor speed, over the speed."""
 
 
 class VehicleLoads(NamedTuple):
@@ -404,7 +404,7 @@ def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
 STEPS = {"drag_area_x": 1e-3, "drag_area_y": 1e-3, "drag_area_z": 1e-3, "lift_area": 1e-3}
 STEPS |= {"download_area_x": 1e-3, "download_area_y": 1e-3}
 STEPS |= {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
-"""Of central differences, by parameter; the forces are linear in all but the last."""
+"""Steps of central differences; the forces are linear in all but the last parameter."""
 
 
 def wing_values(vehicle: Vehicle) -> dict[str, float]:
@@ -585,7 +585,7 @@ Batteries, payloads and temperatures differ by so much; and by a hundredth do ha
 flight's hover, at its start and at its end: 0.7 and 1.2 % in the two of examples/neurobem."""
 
 RANGE = (0.9, 1.1)
-"""Of a scale; outside, the mass or the unit of the rotor speeds is wrong, and none is applied."""
+"""Range of a scale; outside, mass or unit of the rotor speeds is wrong, and none is applied."""
 
 
 @dataclass(frozen=True)

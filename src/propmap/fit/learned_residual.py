@@ -25,7 +25,7 @@ FOLDS = 5
 """Parts of each flight, one after the other, that are left out in turn."""
 
 LEAST = 20
-"""Stretches of a second to learn from; the spread of the weights holds what these do not tell."""
+"""Stretches of a second to learn from; the spread of the weights holds what these leave open."""
 
 FADE = 0.25
 """How far outside the envelope the correction is gone, as a share of the envelope."""
@@ -260,7 +260,7 @@ def _folds(log: FlightLog) -> NDArray[np.intp]:
 # normal about zero.
 
 STEPS = 200
-"""Of the evidence's fixed-point iteration."""
+"""Steps of the evidence's fixed-point iteration."""
 
 
 def regression(design: Floats, target: Floats, share: float) -> tuple[Floats, Floats, float, float]:

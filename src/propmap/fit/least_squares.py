@@ -290,7 +290,7 @@ class Rows:
     point : ndarray, shape (M,)
         Operating point of each number; points are drawn and left out as a whole.
     group : ndarray, shape (M,), or None
-        Stretches within which errors may be alike; None where every number errs by itself.
+        Stretches within which errors may be correlated; None where every number errs by itself.
     model : callable
         From all parameters by name and the P free names: values (M,) and derivatives (M, P).
     weight : ndarray, shape (M,)

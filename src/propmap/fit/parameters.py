@@ -23,8 +23,7 @@ from propmap.typing import Floats
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter, in ``unit``, with its first guess (the paper's x0 where it has one) and
-    bounds."""
+    """One parameter in ``unit``, its bounds and first guess, the paper's x0 where it has one."""
 
     unit: str
     start: float
@@ -50,12 +49,12 @@ SECTION = {
 """Parameters of the section law; x0 of (18) is that of the first four."""
 
 MOUNT = {"mount_area": Parameter("m^2", 0.0, 0.0, 0.1, 5e-4, "what is mounted in the slipstream")}
-"""Of the correction ``mount-drag``.  Neither free nor fixed, it is the model's own."""
+"""The correction ``mount-drag``, the model's own where it is neither free nor fixed."""
 
 FLEX = {
     "untwist": Parameter("rad", 0.0, -0.05, 0.15, 0.01, "twist lost at the tip at 100 m/s there"),
 }
-"""Of the correction ``blade-untwist``.  Neither free nor fixed, it is the model's own."""
+"""The correction ``blade-untwist``, the model's own where it is neither free nor fixed."""
 
 ROTOR = SECTION | FLEX | MOUNT
 """What changes the loads of a rotor at a given flow."""
@@ -83,7 +82,7 @@ SENSOR = {
     "sensor_z": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, up"),
     "clock_offset": Parameter("s", 0.0, -0.1, 0.1, 0.01, "how late the accelerometer's stamps are"),
 }
-"""Of the accelerometer, from the centre of mass; its place adds to the vehicle file's."""
+"""The accelerometer, from the centre of mass; its place adds to the vehicle file's."""
 
 TURNING = {
     "centre_x": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, forward"),
@@ -91,7 +90,7 @@ TURNING = {
     "centre_z": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, up"),
     "rotor_inertia": Parameter("kg m^2", 0.0, 0.0, 0.1, 1e-6, "inertia of a rotor with its motor"),
 }
-"""Of the balance of moments; they add to the vehicle file's."""
+"""Parameters of the balance of moments, which add to the vehicle file's."""
 
 WAKES = {
     "wake_ahead": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash ahead of a wake"),
@@ -99,7 +98,7 @@ WAKES = {
     "wake_downwash": Parameter("-", 1.0, 0.0, 12.0, 1.0, "downwash of a wake"),
     "wake_share": Parameter("-", 1.0, 0.0, 2.0, 0.5, "share of the inflow that skews a wake"),
 }
-"""Of ``propmap.vehicle.wakes``.  What is neither free nor fixed is the vehicle file's."""
+"""See ``propmap.vehicle.wakes``; what is neither free nor fixed is the vehicle file's."""
 
 ROTOR_SPEED = "rotor_speed_scale"
 
@@ -107,7 +106,7 @@ FLIGHT = {
     "thrust_scale": Parameter("-", 1.0, 0.8, 1.25, 0.02, "thrust over that of the rotors' model"),
     ROTOR_SPEED: Parameter("-", 1.0, 0.9, 1.1, 0.01, "rotor speeds over those logged"),
 }
-"""Of a flight: battery, mass, and what a motor controller takes for the speed of its motor."""
+"""Battery and mass of a flight, and what a motor controller takes for its motor's speed."""
 
 PER_FLIGHT = ("thrust_scale", "clock_offset")
 """What may differ from flight to flight: then named as ``thrust_scale[FLIGHT]``."""
@@ -225,8 +224,7 @@ class Choice:
         return Prior(*found) if found else None
 
     def prior_residuals(self, x: Floats) -> tuple[Floats, Floats]:
-        """Standard deviations between ``x`` (P,) and each of K priors (K,), and their derivatives
-        (K, P)."""
+        """Distances (K,) of ``x`` (P,) from K priors, in deviations, and slopes (K, P)."""
         own = [k for k, name in enumerate(self.free) if name in self.priors]
         given = [self.priors[self.free[k]] for k in own]
         deviation = np.array([p.deviation for p in given])
@@ -298,17 +296,16 @@ class SectionPrior:
         Of the coordinates of the constants.
     airfoil : Airfoil
         The most likely constants.
-    told : str
+    source : str
         One line that says of which propellers this is.
     """
 
     distribution: PopulationPrior
     airfoil: Airfoil
-    told: str
+    source: str
 
     def z_scores(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """Standard deviations (7,) between coordinates and their means, in the order of
-        ``PARAMETERS``.
+        """Standard deviations (7,) between coordinates and means, in the order of ``PARAMETERS``.
 
         The derivatives by the constants are (7, 7).
         """

@@ -22,7 +22,7 @@ HELD_BY_PRIOR = 0.7
 """Share of the deviation beforehand above which a prior says more of a parameter than the data."""
 
 LARGEST_STRETCH = 4.0
-"""Of an interval where the model is not linear; by then the parameter is no longer identified."""
+"""Stretch of an interval, at most, where the model is not linear: it identifies nothing then."""
 
 NEGLIGIBLE = 1e-6
 """Singular value, relative to the largest, below which data say nothing of a direction: its
@@ -70,7 +70,7 @@ def uncertainty(
 ) -> Uncertainty:
     """Gauss-Newton covariance, with errors of the size that the residuals of each load have.
 
-    Where ``rows.group`` tells of stretches within which errors are shared, ``block_errors`` of
+    Where ``rows.group`` has stretches within which errors are correlated, ``block_errors`` of
     stretches take the place of those of rows, or correlated samples would count as independent
     ones. Where other propellers tell what to expect, the rows of each load err together as far as
     ``rows.independent`` says, by ``LEAST_ERROR`` at least; ``error`` is that of a residual, as in
@@ -205,7 +205,7 @@ def _stretched(
     x = found.x / spread
     bounds = (lower / spread, upper / spread)
     first, at_minimum = linearised(x, found.residual, found.slopes)
-    moved = ends.copy()
+    stretched = ends.copy()
     for k in narrow:
         for side in range(2):
             end = float(ends[side, k])
@@ -215,8 +215,8 @@ def _stretched(
             least, _ = linearised(there, *evaluator.at(there * spread))[0].profile(k, end)
             share = (least - at_minimum) / (foreseen - at_minimum)
             stretch = max(1.0, max(share, LARGEST_STRETCH**-2) ** -0.5)
-            moved[side, k] = x[k] + stretch * (end - x[k])
-    return np.clip(moved, *bounds)
+            stretched[side, k] = x[k] + stretch * (end - x[k])
+    return np.clip(stretched, *bounds)
 
 
 def _standard_error(residual: Floats, share: float) -> float:
@@ -337,12 +337,12 @@ def bounded_intervals(
 # Errors of parameters from residuals that are correlated within stretches of the data.
 
 MOST_ALONE = 0.9
-"""Share of what is known of a direction that one stretch is taken to tell, at most: what a single
-stretch alone determines has no error that could be told from the others."""
+"""Share of what is known of a direction that one stretch is taken to give, at most: what a single
+stretch alone determines has no error that the others could show."""
 
 
 class BlockErrors(NamedTuple):
-    """What G stretches tell of P parameters."""
+    """What G stretches say of P parameters."""
 
     middle: Floats  # (P, P), covariance of the slopes of half the sum of squares
     freedom: Floats  # (P,), degrees of freedom of each parameter's variance

@@ -248,7 +248,7 @@ def changed_blade(
     blade : Propeller
         The one to begin with.
     diameter : float, optional
-        [m]; radii and chords grow alike.
+        [m]; radii and chords grow by one factor.
     pitch : float, optional
         At three quarters of the radius [m]; the tangents of all twists change by one factor, so
         that the pitch of each station does. By default it grows with the diameter.
