@@ -8,7 +8,10 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Protocol, Self, TypeVar
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 Common = TypeVar("Common")
 Task = TypeVar("Task")
@@ -76,12 +79,10 @@ class InThreads:
     ) -> Iterator[tuple[int, Result]]:
         """Do tasks as ``Workers.results``, but of a short list: all are taken at once."""
         # Imported here, as every rotor imports this module and few use threads of Python.
-        from concurrent.futures import ThreadPoolExecutor, as_completed
+        from concurrent.futures import ThreadPoolExecutor
 
         with ThreadPoolExecutor(self.count) as pool:
-            places = {pool.submit(work, common, task): k for k, task in enumerate(tasks)}
-            for done in as_completed(places):
-                yield places[done], done.result()
+            yield from _as_completed(pool.submit(work, common, task) for task in tasks)
 
 
 class InProcesses:
@@ -112,12 +113,16 @@ class InProcesses:
         tasks: Iterable[Task],
     ) -> Iterator[tuple[int, Result]]:
         """Do tasks as ``InThreads.results``."""
-        from concurrent.futures import as_completed
-
         submit = self._pool.submit
-        places = {submit(_on_one_core, work, common, task): k for k, task in enumerate(tasks)}
-        for done in as_completed(places):
-            yield places[done], done.result()
+        yield from _as_completed(submit(_on_one_core, work, common, task) for task in tasks)
+
+
+def _as_completed(futures: Iterable[Future[Result]]) -> Iterator[tuple[int, Result]]:
+    from concurrent.futures import as_completed
+
+    places = {future: place for place, future in enumerate(futures)}
+    for done in as_completed(places):
+        yield places[done], done.result()
 
 
 def _on_one_core(work: Callable[[Common, Task], Result], common: Common, task: Task) -> Result:

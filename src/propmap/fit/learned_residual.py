@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -77,8 +78,7 @@ class AddedForce:
         return np.select([self.strength >= 1.0, self.strength > 0.0], ["ok", "faded"], "off")
 
 
-@dataclass(frozen=True, eq=False)
-class LearnedResidual:
+class LearnedResidual(msgspec.Struct, frozen=True, eq=False):
     """Weights of F features for each of three axes.
 
     Attributes
@@ -112,6 +112,12 @@ class LearnedResidual:
     evidence: Floats
     without: Floats
     with_it: Floats
+
+    def __post_init__(self) -> None:
+        count = len(self.names)
+        sound = self.weights.shape == (3, count) and self.low.shape == (count,)
+        if not (sound and self.covariance.shape == (3, count, count)):
+            raise ValueError("its arrays do not fit together")
 
     @property
     def pays(self) -> tuple[bool, ...]:
@@ -150,25 +156,18 @@ class LearnedResidual:
 
     def table(self) -> dict[str, Any]:
         """Plain data for a TOML file."""
-        arrays = {k: v.tolist() for k, v in vars(self).items() if isinstance(v, np.ndarray)}
-        return {"names": list(self.names), **arrays}
+        plain: dict[str, Any] = msgspec.to_builtins(self, enc_hook=lambda array: array.tolist())
+        return plain
 
     @classmethod
     def of_table(cls, table: Mapping[str, Any]) -> LearnedResidual:
         """From a ``table`` of a TOML file; ``InputError`` where it is damaged."""
         try:
-            arrays = {k: np.array(v, np.float64) for k, v in table.items() if k != "names"}
-            names = tuple(table["names"])
-            made = cls(names=names, **arrays)
-            count = len(names)
-            sound = made.weights.shape == (3, count) and made.low.shape == (count,)
-            if not (sound and made.covariance.shape == (3, count, count)):
-                raise ValueError("its arrays do not fit together")
-        except (KeyError, TypeError, ValueError) as error:
+            return msgspec.convert(table, cls, dec_hook=lambda _, v: np.array(v, np.float64))
+        except msgspec.ValidationError as error:
             raise InputError(
                 f"the learned residual is damaged: {error}", "write it again with propmap fit"
             ) from None
-        return made
 
 
 def learn(vehicle: Vehicle, log: FlightLog, left: Floats) -> LearnedResidual:

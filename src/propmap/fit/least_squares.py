@@ -324,8 +324,9 @@ class Rows:
     ) -> Rows:
         """Make a row of each finite number in a table of L loads at n operating points.
 
-        ``measured`` and ``scale`` are (n, L), ``speed`` and ``group`` (n,). From the indices of m
-        points ``table`` gives a model of them: values (m, L) and derivatives (m, L, P).
+        ``names`` and ``units`` are of the loads, ``measured`` and ``scale`` (n, L), ``speed`` and
+        ``group`` (n,). From the indices of m points ``table`` gives a model of them: values (m, L)
+        and derivatives (m, L, P).
         """
         point, load = np.nonzero(np.isfinite(measured))
         # A search is polished where it ended, and refits of parts of the data begin there.

@@ -307,7 +307,7 @@ class SectionPrior:
     def z_scores(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
         """Standard deviations (7,) between coordinates and means, in the order of ``PARAMETERS``.
 
-        The derivatives by the constants are (7, 7).
+        The constants ``values`` are by name; the derivatives by them are (7, 7).
         """
         constants = np.array([values[name] for name in PARAMETERS])
         inside = np.where(LOGARITHMIC, np.maximum(constants, SMALLEST), constants)
@@ -319,7 +319,8 @@ class SectionPrior:
     def penalty(self, values: Mapping[str, float], kept: Sequence[int]) -> tuple[Floats, Floats]:
         """Numbers (K,) that are independent and of variance 1 beforehand; their slopes (K, 7).
 
-        They are of the K coordinates ``kept``, which are known beforehand by this prior.
+        They are of the K coordinates ``kept``, which are known beforehand by this prior, at the
+        constants ``values`` by name.
         """
         scores, slopes = self.z_scores(values)
         own = list(kept)
