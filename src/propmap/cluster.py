@@ -190,10 +190,7 @@ class DaskWorkers:
             return 0
 
     def results(
-        self,
-        work: Callable[[Common, Task], Result],
-        common: Common,
-        tasks: Iterable[Task],
+        self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
         """``work`` of ``common`` and each of the ``tasks``, as ``Workers.results``.
 

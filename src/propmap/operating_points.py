@@ -116,10 +116,7 @@ def _resolved_alone(omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Flow
 
 
 def along_and_across(
-    omega: ArrayLike,
-    v_axial: ArrayLike,
-    v_inplane: ArrayLike,
-    **further: Unpack[Further],
+    omega: ArrayLike, v_axial: ArrayLike, v_inplane: ArrayLike, **further: Unpack[Further]
 ) -> FlowPoints:
     """Check operating points by the velocity along the axis and in the disk plane."""
     more = _given(further)

@@ -124,11 +124,7 @@ class Rotor:
         return made
 
     def loads(
-        self,
-        omega: ArrayLike,
-        speed: ArrayLike,
-        beta: ArrayLike,
-        **further: Unpack[Further],
+        self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, **further: Unpack[Further]
     ) -> Loads:
         """Loads at operating points.
 
@@ -169,11 +165,7 @@ class Rotor:
         return self._loads(self._allowed(points))
 
     def wrench(
-        self,
-        omega: ArrayLike,
-        velocity: ArrayLike,
-        spin: str = "ccw",
-        **further: Unpack[Further],
+        self, omega: ArrayLike, velocity: ArrayLike, spin: str = "ccw", **further: Unpack[Further]
     ) -> Wrench:
         """Force and moment on the vehicle, as vectors in the rotor frame.
 

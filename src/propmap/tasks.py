@@ -27,10 +27,7 @@ class Workers(Protocol):
         ...
 
     def results(
-        self,
-        work: Callable[[Common, Task], Result],
-        common: Common,
-        tasks: Iterable[Task],
+        self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
         """The place of each task in ``tasks`` and its result, in the order in which they are done.
 
@@ -55,10 +52,7 @@ class InTurn:
     count = 1
 
     def results(
-        self,
-        work: Callable[[Common, Task], Result],
-        common: Common,
-        tasks: Iterable[Task],
+        self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
         """Do tasks as ``Workers.results``."""
         for place, task in enumerate(tasks):
@@ -72,10 +66,7 @@ class InThreads:
         self.count = count
 
     def results(
-        self,
-        work: Callable[[Common, Task], Result],
-        common: Common,
-        tasks: Iterable[Task],
+        self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
         """Do tasks as ``Workers.results``, but of a short list: all are taken at once."""
         # Imported here, as every rotor imports this module and few use threads of Python.
@@ -107,10 +98,7 @@ class InProcesses:
         self._pool.shutdown(cancel_futures=True)
 
     def results(
-        self,
-        work: Callable[[Common, Task], Result],
-        common: Common,
-        tasks: Iterable[Task],
+        self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
         """Do tasks as ``InThreads.results``."""
         submit = self._pool.submit

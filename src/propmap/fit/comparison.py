@@ -119,10 +119,7 @@ class FlightForces:
 
 
 def flight_forces(
-    vehicle: Vehicle,
-    log: FlightLog,
-    law: Section,
-    values: Mapping[str, float],
+    vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> FlightForces:
     """All forces but gravity on a vehicle, by a section law and what a fit found besides.
 

@@ -249,11 +249,7 @@ class ForceModel:
     """
 
     def __init__(
-        self,
-        vehicle: Vehicle,
-        log: FlightLog,
-        base: Airfoil,
-        setting: str = "standard",
+        self, vehicle: Vehicle, log: FlightLog, base: Airfoil, setting: str = "standard"
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
             raise InputError(

@@ -52,7 +52,7 @@ MOUNT = {"mount_area": Parameter("m^2", 0.0, 0.0, 0.1, 5e-4, "what is mounted in
 """The correction ``mount-drag``, the model's own where it is neither free nor fixed."""
 
 FLEX = {
-    "untwist": Parameter("rad", 0.0, -0.05, 0.15, 0.01, "twist lost at the tip at 100 m/s there"),
+    "untwist": Parameter("rad", 0.0, -0.05, 0.15, 0.01, "twist lost at the tip at 100 m/s there")
 }
 """The correction ``blade-untwist``, the model's own where it is neither free nor fixed."""
 

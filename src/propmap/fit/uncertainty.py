@@ -349,11 +349,7 @@ class BlockErrors(NamedTuple):
 
 
 def block_errors(
-    slopes: Floats,
-    residual: Floats,
-    group: NDArray[np.intp],
-    whole: Floats,
-    by_priors: Floats,
+    slopes: Floats, residual: Floats, group: NDArray[np.intp], whole: Floats, by_priors: Floats
 ) -> BlockErrors:
     """Cluster-robust errors, each stretch's residuals being those of a fit that left it out.
 

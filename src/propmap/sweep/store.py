@@ -103,10 +103,7 @@ class Store:
             group = zarr.create_group(str(part), zarr_format=3, attributes=about)
             for name, (dims, values, attributes) in layout.coordinates.items():
                 array = group.create_array(
-                    name,
-                    data=np.asarray(values),
-                    dimension_names=dims,
-                    attributes=dict(attributes),
+                    name, data=np.asarray(values), dimension_names=dims, attributes=dict(attributes)
                 )
             for name, (kind, attributes) in layout.quantities.items():
                 array = group.create_array(
