@@ -203,28 +203,19 @@ SPEED_STEP = 1e-6
 
 
 class VehicleLoads(NamedTuple):
-    """What acts on a vehicle at n samples, in its frame.
+    """Forces [N] and moments about the centre of mass [N m] at n samples, in the vehicle's frame."""
 
-    Attributes
-    ----------
-    loads : ndarray, shape (n, 6)
-        Force [N] and moment about the centre of mass [N m], NaN where the rotors' loads were not
-        found.
-    slopes : ndarray, shape (P, n, 6)
-        Derivatives by the parameters asked for.
-    """
-
-    loads: Floats
-    slopes: Floats
+    loads: Floats  # (n, 6), NaN where the rotors' loads were not found
+    slopes: Floats  # derivatives by the P parameters asked for, (P, n, 6)
 
     @property
     def force(self) -> Floats:
-        """[N], (n, 3)."""
+        """Force [N], (n, 3)."""
         return self.loads[:, :3]
 
     @property
     def moment(self) -> Floats:
-        """[N m], (n, 3)."""
+        """Moment [N m], (n, 3)."""
         return self.loads[:, 3:]
 
 
