@@ -327,24 +327,13 @@ class Rotor:
         # The core takes one radius at least.
         fields = [self._core.disk_field(rows, list(part) or [tip], list(psi)) for part in parts]
         found = {
-            name: np.concatenate([field[name] for field in fields])[: y.size] for name in fields[0]
+            f"{name}_per_radius" if name in ("thrust", "drag", "torque") else name: np.concatenate(
+                [field[name] for field in fields]
+            )[: y.size]
+            for name in fields[0]
         }
-        return Inflow(
-            radius=y,
-            azimuth=psi,
-            inflow=found["inflow"],
-            local_inflow=found["local_inflow"],
-            thrust_per_radius=found["thrust"],
-            drag_per_radius=found["drag"],
-            torque_per_radius=found["torque"],
-            alpha=found["alpha"],
-            u_tangential=found["u_tangential"],
-            u_normal=found["u_normal"],
-            past_stall=found["past_stall"],
-            stalled=found["past_stall"] > 0.0,
-            reverse=found["u_tangential"] < 0.0,
-            normal_force=found["normal_force"],
-        )
+        stalled, reverse = found["past_stall"] > 0.0, found["u_tangential"] < 0.0
+        return Inflow(radius=y, azimuth=psi, stalled=stalled, reverse=reverse, **found)
 
     def explain(self, omega: float, speed: float, beta: float) -> SearchReport:
         """How the inflow equation (11) was solved at one operating point, station by station.

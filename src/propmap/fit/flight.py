@@ -203,7 +203,7 @@ SPEED_STEP = 1e-6
 
 
 class VehicleLoads(NamedTuple):
-    """Forces [N] and moments about the centre of mass [N m] at n samples, in the vehicle's frame."""
+    """Force [N] and moment about the centre of mass [N m] at n samples, in the vehicle's frame."""
 
     loads: Floats  # (n, 6), NaN where the rotors' loads were not found
     slopes: Floats  # derivatives by the P parameters asked for, (P, n, 6)
