@@ -9,9 +9,9 @@ import numpy as np
 
 from benchmarks.cluster_rotor import LARGE, grid, model
 from propmap.rotor import Rotor
-from propmap.study.run import Study, loads_of_designs
+from propmap.study.run import Study
 from propmap.sweep.points import Part
-from propmap.sweep.run import POINTS_PER_TASK, Sweep, loads_of_part
+from propmap.sweep.run import POINTS_PER_TASK, Sweep
 
 
 def designs() -> dict[str, Any]:
@@ -26,14 +26,11 @@ def designs() -> dict[str, Any]:
             rng = np.random.default_rng(2)
             size = POINTS_PER_TASK if accuracy == "standard" else 4096
             part = Part(
-                (),
                 rng.uniform(3000.0, 8000.0, size),
                 rng.uniform(0.0, 20.0, size),
                 rng.uniform(0.0, 180.0, size),
             )
-            found[f"point_{accuracy}_s"] = (
-                _least(lambda s=sweep, p=part: loads_of_part(s, p)) / size
-            )
+            found[f"point_{accuracy}_s"] = _least(lambda s=sweep, p=part: s.values(p)) / size
         axes = {
             "rpm": np.linspace(3000.0, 8000.0, 4),
             "speed_mps": np.linspace(0.0, 20.0, 5),
@@ -43,7 +40,7 @@ def designs() -> dict[str, Any]:
         study = Study(Rotor(model("recommended")), varied, axes, 64)
         some = study.part((0, 0, 0, 0), (16, 4, 5, 5))
         found["design_points"] = 100
-        found["design_s"] = _least(lambda: loads_of_designs(study, some)) / 16
+        found["design_s"] = _least(lambda: study.values(some)) / 16
     return found
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.cluster_rotor import LARGE, SMALL, grid, rotor, usage
-from propmap.cluster.workers import DaskWorkers, connected
+from propmap.cluster import DaskWorkers, connected
 from propmap.sweep.run import sweep_to_store
 from propmap.tasks import InTurn
 

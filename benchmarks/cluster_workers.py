@@ -10,9 +10,9 @@ import numpy as np
 
 from benchmarks.cluster_rotor import LARGE, grid, rotor, usage
 from benchmarks.scheduler_simulation import Costs, efficiency, simulate
-from propmap.cluster.workers import DaskWorkers, connected
+from propmap.cluster import DaskWorkers, connected
 from propmap.sweep.points import Part
-from propmap.sweep.run import Sweep, loads_of_part
+from propmap.sweep.run import Sweep
 
 WORKERS = (1, 2, 4, 8)
 
@@ -40,7 +40,7 @@ def _wait(_: None, task: float) -> float:
 def _timed_part(sweep: Sweep, part: Part) -> float:
     """Processor time of this process [s], which does one task at a time."""
     start = time.process_time()
-    loads_of_part(sweep, part)
+    sweep.values(part)
     return time.process_time() - start
 
 
@@ -50,7 +50,7 @@ def scheduler() -> dict[str, Any]:
     sweep = Sweep(rotor(), grid(LARGE))
     rng = np.random.default_rng(1)
     some = [
-        Part((), rng.uniform(3000.0, 8000.0, SHORT_TASK), *rest)
+        Part(rng.uniform(3000.0, 8000.0, SHORT_TASK), *rest)
         for rest in zip(
             rng.uniform(0.0, 20.0, (TASKS, SHORT_TASK)),
             rng.uniform(0.0, 180.0, (TASKS, SHORT_TASK)),

@@ -51,7 +51,7 @@ def as_if_independent(found: Fitted) -> tuple[Floats, Floats]:
     """Ends of the 95 % intervals if every row erred by itself."""
     slopes, residual = found.minimum.slopes, found.minimum.residual
     variance = float(residual @ residual) / (residual.size - found.x.size)
-    by_prior = np.sqrt(variance) * found.choice.apart(found.x)[1]
+    by_prior = np.sqrt(variance) * found.choice.prior_residuals(found.x)[1]
     information = slopes.T @ slopes + by_prior.T @ by_prior
     deviation = np.sqrt(variance * np.diag(np.linalg.inv(information)))
     half = float(stdtrit(residual.size - found.x.size, 0.975)) * deviation

@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from propmap.cluster.workers import AHEAD
+from propmap.cluster import AHEAD
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,6 @@ LEFT_TO_RIGHT = (
     "model",
     "reference",
     "operating_points",
-    "bands",
     "rotor",
     "jax",
     "sweep",

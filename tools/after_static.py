@@ -75,7 +75,7 @@ def predicted(one: Identified, tested: MeasuredPropeller) -> tuple[Predicted, Pr
         relative = np.sqrt(np.nanmean(error**2, axis=1) / np.mean(wanted**2, axis=1))
         return Predicted(relative, np.mean(np.abs(error) < 1.96 * deviation, axis=1))
 
-    by_prior = np.linalg.inv(choice.apart(choice.first)[1])
+    by_prior = np.linalg.inv(choice.prior_residuals(choice.first)[1])
     before = compared(choice.first, by_prior @ by_prior.T)
     return before, compared(fitted.x, fitted.uncertainty.covariance)
 

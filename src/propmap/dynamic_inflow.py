@@ -67,7 +67,7 @@ class DynamicInflow:
         InputError
             For values that are not finite, negative omega and shapes that do not fit together.
         """
-        points = _Points(self._sign, omega, velocity)
+        points = _StatePoints(self._sign, omega, velocity)
         return points.in_rotor_frame(self._motion(points).steady)
 
     def rates(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Floats:
@@ -80,7 +80,7 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _Points(self._sign, omega, velocity, state=state)
+        points = _StatePoints(self._sign, omega, velocity, state=state)
         return points.in_rotor_frame(self._motion(points).rates)
 
     def step(
@@ -105,7 +105,7 @@ class DynamicInflow:
         InputError
             Also for a negative ``dt``.
         """
-        points = _Points(self._sign, omega, velocity, state=state, dt=dt)
+        points = _StatePoints(self._sign, omega, velocity, state=state, dt=dt)
         return points.in_rotor_frame(self._motion(points).later)
 
     def loads(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Loads:
@@ -118,7 +118,7 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _Points(self._sign, omega, velocity, state=state)
+        points = _StatePoints(self._sign, omega, velocity, state=state)
         return self._loads(points)
 
     def wrench(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Wrench:
@@ -131,7 +131,7 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _Points(self._sign, omega, velocity, state=state)
+        points = _StatePoints(self._sign, omega, velocity, state=state)
         return hub_wrench(self._loads(points), points.direction, self._sign)
 
     def time_constants(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
@@ -145,7 +145,7 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _Points(self._sign, omega, velocity)
+        points = _StatePoints(self._sign, omega, velocity)
         matrices = self._motion(points).linear
         known = np.isfinite(matrices).all(axis=(1, 2))
         values = np.full((len(matrices), 3), np.nan)
@@ -153,29 +153,28 @@ class DynamicInflow:
         with np.errstate(divide="ignore"):
             return points.shaped(-1.0 / values)
 
-    def _motion(self, points: _Points) -> _Motion:
+    def _motion(self, points: _StatePoints) -> _Motion:
         state, dt = np.ascontiguousarray(points.state.ravel()), np.ascontiguousarray(points.dt)
         return _Motion(*self.rotor._core.inflow_motion(points.flow.rows, state, dt, cores()))
 
-    def _loads(self, points: _Points) -> Loads:
+    def _loads(self, points: _StatePoints) -> Loads:
         motion = self._motion(points)
         static = self.rotor._as_loads(motion.loads, motion.found, points.flow.omega, points.shape)
         return replace(static, mean_inflow=points.state[:, 0].reshape(points.shape))
 
 
 class _Motion(NamedTuple):
-    """N states of the inflow, as the core gives them: steady states, rates and states a step later
-    (N, 3), loads (L, N), derivatives of the rates (N, 3, 3), and the static solution's (5, N)."""
+    """N states of the inflow as the core gives them, with loads (L, N)."""
 
-    steady: Floats
+    steady: Floats  # states and rates (N, 3)
     rates: Floats
-    later: Floats
+    later: Floats  # a step later
     loads: Floats
-    linear: Floats
-    found: Floats
+    linear: Floats  # derivatives of the rates (N, 3, 3)
+    found: Floats  # of the static solution (5, N)
 
 
-class _Points:
+class _StatePoints:
     """Operating points and states, broadcast and flat, with states along and across the flight."""
 
     def __init__(
@@ -215,9 +214,9 @@ class _Points:
         self.state = self._turned(np.broadcast_to(given, self.direction.shape).reshape(-1, 3))
 
     def _turned(self, vectors: Floats) -> Floats:
-        """Mean, v_s and v_c from mean, x and y (N, 3).
+        """Turn mean, x and y to mean, v_s and v_c (N, 3).
 
-        The rear is against the flight.  The advancing side is on the right of it where the rotor
+        The rear is against the flight. The advancing side is on the right of it where the rotor
         turns counter-clockwise.
         """
         mean, x, y = vectors.T
@@ -227,7 +226,7 @@ class _Points:
         return found
 
     def in_rotor_frame(self, vectors: Floats) -> Floats:
-        """Mean, x and y (..., 3) from mean, v_s and v_c (N, 3)."""
+        """Turn mean, v_s and v_c (N, 3) to mean, x and y (..., 3)."""
         mean, lateral, longitudinal = vectors.T
         right = self._sign * lateral
         found = np.empty(vectors.shape)
@@ -236,5 +235,5 @@ class _Points:
         return self.shaped(found)
 
     def shaped(self, vectors: Floats) -> Floats:
-        """Of flat (N, 3) the shape (..., 3) of the points."""
+        """Give flat (N, 3) the shape (..., 3) of the points."""
         return vectors.reshape(*self.shape, 3)

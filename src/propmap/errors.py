@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 
 class InputError(ValueError):
-    """An input that cannot be used, explained in one printable line.
+    """An input that cannot be used, described in one printable line.
 
     Attributes
     ----------

@@ -65,10 +65,7 @@ def _loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 @_loads.defjvp
 def _loads_jvp(rotor: Rotor, primals: Any, tangents: Any) -> Any:
     shape, dtype = primals[0].shape, primals[0].dtype
-    wanted = (
-        _Shape((*shape, len(LOADS)), dtype),
-        _Shape((*shape, len(LOADS), len(FLOW)), dtype),
-    )
+    wanted = (_Shape((*shape, len(LOADS)), dtype), _Shape((*shape, len(LOADS), len(FLOW)), dtype))
 
     def found(*flow: Any) -> tuple[Floats, Floats]:
         values, slopes = rotor.gradients(FLOW, *_double(flow))

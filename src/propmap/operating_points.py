@@ -19,23 +19,18 @@ FAR = np.array(np.inf)
 
 
 class Further(TypedDict, total=False):
-    """What an operating point may have beside rotational speed and velocity; None is not given."""
+    """Further quantities of an operating point, None where not given."""
 
-    height: ArrayLike | None
-    """Of the disk above level ground [m]."""
+    height: ArrayLike | None  # of the disk above level ground [m]
 
 
 class FlowPoints(NamedTuple):
     """Operating points as the compiled core takes them: arrays of one shape, or ``FAR``."""
 
-    omega: Floats
-    """Rotational speed [rad/s], >= 0."""
-    v_axial: Floats
-    """V cos(beta) [m/s], positive in climb."""
-    v_inplane: Floats
-    """V sin(beta) [m/s], >= 0."""
-    height: Floats = FAR
-    """Of the disk above the ground [m], > 0."""
+    omega: Floats  # rotational speed [rad/s], >= 0
+    v_axial: Floats  # V cos(beta) [m/s], positive in climb
+    v_inplane: Floats  # V sin(beta) [m/s], >= 0
+    height: Floats = FAR  # of the disk above the ground [m], > 0
 
     @property
     def rows(self) -> Floats:
@@ -47,13 +42,7 @@ class FlowPoints(NamedTuple):
 
 
 def broadcast(**named: ArrayLike) -> list[Floats]:
-    """Arguments as arrays of one shape, of numbers that are all finite.
-
-    Raises
-    ------
-    InputError
-        That names the argument at fault.
-    """
+    """Broadcast arguments to arrays of one shape, all finite; ``InputError`` names a fault."""
     arrays = []
     for name, value in named.items():
         try:
@@ -71,12 +60,12 @@ def broadcast(**named: ArrayLike) -> list[Floats]:
 
 
 def rates(omega: ArrayLike) -> Floats:
-    """Rotational speeds ``omega`` [rad/s], none of them negative."""
+    """Check rotational speeds ``omega`` [rad/s], none of them negative."""
     return rates_of("omega", omega)
 
 
 def rates_of(name: str, values: ArrayLike) -> Floats:
-    """Rotational speeds ``values`` [rad/s] of an argument ``name``, none of them negative."""
+    """Check rotational speeds ``values`` [rad/s] of an argument ``name``, none of them negative."""
     (w,) = broadcast(**{name: values})
     _refuse_negative(name, w, SPIN_REMEDY)
     return w
@@ -90,7 +79,7 @@ def resolved(
     one: bool = False,
     **further: Unpack[Further],
 ) -> FlowPoints:
-    """V along the axis and across it; where beta is a multiple of pi/2, one is exactly zero.
+    """Resolve V along the axis and across it, exactly at multiples of pi/2.
 
     Arrays are refused where ``one`` is true.
     """
@@ -111,7 +100,7 @@ def resolved(
 
 
 def _resolved_alone(omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> FlowPoints | None:
-    """``resolved`` of three good numbers, in a tenth of the time; None for anything else."""
+    """Do as ``resolved`` with three good numbers, in a tenth of the time; else None."""
     w, v, b = omega, speed, beta
     number = float | int
     if not (isinstance(w, number) and isinstance(v, number) and isinstance(b, number)):
@@ -127,12 +116,9 @@ def _resolved_alone(omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Flow
 
 
 def along_and_across(
-    omega: ArrayLike,
-    v_axial: ArrayLike,
-    v_inplane: ArrayLike,
-    **further: Unpack[Further],
+    omega: ArrayLike, v_axial: ArrayLike, v_inplane: ArrayLike, **further: Unpack[Further]
 ) -> FlowPoints:
-    """Operating points by the velocity along the axis and in the disk plane."""
+    """Check operating points by the velocity along the axis and in the disk plane."""
     more = _given(further)
     w, along, across, *rest = broadcast(omega=omega, v_axial=v_axial, v_inplane=v_inplane, **more)
     _refuse_negative("omega", w, SPIN_REMEDY)
@@ -143,7 +129,7 @@ def along_and_across(
 def split_velocity(
     omega: ArrayLike, velocity: ArrayLike, **further: Unpack[Further]
 ) -> tuple[FlowPoints, Floats]:
-    """Operating points, and the unit vector (..., 3) of the velocity across the axis."""
+    """Resolve a velocity to operating points and the unit vector (..., 3) of its in-plane part."""
     more = _given(further)
     alone = None if more else _split_alone(omega, velocity)
     if alone is not None:
@@ -161,7 +147,7 @@ def split_velocity(
 
 
 def _split_alone(omega: ArrayLike, velocity: ArrayLike) -> tuple[FlowPoints, Floats] | None:
-    """``split_velocity`` of a good number and three, in a tenth of the time; None for others."""
+    """Do as ``split_velocity`` with a good number and three, in a tenth of the time; else None."""
     vector = velocity.tolist() if isinstance(velocity, np.ndarray) else velocity
     if not (isinstance(omega, float | int) and isinstance(vector, list | tuple)):
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
@@ -118,12 +118,7 @@ class Loads(LoadValues):
                 "nothing is known of the errors of these section constants",
                 "use constants identified or expected by name, or those of a fit's file",
             )
-        return LoadValues(
-            **{
-                each.name: np.sqrt(sum(getattr(part, each.name) ** 2 for part in parts))
-                for each in fields(LoadValues)
-            }
-        )
+        return _load_values(lambda name: np.sqrt(sum(getattr(part, name) ** 2 for part in parts)))
 
     def interval(self, share: float = 0.95) -> tuple[LoadValues, LoadValues]:
         """Low and high ends of a band that holds the true load with a probability.
@@ -145,16 +140,13 @@ class Loads(LoadValues):
         from statistics import NormalDist
 
         wide = NormalDist().inv_cdf(0.5 + 0.5 * share)
-        low, high = (
-            LoadValues(
-                **{
-                    each.name: getattr(self, each.name) + sign * wide * getattr(self.std, each.name)
-                    for each in fields(LoadValues)
-                }
+
+        def end(sign: float) -> LoadValues:
+            return _load_values(
+                lambda name: getattr(self, name) + sign * wide * getattr(self.std, name)
             )
-            for sign in (-1.0, 1.0)
-        )
-        return low, high
+
+        return end(-1.0), end(1.0)
 
 
 class LoadGradients(NamedTuple):
@@ -265,32 +257,34 @@ class SearchReport:
 
 
 def array_fields() -> list[str]:
-    """Fields of ``Loads`` that are arrays over the operating points."""
+    """Names of the fields of ``Loads`` that are arrays over the operating points."""
     return [each.name for each in fields(Loads) if each.name != "deviations"]
 
 
 def joined(parts: Sequence[Loads]) -> Loads:
-    """Loads of some shapes (n,) as those of all points together."""
-    arrays: Any = {
-        name: np.concatenate([getattr(part, name) for part in parts]) for name in array_fields()
-    }
+    """Join loads of any shapes to those of all points, each field (n,)."""
+
+    def all_points(values: Iterable[Any], name: str) -> Any:
+        return np.concatenate([getattr(one, name).ravel() for one in values])
+
+    arrays: Any = {name: all_points(parts, name) for name in array_fields()}
     if parts[0].deviations is None:
         return Loads(**arrays)
 
     def deviations() -> dict[str, LoadValues]:
         return {
-            source: LoadValues(
-                **{
-                    each.name: np.concatenate(
-                        [getattr(part.std_by_source[source], each.name) for part in parts]
-                    )
-                    for each in fields(LoadValues)
-                }
+            source: _load_values(
+                functools.partial(all_points, [part.std_by_source[source] for part in parts])
             )
             for source in parts[0].std_by_source
         }
 
     return Loads(**arrays, deviations=deviations)
+
+
+def _load_values(of: Callable[[str], Any]) -> LoadValues:
+    """Values ``of`` each field by its name."""
+    return LoadValues(**{each.name: of(each.name) for each in fields(LoadValues)})
 
 
 @dataclass(frozen=True)
@@ -308,23 +302,16 @@ class Wrench:
 
 
 def spin_sign(spin: str) -> float:
-    """1 for a ``spin`` "ccw", -1 for "cw"; ``InputError`` for another."""
+    """Take 1 for a ``spin`` "ccw", -1 for "cw"; ``InputError`` for another."""
     if spin not in ("ccw", "cw"):
         raise InputError(f"spin is {spin!r}: it must be 'ccw' or 'cw', seen from above")
     return 1.0 if spin == "ccw" else -1.0
 
 
 def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
-    """Loads as vectors in the right-handed rotor frame with z along the thrust.
+    """Make vectors of loads (...) in the right-handed rotor frame with z along the thrust.
 
-    Parameters
-    ----------
-    loads : Loads
-        Of shape (...).
-    direction : ndarray, shape (..., 3)
-        Unit vector of the in-plane velocity.
-    sign : float
-        That of the spin, see ``spin_sign``.
+    ``direction`` (..., 3) is the unit vector of the in-plane velocity, ``sign`` that of the spin.
     """
     # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.  What is to
     # the left acts along (-y, x).

@@ -9,9 +9,16 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.bands import load_deviations
 from propmap.errors import InputError
 from propmap.loads import GEOMETRY, LOADS, MOUNT_AREA
+from propmap.model.airfoil import (
+    INPLANE_SHARES,
+    TUNNEL_GAIN,
+    TUNNEL_TILT,
+    UNKNOWN_SHARE,
+    SectionCovariance,
+    SectionUncertainty,
+)
 from propmap.model.corrections import MountDrag, name_of
 from propmap.model.model import Model
 from propmap.operating_points import (
@@ -51,7 +58,7 @@ RADII_TOGETHER = 1000
 
 
 def core_corrections(model: Model) -> dict[str, Any]:
-    """The corrections of a ``model`` as the core takes them: numbers by name."""
+    """Write the corrections of a ``model`` as the core takes them: numbers by name."""
     found: dict[str, Any] = {}
     for value in model.applied:
         found |= value.core_numbers(name_of(value), model)
@@ -91,7 +98,6 @@ class Rotor:
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """What another process makes the rotor of; the core's own is made there."""
         return {"model": self.model, "accuracy": self.accuracy}
 
     def with_model(self, model: Model) -> Rotor:
@@ -118,11 +124,7 @@ class Rotor:
         return made
 
     def loads(
-        self,
-        omega: ArrayLike,
-        speed: ArrayLike,
-        beta: ArrayLike,
-        **further: Unpack[Further],
+        self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, **further: Unpack[Further]
     ) -> Loads:
         """Loads at operating points.
 
@@ -163,11 +165,7 @@ class Rotor:
         return self._loads(self._allowed(points))
 
     def wrench(
-        self,
-        omega: ArrayLike,
-        velocity: ArrayLike,
-        spin: str = "ccw",
-        **further: Unpack[Further],
+        self, omega: ArrayLike, velocity: ArrayLike, spin: str = "ccw", **further: Unpack[Further]
     ) -> Wrench:
         """Force and moment on the vehicle, as vectors in the rotor frame.
 
@@ -329,24 +327,13 @@ class Rotor:
         # The core takes one radius at least.
         fields = [self._core.disk_field(rows, list(part) or [tip], list(psi)) for part in parts]
         found = {
-            name: np.concatenate([field[name] for field in fields])[: y.size] for name in fields[0]
+            f"{name}_per_radius" if name in ("thrust", "drag", "torque") else name: np.concatenate(
+                [field[name] for field in fields]
+            )[: y.size]
+            for name in fields[0]
         }
-        return Inflow(
-            radius=y,
-            azimuth=psi,
-            inflow=found["inflow"],
-            local_inflow=found["local_inflow"],
-            thrust_per_radius=found["thrust"],
-            drag_per_radius=found["drag"],
-            torque_per_radius=found["torque"],
-            alpha=found["alpha"],
-            u_tangential=found["u_tangential"],
-            u_normal=found["u_normal"],
-            past_stall=found["past_stall"],
-            stalled=found["past_stall"] > 0.0,
-            reverse=found["u_tangential"] < 0.0,
-            normal_force=found["normal_force"],
-        )
+        stalled, reverse = found["past_stall"] > 0.0, found["u_tangential"] < 0.0
+        return Inflow(radius=y, azimuth=psi, stalled=stalled, reverse=reverse, **found)
 
     def explain(self, omega: float, speed: float, beta: float) -> SearchReport:
         """How the inflow equation (11) was solved at one operating point, station by station.
@@ -376,7 +363,7 @@ class Rotor:
         )
 
     def _allowed(self, points: FlowPoints) -> FlowPoints:
-        """The ``points``, if they are not so near the ground that nothing is known of it."""
+        """Refuse ``points`` so near the ground that nothing is known of it."""
         least = 0.5 * self.model.span[1]
         if points.height is not FAR and (points.height < least).any():
             raise InputError(
@@ -400,8 +387,15 @@ class Rotor:
     def _deviations(
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
     ) -> dict[str, LoadValues]:
-        """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``."""
-        found = load_deviations(self, at, loads)
+        """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``.
+
+        To first order sqrt(g' S g), with g the derivatives by uncertain parameters and S their
+        covariance; NaN where the derivatives were not found.
+        """
+        known = self.model.uncertainty
+        if known is None:
+            return {}
+        found = _by_parameters(known, self, at) | errors_of_loads(self.model, at, loads)
         values = {}
         for source, rows in found.items():
             lost = np.where(np.isnan(loads), np.nan, rows)
@@ -419,7 +413,7 @@ class Rotor:
         shape: tuple[int, ...],
         deviations: Deviations | None = None,
     ) -> Loads:
-        """Loads (L, N), and the results of each point (5, N), as the core gives them."""
+        """Make ``Loads`` of loads (L, N) and the core's other results of each point (5, N)."""
         by_name = {name: row.reshape(shape) for name, row in zip(LOADS, loads, strict=True)}
         status, roots, ring, mean_inflow, reverse = (row.reshape(shape) for row in found)
         return Loads(
@@ -432,3 +426,66 @@ class Rotor:
             mean_inflow=mean_inflow,
             deviations=deviations,
         )
+
+
+# -------------------------------------------------------------------------------------------------
+# Standard deviations of loads, by what they are from.
+
+
+def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
+    """Standard deviations (L, N) by source of the loads (L, N) alone, not of what they rest on."""
+    known = model.uncertainty
+    if known is None:
+        return {}
+    found = {"discrepancy": _discrepancy(model, known, at, loads)}
+    if known.another_tunnel:
+        found["tunnel"] = _tunnel(model, at, loads)
+    return found
+
+
+def _by_parameters(known: SectionUncertainty, rotor: Rotor, at: FlowPoints) -> dict[str, Floats]:
+    """Standard deviations (L, N) that follow from the uncertain constants and blade."""
+    whole = known.covariance.determined
+    if not whole.names:
+        return {}
+    slopes = rotor.gradients_at(whole.names, at).slopes
+
+    def variance(of: SectionCovariance) -> Floats:
+        return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)
+
+    if known.with_blade is None:
+        return {"parameters": np.sqrt(variance(whole))}
+    # The two populations are estimated separately; their sum has to be the whole.
+    total = variance(whole)
+    own = np.minimum(variance(known.with_blade), total)
+    return {"parameters": np.sqrt(own), "geometry": np.sqrt(total - own)}
+
+
+def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads: Floats) -> Floats:
+    """Errors (L, N) of the model with the best constants."""
+    blade, air = model.propeller, model.air
+    # In a wind a rotor that turns slowly has the loads of the wind.
+    square = at.omega**2 + (at.v_axial**2 + at.v_inplane**2) / blade.radius**2
+    force = air.density * square / (2.0 * np.pi) ** 2 * blade.diameter**4
+    of_axial = {
+        "thrust": known.thrust_coefficient * force,
+        "torque": known.power_coefficient / (2.0 * np.pi) * force * blade.diameter,
+    }
+    return np.stack(
+        [
+            of_axial[name]
+            if name in of_axial
+            else INPLANE_SHARES.get(name, UNKNOWN_SHARE) * np.abs(load)
+            for name, load in zip(LOADS, loads, strict=True)
+        ]
+    )
+
+
+def _tunnel(model: Model, at: FlowPoints, loads: Floats) -> Floats:
+    """Differences (L, N) between the loads that several tunnels, or the open air, would read."""
+    tip = np.hypot(at.omega * model.propeller.radius, np.hypot(at.v_axial, at.v_inplane))
+    speed = np.hypot(at.v_axial, at.v_inplane)
+    advance = np.divide(speed, tip, out=np.zeros_like(tip), where=tip > 0.0)
+    share = np.full_like(loads, TUNNEL_GAIN)
+    share[list(LOADS).index("thrust")] = np.hypot(TUNNEL_GAIN, TUNNEL_TILT * advance)
+    return np.asarray(share * np.abs(loads))

@@ -1,4 +1,4 @@
-"""Work that is cut into independent tasks, and who does it: this process, or a cluster."""
+"""Work that is cut into independent tasks, and who does it: this process, others, or a cluster."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Protocol, Self, TypeVar
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 Common = TypeVar("Common")
 Task = TypeVar("Task")
@@ -16,7 +19,7 @@ Result = TypeVar("Result")
 
 
 class Workers(Protocol):
-    """Who does tasks."""
+    """Whoever does tasks."""
 
     @property
     def count(self) -> int:
@@ -24,10 +27,7 @@ class Workers(Protocol):
         ...
 
     def results(
-        self,
-        work: Callable[[Common, Task], Result],
-        common: Common,
-        tasks: Iterable[Task],
+        self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
         """The place of each task in ``tasks`` and its result, in the order in which they are done.
 
@@ -52,53 +52,34 @@ class InTurn:
     count = 1
 
     def results(
-        self,
-        work: Callable[[Common, Task], Result],
-        common: Common,
-        tasks: Iterable[Task],
+        self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
-        """As ``Workers.results``."""
+        """Do tasks as ``Workers.results``."""
         for place, task in enumerate(tasks):
             yield place, work(common, task)
 
 
 class InThreads:
-    """Tasks of this process beside each other, for work that does not use all cores by itself.
-
-    Parameters
-    ----------
-    count : int
-        How many at a time.
-    """
+    """Does ``count`` tasks at a time in threads, for work that does not use all cores by itself."""
 
     def __init__(self, count: int) -> None:
         self.count = count
 
     def results(
-        self,
-        work: Callable[[Common, Task], Result],
-        common: Common,
-        tasks: Iterable[Task],
+        self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
-        """As ``Workers.results``, but for a list that is not long: all tasks are taken at once."""
+        """Do tasks as ``Workers.results``, but of a short list: all are taken at once."""
         # Imported here, as every rotor imports this module and few use threads of Python.
-        from concurrent.futures import ThreadPoolExecutor, as_completed
+        from concurrent.futures import ThreadPoolExecutor
 
         with ThreadPoolExecutor(self.count) as pool:
-            places = {pool.submit(work, common, task): k for k, task in enumerate(tasks)}
-            for done in as_completed(places):
-                yield places[done], done.result()
+            yield from _as_completed(pool.submit(work, common, task) for task in tasks)
 
 
 class InProcesses:
-    """Tasks in processes of this machine, for work of which Python itself does much.
+    """Does ``count`` tasks at a time in processes of one core, for work of which Python does much.
 
-    They start with the first tasks, and end with the ``with`` that this is used in.
-
-    Parameters
-    ----------
-    count : int
-        How many at a time, each on one core.
+    The processes start with the first tasks, and end with the ``with`` that this is used in.
     """
 
     def __init__(self, count: int) -> None:
@@ -117,18 +98,19 @@ class InProcesses:
         self._pool.shutdown(cancel_futures=True)
 
     def results(
-        self,
-        work: Callable[[Common, Task], Result],
-        common: Common,
-        tasks: Iterable[Task],
+        self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
-        """As ``InThreads.results``."""
-        from concurrent.futures import as_completed
-
+        """Do tasks as ``InThreads.results``."""
         submit = self._pool.submit
-        places = {submit(_on_one_core, work, common, task): k for k, task in enumerate(tasks)}
-        for done in as_completed(places):
-            yield places[done], done.result()
+        yield from _as_completed(submit(_on_one_core, work, common, task) for task in tasks)
+
+
+def _as_completed(futures: Iterable[Future[Result]]) -> Iterator[tuple[int, Result]]:
+    from concurrent.futures import as_completed
+
+    places = {future: place for place, future in enumerate(futures)}
+    for done in as_completed(places):
+        yield places[done], done.result()
 
 
 def _on_one_core(work: Callable[[Common, Task], Result], common: Common, task: Task) -> Result:
@@ -137,13 +119,7 @@ def _on_one_core(work: Callable[[Common, Task], Result], common: Common, task: T
 
 
 def in_order(results: Iterable[tuple[int, Result]]) -> list[Result]:
-    """All results in the order of their tasks.
-
-    Parameters
-    ----------
-    results : iterable of tuple
-        As ``Workers.results`` gives them.
-    """
+    """Sort ``results``, as of ``Workers.results``, into the order of their tasks."""
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 
 
@@ -153,10 +129,7 @@ _most_cores: ContextVar[int | None] = ContextVar("most_cores", default=None)
 
 @contextmanager
 def on_cores(most: int) -> Iterator[None]:
-    """Use ``most`` cores of this machine at most, in this thread.
-
-    For a process that has others beside it.  Loads do not depend on it.
-    """
+    """Use ``most`` cores at most in this thread; loads do not depend on it."""
     token = _most_cores.set(most)
     try:
         yield

@@ -35,9 +35,9 @@ def chosen(wanted: str | None = None, prop: str = "apc-8x6e", **stated: Any) -> 
 def test_seven_constants_from_the_family_by_default() -> None:
     choice = chosen()
     assert choice.free == SEVEN and choice.fixed["c_l2"] == 2.0
-    assert choice.expected is not None and "family apce" in choice.expected.told
+    assert choice.expected is not None and "family apce" in choice.expected.source
     # The search starts at the most likely constants.
-    assert np.abs(choice.apart(choice.first)[0]).max() < 1e-9
+    assert np.abs(choice.prior_residuals(choice.first)[0]).max() < 1e-9
 
 
 def test_whoever_says_what_to_fit_gets_that_and_no_more() -> None:
@@ -75,7 +75,7 @@ def test_what_is_stated_wins_over_the_prior() -> None:
 def test_whose_prior(wanted: str, prop: str, says: str) -> None:
     blade = None if prop == "my-blade.csv" else propmap.propeller(prop)
     prior = section_prior(wanted, prop, blade, by_default=False)
-    assert prior is not None and says in prior.told
+    assert prior is not None and says in prior.source
 
 
 def deviations(file: FitFile, speed: float, beta: float) -> float:

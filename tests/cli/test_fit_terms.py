@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from propmap.fit.flight_study import FittedStep, Flight, Off, Step
+from propmap.fit.comparison import AxisErrors, FittedStep, RecordedFlight, Step
 from propmap.units import GRAVITY
 
 from .conftest import Run
@@ -23,7 +23,7 @@ ASKED: list[dict[str, Any]] = []
 
 
 def made_up(
-    _: object, flights: Sequence[Flight], steps: Sequence[Step], __: object, **settings: Any
+    _: object, flights: Sequence[RecordedFlight], steps: Sequence[Step], __: object, **settings: Any
 ) -> list[FittedStep]:
     """Each step has half of the error of the one before it."""
     ASKED.append({"flights": flights, "steps": steps, **settings})
@@ -31,7 +31,7 @@ def made_up(
     for number, step in enumerate(steps):
         for left_out in range(len(flights)):
             offs = [np.full((len(f.passed), 3), 0.5**number) for f in flights]
-            off = tuple(Off(one, one) for one in offs)
+            off = tuple(AxisErrors(one, one) for one in offs)
             found.append(FittedStep(step.name, left_out, {"c_l1": 5.0}, off, off))
     return found
 

@@ -100,7 +100,7 @@ def test_wrong_clusters_are_one_line(
     cluster: str,
     told: str,
 ) -> None:
-    monkeypatch.setattr("propmap.cluster.workers.ANSWER_WITHIN", 0.5)
+    monkeypatch.setattr("propmap.cluster.ANSWER_WITHIN", 0.5)
     with socket.socket() as free:
         free.bind(("localhost", 0))
         cluster = cluster.replace("PORT", str(free.getsockname()[1]))

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.cluster.workers import AHEAD, DaskWorkers, connected
+from propmap.cluster import AHEAD, DaskWorkers, connected
 from propmap.errors import InputError
 from propmap.sweep.run import sweep_to_store
 from propmap.sweep.store import Store

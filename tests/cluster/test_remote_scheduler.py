@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from propmap.cluster.workers import connected
+from propmap.cluster import connected
 from propmap.errors import InputError
 from propmap.sweep.run import sweep_to_store
 from tests.sweep.conftest import whole  # noqa: F401

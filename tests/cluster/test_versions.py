@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from propmap.cluster.workers import DaskWorkers, differences
+from propmap.cluster import DaskWorkers, differences
 from propmap.errors import InputError
 
 SAME: dict[str, Any] = {

@@ -10,15 +10,15 @@ import numpy as np
 import tomli_w
 
 import propmap
-from propmap.fit.files import FitRecord, FittedLoad, FittedPropeller, FreeParameter, Source
+from propmap.fit.files import DataSource, FitRecord, FittedLoad, FittedPropeller, FreeParameter
 from propmap.fit.fit import Coverage, CoveredAngle
-from propmap.fit.least_squares import End, Errors
+from propmap.fit.least_squares import End, ResidualErrors
 
 
 def load(name: str, rms: float, hover: float, crossed: float = math.nan) -> FittedLoad:
     """A load whose measured values have the root mean square 1."""
-    bands = {"0-3 m/s": Errors(4, 0.5 * rms, 0.5 * rms, 0.0, rms, hover)}
-    bands["6-9 m/s"] = Errors(6, 4.0 * rms, 4.0 * rms, 0.0, rms, hover)
+    bands = {"0-3 m/s": ResidualErrors(4, 0.5 * rms, 0.5 * rms, 0.0, rms, hover)}
+    bands["6-9 m/s"] = ResidualErrors(6, 4.0 * rms, 4.0 * rms, 0.0, rms, hover)
     return FittedLoad(10, rms, rms, 0.0, rms, hover, name, "N", crossed, bands)
 
 
@@ -55,7 +55,7 @@ def record(**changed: Any) -> FitRecord:
         "fixed": {},
         "air": propmap.Air(),
         "propeller": FittedPropeller.of(propmap.propeller("apc-8x6e")),
-        "data": [Source("mine.csv", "abc")],
+        "data": [DataSource("mine.csv", "abc")],
         "covered": msgspec.structs.replace(whole, **of_coverage),
         "parameters": [parameter("c_l1", 5.0, 0.5, 12.0), parameter("c_d", 1.0, 0.0, 10.0)],
         "body": {},

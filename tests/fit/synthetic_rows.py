@@ -9,37 +9,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.fit.fit import Fitted
-from propmap.fit.least_squares import Model, Rows, errors
+from propmap.fit.least_squares import RowModel, Rows, errors
 from propmap.fit.parameters import EVERY, Choice
 from propmap.typing import Floats
 
 TRUTH = {"c_l1": 5.0, "c_l2": 2.5, "c_d": 1.5}
 
 
-def linear_model(design: Mapping[str, Floats]) -> Model:
+def linear_model(design: Mapping[str, Floats]) -> RowModel:
     """The sum of parameter times column; other parameters do not act."""
 
     def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         value = sum(values[name] * column for name, column in design.items())
         nothing = np.zeros_like(value)
-        return np.asarray(value), np.stack([design.get(n, nothing) for n in free], axis=1)
+        slopes = [design.get(name, nothing) for name in free]
+        return np.asarray(value), np.reshape(slopes, (len(free), value.size)).T
 
     return model
 
 
-def decay_model(time: Floats) -> Model:
+def decay_model(time: Floats) -> RowModel:
     """c_l1 exp(-c_l2 t) + c_d."""
 
     def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         fall = np.exp(-values["c_l2"] * time)
         slopes = {"c_l1": fall, "c_l2": -values["c_l1"] * time * fall, "c_d": np.ones_like(time)}
-        return values["c_l1"] * fall + values["c_d"], np.stack([slopes[n] for n in free], axis=1)
+        by = np.reshape([slopes[name] for name in free], (len(free), time.size)).T
+        return values["c_l1"] * fall + values["c_d"], by
 
     return model
 
 
 def rows_of(
-    model: Model,
+    model: RowModel,
     measured: Floats,
     *,
     load: NDArray[np.intp] | None = None,
@@ -64,7 +66,7 @@ def rows_of(
     )
 
 
-def true_values(model: Model, **truth: float) -> Floats:
+def true_values(model: RowModel, **truth: float) -> Floats:
     """What the model gives at ``TRUTH``, with changes."""
     values = {name: p.start for name, p in EVERY.items()} | TRUTH | truth
     return model(values, ("c_l1",))[0]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.special import stdtrit
 
+from propmap.fit.comparison import by_flight
 from propmap.fit.fit import Settings, fit
-from propmap.fit.flight_study import by_flight
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import Choice
 from propmap.fit.uncertainty import block_errors
@@ -89,11 +90,11 @@ def test_errors_of_each_flight() -> None:
     noise = size * np.random.default_rng(9).standard_normal((len(log), 1))
     at = np.cos(log.time)[:, None]
 
-    def model(values: dict[str, float], _: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
-        return values["c_l1"] * at, at[..., None]
+    def table(points: np.ndarray) -> Any:
+        return lambda values, _: (values["c_l1"] * at[points], at[points][..., None])
 
     rows = Rows.of_points(
-        ("force_z",), ("N",), 5.0 * at + noise, 1.0 + 0.0 * at, 0.0 * log.time, model,  # type: ignore[arg-type]
+        ("force_z",), ("N",), 5.0 * at + noise, 1.0 + 0.0 * at, 0.0 * log.time, table,
         log.stretches(1.0),
     )  # fmt: skip
     fitted = fit(rows, Choice(("c_l1",)), Settings(starts=1, folds=4))

@@ -9,7 +9,7 @@ import pytest
 
 import propmap
 from propmap.errors import InputError
-from propmap.fit.comparison import flight_forces, still_explained
+from propmap.fit.comparison import flight_forces, residual_trends
 from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, HoverScale, balance_rows, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
@@ -162,7 +162,7 @@ def test_a_twin_is_found_again() -> None:
                 assert abs(x - truth) < 0.01 * choice.column("spread")[FREE.index(name)], name
             else:
                 assert low - 0.5 * (high - low) < truth < high + 0.5 * (high - low), name
-        assert all("grows" in text or "falls" in text for text in still_explained(found, log))
+        assert all("grows" in text or "falls" in text for text in residual_trends(found, log))
 
 
 def test_a_sensor_has_no_part_in_steady_stretches() -> None:

@@ -8,8 +8,16 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit import flight_study
-from propmap.fit.flight_study import Flight, Off, Step, fit_terms, gain, judged, measured_off
+from propmap.fit import comparison
+from propmap.fit.comparison import (
+    AxisErrors,
+    RecordedFlight,
+    Step,
+    fit_terms,
+    gain,
+    judged,
+    measured_off,
+)
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.typing import Floats
 from propmap.units import GRAVITY
@@ -22,12 +30,12 @@ LAW = propmap.airfoil("paper-apc")
 VEHICLE = Vehicle("test", 1.0, propmap.propeller("apc-8x6e"), (Mount((0.0, 0.0, 0.0)),))
 
 
-def flight(name: str, count: int = COUNT) -> Flight:
+def flight(name: str, count: int = COUNT) -> RecordedFlight:
     still = np.zeros((count, 3))
     up = still + np.array([0.0, 0.0, 1.0])
     time, omega = np.arange(count) / RATE, np.full((count, 1), 700.0)
     log = FlightLog(name, time, still, still, up, GRAVITY * up, omega)
-    return Flight(name, log, log)
+    return RecordedFlight(name, log, log)
 
 
 def held(size: float, seconds: float, seed: int) -> Floats:
@@ -39,7 +47,7 @@ def held(size: float, seconds: float, seed: int) -> Floats:
 def test_a_term_that_takes_an_error_away_pays_by_its_square() -> None:
     rest, taken = held(0.1, 1.0, 1), np.zeros((COUNT, 3))
     taken[:, 2] = 0.5 * np.sign(np.sin(2.0 * np.pi * np.arange(COUNT) / RATE / 3.0))
-    old, new = Off(rest + taken, rest), Off(rest, rest)
+    old, new = AxisErrors(rest + taken, rest), AxisErrors(rest, rest)
     fall, deviation = gain([old], [new], [flight("one")])
     assert fall == pytest.approx(0.25, abs=4.0 * deviation) and deviation < 0.02
     assert judged(fall, deviation) == "pays"
@@ -50,14 +58,14 @@ def test_a_term_that_takes_an_error_away_pays_by_its_square() -> None:
 def test_noise_alone_hardly_ever_pays_though_it_is_alike_for_a_second() -> None:
     words = []
     for seed in range(200):
-        old, new = (Off(held(0.3, 1.0, 2 * seed + k), np.zeros((1, 3))) for k in (0, 1))
+        old, new = (AxisErrors(held(0.3, 1.0, 2 * seed + k), np.zeros((1, 3))) for k in (0, 1))
         words.append(judged(*gain([old], [new], [flight("one")])))
     # Two standard errors to one side: 2 in a hundred, and a few more for 40 stretches.
     assert words.count("pays") <= 12
     # Errors of single samples would make every tenth of these, or more, pay.
     each = held(0.3, 1.0, 0)
     apart = np.std(np.sum(each**2, axis=1)) / np.sqrt(COUNT)
-    blocked = gain([Off(each, each)], [Off(0.0 * each, each)], [flight("one")])[1]
+    blocked = gain([AxisErrors(each, each)], [AxisErrors(0.0 * each, each)], [flight("one")])[1]
     assert blocked > 4.0 * apart
 
 
@@ -65,9 +73,9 @@ def test_samples_without_loads_do_not_count() -> None:
     off = held(0.3, 1.0, 5)
     broken = off.copy()
     broken[100:150] = np.nan
-    fall, _ = gain([Off(broken, off)], [Off(0.5 * broken, off)], [flight("one")])
+    fall, _ = gain([AxisErrors(broken, off)], [AxisErrors(0.5 * broken, off)], [flight("one")])
     assert np.isfinite(fall) and fall > 0.0
-    assert np.isfinite(Off(broken, off).rms).all()
+    assert np.isfinite(AxisErrors(broken, off).rms).all()
 
 
 def test_a_prediction_that_comes_with_the_flight() -> None:
@@ -91,13 +99,13 @@ def test_each_flight_is_left_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
     class Found:
         values = FIRST_GUESS | {name: getattr(LAW, name) for name in SECTION}
 
-    monkeypatch.setattr(flight_study, "ForceModel", Model)
-    monkeypatch.setattr(flight_study, "vertical_rows", lambda *_: "vertical")
-    monkeypatch.setattr(flight_study, "balance_rows", lambda *_: "balance")
-    monkeypatch.setattr(flight_study, "fit", lambda *_: Found)
+    monkeypatch.setattr(comparison, "ForceModel", Model)
+    monkeypatch.setattr(comparison, "vertical_rows", lambda *_: "vertical")
+    monkeypatch.setattr(comparison, "balance_rows", lambda *_: "balance")
+    monkeypatch.setattr(comparison, "fit", lambda *_: Found)
     zero = np.zeros((COUNT, 3))
     monkeypatch.setattr(
-        flight_study, "flight_forces", lambda *_: type("F", (), {"model": zero, "hover": zero})
+        comparison, "flight_forces", lambda *_: type("F", (), {"model": zero, "hover": zero})
     )
     flights = [flight(name) for name in ("a", "b", "c")]
     steps = [Step("one", Choice(("c_l1",)), vertical=True), Step("two", Choice(("c_l1", "c_d")))]

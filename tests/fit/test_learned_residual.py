@@ -78,7 +78,7 @@ def test_pure_noise_does_not_pay_though_it_is_alike_for_a_second() -> None:
     none = learn(VEHICLE, flown(3), noise(3))
     if not any(none.pays):
         np.testing.assert_array_equal(none.at(VEHICLE, flown(4)).force, 0.0)
-    assert "does not pay, left out" in " ".join(none.told())
+    assert "does not pay, left out" in " ".join(none.sentences())
 
 
 def test_outside_the_envelope_it_is_clipped_and_fades_away() -> None:

@@ -16,7 +16,7 @@ from propmap.catalogue.expected import (
     expected_prior,
 )
 from propmap.catalogue.identified import PARAMETERS
-from propmap.fit.comparison import doubts_on_constants
+from propmap.fit.comparison import unlikely_constants
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.least_squares import INDEPENDENT, INDEPENDENT_AT_REST, Rows
 from propmap.fit.parameters import LEAST_ERROR, Choice, Prior, SectionPrior
@@ -50,13 +50,13 @@ def rows_on(design: dict[str, Floats], noise: Floats, **truth: float) -> Rows:
 
 
 def test_the_means_are_no_distance_away_and_slopes_are_difference_quotients() -> None:
-    assert np.abs(PRIOR.apart(MEAN)[0]).max() < 1e-12
+    assert np.abs(PRIOR.z_scores(MEAN)[0]).max() < 1e-12
     values = {name: value * 1.1 + 0.003 for name, value in MEAN.items()}
-    _, slopes = PRIOR.apart(values)
+    _, slopes = PRIOR.z_scores(values)
     for k, name in enumerate(PARAMETERS):
         step = 1e-6 * abs(values[name])
-        high = PRIOR.apart(values | {name: values[name] + step})[0]
-        low = PRIOR.apart(values | {name: values[name] - step})[0]
+        high = PRIOR.z_scores(values | {name: values[name] + step})[0]
+        low = PRIOR.z_scores(values | {name: values[name] - step})[0]
         np.testing.assert_allclose(slopes[:, k], (high - low) / (2.0 * step), rtol=1e-6, atol=1e-6)
 
 
@@ -162,7 +162,7 @@ def test_a_prior_of_one_s_own_takes_the_place_of_the_propellers() -> None:
     assert found.x[0] == pytest.approx(8.0, abs=1e-6)
     assert found.uncertainty.covariance[0, 0] == pytest.approx(0.1**2, rel=1e-3)
     assert found.x[1] == pytest.approx(MEAN["c_d"], rel=1e-4)
-    assert doubts_on_constants(found) == []
+    assert unlikely_constants(found) == []
 
 
 def test_fewer_rows_than_constants_are_enough() -> None:
@@ -175,10 +175,10 @@ def test_fewer_rows_than_constants_are_enough() -> None:
 
 def test_constants_far_from_all_propellers_are_pointed_out() -> None:
     rows = rows_on({"c_l1": np.ones(40)}, np.zeros(40), c_l1=11.0)
-    (told,) = doubts_on_constants(fit(rows, choice_of("c_l1"), QUICK))
+    (told,) = unlikely_constants(fit(rows, choice_of("c_l1"), QUICK))
     assert told.startswith("c_l1 is 1") and "standard deviations from what propellers" in told
     near = rows_on({"c_l1": np.ones(40)}, np.zeros(40), c_l1=5.5)
-    assert doubts_on_constants(fit(near, choice_of("c_l1"), QUICK)) == []
+    assert unlikely_constants(fit(near, choice_of("c_l1"), QUICK)) == []
 
 
 def test_an_outlier_does_not_soften_the_prior() -> None:

@@ -105,9 +105,9 @@ def test_each_flight_s_thrust_is_scaled_by_its_own_hover() -> None:
     fitted = found.reference_at({first: 1.02, third: 1.02})
     assert fitted == pytest.approx((found.reference or 0.0) / 1.02)
     # Two hundredths a hover may be off by itself.
-    assert set(found.telling) == {first, third}
+    assert set(found.remarkable) == {first, third}
     near = HoverScale.of(VEHICLE, slower[0], (found.reference or 0.0) * 1.03)
-    assert near.scales == {first: pytest.approx(1.05 / 1.01 / 1.03)} and near.telling == {}
+    assert near.scales == {first: pytest.approx(1.05 / 1.01 / 1.03)} and near.remarkable == {}
     alone = HoverScale.of(VEHICLE, slower[0])
     assert alone.scales == {first: pytest.approx(1.0)} and alone.priors == {}
     known = HoverScale.of(VEHICLE, slower[0], found.reference)

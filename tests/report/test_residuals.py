@@ -12,7 +12,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import propmap
-from propmap.fit.comparison import Comparison, candidates, trends
+from propmap.fit.comparison import SpeedErrors, candidates, trends
 from propmap.fit.files import FitFile
 from propmap.fit.least_squares import by_band, errors
 from propmap.report import fit_curves, fit_page
@@ -56,7 +56,7 @@ def test_the_strongest_is_first_and_told_with_its_slope() -> None:
     first |= {"speed of descent along z [m/s]"}
     assert {trend.variable for trend in TRENDS[:3]} == first
     climb = next(trend for trend in TRENDS if trend.variable.startswith("climb"))
-    assert climb.tells and climb.slope == pytest.approx(0.05, abs=3.0 * climb.error)
+    assert climb.sure and climb.slope == pytest.approx(0.05, abs=3.0 * climb.error)
     told = sentences([TRENDS])
     assert 2 <= len(told) <= 3 and any("grows with climb rate" in text for text in told)
     assert "N per m/s" in told[0] and all("force_z" in text for text in told)
@@ -86,7 +86,7 @@ def test_a_variable_that_hardly_changes_has_few_bins() -> None:
         assert found["samples"].sum() == COUNT
         assert all(np.isfinite(values).all() for values in found.values())
         if "velocity" in trend.variable:
-            assert found["mean_in_unit"].size == 1 and not trend.tells
+            assert found["mean_in_unit"].size == 1 and not trend.sure
 
 
 def test_samples_without_a_residual_are_left_out() -> None:
@@ -105,7 +105,7 @@ def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.Mo
     nothing = FigureRecord("fit-loads", [], Figure), {"rpm": 5000.0, "draws": 0, "motor": ""}
     monkeypatch.setattr(fit_curves, "load_lines", lambda *_: nothing)
     measured = 7.6 + 0.0 * LEFT
-    compared = Comparison(
+    compared = SpeedErrors(
         errors(measured + LEFT, measured, measured),
         by_band(measured + LEFT, measured, LOG.speed, measured),
     )

@@ -8,7 +8,7 @@ import io
 import numpy as np
 import pytest
 
-from propmap.fit.flight_study import FittedStep, Flight, Off
+from propmap.fit.comparison import AxisErrors, FittedStep, RecordedFlight
 from propmap.report.html import PAGE, TERMS_FILES
 from propmap.report.terms_page import HOVER_MODEL, PREDICTION, step_errors, terms_pages, worth
 from tests.fit.test_flight_terms import COUNT, VEHICLE, flight, held
@@ -16,15 +16,15 @@ from tests.fit.test_flight_terms import COUNT, VEHICLE, flight, held
 STEPS = ("vertical balance alone", "wakes", "noise")
 
 
-def known(predicted: bool, names: tuple[str, ...] = ("first", "second")) -> list[Flight]:
+def known(predicted: bool, names: tuple[str, ...] = ("first", "second")) -> list[RecordedFlight]:
     made = [flight(name) for name in names]
     if not predicted:
         return made
     weight = VEHICLE.mass * made[0].passed.specific_force
-    return [Flight(f.name, f.passed, f.raw, weight + 0.4, weight + 0.5) for f in made]
+    return [RecordedFlight(f.name, f.passed, f.raw, weight + 0.4, weight + 0.5) for f in made]
 
 
-def found(flights: list[Flight]) -> list[FittedStep]:
+def found(flights: list[RecordedFlight]) -> list[FittedStep]:
     """Wakes take half of the error away, noise adds a different one of the same size."""
     made, many = [], len(flights) > 1
     for number, (step, size) in enumerate(zip(STEPS, (0.6, 0.3, 0.3), strict=True)):
@@ -34,8 +34,10 @@ def found(flights: list[Flight]) -> list[FittedStep]:
                 grown = 1.0 if k == left_out else 0.8
                 # Noise leaves a part of what was there and adds as much.
                 off = grown * size * np.sqrt(np.abs(held(1.0, 1.0, k if number < 2 else 90 + k)))
-                offs.append(Off(off, 1.5 * off))
-            hover = tuple(Off(np.full((COUNT, 3), 4.0), np.full((COUNT, 3), 5.0)) for _ in flights)
+                offs.append(AxisErrors(off, 1.5 * off))
+            hover = tuple(
+                AxisErrors(np.full((COUNT, 3), 4.0), np.full((COUNT, 3), 5.0)) for _ in flights
+            )
             made.append(FittedStep(step, left_out, {"c_l1": 5.0 + number}, tuple(offs), hover))
     return made
 

@@ -14,8 +14,8 @@ import propmap
 from propmap.errors import InputError
 from propmap.rotor import Rotor
 from propmap.study.files import read_study, response_surface
-from propmap.study.run import InMemory, Study, changed_blade, pitch_of, run_study, study_layout
-from propmap.sweep.store import Store
+from propmap.study.run import Study, changed_blade, pitch_of
+from propmap.sweep.store import InMemory, Store
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "study" / "around_8x6.toml"
 
@@ -78,12 +78,12 @@ def test_loads_are_those_of_each_design(rotor: Rotor, tmp_path: Path, where: str
         "rpm": np.array([4000.0, 5000.0]),
     }
     shared = {name: values for name, values in POINTS.items() if name != "rpm"}
-    study = Study(rotor, varied, shared)
-    layout = study_layout(study, points_per_task=6)
+    study = Study(rotor, varied, shared, points_per_task=6)
+    layout = study.layout()
     assert layout.chunk[0] < study.count
     path = tmp_path / "study.zarr"
     store: Any = InMemory(layout) if where == "memory" else Store.create(path, layout)
-    run_study(study, store, layout)
+    study.run(store, layout)
     found = store.dataset() if where == "memory" else xarray.open_zarr(path)
     assert found["thrust"].dims == ("design", "speed", "beta")
     assert found["pitch"].attrs["units"] == "m"

@@ -41,7 +41,7 @@ def contents(path: Path) -> dict[str, bytes]:
 if __name__ == "__main__":
     where, *cluster = sys.argv[1:]
     if cluster:
-        from propmap.cluster.workers import connected
+        from propmap.cluster import connected
 
         with connected(cluster[0]) as workers:
             sweep_to_store(

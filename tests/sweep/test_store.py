@@ -17,7 +17,7 @@ import propmap
 from propmap.errors import InputError
 from propmap.rotor import Rotor
 from propmap.sweep.points import Grid, PointList, chunk_shape, parts_along
-from propmap.sweep.run import Filing, Sweep, stream, sweep_to_store
+from propmap.sweep.run import Sweep, stream, sweep_to_store
 from propmap.sweep.store import Layout, Store
 from propmap.tasks import InProcesses, InThreads, InTurn, in_order
 
@@ -142,8 +142,12 @@ def test_a_full_disk_loses_nothing(
     assert finished == {name: (path / name).stat().st_mtime_ns for name in finished}
 
 
-def _ones(common: int, part: int) -> dict[str, Any]:
-    return {"value": np.full(20_000, float(part + common)), "status": np.zeros(20_000, np.uint8)}
+class Ones:
+    def part(self, place: tuple[int, ...], _: tuple[int, ...]) -> int:
+        return place[0]
+
+    def values(self, part: int) -> dict[str, Any]:
+        return {"value": np.full(20_000, part + 1.0), "status": np.zeros(20_000, np.uint8)}
 
 
 def test_memory_does_not_grow_with_the_sweep(tmp_path: Path) -> None:
@@ -154,11 +158,11 @@ def test_memory_does_not_grow_with_the_sweep(tmp_path: Path) -> None:
     for tasks in (10, 100):
         layout = Layout({"point": 20_000 * tasks}, (20_000,), {}, kinds)
         store = Store.create(tmp_path / f"{tasks}.zarr", layout)
-        filing = Filing(_ones, 1, store)
+        ones: Any = Ones()
         gc.collect()
         gc.freeze()  # what other tests have left is no matter of the sweep, and slow to go through
         tracemalloc.start()
-        for _ in stream(InTurn(), filing, layout, lambda place, _: place[0]):
+        for _ in stream(InTurn(), ones, store, layout):
             gc.collect()  # when it runs by itself is no matter of the sweep
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()

@@ -18,16 +18,16 @@ from propmap.cli import output as out
 from propmap.cli.fit_flight import all_level_tables, read_flights
 from propmap.errors import InputError
 from propmap.fit.comparison import (
-    Comparison,
+    SpeedErrors,
     compare_forces,
     compare_level,
     compare_tunnel,
     flight_forces,
     force_trends,
+    values_for,
 )
-from propmap.fit.files import FitFile, Source, is_fit, read_fit
+from propmap.fit.files import DataSource, FitFile, is_fit, read_fit
 from propmap.fit.flight import wing_values
-from propmap.fit.flight_study import values_for
 from propmap.fit.tunnel import doubts_on_tunnel, read_tunnel, sources
 from propmap.model.corrections import in_words
 from propmap.model.model import Air, Model
@@ -84,7 +84,7 @@ def check(
 
 def _compare(
     fit: Path, law: Airfoil | SectionTable, data: list[str], vehicle: Path | None, prop: str | None
-) -> tuple[Mapping[str, Comparison], Mapping[str, Comparison]]:
+) -> tuple[Mapping[str, SpeedErrors], Mapping[str, SpeedErrors]]:
     """Compare the physics, and the physics with a learned residual where the fit has one."""
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is None:
@@ -132,7 +132,7 @@ def _numbers(errors: Any) -> dict[str, Any]:
 
 
 def _table(
-    found: Mapping[str, Comparison], law: Airfoil | SectionTable, besides: str = ""
+    found: Mapping[str, SpeedErrors], law: Airfoil | SectionTable, besides: str = ""
 ) -> Table:
     rows = [
         (
@@ -217,10 +217,10 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     if vehicle is None:
         measured = read_tunnel(data, file.model.propeller, file.model.air)
         found = compare_tunnel(file.model, measured)
-        return GivenData([Source.of(item) for item in sources(data)], found, tunnel=measured)
+        return GivenData([DataSource.of(item) for item in sources(data)], found, tunnel=measured)
 
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]
-    flown, files = described.vehicle, [Source.of(path) for path in paths]
+    flown, files = described.vehicle, [DataSource.of(path) for path in paths]
     if all_level_tables(paths):
         _, log, _ = read_flights(paths, described, "level")
         errors = compare_level(flown, log, file.airfoil, file.values)

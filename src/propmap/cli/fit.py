@@ -22,9 +22,9 @@ from propmap.errors import InputError, quoted
 from propmap.fit.comparison import (
     MODEL_ERROR,
     ForwardTrust,
-    doubts_on_constants,
     failing_assumptions,
     forward_trust,
+    unlikely_constants,
 )
 from propmap.fit.files import fit_text
 from propmap.fit.fit import Fitted, Settings, coverage, fit, range_warnings
@@ -224,8 +224,8 @@ def note_prior(prior: SectionPrior | None) -> list[str]:
     """Note what prior a fit has, and return it as remarks for the fit's file."""
     if prior is None:
         return []
-    out.note(f"{prior.told}; without, by --prior-from none")
-    return [prior.told]
+    out.note(f"{prior.source}; without, by --prior-from none")
+    return [prior.source]
 
 
 def check_outputs(output: Path | None, *pictures: Path | None) -> None:
@@ -417,7 +417,7 @@ def fit_tunnel(
         data=sources(data),
         weights=weights,
         prior=expected,
-        remarks=[*remarks, *doubts_on_constants(fitted)],
+        remarks=[*remarks, *unlikely_constants(fitted)],
         doubts=doubts,
     )
 
@@ -496,7 +496,7 @@ def fit_static(
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     setting = choice.accuracy
     fitted = fit(tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
-    remarks = [*range_warnings(fitted.rows), *doubts_on_constants(fitted)]
+    remarks = [*range_warnings(fitted.rows), *unlikely_constants(fitted)]
     if expected is not None:
         remarks += _like_electrical(fitted, files)
     _finish_tunnel(

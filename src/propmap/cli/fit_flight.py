@@ -34,7 +34,15 @@ from propmap.cli.fit import (
     settings_of,
 )
 from propmap.errors import InputError, quoted
-from propmap.fit.comparison import body_terms_verdict, doubts_on_constants, still_explained
+from propmap.fit.comparison import (
+    RecordedFlight,
+    Step,
+    body_terms_verdict,
+    by_flight,
+    fit_terms,
+    residual_trends,
+    unlikely_constants,
+)
 from propmap.fit.files import fit_text
 from propmap.fit.fit import fit, range_warnings
 from propmap.fit.flight import (
@@ -49,7 +57,6 @@ from propmap.fit.flight import (
     of_each,
     wing_values,
 )
-from propmap.fit.flight_study import Flight, Step, by_flight, fit_terms
 from propmap.fit.parameters import (
     BODY,
     FLEX,
@@ -410,8 +417,8 @@ def fit_flight(
     with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, fewer, workers=workers, remake=remake)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
-    remarks += still_explained(fitted, model.log)
-    remarks += doubts_on_constants(fitted)
+    remarks += residual_trends(fitted, model.log)
+    remarks += unlikely_constants(fitted)
     learned = None
     if residual:
         if flights.level:
@@ -420,7 +427,7 @@ def fit_flight(
 
         left = file.vehicle.mass * model.log.specific_force - model.at(fitted.values, ()).force
         learned = learn(file.vehicle, model.log, left)
-        remarks += learned.told()
+        remarks += learned.sentences()
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     flown = by_flight(fitted, flights.log)
@@ -560,7 +567,7 @@ def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> 
 
 def read_pairs(
     paths: Sequence[Path], file: VehicleFile, cutoff: float, prediction: str | None
-) -> tuple[list[Flight], list[str]]:
+) -> tuple[list[RecordedFlight], list[str]]:
     """Read flights, their signals low-passed below ``cutoff`` [Hz] and raw, and remarks on them.
 
     Raises ``InputError`` for bad logs, and for columns of the ``prediction`` that are not there.
@@ -569,7 +576,7 @@ def read_pairs(
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise InputError(f"two logs are called {twice[0]!r}", "give each flight once")
-    found: list[Flight] = []
+    found: list[RecordedFlight] = []
     remarks: list[str] = []
     for path in paths:
         passed, raw = (read_flights([path], file, "balance", low_pass=hz) for hz in (cutoff, 0.0))
@@ -582,7 +589,7 @@ def read_pairs(
             _predicted(path, file, flown.log.time, hz, prediction)
             for flown, hz in ((passed, cutoff), (raw, 0.0))
         ]
-        found.append(Flight(path.stem, passed.log, raw.log, *both))
+        found.append(RecordedFlight(path.stem, passed.log, raw.log, *both))
     return found, remarks
 
 

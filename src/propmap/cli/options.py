@@ -457,7 +457,7 @@ def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterato
     if cluster is None:
         yield otherwise or InTurn()
         return
-    from propmap.cluster.workers import connected
+    from propmap.cluster import connected
 
     with connected(cluster) as workers:
         echo(

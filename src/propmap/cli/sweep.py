@@ -17,20 +17,11 @@ from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, loads_csv, std_columns, write_dataset
 from propmap.results import Loads, joined
-from propmap.rotor import Rotor
 from propmap.study.files import StudyFile, Surface, read_study, response_surface
-from propmap.study.run import (
-    VARIABLES,
-    Designs,
-    InMemory,
-    Study,
-    loads_of_designs,
-    run_study,
-    study_layout,
-)
-from propmap.sweep.points import AXES, TEXTS, Grid, attributes, parts_along, quantities
-from propmap.sweep.run import Filed, Sweep, provenance, seconds
-from propmap.sweep.store import Layout, Store, begun
+from propmap.study.run import VARIABLES, Study
+from propmap.sweep.points import AXES, TEXTS, Grid, parts_count, quantities
+from propmap.sweep.run import Evaluation, Sweep
+from propmap.sweep.store import Filed, InMemory, Layout, Store, begun
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
@@ -94,30 +85,38 @@ def opened(path: Path, layout: Layout) -> Store:
     return store
 
 
-def announce(
-    layout: Layout, store: Filed, seconds: float, workers: int, *, yes: bool, what: str
+def run_announced(
+    evaluation: Evaluation,
+    store: Filed,
+    layout: Layout,
+    cluster: str | None,
+    *,
+    yes: bool,
+    what: str,
 ) -> None:
-    """Print how large a run is and how long it takes, and ask where that is much.
+    """Run with a progress bar, after printing how large the run is and how long it takes.
 
-    A worker takes ``seconds`` for each of the points, which ``what`` names; ``yes`` does not ask.
+    Asks first where that is much, unless ``yes``; ``what`` is "operating points" or the like.
     """
-    points = math.prod(layout.shape)
-    parts = math.prod(parts_along(layout.shape, layout.chunk))
-    left = points * (1.0 - float(store.done(layout).mean()))
-    needed = left * seconds / workers
-    echo(
-        f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {size_text(layout.bytes)}; "
-        f"about {time_text(needed)} ({1e6 * seconds:.0f} us per point and worker)",
-        err=True,
-    )
-    if yes or (layout.bytes <= ASK_ABOVE_BYTES and needed <= ASK_ABOVE_SECONDS):
-        return
-    if not sys.stdin.isatty():
-        raise InputError(
-            f"a run of {size_text(layout.bytes)} and {time_text(needed)} is not begun unasked",
-            "pass --yes, or ask for fewer points",
+    with opt.workers_of(cluster) as workers:
+        seconds = evaluation.seconds_per_point(workers)
+        points, parts = math.prod(layout.shape), parts_count(layout.shape, layout.chunk)
+        needed = points * (1.0 - float(store.done(layout).mean())) * seconds / workers.count
+        echo(
+            f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {size_text(layout.bytes)}; "
+            f"about {time_text(needed)} ({1e6 * seconds:.0f} us per point and worker)",
+            err=True,
         )
-    typer.confirm("begin?", abort=True, err=True)
+        if not yes and (layout.bytes > ASK_ABOVE_BYTES or needed > ASK_ABOVE_SECONDS):
+            if not sys.stdin.isatty():
+                raise InputError(
+                    f"a run of {size_text(layout.bytes)} and {time_text(needed)} is not begun "
+                    "unasked",
+                    "pass --yes, or ask for fewer points",
+                )
+            typer.confirm("begin?", abort=True, err=True)
+        with out.progress_bar("tasks") as update:
+            evaluation.run(store, layout, workers, update)
 
 
 def size_text(size: float) -> str:
@@ -197,26 +196,16 @@ def sweep(
     rotor = choice.rotor()
     points = OperatingPoints.grid(*axes)
     opt.note_points(rotor.model, *points.si)
-    loads = _compute(rotor, points, bands=bands)
+    evaluation = Sweep(rotor, Grid(*axes), bands, std_by_source, CHUNK)
+    loads = _compute(evaluation)
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
         opt.note_not_counted(rotor.model)
     if output.suffix.lower() == ".csv":
         out.write_text(loads_csv(points, loads, spread), output)
     else:
-        import xarray
-
-        coordinates = {
-            name: (dim, values, {"units": unit, "long_name": meaning})
-            for (dim, (name, unit, meaning)), values in zip(AXES.items(), axes, strict=True)
-        }
-        shape = tuple(axis.size for axis in axes)
-        variables = {
-            name: (tuple(AXES), values.reshape(shape), attributes(name))
-            for name, values in quantities(loads, bands=bands, by_source=std_by_source).items()
-        }
-        found = xarray.Dataset(variables, coordinates, provenance(rotor, command))
-        write_dataset(found, output)
+        values = quantities(loads, bands=bands, by_source=std_by_source)
+        write_dataset(evaluation.layout(command).dataset(values), output)
     lost = int((loads.status == "not_converged").sum())
     remark = f", {lost} of them not converged" if lost else ""
     echo(f"wrote {output}: {count} points{remark}")
@@ -239,26 +228,20 @@ def _stream(
     if any("_std" in name for name in layout.quantities):
         opt.note_not_counted(model)
     store = opened(output, layout)
-    with opt.workers_of(cluster) as workers:
-        each = made.seconds_per_point(workers)
-        announce(layout, store, each, workers.count, yes=yes, what="operating points")
-        total = math.prod(parts_along(layout.shape, layout.chunk))
-        with out.progress_bar("tasks") as update:
-            made.run(store, layout, workers, lambda done: update(done, total))
+    run_announced(made, store, layout, cluster, yes=yes, what="operating points")
     echo(f"wrote {output}: {math.prod(layout.shape)} points")
 
 
-def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
+def _compute(evaluation: Sweep) -> Loads:
+    """Compute loads (n,) of all points in memory, with a progress bar."""
     parts, done = [], 0
     with out.progress_bar("operating points") as update:
-        while done < points.count:
-            part = points.part(done, CHUNK)
-            found = part.loads(rotor)
-            if bands:
+        for found in evaluation.in_turn():
+            if evaluation.bands:
                 _ = found.std_by_source  # now, while the bar shows the progress
             parts.append(found)
-            done += part.count
-            update(done, points.count)
+            done += found.status.size
+            update(done, math.prod(evaluation.shape))
     return joined(parts)
 
 
@@ -266,7 +249,6 @@ def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
 # ``propmap study``: many designs made from a propeller, at many operating points.
 
 MOST_IN_MEMORY = 5_000_000  # operating points of a study that goes into a NetCDF file
-SAMPLE = 4  # designs whose time predicts that of a study
 
 
 def study(
@@ -308,7 +290,7 @@ def study(
         made = read.study(choice.rotor())
     except InputError as error:
         raise InputError(error.found, error.remedy, str(file)) from None
-    layout = study_layout(made, opt.command_line(context))
+    layout = made.layout(opt.command_line(context))
     points = math.prod(made.shape)
     if not streamed and points > MOST_IN_MEMORY:
         raise InputError(
@@ -316,17 +298,7 @@ def study(
             "end the file's name with .zarr",
         )
     store = opened(output, layout) if streamed else InMemory(layout)
-    some = np.unique(np.linspace(0, made.count - 1, SAMPLE).astype(int))
-    rows = {name: values[some] for name, values in made.rows.items()}
-    sample = Designs(rows, {name: np.asarray(v) for name, v in made.axes.items()})
-    with opt.workers_of(cluster) as workers:
-        each = seconds(workers, loads_of_designs, made, sample) / (
-            some.size * math.prod(made.shape[1:])
-        )
-        announce(layout, store, each, workers.count, yes=yes, what="points")
-        total = store.done(layout).size
-        with out.progress_bar("tasks") as update:
-            run_study(made, store, layout, workers, lambda done: update(done, total))
+    run_announced(made, store, layout, cluster, yes=yes, what="points")
     if isinstance(store, InMemory):
         found = store.dataset()
         write_dataset(found, output)

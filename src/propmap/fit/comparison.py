@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,56 +12,76 @@ from numpy.typing import NDArray
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError, drag_factor_accepted
-from propmap.fit.fit import Fitted
+from propmap.fit.files import DataSource, FitFile
+from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import (
-    ALIKE,
     AXES,
+    CORRELATED,
     MOMENTS,
     UNITS,
-    added_moment,
-    at_samples,
-    body_force,
+    ForceModel,
+    HoverScale,
+    balance_rows,
     hover_loads,
     measured_moment,
-    sensor_force,
+    of_others,
+    on_vehicle,
+    six_loads,
+    vertical_rows,
     wakes_with,
 )
-from propmap.fit.least_squares import Errors, Rows, by_band, errors, rms, search
+from propmap.fit.least_squares import (
+    FlightErrors,
+    ResidualErrors,
+    Rows,
+    by_band,
+    errors,
+    rms,
+    rms_known,
+    search,
+)
 from propmap.fit.parameters import (
+    BODY,
+    EVERY,
     FIRST_GUESS,
     MOUNT,
+    PER_FLIGHT,
     ROTOR,
     ROTOR_SPEED,
     SENSOR,
+    WAKES,
     Choice,
+    constants_of,
     described,
     general,
+    of_flight,
 )
-from propmap.fit.tunnel import TunnelData, rotor_with
+from propmap.fit.tunnel import TunnelData, model_with, rotor_with
 from propmap.fit.uncertainty import uncertainty
 from propmap.loads import LOADS
+from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY
-from propmap.vehicle.log import FlightLog
+from propmap.vehicle.log import FlightLog, flight_names, joined
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import mounted_rotors
-from propmap.vehicle.wakes import HubFlow, hub_flow, in_wakes, rotor_wrench
+from propmap.vehicle.wakes import hub_flow, in_wakes
 
 # -------------------------------------------------------------------------------------------------
 # A parameter set against measurements, beside the hover model of the same rotor.
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Errors of one load: over all rows and per band of speed."""
+class SpeedErrors:
+    """Errors of one load over all rows and in each band of speed."""
 
-    all: Errors
-    by_speed: Mapping[str, Errors]
+    all: ResidualErrors
+    by_speed: Mapping[str, ResidualErrors]
 
 
-def compare_tunnel(model: Model, data: TunnelData) -> dict[str, Comparison]:
+def compare_tunnel(model: Model, data: TunnelData) -> dict[str, SpeedErrors]:
     """Errors of a model on loads measured in a tunnel or on a bench.
 
     Parameters
@@ -72,7 +93,7 @@ def compare_tunnel(model: Model, data: TunnelData) -> dict[str, Comparison]:
 
     Returns
     -------
-    dict of str to Comparison
+    dict of str to SpeedErrors
         Every measured load by its name with unit.  The hover model beside it has thrust and
         torque alone.
     """
@@ -89,22 +110,16 @@ def compare_tunnel(model: Model, data: TunnelData) -> dict[str, Comparison]:
 class FlightForces:
     """All forces but gravity on a vehicle at n samples, by a model and by the hover model.
 
-    Attributes
-    ----------
-    model, hover : ndarray, shape (n, 6)
-        In the vehicle's frame: forces [N], as an accelerometer feels them where it sits, and
-        moments about the centre of mass [N m].
+    Forces [N] are as an accelerometer feels them where it sits, moments [N m] about the centre of
+    mass, in the vehicle's frame.
     """
 
-    model: Floats
-    hover: Floats
+    model: Floats  # (n, 6)
+    hover: Floats  # (n, 6)
 
 
 def flight_forces(
-    vehicle: Vehicle,
-    log: FlightLog,
-    law: Section,
-    values: Mapping[str, float],
+    vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> FlightForces:
     """All forces but gravity on a vehicle, by a section law and what a fit found besides.
 
@@ -121,54 +136,27 @@ def flight_forces(
     model = Model(vehicle.propeller, law, vehicle.air)
     logged = hub_flow(vehicle, log)
     flow = logged._replace(omega=values.get(ROTOR_SPEED, 1.0) * logged.omega)
-    wakes, near = wakes_with(vehicle, values), flow
-    if wakes is not None:
-        near = in_wakes(vehicle, wakes, model, flow)
-    loads = _rotor_loads(vehicle, model, near)
-    values = {**FIRST_GUESS, **values}
-    force, moment = rotor_wrench(flow, loads)
-    scale = at_samples("thrust_scale", values, log)[:, None]
-    force, moment = scale * force, scale * moment
-    force = force + body_force(vehicle, log, values, ())[0]
-    none = np.zeros((0, len(log), 3))
-    moment = moment + added_moment(vehicle, log, logged, force, none, values, ())[0]
-    force = force + sensor_force(vehicle, log, values, ())[0]
-    hover = hover_loads(HoverModel.of(Rotor(model)), logged)
-    return FlightForces(np.concatenate([force, moment], axis=1), hover)
-
-
-def _rotor_loads(vehicle: Vehicle, model: Model, flow: HubFlow) -> Floats:
-    """In the order of ``LOADS`` [N], [N m]; (L, n, m)."""
-    velocity = np.stack([flow.inplane, np.zeros_like(flow.inplane), flow.axial], axis=-1)
-    found = np.empty((len(LOADS), *flow.omega.shape))
+    wakes = wakes_with(vehicle, values)
+    near = flow if wakes is None else in_wakes(vehicle, wakes, model, flow)
+    velocity = np.stack([near.inplane, np.zeros_like(near.inplane), near.axial], axis=-1)
+    loads = np.empty((len(LOADS), *near.omega.shape))
     for mounted, mine in mounted_rotors(vehicle, model):
-        loads = Rotor(mounted).loads_at_velocity(flow.omega[:, mine], velocity[:, mine])
-        found[..., mine] = [getattr(loads, name) for name in LOADS]
-    return found
+        found = Rotor(mounted).loads_at_velocity(near.omega[:, mine], velocity[:, mine])
+        loads[..., mine] = [getattr(found, name) for name in LOADS]
+    none = np.zeros((0, len(log), 6))
+    rotors = six_loads(flow, loads)
+    whole = on_vehicle(vehicle, log, logged, rotors, none, {**FIRST_GUESS, **values}, ())
+    return FlightForces(whole.loads, hover_loads(HoverModel.of(Rotor(model)), logged))
 
 
-def compare_forces(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> dict[str, Comparison]:
-    """Errors of forces and moments along the vehicle's axes.
+def compare_forces(
+    vehicle: Vehicle, log: FlightLog, forces: FlightForces
+) -> dict[str, SpeedErrors]:
+    """Errors of forces and moments along the vehicle's axes, by name with unit.
 
     Forces are held against mass times specific force, and moments, where the vehicle file has
-    moments of inertia, against what turns the vehicle.
-
-    Parameters
-    ----------
-    vehicle, log : Vehicle, FlightLog
-        What flew, and how.
-    forces : FlightForces
-        Of the samples of the log.
-
-    Returns
-    -------
-    dict of str to Comparison
-        By the name of the force with unit.
-
-    Raises
-    ------
-    InputError
-        Where the log has no specific force.
+    moments of inertia, against what turns the vehicle. Raises ``InputError`` without specific
+    force.
     """
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
@@ -185,28 +173,22 @@ def compare_forces(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> di
 
 
 def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list[list[Trend]]:
-    """What the error of each force still goes with, the strongest first.
-
-    Parameters
-    ----------
-    vehicle, log, forces : Vehicle, FlightLog, FlightForces
-        As for ``compare_forces``.
-    """
+    """What the error of each force goes with, the strongest first; see ``compare_forces``."""
     off = forces.model[:, :3] - vehicle.mass * log.specific_force
-    block = log.stretches(ALIKE)
+    block = log.stretches(CORRELATED)
     return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(AXES)]
 
 
 def compare_flight(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
-) -> dict[str, Comparison]:
+) -> dict[str, SpeedErrors]:
     """``compare_forces`` of ``flight_forces`` with ``vehicle``, ``log``, ``law`` and ``values``."""
     return compare_forces(vehicle, log, flight_forces(vehicle, log, law, values))
 
 
 def compare_level(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
-) -> dict[str, Comparison]:
+) -> dict[str, SpeedErrors]:
     """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17).
 
     Arguments are those of ``flight_forces``; no specific force is needed.
@@ -219,61 +201,19 @@ def compare_level(
 def level_forces(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
-    """Vertical forces [N] (n,) by this model and by the hover model; see ``flight_forces``.
+    """Vertical forces [N] (n,) by the model of ``flight_forces`` and by the hover model.
 
     Where the accelerometer sits plays no part.
     """
     values = {name: value for name, value in values.items() if general(name) not in SENSOR}
     here = replace(vehicle, sensor=(0.0, 0.0, 0.0))
     found = flight_forces(here, log, law, values)
-    vertical = (np.sum(one[:, :3] * log.up, axis=1) for one in (found.model, found.hover))
-    model, hover = vertical
+    model, hover = (np.sum(one[:, :3] * log.up, axis=1) for one in (found.model, found.hover))
     return model, hover
 
 
-def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> Comparison:
-    return Comparison(errors(model, measured, hover), by_band(model, measured, speed, hover))
-
-
-# -------------------------------------------------------------------------------------------------
-# What a fit could not explain, as errors of thrust and power coefficients.
-
-OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
-"""Rows whose errors, over what the hover model says of them, are shares of a static load."""
-
-
-def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]:
-    """Standard deviations of C_T and C_P, by the names of ``model.uncertainty.DISCREPANCIES``.
-
-    A load that was not fitted is taken to err by as large a share as the other.
-
-    Parameters
-    ----------
-    fitted : Fitted
-        The fit.
-    found : Model
-        With its parameters.
-    hover : ndarray, shape (M,)
-        The hover model's values of the rows.
-    """
-    shares = {}
-    for kind, names in (("thrust", OF_THRUST), ("torque", OF_TORQUE)):
-        for k, name in enumerate(fitted.rows.names):
-            still = hover[fitted.rows.of_load(k)]
-            size = float(np.sqrt(np.nanmean(still**2))) if still.size else 0.0
-            if name in names and size > 0.0:
-                shares[kind] = errors(*fitted.compared(k)).rms / size
-    if not shares or not np.isfinite(list(shares.values())).all():
-        return {}
-    static = HoverModel.of(Rotor(found))
-    blade, air = found.propeller, found.air
-    thrust = abs(static.k_thrust) * (2.0 * np.pi) ** 2 / (air.density * blade.diameter**4)
-    power = abs(static.k_torque) * (2.0 * np.pi) ** 3 / (air.density * blade.diameter**5)
-    largest = max(shares.values())
-    return {
-        "thrust_coefficient": shares.get("thrust", largest) * thrust,
-        "power_coefficient": shares.get("torque", largest) * power,
-    }
+def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> SpeedErrors:
+    return SpeedErrors(errors(model, measured, hover), by_band(model, measured, speed, hover))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -285,66 +225,44 @@ ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)
 BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])
 """Their angles to the axis [rad]."""
 
-TOLD = ("thrust", "torque")
+JUDGED = ("thrust", "torque")
 
 MODEL_ERROR = 0.03
 """What the model gets wrong with the best constants, as a share of the load at rest; so much makes
 the intervals hold after a fit to static rows: ``python -m tools.after_static``."""
 
 SMALL = 0.1
-"""Share of the load at rest below which a load has no relative uncertainty worth telling."""
+"""Share of the load at rest below which a relative uncertainty of a load means nothing."""
 
 
 @dataclass(frozen=True, eq=False)
 class ForwardTrust:
-    """Thrust and torque at m points, and how uncertain they are.
+    """Thrust and torque at m points, and how uncertain they are before and after a fit."""
 
-    Attributes
-    ----------
-    omega : float
-        Rotational speed of all points [rad/s].
-    advance, beta : ndarray, shape (m,)
-        V / (n D) [-] and the angle to the axis [rad].
-    load : ndarray, shape (m, 2)
-        Thrust [N] and torque [N m] after the fit.
-    before, after : ndarray, shape (m, 2)
-        Standard deviations over the loads [-]; NaN where a load is hardly there, and infinite
-        where nothing was known.
-    """
-
-    omega: float
-    advance: Floats
-    beta: Floats
-    load: Floats
+    omega: float  # rotational speed of all points [rad/s]
+    advance: Floats  # V / (n D) [-], (m,)
+    beta: Floats  # angle to the axis [rad], (m,)
+    load: Floats  # thrust [N] and torque [N m] after the fit, (m, 2)
+    # Standard deviations over the loads [-], (m, 2); NaN where a load is hardly there, and infinite
+    # where nothing was known.
     before: Floats
     after: Floats
 
 
 def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> ForwardTrust:
-    """What a fit leaves open of thrust and torque at rest, in axial and in edgewise flow.
+    """Uncertainty that a fit of a ``model`` leaves at rest, in axial and in edgewise flow.
 
-    To first order, sqrt(g' S g) with g the derivatives by the free constants: before the fit at
-    the most likely ones with their covariance, after it at those found with that of the fit; and
+    To first order, sqrt(g' S g) with g the derivatives by the free constants: before the fit at the
+    most likely ones with their covariance, after it at those found with that of the fit; and
     ``MODEL_ERROR`` beside it.
-
-    Parameters
-    ----------
-    model : Model
-        That was fitted.
-    fitted : Fitted
-        The fit.
-    omega : float
-        Rotational speed [rad/s].
-    setting : str
-        Accuracy of the loads, as in ``Rotor``.
     """
     choice = fitted.choice
-    by_prior = choice.apart(choice.first)[1]
+    by_prior = choice.prior_residuals(choice.first)[1]
     before = np.asarray(np.linalg.pinv(by_prior.T @ by_prior), np.float64)
     unknown = [k for k, name in enumerate(choice.free) if choice.prior_of(name) is None]
     speed = np.array(ADVANCE) * omega / (2.0 * np.pi) * model.propeller.diameter
     flow = np.full(speed.size, omega), speed * np.cos(BETA), speed * np.sin(BETA)
-    rows = [list(LOADS).index(name) for name in TOLD]
+    rows = [list(LOADS).index(name) for name in JUDGED]
 
     def loads(x: Floats, covariance: Floats) -> tuple[Floats, Floats]:
         rotor = rotor_with(model, choice.values(x), setting)
@@ -365,30 +283,27 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether the constants that a fit found are at odds with those of other propellers.
+# Whether the constants that a fit found are unlikely beside those of other propellers.
 
 FAR = 2.5
 """Standard deviations from what propellers let expect, from which a constant is worth a remark."""
 
 
-def doubts_on_constants(fitted: Fitted) -> list[str]:
-    """Constants that lie far from those of other propellers, in one sentence; mostly nothing.
+def unlikely_constants(fitted: Fitted) -> list[str]:
+    """Name the constants of a fit that lie far from those of other propellers, in one sentence.
 
-    Parameters
-    ----------
-    fitted : Fitted
-        The fit; without a prior over propellers there is nothing to compare with.
+    There is none where nothing is far, or no prior over propellers was used.
     """
     expected = fitted.choice.expected
     if expected is None:
         return []
-    apart = np.abs(expected.apart(fitted.values)[0])
+    away = np.abs(expected.z_scores(fitted.values)[0])
     own = {**fitted.choice.fixed, **fitted.choice.priors}
     far = [
-        f"{name} is {fitted.values[name]:.3g}, {apart[k]:.1f} standard deviations from what "
+        f"{name} is {fitted.values[name]:.3g}, {away[k]:.1f} standard deviations from what "
         "propellers let expect"
         for k, name in enumerate(PARAMETERS)
-        if apart[k] > FAR and name not in own
+        if away[k] > FAR and name not in own
     ]
     if not far:
         return []
@@ -398,8 +313,8 @@ def doubts_on_constants(fitted: Fitted) -> list[str]:
 # -------------------------------------------------------------------------------------------------
 # What one more free parameter changes in a fit: assumptions that fail, terms of the body.
 
-TELLING = 0.7
-"""Share of the residuals' size below which giving up an assumption is worth saying."""
+REMARKABLE = 0.7
+"""Share of the residuals' size below which giving up an assumption is worth a remark."""
 
 POOR = 0.03
 """Relative residual from which a fit is looked into."""
@@ -414,29 +329,19 @@ ASSUMPTIONS = {
 BODY_TERMS = ("lift_area", "drag_area_x")
 
 LEAST_FALL = 0.05
-"""Share by which a term of the body has to lower the residuals to earn its place."""
+"""Share by which a term of the body has to lower the residuals to pay."""
 
 
 def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
-    """Which assumptions of the section law a poor fit points at.
+    """Name the assumptions of the section law that a poor fit points at, a sentence each.
 
-    Parameters
-    ----------
-    fitted : Fitted
-        The fit.
-    rows_for : callable
-        The same data as rows for another choice of free parameters.
-
-    Returns
-    -------
-    list of str
-        A sentence per assumption that lowers the residuals by 30 % or more when it is given up;
-        none where the fit is good.
+    They are those that lower the residuals by 30 % or more when given up. ``rows_for`` gives the
+    same data as rows for another choice of free parameters.
     """
     size = rms(fitted.minimum.residual)
     if size < POOR:
         return []
-    told = []
+    sentences = []
     for name, assumption in ASSUMPTIONS.items():
         acts = name not in MOUNT or "drag" in fitted.rows.names
         if name in fitted.choice.free or not acts:
@@ -444,32 +349,21 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
         choice, begin = _with(fitted, name)
         again = search(rows_for(choice), choice, [choice.first, begin], error=fitted.error)
         left = rms(again.residual) / size
-        if left < TELLING:
-            told.append(
+        if left < REMARKABLE:
+            sentences.append(
                 f"{assumption}, does not hold: with {name} free ({again.x[-1]:.3g} "
                 f"{described(name).unit}) the residuals fall to {100.0 * left:.0f} %"
             )
-    return told
+    return sentences
 
 
 def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
-    """Whether lift and drag of the body earn their place in a flight fit (section III.A).
+    """Say whether lift and drag of the body pay in a flight fit without them (section III.A).
 
     A term does if its 95 % interval leaves out zero and the residuals fall by more than 5 %.
-
-    Parameters
-    ----------
-    fitted : Fitted
-        The fit without them.
-    rows_for : callable
-        The same data as rows for another choice of free parameters.
-
-    Returns
-    -------
-    list of str
-        A sentence per term of the body that was not free.
+    ``rows_for`` gives the same data as rows for another choice of free parameters.
     """
-    told = []
+    sentences = []
     size = rms(fitted.minimum.residual)
     for name in BODY_TERMS:
         if name in fitted.choice.free:
@@ -481,13 +375,13 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> li
         fall = 1.0 - rms(again.residual) / size if size > 0.0 else 0.0
         shift = np.max(np.abs(again.x[:-1] - fitted.x) / fitted.choice.column("spread"))
         nonzero = sure.low[-1] > 0.0 or sure.high[-1] < 0.0
-        earns = "earns its place" if nonzero and fall > LEAST_FALL else "does not earn its place"
-        told.append(
-            f"{name} {earns}: {again.x[-1]:.4g} m^2 ({sure.low[-1]:.2g} to {sure.high[-1]:.2g}), "
+        pays = "pays" if nonzero and fall > LEAST_FALL else "does not pay"
+        sentences.append(
+            f"{name} {pays}: {again.x[-1]:.4g} m^2 ({sure.low[-1]:.2g} to {sure.high[-1]:.2g}), "
             f"residuals {-100.0 * fall:+.1f} %, the other parameters move by at most "
             f"{shift:.2f} of their spread"
         )
-    return told
+    return sentences
 
 
 def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
@@ -499,7 +393,7 @@ def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Which variables still explain something of a flight fit's residuals, in words.
+# Which variables the residuals of a flight fit still depend on, in words.
 
 LEAST_SHARE = 0.05
 """Share of the residuals' variance from which a variable is worth a sentence."""
@@ -512,13 +406,7 @@ MOST = 2
 
 
 def candidates(log: FlightLog) -> dict[str, Floats]:
-    """Variables (n,) of a log that residuals may depend on, by their names with units.
-
-    Parameters
-    ----------
-    log : FlightLog
-        n samples.
-    """
+    """Variables (n,) of a log that residuals may depend on, by their names with units."""
     forward, left, up = log.velocity.T
     roll, pitch, yaw = log.rates.T
     rotor = np.sqrt(np.mean(np.square(log.rotor_speed), axis=1))
@@ -543,34 +431,20 @@ def candidates(log: FlightLog) -> dict[str, Floats]:
 
 @dataclass(frozen=True, eq=False)
 class Trend:
-    """How the residual of one load goes with one variable, over n samples.
-
-    Attributes
-    ----------
-    load, unit, variable : str
-        Names; that of the variable with its unit.
-    at, residual : ndarray, shape (n,)
-        The variable, and model minus measurement.
-    block : ndarray, shape (n,)
-        Stretches within which errors may be alike.
-    slope, error : float
-        By least squares, and its block-wise standard error.
-    share : float
-        Of the residual's variance that the slope explains [-].
-    """
+    """How the residual of one load goes with one variable, over n samples."""
 
     load: str
     unit: str
-    variable: str
-    at: Floats
-    residual: Floats
-    block: NDArray[np.intp]
-    slope: float
-    error: float
-    share: float
+    variable: str  # with its unit
+    at: Floats  # the variable, (n,)
+    residual: Floats  # model minus measurement, (n,)
+    block: NDArray[np.intp]  # stretches within which errors may be correlated, (n,)
+    slope: float  # by least squares
+    error: float  # its block-wise standard error
+    share: float  # of the residual's variance that the slope explains [-]
 
     @property
-    def tells(self) -> bool:
+    def sure(self) -> bool:
         """Whether it is worth a sentence and no chance."""
         return self.share >= LEAST_SHARE and abs(self.slope) >= CERTAIN * self.error
 
@@ -587,18 +461,10 @@ class Trend:
 def trends(
     log: FlightLog, load: str, unit: str, residual: Floats, block: NDArray[np.intp]
 ) -> list[Trend]:
-    """The residual of a load against every candidate, the strongest first.
+    """Fit the residual of a load to every candidate, the strongest first.
 
-    Parameters
-    ----------
-    log : FlightLog
-        n samples.
-    load, unit : str
-        Of the residual.
-    residual : ndarray, shape (n,)
-        Model minus measurement; samples that are not finite are left out.
-    block : ndarray, shape (n,)
-        Stretches within which errors may be alike.
+    ``residual`` (n,) is model minus measurement; what is not finite is left out. Errors may be
+    correlated within a ``block`` (n,).
     """
     known = np.isfinite(residual)
     off, stretch, found = residual[known], block[known], []
@@ -608,29 +474,22 @@ def trends(
     return sorted(found, key=lambda trend: -trend.share)
 
 
-def still_explained(fitted: Fitted, log: FlightLog) -> list[str]:
-    """Sentences on what residuals still depend on, the strongest first, two per load at most.
+def residual_trends(fitted: Fitted, log: FlightLog) -> list[str]:
+    """Say what the residuals of a fit to the samples of ``log`` still depend on.
 
-    Parameters
-    ----------
-    fitted : Fitted
-        A fit of rows made of the samples of ``log``.
-    log : FlightLog
-        The n samples.
+    The strongest dependence comes first, with two sentences per load at most.
     """
-    rows, told = fitted.rows, []
+    rows, sentences = fitted.rows, []
     if rows.group is None:
         return []
     for k, (load, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
         mine = rows.of_load(k)
         residual, block = np.full(len(log), np.nan), np.zeros(len(log), dtype=np.intp)
-        residual[rows.point[mine]], block[rows.point[mine]] = (
-            fitted.residual[mine],
-            rows.group[mine],
-        )
-        telling = [one for one in trends(log, load, unit, residual, block) if one.tells]
-        told += [one.sentence for one in telling[:MOST]]
-    return told
+        residual[rows.point[mine]] = fitted.residual[mine]
+        block[rows.point[mine]] = rows.group[mine]
+        sure = [one for one in trends(log, load, unit, residual, block) if one.sure]
+        sentences += [one.sentence for one in sure[:MOST]]
+    return sentences
 
 
 def _slope(
@@ -645,3 +504,218 @@ def _slope(
     _, index = np.unique(block, return_inverse=True)
     scores = np.bincount(index, weights=x * (y - slope * x))
     return slope, float(np.sqrt(scores @ scores)) / size, slope**2 * size / spread
+
+
+# -------------------------------------------------------------------------------------------------
+# What each term of a whole-flight fit is worth, on flights that the fit has not seen.
+
+SURE = 2.0
+"""Standard errors by which a term has to change the mean square error to be said to pay."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedFlight:
+    """One flight, its signals low-passed and as they were recorded.
+
+    A prediction is of forces [N] by something else, (n, 3) at the samples of ``passed`` and
+    low-passed like these, and (m, 3) at those of ``raw``; None where there is none.
+    """
+
+    name: str
+    passed: FlightLog  # low-passed
+    raw: FlightLog  # not low-passed
+    prediction: Floats | None = None
+    raw_prediction: Floats | None = None
+
+
+@dataclass(frozen=True)
+class Step:
+    """A model with one term more than the one before it."""
+
+    name: str  # of what is added
+    choice: Choice  # what is free
+    vertical: bool = False  # whether the vertical forces alone are fitted
+
+
+@dataclass(frozen=True, eq=False)
+class AxisErrors:
+    """Errors of forces on one flight along x, y and z, model minus measurement [N]."""
+
+    passed: Floats  # of low-passed signals, (n, 3)
+    raw: Floats  # of signals as they were recorded, (m, 3)
+
+    @property
+    def rms(self) -> Floats:
+        """Root mean squares of the low-passed errors, (3,)."""
+        return _rms(self.passed)
+
+    @property
+    def raw_rms(self) -> Floats:
+        """Root mean squares of the errors as recorded, (3,)."""
+        return _rms(self.raw)
+
+
+@dataclass(frozen=True, eq=False)
+class FittedStep:
+    """One step fitted to all flights but one, or to a single flight."""
+
+    step: str  # its name
+    left_out: int | None  # number of the flight that was not fitted to; None for a single flight
+    values: dict[str, float]  # the free parameters
+    off: tuple[AxisErrors, ...]  # errors of this model, one per flight
+    hover: tuple[AxisErrors, ...]  # errors of the hover model with its blade
+
+
+def fit_terms(
+    vehicle: Vehicle,
+    flights: Sequence[RecordedFlight],
+    steps: Sequence[Step],
+    law: Airfoil,
+    *,
+    samples: int,
+    tell: Callable[[str], None] | None = None,
+) -> list[FittedStep]:
+    """Fit all steps, each flight in turn left out and the others joined.
+
+    The section ``law`` gives what no step frees; of the flights that are fitted to, ``samples`` are
+    taken at most. After each fit ``tell`` is called with a line of text. The results are in the
+    order of the steps, then of the flights left out.
+    """
+    found = []
+    for step in steps:
+        for left_out in range(len(flights)) if len(flights) > 1 else (None,):
+            seen = joined([f.passed for k, f in enumerate(flights) if k != left_out])
+            picked = np.unique(np.linspace(0, len(seen) - 1, min(samples, len(seen))).astype(int))
+            model = ForceModel(vehicle, seen.picked(picked), law)
+            rows = (vertical_rows if step.vertical else balance_rows)(model, step.choice)
+            values = fit(rows, step.choice, Settings(starts=1, folds=0)).values
+            pairs = [_off(vehicle, flight, law, values) for flight in flights]
+            off, hover = zip(*pairs, strict=True)
+            free = {name: values[name] for name in step.choice.free}
+            found.append(FittedStep(step.name, left_out, free, off, hover))
+            if tell is not None:
+                unseen = found[-1].off[left_out or 0].rms
+                tell(f"{step.name}: {', '.join(f'{x:.3f}' for x in unseen)} N")
+    return found
+
+
+def gain(
+    old: Sequence[AxisErrors], new: Sequence[AxisErrors], flights: Sequence[RecordedFlight]
+) -> tuple[float, float]:
+    """Fall of the mean square of the force error from one model to another [N^2]; its deviation.
+
+    Errors within a second of each other count as one, as they are correlated.
+    """
+    means = []
+    for a, b, flight in zip(old, new, flights, strict=True):
+        fall = np.sum(a.passed**2 - b.passed**2, axis=1)
+        block = flight.passed.stretches(CORRELATED)
+        known = np.isfinite(fall)
+        total = np.bincount(block[known], fall[known])
+        count = np.bincount(block[known])
+        means += (total[count > 0] / count[count > 0]).tolist()
+    each = np.array(means)
+    deviation = float(np.std(each, ddof=1)) / np.sqrt(each.size) if each.size > 1 else np.inf
+    return float(np.mean(each)), float(deviation)
+
+
+def judged(fall: float, deviation: float) -> str:
+    """Whether a term with such a ``gain`` pays, in a word or two."""
+    if fall > SURE * deviation:
+        return "pays"
+    if fall < -SURE * deviation:
+        return "makes it worse"
+    return "no sure gain"
+
+
+def measured_off(vehicle: Vehicle, flight: RecordedFlight) -> AxisErrors | None:
+    """Errors of the prediction that comes with a flight; None where there is none."""
+    if flight.prediction is None or flight.raw_prediction is None:
+        return None
+    return AxisErrors(
+        flight.prediction - vehicle.mass * flight.passed.specific_force,
+        flight.raw_prediction - vehicle.mass * flight.raw.specific_force,
+    )
+
+
+def _off(
+    vehicle: Vehicle, flight: RecordedFlight, base: Airfoil, values: dict[str, float]
+) -> tuple[AxisErrors, AxisErrors]:
+    """Errors of a fit's model and of the hover model."""
+    found = model_with(Model(vehicle.propeller, base, vehicle.air), values)
+    law = replace(constants_of(found.airfoil), corrections=tuple(found.correction_texts))
+    others = {n: values[n] for n in (BODY | SENSOR | WAKES) if n in values}
+    logs = (flight.passed, flight.raw)
+    forces = [flight_forces(vehicle, log, law, FIRST_GUESS | others) for log in logs]
+    measured = [vehicle.mass * log.specific_force for log in logs]
+    model = (f.model[:, :3] - m for f, m in zip(forces, measured, strict=True))
+    hover = (f.hover[:, :3] - m for f, m in zip(forces, measured, strict=True))
+    return AxisErrors(*model), AxisErrors(*hover)
+
+
+def _rms(off: Floats) -> Floats:
+    found: Floats = np.sqrt(np.nanmean(off**2, axis=0))
+    return found
+
+
+# -------------------------------------------------------------------------------------------------
+# What a fit's parameters are for flights, of which it may have seen some.
+
+
+def values_for(
+    file: FitFile, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
+) -> tuple[dict[str, float], list[str]]:
+    """Parameters for the flights of a ``log`` with these ``paths``, and what is to be said of them.
+
+    A flight of the fit keeps its own. Of any other, the thrust scale is what its own hover has
+    beside the hover of the fit's flights, where that is sure; else it is the mean of the fit's
+    flights, as its clock is.
+    """
+    logs = file.record.data[:-1]  # The vehicle's file is the last.
+    names = flight_names([source.file for source in logs])
+    seen = {source.sha256: name for source, name in zip(logs, names, strict=True)}
+    values, remarks = of_others(file.values), []
+    by_hover, applied = dict[str, float](), dict[str, float]()
+    if file.hover_reference:
+        hovers = HoverScale.of(vehicle, log, file.hover_reference)
+        by_hover, applied = hovers.scales, hovers.remarkable
+    for flight, path in zip(log.flights, paths, strict=True):
+        name = seen.get(DataSource.of(path).sha256)
+        for one in PER_FLIGHT:
+            here = of_flight(one, flight)
+            values.pop(here, None)
+            if name is not None:
+                common = values.get(one, EVERY[one].start)
+                values[here] = file.values.get(of_flight(one, name), common)
+        scale = of_flight("thrust_scale", flight)
+        if name is None and scale in by_hover:
+            values |= {scale: applied[scale]} if scale in applied else {}
+            why = "so much is applied" if scale in applied else "too near to 1 to be applied"
+            remarks.append(
+                f"in its hover flight {flight} has {by_hover[scale]:.3f} times the thrust of the "
+                f"fit's flights at the same rotor speeds: {why}"
+            )
+    return values, remarks
+
+
+# -------------------------------------------------------------------------------------------------
+# Errors of a fit to several flights, flight by flight.
+
+
+def by_flight(fitted: Fitted, log: FlightLog) -> dict[str, dict[str, FlightErrors]]:
+    """Errors by load and by flight of a fit to the samples of ``log``; none of one flight alone."""
+    if len(log.flights) < 2:
+        return {}
+    rows = fitted.rows
+    flight = log.flight[rows.point]
+
+    def of(load: int, number: int) -> FlightErrors:
+        mine = rows.of_load(load) & (flight == number) & np.isfinite(fitted.residual)
+        off = fitted.residual[mine]
+        bias = float(off.mean()) if off.size else float("nan")
+        return FlightErrors(off.size, rms_known(off), bias, rms_known(fitted.left_out[mine]))
+
+    return {
+        load: {name: of(k, number) for number, name in enumerate(log.flights)}
+        for k, load in enumerate(rows.names)
+    }

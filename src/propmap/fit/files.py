@@ -1,4 +1,4 @@
-"""Fit files: TOML that repeats a fit, tells of it, and is a parameter set itself."""
+"""Fit files: TOML that describes a fit, suffices to repeat it, and is a parameter set itself."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ import msgspec
 import numpy as np
 
 import propmap
+from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError, drag_factor_accepted
-from propmap.fit.comparison import discrepancy
 from propmap.fit.fit import Coverage, Fitted
 from propmap.fit.learned_residual import LearnedResidual
-from propmap.fit.least_squares import End, Errors, FlightErrors, by_band, errors
+from propmap.fit.least_squares import End, FlightErrors, ResidualErrors, by_band, errors
 from propmap.fit.parameters import (
     BODY,
     FLIGHT,
@@ -35,10 +35,11 @@ from propmap.fit.tunnel import model_with, section_with
 from propmap.io.sections import looks_like_section_table
 from propmap.model.airfoil import Airfoil, SectionCovariance, fitted_uncertainty, read_airfoil
 from propmap.model.model import Air, Model, Propeller
+from propmap.rotor import Rotor
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
-# Fit files: TOML that repeats a fit, tells of it, and is a parameter set itself.
+# Fit files: TOML that describes a fit, suffices to repeat it, and is a parameter set itself.
 
 BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT
 """What the table ``[fit.body]`` has; the rest is the section law, its corrections and the wing."""
@@ -55,7 +56,7 @@ class FitFile:
     covariance : SectionCovariance or None
         Of the parameters of the section law and of the mount that were free; None where none was.
     record : FitRecord
-        All that the file tells of the fit.
+        All that the file says of the fit.
     """
 
     airfoil: Airfoil
@@ -129,15 +130,15 @@ def fit_text(
     Returns
     -------
     str
-        TOML: a parameter set, and what the fit tells of itself as the table ``fit``.
+        TOML: a parameter set, with the record of the fit as the table ``fit``.
     """
     import tomli_w
 
     found = model_with(model, fitted.values)
-    told = {"name": name, "source": f"fitted by propmap, {kind}"}
+    about = {"name": name, "source": f"fitted by propmap, {kind}"}
     with drag_factor_accepted():
         law = section_with(model.airfoil, fitted.values).with_parameters(
-            **told, corrections=tuple(found.correction_texts)
+            **about, corrections=tuple(found.correction_texts)
         )
     sure, choice = fitted.uncertainty, fitted.choice
     record = FitRecord(
@@ -152,7 +153,7 @@ def fit_text(
         fixed=dict(choice.fixed),
         air=model.air,
         propeller=FittedPropeller.of(model.propeller),
-        data=[Source.of(item) for item in data],
+        data=[DataSource.of(item) for item in data],
         covered=covered,
         parameters=[_parameter(fitted, k) for k in range(len(choice.free))],
         body={n: value for n, value in fitted.values.items() if general(n) in BEYOND_ROTORS},
@@ -259,42 +260,31 @@ BY_NAME = ("parameters", "residuals")
 
 
 class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):
-    """One fitted parameter, in ``unit``.
-
-    Attributes
-    ----------
-    low, high, bootstrap_low, bootstrap_high : float
-        Ends of its 95 % intervals; None where there was no bootstrap.
-    verdict, identified : str, bool
-        Whether the data determine it.
-    start, lower, upper : float
-        Where the first search began, and the bounds.
-    prior : tuple of 2 float, or None
-        Mean and standard deviation.
-    """
+    """One fitted parameter, in ``unit``."""
 
     name: str
     value: float
     unit: str
-    low: float = msgspec.field(name="low_95")
+    low: float = msgspec.field(name="low_95")  # ends of its 95 % interval
     high: float = msgspec.field(name="high_95")
     verdict: str
-    identified: bool
-    start: float
-    lower: float
+    identified: bool  # whether the data determine it
+    start: float  # where the first search began
+    lower: float  # bounds
     upper: float
-    prior: tuple[float, float] | None = None
+    prior: tuple[float, float] | None = None  # mean and standard deviation
+    # None where there was no bootstrap
     bootstrap_low: float | None = msgspec.field(name="bootstrap_low_95", default=None)
     bootstrap_high: float | None = msgspec.field(name="bootstrap_high_95", default=None)
 
 
-class FittedLoad(Errors, frozen=True):
+class FittedLoad(ResidualErrors, frozen=True):
     """Errors of one load, in ``unit``: over all rows, on rows left out, by speed and by flight."""
 
     name: str
     unit: str
     cross_validated: float = msgspec.field(name="cross_validated_rms")
-    by_speed: dict[str, Errors]
+    by_speed: dict[str, ResidualErrors]
     by_flight: dict[str, FlightErrors] = msgspec.field(default_factory=dict)
 
     @property
@@ -303,7 +293,7 @@ class FittedLoad(Errors, frozen=True):
         return self.rms / self.relative_rms if self.relative_rms > 0.0 else np.nan
 
 
-class Source(msgspec.Struct, frozen=True, omit_defaults=True):
+class DataSource(msgspec.Struct, frozen=True, omit_defaults=True):
     """Where data are from: a file with its SHA-256, or a name of the catalogue."""
 
     file: str = ""
@@ -311,20 +301,20 @@ class Source(msgspec.Struct, frozen=True, omit_defaults=True):
     catalogue: str = ""
 
     @classmethod
-    def of(cls, item: Path | str) -> Source:
-        """A file's path, or a name of the catalogue."""
+    def of(cls, item: Path | str) -> DataSource:
+        """From a file's path, or a name of the catalogue."""
         if isinstance(item, Path):
             return cls(item.name, hashlib.sha256(item.read_bytes()).hexdigest())
         return cls(catalogue=item)
 
     @property
     def name(self) -> str:
-        """As it is shown."""
+        """The name as it is shown."""
         return self.file or f"{self.catalogue} of the catalogue"
 
 
 class FittedPropeller(msgspec.Struct, frozen=True):
-    """The propeller of a fit; lengths [m] and angles [rad] as in ``Propeller``."""
+    """The propeller of a fit, as in ``Propeller``."""
 
     name: str
     blades: int
@@ -340,55 +330,38 @@ class FittedPropeller(msgspec.Struct, frozen=True):
         return cls(blade.name, blade.blades, blade.root, *shape)
 
     def propeller(self) -> Propeller:
-        """The propeller; raises ``InputError`` where there can be no such blade."""
+        """The propeller; ``InputError`` where there can be no such blade."""
         shape = (self.station_m, self.chord_m, self.twist_rad)
         return Propeller(self.name, self.blades, *shape, self.root)
 
 
 class FitRecord(msgspec.Struct, frozen=True):
-    """What a fit file tells of its fit of P free parameters.
+    """All that a fit file says of its fit of P free parameters."""
 
-    Attributes
-    ----------
-    kind, version : str
-        "tunnel", "level flight" or "flight"; propmap's version.
-    rows, unsolved : int
-        Numbers that were fitted, and for how many of them the model had no solution.
-    fixed, body, wing : dict of str to float
-        Parameters that the user held; all of the body's, with the sensor's and the wakes' if any,
-        and of the wing's.
-    covariance, correlation : ndarray, shape (P, P)
-        A variance is infinite where the data say nothing.
-    singular_values : ndarray, shape (P,)
-        Of the sensitivities, relative to the largest.
-    starts : list of End
-        Where the searches ended, best first.
-    discrepancy : dict of str to float
-        Errors that the fit left, as standard deviations of C_T and C_P [-], by the names of
-        ``model.uncertainty.DISCREPANCIES``; empty where an earlier version wrote the file.
-    """
-
-    kind: str
+    kind: str  # "tunnel", "level flight" or "flight"
     version: str = msgspec.field(name="propmap")
     remarks: list[str]
     free: list[str]
-    rows: int
+    rows: int  # numbers that were fitted
+    # for how many of them the model had no solution
     unsolved: int = msgspec.field(name="unsolved_rows")
     seconds: float
     settings: dict[str, Any]
-    fixed: dict[str, float]
+    fixed: dict[str, float]  # parameters that the user held
     air: Air
     propeller: FittedPropeller
-    data: list[Source]
+    data: list[DataSource]
     covered: Coverage
     parameters: list[FreeParameter]
-    body: dict[str, float]
+    body: dict[str, float]  # all parameters of the body, with the sensor's and the wakes' if any
     wing: dict[str, float]
-    covariance: Floats
-    correlation: Floats
-    singular_values: Floats
+    covariance: Floats  # (P, P), infinite where the data say nothing
+    correlation: Floats  # (P, P)
+    singular_values: Floats  # of the sensitivities, relative to the largest, (P,)
     loads: list[FittedLoad] = msgspec.field(name="residuals")
-    starts: list[End]
+    starts: list[End]  # where the searches ended, best first
+    # Errors that the fit left, as standard deviations of C_T and C_P [-], by the names of
+    # ``DISCREPANCIES``; empty where an earlier version wrote the file.
     discrepancy: dict[str, float] = msgspec.field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -408,25 +381,21 @@ class FitRecord(msgspec.Struct, frozen=True):
 
     def table(self) -> dict[str, Any]:
         """Plain data for a TOML file."""
-        told: dict[str, Any] = msgspec.to_builtins(self, enc_hook=_plain)
+        # Arrays, and numbers of NumPy's, become lists and numbers.
+        plain: dict[str, Any] = msgspec.to_builtins(self, enc_hook=lambda array: array.tolist())
         for key in BY_NAME:
-            told[key] = {entry.pop("name"): entry for entry in told[key]}
-        return told
+            plain[key] = {entry.pop("name"): entry for entry in plain[key]}
+        return plain
 
 
 def read_record(table: Any) -> FitRecord:
-    """The record of the table ``[fit]`` as TOML gives it.
-
-    Raises
-    ------
-    InputError
-        Naming the entry where one is missing or is of another kind.
-    """
+    """The record of the table ``[fit]`` from TOML; ``InputError`` names an entry at fault."""
     known = table
     if isinstance(table, Mapping):
         known = {**table, **{key: _listed(table[key]) for key in BY_NAME if key in table}}
     try:
-        return msgspec.convert(known, FitRecord, dec_hook=_array)
+        # Lists become arrays.
+        return msgspec.convert(known, FitRecord, dec_hook=lambda _, v: np.array(v, np.float64))
     except msgspec.ValidationError as error:
         fault, _, path = str(error).replace("`", "").partition(" - at $.")
         for key in BY_NAME:
@@ -437,17 +406,40 @@ def read_record(table: Any) -> FitRecord:
 
 
 def _listed(tables: Any) -> Any:
-    """Tables by name as a list of tables with a name; anything else as it is."""
+    """Make a list of tables by name; leave anything else as it is."""
     if not isinstance(tables, Mapping):
         return tables
     return [{"name": k, **t} if isinstance(t, Mapping) else t for k, t in tables.items()]
 
 
-def _plain(array: Any) -> Any:
-    """An array, or a number of NumPy's, for TOML."""
-    return array.tolist()
+# -------------------------------------------------------------------------------------------------
+# What a fit could not explain, as errors of thrust and power coefficients.
+
+OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
+"""Rows whose errors, over what the hover model says of them, are shares of a static load."""
 
 
-def _array(_: Any, value: Any) -> Floats:
-    """An array from TOML."""
-    return np.array(value, np.float64)
+def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]:
+    """Standard deviations of C_T and C_P that a fit leaves, by name of ``DISCREPANCIES``.
+
+    ``found`` is the model with the fitted parameters, ``hover`` (M,) what the hover model says of
+    the rows. A load that was not fitted is taken to err by as large a share as the other.
+    """
+    shares = {}
+    for kind, names in (("thrust", OF_THRUST), ("torque", OF_TORQUE)):
+        for k, name in enumerate(fitted.rows.names):
+            still = hover[fitted.rows.of_load(k)]
+            size = float(np.sqrt(np.nanmean(still**2))) if still.size else 0.0
+            if name in names and size > 0.0:
+                shares[kind] = errors(*fitted.compared(k)).rms / size
+    if not shares or not np.isfinite(list(shares.values())).all():
+        return {}
+    static = HoverModel.of(Rotor(found))
+    blade, air = found.propeller, found.air
+    thrust = abs(static.k_thrust) * (2.0 * np.pi) ** 2 / (air.density * blade.diameter**4)
+    power = abs(static.k_torque) * (2.0 * np.pi) ** 3 / (air.density * blade.diameter**5)
+    largest = max(shares.values())
+    return {
+        "thrust_coefficient": shares.get("thrust", largest) * thrust,
+        "power_coefficient": shares.get("torque", largest) * power,
+    }

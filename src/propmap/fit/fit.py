@@ -1,4 +1,4 @@
-"""A whole identification: search, uncertainty, cross-validation, bootstrap, and what data cover."""
+"""A whole identification: search, uncertainty, cross-validation, bootstrap, coverage of data."""
 
 from __future__ import annotations
 
@@ -200,26 +200,21 @@ def _cross_validate(
     rng = np.random.default_rng(settings.seed)
     fold = (rng.permutation(labels.size) % settings.folds)[index]
     for k in range(settings.folds):
-        value, _ = rows.model(choice.values(refit(rows.left(fold != k))), choice.free)
         out = (fold == k) & (rows.weight > 0.0)
-        left_out[out] = (value - rows.measured)[out]
+        unseen = rows.left(out)
+        value, _ = unseen.model(choice.values(refit(rows.left(fold != k))), ())
+        left_out[out] = value - unseen.measured
     return left_out
 
 
+@dataclass(eq=False)
 class _Refit(RowsElsewhere):
-    """Fits much the same rows again; what is sent to another process remakes the rows there."""
+    """Fits much the same rows again; ``remake`` gives the rows in another process."""
 
-    def __init__(
-        self,
-        rows: Rows,
-        remake: Callable[[], Rows] | None,
-        choice: Choice,
-        start: Floats,
-        loss: str,
-        error: float,
-    ) -> None:
-        self.rows, self.remake = rows, remake
-        self.choice, self.start, self.loss, self.error = choice, start, loss, error
+    choice: Choice
+    start: Floats
+    loss: str
+    error: float
 
     def __call__(self, part: Rows) -> Floats:
         """The parameters (P,) that fit some rows."""
@@ -228,7 +223,7 @@ class _Refit(RowsElsewhere):
 
 
 def _bootstrap(refit: _Refit, settings: Settings, workers: Workers) -> Floats:
-    """Parameters refitted to units drawn with replacement (B, P)."""
+    """Parameters (B, P) refitted to units drawn with replacement."""
     rng = np.random.default_rng(settings.seed + 1)
     labels, index = np.unique(refit.rows.unit, return_inverse=True)
     drawn = [
@@ -241,12 +236,12 @@ def _bootstrap(refit: _Refit, settings: Settings, workers: Workers) -> Floats:
 
 def _refit_to(refit: _Refit, drawn: NDArray[np.intp]) -> Floats:
     """The parameters by rows that count as often as they were drawn (M,)."""
-    rows = refit.rows
-    return refit(replace(rows, weight=rows.weight * np.sqrt(drawn)))
+    rows = replace(refit.rows, weight=refit.rows.weight * np.sqrt(drawn))
+    return refit(rows.left(drawn > 0))
 
 
 # -------------------------------------------------------------------------------------------------
-# Which operating points the data of a fit cover, and what they cannot tell.
+# Which operating points the data of a fit cover, and what these cannot determine.
 
 AT_REST = 0.1
 """Speed [m/s] below which the direction of the flow means nothing."""
@@ -264,8 +259,8 @@ Range = tuple[float, float]
 """Least and largest."""
 
 
-class _Points(msgspec.Struct, frozen=True, omit_defaults=True):
-    """How many operating points, their ranges, and the median rotational speed."""
+class _CoveredPoints(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Number of operating points, their ranges, and the median rotational speed."""
 
     points: int
     rpm: Range
@@ -278,7 +273,7 @@ class _Points(msgspec.Struct, frozen=True, omit_defaults=True):
                 raise ValueError(f"{value[0]:g} to {value[1]:g} is no range")
 
 
-class Covered(_Points, frozen=True):
+class Covered(_CoveredPoints, frozen=True):
     """Operating points of one kind; the advance ratio is V/(Omega R) [-]."""
 
     advance: Range = msgspec.field(name="advance_ratio")
@@ -291,7 +286,7 @@ class CoveredAngle(Covered, frozen=True):
     typical_beta: float = msgspec.field(name="typical_beta_deg")
 
 
-class Coverage(_Points, frozen=True):
+class Coverage(_CoveredPoints, frozen=True):
     """All operating points of a fit's data: their ranges, and those at rest and by angle.
 
     Points where the propeller stands still do not count.  ``angles`` has an entry for each band of
@@ -309,21 +304,10 @@ class Coverage(_Points, frozen=True):
 
 
 def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Coverage:
-    """Ranges of n operating points, at rest and by angle.
+    """Ranges of n operating points, at rest and by angle; beta is in 0...pi [rad], radius is R [m].
 
-    Loads over Omega^2 depend on the advance ratio and the angle, and on little else.
-
-    Parameters
-    ----------
-    omega, speed, beta : ndarray, shape (n,)
-        Rotational speed [rad/s], flight speed [m/s], angle to the axis [rad] in 0...pi.
-    radius : float
-        Of the tip [m].
-
-    Raises
-    ------
-    InputError
-        Where the propeller turns at none of the points.
+    Loads over Omega^2 depend on the advance ratio and the angle, and on little else. Raises
+    ``InputError`` where the propeller turns at none of the points.
     """
     turning = omega > 0.0
     if not turning.any():
@@ -343,7 +327,7 @@ def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Cover
 
 
 def range_warnings(rows: Rows) -> list[str]:
-    """Sentences on what the range of speeds of the rows cannot tell; none where it is wide."""
+    """Say what the range of speeds of the rows cannot determine; nothing where it is wide."""
     speed = rows.speed[rows.weight > 0.0]
     low, high = _ends(speed)
     if high < HOVER_BELOW:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError, quoted
 from propmap.fit.fit import Coverage, coverage
-from propmap.fit.least_squares import Rows
+from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.parameters import (
     EVERY,
     MOUNT,
@@ -44,17 +45,17 @@ from propmap.vehicle.wakes import HubFlow, check_apart, hub_flow, rotor_wrench, 
 
 AXES, VERTICAL = ("force_x", "force_y", "force_z"), ("vertical_force",)
 MOMENTS = ("moment_x", "moment_y", "moment_z")
-ALIKE = 1.0
-"""Time within which errors of a flight are taken to be alike [s]."""
+CORRELATED = 1.0
+"""Time within which errors of a flight are taken to be correlated [s]."""
 
 UNITS = {**dict.fromkeys((*AXES, *VERTICAL), "N"), **dict.fromkeys(MOMENTS, "N m")}
 
 
 def level_rows(model: ForceModel, choice: Choice) -> Rows:
-    """A row per steady level flight, where the vertical forces sum up to m g: eqs. (16)(17).
+    """Make a row per steady level flight, where the vertical forces sum up to m g: eqs. (16)(17).
 
-    With V horizontal, the vertical parts of a rotor's forces are T sin(beta) and D cos(beta);
-    here they come from the attitude, so that a trace of climb or of bank is no error.
+    With V horizontal, the vertical parts of a rotor's forces are T sin(beta) and D cos(beta); here
+    they come from the attitude, so that a trace of climb or of bank is no error.
 
     Parameters
     ----------
@@ -72,27 +73,17 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
     return _rows(model, choice, VERTICAL, weight)
 
 
-def vertical_rows(model: ForceModel, choice: Choice, *, stretch: float = ALIKE) -> Rows:
-    """A row per sample of a whole flight: the vertical forces alone, as in (16) and (17).
+def vertical_rows(model: ForceModel, choice: Choice, *, stretch: float = CORRELATED) -> Rows:
+    """Make a row per sample of a whole flight: the vertical forces alone, as in (16) and (17).
 
     Where the flight is not steady, mass times the vertical specific force stands for the weight.
-
-    Parameters
-    ----------
-    model, choice, stretch
-        As for ``balance_rows``.
-
-    Raises
-    ------
-    InputError
-        For free parameters that do not act.
     """
     log = model.log
     measured = model.vehicle.mass * np.sum(log.specific_force * log.up, axis=1, keepdims=True)
     return _rows(model, choice, VERTICAL, measured, log.stretches(stretch))
 
 
-def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = ALIKE) -> Rows:
+def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = CORRELATED) -> Rows:
     """Rows of a whole flight: all forces but gravity against m times the specific force.
 
     There are three per sample, and three more of moments where the vehicle file has moments of
@@ -105,7 +96,7 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = ALIKE) -
     choice : Choice
         Which parameters are free.
     stretch : float
-        Time within which errors are taken to be alike [s].
+        Time within which errors are taken to be correlated [s].
 
     Raises
     ------
@@ -135,45 +126,43 @@ def _rows(
     measured: Floats,
     group: NDArray[np.intp] | None = None,
 ) -> Rows:
-    """A row per load ``measured`` (n, L), in units of the weight and of that at the hubs' mean
-    distance from the centre of mass, or at a radius where that is none."""
-    if names == VERTICAL:
-        useless = [name for name in choice.free if general(name) in SENSOR | TURNING]
-        if useless:
-            raise InputError(
-                f"{useless[0]} has no part in steady stretches", "fit it with --method balance"
-            )
-    elif MOMENTS[0] not in names:
-        useless = [name for name in choice.free if name in TURNING]
-        if useless:
-            raise InputError(
-                f"{useless[0]} is free but moments are not balanced",
-                "add inertia = [about x, about y, about z] in kg m^2 to the vehicle file",
-            )
-    if any(mount.drag is not None for mount in model.vehicle.mounts):
-        known = [name for name in (*choice.free, *choice.fixed) if name in MOUNT]
-        if known:
-            raise InputError(
-                f"{known[0]} is given for a vehicle whose file has it as well",
-                "remove the [mount] table, or leave the parameter to the file",
-            )
-    if len(model.vehicle.mounts) == 1:
-        useless = [name for name in choice.free if name in WAKES]
-        if useless:
-            raise InputError(
-                f"{useless[0]} is free but the vehicle has one rotor", "leave it out of --free"
-            )
-    if model.vehicle.wing is None:
-        useless = [name for name in choice.free if name in WING]
-        if useless:
-            raise InputError(
-                f"{useless[0]} is free but the vehicle has no wing", "add a [wing] table"
-            )
+    """Make a row per load ``measured`` (n, L).
 
-    def forces(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        balance = model.at(values, free)
-        slopes = _along(model.log, names, balance.slopes)
-        return _along(model.log, names, balance.loads), np.moveaxis(slopes, 0, -1)
+    Units are the weight, and for moments that at the hubs' mean distance from the centre of mass,
+    or at a radius where that is none.
+    """
+    free, given = choice.free, (*choice.free, *choice.fixed)
+
+    def refuse(useless: list[str], fault: str, remedy: str) -> None:
+        if useless:
+            raise InputError(f"{useless[0]} {fault}", remedy)
+
+    if names == VERTICAL:
+        sensing = [name for name in free if general(name) in SENSOR | TURNING]
+        refuse(sensing, "has no part in steady stretches", "fit it with --method balance")
+    elif MOMENTS[0] not in names:
+        remedy = "add inertia = [about x, about y, about z] in kg m^2 to the vehicle file"
+        turning = [name for name in free if name in TURNING]
+        refuse(turning, "is free but moments are not balanced", remedy)
+    if any(mount.drag is not None for mount in model.vehicle.mounts):
+        remedy = "remove the [mount] table, or leave the parameter to the file"
+        mounted = [name for name in given if name in MOUNT]
+        refuse(mounted, "is given for a vehicle whose file has it as well", remedy)
+    if len(model.vehicle.mounts) == 1:
+        wakes = [name for name in free if name in WAKES]
+        refuse(wakes, "is free but the vehicle has one rotor", "leave it out of --free")
+    if model.vehicle.wing is None:
+        wing = [name for name in free if name in WING]
+        refuse(wing, "is free but the vehicle has no wing", "add a [wing] table")
+
+    def table(points: NDArray[np.intp]) -> RowModel:
+        here = model if points.size == len(model.log) else model.at_samples(points)
+
+        def forces(values: Mapping[str, float], free: tuple[str, ...]) -> Evaluation:
+            loads, slopes = (_along(here.log, names, one) for one in here.at(values, free))
+            return loads, np.moveaxis(slopes, 0, -1)
+
+        return forces
 
     weight = model.vehicle.mass * GRAVITY
     places = np.array([mount.position for mount in model.vehicle.mounts])
@@ -181,11 +170,11 @@ def _rows(
     each = np.array([weight * (arm if name in MOMENTS else 1.0) for name in names])
     scale = np.broadcast_to(each, measured.shape)
     units = tuple(UNITS[name] for name in names)
-    return Rows.of_points(names, units, measured, scale, model.log.speed, forces, group)
+    return Rows.of_points(names, units, measured, scale, model.log.speed, table, group)
 
 
 def _along(log: FlightLog, names: tuple[str, ...], loads: Floats) -> Floats:
-    """The loads of these names (..., n, L) of forces and moments (..., n, 6)."""
+    """Pick the loads ``names`` (..., n, L) out of forces and moments (..., n, 6)."""
     if names == VERTICAL:
         return np.asarray(np.sum(loads[..., :3] * log.up, axis=-1, keepdims=True))
     return loads[..., : len(names)]
@@ -194,7 +183,7 @@ def _along(log: FlightLog, names: tuple[str, ...], loads: Floats) -> Floats:
 def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Floats:
     """What the hover model says of the rows (M,) made of ``model``.
 
-    ``values``, all parameters by name, give the rotor whose constants are taken.
+    The parameters ``values`` give the rotor whose constants are taken.
     """
     hover = HoverModel.of(Rotor(model_with(model.model, values)))
     return rows.picked(_along(model.log, rows.names, hover_loads(hover, model.flow)))
@@ -207,36 +196,26 @@ LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "untwist")
 """Parameters of attached lift, and so of the rotors' wakes."""
 
 LIFT_STEP = 1e-4
-"""Of the difference quotients by these, over the spread of each."""
+"""Step of the difference quotients by these, over the spread of each."""
 
 SPEED_STEP = 1e-6
-"""Of that by the rotor speed, over the speed."""
+"""Step of the quotient by the rotor speed, over the speed."""
 
 
-@dataclass(frozen=True)
-class Balance:
-    """What acts on the vehicle at n samples, in its frame.
+class VehicleLoads(NamedTuple):
+    """Force [N] and moment about the centre of mass [N m] at n samples, in the vehicle's frame."""
 
-    Attributes
-    ----------
-    loads : ndarray, shape (n, 6)
-        Force [N] and moment about the centre of mass [N m], NaN where the rotors' loads were not
-        found.
-    slopes : ndarray, shape (P, n, 6)
-        By the parameters asked for.
-    """
-
-    loads: Floats
-    slopes: Floats
+    loads: Floats  # (n, 6), NaN where the rotors' loads were not found
+    slopes: Floats  # derivatives by the P parameters asked for, (P, n, 6)
 
     @property
     def force(self) -> Floats:
-        """[N], (n, 3)."""
+        """Force [N], (n, 3)."""
         return self.loads[:, :3]
 
     @property
     def moment(self) -> Floats:
-        """[N m], (n, 3)."""
+        """Moment [N m], (n, 3)."""
         return self.loads[:, 3:]
 
 
@@ -261,11 +240,7 @@ class ForceModel:
     """
 
     def __init__(
-        self,
-        vehicle: Vehicle,
-        log: FlightLog,
-        base: Airfoil,
-        setting: str = "standard",
+        self, vehicle: Vehicle, log: FlightLog, base: Airfoil, setting: str = "standard"
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
             raise InputError(
@@ -273,11 +248,15 @@ class ForceModel:
                 "give the vehicle file one [[rotors]] table per rotor of the log",
                 log.source,
             )
-        self.vehicle, self.log, self.setting = vehicle, log, setting
+        self.vehicle, self.log, self.base, self.setting = vehicle, log, base, setting
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
 
-    def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
+    def at_samples(self, samples: NDArray[np.intp]) -> ForceModel:
+        """The model at some of the ``samples``."""
+        return ForceModel(self.vehicle, self.log.picked(samples), self.base, self.setting)
+
+    def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> VehicleLoads:
         """Forces and moments, and their derivatives.
 
         Parameters
@@ -289,49 +268,35 @@ class ForceModel:
         """
         check_flights(free, self.log)
         loads, slopes = self._rotors(values, free)
-        scale = at_samples("thrust_scale", values, self.log)[:, None]
-        slopes = scale * slopes
-        for row, name in enumerate(free):
-            if general(name) == "thrust_scale":
-                slopes[row] = samples_of(name, values, self.log)[:, None] * loads
-        loads = scale * loads
-        body, by_body = body_force(self.vehicle, self.log, values, free)
-        force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body
-        more, by_more = added_moment(
-            self.vehicle, self.log, self.flow, force, by_force, values, free
-        )
-        sensed, by_sensor = sensor_force(self.vehicle, self.log, values, free)
-        return Balance(
-            np.concatenate([force + sensed, loads[:, 3:] + more], axis=-1),
-            np.concatenate([by_force + by_sensor, slopes[..., 3:] + by_more], axis=-1),
-        )
+        return on_vehicle(self.vehicle, self.log, self.flow, loads, slopes, values, free)
 
     def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        """Loads (n, 6) of all rotors, in each other's wakes where there are any, and their
-        derivatives (P, n, 6)."""
+        """Loads (n, 6) of all rotors, in each other's wakes if there are any; slopes (P, n, 6)."""
         section = tuple(name for name in free if name in (*ROTOR, ROTOR_SPEED))
         at_section = [name in section for name in free]
         slopes = np.zeros((len(free), len(self.log), 6))
         wakes = wakes_with(self.vehicle, values)
         if wakes is None:
             loads, by_section = self._loads(values, section, self.flow.axial)
-            slopes[at_section] = _six(self.flow, by_section)
-            return _six(self.flow, loads), slopes
+            slopes[at_section] = six_loads(self.flow, by_section)
+            return six_loads(self.flow, loads), slopes
         check_apart(self.vehicle)
-        named = (*section, "v_axial")
         thrust, by_lift = self._attached(values, section)
         wake = wake_flow(self.vehicle, wakes, self.flow, thrust)
+        named = (*section, "v_axial") if free else ()
         loads, by_here = self._loads(values, named, self.flow.axial + wake.added)
+        if not free:
+            return six_loads(self.flow, loads), slopes
         by_axial = by_here[:, -1]
         # The wakes change with the thrusts that they are computed from.
         followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_lift)
         by_section = by_here[:, :-1] + by_axial[:, None] * followed
-        slopes[at_section] = _six(self.flow, by_section)
+        slopes[at_section] = six_loads(self.flow, by_section)
         for row, name in enumerate(free):
             if name in WAKES:
                 added = wake.by_gain[name.removeprefix(PREFIX)]
-                slopes[row] = _six(self.flow, by_axial * added)
-        return _six(self.flow, loads), slopes
+                slopes[row] = six_loads(self.flow, by_axial * added)
+        return six_loads(self.flow, loads), slopes
 
     def _attached(
         self, values: Mapping[str, float], names: tuple[str, ...]
@@ -341,14 +306,14 @@ class ForceModel:
         known = {name: value for name, value in values.items() if name not in MOUNT}
         lifting = [name for name in names if name in LIFT]
         steps = [LIFT_STEP * EVERY[name].spread for name in lifting]
-        moved = [
+        perturbed = [
             model_with(self.model, {**known, name: known[name] + step})
             for name, step in zip(lifting, steps, strict=True)
         ]
         scale = values.get(ROTOR_SPEED, 1.0)
         omega, along = scale * flow.omega, (flow.axial, flow.inplane)
         rotor = Rotor(model_with(self.model, known))
-        thrust, more = rotor.attached_thrust(omega, *along, moved)
+        thrust, more = rotor.attached_thrust(omega, *along, perturbed)
         slopes = np.zeros((len(names), *omega.shape))
         if ROTOR_SPEED in names:
             faster, _ = rotor.attached_thrust((1.0 + SPEED_STEP) * omega, *along)
@@ -360,8 +325,7 @@ class ForceModel:
     def _loads(
         self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
     ) -> tuple[Floats, Floats]:
-        """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m), and their derivatives
-        (L, P, n, m) by the P of these ``names``."""
+        """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m); slopes (L, P, n, m)."""
         flow, shape = self.flow, self.flow.omega.shape
         omega = values.get(ROTOR_SPEED, 1.0) * flow.omega
         asked = tuple("omega" if name == ROTOR_SPEED else name for name in names)
@@ -377,14 +341,40 @@ class ForceModel:
         return loads, slopes
 
     def coverage(self) -> Coverage:
-        """What ``coverage`` says of the flow at all rotors."""
+        """Ranges of the flow at all rotors."""
         flow = self.flow
         speed, beta = np.hypot(flow.axial, flow.inplane), np.arctan2(flow.inplane, flow.axial)
         radius = self.vehicle.propeller.radius
         return coverage(flow.omega.ravel(), speed.ravel(), beta.ravel(), radius)
 
 
-def _six(flow: HubFlow, loads: Floats) -> Floats:
+def on_vehicle(
+    vehicle: Vehicle,
+    log: FlightLog,
+    flow: HubFlow,
+    loads: Floats,
+    slopes: Floats,
+    values: Mapping[str, float],
+    free: tuple[str, ...],
+) -> VehicleLoads:
+    """All but gravity on the vehicle, from the loads (n, 6) of its rotors and slopes (P, n, 6)."""
+    scale = at_samples("thrust_scale", values, log)[:, None]
+    slopes = scale * slopes
+    for row, name in enumerate(free):
+        if general(name) == "thrust_scale":
+            slopes[row] = samples_of(name, values, log)[:, None] * loads
+    loads = scale * loads
+    body, by_body = body_force(vehicle, log, values, free)
+    force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body
+    more, by_more = added_moment(vehicle, log, flow, force, by_force, values, free)
+    sensed, by_sensor = sensor_force(vehicle, log, values, free)
+    return VehicleLoads(
+        np.concatenate([force + sensed, loads[:, 3:] + more], axis=-1),
+        np.concatenate([by_force + by_sensor, slopes[..., 3:] + by_more], axis=-1),
+    )
+
+
+def six_loads(flow: HubFlow, loads: Floats) -> Floats:
     """Force and moment (..., n, 6) of all rotors from loads (L, ..., n, m)."""
     return np.concatenate(rotor_wrench(flow, loads), axis=-1)
 
@@ -392,7 +382,7 @@ def _six(flow: HubFlow, loads: Floats) -> Floats:
 def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
     """The hover model's force [N] and moment [N m] of all rotors on the vehicle; (n, 6)."""
     known = hover.loads(flow.omega)
-    return _six(flow, np.stack([known[name] for name in LOADS]))
+    return six_loads(flow, np.stack([known[name] for name in LOADS]))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -401,7 +391,7 @@ def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
 STEPS = {"drag_area_x": 1e-3, "drag_area_y": 1e-3, "drag_area_z": 1e-3, "lift_area": 1e-3}
 STEPS |= {"download_area_x": 1e-3, "download_area_y": 1e-3}
 STEPS |= {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
-"""Of central differences, by parameter; the forces are linear in all but the last."""
+"""Steps of central differences; the forces are linear in all but the last parameter."""
 
 
 def wing_values(vehicle: Vehicle) -> dict[str, float]:
@@ -414,21 +404,10 @@ def wing_values(vehicle: Vehicle) -> dict[str, float]:
 def body_force(
     vehicle: Vehicle, log: FlightLog, values: Mapping[str, float], free: tuple[str, ...]
 ) -> tuple[Floats, Floats]:
-    """Force of body and wing in the vehicle's frame, and its derivatives.
+    """Force (n, 3) [N] of body and wing in the vehicle's frame, and its derivatives (P, n, 3).
 
-    Parameters
-    ----------
-    vehicle, log : Vehicle, FlightLog
-        What flies, and how.
-    values : mapping of str to float
-        The body's and the wing's parameters by name; the body's add to the vehicle file's.
-    free : tuple of str
-        Names of the P parameters by which to differentiate, by central differences.
-
-    Returns
-    -------
-    force, slopes : ndarray, shape (n, 3) and (P, n, 3)
-        [N], and per unit of each parameter.
+    The body's parameters among ``values`` add to the vehicle file's. Derivatives are central
+    differences.
     """
     force = _force(vehicle, log, values)
     slopes = np.zeros((len(free), *force.shape))
@@ -464,29 +443,11 @@ CLOCK = "clock_offset"
 def sensor_force(
     vehicle: Vehicle, log: FlightLog, values: Mapping[str, float], free: tuple[str, ...]
 ) -> tuple[Floats, Floats]:
-    """Mass times what the sensor reads beyond the acceleration of the centre of mass.
+    """Mass times what the sensor reads beyond the acceleration of the centre of mass [N]; slopes.
 
-    Of steady operating points, which have no time derivatives, the vehicle file's place of the
-    sensor plays no part.
-
-    Parameters
-    ----------
-    vehicle, log : Vehicle, FlightLog
-        What flies, and how; with time derivatives, see ``propmap.vehicle.log``.
-    values : mapping of str to float
-        The sensor's parameters by name; its place adds to the vehicle file's.
-    free : tuple of str
-        Names of the P parameters by which to differentiate.
-
-    Returns
-    -------
-    force, slopes : ndarray, shape (n, 3) and (P, n, 3)
-        [N], and per unit of each parameter; zero of parameters that are not the sensor's.
-
-    Raises
-    ------
-    InputError
-        Where a parameter acts and the log has no time derivatives.
+    Shapes are (n, 3) and (P, n, 3). The sensor's place among ``values`` adds to the vehicle file's,
+    which plays no part at steady operating points, as these have no time derivatives. Raises
+    ``InputError`` where a parameter acts and the log has no time derivatives.
     """
     own = np.array([values.get(name, 0.0) for name in OFFSET])
     place, late = own + vehicle.sensor, at_samples(CLOCK, values, log)
@@ -533,10 +494,7 @@ ROTOR_INERTIA = "rotor_inertia"
 def measured_moment(vehicle: Vehicle, log: FlightLog) -> Floats:
     """Moment that turns the frame, J dw/dt + w x J w [N m]; (n, 3), NaN where it is not known.
 
-    Parameters
-    ----------
-    vehicle, log : Vehicle, FlightLog
-        With its moments of inertia; with time derivatives, see ``time_derivatives``.
+    It takes moments of inertia and the log's time derivatives.
     """
     if vehicle.inertia is None:
         return np.full_like(log.rates, np.nan)
@@ -554,23 +512,10 @@ def added_moment(
     values: Mapping[str, float],
     free: tuple[str, ...],
 ) -> tuple[Floats, Floats]:
-    """Moment of a shifted centre of mass and of the spinning rotors on the frame.
+    """Moment (n, 3) [N m] of a shifted centre of mass and of the spinning rotors; slopes (P, n, 3).
 
-    Parameters
-    ----------
-    vehicle, log, flow : Vehicle, FlightLog, HubFlow
-        What flies, how, and the flow at its m rotors.
-    force, slopes : ndarray, shape (n, 3) and (P, n, 3)
-        Of the air on the vehicle [N], and its derivatives.
-    values : mapping of str to float
-        The parameters of ``TURNING`` by name; they add to the vehicle file's.
-    free : tuple of str
-        Names of the P parameters.
-
-    Returns
-    -------
-    moment, slopes : ndarray, shape (n, 3) and (P, n, 3)
-        [N m], and per unit of each parameter.
+    The parameters of ``TURNING`` among ``values`` add to the vehicle file's. ``force`` (n, 3) [N]
+    is that of the air on the vehicle, ``slopes`` (P, n, 3) its derivatives.
     """
     centre = np.array([values.get(name, 0.0) for name in CENTRE])
     spun = flow.spin[:, None] * flow.axis
@@ -596,17 +541,7 @@ PREFIX = "wake_"
 def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
     """The vehicle's wakes with those parameters of ``WAKES`` that are among ``values``.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Gives what is not among the values, or else ``Wakes`` as it is by default.
-    values : mapping of str to float
-        Parameters by name.
-
-    Returns
-    -------
-    Wakes or None
-        None where neither tells of wakes: the rotors then do not act on each other.
+    None where neither has any: the rotors then do not act on each other.
     """
     given = {name.removeprefix(PREFIX): values[name] for name in WAKES if name in values}
     if not given:
@@ -615,13 +550,12 @@ def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
 
 
 # -------------------------------------------------------------------------------------------------
-# A flight's thrust scale: what its own hover says of battery, mass and motor-speed scale.
+# A flight's thrust scale, from its own hover: battery, mass, and the scale of its motor speeds.
 #
-# In hover a rotor's thrust goes as the square of its speed.  How much thrust a flight measures
-# there
-# per square of its rotor speeds, over what the flights of a fit measure, is no matter of the model:
-# it is a scale of that flight's rotor speeds or forces, ``thrust_scale[FLIGHT]``, by which all its
-# rotor loads are multiplied.
+# In hover a rotor's thrust goes as the square of its speed.  What thrust a flight measures there
+# per square of its rotor speeds, over that of all flights of a fit, is no matter of the model: it
+# is a scale of that flight's rotor speeds or forces, ``thrust_scale[FLIGHT]``, by which its rotor
+# loads are multiplied.
 
 SLOW, LEVEL_RATE, QUIET = 1.0, 0.5, 0.15
 """A sample hovers below this speed [m/s] and rate [rad/s], its specific force within this share of
@@ -638,39 +572,22 @@ Batteries, payloads and temperatures differ by so much; and by a hundredth do ha
 flight's hover, at its start and at its end: 0.7 and 1.2 % in the two of examples/neurobem."""
 
 RANGE = (0.9, 1.1)
-"""Of a scale; outside, the mass or the unit of the rotor speeds is wrong, and none is applied."""
+"""Range of a scale; outside, mass or unit of the rotor speeds is wrong, and none is applied."""
 
 
 @dataclass(frozen=True)
 class HoverScale:
-    """Thrust scales of the flights of a log, from where each of them hovers.
+    """Thrust scales of the flights of a log, from where each of them hovers."""
 
-    Attributes
-    ----------
-    flights : tuple of str
-        Names of the flights, by number.
-    measured : mapping of int to float
-        Thrust over the sum of the squares of the rotor speeds [N s^2], by number of each flight
-        that hovers for long enough.
-    reference : float or None
-        The same of the flights of a fit [N s^2]; None where none of them hovers.
-    """
-
-    flights: tuple[str, ...]
+    flights: tuple[str, ...]  # names by number
+    # Thrust over the sum of the squares of the rotor speeds [N s^2], by number of each flight that
+    # hovers for long enough.
     measured: Mapping[int, float]
-    reference: float | None
+    reference: float | None  # of the flights of a fit [N s^2]; None where none of them hovers
 
     @classmethod
     def of(cls, vehicle: Vehicle, log: FlightLog, reference: float | None = None) -> HoverScale:
-        """Find where the flights hover.
-
-        Parameters
-        ----------
-        vehicle, log : Vehicle, FlightLog
-            What flew, and one or several of its flights.
-        reference : float, optional
-            Of the flights of a fit; by default the mean of these flights.
-        """
+        """Find where the flights of a ``log`` hover; by default the reference is their mean."""
         total = np.sum([mount.axis for mount in vehicle.mounts], axis=0)
         axis = total / max(float(np.linalg.norm(total)), 1e-9)
         still = (log.speed < SLOW) & (np.linalg.norm(log.rates, axis=1) < LEVEL_RATE)
@@ -692,7 +609,7 @@ class HoverScale:
 
     @property
     def scales(self) -> dict[str, float]:
-        """By the flight's parameter, where it is within ``RANGE`` [-]."""
+        """Scale by the flight's parameter, where it is within ``RANGE`` [-]."""
         if not self.reference:
             return {}
         found = {
@@ -702,15 +619,15 @@ class HoverScale:
         return {n: scale for n, scale in found.items() if RANGE[0] <= scale <= RANGE[1]}
 
     @property
-    def telling(self) -> dict[str, float]:
+    def remarkable(self) -> dict[str, float]:
         """Those that differ from 1 by more than a hover may by itself."""
         return {name: one for name, one in self.scales.items() if abs(one - 1.0) > 2.0 * IN_HOVER}
 
     @property
     def priors(self) -> dict[str, Prior]:
-        """What is known of the scale of each flight before a fit; nothing of one flight alone.
+        """Prior of each flight's scale before a fit; none of one flight alone.
 
-        The scale of a flight is beside the others': alone, it is not told from the blade.
+        Alone, a flight's scale cannot be distinguished from the blade's thrust.
         """
         if len(self.flights) < 2:
             return {}
@@ -719,13 +636,7 @@ class HoverScale:
         return {name: known.get(name, Prior(1.0, OVER_FLIGHTS)) for name in names}
 
     def reference_at(self, values: Mapping[str, float]) -> float | None:
-        """What a flight with the scale 1 measures in hover [N s^2], by the scales that a fit found.
-
-        Parameters
-        ----------
-        values : mapping of str to float
-            Parameters by name.
-        """
+        """What a flight of scale 1 measures in hover [N s^2], by the scales that a fit found."""
         each = [
             one / values.get(of_flight(NAME, self.flights[number]), 1.0)
             for number, one in self.measured.items()
@@ -743,16 +654,9 @@ def of_each(name: str, log: FlightLog) -> tuple[str, ...]:
 
 
 def at_samples(name: str, values: Mapping[str, float], log: FlightLog) -> Floats:
-    """The parameter of the flight of each sample; (n,).
+    """The parameter ``name``, of ``PER_FLIGHT``, of the flight of each sample; (n,).
 
-    Parameters
-    ----------
-    name : str
-        One of ``PER_FLIGHT``.
-    values : mapping of str to float
-        Parameters by name; what is not given for a flight is what is given for all.
-    log : FlightLog
-        n samples.
+    What is not given for a flight is what is given for all.
     """
     common = values.get(name, EVERY[name].start)
     each = [values.get(one, common) for one in of_each(name, log)]
@@ -760,8 +664,10 @@ def at_samples(name: str, values: Mapping[str, float], log: FlightLog) -> Floats
 
 
 def samples_of(name: str, values: Mapping[str, float], log: FlightLog) -> NDArray[np.bool_]:
-    """Which samples (n,) the parameter ``name`` acts on: those of its flight, or of all flights
-    that have none of their own among the ``values``."""
+    """Which samples (n,) the parameter ``name`` acts on.
+
+    Those of its flight, or of all flights that have none of their own among the ``values``.
+    """
     if general(name) == name:
         own = np.array([one in values for one in of_each(name, log)])
         return np.asarray(~own[log.flight.astype(int)])
@@ -781,7 +687,7 @@ def check_flights(names: Sequence[str], log: FlightLog) -> None:
 
 
 def of_others(values: Mapping[str, float]) -> dict[str, float]:
-    """The ``values`` with those for flights that a fit has not seen: the means of its flights'."""
+    """Give flights that a fit has not seen the means of its flights' own ``values``."""
     found = dict(values)
     for name in PER_FLIGHT:
         mine = [value for one, value in values.items() if general(one) == name != one]

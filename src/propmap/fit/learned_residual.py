@@ -1,7 +1,7 @@
 """A small learned correction of what the physics leaves, linear in non-dimensional features.
 
-The errors of a flight are alike within a second, so that a stretch of a second counts as one sample
-of the regression (``evidence_regression``).  Outside the envelope of the flights it was trained on,
+The errors of a flight are correlated within a second, so that a stretch of a second counts as one
+sample of the regression.  Outside the envelope of the flights it was trained on,
 the correction is clipped and fades.
 """
 
@@ -11,23 +11,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
+from propmap.fit.flight import CORRELATED
 from propmap.results import spin_sign
 from propmap.typing import Floats
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
-ALIKE = 1.0
-"""Time within which errors of a flight are taken to be alike [s]."""
-
 FOLDS = 5
 """Parts of each flight, one after the other, that are left out in turn."""
 
 LEAST = 20
-"""Stretches of a second to learn from; the spread of the weights holds what these do not tell."""
+"""Stretches of a second to learn from; the spread of the weights holds what these leave open."""
 
 FADE = 0.25
 """How far outside the envelope the correction is gone, as a share of the envelope."""
@@ -37,13 +36,7 @@ CERTAIN = 3.0
 
 
 def features(vehicle: Vehicle, log: FlightLog) -> dict[str, Floats]:
-    """What the correction is linear in, by name (n,), all without dimension.
-
-    Parameters
-    ----------
-    vehicle, log : Vehicle, FlightLog
-        What flew, and n samples of how.
-    """
+    """What the correction is linear in, by name (n,), all without dimension."""
     square = np.square(log.rotor_speed)
     omega = np.sqrt(np.mean(square, axis=1))
     radius = vehicle.propeller.radius
@@ -72,20 +65,12 @@ def features(vehicle: Vehicle, log: FlightLog) -> dict[str, Floats]:
 
 
 @dataclass(frozen=True, eq=False)
-class Correction:
-    """Forces that a learned residual adds at n samples.
+class AddedForce:
+    """Forces that a learned residual adds at n samples."""
 
-    Attributes
-    ----------
-    force, deviation : ndarray, shape (n, 3)
-        What it adds, and the standard deviation of what is left [N].
-    strength : ndarray, shape (n,)
-        1 within the envelope of its training, falling to 0 outside [-].
-    """
-
-    force: Floats
-    deviation: Floats
-    strength: Floats
+    force: Floats  # what it adds [N], (n, 3)
+    deviation: Floats  # standard deviation of what is left [N], (n, 3)
+    strength: Floats  # 1 within the envelope of its training, falling to 0 outside [-], (n,)
 
     @property
     def status(self) -> NDArray[np.str_]:
@@ -93,8 +78,7 @@ class Correction:
         return np.select([self.strength >= 1.0, self.strength > 0.0], ["ok", "faded"], "off")
 
 
-@dataclass(frozen=True, eq=False)
-class LearnedResidual:
+class LearnedResidual(msgspec.Struct, frozen=True, eq=False):
     """Weights of F features for each of three axes.
 
     Attributes
@@ -129,13 +113,19 @@ class LearnedResidual:
     without: Floats
     with_it: Floats
 
+    def __post_init__(self) -> None:
+        count = len(self.names)
+        sound = self.weights.shape == (3, count) and self.low.shape == (count,)
+        if not (sound and self.covariance.shape == (3, count, count)):
+            raise ValueError("its arrays do not fit together")
+
     @property
     def pays(self) -> tuple[bool, ...]:
         """Whether it does, along each axis: by the evidence, and on what was left out."""
         sure = (self.evidence > CERTAIN) & (self.with_it < self.without)
         return tuple(bool(one) for one in sure)
 
-    def at(self, vehicle: Vehicle, log: FlightLog) -> Correction:
+    def at(self, vehicle: Vehicle, log: FlightLog) -> AddedForce:
         """What to add to the forces of the physics, along the axes on which it pays.
 
         Parameters
@@ -153,10 +143,10 @@ class LearnedResidual:
         pays = np.array(self.pays)
         force = strength[:, None] * scale[:, None] * (design @ self.weights.T) * pays
         spread = np.einsum("nf,afg,ng->na", design, self.covariance, design) * pays
-        return Correction(force, scale[:, None] * np.sqrt(self.noise**2 + spread), strength)
+        return AddedForce(force, scale[:, None] * np.sqrt(self.noise**2 + spread), strength)
 
-    def told(self) -> list[str]:
-        """Sentences on whether it pays."""
+    def sentences(self) -> list[str]:
+        """Say of each axis whether the residual pays."""
         pairs = zip("xyz", self.pays, self.without, self.with_it, self.evidence, strict=True)
         return [
             f"learned residual along {axis}: {'pays' if pays else 'does not pay, left out'} "
@@ -166,25 +156,18 @@ class LearnedResidual:
 
     def table(self) -> dict[str, Any]:
         """Plain data for a TOML file."""
-        arrays = {k: v.tolist() for k, v in vars(self).items() if isinstance(v, np.ndarray)}
-        return {"names": list(self.names), **arrays}
+        plain: dict[str, Any] = msgspec.to_builtins(self, enc_hook=lambda array: array.tolist())
+        return plain
 
     @classmethod
     def of_table(cls, table: Mapping[str, Any]) -> LearnedResidual:
         """From a ``table`` of a TOML file; ``InputError`` where it is damaged."""
         try:
-            arrays = {k: np.array(v, np.float64) for k, v in table.items() if k != "names"}
-            names = tuple(table["names"])
-            made = cls(names=names, **arrays)
-            count = len(names)
-            sound = made.weights.shape == (3, count) and made.low.shape == (count,)
-            if not (sound and made.covariance.shape == (3, count, count)):
-                raise ValueError("its arrays do not fit together")
-        except (KeyError, TypeError, ValueError) as error:
+            return msgspec.convert(table, cls, dec_hook=lambda _, v: np.array(v, np.float64))
+        except msgspec.ValidationError as error:
             raise InputError(
                 f"the learned residual is damaged: {error}", "write it again with propmap fit"
             ) from None
-        return made
 
 
 def learn(vehicle: Vehicle, log: FlightLog, left: Floats) -> LearnedResidual:
@@ -207,11 +190,11 @@ def learn(vehicle: Vehicle, log: FlightLog, left: Floats) -> LearnedResidual:
     found, scale = np.stack(list(by_name.values()), axis=1), _scale(vehicle, log)
     known = np.isfinite(left).all(axis=1)
     found, scale, left = found[known], scale[known], left[known]
-    blocks = log.stretches(ALIKE)[known]
+    blocks = log.stretches(CORRELATED)[known]
     count = np.unique(blocks).size
     if count < LEAST:
         raise InputError(
-            f"the flights have {count} stretches of {ALIKE:g} s",
+            f"the flights have {count} stretches of {CORRELATED:g} s",
             f"learn a residual from {LEAST} or more, or leave --residual out",
             log.source,
         )
@@ -260,7 +243,7 @@ def _sizes(found: Floats, scale: Floats) -> tuple[Floats, Floats]:
 
 
 def _folds(log: FlightLog) -> NDArray[np.intp]:
-    """Which part of its flight each sample is in, of ``FOLDS`` (n,)."""
+    """Which part of its flight each sample is in, of ``FOLDS``; (n,)."""
     place = np.empty(len(log), np.intp)
     for number in np.unique(log.flight):
         mine = log.flight == number
@@ -276,13 +259,13 @@ def _folds(log: FlightLog) -> NDArray[np.intp]:
 # normal about zero.
 
 STEPS = 200
-"""Of the evidence's fixed-point iteration."""
+"""Steps of the evidence's fixed-point iteration."""
 
 
 def regression(design: Floats, target: Floats, share: float) -> tuple[Floats, Floats, float, float]:
     """Weights, their covariance, the noise's deviation, and the gain of ln evidence.
 
-    Every sample counts ``share`` of one, since neighbours err alike.
+    Every sample counts ``share`` of one, since neighbours have correlated errors.
     """
     count, number = share * len(target), design.shape[1]
     values, vectors = np.linalg.eigh(share * design.T @ design)

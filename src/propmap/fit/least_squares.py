@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import operator
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -19,8 +20,6 @@ from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
 # Bounded nonlinear least squares from several starts; eq. (18).
-
-Jacobian = Callable[[Floats], Floats]
 
 NOISE_FLOOR = 1e-3
 """Smallest standard deviation assumed for a residual, relative to its scale: the accuracy of the
@@ -43,7 +42,7 @@ FINE = 1e-6, 1e-8
 the derivatives, and are all refused."""
 
 REFIT_EVALUATIONS = 6
-"""The same where a known minimum is only followed, as in cross-validation."""
+"""Evaluations at most where a known minimum is only followed, as in cross-validation."""
 
 FAR = 1.5
 """Standard deviations of a prior within which searches start."""
@@ -52,63 +51,44 @@ MOST_UNSOLVED = 0.05
 """Share of the rows that may have no solution in the model."""
 
 ONE_OF_FEW = 0.2
-"""The same where they are of one operating point."""
+"""Share of few rows that may have none where they are of one operating point."""
 
 
 class End(msgspec.Struct, frozen=True):
-    """Where a search from one start ended.
+    """Where a search from one start ended."""
 
-    Attributes
-    ----------
-    start, x : ndarray, shape (P,)
-        First and last parameters.
-    cost : float
-        Half the sum of squares [-].
-    minimum : int
-        The number of its minimum, from 1 for the best.
-    """
-
-    start: Floats
+    start: Floats  # first and last parameters (P,)
     x: Floats = msgspec.field(name="end")
-    cost: float
-    minimum: int = 1
+    cost: float  # half the sum of squares [-]
+    minimum: int = 1  # number of its minimum, from 1 for the best
 
 
 @dataclass(frozen=True)
 class Minimum:
-    """The best end of a search.
-
-    Attributes
-    ----------
-    x : ndarray, shape (P,)
-        Parameters.
-    residual, slopes : ndarray, shape (M,) and (M, P)
-        Residuals as shares of their scales, and their derivatives.
-    ends : tuple of End
-        All ends, best first.
-    unsolved : int
-        Rows that the model gave no value for.
-    """
+    """The best end of a search over M rows and P free parameters."""
 
     x: Floats
-    residual: Floats
-    slopes: Floats
-    ends: tuple[End, ...]
-    unsolved: int
+    residual: Floats  # (M,) as shares of their scales
+    slopes: Floats  # derivatives (M, P) of the residuals
+    ends: tuple[End, ...]  # all ends, best first
+    unsolved: int  # rows that the model gave no value for
 
 
 class Evaluator:
-    """Residuals of a fit and their derivatives."""
+    """Residuals of a fit and their derivatives; ``unsolved`` rows at the last parameters."""
 
     def __init__(self, rows: Rows, choice: Choice, error: float) -> None:
         self.rows, self.choice = rows, choice
         self.weight = weight_of_priors(rows, choice, error)
         self.unsolved = 0
 
-    def at(self, x: Floats) -> tuple[Floats, Floats]:
-        """Residuals (M,) as shares of their scales and derivatives (M, P), without priors."""
+    def at(self, x: Floats, free: tuple[str, ...] | None = None) -> Evaluation:
+        """Residuals (M,) as shares of their scales and derivatives (M, P), without priors.
+
+        The derivatives are by the ``free`` parameters, by default those of the choice.
+        """
         rows = self.rows
-        value, slope = rows.model(self.choice.values(x), self.choice.free)
+        value, slope = rows.model(self.choice.values(x), self.choice.free if free is None else free)
         lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
         self.unsolved = int(lost.sum())
         keep = np.where(lost, 0.0, rows.weight / rows.scale)
@@ -116,15 +96,19 @@ class Evaluator:
         return residual, keep[:, None] * np.where(lost[:, None], 0.0, slope)
 
     def residual(self, x: Floats) -> Floats:
-        """The same with priors' residuals below."""
-        return np.concatenate([self.at(x)[0], self.weight * self.choice.apart(x)[0]])
+        """Residuals (M,), with the priors' below."""
+        return np.concatenate([self.at(x)[0], self.weight * self.choice.prior_residuals(x)[0]])
 
     def jacobian(self, x: Floats) -> Floats:
-        """Derivatives of ``residual``."""
-        return np.concatenate([self.at(x)[1], self.weight * self.choice.apart(x)[1]])
+        """Derivatives of ``residual`` (M + K, P)."""
+        return np.concatenate([self.at(x)[1], self.weight * self.choice.prior_residuals(x)[1]])
+
+    def computed(self, x: Floats) -> Floats:
+        """What ``residual`` gives, without derivatives, which take three times as long."""
+        return np.concatenate([self.at(x, ())[0], self.weight * self.choice.prior_residuals(x)[0]])
 
     def difference_quotients(self, x: Floats) -> Floats:
-        """The Jacobian of the residuals as computed.
+        """Difference quotients of ``computed``, its Jacobian (M + K, P).
 
         Where inflow rises steeply it differs from ``jacobian`` by up to some per cent; see
         docs/theory.md, known limits.
@@ -133,14 +117,14 @@ class Evaluator:
 
         step = DIFFERENCE * self.choice.column("spread")
         inwards = np.where(x + step <= self.choice.column("upper"), step, -step)
-        return np.asarray(approx_fprime(x, self.residual, inwards))
+        return np.asarray(approx_fprime(x, self.computed, inwards))
 
 
 def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
-    """By which deviations from priors are multiplied to count beside residuals.
+    """Factor on the residuals of priors beside those of rows.
 
-    This is the standard deviation ``error`` of a residual, where every row is a number of its own.
-    Of whole flights, and beside what is known of propellers in general, rows are worth
+    It is the standard deviation ``error`` of a residual where every row is a number of its own;
+    whole flights, and rows beside what is known of propellers in general, are worth
     ``rows.independent``.
     """
     if choice.expected is None and rows.group is None:
@@ -149,7 +133,7 @@ def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
 
 
 def starts(choice: Choice, count: int, seed: int) -> list[Floats]:
-    """The first guess and ``count`` - 1 more, at random within three spreads of it.
+    """The first guess, and ``count`` - 1 starts at random within three spreads of it.
 
     None is further than ``FAR`` standard deviations from what other propellers let expect.
     """
@@ -175,35 +159,20 @@ def search(
     follow: bool = False,
     polish: bool = True,
 ) -> Minimum:
-    """The best minimum over all starts.
+    """Find the best minimum over all starts.
 
-    Parameters
-    ----------
-    rows, choice : Rows, Choice
-        What was measured, and which parameters are free.
-    begin : list of ndarray, shape (P,)
-        The starts.
-    loss : str
-        "linear", or "soft_l1" so that a few outliers do not decide.
-    error : float
-        Standard deviation of a residual as a share of its scale: priors are weighed against it,
-        and twice it is an outlier.
-    follow : bool
-        Whether the start is a minimum of much the same data, so that few steps do.
-    polish : bool
-        Whether the best end is followed to the last digit, where it is not ``follow``.
-
-    Raises
-    ------
-    InputError
-        Where there are fewer numbers than parameters, or where the model has no solution for more
-        than one row in twenty, or of few rows for more than those of one operating point.
+    ``loss`` is "linear", or "soft_l1" so that a few outliers do not decide. ``error`` is the
+    standard deviation of a residual as a share of its scale: priors are weighed against it, and
+    twice it is an outlier. With ``follow`` the start is a minimum of much the same data, so that
+    few steps do; without it the best end is followed to the last digit, unless ``polish`` is false.
+    Raises ``InputError`` for fewer numbers than parameters, and where the model has no solution for
+    more than one row in twenty, or of few rows for more than those of one operating point.
     """
     from scipy.optimize import least_squares
 
     used = int(np.count_nonzero(rows.weight))
     first = choice.first
-    if used + choice.apart(first)[0].size < first.size:
+    if used + choice.prior_residuals(first)[0].size < first.size:
         raise InputError(
             f"{used} measured numbers for {len(choice.free)} free parameters",
             "give more data or free fewer parameters",
@@ -212,16 +181,16 @@ def search(
     softened = functools.partial(_softened, rows.measured.size)
     lower, upper, spread = (choice.column(a) for a in ("lower", "upper", "spread"))
 
-    def run(
-        x0: Floats, most: int, step: float, gain: float, jacobian: Jacobian = evaluator.jacobian
-    ) -> End:
+    def run(x0: Floats, most: int, step: float, gain: float, *, exact: bool = False) -> End:
+        # At the end of a search many steps are refused, whose derivatives nobody needs.
+        often_refused = step <= FINE[0]
         with warnings.catch_warnings():
             # At a bound SciPy divides by a zero distance and goes on.
             warnings.simplefilter("ignore", RuntimeWarning)
             found = least_squares(
-                evaluator.residual,
+                evaluator.computed if often_refused else evaluator.residual,
                 np.clip(x0, lower, upper),
-                jacobian,
+                evaluator.difference_quotients if exact else evaluator.jacobian,
                 bounds=(lower, upper),
                 x_scale=spread,
                 loss="linear" if loss == "linear" else softened,
@@ -244,8 +213,7 @@ def search(
         if np.sqrt(2.0 * best.cost / used) < NOISE_FLOOR:
             # So near to a perfect fit the errors of the derivatives would end the search early.
             # Where priors or noise leave more than those errors, the first step gains little.
-            exact = evaluator.difference_quotients
-            best = min(run(best.x, FINAL_EVALUATIONS, 1e-12, 1e-4, exact), best, key=_cost)
+            best = min(run(best.x, FINAL_EVALUATIONS, 1e-12, 1e-4, exact=True), best, key=_cost)
     x = best.x
     for bound in (lower, upper):
         x = np.where(np.abs(x - bound) < ON_BOUND * spread, bound, x)
@@ -267,8 +235,7 @@ def _softened(rows: int, squares: Floats) -> Floats:
     return found
 
 
-def _cost(end: End) -> float:
-    return end.cost
+_cost = operator.attrgetter("cost")
 
 
 def minima(ends: list[End], spread: Floats) -> tuple[End, ...]:
@@ -291,15 +258,14 @@ def minima(ends: list[End], spread: Floats) -> tuple[End, ...]:
 # What every fit sees: numbers measured, and a model of them with its derivatives.
 
 Evaluation = tuple[Floats, Floats]
-Model = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
-"""From all parameters by name and the P free names: values (M,) and derivatives (M, P)."""
+RowModel = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
 
 INDEPENDENT = 10.0
 """Independent numbers that the rows of one load are worth at most, beside what is known of
 propellers in general: what a model or a stand gets wrong, neighbouring rows have in common."""
 
 INDEPENDENT_AT_REST = 4.0
-"""The same of rows that are all at rest, which differ in rotational speed alone."""
+"""Independent numbers in rows that are all at rest, which differ in rotational speed alone."""
 
 REMEMBERED = 16
 """Evaluations that are kept: more than one refit takes."""
@@ -324,11 +290,13 @@ class Rows:
     point : ndarray, shape (M,)
         Operating point of each number; points are drawn and left out as a whole.
     group : ndarray, shape (M,), or None
-        Stretches within which errors may be alike; None where every number errs by itself.
+        Stretches within which errors may be correlated; None where every number errs by itself.
     model : callable
-        Gives values and derivatives, see ``Model``.
+        From all parameters by name and the P free names: values (M,) and derivatives (M, P).
     weight : ndarray, shape (M,)
-        1, or 0 for what is left out.
+        1, or how a row counts.
+    part : callable, optional
+        From the indices of m rows a model of these alone; by default the rows of ``model``.
     """
 
     names: tuple[str, ...]
@@ -339,8 +307,9 @@ class Rows:
     speed: Floats
     point: NDArray[np.intp]
     group: NDArray[np.intp] | None
-    model: Model
+    model: RowModel
     weight: Floats
+    part: Callable[[NDArray[np.intp]], RowModel] | None = None
 
     @classmethod
     def of_points(
@@ -350,29 +319,36 @@ class Rows:
         measured: Floats,
         scale: Floats,
         speed: Floats,
-        model: Model,
+        table: Callable[[NDArray[np.intp]], RowModel],
         group: NDArray[np.intp] | None = None,
     ) -> Rows:
-        """A row for each finite number of a table of L loads at n operating points.
+        """Make a row of each finite number in a table of L loads at n operating points.
 
-        Parameters
-        ----------
-        names, units : tuple of str
-            Of the L loads.
-        measured, scale : ndarray, shape (n, L)
-            See ``Rows``.
-        speed, group : ndarray, shape (n,)
-            The same.
-        model : callable
-            Gives values of shape (n, L) and derivatives of shape (n, L, P).
+        ``names`` and ``units`` are of the loads, ``measured`` and ``scale`` (n, L), ``speed`` and
+        ``group`` (n,). From the indices of m points ``table`` gives a model of them: values (m, L)
+        and derivatives (m, L, P).
         """
         point, load = np.nonzero(np.isfinite(measured))
-
         # A search is polished where it ended, and refits of parts of the data begin there.
-        @functools.lru_cache(REMEMBERED)
-        def at(values: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Evaluation:
-            value, slope = model(dict(values), free)
-            return value[point, load], slope[point, load]
+        whole: dict[Any, Evaluation] = {}
+
+        def model_of(rows: NDArray[np.intp], found: dict[Any, Evaluation]) -> RowModel:
+            points, place = np.unique(point[rows], return_inverse=True)
+            here = table(points)
+
+            def model(values: Mapping[str, float], free: tuple[str, ...]) -> Evaluation:
+                key = (tuple(values.items()), free)
+                if key not in found:
+                    if key in whole:
+                        value, slope = (one[rows] for one in whole[key])
+                    else:
+                        value, slope = (one[place, load[rows]] for one in here(values, free))
+                    found[key] = value, slope
+                    if len(found) > REMEMBERED:
+                        del found[next(iter(found))]
+                return found[key]
+
+            return model
 
         return cls(
             names=names,
@@ -383,8 +359,9 @@ class Rows:
             speed=speed[point],
             point=point,
             group=None if group is None else group[point],
-            model=lambda values, free: at(tuple(values.items()), free),
+            model=model_of(np.arange(point.size), whole),
             weight=np.ones(point.size),
+            part=lambda rows: model_of(rows, {}),
         )
 
     @property
@@ -418,8 +395,18 @@ class Rows:
         return np.minimum(self.counts, np.where(moving, INDEPENDENT, INDEPENDENT_AT_REST))
 
     def left(self, kept: NDArray[np.bool_]) -> Rows:
-        """These rows, without weight where ``kept``, shape (M,), is false."""
-        return replace(self, weight=self.weight * kept)
+        """Those rows that are ``kept``, shape (M,), with a model of these alone."""
+        rows = np.flatnonzero(kept)
+        names = ("measured", "load", "scale", "speed", "point", "weight")
+        columns = {name: getattr(self, name)[rows] for name in names}
+        group = None if self.group is None else self.group[rows]
+
+        def some(values: Mapping[str, float], free: tuple[str, ...]) -> Evaluation:
+            value, slope = self.model(values, free)
+            return value[rows], slope[rows]
+
+        model = some if self.part is None else self.part(rows)
+        return replace(self, **columns, group=group, model=model, part=None)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -429,50 +416,24 @@ BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)
 """Edges of the bands of speed [m/s]."""
 
 
-class Errors(msgspec.Struct, frozen=True):
-    """Errors of one load, model minus measurement, in the unit of the load.
-
-    Attributes
-    ----------
-    rows : int
-        Numbers that are both measured and modelled.
-    rms : float
-        Root mean square of the errors.
-    relative_rms : float
-        ``rms`` over the root mean square of the measurements [-].
-    bias : float
-        Mean of the errors.
-    worst : float
-        The error of largest magnitude, with its sign.
-    hover_rms : float
-        Root mean square of the hover model's errors; NaN where it was not asked for.
-    """
+class ResidualErrors(msgspec.Struct, frozen=True):
+    """Errors of one load, model minus measurement, in its unit; NaN where there is no number."""
 
     rows: int
     rms: float
-    relative_rms: float
-    bias: float
-    worst: float
-    hover_rms: float
+    relative_rms: float  # over the root mean square of the measurements [-]
+    bias: float  # mean
+    worst: float  # the error of largest magnitude, with its sign
+    hover_rms: float  # of the hover model's errors; NaN where it was not asked for
 
 
 class FlightErrors(msgspec.Struct, frozen=True):
-    """Errors of one load on one flight, model minus measurement, in the unit of the load.
-
-    Attributes
-    ----------
-    rows : int
-        Numbers that are both measured and modelled.
-    rms, bias : float
-        Root mean square and mean of the errors.
-    cross_validated_rms : float
-        Root mean square of the errors on stretches left out of the fit; NaN where it was not done.
-    """
+    """Errors of one load on one flight, model minus measurement, in its unit."""
 
     rows: int
     rms: float
     bias: float
-    cross_validated_rms: float
+    cross_validated_rms: float  # on stretches left out of the fit; NaN where it was not done
 
 
 def rms(values: Floats) -> float:
@@ -486,14 +447,14 @@ def rms_known(values: Floats) -> float:
     return rms(known) if known.size else float("nan")
 
 
-def errors(model: Floats, measured: Floats, hover: Floats | None = None) -> Errors:
-    """Errors over all numbers that are both measured and modelled; arrays of shape (n,)."""
+def errors(model: Floats, measured: Floats, hover: Floats | None = None) -> ResidualErrors:
+    """Statistics of the errors over all numbers (n,) that are both measured and modelled."""
     both = np.isfinite(model) & np.isfinite(measured)
     if not both.any():
-        return Errors(0, *(5 * (np.nan,)))
+        return ResidualErrors(0, *(5 * (np.nan,)))
     off = (model - measured)[both]
     size, left = rms(measured[both]), rms(off)
-    return Errors(
+    return ResidualErrors(
         rows=int(both.sum()),
         rms=left,
         relative_rms=left / size if size > 0.0 else np.nan,
@@ -505,7 +466,7 @@ def errors(model: Floats, measured: Floats, hover: Floats | None = None) -> Erro
 
 def by_band(
     model: Floats, measured: Floats, speed: Floats, hover: Floats | None = None
-) -> dict[str, Errors]:
+) -> dict[str, ResidualErrors]:
     """Errors in each band of speed that has numbers, by a name such as "3-6 m/s"."""
     found = {}
     for low, high in itertools.pairwise(BANDS):
@@ -521,15 +482,12 @@ def by_band(
 # Rows in other processes: they are made there again, since their models cannot be sent.
 
 
+@dataclass(eq=False)
 class RowsElsewhere:
-    """What is sent to a worker without its rows, which the worker makes again.
+    """``rows`` and what goes with them, to be sent to workers, who make the rows again.
 
-    Attributes
-    ----------
-    rows : Rows
-        What was measured, with its model.
-    remake : callable or None
-        Gives the rows again; picklable.  None where no other process works.
+    Models of rows cannot be sent; ``remake`` can, and gives the rows. It is None where no other
+    process works.
     """
 
     rows: Rows
@@ -539,7 +497,7 @@ class RowsElsewhere:
         if self.remake is None:
             raise InputError(
                 "workers in other processes cannot be sent the rows of a fit",
-                "give remake, which makes them there",
+                "give remake, which makes the rows there",
             )
         return {key: value for key, value in vars(self).items() if key != "rows"}
 

@@ -22,21 +22,14 @@ from propmap.typing import Floats
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter, in ``unit``.
-
-    Attributes
-    ----------
-    start, lower, upper : float
-        First guess (the paper's x0 where it has one) and bounds.
-    spread : float
-        By how much real propellers or vehicles differ: the unit in which sensitivities are
-        compared.  A parameter is identified where its 95 % interval is no wider.
-    """
+    """One parameter in ``unit``, its bounds and first guess, the paper's x0 where it has one."""
 
     unit: str
     start: float
     lower: float
     upper: float
+    # By how much real propellers or vehicles differ: the unit in which sensitivities are compared.
+    # A parameter is identified where its 95 % interval is no wider.
     spread: float
     meaning: str
 
@@ -49,12 +42,12 @@ SECTION = {
 """Parameters of the section law; x0 of (18) is that of the first four."""
 
 MOUNT = {"mount_area": Parameter("m^2", 0.0, 0.0, 0.1, 5e-4, "what is mounted in the slipstream")}
-"""Of the correction ``mount-drag``.  Where it is neither free nor fixed a model keeps its own."""
+"""The correction ``mount-drag``, the model's own where it is neither free nor fixed."""
 
 FLEX = {
-    "untwist": Parameter("rad", 0.0, -0.05, 0.15, 0.01, "twist lost at the tip at 100 m/s there"),
+    "untwist": Parameter("rad", 0.0, -0.05, 0.15, 0.01, "twist lost at the tip at 100 m/s there")
 }
-"""Of the correction ``blade-untwist``; likewise."""
+"""The correction ``blade-untwist``, the model's own where it is neither free nor fixed."""
 
 ROTOR = SECTION | FLEX | MOUNT
 """What changes the loads of a rotor at a given flow."""
@@ -82,7 +75,7 @@ SENSOR = {
     "sensor_z": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, up"),
     "clock_offset": Parameter("s", 0.0, -0.1, 0.1, 0.01, "how late the accelerometer's stamps are"),
 }
-"""Of the accelerometer, from the centre of mass; its place adds to the vehicle file's."""
+"""The accelerometer, from the centre of mass; its place adds to the vehicle file's."""
 
 TURNING = {
     "centre_x": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, forward"),
@@ -90,7 +83,7 @@ TURNING = {
     "centre_z": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, up"),
     "rotor_inertia": Parameter("kg m^2", 0.0, 0.0, 0.1, 1e-6, "inertia of a rotor with its motor"),
 }
-"""Of the balance of moments; they add to the vehicle file's."""
+"""Parameters of the balance of moments, which add to the vehicle file's."""
 
 WAKES = {
     "wake_ahead": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash ahead of a wake"),
@@ -98,7 +91,7 @@ WAKES = {
     "wake_downwash": Parameter("-", 1.0, 0.0, 12.0, 1.0, "downwash of a wake"),
     "wake_share": Parameter("-", 1.0, 0.0, 2.0, 0.5, "share of the inflow that skews a wake"),
 }
-"""Of ``propmap.vehicle.wakes``.  What is neither free nor fixed is the vehicle file's."""
+"""See ``propmap.vehicle.wakes``; what is neither free nor fixed is the vehicle file's."""
 
 ROTOR_SPEED = "rotor_speed_scale"
 
@@ -106,7 +99,7 @@ FLIGHT = {
     "thrust_scale": Parameter("-", 1.0, 0.8, 1.25, 0.02, "thrust over that of the rotors' model"),
     ROTOR_SPEED: Parameter("-", 1.0, 0.9, 1.1, 0.01, "rotor speeds over those logged"),
 }
-"""Of a flight: battery, mass, and what a motor controller takes for the speed of its motor."""
+"""Battery and mass of a flight, and what a motor controller takes for its motor's speed."""
 
 PER_FLIGHT = ("thrust_scale", "clock_offset")
 """What may differ from flight to flight: then named as ``thrust_scale[FLIGHT]``."""
@@ -120,7 +113,7 @@ LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")
 
 
 def constants_of(section: Section) -> Airfoil:
-    """A section law that has the parameters of ``SECTION``; ``InputError`` for a section table."""
+    """The section law if it has the parameters of ``SECTION``; refuse a section table."""
     if isinstance(section, Airfoil):
         return section
     raise InputError(
@@ -158,7 +151,7 @@ class Choice:
     start : mapping of str to float
         Values to start from first, where these are not the first guesses.
     expected : SectionPrior, optional
-        What other propellers tell of the free section constants that have no prior of their own.
+        Prior, from other propellers, of the free section constants that have none of their own.
 
     Raises
     ------
@@ -212,43 +205,32 @@ class Choice:
         return {**FIRST_GUESS, **self.fixed, **dict(zip(self.free, x.tolist(), strict=True))}
 
     def column(self, attribute: str) -> Floats:
-        """An ``attribute`` of the free parameters, as (P,)."""
+        """An ``attribute`` (P,) of the free parameters."""
         return np.array([getattr(described(name), attribute) for name in self.free])
 
     def prior_of(self, name: str) -> Prior | None:
-        """What is known beforehand of the free parameter ``name``; None for nothing."""
+        """The prior of the free parameter ``name``; None without one."""
         if name in self.priors or self.expected is None:
             return self.priors.get(name)
         found = self.expected.of_constant(name)
         return Prior(*found) if found else None
 
-    def apart(self, x: Floats) -> tuple[Floats, Floats]:
-        """How many standard deviations ``x`` is from what is known beforehand.
-
-        Parameters
-        ----------
-        x : ndarray, shape (P,)
-            The free parameters.
-
-        Returns
-        -------
-        tuple of ndarray
-            Of each of K priors (K,), and the derivatives by the free parameters (K, P).
-        """
+    def prior_residuals(self, x: Floats) -> tuple[Floats, Floats]:
+        """Distances (K,) of ``x`` (P,) from K priors, in deviations, and slopes (K, P)."""
         own = [k for k, name in enumerate(self.free) if name in self.priors]
         given = [self.priors[self.free[k]] for k in own]
         deviation = np.array([p.deviation for p in given])
-        apart = (x[own] - np.array([p.mean for p in given])) / deviation
+        residuals = (x[own] - np.array([p.mean for p in given])) / deviation
         slopes = np.eye(x.size)[own] / deviation[:, None]
         if self.expected is None:
-            return apart, slopes
+            return residuals, slopes
         constants = [name for name in self.free if name in PARAMETERS]
         kept = [PARAMETERS.index(name) for name in constants if name not in self.priors]
         more, by_constant = self.expected.penalty(self.values(x), kept)
         by_free = np.zeros((len(kept), x.size))
         for name in constants:
             by_free[:, self.free.index(name)] = by_constant[:, PARAMETERS.index(name)]
-        return np.concatenate([apart, more]), np.concatenate([slopes, by_free])
+        return np.concatenate([residuals, more]), np.concatenate([slopes, by_free])
 
     @property
     def first(self) -> Floats:
@@ -281,7 +263,7 @@ def known(name: str) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# What propellers in general tell of the section constants of one that is being fitted.
+# What propellers in general let expect of the section constants of one that is being fitted.
 
 SMALLEST = 1e-6
 """Taken for a constant at its bound of 0, which is infinitely far in coordinates that are logs."""
@@ -295,7 +277,7 @@ should: ``python -m tools.after_static``."""
 
 @dataclass(frozen=True, eq=False)
 class SectionPrior:
-    """A distribution of section constants over propellers, as what is known of one beforehand.
+    """A distribution of section constants over propellers, as the prior of one of them.
 
     The constants are not independent of each other: it is the angle of least drag from the chord
     line that propellers have in common, so that ``drag_angle`` falls as ``zero_lift_angle`` rises.
@@ -306,26 +288,18 @@ class SectionPrior:
         Of the coordinates of the constants.
     airfoil : Airfoil
         The most likely constants.
-    told : str
-        In one line, of which propellers this is.
+    source : str
+        One line that says of which propellers this is.
     """
 
     distribution: PopulationPrior
     airfoil: Airfoil
-    told: str
+    source: str
 
-    def apart(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """How many standard deviations each coordinate is from its mean.
+    def z_scores(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """Standard deviations (7,) between coordinates and means, in the order of ``PARAMETERS``.
 
-        Parameters
-        ----------
-        values : mapping of str to float
-            The constants by name.
-
-        Returns
-        -------
-        tuple of ndarray
-            (7,) in the order of ``PARAMETERS``, and the derivatives by the constants (7, 7).
+        The constants ``values`` are by name; the derivatives by them are (7, 7).
         """
         constants = np.array([values[name] for name in PARAMETERS])
         inside = np.where(LOGARITHMIC, np.maximum(constants, SMALLEST), constants)
@@ -335,24 +309,15 @@ class SectionPrior:
         return (place - self.distribution.mean) / deviation, slopes
 
     def penalty(self, values: Mapping[str, float], kept: Sequence[int]) -> tuple[Floats, Floats]:
-        """Numbers that are independent and of variance 1 beforehand, for least squares.
+        """Numbers (K,) that are independent and of variance 1 beforehand; their slopes (K, 7).
 
-        Parameters
-        ----------
-        values : mapping of str to float
-            The constants by name.
-        kept : sequence of int
-            Which K coordinates are known beforehand by this prior.
-
-        Returns
-        -------
-        tuple of ndarray
-            The numbers (K,), and their derivatives by the constants (K, 7).
+        They are of the K coordinates ``kept``, which are known beforehand by this prior, at the
+        constants ``values`` by name.
         """
-        apart, slopes = self.apart(values)
+        scores, slopes = self.z_scores(values)
         own = list(kept)
         root = np.linalg.cholesky(self.distribution.correlation[np.ix_(own, own)])
-        return np.linalg.solve(root, apart[own]), np.linalg.solve(root, slopes[own])
+        return np.linalg.solve(root, scores[own]), np.linalg.solve(root, slopes[own])
 
     def of_constant(self, name: str) -> tuple[float, float] | None:
         """Mean and standard deviation of the constant ``name``; None where there is none."""

@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import measurement, measurement_names
 from propmap.errors import InputError, drag_factor_accepted, quoted
-from propmap.fit.least_squares import Rows
+from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.parameters import (
     BODY,
     FIRST_GUESS,
@@ -71,7 +72,7 @@ class TunnelData:
 
 
 def merged(parts: Sequence[TunnelData]) -> TunnelData:
-    """Several sets as one."""
+    """Join several sets to one."""
     names = [name for name in LOADS if any(name in part.loads for part in parts)]
 
     def column(part: TunnelData, name: str) -> Floats:
@@ -95,7 +96,7 @@ def section_with(base: Section, values: Mapping[str, float]) -> Airfoil:
 
 
 def model_with(model: Model, values: Mapping[str, float]) -> Model:
-    """The model with what ``values`` has of the parameters of ``ROTOR``."""
+    """The model with the parameters of ``ROTOR`` among ``values``."""
     model = model.with_airfoil(section_with(model.airfoil, values))
     if "untwist" in values:
         model = model.with_correction(BladeUntwist(values["untwist"]))
@@ -109,7 +110,7 @@ def model_with(model: Model, values: Mapping[str, float]) -> Model:
 
 
 def rotor_with(model: Model, values: Mapping[str, float], setting: str) -> Rotor:
-    """A rotor of ``model_with``."""
+    """A rotor of ``model_with`` of this accuracy."""
     return Rotor(model_with(model, values), accuracy=setting)
 
 
@@ -169,10 +170,14 @@ def tunnel_rows(
         scale = np.hypot(scale, scale.max(axis=0))
     columns = [list(LOADS).index(name) for name in names]
 
-    def modelled(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        rotor = rotor_with(model, values, setting)
-        found = rotor.gradients(free, data.omega, axial, inplane)
-        return found.loads[columns].T, found.slopes[columns].transpose(2, 0, 1)
+    def table(points: NDArray[np.intp]) -> RowModel:
+        flow = data.omega[points], axial[points], inplane[points]
+
+        def loads(values: Mapping[str, float], free: tuple[str, ...]) -> Evaluation:
+            found = rotor_with(model, values, setting).gradients(free, *flow)
+            return found.loads[columns].T, found.slopes[columns].transpose(2, 0, 1)
+
+        return loads
 
     return Rows.of_points(
         names,
@@ -180,7 +185,7 @@ def tunnel_rows(
         measured,
         scale / [weights.get(name, 1.0) for name in names],
         data.speed,
-        modelled,
+        table,
     )
 
 
@@ -237,12 +242,12 @@ def sources(data: Sequence[str]) -> list[Path | str]:
 
 
 def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelData:
-    """All of it as one set; coefficients become loads with this propeller and air."""
+    """Read all ``data`` as one set; coefficients become loads with this propeller and air."""
     return merged([_read(item, propeller, air) for item in sources(data)])
 
 
 def doubts_on_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
-    """What does not fit this propeller, for each file by itself, with the likely cause.
+    """Say what does not fit this propeller, file by file, with the likely cause.
 
     Raises ``InputError`` where there can be no such loads or points.
     """
@@ -268,10 +273,7 @@ def measured_in_catalogue(name: str, air: Air) -> TunnelData:
 
 
 def measured_loads(path: Path) -> Callable[[Propeller, Air], TunnelData]:
-    """The loads in a file, as a function of the propeller and the air that coefficients need.
-
-    ``path`` is that of a CSV or UIUC file, which is read now.
-    """
+    """Read the loads in a CSV or UIUC file now; coefficients take propeller and air later."""
     if looks_like_uiuc_loads(path):
         return functools.partial(_of_coefficients, path.name, read_uiuc_loads(path))
     points, columns = read_points(path, LOAD_COLUMNS)

@@ -22,7 +22,7 @@ HELD_BY_PRIOR = 0.7
 """Share of the deviation beforehand above which a prior says more of a parameter than the data."""
 
 LARGEST_STRETCH = 4.0
-"""Of an interval where the model is not linear; by then the parameter is no longer identified."""
+"""Stretch of an interval, at most, where the model is not linear: it identifies nothing then."""
 
 NEGLIGIBLE = 1e-6
 """Singular value, relative to the largest, below which data say nothing of a direction: its
@@ -70,19 +70,11 @@ def uncertainty(
 ) -> Uncertainty:
     """Gauss-Newton covariance, with errors of the size that the residuals of each load have.
 
-    Where ``rows.group`` tells of stretches within which errors are alike, ``block_errors`` of
+    Where ``rows.group`` has stretches within which errors are correlated, ``block_errors`` of
     stretches take the place of those of rows, or correlated samples would count as independent
-    ones.  Where other propellers tell what to expect, the rows of each
-    load err together as far as ``rows.independent`` says, by ``LEAST_ERROR`` at least.
-
-    Parameters
-    ----------
-    rows, choice : Rows, Choice
-        What was fitted, and which parameters were free.
-    found : Minimum
-        Where the search ended.
-    error : float
-        Of a residual, as in the ``search``; counts where other propellers tell what to expect.
+    ones. Where other propellers tell what to expect, the rows of each load err together as far as
+    ``rows.independent`` says, by ``LEAST_ERROR`` at least; ``error`` is that of a residual, as in
+    the ``search``, and counts there alone.
     """
     from scipy.special import stdtrit  # scipy.stats takes half a second to import
 
@@ -94,7 +86,7 @@ def uncertainty(
     held &= seen > NEGLIGIBLE * max(float(seen.max()), 1e-300)
     used = rows.weight > 0.0
     counts = rows.counts
-    apart, by_prior = choice.apart(x)
+    from_prior, by_prior = choice.prior_residuals(x)
     by_prior = by_prior * spread
     slopes = found.slopes * spread
     information, prior_information = slopes.T @ slopes, by_prior.T @ by_prior
@@ -102,27 +94,27 @@ def uncertainty(
     if choice.expected is None:
         error = float(np.sqrt(np.sum(counts * errors**2) / max(counts.sum(), 1)))
     weight = weight_of_priors(rows, choice, error)
-    whole, by_priors = (information + weight**2 * prior_information, weight**4 * prior_information)
+    whole, by_priors = information + weight**2 * prior_information, weight**4 * prior_information
     freedom: Floats | int
     if rows.group is not None:
         stretches = slopes[used], found.residual[used], rows.group[used]
         middle, freedom = block_errors(*stretches, whole, by_priors)
     elif choice.expected is not None:
-        alike = counts / np.maximum(rows.independent, 1.0)
-        variance = alike * np.maximum(errors, LEAST_ERROR) ** 2
+        shared = counts / np.maximum(rows.independent, 1.0)
+        variance = shared * np.maximum(errors, LEAST_ERROR) ** 2
         middle = (slopes * variance[rows.load][:, None]).T @ slopes
         freedom = max(round(float(rows.independent.sum())), 1)
     else:
         middle = (slopes * errors[rows.load][:, None] ** 2).T @ slopes
         freedom = max(int(counts.sum()) - x.size, 1)
-    known = _sandwich(whole, middle + by_priors)
-    covariance = known.covariance * np.outer(spread, spread)
+    covariance, inverse, root = _sandwich(whole, middle + by_priors)
+    covariance = covariance * np.outer(spread, spread)
     deviation = np.sqrt(np.diag(covariance))
     # At a minimum the sum of squares only slopes towards bounds.
-    uphill = slopes.T @ found.residual + weight**2 * (by_prior.T @ apart)
-    centre = x / spread - known.inverse @ np.where(held, uphill, 0.0)
+    uphill = slopes.T @ found.residual + weight**2 * (by_prior.T @ from_prior)
+    centre = x / spread - inverse @ np.where(held, uphill, 0.0)
     quantile = np.broadcast_to(stdtrit(freedom, 0.975), x.shape)
-    low, high = bounded_intervals(centre, known.root, lower / spread, upper / spread, quantile)
+    low, high = bounded_intervals(centre, root, lower / spread, upper / spread, quantile)
     ends = np.stack([np.minimum(low, x / spread), np.maximum(high, x / spread)])
     bent = np.array([general(name) not in LINEAR for name in choice.free])
     narrow = np.flatnonzero(~held & bent & (ends[1] - ends[0] <= 1.0))
@@ -161,17 +153,11 @@ def uncertainty(
 def residual_errors(
     rows: Rows, choice: Choice, found: Minimum, error: float = NOISE_FLOOR
 ) -> Floats:
-    """Standard deviation of a residual of each load, as a share of its scale; (L,).
-
-    Parameters
-    ----------
-    rows, choice, found, error
-        As for ``uncertainty``.
-    """
+    """Standard deviation of a residual of each load (L,), as a share of its scale."""
     counts, determined = rows.counts, float(found.x.size)
     if choice.expected is not None:
         spread = choice.column("spread")
-        slopes, by_prior = found.slopes * spread, choice.apart(found.x)[1] * spread
+        slopes, by_prior = found.slopes * spread, choice.prior_residuals(found.x)[1] * spread
         information = slopes.T @ slopes
         whole = information + weight_of_priors(rows, choice, error) ** 2 * by_prior.T @ by_prior
         determined = float(np.trace(np.linalg.pinv(whole) @ information))
@@ -197,59 +183,56 @@ def _stretched(
     found: Minimum,
     weight: float,
 ) -> Floats:
-    """Ends (2, P) of intervals, in spreads, moved outwards where the model is not linear.
+    """Move ends (2, P) of intervals, in spreads, outwards where the model is not linear.
 
-    At an end, with the other parameters where the linear model has the least sum of squares,
-    the model is evaluated and made linear anew.  If its least sum of squares there exceeds the
-    minimum's by less than the first linear model had it, the end is too near.  Only the ends of
-    the parameters with the indices ``narrow`` are looked at.
+    At an end, with the other parameters where the linear model has the least sum of squares, the
+    model is evaluated and made linear anew. If its least sum of squares there exceeds the minimum's
+    by less than the first linear model had it, the end is too near. Only the ends of the parameters
+    with the indices ``narrow`` are looked at.
     """
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     evaluator = Evaluator(rows, choice, NOISE_FLOOR)
 
-    def with_priors(at: Floats, residual: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        apart, by_prior = choice.apart(at)
-        both = np.concatenate([slopes, weight * by_prior]) * spread
-        return np.concatenate([residual, weight * apart]), both
+    def linearised(at: Floats, residual: Floats, slopes: Floats) -> tuple[Quadratic, float]:
+        """The sum of squares around ``at``, in spreads, with the priors; its value there."""
+        from_prior, by_prior = choice.prior_residuals(at * spread)
+        r = np.concatenate([residual, weight * from_prior])
+        j = np.concatenate([slopes, weight * by_prior]) * spread
+        # A triangle of P + 1 rows has the same sum of squares as all rows.
+        reduced = np.asarray(np.linalg.qr(np.column_stack([j, j @ at - r]), mode="r"))
+        return Quadratic(reduced[:, :-1], reduced[:, -1], *bounds), float(r @ r)
 
     x = found.x / spread
-    residual, slopes = with_priors(found.x, found.residual, found.slopes)
     bounds = (lower / spread, upper / spread)
-    first = Quadratic(slopes, slopes @ x - residual, *bounds)
-    moved, at_minimum = ends.copy(), float(residual @ residual)
+    first, at_minimum = linearised(x, found.residual, found.slopes)
+    stretched = ends.copy()
     for k in narrow:
         for side in range(2):
             end = float(ends[side, k])
             foreseen, there = first.profile(k, end)
             if end == bounds[side][k] or foreseen <= at_minimum:
                 continue
-            r, j = with_priors(there * spread, *evaluator.at(there * spread))
-            least, _ = Quadratic(j, j @ there - r, *bounds).profile(k, end)
+            least, _ = linearised(there, *evaluator.at(there * spread))[0].profile(k, end)
             share = (least - at_minimum) / (foreseen - at_minimum)
             stretch = max(1.0, max(share, LARGEST_STRETCH**-2) ** -0.5)
-            moved[side, k] = x[k] + stretch * (end - x[k])
-    return np.clip(moved, *bounds)
+            stretched[side, k] = x[k] + stretch * (end - x[k])
+    return np.clip(stretched, *bounds)
 
 
 def _standard_error(residual: Floats, share: float) -> float:
-    """Of residuals of which ``share`` parameters each were fitted, at least the noise floor."""
+    """Standard error of residuals, ``share`` parameters fitted to each, or the noise floor."""
     if residual.size == 0:
         return NOISE_FLOOR
     freedom = max(residual.size * (1.0 - share), 1.0)
     return max(float(np.sqrt(residual @ residual / freedom)), NOISE_FLOOR)
 
 
-class _Known(NamedTuple):
-    """Of the parameters in spreads: (P, P) infinite where there is none; the inverse of the
-    information, zero along what the data do not see; W (R, P) of ``bounded_intervals``."""
+def _sandwich(information: Floats, middle: Floats) -> tuple[Floats, Floats, Floats]:
+    """inverse(information) middle inverse(information) of parameters in spreads.
 
-    covariance: Floats
-    inverse: Floats
-    root: Floats
-
-
-def _sandwich(information: Floats, middle: Floats) -> _Known:
-    """inverse(information) middle inverse(information)."""
+    It is infinite where there is none.  Beside it are the inverse of the information, zero along
+    what the data do not see, and W (R, P) of ``bounded_intervals``.
+    """
     values, vectors = np.linalg.eigh(information)
     seen = values > NEGLIGIBLE**2 * max(float(values[-1]), 1e-300)
     values, blind, vectors = values[seen], vectors[:, ~seen], vectors[:, seen]
@@ -260,13 +243,13 @@ def _sandwich(information: Floats, middle: Floats) -> _Known:
     errors, turned = np.linalg.eigh(vectors.T @ middle @ vectors)
     errors = np.maximum(errors, NEGLIGIBLE**2 * errors.max(initial=1e-300))
     root = ((turned / np.sqrt(errors)).T * values) @ vectors.T
-    return _Known(covariance, inverse, root)
+    return covariance, inverse, root
 
 
 def _verdict(
     name: str, x: float, ends: tuple[float, float], half: float, held: bool, left: float
 ) -> tuple[str, bool]:
-    """In words, and whether the parameter is identified; ``half`` an interval without bounds."""
+    """Say whether a parameter is identified; ``half`` is half of its interval without bounds."""
     known, (low, high) = described(name), ends
     lower, upper, spread = known.lower, known.upper, known.spread
     if held:
@@ -286,7 +269,7 @@ def _verdict(
 
 
 def _beside_prior(verdict: tuple[str, bool], left: float) -> tuple[str, bool]:
-    """The verdict with how much of a prior's standard deviation is ``left`` over."""
+    """Add to a verdict how much of a prior's standard deviation is ``left``."""
     text, good = verdict
     text = text.replace("held by its start, the data leave it", "data and prior leave it")
     return f"{text}; {left:.2f} of the prior's deviation is left", good
@@ -322,28 +305,14 @@ class Quadratic(NamedTuple):
 def bounded_intervals(
     centre: Floats, root: Floats, lower: Floats, upper: Floats, quantile: Floats | float
 ) -> tuple[Floats, Floats]:
-    """Ends of the profile intervals of the sum of squares |W (x - centre)|^2 within bounds.
+    """Ends (P,) of the profile intervals of the sum of squares |W (x - centre)|^2 within bounds.
 
     A value of one parameter belongs to its interval if some values of the others, within their
     bounds, make the sum of squares exceed its least value within the bounds by no more than
-    ``quantile`` squared.  So the bounds of one parameter narrow the intervals of those that it is
-    correlated with; far from all bounds the ends are centre +- quantile * deviation.
-
-    Parameters
-    ----------
-    centre : ndarray, shape (P,)
-        Where the sum is least, bounds left aside; in units in which parameters are of like size.
-    root : ndarray, shape (R, P)
-        W, R <= P; W^T W is the inverse of the covariance, where there is one.
-    lower, upper : ndarray, shape (P,)
-        Bounds.
-    quantile : float, or ndarray of shape (P,)
-        Of Student's t.
-
-    Returns
-    -------
-    low, high : ndarray, shape (P,)
-        Ends.
+    ``quantile``, of Student's t, squared. So the bounds of one parameter narrow the intervals of
+    those that it is correlated with; far from all bounds the ends are centre +- quantile *
+    deviation. The ``root`` W is (R, P), R <= P; W^T W is the inverse of the covariance, where there
+    is one. Parameters are in units in which they are of like size.
     """
     from scipy.optimize import brentq, lsq_linear
 
@@ -365,46 +334,33 @@ def bounded_intervals(
 
 
 # -------------------------------------------------------------------------------------------------
-# Errors of parameters from residuals that are alike within stretches of the data.
+# Errors of parameters from residuals that are correlated within stretches of the data.
 
 MOST_ALONE = 0.9
-"""Share of what is known of a direction that one stretch is taken to tell, at most: what a single
-stretch alone determines has no error that could be told from the others."""
+"""Share of what is known of a direction that one stretch is taken to give, at most: what a single
+stretch alone determines has no error that the others could show."""
 
 
 class BlockErrors(NamedTuple):
-    """What G stretches tell of P parameters.
+    """What G stretches say of P parameters."""
 
-    ``middle`` (P, P) is the covariance of the slopes of half the sum of squares; ``freedom`` (P,)
-    the degrees of freedom of each parameter's variance.
-    """
-
-    middle: Floats
-    freedom: Floats
+    middle: Floats  # (P, P), covariance of the slopes of half the sum of squares
+    freedom: Floats  # (P,), degrees of freedom of each parameter's variance
 
 
 def block_errors(
-    slopes: Floats,
-    residual: Floats,
-    group: NDArray[np.intp],
-    whole: Floats,
-    by_priors: Floats,
+    slopes: Floats, residual: Floats, group: NDArray[np.intp], whole: Floats, by_priors: Floats
 ) -> BlockErrors:
     """Cluster-robust errors, each stretch's residuals being those of a fit that left it out.
 
-    Residuals of few stretches and many parameters are too small, most in the stretches that
-    decide.  Left out by the linear model they are not (the jackknife, CR3 of Bell and McCaffrey,
-    Survey Methodology 28, 2002, page 169); degrees of freedom are Satterthwaite's, by how evenly
-    the stretches share in each parameter.
+    Residuals of few stretches and many parameters are too small, most in the stretches that decide.
+    Left out by the linear model they are not (the jackknife, CR3 of Bell and McCaffrey, Survey
+    Methodology 28, 2002, page 169); degrees of freedom are Satterthwaite's, by how evenly the
+    stretches share in each parameter.
 
-    Parameters
-    ----------
-    slopes, residual, group : ndarray, shape (M, P), (M,) and (M,)
-        Of rows with weight.
-    whole : ndarray, shape (P, P)
-        Information of data and priors.
-    by_priors : ndarray, shape (P, P)
-        Covariance of what priors add to the slopes of half the sum of squares.
+    Rows with weight have slopes (M, P), a residual and a group (M,). ``whole`` (P, P) is the
+    information of data and priors, ``by_priors`` (P, P) the covariance of what priors add to the
+    slopes of half the sum of squares.
     """
     labels, index = np.unique(group, return_inverse=True)
     floor = np.where(np.abs(residual) < NOISE_FLOOR, NOISE_FLOOR * np.sign(residual), residual)
@@ -418,8 +374,7 @@ def block_errors(
         score = back @ (mine.T @ floor[index == k])
         share = back @ mine.T @ mine @ back.T
         alone, ways = np.linalg.eigh(share)
-        apart = ways @ ((ways.T @ score) / (1.0 - np.minimum(alone, MOST_ALONE)))
-        one = root @ apart
+        one = root @ ways @ ((ways.T @ score) / (1.0 - np.minimum(alone, MOST_ALONE)))
         middle += np.outer(one, one)
         evenness[k] = np.einsum("sp,st,tp->p", back, share, back)
     small = max(labels.size - 1, 1) / labels.size

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.fit.comparison import Comparison, Trend, level_forces
-from propmap.fit.files import FitFile, FitRecord, FittedLoad, Source
+from propmap.fit.comparison import SpeedErrors, Trend, level_forces
+from propmap.fit.files import DataSource, FitFile, FitRecord, FittedLoad
 from propmap.fit.fit import CoveredAngle
-from propmap.fit.least_squares import Errors
+from propmap.fit.least_squares import ResidualErrors
 from propmap.fit.parameters import EVERY, general
 from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
@@ -60,8 +60,8 @@ PANELS = 5  # of residuals in a row
 class GivenData:
     """Data beside the fit file, compared with the fit."""
 
-    sources: Sequence[Source]
-    errors: Mapping[str, Comparison]  # by load with its unit, such as "torque_Nm"
+    sources: Sequence[DataSource]
+    errors: Mapping[str, SpeedErrors]  # by load with its unit, such as "torque_Nm"
     tunnel: TunnelData | None = None
     level: tuple[Vehicle, FlightLog] | None = None  # what flew, and its steady operating points
     residuals: Sequence[Sequence[Trend]] = ()  # of each force, against every candidate
@@ -124,7 +124,7 @@ def fit_pages(
 def _check(fit: FitRecord, given: GivenData) -> dict[str, Any]:
     """Judge a fit on the data given: level, rows, each load's errors, and names new and known.
 
-    Errors are shares of what was measured; those of forces in flight, of the largest force.
+    ResidualErrors are shares of what was measured; those of forces in flight, of the largest force.
     """
     found = {name: one.all for name, one in given.errors.items() if one.all.rows}
     sizes = {name: e.rms / e.relative_rms for name, e in found.items()}
@@ -383,10 +383,12 @@ def angles_without_data(fit: FitRecord) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# Errors by load and band of speed, beside the hover model's.
+# ResidualErrors by load and band of speed, beside the hover model's.
 
 
-def band_errors(name: str, bands: Mapping[tuple[str, str], Mapping[str, Errors]]) -> FigureRecord:
+def band_errors(
+    name: str, bands: Mapping[tuple[str, str], Mapping[str, ResidualErrors]]
+) -> FigureRecord:
     """Record errors by (load, unit) and by band of speed, in the order of speed; a panel a load."""
     groups: list[dict[str, Any]] = [
         {
@@ -515,7 +517,7 @@ def strong_pairs(fit: FitRecord) -> list[str]:
 def binned(trend: Trend) -> dict[str, Floats]:
     """Bin a ``trend`` into the columns (bins,) of its record; see the heads.
 
-    Errors within a stretch of time count as one in the standard error of a bin's mean.
+    ResidualErrors within a stretch of time count as one in the standard error of a bin's mean.
     """
     ends = np.unique(np.percentile(trend.at, np.linspace(0.0, 100.0, BINS + 1)))
     place = np.clip(np.searchsorted(ends, trend.at, side="right") - 1, 0, max(ends.size - 2, 0))
@@ -560,7 +562,7 @@ def residuals(name: str, trends: Sequence[Trend]) -> FigureRecord:
         for ax in axes.ravel()[len(trends) :]:
             ax.axis("off")
         for ax, trend, one in zip(axes.ravel(), trends, groups, strict=False):
-            colour, x = COLOURS[1 if trend.tells else 0], one["bin_middle"]
+            colour, x = COLOURS[1 if trend.sure else 0], one["bin_middle"]
             ax.axhline(0.0, color="0.5", linewidth=0.8)
             ax.fill_between(x, one["low_10_in_unit"], one["high_90_in_unit"], color=colour, **BAND)
             ax.errorbar(
@@ -571,7 +573,7 @@ def residuals(name: str, trends: Sequence[Trend]) -> FigureRecord:
             ax.set_xlabel(label.replace(" [", "\n[") if len(label) > 24 else label, fontsize=7.5)
             ax.tick_params(labelsize=7.5)
             share = f"{100.0 * trend.share:.0f} % of the variance"
-            ax.set_title(share, fontsize=8.0, fontweight="bold" if trend.tells else "normal")
+            ax.set_title(share, fontsize=8.0, fontweight="bold" if trend.sure else "normal")
         for ax in axes[:, 0]:
             ax.set_ylabel(f"error [{unit}]")
         look: dict[str, Any] = {"marker": "o", "markersize": 4.0, "linewidth": 1.3}
@@ -593,5 +595,5 @@ def residuals(name: str, trends: Sequence[Trend]) -> FigureRecord:
 
 def sentences(loads: Sequence[Sequence[Trend]]) -> list[str]:
     """Say what still explains something of any load's residuals, the strongest first."""
-    telling = [trend for trend in itertools.chain(*loads) if trend.tells]
+    telling = [trend for trend in itertools.chain(*loads) if trend.sure]
     return [trend.sentence for trend in sorted(telling, key=lambda trend: -trend.share)]

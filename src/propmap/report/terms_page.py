@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.fit.flight_study import FittedStep, Flight, gain, judged, measured_off
+from propmap.fit.comparison import FittedStep, RecordedFlight, gain, judged, measured_off
 from propmap.report.html import (
     COLOURS,
     DASHED,
@@ -34,7 +34,7 @@ StepErrors = Mapping[tuple[str, str, bool, bool], Floats]
 
 def terms_pages(
     vehicle: Vehicle,
-    flights: Sequence[Flight],
+    flights: Sequence[RecordedFlight],
     found: Sequence[FittedStep],
     *,
     low_pass: float,
@@ -150,7 +150,7 @@ def errors_by_step(off: StepErrors, flights: Sequence[str], steps: Sequence[str]
 
 
 def step_errors(
-    vehicle: Vehicle, flights: Sequence[Flight], found: Sequence[FittedStep]
+    vehicle: Vehicle, flights: Sequence[RecordedFlight], found: Sequence[FittedStep]
 ) -> StepErrors:
     """Collect errors flight by flight: hover model, steps in order, the data's own prediction."""
     off: dict[tuple[str, str, bool, bool], Floats] = {}
@@ -176,7 +176,7 @@ def step_errors(
 
 
 def worth(
-    flights: Sequence[Flight], found: Sequence[FittedStep]
+    flights: Sequence[RecordedFlight], found: Sequence[FittedStep]
 ) -> list[tuple[str, str, float, float]]:
     """Judge each step but the first on flights that its fits have not seen, or on the only one.
 

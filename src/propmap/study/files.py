@@ -99,6 +99,7 @@ class Surface:
     quantity: str
     across: str
     up: str
+    # Where on the axes of shared operating points, the nearest value of each; by default the first.
     at: dict[str, float]
 
 
@@ -107,6 +108,7 @@ class StudyFile:
     """What a file says: names as on the command line, and what ``Study`` takes."""
 
     title: str
+    # As the command line names the first design; an empty airfoil is that known of the propeller.
     propeller: str
     airfoil: str  # empty for that known of the propeller
     varied: dict[str, Floats]
@@ -117,7 +119,7 @@ class StudyFile:
 
     @property
     def points(self) -> int:
-        """How many operating points all designs have together."""
+        """Number of operating points of all designs together."""
         levels = [] if self.designs is not None else list(self.varied.values())
         shared = [values.size for values in (*levels, *self.axes.values())]
         return (self.designs or 1) * math.prod(shared)
@@ -221,7 +223,7 @@ class ResponseSurface:
         return dict(zip(self.names, (0.5 * (self.low + self.high)).tolist(), strict=True))
 
     def _unit(self, rows: Mapping[str, Floats]) -> Floats:
-        """What varies (n, k), each from -1 to 1."""
+        """Scale what varies (n, k) to -1 to 1."""
         values = np.stack([np.asarray(rows[name], np.float64) for name in self.names], axis=1)
         return np.asarray(2.0 * (values - self.low) / (self.high - self.low) - 1.0)
 

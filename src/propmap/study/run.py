@@ -1,204 +1,28 @@
-"""A study: designs made from a blade, and their loads, into a store or into memory."""
+"""A study: designs made from a blade, evaluated in tasks as a sweep is."""
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-import propmap
 from propmap.errors import InputError
 from propmap.model.model import Propeller
 from propmap.rotor import Rotor
-from propmap.sweep.points import (
-    AXES,
-    Place,
-    attributes,
-    chunk_shape,
-    filed_as,
-    parts_along,
-    quantities,
-)
-from propmap.sweep.run import Filing, Values, provenance, stream
-from propmap.sweep.store import NOT_DONE, Layout, Store
-from propmap.tasks import InTurn, Workers
+from propmap.sweep.points import AXES, Part, Place
+from propmap.sweep.run import Evaluation, Values
 from propmap.typing import Floats
-from propmap.units import RPM
-
-if TYPE_CHECKING:
-    import xarray
-    from numpy.typing import NDArray
-
-
-# -------------------------------------------------------------------------------------------------
-# The loads of a study's designs, into a store or into memory.
 
 POINTS_PER_TASK = 8192
 """Operating points of a task, of all its designs: one to some seconds of one core."""
 
-
-class InMemory:
-    """A store for studies that fit in memory; takes the place of a ``Store``.
-
-    Parameters
-    ----------
-    layout : Layout
-        What it is to hold.
-    """
-
-    here = False  # workers send their results
-
-    def __init__(self, layout: Layout) -> None:
-        self.layout = layout
-        self.values: dict[str, NDArray[Any]] = {
-            name: np.full(layout.shape, np.nan if kind.kind == "f" else NOT_DONE, kind)
-            for name, (kind, _) in layout.quantities.items()
-        }
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Workers need nothing of it."""
-        return {}
-
-    def write(self, place: Place, values: Mapping[str, NDArray[Any]]) -> None:
-        """Keep the ``values`` of the part at a ``place``, by quantity."""
-        for name, part in values.items():
-            cut = tuple(
-                slice(k * n, k * n + m)
-                for k, n, m in zip(place, self.layout.chunk, part.shape, strict=True)
-            )
-            self.values[name][cut] = part
-
-    def done(self, layout: Layout) -> NDArray[np.bool_]:
-        """No part of the ``layout`` is."""
-        return np.zeros(parts_along(layout.shape, layout.chunk), bool)
-
-    def dataset(self) -> xarray.Dataset:
-        """All as an xarray dataset."""
-        import xarray
-
-        dims = tuple(self.layout.sizes)
-        variables = {
-            name: (dims, values, dict(self.layout.quantities[name][1]))
-            for name, values in self.values.items()
-        }
-        coordinates = {
-            name: (dims, values, dict(told))
-            for name, (dims, values, told) in self.layout.coordinates.items()
-        }
-        return xarray.Dataset(variables, coordinates, dict(self.layout.attributes))
-
-
-def study_layout(study: Study, command: str = "", points_per_task: int = POINTS_PER_TASK) -> Layout:
-    """What the store of a study holds.
-
-    Parameters
-    ----------
-    study : Study
-        Designs and operating points.
-    command : str
-        What was asked for, for the attributes.
-    points_per_task : int
-        At most.
-    """
-    coordinates: dict[str, Any] = {}
-    for name, values in study.rows.items():
-        coordinates[name] = (("design",), values, _texts(name))
-    shared = [name for name in OPERATION if name in study.axes]
-    for dim, name in zip(study.dims[1:], shared, strict=True):
-        coordinates[name] = ((dim,), study.axes[name], _texts(name))
-    probe = study.design({name: float(values[0]) for name, values in study.rows.items()})
-    found = quantities(probe.loads([300.0], 0.0, 0.0), bands=False, by_source=False)
-    kinds = {name: (filed_as(values.dtype), attributes(name)) for name, values in found.items()}
-    chunk = chunk_shape(study.shape, points_per_task)
-    told = {**provenance(study.rotor, command)}
-    told["title"] = f"Designs made from {study.rotor.model.propeller.name}"
-    told["sampling"] = (
-        "full factorial" if study.designs is None else f"Latin hypercube, seed {study.seed}"
-    )
-    digest = hashlib.sha256(repr(study.shape).encode())
-    for name, (_, values, _) in coordinates.items():
-        digest.update(name.encode() + np.asarray(values).tobytes())
-    depends_on = {
-        "kind": "study",
-        "propmap": propmap.__version__,
-        "model": str(told["model_sha256"]),
-        "points": digest.hexdigest(),
-        "accuracy": study.rotor.accuracy,
-        "quantities": " ".join(kinds),
-        "chunk": str(chunk),
-    }
-    sizes = dict(zip(study.dims, study.shape, strict=True))
-    return Layout(sizes, chunk, coordinates, kinds, told, depends_on)
-
-
-def run_study(
-    study: Study,
-    store: Store | InMemory,
-    layout: Layout,
-    workers: Workers | None = None,
-    progress: Callable[[int], None] | None = None,
-) -> None:
-    """Compute and file what is missing.
-
-    Parameters
-    ----------
-    study : Study
-        Designs and operating points.
-    store : Store or InMemory
-        Where to.
-    layout : Layout
-        From ``study_layout``.
-    workers : Workers, optional
-        Who computes; by default this process.
-    progress : callable, optional
-        Told how many tasks are done.
-    """
-    filing = Filing(loads_of_designs, study, store)
-    for done in stream(workers or InTurn(), filing, layout, study.part):
-        if progress is not None:
-            progress(done)
-
-
-def loads_of_designs(study: Study, part: Designs) -> Values:
-    """Quantities of some designs at some operating points.
-
-    Parameters
-    ----------
-    study : Study
-        The design to begin with.
-    part : Designs
-        What differs, and where.
-    """
-    names = list(part.rows)
-    every = []
-    for row in zip(*part.rows.values(), strict=True):
-        values = dict(zip(names, map(float, row), strict=True))
-        point = [part.axes.get(name, np.array([values.get(name, 0.0)])) for name in OPERATION]
-        rpm, speed, beta = np.meshgrid(*point, indexing="ij")
-        loads = study.design(values).loads(rpm * RPM, speed, np.radians(beta))
-        every.append(quantities(loads, bands=False, by_source=False))
-    lengths = [part.axes[name].size for name in OPERATION if name in part.axes]
-    return {
-        name: np.stack([one[name].reshape(lengths) for one in every]).astype(
-            filed_as(every[0][name].dtype)
-        )
-        for name in every[0]
-    }
-
-
-def _texts(name: str) -> dict[str, str]:
-    unit, meaning = VARIABLES[name]
-    return {"units": unit, "long_name": f"{name} {meaning}" if name in GEOMETRY else meaning}
-
-
-# -------------------------------------------------------------------------------------------------
-# What a study varies: designs by a Latin hypercube or all combinations, and operating points.
+SAMPLE = 4
+"""Designs by which the time of a study is predicted."""
 
 GEOMETRY = {
     "diameter": ("m", "of the propeller"),
@@ -210,7 +34,7 @@ GEOMETRY = {
 """What may vary of a propeller: unit and meaning."""
 
 OPERATION = {name: (unit, meaning) for name, unit, meaning in AXES.values()}
-"""The same of an operating point."""
+"""Unit and meaning of what may vary of an operating point."""
 
 VARIABLES = {**GEOMETRY, **OPERATION}
 
@@ -218,22 +42,14 @@ MOST_DESIGNS = 100_000_000
 
 
 class Designs(NamedTuple):
-    """The designs and operating points of one task.
+    """The designs and operating points of one task."""
 
-    Attributes
-    ----------
-    rows : dict of str to ndarray, shape (n,)
-        What varies, by name.
-    axes : dict of str to ndarray
-        Values of the operating point that every design is evaluated at, by name.
-    """
-
-    rows: dict[str, Floats]
-    axes: dict[str, Floats]
+    rows: dict[str, Floats]  # what varies (n,), by name
+    axes: dict[str, Floats]  # values of the operating point that every design has, by name
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Study(Evaluation):
     """Which designs are evaluated at which operating points.
 
     Attributes
@@ -250,6 +66,8 @@ class Study:
         How many a Latin hypercube has; None for the full factorial.
     seed : int
         Of the Latin hypercube.
+    points_per_task : int
+        Operating points that are computed together, at most.
 
     Raises
     ------
@@ -262,6 +80,9 @@ class Study:
     axes: Mapping[str, Floats]
     designs: int | None = None
     seed: int = 1
+    points_per_task: int = POINTS_PER_TASK
+    kind = "study"
+    bands = by_source = False
 
     def __post_init__(self) -> None:
         if not self.varied:
@@ -322,6 +143,25 @@ class Study:
         """Lengths of the dimensions."""
         return (self.count, *(self.axes[name].size for name in OPERATION if name in self.axes))
 
+    def coordinates(self) -> dict[str, tuple[tuple[str, ...], Floats, dict[str, str]]]:
+        """What varies, along the designs, and the axes of the operating points they share."""
+        found = {name: ("design", values) for name, values in self.rows.items()}
+        found |= {
+            name: (dim, self.axes[name]) for dim, (name, _, _) in AXES.items() if name in self.axes
+        }
+        texts = {n: (unit, f"{n} {meaning}") for n, (unit, meaning) in GEOMETRY.items()} | OPERATION
+        return {
+            name: ((dim,), values, dict(zip(("units", "long_name"), texts[name], strict=True)))
+            for name, (dim, values) in found.items()
+        }
+
+    def described(self, command: str) -> dict[str, Any]:
+        """Attributes of a file with the results, asked for by this ``command``."""
+        title = f"Designs made from {self.rotor.model.propeller.name}"
+        random = f"Latin hypercube, seed {self.seed}"
+        sampling = "full factorial" if self.designs is None else random
+        return {**super().described(command), "title": title, "sampling": sampling}
+
     def part(self, place: Place, chunk: tuple[int, ...]) -> Designs:
         """Designs and points of the task at this ``place``; tasks have the shape ``chunk``."""
         cuts = [slice(k * n, (k + 1) * n) for k, n in zip(place, chunk, strict=True)]
@@ -330,16 +170,27 @@ class Study:
         axes = {name: self.axes[name][cut] for name, cut in zip(names, cuts[1:], strict=True)}
         return Designs(rows, axes)
 
+    def sample(self) -> tuple[Designs, int]:
+        """Designs spread over all, at all operating points."""
+        some = np.unique(np.linspace(0, self.count - 1, SAMPLE).astype(int))
+        rows = {name: values[some] for name, values in self.rows.items()}
+        return Designs(rows, dict(self.axes)), some.size * math.prod(self.shape[1:])
+
+    def batches(self, part: Designs) -> Iterator[tuple[Rotor, Part]]:
+        """Each design of a ``part`` with its operating points."""
+        for row in zip(*part.rows.values(), strict=True):
+            values = dict(zip(part.rows, map(float, row), strict=True))
+            axes = [part.axes.get(name, np.array([values.get(name, 0.0)])) for name in OPERATION]
+            yield self.design(values), Part(*np.meshgrid(*axes, indexing="ij"))
+
+    def values(self, part: Designs) -> Values:
+        """What is filed of a ``part``, over the designs and the axes that they share."""
+        shape = [part.axes[name].size for name in OPERATION if name in part.axes]
+        found = super().values(part)
+        return {name: values.reshape(len(values), *shape) for name, values in found.items()}
+
     def design(self, values: Mapping[str, float]) -> Rotor:
-        """The rotor of a design.
-
-        Parameters
-        ----------
-        values : mapping of str to float
-            What differs from the first one, by name; those of operating points do not matter.
-        """
-        from dataclasses import replace
-
+        """The rotor of the design that differs from the first one by ``values``, by name."""
         geometry: Any = {name: float(v) for name, v in values.items() if name in GEOMETRY}
         if "blades" in geometry:
             geometry["blades"] = round(geometry["blades"])
@@ -348,11 +199,10 @@ class Study:
             blade = changed_blade(model.propeller, **geometry)
             return self.rotor.with_model(replace(model, propeller=blade))
         except InputError as error:
-            told = ", ".join(f"{name} {value:.4g}" for name, value in geometry.items())
-            raise InputError(f"the design with {told}: {error}") from None
+            differing = ", ".join(f"{name} {value:.4g}" for name, value in geometry.items())
+            raise InputError(f"the design with {differing}: {error}") from None
 
     def __getstate__(self) -> dict[str, Any]:
-        """What workers need: each task brings its own designs."""
         return {key: value for key, value in vars(self).items() if key != "rows"}
 
 
@@ -373,7 +223,7 @@ def _check_values(name: str, values: Floats) -> None:
 # Blades made from another: of another size, pitch, width or twist.
 
 PITCH_AT = 0.75
-"""Share of the radius at which a blade's pitch is told."""
+"""Share of the radius at which a blade's pitch is taken."""
 
 
 def pitch_of(blade: Propeller) -> float:
@@ -398,15 +248,15 @@ def changed_blade(
     blade : Propeller
         The one to begin with.
     diameter : float, optional
-        [m]; radii and chords grow alike.
+        [m]; radii and chords grow by one factor.
     pitch : float, optional
         At three quarters of the radius [m]; the tangents of all twists change by one factor, so
         that the pitch of each station does. By default it grows with the diameter.
     chord_scale : float
-        Of all chords, after the diameter [-].
+        Factor on all chords, after the diameter [-].
     twist_scale : float
-        Of what the twist differs by from that at three quarters of the radius [-]: 0 is a blade
-        without twist, 1 leaves it.
+        Factor on what the twist differs by from that at three quarters of the radius [-]: 0 is a
+        blade without twist, 1 leaves it.
     blades : int, optional
         How many.
 

@@ -1,19 +1,22 @@
-"""Loads of a rotor at any number of operating points, streamed into one Zarr store."""
+"""Loads at any number of operating points, in tasks: streamed into a store, or into memory."""
 
 from __future__ import annotations
 
 import hashlib
+import math
 import time
-from collections.abc import Callable, Iterator, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import propmap
+from propmap.results import Loads
 from propmap.sweep.points import (
     AXES,
     Part,
@@ -23,137 +26,239 @@ from propmap.sweep.points import (
     chunk_shape,
     filed_as,
     parts_along,
+    parts_count,
     quantities,
-    size,
 )
-from propmap.sweep.store import Layout, Store
+from propmap.sweep.store import Filed, Layout, Store
 from propmap.tasks import InTurn, Workers
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
-
-
-# -------------------------------------------------------------------------------------------------
-# Loads of a rotor at any number of operating points, in one Zarr store.
 
 POINTS_PER_TASK = 16_384
 """One to some seconds of one core: long beside what it costs to hand out a task, short beside what
 a worker may lose when it dies."""
 
 SAMPLE = 2048
-"""Operating points by which the time of a sweep is foretold."""
+"""Operating points by which the time of a sweep is predicted."""
+
+Values = dict[str, NDArray[Any]]
+"""Arrays by quantity."""
+
+
+class Evaluation(ABC):
+    """Loads at many operating points, in tasks that follow from these alone, whoever does them.
+
+    ``Sweep`` is of one rotor, ``propmap.study.run.Study`` of many designs.  Workers are sent an
+    evaluation without its points: each task brings its own.
+    """
+
+    kind: str
+    rotor: Rotor
+    bands: bool
+    by_source: bool
+    points_per_task: int
+
+    @property
+    @abstractmethod
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+
+    @property
+    @abstractmethod
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the dimensions."""
+
+    @abstractmethod
+    def coordinates(self) -> dict[str, tuple[tuple[str, ...], Floats, dict[str, str]]]:
+        """Dimensions, values and attributes of each coordinate."""
+
+    @abstractmethod
+    def part(self, place: Place, chunk: tuple[int, ...]) -> Any:
+        """What is evaluated at this ``place``, where parts have the shape ``chunk``."""
+
+    @abstractmethod
+    def sample(self) -> tuple[Any, int]:
+        """A part by which the time of all is predicted, and its number of points."""
+
+    @abstractmethod
+    def batches(self, part: Any) -> Iterable[tuple[Rotor, Part]]:
+        """The rotors of a ``part``, each with the points at which its loads are asked for."""
+
+    def described(self, command: str) -> dict[str, Any]:
+        """Attributes of a file with the results, asked for by this ``command``."""
+        return provenance(self.rotor, command)
+
+    def evaluate(self, part: Any) -> Iterator[Loads]:
+        """Loads of the batches of a ``part``, one after the other."""
+        for rotor, points in self.batches(part):
+            yield rotor.loads(*points.si)
+
+    def in_turn(self) -> Iterator[Loads]:
+        """Loads of all batches of all parts in C order, evaluated in this process."""
+        chunk = chunk_shape(self.shape, self.points_per_task)
+        for place in np.ndindex(*parts_along(self.shape, chunk)):
+            yield from self.evaluate(self.part(place, chunk))
+
+    def values(self, part: Any) -> Values:
+        """What is filed of a ``part``, each quantity with the batches along the first axis."""
+        each = [
+            quantities(loads, bands=self.bands, by_source=self.by_source)
+            for loads in self.evaluate(part)
+        ]
+        stacked = {name: np.stack([one[name] for one in each]) for name in each[0]}
+        return {name: values.astype(filed_as(values.dtype)) for name, values in stacked.items()}
+
+    def layout(self, command: str = "") -> Layout:
+        """Describe the store of the results, asked for by this ``command``."""
+        coordinates = self.coordinates()
+        # Names and types, from hover at a tip speed of 100 m/s.
+        probe = self.rotor.loads([100.0 / self.rotor.model.propeller.radius], 0.0, 0.0)
+        kinds = {
+            name: (filed_as(values.dtype), attributes(name))
+            for name, values in quantities(
+                probe, bands=self.bands, by_source=self.by_source
+            ).items()
+        }
+        known = self.rotor.model.uncertainty if self.bands else None
+        chunk = chunk_shape(self.shape, self.points_per_task)
+        points = [part for name, (_, at, _) in coordinates.items() for part in (name, at.tobytes())]
+        depends_on = {
+            "kind": self.kind,
+            "propmap": propmap.__version__,
+            "model": _digest(
+                self.rotor.model.fingerprint(), "" if known is None else repr(known.as_dict())
+            ),
+            "points": _digest(self.shape, *points),
+            "accuracy": self.rotor.accuracy,
+            "quantities": " ".join(kinds),
+            "chunk": str(chunk),
+        }
+        sizes = dict(zip(self.dims, self.shape, strict=True))
+        return Layout(sizes, chunk, coordinates, kinds, self.described(command), depends_on)
+
+    def run(
+        self,
+        store: Filed,
+        layout: Layout,
+        workers: Workers | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> None:
+        """Compute and file what is missing in a store.
+
+        Parameters
+        ----------
+        store : Store or InMemory
+            A ``Store`` from ``Store.create`` or ``Store.resume``.
+        layout : Layout
+            From ``layout``.
+        workers : Workers, optional
+            Who computes; by default this process.
+        progress : callable, optional
+            Called with the number of tasks done, and that of all.
+        """
+        total = parts_count(layout.shape, layout.chunk)
+        for done in stream(workers or InTurn(), self, store, layout):
+            if progress is not None:
+                progress(done, total)
+
+    def seconds_per_point(self, workers: Workers) -> float:
+        """Time that one of the ``workers`` takes for an operating point [s], from a sample."""
+        part, count = self.sample()
+        ((_, found),) = workers.results(_timed, self, [part])
+        return found / count
+
+
+def _timed(evaluation: Evaluation, part: Any) -> float:
+    """Time of the second evaluation [s]: modules are loaded at the first one."""
+    evaluation.values(part)
+    start = time.perf_counter()
+    evaluation.values(part)
+    return time.perf_counter() - start
+
+
+def stream(workers: Workers, evaluation: Evaluation, store: Filed, layout: Layout) -> Iterator[int]:
+    """Compute and file all parts that are missing in a store; yield how many parts are done."""
+    done = store.done(layout)
+    count = int(done.sum())
+    yield count
+    missing = np.flatnonzero(~done)
+
+    def place(which: int) -> Place:
+        return tuple(int(k) for k in np.unravel_index(missing[which], done.shape))
+
+    # Made one by one, as workers become free.
+    at = map(place, range(missing.size))
+    tasks = ((where, evaluation.part(where, layout.chunk)) for where in at)
+    for which, values in workers.results(_file_part, (evaluation, store), tasks):
+        if values is not None:
+            store.write(place(which), values)
+        count += 1
+        yield count
+
+
+def _file_part(common: tuple[Evaluation, Filed], task: tuple[Place, Any]) -> Values | None:
+    """Compute and file a part; return its values where this process does not see the store."""
+    (evaluation, store), (place, part) = common, task
+    values = evaluation.values(part)
+    if not store.here:
+        return values
+    store.write(place, values)
+    return None
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
-    """What is to be swept; tasks follow from it alone, whoever does them.
-
-    Attributes
-    ----------
-    rotor : Rotor
-        Whose loads.
-    points : Grid or PointList
-        Where.
-    bands, by_source : bool
-        Whether standard deviations are filed, if any are known, and by what they are from.
-    points_per_task : int
-        At most.
-    """
+class Sweep(Evaluation):
+    """Loads of a ``rotor`` at all ``points``, with standard deviations where any are known."""
 
     rotor: Rotor
     points: Points
     bands: bool = True
     by_source: bool = False
     points_per_task: int = POINTS_PER_TASK
+    kind = "sweep"
 
-    def layout(self, command: str = "") -> Layout:
-        """What the store holds.
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """As of ``points``."""
+        return self.points.dims
 
-        Parameters
-        ----------
-        command : str
-            What was asked for, for the store's attributes.
-        """
-        shape = self.points.shape
-        texts = {name: (unit, meaning) for name, unit, meaning in AXES.values()}
-        coordinates = {
-            name: (dims, values, dict(zip(("units", "long_name"), texts[name], strict=True)))
-            for name, (dims, values) in self.points.coordinates().items()
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """As of ``points``."""
+        return self.points.shape
+
+    def coordinates(self) -> dict[str, tuple[tuple[str, ...], Floats, dict[str, str]]]:
+        """Rotational speed, flight speed and angle."""
+        dims = [(dim,) if dim in self.dims else self.dims for dim in AXES]
+        return {
+            name: (dim, getattr(self.points, name), {"units": unit, "long_name": meaning})
+            for dim, (name, unit, meaning) in zip(dims, AXES.values(), strict=True)
         }
-        chunk = chunk_shape(shape, self.points_per_task)
-        described = self._described()
-        told = provenance(self.rotor, command)
-        depends_on = {
-            "kind": "sweep",
-            "propmap": propmap.__version__,
-            "model": _digest(told["model_sha256"], self._known()),
-            "points": _digest(*(values.tobytes() for _, values, _ in coordinates.values()), *shape),
-            "accuracy": self.rotor.accuracy,
-            "quantities": " ".join(described),
-            "chunk": str(chunk),
-        }
-        sizes = dict(zip(self.points.dims, shape, strict=True))
-        return Layout(sizes, chunk, coordinates, described, told, depends_on)
 
-    def seconds_per_point(self, workers: Workers) -> float:
-        """Time that a worker takes for an operating point [s], from a sample of them.
+    def part(self, place: Place, chunk: tuple[int, ...]) -> Part:
+        """Operating points at this ``place``, where parts have the shape ``chunk``."""
+        return self.points.part(place, chunk)
 
-        Parameters
-        ----------
-        workers : Workers
-            Of whom one is asked.
-        """
-        count = size(self.points)
+    def sample(self) -> tuple[Part, int]:
+        """Operating points spread over all."""
+        count = math.prod(self.shape)
         some = np.unique(np.linspace(0, count - 1, min(count, SAMPLE)).astype(np.int64))
-        at = np.unravel_index(some, self.points.shape)
-        values = [
-            axis[at[self.points.dims.index(dims[0])]]
-            for dims, axis in self.points.coordinates().values()
-        ]
-        return seconds(workers, loads_of_part, self, Part((), *values)) / some.size
+        at = np.unravel_index(some, self.shape)
+        axes = self.coordinates().values()
+        return Part(*(v[at[self.dims.index(dims[0])]] for dims, v, _ in axes)), some.size
 
-    def run(
-        self,
-        store: Store,
-        layout: Layout,
-        workers: Workers | None = None,
-        progress: Callable[[int], None] | None = None,
-    ) -> None:
-        """Compute and file what is missing in a store.
+    def batches(self, part: Part) -> Iterable[tuple[Rotor, Part]]:
+        """All points of a ``part`` at once."""
+        return [(self.rotor, part)]
 
-        Parameters
-        ----------
-        store : Store
-            From ``Store.create`` or ``Store.resume``.
-        layout : Layout
-            Of ``self.layout``.
-        workers : Workers, optional
-            Who computes; by default this process.
-        progress : callable, optional
-            Told how many tasks are done.
-        """
-        filing = Filing(loads_of_part, self, store)
-        for done in stream(workers or InTurn(), filing, layout, self.points.part):
-            if progress is not None:
-                progress(done)
+    def values(self, part: Part) -> Values:
+        """What is filed of a ``part``, of its shape."""
+        return {name: stacked[0] for name, stacked in super().values(part).items()}
 
     def __getstate__(self) -> dict[str, Any]:
-        """What workers need: each task brings its own points."""
         return {**vars(self), "points": None}
-
-    def _described(self) -> dict[str, Any]:
-        """Type and attributes of each quantity, from one point."""
-        # In hover at a tip speed of 100 m/s.
-        loads = self.rotor.loads([100.0 / self.rotor.model.propeller.radius], 0.0, 0.0)
-        found = quantities(loads, bands=self.bands, by_source=self.by_source)
-        if not self.bands:
-            found = {name: values for name, values in found.items() if "_std" not in name}
-        return {name: (filed_as(values.dtype), attributes(name)) for name, values in found.items()}
-
-    def _known(self) -> str:
-        """All that deviations depend on but the model."""
-        known = self.rotor.model.uncertainty if self.bands else None
-        return repr(known.as_dict()) if known is not None else ""
 
 
 def sweep_to_store(
@@ -181,7 +286,7 @@ def sweep_to_store(
     path : Path
         The store, a folder whose name ends with ".zarr".
     workers : Workers, optional
-        Who computes: by default this process; ``propmap.cluster.workers.DaskWorkers(client)``
+        Who computes: by default this process; ``propmap.cluster.DaskWorkers(client)``
         for a ``distributed.Client``.  Loads are the same to the last digit
         where they have the same build of the core.
     bands, by_source : bool
@@ -189,7 +294,7 @@ def sweep_to_store(
     points_per_task : int
         Operating points that are computed, and lost if a worker dies, together.
     progress : callable, optional
-        Told how many tasks are done, and of how many.
+        Called with the number of tasks done, and that of all.
 
     Raises
     ------
@@ -200,28 +305,7 @@ def sweep_to_store(
     sweep = Sweep(rotor, points, bands, by_source, points_per_task)
     layout = sweep.layout("propmap.sweep.run.sweep_to_store")
     store = (Store.resume if path.exists() else Store.create)(path, layout)
-    total = int(np.prod(parts_along(layout.shape, layout.chunk)))
-
-    def tell(done: int) -> None:
-        if progress is not None:
-            progress(done, total)
-
-    sweep.run(store, layout, workers, tell)
-
-
-def loads_of_part(sweep: Sweep, part: Part) -> Values:
-    """Quantities at the points of a part, of its shape.
-
-    Parameters
-    ----------
-    sweep : Sweep
-        The rotor and what is wanted of it.
-    part : Part
-        Operating points.
-    """
-    loads = sweep.rotor.loads(*part.si)
-    found = quantities(loads, bands=sweep.bands, by_source=sweep.by_source)
-    return {name: values.astype(filed_as(values.dtype)) for name, values in found.items()}
+    sweep.run(store, layout, workers, progress)
 
 
 def _digest(*parts: object) -> str:
@@ -231,145 +315,9 @@ def _digest(*parts: object) -> str:
     return digest.hexdigest()
 
 
-# -------------------------------------------------------------------------------------------------
-# Streaming: parts are computed by workers and filed, by them where they see the store.
-
-Values = dict[str, Any]
-"""Arrays by quantity."""
-
-
-class Filed(Protocol):
-    """Where parts go: a ``Store``, or what takes its place."""
-
-    @property
-    def here(self) -> bool:
-        """Whether this process can write to it."""
-        ...
-
-    def write(self, place: Place, values: Mapping[str, NDArray[Any]]) -> None:
-        """File the ``values`` of the part at a ``place``, by quantity."""
-        ...
-
-    def done(self, layout: Layout) -> NDArray[np.bool_]:
-        """Which parts of the ``layout`` are filed, by place."""
-        ...
-
-
-@dataclass(frozen=True)
-class Filing:
-    """What all tasks of a run share.
-
-    Attributes
-    ----------
-    work : callable
-        Gives the values of a part, called as ``work(common, part)``.
-    common : object
-        What it needs for all parts.
-    store : Filed
-        Where they go.
-    """
-
-    work: Callable[[Any, Any], Values]
-    common: Any
-    store: Filed
-
-
-def file_part(filing: Filing, task: tuple[Place, Any]) -> Values | None:
-    """Compute and file a part; its values, to be filed by the caller, where the store is not seen.
-
-    Parameters
-    ----------
-    filing : Filing
-        How, and where to.
-    task : tuple
-        The place of the part and the part.
-    """
-    place, part = task
-    values = filing.work(filing.common, part)
-    if not filing.store.here:
-        return values
-    filing.store.write(place, values)
-    return None
-
-
-def stream(
-    workers: Workers,
-    filing: Filing,
-    layout: Layout,
-    part: Callable[[Place, tuple[int, ...]], Any],
-) -> Iterator[int]:
-    """Compute and file all parts that are missing; yields how many parts are done.
-
-    Parameters
-    ----------
-    workers : Workers
-        Who computes.
-    filing : Filing
-        How, and where to.
-    layout : Layout
-        Of the store.
-    part : callable
-        The part at a place, called with the place and the shape of parts.
-    """
-    done = filing.store.done(layout)
-    count = int(done.sum())
-    yield count
-    missing = np.flatnonzero(~done)
-
-    def place(which: int) -> Place:
-        return tuple(int(k) for k in np.unravel_index(missing[which], done.shape))
-
-    # Made one by one, as workers become free.
-    at = map(place, range(missing.size))
-    tasks = ((where, part(where, layout.chunk)) for where in at)
-    for which, values in workers.results(file_part, filing, tasks):
-        if values is not None:
-            filing.store.write(place(which), values)
-        count += 1
-        yield count
-
-
-def seconds(workers: Workers, work: Callable[[Any, Any], Values], common: Any, part: Any) -> float:
-    """Time that a worker takes for a part [s].
-
-    Parameters
-    ----------
-    workers : Workers
-        Of whom one is asked.
-    work, common : callable, object
-        As in ``Filing``.
-    part : object
-        The part.
-    """
-    ((_, found),) = workers.results(_timed, (work, common), [part])
-    return found
-
-
-def _timed(asked: tuple[Callable[[Any, Any], Values], Any], part: Any) -> float:
-    """Of the second time: at the first one modules are loaded."""
-    work, common = asked
-    work(common, part)
-    start = time.perf_counter()
-    work(common, part)
-    return time.perf_counter() - start
-
-
-# -------------------------------------------------------------------------------------------------
-# Where the figures of a sweep come from.
-
-
 def provenance(rotor: Rotor, command: str) -> dict[str, Any]:
-    """Texts and numbers that files of loads carry.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        Whose loads they are.
-    command : str
-        What was asked for.
-    """
-    blade = rotor.model.propeller
-    section = {f"airfoil_{key}": value for key, value in rotor.model.airfoil.metadata().items()}
+    """Texts and numbers that files of a ``rotor``'s loads carry, asked for by this ``command``."""
+    model, blade = rotor.model, rotor.model.propeller
     return {
         "title": f"Loads of {blade.name}",
         "propmap_version": propmap.__version__,
@@ -381,11 +329,11 @@ def provenance(rotor: Rotor, command: str) -> dict[str, Any]:
         "radius_m": blade.radius,
         "root_m": blade.root,
         "geometry_sha256": blade.fingerprint(),
-        **section,
-        "corrections": ", ".join(rotor.model.correction_texts) or "none",
-        "air_density_kg_m3": rotor.model.air.density,
-        "air_viscosity_Pa_s": rotor.model.air.viscosity,
-        "model_sha256": rotor.model.fingerprint(),
+        **{f"airfoil_{key}": value for key, value in model.airfoil.metadata().items()},
+        "corrections": ", ".join(model.correction_texts) or "none",
+        "air_density_kg_m3": model.air.density,
+        "air_viscosity_Pa_s": model.air.viscosity,
+        "model_sha256": model.fingerprint(),
         "accuracy": rotor.accuracy,
         "command": command,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -1,4 +1,4 @@
-"""Results of tasks in one Zarr store, which a run that was killed leaves fit to go on.
+"""Results of tasks, in one Zarr store that a killed run leaves fit to go on, or in memory.
 
 A part of the results is a file per quantity, written under another name and then renamed, and the
 part counts as done once its last file is there.  So a killed process or a full disk costs the parts
@@ -17,7 +17,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from propmap.errors import InputError
 from propmap.sweep.points import Place, parts_along
 
 if TYPE_CHECKING:
+    import xarray
     from numpy.typing import NDArray
 
 RUN = "propmap_run"
@@ -47,30 +48,16 @@ NOT_DONE = 255
 
 @dataclass(frozen=True)
 class Layout:
-    """What a store holds.
+    """What a store holds."""
 
-    Attributes
-    ----------
-    sizes : dict of str to int
-        Dimensions and their lengths.
-    chunk : tuple of int
-        Shape of the parts.
-    coordinates : mapping
-        Dimensions, values and attributes by name.
-    quantities : mapping
-        Type and attributes by name; the last one is written last.
-    attributes : mapping
-        Of the store, as JSON has them.
-    depends_on : mapping of str to str
-        The entries of ``SAME``.
-    """
-
-    sizes: Mapping[str, int]
-    chunk: tuple[int, ...]
+    sizes: Mapping[str, int]  # lengths of the dimensions
+    chunk: tuple[int, ...]  # shape of the parts
+    # Dimensions, values and attributes by name.
     coordinates: Mapping[str, tuple[tuple[str, ...], NDArray[Any], Mapping[str, Any]]]
+    # Type and attributes by name; the last one is written last.
     quantities: Mapping[str, tuple[np.dtype[Any], Mapping[str, Any]]]
-    attributes: Mapping[str, Any] = field(default_factory=dict)
-    depends_on: Mapping[str, str] = field(default_factory=dict)
+    attributes: Mapping[str, Any] = field(default_factory=dict)  # of the store, as JSON has them
+    depends_on: Mapping[str, str] = field(default_factory=dict)  # the entries of ``SAME``
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -82,49 +69,41 @@ class Layout:
         """Size of the quantities before they are compressed."""
         return math.prod(self.shape) * sum(kind.itemsize for kind, _ in self.quantities.values())
 
+    def dataset(self, values: Mapping[str, NDArray[Any]]) -> xarray.Dataset:
+        """The ``values`` by quantity, of this shape or flat, as an xarray dataset."""
+        import xarray
+
+        variables = {
+            name: (tuple(self.sizes), found.reshape(self.shape), dict(self.quantities[name][1]))
+            for name, found in values.items()
+        }
+        coordinates = {name: (d, v, dict(a)) for name, (d, v, a) in self.coordinates.items()}
+        return xarray.Dataset(variables, coordinates, dict(self.attributes))
+
 
 @dataclass(frozen=True)
 class Store:
-    """A store on disk.
-
-    Attributes
-    ----------
-    path : Path
-        Its folder.
-    run : str
-        Made up when it was created, so that another machine can tell whether it sees this store.
-    """
+    """A store on disk: its folder, and a ``run`` by which another machine knows it again."""
 
     path: Path
     run: str
 
     @classmethod
     def create(cls, path: Path, layout: Layout) -> Store:
-        """A new store; it appears whole or not at all.
-
-        Parameters
-        ----------
-        path : Path
-            Where nothing is yet.
-        layout : Layout
-            What it is to hold.
-        """
+        """Make a new store at a ``path`` where nothing is yet; it appears whole or not at all."""
         zarr = _zarr()
         part = path.with_name(f".{path.name}.part")
         shutil.rmtree(part, ignore_errors=True)
         run = uuid.uuid4().hex
         # What are coordinates though they are not named as a dimension, as CF has it.
         others = " ".join(name for name in layout.coordinates if name not in layout.sizes)
-        told = {**layout.attributes, "coordinates": others}
-        told[RUN] = {**layout.depends_on, "run": run}
+        about = {**layout.attributes, "coordinates": others}
+        about[RUN] = {**layout.depends_on, "run": run}
         try:
-            group = zarr.create_group(str(part), zarr_format=3, attributes=told)
+            group = zarr.create_group(str(part), zarr_format=3, attributes=about)
             for name, (dims, values, attributes) in layout.coordinates.items():
                 array = group.create_array(
-                    name,
-                    data=np.asarray(values),
-                    dimension_names=dims,
-                    attributes=dict(attributes),
+                    name, data=np.asarray(values), dimension_names=dims, attributes=dict(attributes)
                 )
             for name, (kind, attributes) in layout.quantities.items():
                 array = group.create_array(
@@ -132,9 +111,12 @@ class Store:
                     shape=layout.shape,
                     chunks=layout.chunk,
                     dtype=kind,
-                    fill_value=np.nan if kind.kind == "f" else NOT_DONE,
+                    fill_value=_unfilled(kind),
                     dimension_names=tuple(layout.sizes),
-                    attributes=_plain(attributes),
+                    attributes={
+                        key: value.tolist() if isinstance(value, np.ndarray) else value
+                        for key, value in attributes.items()
+                    },
                 )
                 assert array.chunks == layout.chunk
             with warnings.catch_warnings():
@@ -149,27 +131,18 @@ class Store:
 
     @classmethod
     def resume(cls, path: Path, layout: Layout) -> Store:
-        """The store at a path, for a run that goes on; what was left half written is removed.
+        """Open the store of an earlier run to go on with; remove what was left half written.
 
-        Parameters
-        ----------
-        path : Path
-            Of its folder.
-        layout : Layout
-            What it ought to hold.
-
-        Raises
-        ------
-        InputError
-            Where it is no store of propmap's, or results would differ from those it has.
+        Raises ``InputError`` where the folder is no store of propmap's, or results would differ
+        from those it has.
         """
         before = begun(path)
         for name, words in SAME.items():
             if before.get(name) != layout.depends_on.get(name):
                 was = before.get(name, "")
-                told = f" ({was})" if was and len(was) <= len("0.10.2") else ""
+                version = f" ({was})" if was and len(was) <= len("0.10.2") else ""
                 raise InputError(
-                    f"it was begun with another {words}{told}",
+                    f"it was begun with another {words}{version}",
                     "choose another name, or pass --force to begin anew",
                     str(path),
                 )
@@ -186,19 +159,9 @@ class Store:
             return False
 
     def write(self, place: Place, values: Mapping[str, NDArray[Any]]) -> None:
-        """File the values of a part, by quantity.
+        """File the ``values`` by quantity of the part at a ``place``, in the order of the layout.
 
-        Parameters
-        ----------
-        place : tuple of int
-            Of the part.
-        values : mapping of str to ndarray
-            Of the part's shape, all quantities, in the order of the layout.
-
-        Raises
-        ------
-        OSError
-            Such as that of a full disk; it names the store.
+        An ``OSError``, such as that of a full disk, names the store.
         """
         group = _zarr().open_group(str(self.path), mode="r+")
         for name, part in values.items():
@@ -214,13 +177,7 @@ class Store:
                 raise OSError(error.errno, reason, str(self.path)) from None
 
     def done(self, layout: Layout) -> NDArray[np.bool_]:
-        """Which parts are filed, by place.
-
-        Parameters
-        ----------
-        layout : Layout
-            Of the store.
-        """
+        """Which parts of the ``layout`` are filed, by place."""
         found = np.zeros(parts_along(layout.shape, layout.chunk), bool)
         top = self.path / list(layout.quantities)[-1] / "c"
         for folder, _, files in os.walk(top):
@@ -231,26 +188,59 @@ class Store:
         return found
 
 
+class InMemory:
+    """A store for results that fit in memory, in the place of a ``Store``."""
+
+    here = False  # workers send their results
+
+    def __init__(self, layout: Layout) -> None:
+        self.layout = layout
+        self.values: dict[str, NDArray[Any]] = {
+            name: np.full(layout.shape, _unfilled(kind), kind)
+            for name, (kind, _) in layout.quantities.items()
+        }
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Workers need nothing of it."""
+        return {}
+
+    def write(self, place: Place, values: Mapping[str, NDArray[Any]]) -> None:
+        """Keep the ``values`` by quantity of the part at a ``place``."""
+        for name, part in values.items():
+            cut = tuple(
+                slice(k * n, k * n + m)
+                for k, n, m in zip(place, self.layout.chunk, part.shape, strict=True)
+            )
+            self.values[name][cut] = part
+
+    def done(self, layout: Layout) -> NDArray[np.bool_]:
+        """No part of the ``layout`` is filed yet."""
+        return np.zeros(parts_along(layout.shape, layout.chunk), bool)
+
+    def dataset(self) -> xarray.Dataset:
+        """All results as an xarray dataset."""
+        return self.layout.dataset(self.values)
+
+
+Filed: TypeAlias = Store | InMemory
+
+
 def begun(path: Path) -> dict[str, str]:
     """What the results of the store at ``path`` depend on, as ``Layout.depends_on``, and its run.
 
     Raises ``InputError`` where no store of propmap's is there.
     """
     try:
-        told = json.loads((path / "zarr.json").read_text(encoding="utf-8"))
-        return dict(told["attributes"][RUN])
+        found = json.loads((path / "zarr.json").read_text(encoding="utf-8"))
+        return dict(found["attributes"][RUN])
     except (OSError, ValueError, KeyError, TypeError):
         raise InputError(
             "this is no store of propmap's", "choose another name", str(path)
         ) from None
 
 
-def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Attributes as JSON has them."""
-    return {
-        key: value.tolist() if isinstance(value, np.ndarray) else value
-        for key, value in attributes.items()
-    }
+def _unfilled(kind: np.dtype[Any]) -> float:
+    return np.nan if kind.kind == "f" else NOT_DONE
 
 
 def _zarr() -> Any:

@@ -72,7 +72,7 @@ def connected(address: str) -> Iterator[DaskWorkers]:
 
 
 def _number(address: str, text: str | None) -> int:
-    """How many workers ``local:text`` asks for."""
+    """Number of workers that ``local:text`` asks for."""
     if text is None:
         return os.cpu_count() or 1
     if not text.isdecimal() or not 1 <= int(text) <= MOST_LOCAL:
@@ -113,7 +113,7 @@ def _local(count: int) -> Iterator[DaskWorkers]:
             dashboard_address="127.0.0.1:0",
             local_directory=folder,
             silence_logs=logging.CRITICAL,
-            preload=["propmap.cluster.workers"],
+            preload=["propmap.cluster"],
         ) as cluster,
         Client(cluster, timeout=START_WITHIN) as client,
     ):
@@ -190,10 +190,7 @@ class DaskWorkers:
             return 0
 
     def results(
-        self,
-        work: Callable[[Common, Task], Result],
-        common: Common,
-        tasks: Iterable[Task],
+        self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
         """``work`` of ``common`` and each of the ``tasks``, as ``Workers.results``.
 
@@ -235,7 +232,7 @@ class DaskWorkers:
                 self.client.cancel(list(under_way))
 
     def _next(self, done: Queue[Future]) -> Future:
-        """The next task that is done; ``InputError`` where there is nobody to do any."""
+        """Wait for the next task that is done; ``InputError`` where there is nobody to do any."""
         alone_since = None
         while True:
             try:
@@ -255,7 +252,7 @@ class DaskWorkers:
 
 
 def _run(work: Callable[[Any, Any], Any], common: bytes, task: Any) -> Any:
-    """``work(common, task)`` at a worker, on one core; what tasks share is kept there."""
+    """Do ``work(common, task)`` at a worker, on one core; what tasks share is kept there."""
     with on_cores(1):
         return work(_shared(common), task)
 
@@ -301,13 +298,7 @@ SAME = ("propmap", "numpy", "python", "distributed")
 
 
 def check_versions(client: Client) -> None:
-    """Raise ``InputError`` for no workers and for versions that differ.
-
-    Parameters
-    ----------
-    client : distributed.Client
-        Connected to the scheduler.
-    """
+    """Raise ``InputError`` for no workers and for versions unlike the ``client``'s."""
     found: Any = client.get_versions(packages=list(SAME))
     if not found["workers"]:
         raise InputError(
@@ -320,18 +311,15 @@ def check_versions(client: Client) -> None:
 
 
 def differences(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """What differs from the client's versions, and the remedy.
+    """Yield each difference from the client's versions and its remedy.
 
-    Parameters
-    ----------
-    found : mapping
-        As ``Client.get_versions`` gives it.
+    ``found`` is what ``Client.get_versions`` gives.
     """
     own = _versions(found["client"])
     others = {"the scheduler": found["scheduler"]}
-    others |= {f"worker {address}": told for address, told in found["workers"].items()}
-    for who, told in others.items():
-        theirs = _versions(told)
+    others |= {f"worker {address}": one for address, one in found["workers"].items()}
+    for who, one in others.items():
+        theirs = _versions(one)
         for package in SAME:
             if theirs.get(package) is None:
                 remedy = f"install propmap {own['propmap']} with its extra cluster there"
@@ -343,9 +331,9 @@ def differences(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
                 )
 
 
-def _versions(told: Any) -> dict[str, str | None]:
-    if not isinstance(told, Mapping):
+def _versions(found: Any) -> dict[str, str | None]:
+    if not isinstance(found, Mapping):
         return {}  # of a worker that did not answer
     # "3.12.3.final.0": what is sent depends on the first two numbers.
-    python = ".".join(str(told["host"]["python"]).split(".")[:2])
-    return {**told["packages"], "python": python}
+    python = ".".join(str(found["host"]["python"]).split(".")[:2])
+    return {**found["packages"], "python": python}

@@ -1,1 +1,0 @@
-"""Tasks on a Dask cluster; needs the extra ``cluster``."""
