@@ -35,8 +35,7 @@ def invented() -> LoadTable:
 
 def without_figures(patch: pytest.MonkeyPatch) -> None:
     """Pages on tables are written without drawing, for tests of their words."""
-    for name in ("cell", "curve", "map", "hover"):
-        patch.setattr(f"propmap.report.table_page.{name}_figure", lambda _: None)
+    patch.setattr("propmap.report.html.FigureRecord.figure", lambda _: None)
     patch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")
 
 
