@@ -24,9 +24,9 @@ import numpy as np
 import propmap
 from benchmarks.c_header import c_nanoseconds
 from benchmarks.results_file import RESULTS, machine, write_results
-from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import measurement
 from propmap.export import export_table
+from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.rotor import Rotor

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import propmap
-from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import Measurement, measurement, propeller
 from propmap.cli.output import grid, json_text, show, write_text
 from propmap.fit.least_squares import errors, rms
+from propmap.hover import HoverModel
 from propmap.io.csv import csv_text
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set

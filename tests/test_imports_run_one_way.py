@@ -23,7 +23,7 @@ LEFT_TO_RIGHT = (
     "jax",
     "sweep",
     "dynamic_inflow",
-    "baselines",
+    "hover",
     "io",
     "catalogue",
     "vehicle",

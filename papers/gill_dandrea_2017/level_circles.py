@@ -23,12 +23,12 @@ from papers.gill_dandrea_2017.paper import (
     TETHER,
     blade,
 )
-from propmap.baselines.hover import HoverModel
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import ForceModel, body_force, hover_loads, level_rows
 from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import first_guess
 from propmap.flight.simulate import trim, true_values
+from propmap.hover import HoverModel
 from propmap.model.airfoil import PAPER_FOUR, Airfoil, parameter_set
 from propmap.model.model import Model
 from propmap.report.html import (

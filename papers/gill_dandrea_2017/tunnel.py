@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from papers.gill_dandrea_2017.paper import TUNNEL_ERROR, TUNNEL_PROPELLER, blade
-from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import Measurement, measurement
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.least_squares import errors as errors_of
 from propmap.fit.least_squares import rms
 from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
+from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.model.airfoil import PAPER_FOUR, Airfoil, parameter_set
 from propmap.model.corrections import MODELS

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy  # noqa: F401 - all that follows needs it, and no first call is to wait for it
 
 if TYPE_CHECKING:
-    from propmap.baselines.hover import HoverModel
     from propmap.catalogue.lookup import airfoil, known_model, propeller
     from propmap.dynamic_inflow import DynamicInflow
     from propmap.errors import InputError
+    from propmap.hover import HoverModel
     from propmap.model.airfoil import (
         Airfoil,
         SectionCovariance,
@@ -63,7 +63,7 @@ _PLACES = {
     "Air": "model.model",
     "Airfoil": "model.airfoil",
     "DynamicInflow": "dynamic_inflow",
-    "HoverModel": "baselines.hover",
+    "HoverModel": "hover",
     "InputError": "errors",
     "Loads": "results",
     "Model": "model.model",

@@ -108,7 +108,7 @@ def test_a_learned_residual_is_told_apart_by_check(
     table["fit"]["settings"]["learned_residual"] = learned.table()
     (tmp_path / "with.toml").write_text(tomli_w.dumps(table))
     told = run("check", "with.toml", log, *logged)
-    assert told.code == 0 and "a learned residual, apart from the physics" in told.err
+    assert told.code == 0 and "a learned residual beside the physics" in told.err
     found, plain = json.loads(told.out), json.loads(without.out)
     added = found.pop("with_learned_residual")
     assert found == plain and "learned residual" not in without.err

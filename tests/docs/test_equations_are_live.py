@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from propmap import hover
 
 import propmap as pm
 from papers.gill_dandrea_2017 import rotor_drag
 from propmap import reference
-from propmap.baselines import hover
 from propmap.fit import comparison, fit, flight
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.vehicle import wakes
@@ -201,7 +201,7 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.reference": plain_reference,
     "propmap.model": loads,
     "propmap.rotor": inflow,
-    "propmap.baselines.hover": hover_model,
+    "propmap.hover": hover_model,
     "papers.gill_dandrea_2017.fin_analogy": fin,
     "propmap.vehicle": flights,
     "propmap.vehicle.wakes": all_flights,

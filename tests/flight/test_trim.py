@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import Choice
 from propmap.flight.simulate import PAPER_RADIUS, trim, true_values
+from propmap.hover import HoverModel
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Body, Vehicle, Wing

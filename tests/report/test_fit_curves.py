@@ -11,9 +11,9 @@ import pytest
 from matplotlib.figure import Figure
 
 import propmap
-from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData
+from propmap.hover import HoverModel
 from propmap.report.fit_curves import level_flight, steady_parts, tunnel_fit
 from propmap.report.html import COLOURS, HOVER, save
 from propmap.units import GRAVITY

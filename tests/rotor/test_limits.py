@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap.baselines.hover import HoverModel
+from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.rotor import Rotor
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.errors import InputError
+from propmap.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.model.plausibility import FAST_TIP_MACH
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor

@@ -121,7 +121,7 @@ def _compare(
     with_it = np.concatenate([forces.model[:, :3] + added.force, forces.model[:, 3:]], axis=1)
     faded, off = (100.0 * float(np.mean(added.status == word)) for word in ("faded", "off"))
     out.note(
-        "the fit has a learned residual, apart from the physics; outside the flights that it "
+        "the fit has a learned residual beside the physics; outside the flights that it "
         f"was trained on it fades at {faded:.1f} % of the samples and is off at {off:.1f} %"
     )
     return errors, compare_forces(flown, log, replace(forces, model=with_it))

@@ -354,7 +354,7 @@ def fit_flight(
         bool,
         Option(
             "--residual",
-            help="Learn a small correction of what the physics leaves unexplained, kept apart.",
+            help="Learn a small correction of what the physics leaves unexplained.",
         ),
     ] = False,
     body_study: Annotated[

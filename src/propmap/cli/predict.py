@@ -65,7 +65,7 @@ def predict(
         out.emit_rows([*where.columns, *spread], rows, chosen, output, whole=whole)
         return
 
-    from propmap.baselines.hover import HoverModel
+    from propmap.hover import HoverModel
     from propmap.report.words import motor_note
 
     hover = HoverModel.of(rotor).loads(omega)

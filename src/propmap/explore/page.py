@@ -10,7 +10,7 @@ import dash
 
 from propmap.catalogue import names
 from propmap.explore.session import KNOWN, PHYSICS, Session
-from propmap.explore.view import Answer, Choice, Control, Graph, Slider, Table, Text, Values, View
+from propmap.explore.view import Answer, Control, Graph, OneOf, Slider, Table, Text, Values, View
 from propmap.model.airfoil import airfoil_names
 
 html: Any = dash.html
@@ -231,7 +231,7 @@ def _setting(control: Control, value: Any) -> Any:
         field = dcc.Input(id=key, type="text", value=value, debounce=True, className="text")
         return html.Div([html.Label(control.label, htmlFor=target), field], className="field")
     options = [{"value": each, "label": text} for each, text in control.options]
-    make = dcc.RadioItems if isinstance(control, Choice) else dcc.Checklist
+    make = dcc.RadioItems if isinstance(control, OneOf) else dcc.Checklist
     return html.Fieldset(
         [
             html.Legend(control.label),

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from propmap.baselines.hover import HoverModel
 from propmap.catalogue import load
 from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.lookup import (
@@ -33,6 +32,7 @@ from propmap.errors import InputError, quoted
 from propmap.fit.files import is_fit, read_fit
 from propmap.fit.parameters import constants_of
 from propmap.fit.tunnel import TunnelData, measured_in_catalogue, measured_loads
+from propmap.hover import HoverModel
 from propmap.io.csv import LOAD_COLUMNS, read_lines
 from propmap.io.geometry import propeller_toml, read_geometry_file
 from propmap.io.uiuc import looks_like_uiuc_loads

@@ -155,7 +155,7 @@ class Text:
 
 
 @dataclass(frozen=True)
-class Choice:
+class OneOf:
     """One of several ``options``, (value, label) each."""
 
     name: str
@@ -194,7 +194,7 @@ class Several:
         return [one for one in known if one in given]
 
 
-Control = Slider | Text | Choice | Several
+Control = Slider | Text | OneOf | Several
 
 
 def values_of(controls: Sequence[Control], given: Mapping[str, Any]) -> tuple[Values, list[str]]:
@@ -214,10 +214,10 @@ def values_of(controls: Sequence[Control], given: Mapping[str, Any]) -> tuple[Va
     return values, remarks
 
 
-def data_choice(session: Session) -> Choice:
+def data_choice(session: Session) -> OneOf:
     """Make the choice of measured loads to compare with."""
     found = tuple((name, name) for name in session.measurements())
-    return Choice("data", "Measured", (("none", "none"), *found), found[0][0] if found else "none")
+    return OneOf("data", "Measured", (("none", "none"), *found), found[0][0] if found else "none")
 
 
 # -------------------------------------------------------------------------------------------------

@@ -158,10 +158,8 @@ def export_vehicle(
         Loads of its rotors.
     target : str
         One of ``VEHICLE_TARGETS``.
-    folder : path
-        Where to; made if need be.
-    replace : bool
-        Whether files that exist are replaced.
+    folder, replace
+        As for ``export_table``.
 
     Returns
     -------

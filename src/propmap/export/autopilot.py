@@ -171,10 +171,8 @@ def export_autopilot(
     ----------
     aircraft, target, speeds
         As for ``autopilot_parameters``.
-    folder : path
-        Where to; made if need be.
-    replace : bool
-        Whether files that exist are replaced.
+    folder, replace
+        As for ``propmap.export.export_table``.
 
     Returns
     -------

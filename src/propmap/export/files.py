@@ -241,7 +241,6 @@ def wakes_sentence(vehicle: Vehicle) -> str:
 # -------------------------------------------------------------------------------------------------
 # Points of a table's envelope, and what a simpler model's errors at them are.
 
-POINTS = 32_768
 
 CLIMB = (-0.05, 0.2)
 LARGEST_MU = 0.25
@@ -287,7 +286,7 @@ def sample(table: LoadTable) -> Samples:
     Raise ``InputError`` for a table without hover, which has no static loads, and for one without
     points for simple models.
     """
-    omega, speed, beta = evenly(table, POINTS)
+    omega, speed, beta = evenly(table)
     found = table.loads(omega, speed, beta)
     loads = {name: getattr(found, name) for name in LOADS}
     valid = np.isfinite(list(loads.values())).all(axis=0)
@@ -348,7 +347,7 @@ def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[ErrorSizes, E
     return sizes(SIMPLE, share[samples.simple]), sizes("the table's whole envelope", share)
 
 
-def evenly(table: LoadTable, count: int) -> tuple[Floats, Floats, Floats]:
+def evenly(table: LoadTable, count: int = 32_768) -> tuple[Floats, Floats, Floats]:
     """Return omega, speed and beta of points that fill a table's envelope evenly, (count,) each."""
     # The additive recurrence of the root of x^4 = x + 1; SciPy has better sequences, but a table's
     # user need not have SciPy.

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.baselines.hover import HoverModel
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError, drag_factor_accepted
 from propmap.fit.files import DataSource, FitFile
@@ -58,6 +57,7 @@ from propmap.fit.parameters import (
 )
 from propmap.fit.tunnel import TunnelData, model_with, rotor_with
 from propmap.fit.uncertainty import uncertainty
+from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model, Section

@@ -15,7 +15,6 @@ import msgspec
 import numpy as np
 
 import propmap
-from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError, drag_factor_accepted
 from propmap.fit.fit import Coverage, Fitted
 from propmap.fit.learned_residual import LearnedResidual
@@ -32,6 +31,7 @@ from propmap.fit.parameters import (
     general,
 )
 from propmap.fit.tunnel import model_with, section_with
+from propmap.hover import HoverModel
 from propmap.io.sections import looks_like_section_table
 from propmap.model.airfoil import Airfoil, SectionCovariance, fitted_uncertainty, read_airfoil
 from propmap.model.model import Air, Model, Propeller

@@ -338,7 +338,7 @@ def range_warnings(rows: Rows) -> list[str]:
     if high - low < NARROW:
         return [
             f"all data are from one speed, {low:.1f} to {high:.1f} m/s: the parameters can hardly "
-            "be told apart; add data at other speeds"
+            "be separated; add data at other speeds"
         ]
     return []
 

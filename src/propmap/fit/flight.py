@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError, quoted
 from propmap.fit.fit import Coverage, coverage
 from propmap.fit.least_squares import Evaluation, RowModel, Rows
@@ -29,6 +28,7 @@ from propmap.fit.parameters import (
     of_flight,
 )
 from propmap.fit.tunnel import model_with
+from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model

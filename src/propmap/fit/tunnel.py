@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import measurement, measurement_names
 from propmap.errors import InputError, drag_factor_accepted, quoted
 from propmap.fit.least_squares import Evaluation, RowModel, Rows
@@ -27,6 +26,7 @@ from propmap.fit.parameters import (
     constants_of,
     general,
 )
+from propmap.hover import HoverModel
 from propmap.io.csv import LOAD_COLUMNS, read_points
 from propmap.io.uiuc import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
 from propmap.loads import LOADS

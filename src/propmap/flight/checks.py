@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.flight.steady import airborne
+from propmap.hover import HoverModel
 from propmap.model.plausibility import UNIT_ERRORS, Range, unit_errors
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
@@ -44,7 +44,7 @@ def check_rotor_speed(
     """Warn where the thrust that the rotor speeds give in slow flight is not the weight.
 
     The ``rotor`` has a nominal section law.  ``rotor_unit``, "rad/s", "rpm" or "erpm", is what the
-    vehicle file states, and tells apart errors of like size.  Raises ``InputError`` where a rotor
+    vehicle file states, and separates errors of like size.  Raises ``InputError`` where a rotor
     stands still, or where a wrong unit, of the speeds or of the mass, explains the difference.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
@@ -125,7 +125,7 @@ def _speed_error(ratio: float, unit: str | None) -> tuple[str, str]:
         cause, remedy = "they look like rpm read as rad/s", 'write rotor_unit = "rpm"'
         if unit == "rad/s":
             return cause, remedy
-        # Not knowing what is stated, 9 or 10 pole pairs cannot be told from 60 / (2 pi).
+        # Not knowing what is stated, 9 or 10 pole pairs look like 60 / (2 pi).
         return f"{cause}, or like electrical rpm", f'{remedy}, or "erpm" and pole_pairs,'
     if unit != "rad/s" and ratio / RPM in NEAR_UNIT:
         return "they look like rad/s read as rpm", 'write rotor_unit = "rad/s"'
@@ -214,5 +214,5 @@ def mixed_vehicles(logs: Sequence[FlightLog], vehicle: Vehicle) -> list[str]:
         return []
     return [
         f"in slow flight {high} has {ratio:.2f} times the force per mass and squared rotor speed "
-        f"of {low}: they are not of one vehicle, mass or propeller; fit them apart"
+        f"of {low}: they are not of one vehicle, mass or propeller; fit them one by one"
     ]

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.aircraft.trim import solve
-from propmap.baselines.hover import REFERENCE_TIP_SPEED
 from propmap.errors import InputError
 from propmap.fit.flight import ForceModel, level_rows, wing_values
 from propmap.fit.least_squares import NOISE_FLOOR, Minimum
 from propmap.fit.parameters import EVERY, FIRST_GUESS, MOUNT, SECTION, Choice, constants_of
 from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty
+from propmap.hover import REFERENCE_TIP_SPEED
 from propmap.model.airfoil import PAPER_FOUR, Airfoil
 from propmap.model.corrections import MountDrag
 from propmap.model.model import Model

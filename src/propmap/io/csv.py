@@ -59,7 +59,7 @@ def read_csv_table(
 
     ``columns`` hold numbers, in upper or lower case. With ``comments``, lines that begin with # are
     such. ``InputError`` where quotes do not close, a row has more fields than the header, or points
-    and commas in numbers cannot be told apart.
+    and commas in numbers look alike.
     """
     body, remarks = [], []
     for text in lines:

@@ -19,7 +19,7 @@ from propmap.io.csv import read_lines
 # what to write.  msgspec converts; its errors are put in propmap's words here.
 
 
-class Table(msgspec.Struct, forbid_unknown_fields=True):
+class TomlTable(msgspec.Struct, forbid_unknown_fields=True):
     """A table of a TOML file; ``Annotated`` texts say what to write for a key."""
 
 
@@ -132,7 +132,7 @@ def example(hint: Any) -> str:
 Place = Annotated[list[float], "[...], write a number for each station"]
 
 
-class PropellerFile(Table):
+class PropellerFile(TomlTable):
     """What a file in the catalogue's format says of a propeller, see ``read_propeller_toml``."""
 
     name: Annotated[Text, '"..."']

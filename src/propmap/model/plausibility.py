@@ -382,8 +382,8 @@ ENERGY_MARGIN = 1.15
 WEAK = 0.25  # share of the slow thrust below which rows do not say how far a propeller pulls
 DRAG_SHARE = 0.02  # drag over thrust that no axial flow has
 AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5
-"""Of the thrust at rest, the most that is left at 0.7 of the pitch speed along the axis, and the
-least at this speed across it; measured at most 0.52, and more than 1."""
+"""Shares of the thrust at rest: the most that is left at 0.7 of the pitch speed along the axis, and
+the least at this speed across it; measured at most 0.52, and more than 1."""
 
 
 def load_warnings(

@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.files import FitFile, FitRecord
 from propmap.fit.fit import CoveredAngle
@@ -17,6 +16,7 @@ from propmap.fit.flight import body_force, hover_loads, wing_values
 from propmap.fit.least_squares import rms
 from propmap.fit.parameters import EVERY, ROTOR
 from propmap.fit.tunnel import TunnelData
+from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.report.html import (

@@ -268,7 +268,7 @@ def write_folder(
 # One look for every figure, the pieces that many share, and how a figure is written.
 
 # Okabe and Ito's palette without its yellow, which does not print; readers with any colour vision
-# tell them apart. A marker goes with each, for print without colour.
+# distinguish them. A marker goes with each, for print without colour.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 

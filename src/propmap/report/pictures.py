@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
+from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.report.html import (
     BAND,
@@ -32,7 +32,7 @@ from propmap.report.html import (
     style,
 )
 from propmap.typing import Floats
-from propmap.units import RPM
+from propmap.units import MM, RPM
 
 if TYPE_CHECKING:
     from propmap.aircraft.mission import Flown, Mission
@@ -132,7 +132,6 @@ def load_curves(
 STALL: dict[str, Any] = {"color": COLOURS[1], "linewidth": 1.6, "linestyle": "solid"}
 REVERSE: dict[str, Any] = {"color": "white", "linewidth": 1.6, "linestyle": "dashed"}
 ARROW: dict[str, Any] = {"arrowstyle": "-|>", "color": "0.2", "mutation_scale": 12.0}
-MM = 1e3
 
 
 @style()

@@ -43,7 +43,6 @@ if TYPE_CHECKING:
 NAMES = np.array(STATUSES)
 SPEEDS, ANGLES = 121, 91  # of curves and maps
 CURVES = (0.0, 45.0, 90.0, 135.0, 180.0)  # [deg], where the envelope has them
-POINTS = 32_768  # of the envelope, on which shares are counted
 FLOWS = (
     ("climb and fast cruise", 0.0, 60.0),
     ("level flight", 60.0, 100.0),
@@ -65,7 +64,7 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
         load.name: 0.0 if load.inplane else float(getattr(rest, load.name))
         for load in LOADS.values()
     }
-    points = evenly(table, POINTS)
+    points = evenly(table)
     everywhere = table.loads(*points)
     lines = load_lines(table, omega, still)
     records = [table_cells(table), lines, load_maps(table, omega)]

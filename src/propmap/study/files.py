@@ -14,7 +14,7 @@ from msgspec import Meta
 from msgspec.structs import asdict
 
 from propmap.errors import InputError, quoted
-from propmap.io.toml import Number, Table, Text, checked, read_toml
+from propmap.io.toml import Number, Text, TomlTable, checked, read_toml
 from propmap.rotor import Rotor
 from propmap.study.run import OPERATION, Study
 from propmap.sweep.points import TEXTS
@@ -39,7 +39,7 @@ KEYS = {
 Values = Annotated[Number | list[Number], "a number, or [...]"]
 
 
-class _Points(Table):
+class _Points(TomlTable):
     rpm: Values | None = None
     speed_mps: Values | None = None
     beta_deg: Values | None = None
@@ -55,12 +55,12 @@ class _Vary(_Points):
     blades: Values | None = None
 
 
-class _Propeller(Table):
+class _StudyPropeller(TomlTable):
     name: Annotated[Text, '"apc-8x6e"']
     airfoil: Annotated[str, '"paper-apc"'] = ""
 
 
-class _Sampling(Table):
+class _Sampling(TomlTable):
     method: Literal["latin-hypercube", "full-factorial"]
     designs: Annotated[int, Meta(ge=0), "200"] | None = None
     seed: Annotated[int, Meta(ge=0), "1"] = 1
@@ -73,7 +73,7 @@ class _Sampling(Table):
             raise InputError(found, "remove it, or write more values")
 
 
-class _Picture(Table):
+class _Picture(TomlTable):
     quantity: Annotated[str, '"power"'] | None = None
     x: Annotated[str, '"diameter"'] | None = None
     y: Annotated[str, '"diameter"'] | None = None
@@ -82,8 +82,8 @@ class _Picture(Table):
     beta_deg: Annotated[Number, "the value at which to cut"] | None = None
 
 
-class _File(Table):
-    propeller: _Propeller
+class _StudyFile(TomlTable):
+    propeller: _StudyPropeller
     sampling: _Sampling
     title: Annotated[str, '"..."'] | None = None
     vary: dict[str, Any] = msgspec.field(default_factory=dict)  # a ``_Vary``, but the order counts
@@ -132,7 +132,7 @@ class StudyFile:
 def read_study(path: Path) -> StudyFile:
     """Read the file at ``path``; ``InputError`` names what is wrong in it."""
     where = str(path)
-    file = read_toml(path, _File, SCHEMA, "study")
+    file = read_toml(path, _StudyFile, SCHEMA, "study")
     given = asdict(checked(file.vary, _Vary, f"{where}: [vary]"))
     varied: dict[str, Floats] = {}
     for key in file.vary:

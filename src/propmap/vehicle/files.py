@@ -16,7 +16,7 @@ from msgspec.structs import asdict
 from propmap import catalogue
 from propmap.catalogue.lookup import looks_like_path, propeller
 from propmap.errors import InputError, located, quoted
-from propmap.io.toml import Number, Table, Text, Vector, example, read_toml
+from propmap.io.toml import Number, Text, TomlTable, Vector, example, read_toml
 from propmap.model.corrections import MountDrag
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Propeller
 from propmap.units import RPM
@@ -41,7 +41,7 @@ Topic = Annotated[Text, '"/the/name/of/a/topic"']
 Geometry = Annotated[Text, '"apc-8x6e", a name of `propmap props` or a geometry file beside this']
 
 
-class _Rotor(Table):
+class _Rotor(TomlTable):
     position: Annotated[
         tuple[AtRotor, AtRotor, AtRotor], "[x, y, z], in m, not mm, from the centre of mass"
     ]
@@ -49,26 +49,26 @@ class _Rotor(Table):
     axis: Annotated[Vector, "a unit vector along the thrust"] | None = None
 
 
-class _Propeller(Table):
+class _VehiclePropeller(TomlTable):
     geometry: Geometry
     blades: Annotated[int, "2"] | None = None
     radius: Annotated[Number, "a length in m"] | None = None
     root_cutout: Annotated[Number, "a length in m"] | None = None
 
 
-class _Air(Table):
+class _Air(TomlTable):
     density: Annotated[Number, "the density in kg/m^3"] = PAPER_DENSITY
     viscosity: Annotated[Number, "the viscosity in Pa s"] = PAPER_VISCOSITY
 
 
-class _Mount(Table):
+class _Mount(TomlTable):
     area: Annotated[
         Number | tuple[Number, ...], "an area in m^2, or a list with one for each rotor"
     ]
     wake: Annotated[Number, "a share of the inflow, 1 at the disk"] = MountDrag.wake
 
 
-class _Body(Table):
+class _Body(TomlTable):
     drag_area: Annotated[
         tuple[Area, Area, Area], "[front, side, top], areas of 0 or more in m^2"
     ] = Body.drag_area
@@ -79,7 +79,7 @@ class _Body(Table):
     )
 
 
-class _Wing(Table):
+class _Wing(TomlTable):
     area: Annotated[float, Meta(gt=0.0, le=1e6), "the wing's area in m^2, or remove [wing]"]
     incidence: Annotated[Number, "an angle in rad"] = Wing.incidence
     c_l1: Annotated[Number, "a slope in 1/rad"] = Wing.c_l1
@@ -93,7 +93,7 @@ class _Wing(Table):
             raise InputError(found, "give that from tip to tip, in m, longer than the chord")
 
 
-class _Motor(Table):
+class _Motor(TomlTable):
     kv_rpm_per_volt: Annotated[Number, "920, revolutions per minute and volt"]
     resistance: Annotated[float, Meta(le=10.0), "0.1, ohms of the winding, not milliohms"]
     no_load_current: Annotated[OneOrMore, "0.6, amperes"]
@@ -103,7 +103,7 @@ class _Motor(Table):
     winding_temperature: Annotated[Number, "80, degrees C"] = COLD
 
 
-class _Esc(Table):
+class _Esc(TomlTable):
     resistance: Annotated[float, Meta(le=1.0), "0.01, ohms, not milliohms"] | None = None
     efficiency: Annotated[Number, "0.95, a share"] | None = None
 
@@ -113,7 +113,7 @@ class _Esc(Table):
             raise InputError(f"{len(given)} keys in [esc]", "give resistance or efficiency")
 
 
-class _Battery(Table):
+class _Battery(TomlTable):
     cells: Annotated[int, "4, those in series"]
     capacity_mAh: Annotated[Number, "5000"]  # noqa: N815
     resistance: Annotated[float, Meta(le=2.0), "0.02, ohms of the pack, not milliohms"] = 0.0
@@ -129,20 +129,20 @@ class _Battery(Table):
             )
 
 
-class _Wakes(Table):
+class _Wakes(TomlTable):
     ahead: Gain = Wakes.ahead
     beside: Gain = Wakes.beside
     downwash: Gain = Wakes.downwash
     share: Annotated[float, Meta(ge=0.0, le=2.0), "a share from 0 to 2"] = Wakes.share
 
 
-class _Sensor(Table):
+class _Sensor(TomlTable):
     position: Annotated[
         tuple[AtSensor, AtSensor, AtSensor], "[x, y, z], give it in m from the centre of mass"
     ] = (0.0, 0.0, 0.0)
 
 
-class _Columns(Table):
+class _Columns(TomlTable):
     time: Column = ""
     velocity: Names | None = None
     rates: Names | None = None
@@ -157,7 +157,7 @@ class _Columns(Table):
     rotor_speed: Annotated[tuple[Text, ...], '["rotor_1", ...], the names of the columns'] = ()
 
 
-class _Topics(Table):
+class _Topics(TomlTable):
     odometry: Topic = ""
     pose: Topic = ""
     velocity: Topic = ""
@@ -165,7 +165,7 @@ class _Topics(Table):
     rotor_speed: Topic = ""
 
 
-class _Log(Table):
+class _Log(TomlTable):
     body_frame: Literal["flu", "frd"] | None = None
     world_frame: Literal["enu", "ned"] | None = None
     velocity_in: Literal["body", "world"] | None = None
@@ -177,11 +177,11 @@ class _Log(Table):
     topics: _Topics = msgspec.field(default_factory=_Topics)
 
 
-class _File(Table):
+class _VehicleFile(TomlTable):
     name: Annotated[Text, '"what the vehicle is called"']
     frame: Literal["flu", "frd"]
     mass: Annotated[Number, "the take-off mass in kg, battery included"]
-    propeller: Geometry | _Propeller
+    propeller: Geometry | _VehiclePropeller
     rotors: tuple[_Rotor, ...] = ()
     inertia: Annotated[Vector, "[about x, about y, about z], in kg m^2"] | None = None
     rotor_inertia: Annotated[Number, "that of one rotor in kg m^2"] = 0.0
@@ -246,7 +246,7 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
         Naming the file, the table and the key.
     """
     where = os.fspath(path)
-    file = read_toml(path, _File, SCHEMA, "vehicle description")
+    file = read_toml(path, _VehicleFile, SCHEMA, "vehicle description")
     flip = file.frame == "frd"
     blade = _propeller(file.propeller, where)
     with located(f"{where}: [air]"):
@@ -290,8 +290,8 @@ def _several(given: float | tuple[float, ...]) -> tuple[float, ...]:
     return given if isinstance(given, tuple) else (given,)
 
 
-def _propeller(given: str | _Propeller, where: str) -> Propeller:
-    given = _Propeller(given) if isinstance(given, str) else given
+def _propeller(given: str | _VehiclePropeller, where: str) -> Propeller:
+    given = _VehiclePropeller(given) if isinstance(given, str) else given
     known = given.geometry.strip().lower() in catalogue.names()
     # Relative to the vehicle file alone: what lies in the current folder plays no part.
     beside = Path(where).parent / given.geometry
@@ -312,7 +312,7 @@ def _mount_drags(mount: _Mount | None, rotors: int, where: str) -> Sequence[Moun
         return [MountDrag(area, mount.wake) for area in areas]
 
 
-def _powertrain(file: _File, where: str) -> Powertrain:
+def _powertrain(file: _VehicleFile, where: str) -> Powertrain:
     motor = controller = battery = None
     if (given := file.motor) is not None:
         with located(f"{where}: [motor]"):

@@ -266,7 +266,7 @@ TIME_OF_DAY = 6  # digits at the end of a stamp such as 20210218171908
 
 
 def flight_names(sources: Sequence[str]) -> tuple[str, ...]:
-    """Shorten paths of logs to the ends that tell them apart; number them where nothing does."""
+    """Shorten paths of logs to the ends that differ; number them where nothing does."""
     parts = [_words(PurePath(source).stem) for source in sources]
     for count in range(1, max(map(len, parts), default=1) + 1):
         names = tuple("-".join(words[-count:]) for words in parts)

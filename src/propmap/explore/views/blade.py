@@ -15,12 +15,11 @@ from propmap.io.csv import OperatingPoints, loads_csv
 from propmap.io.geometry import propeller_toml
 from propmap.model.model import Model, Propeller
 from propmap.report.html import COLOURS
-from propmap.units import RPM
+from propmap.units import MM, RPM
 
 PLACES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)  # y/R of the points that can be dragged
 FILE, LOADS_FILE = "blade.toml", "blade-loads.csv"
 FASTEST, ALONG = 20.0, 21  # [m/s] and points of the curves
-MM = 1e3
 BEFORE, AFTER = ("as it was", view.GREY, "dash"), ("as it is", COLOURS[0])
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Recipe, Session, check_law, check_name, rotor_of
-from propmap.explore.view import LABELS, Answer, Choice, Control, Download, Graph, Table, Values
+from propmap.explore.view import LABELS, Answer, Control, Download, Graph, OneOf, Table, Values
 from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints, csv_text
 from propmap.report.html import COLOURS
 from propmap.units import RPM
@@ -61,7 +61,7 @@ class CompareView(view.View):
             *items,
             *view.point_controls(session),
             view.Slider("fastest", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
-            Choice("equal", "At equal", equal, "rpm"),
+            OneOf("equal", "At equal", equal, "rpm"),
         ]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:

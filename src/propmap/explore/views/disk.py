@@ -11,16 +11,16 @@ from contourpy import contour_generator
 from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Recipe, Session, rotor_of
-from propmap.explore.view import Answer, Choice, Control, Download, Graph, Slider, Values
+from propmap.explore.view import Answer, Control, Download, Graph, OneOf, Slider, Values
 from propmap.io.csv import disk_csv
 from propmap.report.html import COLOURS
 from propmap.report.pictures import share_of_disk
 from propmap.results import Inflow
 from propmap.typing import Floats
+from propmap.units import MM
 
 STATIONS, AZIMUTHS = 40, 73  # of the field that is drawn
 PIXELS = 161  # along each side of the picture of the disk
-MM = 1e3
 ALPHA = "\u03b1"
 FIELDS = {
     "alpha": (f"angle of attack {ALPHA} [deg]", "Viridis"),
@@ -49,7 +49,7 @@ class DiskView(view.View):
         options = tuple((key, title.partition(" [")[0]) for key, (title, _) in FIELDS.items())
         return [
             *view.point_controls(session),
-            Choice("field", "Over the disk", options, "alpha"),
+            OneOf("field", "Over the disk", options, "alpha"),
             Slider("psi", "Along the blade at ψ", "deg", 0.0, 360.0, 5.0, 90.0),
         ]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from propmap.errors import InputError, quoted
 from propmap.explore import view
 from propmap.explore.session import Recipe, Session, axis, fastest, hover_model, number, rotor_of
-from propmap.explore.view import Answer, Choice, Control, Download, Graph, Several, Text, Values
+from propmap.explore.view import Answer, Control, Download, Graph, OneOf, Several, Text, Values
 from propmap.fit.tunnel import TunnelData
 from propmap.io.csv import OperatingPoints, loads_csv, std_columns
 from propmap.report.html import COLOURS
@@ -40,7 +40,7 @@ class LoadsView(view.View):
         against = (("speed", "speed"), ("rpm", "rpm"), ("beta", "angle β"))
         panels = tuple((name, view.LABELS[name]) for name in view.TITLES)
         return [
-            Choice("x", "Against", against, "speed"),
+            OneOf("x", "Against", against, "speed"),
             *view.point_controls(session),
             Text("angles", "Angles β, a curve each [deg]", "0,30,60,90"),
             Text("speeds", "Speeds, a curve each against β [m/s]", "0,5,10,20"),

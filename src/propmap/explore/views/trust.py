@@ -11,7 +11,7 @@ import numpy as np
 from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Session, rotor_of
-from propmap.explore.view import Answer, Choice, Control, Download, Graph, Slider, Table, Values
+from propmap.explore.view import Answer, Control, Download, Graph, OneOf, Slider, Table, Values
 from propmap.loads import LOADS, error_scales
 from propmap.report.html import COLOURS
 from propmap.report.table_page import KINDS, cell_ranks, table_cells
@@ -44,7 +44,7 @@ class TrustView(view.View):
         (low, high), _, _ = table.envelope.values()
         loads = tuple((name, load.label) for name, load in LOADS.items())
         return [
-            Choice("load", "Error of", (("worst", "the worst load"), *loads), "worst"),
+            OneOf("load", "Error of", (("worst", "the worst load"), *loads), "worst"),
             view.data_choice(session),
             Slider(
                 "at", "Limit of speed at", "rpm", round(low / RPM), round(high / RPM), 10.0,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
 REFERENCE_TIP_SPEED = 60.0
-"""[m/s] at which the constants are taken unless told otherwise."""
+"""[m/s] at which the constants are taken by default."""
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,0 @@
-"""Simpler models of a propeller, to compare with."""
