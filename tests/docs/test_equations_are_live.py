@@ -15,11 +15,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from propmap import hover
 
 import propmap as pm
 from papers.gill_dandrea_2017 import rotor_drag
-from propmap import reference
+from propmap import hover, reference
 from propmap.fit import comparison, fit, flight
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.vehicle import wakes
