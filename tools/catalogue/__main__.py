@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.catalogue.expected import Population, as_toml
+from propmap.catalogue.expected import Population, as_toml, parse_populations
 from propmap.catalogue.identified import PARAMETERS, Identified, as_csv, parse_identified
 from propmap.cli.options import workers_of
 from propmap.cli.output import check_output, grid, show, write_text
@@ -68,12 +68,13 @@ def identify_database(loads: Path, output: Path, cluster: str | None) -> None:
         write_text(as_csv([*so_far, *kept]), output)
 
     with workers_of(cluster) as workers:
-        measured = identify_all(every, known, done, workers)
+        # What follows is made from the digits that the files keep, and so a second time the same.
+        measured = parse_identified(as_csv(identify_all(every, known, done, workers)), str(output))
         if len({one.family for one in measured}) < LEAST_FAMILIES:
             write_text(as_csv(measured), output)
             _show(measured, None)
             return
-        populations = populations_of(measured, workers)
+        populations = parse_populations(as_toml(populations_of(measured, workers)))
         others = identify_without_blade(every, measured, populations, known, done, workers)
     write_text(as_csv([*measured, *others]), output)
     write_text(as_toml(populations), output.with_name("population.toml"))

@@ -434,7 +434,7 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
         found[k].height = height.v[k], found[k].slope = height.d[0][k];
         found[k].past = past[k], found[k].below = below[k];
         found[k].near = std::fabs(height.v[k]) < 0.3 * wake[k];
-        found[k].touching = std::fabs(height.v[k]) < 0.02 * wake[k];
+        found[k].touching = std::fabs(height.v[k]) < 0.04 * wake[k];
         found[k].folded = found[k].top && found[k].height > 0.0 && depth[k] < 0.0;
     }
 }

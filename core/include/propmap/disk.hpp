@@ -262,7 +262,8 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             double place = 0.0;
             for (int e = cubic.extremes(t) - 1; e >= 0 && place == 0.0; --e) {
                 const double there = cubic.at(t[e]);
-                if (!crosses && (there < 0.0) == (a.height < 0.0) && std::fabs(there) > 0.7 * nearest) continue;
+                const bool far = gap < 0.02 * tip || !a.near || !b.near;
+                if (!crosses && (there < 0.0) == (a.height < 0.0) && std::fabs(there) > 0.7 * nearest && far) continue;
                 const double least = crosses ? 0.02 : 1e-6 * tip / gap;
                 if (t[e] > least && t[e] < 1.0 - least) place = t[e];
             }
@@ -314,6 +315,9 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
     for (int p = 0; p < disk.panels; ++p)
         disk.count[p] = disk.panels > 3 ? nodes / disk.panels + 2 : p == 0 ? nodes / 4 : 3 * nodes / 8;
     if (disk.panels == 3) disk.count[2] = nodes - disk.count[0] - disk.count[1];
+    // A sliver needs fewer nodes than the rest of the blade inside it.
+    for (int p = 1; p < 3 && disk.panels == 3; ++p)
+        if (disk.edge[p + 1] - disk.edge[p] < 0.04 * (tip - root)) std::swap(disk.count[0], disk.count[p]);
 }
 
 inline void single_panel(Disk& disk, double root, double tip, int nodes) {
