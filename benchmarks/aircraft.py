@@ -47,7 +47,7 @@ TRANSITION = np.arange(0.0, 21.0, 2.0)
 """[m/s] of a tailsitter."""
 
 TABLE_TOLERANCE = 0.05
-"""Of the table that is timed: a query takes as long at any tolerance, a build does not."""
+"""Tolerance of the table that is timed: queries take as long at any tolerance, builds do not."""
 
 SHAFT_SHARE = 0.874
 RADIUS = 0.1016

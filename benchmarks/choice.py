@@ -49,7 +49,7 @@ class Way:
     name: str
     loads: Callable[[Floats, Floats, Floats], Floats]  # from omega, speed, beta (n,) to (4, n)
     one: Callable[[float, float, float], Any]
-    """The same of a single point, called as a simulation would."""
+    """Time of a single point, called as a simulation would."""
 
 
 def fitted_rotor(data: str) -> Rotor:

@@ -114,7 +114,7 @@ CASES = (LEVEL_FOUR, LEVEL_TWO, TUNNEL_FOUR)
 
 
 def case(name: str, what: str) -> tuple[Rows, Choice]:
-    """Of one set of Table I: level flights with the paper's four parameters free or with two, or a
+    """One set of Table I: level flights with the paper's four parameters free or with two, or a
     tunnel test (axial, and at 40 and 80 deg) with the four."""
     vehicle, truth = quadrotor(), parameter_set(name)
     true_values = {n: getattr(truth, n) for n in PAPER_FOUR}

@@ -99,7 +99,7 @@ def motor(found: Fitted, data: TunnelData) -> dict[str, float]:
 
 
 def relative_rms(modelled: Floats, measured: Floats) -> float:
-    """Of the error, over that of what was measured [-]."""
+    """Size of the error, over that of what was measured [-]."""
     return float(np.sqrt(np.mean((modelled - measured) ** 2) / np.mean(measured**2)))
 
 

@@ -33,7 +33,7 @@ NOMINAL_OMEGA, NOMINAL_SHARE = 6000.0 * RPM, 0.75
 """[rad/s], and share of the radius: where the Reynolds number of the section's table is taken."""
 
 ANGLES = 7201
-"""Of the section's table.  CCBlade smooths it by a sum of squares: with so many, by little."""
+"""Points of the section's table: CCBlade smooths it by a sum of squares, with so many by little."""
 
 
 class Grid(NamedTuple):

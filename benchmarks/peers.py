@@ -68,7 +68,7 @@ TILTED_GRIDS = [Grid(*pair) for pair in itertools.product(STATIONS, SECTORS)]
 
 BOUNDS = ("measured", "promised")
 PROMISE = 1e-3
-"""Of the package's setting ``standard``, as a share of the static thrust."""
+"""Error of the package's setting ``standard``, as a share of the static thrust."""
 
 CLIMB = (1.0, 5.0, 10.0)
 """Speeds [m/s] at which CCBlade and the package, solving the same equations, are compared."""
@@ -79,7 +79,7 @@ ENVELOPE: dict[str, Any] = {
     "beta": (0.0, 0.5 * np.pi),
 }
 TOLERANCE = 0.01
-"""Of the table, over the mixed batch's envelope and hover and climb besides."""
+"""Tolerance of the table, over the mixed batch's envelope and hover and climb besides."""
 
 SINGLE = 200
 """Queries of the table that are timed together."""

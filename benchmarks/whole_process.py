@@ -39,7 +39,7 @@ def python_process(
 def whole_process(
     arguments: Sequence[str], repeats: int, folder: Path | None = None
 ) -> dict[str, float]:
-    """The same of `propmap` with these ``arguments``."""
+    """Time of `propmap` with these ``arguments``."""
     return python_process(["-m", "propmap", *arguments], repeats, folder)
 
 

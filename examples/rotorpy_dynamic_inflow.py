@@ -34,7 +34,7 @@ class Quadrotor(Multirotor):
             self.inflow[mine] = dynamic.steady(speeds[mine], hubs[mine])
 
     def hub_velocities(self, body_rates, velocity):
-        """Of every rotor, where the vehicle turns [m/s]."""
+        """Velocity of every rotor's hub, where the vehicle turns [m/s]."""
         return velocity + np.cross(body_rates, self.rotor_geometry)
 
     def step(self, state, control, t_step):
@@ -45,7 +45,7 @@ class Quadrotor(Multirotor):
         return super().step(state, control, t_step)
 
     def compute_body_wrench(self, body_rates, rotor_speeds, body_airspeed_vector):
-        """Of all rotors, about the centre of mass."""
+        """Moment of all rotors, about the centre of mass."""
         hubs = self.hub_velocities(body_rates, body_airspeed_vector)
         force, moment = np.zeros((2, self.num_rotors, 3))
         for mine, dynamic in self.groups:

@@ -31,7 +31,7 @@ BLADES = (
 )
 
 STATIONS = 24
-"""Of ``resampled`` blades."""
+"""Stations of ``resampled`` blades."""
 
 
 class OtherRotor(NamedTuple):

@@ -48,7 +48,7 @@ coefficients."""
 
 @pytest.fixture(scope="module")
 def imports() -> dict[str, set[str]]:
-    """Of every module, those that it imports; without the package's face, which has all."""
+    """Modules that every module imports; without the package's face, which has all."""
     graph = module_imports()
     assert "propmap.core" in graph["propmap.rotor"]  # it does find imports
     return graph

@@ -63,7 +63,7 @@ def flow(speed: float, beta_deg: float) -> tuple[float, float]:
 
 
 def differences(model: pm.Model, point: tuple[float, float, float], *steps: int) -> Any:
-    """Of the six loads those of the rotor, as shares of its thrust (times R) and torque at rest."""
+    """Differences of the six loads, as shares of its thrust (times R) and torque at rest."""
     omega, speed, beta = point
     axial, across = flow(speed, beta)
     rotor = pm.Rotor(model, accuracy="fine")

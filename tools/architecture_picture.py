@@ -25,7 +25,7 @@ from propmap.report.html import COLOURS, new_figure, save, style
 from tools.import_graph import lines, room_imports
 
 WIDTH, HEIGHT = 0.8, 0.56
-"""Of a box, where rows and columns are 1 apart."""
+"""Size of a box, where rows and columns are 1 apart."""
 
 GAP = 0.3
 """Width that an arrow takes where it passes a row."""

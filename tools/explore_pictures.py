@@ -22,7 +22,7 @@ PICTURES = {
 """Where each picture is taken: its file, and the address."""
 
 COLOURS = 160
-"""Of the pictures: few, so that they are small."""
+"""Colours of the pictures: few, so that they are small."""
 
 
 def main() -> None:

@@ -32,7 +32,7 @@ from tools.flight_steps import rows
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 SAMPLES = 1000
-"""Of each flight, at most."""
+"""Samples of each flight, at most."""
 
 
 def main(folder: str, vehicle_path: str, *paths: str) -> None:

@@ -27,7 +27,7 @@ def terms(found: dict[str, Any]) -> str:
 
 
 def terms_as_recorded(found: dict[str, Any]) -> str:
-    """The same errors of signals that were not low-passed, on flights that were not fitted."""
+    """Errors of signals that were not low-passed, on flights that were not fitted."""
     flights = list(dict.fromkeys(row["flight"] for row in found["errors"]))
     lines = [
         f"| model | {' | '.join(f'{_short(f)}, unseen' for f in flights)} |",

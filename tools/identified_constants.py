@@ -35,7 +35,7 @@ COMMAND = [
 do not determine it."""
 
 DECIMALS = 5
-"""Of the constants; their 95 % intervals are a hundred times as wide or more."""
+"""Digits of the constants; their 95 % intervals are a hundred times as wide or more."""
 
 
 def main() -> None:

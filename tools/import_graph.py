@@ -21,7 +21,7 @@ def modules(source: Path = SOURCE) -> dict[str, Path]:
 
 
 def module_imports(source: Path = SOURCE) -> dict[str, set[str]]:
-    """Of every module those that it imports, deferred imports included.
+    """Modules that every module imports, deferred imports included.
 
     Left out are imports for the type checker alone, and the package's face, which has all.
     """
@@ -39,7 +39,7 @@ def room(module: str) -> str:
 
 
 def room_imports() -> dict[str, Counter[str]]:
-    """Of every room the rooms that it imports, and by how many imports; lowest layer first."""
+    """Rooms that every room imports, and by how many imports; lowest layer first."""
     graph: dict[str, Counter[str]] = {}
     for module, others in module_imports().items():
         if module != "propmap":

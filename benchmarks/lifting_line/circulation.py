@@ -15,7 +15,7 @@ TOLERANCE = 1e-6
 MOST_STEPS = 300
 
 DIFFERENCE = 1e-5
-"""Of the angle of attack [rad], for the slope of the lift."""
+"""Step of the angle of attack [rad], for the slope of the lift."""
 
 STALLED_SHARE = 0.3
 """Share of Newton's step that is taken where a section is stalled [-]."""

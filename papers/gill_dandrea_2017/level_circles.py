@@ -213,7 +213,7 @@ def _hover_error(vehicle: Vehicle, points: FlightLog, law: Airfoil) -> Floats:
 
 WEIGHT = ASSUMED.mass * GRAVITY
 FACES = (COLOURS[0], "white")
-"""Of the markers, full and hollow, told apart in print without colour."""
+"""Faces of the markers, full and hollow, which differ in print without colour."""
 
 LABELS = (
     "collective thrust ΣT [N]",

@@ -520,7 +520,7 @@ def _loads_sheet(one: Compared) -> str:
 
 
 def _look(k: int) -> dict[str, Any]:
-    """Of the points on axial line k."""
+    """Indices of the points on axial line k."""
     return {"color": COLOURS[k], "marker": MARKERS[k + 1], "markersize": 5.0}
 
 

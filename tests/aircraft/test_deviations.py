@@ -27,7 +27,7 @@ def level(aircraft: Aircraft) -> SteadyStates:
 
 
 def power_of(speeds: np.ndarray = SPEEDS, **changes: object) -> np.ndarray:
-    """Of the quadcopter with ``changes``, one of which may be ``twist`` [rad] or ``c_d``."""
+    """States of the quadcopter with ``changes``, one of which may be ``twist`` [rad] or ``c_d``."""
     twist, c_d = changes.pop("twist", 0.0), changes.pop("c_d", None)
     vehicle = quadcopter(**changes)
     blade = vehicle.propeller

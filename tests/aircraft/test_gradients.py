@@ -45,7 +45,7 @@ def gradient(craft: Aircraft, level: SteadyStates) -> dict[str, np.ndarray]:
 
 
 def slope(changed: Callable[[float], Aircraft], step: float) -> np.ndarray:
-    """Of the power, by two aircraft that differ."""
+    """Differences of the power, by two aircraft that differ."""
     more, less = (changed(h).steady(SPEEDS, margin=False).power for h in (step, -step))
     return np.asarray((more - less) / (2.0 * step))
 

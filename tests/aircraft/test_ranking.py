@@ -31,7 +31,7 @@ from .conftest import quadcopter
 
 INCH = 0.0254
 CLOSE = 5
-"""Of the best, whose deviations are computed."""
+"""The best, whose deviations are computed."""
 RECOMMENDED = propmap.corrections_of("recommended")
 
 

@@ -28,7 +28,7 @@ def forces_and_moments(
     omega: np.ndarray,
     flight: tuple[float, float, float],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Of the rotors, the body and the weight with its centrifugal force, in the world's frame.
+    """Forces of rotors, body and weight with its centrifugal force, in the world's frame.
 
     Written with rotation matrices and ``Rotor.wrench``; vehicles whose axes are vertical.
     """

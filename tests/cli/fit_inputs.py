@@ -43,7 +43,7 @@ def tunnel_table(rows: np.ndarray, columns: tuple[str, ...] = ("thrust_N", "torq
 
 
 def uiuc_files(folder: Path) -> list[Path]:
-    """The same rows in the layout of the UIUC database."""
+    """Rows in the layout of the UIUC database."""
     size = UIUC.air_density * TURNS**2 * DIAMETER**4
     ct, cp = UIUC.loads["thrust"] / size, UIUC.loads["torque"] * 2.0 * np.pi / (size * DIAMETER)
     rows = picked()

@@ -19,7 +19,7 @@ MOTOR = 0.028 * 0.030
 
 
 def rise(rotor: propmap.Rotor, speed: float, beta: float) -> float:
-    """Of the rotor drag by the motor [-], written out."""
+    """Share of the rotor drag by the motor [-], written out."""
     found = rotor.loads(RPM * np.pi / 30.0, speed, np.radians(beta))
     across, along = speed * np.sin(np.radians(beta)), speed * np.cos(np.radians(beta))
     air = np.hypot(across, along + found.mean_inflow)

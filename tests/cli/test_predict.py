@@ -201,7 +201,7 @@ def test_a_table_has_no_height(run: Run) -> None:
 
 
 def test_the_way_to_the_core_leads_through_few_files(run: Run) -> None:
-    """Of the package, functions of at most so many files are called; see docs/architecture.md."""
+    """Functions of at most so many files are called; see docs/architecture.md."""
     assert run("predict", "apc-8x6e", *POINT).code == 0  # imports are no part of the way
     root, files = Path(propmap.__file__).parent, set()
 

@@ -43,6 +43,14 @@ def test_no_docstring_explains_parameters_between_its_sentences() -> None:
     assert not wrong, "\n".join(wrong)
 
 
+def test_every_docstring_stands_alone() -> None:
+    """One that begins with "Of" goes on from a name, one with "The same" from its neighbour."""
+    folders = ("src/propmap", "papers", "tools", "benchmarks", "tests", "examples")
+    files = (file for folder in folders for file in (ROOT / folder).rglob("*.py"))
+    begun = re.compile(r'^\s*"""(?:Of|The same)\b', re.MULTILINE)
+    assert not [file for file in files if begun.search(file.read_text(encoding="utf-8"))]
+
+
 @pytest.mark.parametrize(
     "text",
     [

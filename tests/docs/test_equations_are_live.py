@@ -38,7 +38,7 @@ point, axial descent."""
 
 
 def broken(value: Any) -> Any:
-    """The same with every number in it wrong; of texts none is left."""
+    """A copy with every number in it wrong; of texts none is left."""
     if isinstance(value, (float, np.ndarray, np.floating)):
         kind = getattr(value, "dtype", np.float64)
         return value * FACTOR if np.issubdtype(kind, np.floating) else value
@@ -221,7 +221,7 @@ def unbroken(probe: Callable[[], Any]) -> np.ndarray:
 
 @pytest.fixture(autouse=True)
 def _no_tables_kept() -> Iterator[None]:
-    """Of the wakes' velocity, which would hide that what they are made of is broken."""
+    """Leave out the wakes' velocity, which would hide that what they are made of is broken."""
     kept = (wakes._table, wakes.seen_wake, wakes.frame_of)
     for one in kept:
         one.cache_clear()

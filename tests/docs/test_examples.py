@@ -53,7 +53,7 @@ CHECKS = {
     "rotorpy_dynamic_inflow.py": thrust_shoots_over,
     "differentiate_table.py": newton_arrives,
 }
-"""Of what an example prints, beyond that it prints numbers."""
+"""What an example prints, beyond that it prints numbers."""
 
 pytestmark = pytest.mark.slow
 

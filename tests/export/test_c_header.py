@@ -23,7 +23,7 @@ SLOPES = 4 * len(FIELDS)
 
 @pytest.fixture(params=["model", "gap", "partial"])
 def any_table(request: pytest.FixtureRequest, table: LoadTable) -> LoadTable:
-    """Of the model; with NaN and flags; and one that ends on no plane of symmetry."""
+    """Tables of the model; with NaN and flags; and one that ends on no plane of symmetry."""
     if request.param == "model":
         return table
     if request.param == "gap":

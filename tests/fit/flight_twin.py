@@ -52,7 +52,7 @@ TRUTH: dict[str, float] = {
     "thrust_scale[1]": 1.02,
     "thrust_scale[2]": 0.99,
 }
-"""Of all that is free."""
+"""Values of all that is free."""
 
 BEFOREHAND: dict[str, float] = {
     "drag_area_z": 0.02,

@@ -64,7 +64,7 @@ def model(log: FlightLog, **changes: object) -> ForceModel:
 
 @pytest.fixture(scope="module")
 def static_thrust() -> float:
-    """Of one rotor at ``OMEGA`` [N]."""
+    """Thrust of one rotor at ``OMEGA`` [N]."""
     return float(propmap.Rotor(propmap.Model(PROPELLER, LAW)).loads(OMEGA, 0.0, 0.0).thrust)
 
 

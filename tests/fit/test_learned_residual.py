@@ -109,7 +109,7 @@ def _faster(log: FlightLog, factor: float) -> FlightLog:
 
 
 def test_features_have_no_dimension() -> None:
-    """The same flight of a vehicle twice as large, at half the rotor speed and the same speeds."""
+    """The flight of a vehicle twice as large, at half the rotor speed and the same speeds."""
     log = flown(1)
     blade = VEHICLE.propeller
     large = propmap.Propeller(

@@ -30,7 +30,7 @@ TWO = Choice(("c_l1", "alpha_0"))
 
 SPEED = np.array([2.0, 6.0, 10.0])
 LEAN = np.radians([3.0, 11.0, 24.0])
-"""Of the axes into the flight direction."""
+"""Angles [rad] of the axes to the flight direction."""
 
 OMEGA = np.array([[520.0, 530.0, 560.0, 555.0], [500.0, 505.0, 570.0, 560.0], [640.0] * 4])
 

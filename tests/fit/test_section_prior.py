@@ -120,7 +120,7 @@ def precision_of(found: Fitted) -> float:
 
 @pytest.mark.parametrize("repeats", [1, 20])
 def test_rows_that_err_together_do_not_outweigh_the_prior(repeats: int) -> None:
-    """The same rows many times over are worth no more: precisions add as for ten of them."""
+    """Rows given many times over are worth no more: precisions add as for ten of them."""
     error = 0.8
     noise = np.random.default_rng(5).normal(0.0, error, 50)
     rows = rows_on({"c_l1": np.ones(50 * repeats)}, np.tile(noise, repeats), c_l1=7.5)

@@ -39,7 +39,7 @@ class Done:
         return tunnel_rows(MODEL, self.data, choice, loads=self.loads)
 
     def coefficient_rms(self, name: str) -> float:
-        """Of C_T = T/(rho n^2 D^4), or C_P = 2 pi Q/(rho n^2 D^5)."""
+        """Values of C_T = T/(rho n^2 D^4), or C_P = 2 pi Q/(rho n^2 D^5)."""
         rows, turns = self.fitted.rows, self.data.omega / (2.0 * np.pi)
         mine = rows.load == rows.names.index(name)
         size = AIR.density * turns**2 * PROPELLER.diameter**4

@@ -15,7 +15,7 @@ from .synthetic import K_THRUST, vehicle_text
 MASS = 0.772
 INERTIA = np.array([0.0025, 0.0021, 0.0043])
 HUBS = np.array([[-0.075, -0.1], [0.075, -0.1], [-0.075, 0.1], [0.075, 0.1]])
-"""Of examples/neurobem."""
+"""Hubs of the vehicle of examples/neurobem."""
 
 DRAG = 0.3
 """Over mass and velocity [1/s]."""

@@ -76,7 +76,7 @@ def vehicle_text(log_table: str) -> str:
 
 
 def vehicle_with(log_table: str, folder: Path) -> VehicleFile:
-    """The same as a file in the folder, read."""
+    """Write a file in the folder, and read it."""
     path = folder / "vehicle.toml"
     path.write_text(vehicle_text(log_table), encoding="utf-8")
     return read_vehicle(path)

@@ -45,7 +45,7 @@ def drag_coefficient(alpha: ArrayLike, reynolds: ArrayLike, section: dict[str, f
 
 
 def wrap(angle: Array) -> Array:
-    """The same angle [rad] in (-pi, pi]."""
+    """Wrap an angle [rad] to (-pi, pi]."""
     wrapped: Array = angle - 2.0 * np.pi * np.ceil((angle - np.pi) / (2.0 * np.pi))
     return wrapped
 

@@ -33,7 +33,7 @@ from tests.other_laws import Flow, OtherRotor, error_scales_of, other_flow, othe
 FLOW = ("omega", "v_axial", "v_inplane")
 
 PROMISED = 1e-3
-"""Of the static load."""
+"""A share of the static load."""
 
 COARSE_AT_MOST = 0.005
 """Share of points with that status."""
@@ -62,7 +62,7 @@ class Checked(NamedTuple):
 
 
 def loads(model: pm.Model, flow: Flow, accuracy: str) -> Loads:
-    """Of a rotor at each point."""
+    """Loads of a rotor at each point."""
     omega, along, across = flow
     velocity = np.stack([across, np.zeros_like(across), along], axis=-1)
     rotor = pm.Rotor(model, accuracy=accuracy)
@@ -70,7 +70,7 @@ def loads(model: pm.Model, flow: Flow, accuracy: str) -> Loads:
 
 
 def errors_of(model: pm.Model, flow: Flow, truth: Mapping[str, ArrayLike]) -> Checked:
-    """Of "standard"."""
+    """Errors of "standard"."""
     got, scales = loads(model, flow, "standard"), error_scales_of(model, flow[0])
     errors = [np.abs(getattr(got, k) - truth[k]) / scales[k] for k in LOADS if k in truth]
     return Checked(np.max(errors, axis=0), got.status == "coarse")

@@ -32,7 +32,7 @@ def dynamic(law: str = "paper-stiff", spin: str = "ccw") -> pm.DynamicInflow:
 
 
 class Hover:
-    """The same rotor in hover by the literal reference, and SciPy: no code is shared."""
+    """Solve the rotor in hover by the literal reference, and SciPy: no code is shared."""
 
     def __init__(self, omega: float = OMEGA) -> None:
         given = (BLADE.station, BLADE.chord, BLADE.twist, BLADE.blades, SECTIONS["stiff"], RHO, MU)
@@ -53,8 +53,8 @@ class Hover:
         return found
 
     def eigenvalues(self) -> np.ndarray:
-        """Of mean inflow and gradient [1/s]: M dv/dt + 2 rho pi R^2 (2 v) dv = (dT/dv) dv, and the
-        same with rho pi R^3 v, which is 1/2 rho pi R^3 times the mass-flow parameter."""
+        """Rates of mean inflow and gradient [1/s]: M dv/dt + 2 rho pi R^2 (2 v) dv = (dT/dv) dv,
+        and likewise with rho pi R^3 v, which is 1/2 rho pi R^3 times the mass-flow parameter."""
         step = 0.02
         ends = [self.forces(by, 0.0)[0] for by in (step, -step)]
         rolls = [self.forces(0.0, by)[1] for by in (step, -step)]
@@ -176,7 +176,7 @@ def test_free_responses_decay_for_any_step(dt: float) -> None:
 
 
 def test_free_responses_decay_in_any_flight() -> None:
-    """Of random states at random points, in stall and descent too: nothing of them is left."""
+    """Random states at random points, in stall and descent too: nothing of them is left."""
     inflow, random = dynamic("paper-apc"), np.random.default_rng(8)
     count = 16
     omega = random.uniform(250.0, 1000.0, count)

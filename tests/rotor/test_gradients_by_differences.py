@@ -71,7 +71,7 @@ def model(name: str) -> pm.Model:
 
 
 def flows(count: int, seed: int) -> tuple[Floats, Floats, Floats]:
-    """Of climb, hover, edgewise flight, vortex ring and windmill, axial and oblique."""
+    """Points of climb, hover, edgewise flight, vortex ring and windmill, axial and oblique."""
     random, k = np.random.default_rng(seed), np.arange(count)
     omega = random.uniform(300.0, 900.0, count)
     v_hover = 0.0078 * omega

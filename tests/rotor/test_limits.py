@@ -16,7 +16,7 @@ OMEGA = np.array([300.0, 600.0, 900.0])
 
 
 def rotor_of(model: pm.Model, accuracy: str = "standard") -> Rotor:
-    """Of the accuracy asked for."""
+    """Rotor of the accuracy asked for."""
     return pm.Rotor(model, accuracy=accuracy)
 
 

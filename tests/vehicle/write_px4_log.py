@@ -33,7 +33,7 @@ Field = tuple[str, str, int]
 
 
 def _fields(text: str) -> list[Field]:
-    """Of "type name", "type[3] name", ..., separated by semicolons."""
+    """Fields of "type name", "type[3] name", ..., separated by semicolons."""
     found = []
     for part in text.split(";"):
         kind, name = part.split()
@@ -80,7 +80,7 @@ LATE = 700
 """From a measurement to its publication [us]."""
 
 ACCELEROMETER_LATE = -1250
-"""Of sensor_combined, from the stamp to the accelerometer's own time [us]."""
+"""Delay of sensor_combined, from the stamp to the accelerometer's own time [us]."""
 
 
 def topics_of(

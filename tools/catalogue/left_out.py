@@ -64,7 +64,7 @@ BAND = 1.959964
 """Standard deviations on either side that hold 95 % of a normal distribution."""
 
 STEPS = 8
-"""Of the search for a population without one propeller, from that with it."""
+"""Steps of the search for a population without one propeller, from that with it."""
 
 GROUPS = {
     "own": "own",

@@ -30,7 +30,7 @@ from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats
 
 STEPS = 100
-"""Of the search from afar; ten are enough from close by."""
+"""Steps of the search from afar; ten are enough from close by."""
 
 
 def populations_of(

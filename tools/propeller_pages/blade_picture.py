@@ -8,7 +8,7 @@ from propmap.model.model import Propeller
 from tools.propeller_pages.plot import Series, figure, path, plot
 
 LENGTH, MARGIN = 740.0, 10.0
-"""Of the outline from the axis to the tip, and what is left free around it."""
+"""Size of the outline from the axis to the tip, and what is left free around it."""
 
 SMALL = 100.0
 """Length of the outline in a list."""

@@ -16,7 +16,7 @@ from tools.propeller_pages.comparison import ErrorParts, compare, error_parts, r
 from tools.propeller_pages.words import fixed, flagged, page_name, series_title, title
 
 FOLDER = "propellers"
-"""Of the cards, beside the page with the list."""
+"""Folder of the cards, beside the page with the list."""
 
 FILTER = """\
 <div class="propeller-filter" hidden>
@@ -133,7 +133,7 @@ WORDS = {
     "course": "slope over J in a run",
     "scatter": "scatter",
 }
-"""Of the parts of the errors."""
+"""Names of the parts of the errors."""
 
 
 def _most(parts: ErrorParts) -> str:

@@ -74,7 +74,7 @@ def test_blades_are_those_of_the_catalogue() -> None:
 @pytest.mark.slow
 @with_data
 def test_the_bundled_constants_are_what_the_command_finds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of one propeller, of another number of blades too; and known results are not fitted again."""
+    """One propeller, with another number of blades too; and known results are not fitted again."""
     every = [one for one in refiled(read_uiuc_database(LOADS)) if one.blade == "da4022 5.0x3.75"]
     bundled = {one.key: one for one in all_identified()}
     workers, kept = Elsewhere(), list[tuple[list[int], list[int]]]()
@@ -111,7 +111,7 @@ def test_labels_that_lost_a_decimal_point_are_put_right() -> None:
 
 @with_data
 def test_propellers_without_blade_are_what_the_command_finds() -> None:
-    """Of a family with measured blades and of one without, from the bundled constants."""
+    """A family with measured blades and one without, from the bundled constants."""
     every = refiled(read_uiuc_database(LOADS))
     some = [one for one in every if one.name in ("apcsp 9.0x9.0 - 2", "ancf 12.5x7.5 - 2")]
     measured = all_identified()

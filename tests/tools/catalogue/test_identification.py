@@ -51,7 +51,7 @@ def test_the_truth_is_found_where_the_prior_is_wide(found: Identification) -> No
 
 
 def test_without_rows_that_say_anything_the_prior_is_left(tested: MeasuredPropeller) -> None:
-    """Of a prior that is nearly certain, neither constants nor their errors move."""
+    """With a prior that is nearly certain, neither constants nor their errors move."""
     narrow = PopulationPrior(POPULATION.mean, 1e-3 * POPULATION.deviation)
     found = identify(AxialTest(BLADE, tested), narrow)
     np.testing.assert_allclose(found.constants, constants_of(POPULATION.mean), rtol=1e-2)

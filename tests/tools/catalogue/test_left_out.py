@@ -17,7 +17,7 @@ FAMILIES = ("apcsf", "gwssf", "kyosho", "mae")
 
 @pytest.fixture(scope="module")
 def found() -> list[LeftOut]:
-    """Of four families whose blades are alike, and of two whose blades were not measured."""
+    """Four families whose blades are alike, and of two whose blades were not measured."""
     every = refiled(read_uiuc_database(LOADS))
     chosen = all_identified()
     names = ("apcsf 8.0x3.8 - 2", "apcsf 9.0x3.8 - 2", "ance 8.5x6.0 - 2", "ance 8.5x7.0 - 2")
