@@ -19,9 +19,9 @@ STEPS = 121
 
 LIMITS = {"tip loss": 1e-4, "hub loss": 1e-3, "coarse table": 1e-3}
 """A share of static thrust, in climb.  With the paper's law and with tip loss there are two folds,
-whose radii are followed, so that loads do not step.  With hub loss there are three, and a table stalls
-at another angle for each Reynolds number: there, as with any law in descent, nodes flip at some
-points, and loads step by the error of "standard" at most."""
+whose radii are followed, so that loads do not step.  With hub loss there are three, and a table
+stalls at another angle for each Reynolds number: there, as with any law in descent, nodes flip at
+some points, and loads step by the error of "standard" at most."""
 
 SOONER = {
     ("tip loss", "beta, 3 m/s"),
