@@ -152,7 +152,7 @@ def test_a_screw_advances_by_its_pitch_in_a_turn() -> None:
 
 
 @pytest.mark.parametrize("name", ["uiuc-apce-11x7", "uiuc-apcsf-10x4.7", "uiuc-ma-11x6"])
-def test_a_blade_is_foretold_by_its_siblings(name: str) -> None:
+def test_a_blade_is_predicted_by_its_siblings(name: str) -> None:
     entry, own = catalogue.entry(name), catalogue.load(name)
     rest = shapes_without(entry)
     assert len(rest) == len(measured_shapes()) - 1

@@ -12,7 +12,7 @@ import propmap
 from propmap.catalogue.lookup import measurement
 from propmap.cli.fit_flight import read_flights
 from propmap.errors import InputError
-from propmap.fit.tunnel import doubts_on_tunnel
+from propmap.fit.tunnel import tunnel_warnings
 from propmap.model.plausibility import blade_warnings
 from propmap.vehicle.files import read_vehicle
 
@@ -294,7 +294,7 @@ def told_of(text: str, folder: Path, blade: propmap.Propeller = BLADE) -> str:
     path = folder / "tunnel.csv"
     path.write_text(text)
     try:
-        return " ".join(doubts_on_tunnel([str(path)], blade, propmap.Air()))
+        return " ".join(tunnel_warnings([str(path)], blade, propmap.Air()))
     except InputError as error:
         assert str(error).startswith("tunnel.csv: ")
         return str(error)

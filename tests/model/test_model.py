@@ -35,19 +35,19 @@ def test_reynolds_along_the_blade() -> None:
 
 
 def test_a_law_brings_its_corrections() -> None:
-    found_with = LAW.with_corrections(["tip-loss"])
-    model = propmap.Model(BLADE, found_with)
+    law = LAW.with_corrections(["tip-loss"])
+    model = propmap.Model(BLADE, law)
     assert model.corrections == (TIP_LOSS,) and model.law_title == "paper-apc + tip-loss"
     assert model.fingerprint() == propmap.Model(BLADE, LAW, corrections=(TIP_LOSS,)).fingerprint()
     assert model.fingerprint() != propmap.Model(BLADE, LAW).fingerprint()
-    assert propmap.Model(BLADE, found_with, corrections=(TIP_LOSS,)) == model
+    assert propmap.Model(BLADE, law, corrections=(TIP_LOSS,)) == model
     hub_loss = propmap.correction("hub-loss")
     with pytest.raises(InputError, match="paper-apc was found with tip-loss, not with hub-loss"):
-        propmap.Model(BLADE, found_with, corrections=(hub_loss,))
+        propmap.Model(BLADE, law, corrections=(hub_loss,))
     with pytest.raises(InputError, match="not with hub-loss"):
-        found_with.with_corrections(["hub-loss"])
+        law.with_corrections(["hub-loss"])
     assert "\ncorrections" not in LAW.to_toml()
-    assert '\ncorrections = ["tip-loss"]\n' in found_with.to_toml()
+    assert '\ncorrections = ["tip-loss"]\n' in law.to_toml()
 
 
 def test_a_section_table_may_have_corrections_too() -> None:

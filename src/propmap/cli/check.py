@@ -28,7 +28,7 @@ from propmap.fit.comparison import (
 )
 from propmap.fit.files import DataSource, FitFile, is_fit, read_fit
 from propmap.fit.flight import wing_values
-from propmap.fit.tunnel import doubts_on_tunnel, read_tunnel, sources
+from propmap.fit.tunnel import tunnel_warnings, read_tunnel, sources
 from propmap.model.corrections import in_words
 from propmap.model.model import Air, Model
 from propmap.model.plausibility import blade_warnings
@@ -101,7 +101,7 @@ def _compare(
         opt.note_reynolds(model, measured.omega, measured.speed, measured.beta)
         if prop is not None:
             opt.note_if_predicted(prop)
-        out.note(*blade_warnings(blade), *doubts_on_tunnel(data, blade, air))
+        out.note(*blade_warnings(blade), *tunnel_warnings(data, blade, air))
         return compare_tunnel(model, measured), {}
 
     if prop is not None:

@@ -32,7 +32,7 @@ from propmap.fit.least_squares import FlightErrors, Rows, errors
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
 from propmap.fit.tunnel import (
     TunnelData,
-    doubts_on_tunnel,
+    tunnel_warnings,
     first_guess,
     hover_rows,
     merged,
@@ -314,9 +314,9 @@ def _finish_tunnel(
     weights: Mapping[str, float],
     prior: SectionPrior | None,
     remarks: Sequence[str],
-    doubts: Sequence[str],
+    warnings: Sequence[str],
 ) -> None:
-    """Write, draw and print a fit to loads; ``doubts`` on the data are in its file alone."""
+    """Write, draw and print a fit to loads; ``warnings`` on the data are in its file alone."""
     rotor = rotor_with(model, fitted.values, choice.accuracy)
     blade = model.propeller
     text = fit_text(
@@ -332,7 +332,7 @@ def _finish_tunnel(
             *remarks,
             *blade_warnings(blade),
             *air_warnings(model.air),
-            *doubts,
+            *warnings,
         ],
         options={"loads": list(fitted.rows.names), "weights": weights},
     )
@@ -390,8 +390,8 @@ def fit_tunnel(
             ) from None
     air = choice.medium()
     measured = read_tunnel(data, blade, air)
-    doubts = doubts_on_tunnel(data, blade, air)
-    out.note(*doubts)
+    warnings = tunnel_warnings(data, blade, air)
+    out.note(*warnings)
     law = base or (expected.airfoil if expected else first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     options: Any = {
@@ -418,7 +418,7 @@ def fit_tunnel(
         weights=weights,
         prior=expected,
         remarks=[*remarks, *unlikely_constants(fitted)],
-        doubts=doubts,
+        warnings=warnings,
     )
 
 
@@ -479,14 +479,14 @@ def fit_static(
     base = opt.constants(choice.airfoil) if choice.airfoil else None
     blade, air = choice.blade(), choice.medium()
     parts = [_read_static(path, blade, air) for path in files]
-    doubts = []
+    warnings = []
     for part in parts:
         points = part.omega, part.speed, part.beta
         with out.blamed_on(Path(part.source)):
             odd = point_warnings(blade, *points)
             odd += load_warnings(blade, air, *points, part.loads)
-        doubts += [f"{part.source}: {doubt}" for doubt in odd]
-    out.note(*doubts)
+        warnings += [f"{part.source}: {warning}" for warning in odd]
+    out.note(*warnings)
     measured = merged(parts)
     by_default = free is None and base is None
     expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
@@ -510,7 +510,7 @@ def fit_static(
         weights={},
         prior=expected,
         remarks=remarks,
-        doubts=doubts,
+        warnings=warnings,
     )
     _show_trust(forward_trust(model, fitted, float(np.median(measured.omega)), setting))
 

@@ -379,8 +379,8 @@ def fit_flight(
     check_outputs(output, picture, stretches_picture)
     base = opt.constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
-    doubts = [*blade_warnings(file.vehicle.propeller), *air_warnings(file.vehicle.air)]
-    out.note(*doubts)
+    warnings = [*blade_warnings(file.vehicle.propeller), *air_warnings(file.vehicle.air)]
+    out.note(*warnings)
     cutoff = DERIVATIVE_CUTOFF if low_pass is None else low_pass
     flights = read_flights(
         logs,
@@ -441,7 +441,7 @@ def fit_flight(
         data=[*logs, vehicle],
         covered=model.coverage(),
         hover=hover_rows(model, fitted.values, fitted.rows),
-        remarks=[*note_prior(expected), *remarks, *doubts],
+        remarks=[*note_prior(expected), *remarks, *warnings],
         options={
             "seconds": seconds,
             "samples": samples,

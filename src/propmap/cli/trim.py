@@ -194,7 +194,7 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
     speed = np.linalg.norm(hubs, axis=-1)
     along = np.einsum("nkj,kj->nk", hubs, craft.rotors.axis)
     beta = np.arccos(np.clip(np.divide(along, speed, out=along * 0.0, where=speed > 0.0), -1, 1))
-    doubts = point_warnings(blade, omega, speed, beta)
+    warnings = point_warnings(blade, omega, speed, beta)
     own = identified(blade.name, blade.blades)
     if own is not None and craft.loads.model.airfoil.name == own.airfoil.name:
         rpm = float(omega.max()) / RPM
@@ -207,8 +207,8 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
                 f"J = V/(n D) up to {advance:.2f} where they end at {own.advance_high:.2f}"
             )
         if parts:
-            doubts = [*doubts, f"beyond the data of the constants: {'; '.join(parts)}"]
-    out.note(*(f"{where}{doubt}" for doubt in doubts))
+            warnings = [*warnings, f"beyond the data of the constants: {'; '.join(parts)}"]
+    out.note(*(f"{where}{warning}" for warning in warnings))
 
 
 def plain(state: NamedState | None) -> dict[str, float | None] | None:

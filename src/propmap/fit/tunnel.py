@@ -246,7 +246,7 @@ def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelDa
     return merged([_read(item, propeller, air) for item in sources(data)])
 
 
-def doubts_on_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
+def tunnel_warnings(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
     """Say what does not fit this propeller, file by file, with the likely cause.
 
     Raises ``InputError`` where there can be no such loads or points.
@@ -256,11 +256,11 @@ def doubts_on_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> lis
         part = _read(item, propeller, air)
         points = part.omega, part.speed, part.beta
         try:
-            doubts = point_warnings(propeller, *points)
-            doubts += load_warnings(propeller, air, *points, part.loads)
+            warnings = point_warnings(propeller, *points)
+            warnings += load_warnings(propeller, air, *points, part.loads)
         except InputError as error:
             raise InputError(error.found, error.remedy, part.source) from None
-        found += [f"{part.source}: {doubt}" for doubt in doubts]
+        found += [f"{part.source}: {warning}" for warning in warnings]
     return found
 
 

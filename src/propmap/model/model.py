@@ -329,8 +329,8 @@ class Model:
     def uncertainty(self) -> SectionUncertainty | None:
         """How well the section law is known; None where it says nothing of it."""
         known = getattr(self.airfoil, "uncertainty", None)
-        found_with = getattr(self.airfoil, "corrections", None) or ()
-        mounts = [split_mount(list(texts))[1] for texts in (self.correction_texts, found_with)]
+        filed = getattr(self.airfoil, "corrections", None) or ()
+        mounts = [split_mount(list(texts))[1] for texts in (self.correction_texts, filed)]
         if known is not None and mounts[0] != mounts[1]:
             # What is mounted was given instead of found: it is known.
             known = known.without("mount_area")
