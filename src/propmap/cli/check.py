@@ -28,7 +28,7 @@ from propmap.fit.comparison import (
 )
 from propmap.fit.files import DataSource, FitFile, is_fit, read_fit
 from propmap.fit.flight import wing_values
-from propmap.fit.tunnel import tunnel_warnings, read_tunnel, sources
+from propmap.fit.tunnel import read_tunnel, sources, tunnel_warnings
 from propmap.model.corrections import in_words
 from propmap.model.model import Air, Model
 from propmap.model.plausibility import blade_warnings

@@ -32,7 +32,6 @@ from propmap.fit.least_squares import FlightErrors, Rows, errors
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
 from propmap.fit.tunnel import (
     TunnelData,
-    tunnel_warnings,
     first_guess,
     hover_rows,
     merged,
@@ -40,6 +39,7 @@ from propmap.fit.tunnel import (
     rotor_with,
     sources,
     tunnel_rows,
+    tunnel_warnings,
 )
 from propmap.io.csv import read_columns, read_lines
 from propmap.io.uiuc import looks_like_uiuc_loads
