@@ -364,33 +364,42 @@ class CoreRotor {
         const std::size_t n = points.shape(1), p = names.size();
         Rotor<double, LawOf> example = solver.rotor();
         Flow<double> still{};
-        std::vector<int> which;
+        std::vector<int> which;         // numbers along which the solution is differentiated,
+        std::vector<std::size_t> place;  // and where each is among the names
         const auto known = numbers_of(example, still);
-        for (const auto& name : names) {
+        for (std::size_t d = 0; d < p; ++d) {
             std::size_t k = 0;
-            while (k < known.size() && name != known[k].first) ++k;
-            if (k == known.size()) throw nb::key_error(name.c_str());
-            which.push_back(int(k));
+            while (k < known.size() && names[d] != known[k].first) ++k;
+            if (k == known.size()) throw nb::key_error(names[d].c_str());
+            if (known[k].second != &example.mount_area) which.push_back(int(k)), place.push_back(d);
         }
+        example.mount_area = 1.0;
         for_each_point(n, threads, [&](std::size_t k) {
             thread_local Solution s;
             solver.solve(point(points, k), s);
             for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
             const bool lost = s.result.status == Status::not_converged;
+            const auto keep = [&](int j, std::size_t d, double slope) {
+                slopes[(j * p + d) * n + k] = lost ? std::nan("") : slope;
+            };
+            // What is mounted adds to the drag alone, in proportion to its area, and leaves the inflow as it is.
+            for (std::size_t d = 0; d < p; ++d)
+                if (names[d] == "mount_area")
+                    for (int j = 0; j < Loads<double>::count; ++j)
+                        keep(j, d, j == 1 ? example.density * mount_drag(example, s.flow, s.result.mean_inflow) : 0.0);
             const auto by_some = [&]<int N>(std::integral_constant<int, N>, std::size_t first) {
-                const std::size_t last = std::min(first + N, p);
+                const std::size_t last = std::min(first + N, which.size());
                 Rotor<Dual<double, N>, LawOf> rotor;
                 Flow<Dual<double, N>> flow;
                 seed<N, LawOf>(solver.rotor(), s.flow, {which.begin() + first, which.begin() + last}, rotor, flow);
                 const auto found = solver.template slopes<N>(s, rotor, flow);
                 for (int j = 0; j < Loads<double>::count; ++j)
-                    for (std::size_t d = first; d < last; ++d)
-                        slopes[(j * p + d) * n + k] = lost ? std::nan("") : found.begin()[j].d[d - first];
+                    for (std::size_t d = first; d < last; ++d) keep(j, place[d], found.begin()[j].d[d - first]);
                 return last;
             };
-            for (std::size_t first = 0; first < p;)
-                first = p - first > a_few ? by_some(std::integral_constant<int, together>{}, first)
-                                          : by_some(std::integral_constant<int, a_few>{}, first);
+            for (std::size_t first = 0; first < which.size();)
+                first = which.size() - first > a_few ? by_some(std::integral_constant<int, together>{}, first)
+                                                     : by_some(std::integral_constant<int, a_few>{}, first);
         });
     }
 
