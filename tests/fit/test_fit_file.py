@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.fit.files import read_fit
+from propmap.fit.files import DataSource, read_fit
 from propmap.fit.fit import coverage
 
 from .fit_records import fit_text, parameter, record
@@ -66,3 +66,14 @@ def test_the_entry_that_is_damaged_is_named(
         read_fit(written(tmp_path, text))
     assert says in str(refused.value) and str(refused.value).startswith(str(tmp_path))
     assert refused.value.remedy
+
+
+def test_a_folder_such_as_a_ros_2_bag_has_a_digest_of_its_files(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    (bag / "metadata.yaml").write_text("a")
+    (bag / "part.db3").write_bytes(b"b")
+    first = DataSource.of(bag)
+    assert first.name == "bag" and len(first.sha256) == 64
+    (bag / "part.db3").write_bytes(b"c")
+    assert DataSource.of(bag).sha256 != first.sha256

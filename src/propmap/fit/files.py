@@ -302,10 +302,14 @@ class DataSource(msgspec.Struct, frozen=True, omit_defaults=True):
 
     @classmethod
     def of(cls, item: Path | str) -> DataSource:
-        """From a file's path, or a name of the catalogue."""
-        if isinstance(item, Path):
-            return cls(item.name, hashlib.sha256(item.read_bytes()).hexdigest())
-        return cls(catalogue=item)
+        """Name a file or folder (a ROS 2 bag is one) with its digest, or data of the catalogue."""
+        if not isinstance(item, Path):
+            return cls(catalogue=item)
+        digest = hashlib.sha256()
+        for file in sorted(item.rglob("*")) if item.is_dir() else [item]:
+            if file.is_file():
+                digest.update(file.read_bytes())
+        return cls(item.name, digest.hexdigest())
 
     @property
     def name(self) -> str:
