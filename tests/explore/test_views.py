@@ -16,7 +16,7 @@ import propmap as pm
 from propmap.errors import InputError
 from propmap.explore.app import Application
 from propmap.explore.session import Session, Shelf, read_path
-from propmap.explore.view import Choice, Several, Slider, View, values_of
+from propmap.explore.view import OneOf, Several, Slider, View, values_of
 from propmap.explore.views import VIEWS
 from tests.cli.invented_tables import certificate, invented
 
@@ -88,7 +88,7 @@ def test_every_control_changes_something(sessions: dict[str, Session], name: str
             value = (
                 up if up <= control.high else max(control.low, control.default - 20 * control.step)
             )
-        elif isinstance(control, Choice):
+        elif isinstance(control, OneOf):
             others = [key for key, _ in control.options if key != before[control.name]]
             if not others:
                 continue
