@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-slow test-all lint types sanitize bench docs build clean
+.PHONY: demo reproduce test test-fast test-slow lint types sanitize bench docs build clean
 
 # Python compiles what it imports once and keeps it, here too where the environment says otherwise: tests start some hundred
 # processes.  Nothing is compiled that is never imported, as pip would.
@@ -80,9 +80,6 @@ test-fast: $(READY)
 
 test-slow: $(READY)
 	$(PYTEST) -m slow
-
-test-all: $(READY)
-	$(PYTEST)
 
 lint: $(READY)
 	$(BIN)/ruff check .
