@@ -143,7 +143,7 @@ def test_killed_workers_lose_nothing(tmp_path: Path, whole: dict[str, bytes]) ->
                     points_per_task=POINTS_PER_TASK,
                     progress=lambda *_: progressed.set(),
                 )
-                # One that is killed while it writes leaves Zarr's temporary file, which no reader sees.
+                # Killed while it writes, one leaves a temporary file, which no reader sees.
                 found = contents(path).items()
                 assert {k: v for k, v in found if not k.endswith(".partial")} == whole
                 if killed >= TIMES:
