@@ -317,7 +317,7 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
     if (disk.panels == 3) disk.count[2] = nodes - disk.count[0] - disk.count[1];
     // A sliver needs fewer nodes than the rest of the blade inside it.
     for (int p = 1; p < 3 && disk.panels == 3; ++p)
-        if (disk.edge[p + 1] - disk.edge[p] < 0.04 * (tip - root)) std::swap(disk.count[0], disk.count[p]);
+        if (disk.edge[p + 1] - disk.edge[p] < 0.012 * (tip - root)) std::swap(disk.count[0], disk.count[p]);
 }
 
 inline void single_panel(Disk& disk, double root, double tip, int nodes) {
