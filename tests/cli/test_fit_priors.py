@@ -100,7 +100,10 @@ def test_thrust_alone_at_low_speed_leaves_physical_constants(run: Run) -> None:
         "-o", "fit.toml",
     )  # fmt: skip
     assert done.code == 0
-    assert "note: what small propellers of all families let expect is the prior" in done.err
+    assert (
+        "note: the prior of the section constants is that of small propellers of all families"
+        in done.err
+    )
     law, found = parameter_set("fit.toml"), fit_record(Path("fit.toml"))
     assert 4.0 < law.c_l1 < 7.5 and 1.0 < law.c_d < 5.0
     assert 0.2 < law.alpha_0 < 0.4 and -0.1 < law.zero_lift_angle < 0.0 and 0.0 < law.c_d0 < 0.05

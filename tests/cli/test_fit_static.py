@@ -35,7 +35,9 @@ def test_a_stand_narrows_what_the_family_leaves_open(run: Run, stand: Path) -> N
     done = run("fit", "static", stand, *PROP, "-o", "fit.toml")
     assert done.code == 0
     note, wrote = done.err.splitlines()
-    assert note.startswith("note: what 12 propellers of the family apce let expect is the prior")
+    assert note.startswith(
+        "note: the prior of the section constants is that of 12 propellers of the family apce"
+    )
     assert "its own in the catalogue left out" in note and "--prior-from none" in note
     assert wrote == "wrote fit.toml"
     found = fit_record(Path("fit.toml"))

@@ -214,7 +214,7 @@ def section_prior(
     members = siblings(family, without=own)
     few = "one propeller" if members == 1 else f"{members} propellers"
     others = f"{few} of the family {family}" if members else "small propellers of all families"
-    words = f"what {others} let expect is the prior of the section constants"
+    words = f"the prior of the section constants is that of {others}"
     if own:
         words += " (its own in the catalogue left out)"
     return SectionPrior(distribution, airfoil_at(distribution.mean, "expected", words), words)
@@ -573,7 +573,7 @@ def _like_electrical(fitted: Fitted, files: list[Path]) -> list[str]:
     if ratio < LIKE_ELECTRICAL:
         return []
     return [
-        f"power_W is {ratio:.2f} times what other propellers let expect; if it is that of the "
+        f"power_W is {ratio:.2f} times what other propellers predict; if it is that of the "
         "battery, with the losses of motor and controller, leave it out"
     ]
 

@@ -173,7 +173,7 @@ def compare_forces(
 
 
 def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list[list[Trend]]:
-    """What the error of each force goes with, the strongest first; see ``compare_forces``."""
+    """Find what the error of each force depends on, the strongest first; see ``compare_forces``."""
     off = forces.model[:, :3] - vehicle.mass * log.specific_force
     block = log.stretches(CORRELATED)
     return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(AXES)]
@@ -228,7 +228,7 @@ BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])
 JUDGED = ("thrust", "torque")
 
 MODEL_ERROR = 0.03
-"""What the model gets wrong with the best constants, as a share of the load at rest; so much makes
+"""Error of the model with the best constants, as a share of the load at rest; so much makes
 the intervals hold after a fit to static rows: ``python -m tools.after_static``."""
 
 SMALL = 0.1
@@ -286,7 +286,7 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
 # Whether the constants that a fit found are unlikely beside those of other propellers.
 
 FAR = 2.5
-"""Standard deviations from what propellers let expect, from which a constant is worth a remark."""
+"""z-score among propellers from which a constant is worth a remark."""
 
 
 def unlikely_constants(fitted: Fitted) -> list[str]:
@@ -301,7 +301,7 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
     own = {**fitted.choice.fixed, **fitted.choice.priors}
     far = [
         f"{name} is {fitted.values[name]:.3g}, {away[k]:.1f} standard deviations from what "
-        "propellers let expect"
+        "the mean of propellers"
         for k, name in enumerate(PARAMETERS)
         if away[k] > FAR and name not in own
     ]
@@ -399,7 +399,7 @@ LEAST_SHARE = 0.05
 """Share of the residuals' variance from which a variable is worth a sentence."""
 
 CERTAIN = 3.0
-"""Slope over its block-wise standard error from which it is no chance."""
+"""Slope over its block-wise standard error from which it is significant."""
 
 MOST = 2
 """Sentences per load."""
@@ -431,7 +431,7 @@ def candidates(log: FlightLog) -> dict[str, Floats]:
 
 @dataclass(frozen=True, eq=False)
 class Trend:
-    """How the residual of one load goes with one variable, over n samples."""
+    """Dependence of the residual of one load on one variable, over n samples."""
 
     load: str
     unit: str
@@ -445,12 +445,12 @@ class Trend:
 
     @property
     def sure(self) -> bool:
-        """Whether it is worth a sentence and no chance."""
+        """Whether it is significant and large enough for a sentence."""
         return self.share >= LEAST_SHARE and abs(self.slope) >= CERTAIN * self.error
 
     @property
     def sentence(self) -> str:
-        """What the slope says."""
+        """Say how the residual changes with the variable."""
         way, per = "grows" if self.slope > 0.0 else "falls", self.variable.partition(" [")
         return (
             f"the error of {self.load} {way} with {per[0]}: {self.slope:+.2g} {self.unit} per "
@@ -620,7 +620,7 @@ def gain(
 
 
 def judged(fall: float, deviation: float) -> str:
-    """Whether a term with such a ``gain`` pays, in a word or two."""
+    """Say in a word or two whether a term with such a ``gain`` pays."""
     if fall > SURE * deviation:
         return "pays"
     if fall < -SURE * deviation:
@@ -665,7 +665,7 @@ def _rms(off: Floats) -> Floats:
 def values_for(
     file: FitFile, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
 ) -> tuple[dict[str, float], list[str]]:
-    """Parameters for the flights of a ``log`` with these ``paths``, and what is to be said of them.
+    """Choose parameters for the flights of a ``log`` from ``paths``; return remarks on them too.
 
     A flight of the fit keeps its own. Of any other, the thrust scale is what its own hover has
     beside the hover of the fit's flights, where that is sure; else it is the mean of the fit's

@@ -135,7 +135,7 @@ def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
 def starts(choice: Choice, count: int, seed: int) -> list[Floats]:
     """The first guess, and ``count`` - 1 starts at random within three spreads of it.
 
-    None is further than ``FAR`` standard deviations from what other propellers let expect.
+    None is further than ``FAR`` standard deviations from the mean of other propellers.
     """
     away = np.random.default_rng(seed).uniform(-3.0, 3.0, (count - 1, len(choice.free)))
     away = away * choice.column("spread")

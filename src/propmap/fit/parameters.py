@@ -263,7 +263,7 @@ def known(name: str) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# What propellers in general let expect of the section constants of one that is being fitted.
+# The prior, from propellers in general, of the section constants of one that is being fitted.
 
 SMALLEST = 1e-6
 """Taken for a constant at its bound of 0, which is infinitely far in coordinates that are logs."""

@@ -128,7 +128,7 @@ def tunnel_rows(
     Residuals are compared as coefficients, relative to rho Omega^2 R^4 (R^5 for moments), because
     that is how measurement errors scale over a sweep of rotational speed; each load by the root
     mean square of its own measured coefficient, divided by its weight.  Where rows are weighed
-    against what other propellers let expect, half of an error is taken to be the load cell's,
+    against the prediction from other propellers, half of an error is taken to be the load cell's,
     which is the same in all rows: at low rotational speed that is most of it.
 
     Parameters
