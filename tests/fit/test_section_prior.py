@@ -176,7 +176,9 @@ def test_fewer_rows_than_constants_are_enough() -> None:
 def test_constants_far_from_all_propellers_are_pointed_out() -> None:
     rows = rows_on({"c_l1": np.ones(40)}, np.zeros(40), c_l1=11.0)
     (told,) = unlikely_constants(fit(rows, choice_of("c_l1"), QUICK))
-    assert told.startswith("c_l1 is 1") and "standard deviations from the mean of propellers" in told
+    assert (
+        told.startswith("c_l1 is 1") and "standard deviations from the mean of propellers" in told
+    )
     near = rows_on({"c_l1": np.ones(40)}, np.zeros(40), c_l1=5.5)
     assert unlikely_constants(fit(near, choice_of("c_l1"), QUICK)) == []
 

@@ -300,8 +300,8 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
     away = np.abs(expected.z_scores(fitted.values)[0])
     own = {**fitted.choice.fixed, **fitted.choice.priors}
     far = [
-        f"{name} is {fitted.values[name]:.3g}, {away[k]:.1f} standard deviations from what "
-        "the mean of propellers"
+        f"{name} is {fitted.values[name]:.3g}, {away[k]:.1f} standard deviations from the "
+        "mean of propellers"
         for k, name in enumerate(PARAMETERS)
         if away[k] > FAR and name not in own
     ]
