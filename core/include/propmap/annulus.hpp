@@ -72,8 +72,8 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
     return v;
 }
 
-// Newton's method at all lanes at once, from `v`: at most `most` steps, until all are shorter than `close`
-// times `scale`.  Returns where the last step was that short and the residual fell.
+// Newton's method at all lanes at once, from `v`: at most `most` steps, in each lane until one is shorter than
+// `close` times `scale` and the residual falls.  Returns where that came about.
 template <class R>
 Mask newton(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths& over, Lanes scale, double close, int most,
             Lanes& v) {
@@ -84,8 +84,8 @@ Mask newton(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths& over,
         const Lanes far = 0.3 * scale;
         Lanes step = falls ? g.v / g.d[0] : far;
         step = step > far ? far : (step < -far ? -far : step);
-        v = v - step;
-        ended = falls & (absolute(step) <= close * scale);
+        v = ended ? v : v - step;
+        ended |= falls & (absolute(step) <= close * scale);
         if (!any(~ended)) break;
     }
     return ended;
@@ -214,14 +214,13 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
     evaluate(grid.data(), count, samples);
 
     // Where a cubic between two samples turns towards zero, roots may hide: look closer there.
+    constexpr int between = 4;
     for (int round = 0; round < 8; ++round) {
-        Samples finer;
-        bool changed = false;
-        for (int k = 0; k < samples.count; ++k) {
-            finer.append(samples.inflow[k], samples.value[k], samples.slope[k]);
-            if (k + 1 == samples.count) break;
+        std::array<double, Samples::most> asked;
+        int more = 0;
+        for (int k = 0; k + 1 < samples.count; ++k) {
             const double run = samples.inflow[k] - samples.inflow[k + 1];
-            if (run < 1e-7 * whole || samples.count + finer.count > Samples::most - 3 * width) continue;
+            if (run < 1e-7 * whole || samples.count + more + between > Samples::most) continue;
             const Cubic cubic(samples, k);
             const double g0 = samples.value[k], g1 = samples.value[k + 1];
             double t[2];
@@ -235,13 +234,18 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
                 hides |= beyond || std::fabs(there) < 0.7 * nearest;
             }
             if (!hides) continue;
-            double v[width];
-            for (int j = 0; j < width; ++j) v[j] = samples.inflow[k] - run * (j + 1.0) / (width + 1.0);
-            evaluate(v, width, finer);
-            changed = true;
+            for (int j = 1; j <= between; ++j) asked[more++] = samples.inflow[k] - run * j / (between + 1.0);
         }
-        samples = finer;
-        if (!changed) break;
+        if (more == 0) break;
+        const Samples before = samples;
+        Samples fresh;
+        evaluate(asked.data(), more, fresh);
+        samples.count = 0;
+        for (int k = 0, j = 0; k < before.count || j < fresh.count;) {
+            const bool old = j == fresh.count || (k < before.count && before.inflow[k] > fresh.inflow[j]);
+            if (old) samples.append(before.inflow[k], before.value[k], before.slope[k]), ++k;
+            else samples.append(fresh.inflow[j], fresh.value[j], fresh.slope[j]), ++j;
+        }
     }
 
     Scan result;
@@ -369,30 +373,33 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
                                moving.inverse_root.v};
     const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side);
     Samples s[width];
-    const auto sample = [&](Lanes v, const Azimuths& over) {
-        const Mask known = v == v;
-        const auto g = of.residual(at, known ? v : Lanes{}, over);
+    const auto append = [&](Lanes v, Mask asked, const Dual<Lanes, 1>& g) {
         for (int k = 0; k < width; ++k)
-            if (known[k]) s[k].append(v[k], g.v[k], g.d[0][k]);
+            if (asked[k]) s[k].append(v[k], g.v[k], g.d[0][k]);
     };
+    const auto sample = [&](Lanes v, Mask asked) {
+        asked &= v == v;
+        append(v, asked, of.residual(at, asked ? v : Lanes{}, of.few));
+    };
+    const Mask all = ~Mask{};
     const Lanes spread = stall_spread(of, at, stall);
     for (double off : {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15})
-        sample(inflow_at_angle(of, at, speed, stall + off * spread), of.few);
+        sample(inflow_at_angle(of, at, speed, stall + off * spread), all);
     if (!of.plain())
         for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85})
-            sample(inflow_at_angle(of, at, speed, stall + off), of.few);
+            sample(inflow_at_angle(of, at, speed, stall + off), all);
     Lanes inflow{}, below = broadcast(std::nan("")), depth = broadcast(INFINITY);
-    bool deeper = false;
+    Mask open{}, deeper{};
     for (int k = 0; k < width; ++k) {
         found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false, false, false};
         if (s[k].count < 3) continue;
         found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
         inflow[k] = found[k].inflow;
-        deeper |= !(found[k].top && found[k].height > 0.0);
+        open[k] = -1, deeper[k] = -!(found[k].top && found[k].height > 0.0);
     }
     // Where flow stalls, see how the residual goes on.
-    if (deeper && of.plain())
-        for (double off : {0.25, 0.45, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
+    if (any(deeper) && of.plain())
+        for (double off : {0.25, 0.45, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), deeper);
     for (int k = 0; k < width; ++k) {
         bool rising = false;
         for (int j = 0; j < s[k].count; ++j) {
@@ -408,25 +415,36 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
     }
     // More closely, and over all azimuths where the height is small.
     const Lanes wake = absolute(wake_thrust(of.rotor, radius, of.flow, of.windmill, inflow));
-    bool small = false;
-    for (int k = 0; k < width; ++k) small |= std::fabs(found[k].height) < 0.2 * wake[k];
-    const Azimuths& over = small ? of.psi : of.few;
+    Mask small{};
+    for (int k = 0; k < width; ++k) small[k] = -(std::fabs(found[k].height) < 0.2 * wake[k]);
+    const auto closely = [&](auto residual) {
+        Dual<Lanes, 1> g = residual(any(~small) ? of.few : of.psi);
+        if (any(~small) && any(small) && of.few.count < of.psi.count) {
+            const Dual<Lanes, 1> over_all = residual(of.psi);
+            g.v = small ? over_all.v : g.v, g.d[0] = small ? over_all.d[0] : g.d[0];
+        }
+        return g;
+    };
     const Lanes reach = 0.012 * of.stall_scale() * speed;
-    for (int round = 0; round < 3; ++round) {
-        for (auto& one : s) one.count = 0;
-        sample(inflow + reach, over), sample(inflow, over), sample(inflow - reach, over);
-        bool moved_far = false;
+    for (int round = 0; round < 3 && any(open); ++round) {
+        for (int k = 0; k < width; ++k)
+            if (open[k]) s[k].count = 0;
+        for (double off : {1.0, 0.0, -1.0}) {
+            const Lanes v = inflow + off * reach;
+            append(v, open, closely([&](const Azimuths& over) { return of.residual(at, v, over); }));
+        }
         for (int k = 0; k < width; ++k) {
-            if (std::isnan(found[k].height)) continue;
+            if (!open[k]) continue;
             found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
-            moved_far |= std::fabs(found[k].inflow - inflow[k]) > 0.9 * reach[k];
+            open[k] = -(std::fabs(found[k].inflow - inflow[k]) > 0.9 * reach[k]);
             inflow[k] = found[k].inflow;
         }
-        if (!moved_far) break;
     }
     // At the top the residual's slope by v_i is zero: along the blade the height changes as the residual does.
-    const Dual<Lanes, 1> height = annulus_thrust(of.rotor, moving, of.flow, inflow, over) -
-                                  wake_thrust(of.rotor, moved, of.flow, of.windmill, inflow);
+    const Dual<Lanes, 1> height = closely([&](const Azimuths& over) {
+        return annulus_thrust(of.rotor, moving, of.flow, inflow, over) -
+               wake_thrust(of.rotor, moved, of.flow, of.windmill, inflow);
+    });
     const Lanes past = angle_at(at, speed, of.flow.v_axial + inflow) - stall;
     below = angle_at(at, speed, of.flow.v_axial + below) - stall;
     for (int k = 0; k < width; ++k) {
@@ -522,12 +540,15 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         }
         Hump inside[width];
         const double spread = narrowing < 2 ? 0.05 : 0.25;
-        const Lanes radius = each_lane([&](int k) {
-            const double from = std::clamp(share + spread * (2.0 * k / (width - 1.0) - 1.0), 0.01 * (k + 1), 1.0 - 0.01 * (width - k));
-            return low.radius + from * gap;
+        constexpr int looks = 4;
+        const Lanes radius = each_lane([&](int lane) {
+            const int k = std::min(lane, looks - 1);
+            const double from = share + spread * (2.0 * k / (looks - 1.0) - 1.0);
+            return low.radius + std::clamp(from, 0.01 * (k + 1), 1.0 - 0.01 * (looks - k)) * gap;
         });
         humps_at(of, radius, side, inside);
-        for (const Hump& h : inside) {
+        for (int k = 0; k < looks; ++k) {
+            const Hump& h = inside[k];
             if (std::isnan(h.height) || h.radius <= low.radius || h.radius >= high.radius) continue;
             if ((h.height < 0.0) == (low.height < 0.0)) low = h;
             else { high = h; break; }

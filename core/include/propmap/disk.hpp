@@ -10,6 +10,8 @@ namespace propmap {
 
 inline constexpr int most_nodes = 1100;
 inline constexpr int most_edges = 12;
+inline constexpr int run = 4;  // nodes beside each other that are judged together, by whatever width
+static_assert(width % run == 0);
 
 // A panel's nodes in shares of the panel, and their weights; the last polynomials at these, which tell the error.
 //
@@ -90,6 +92,16 @@ struct Disk {
     std::vector<Lanes> inflow;       // v_i [m/s], NaN where not found
     bool several = false;            // whether (11) has several roots somewhere
 
+    double radius(int node) const { return at[node / width].radius[node % width]; }
+    int runs() const { return (nodes + run - 1) / run; }
+
+    // The lanes of a group that are looked at for several roots: every third run of nodes.
+    static Mask every_third_run(int group) {
+        Mask chosen;
+        for (int k = 0; k < width; ++k) chosen[k] = -((group * width + k) / run % 3 == 0);
+        return chosen;
+    }
+
     // `each(node, panel, rule, k)` for all nodes, those beyond the last included.
     template <class F> void for_each_node(F each) const {
         int node = 0, panel = 0, k = 0;
@@ -133,9 +145,11 @@ template <class S> struct MovingNodes {
     }
 };
 
-// Whether (11) has more than one root below a largest one in attached flow: past stall the residual, positive
-// below a single root, is negative then.  Where a blade without azimuths is far from that, it is not looked at.
-template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes inflow) {
+// Whether (11) has more than one root, in one of these lanes, below a largest one in attached flow: past stall the
+// residual, positive below a single root, is negative then.  Where a blade without azimuths is far from that, it is
+// not looked at.
+template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes inflow, Mask lanes) {
+    if (!any(lanes)) return false;
     const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, 1.0);
     const Lanes margin = 1e-4 * (of.flow.omega * at.radius + of.flow.v_inplane);
     const double none = 0.0;
@@ -143,12 +157,12 @@ template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>&
     Mask found{};
     for (double off : {0.0, 0.04, 0.1, 0.2}) {
         const Lanes v = inflow_past_stall(of, at, speed, stall, off);
-        const Mask below = v < inflow - margin;
+        Mask below = lanes & (v < inflow - margin);
         if (!any(below)) continue;
         const Lanes asked = below ? v : inflow;
         const Lanes wake = absolute(wake_thrust(of.rotor, at.radius, of.flow, of.windmill, asked));
-        if (of.psi.count > 1 && !any(below & (of.residual(at, asked, mean).v < 0.5 * wake))) continue;
-        found |= below & (of.residual(at, asked).v < 0.0);
+        if (of.psi.count > 1) below &= of.residual(at, asked, mean).v < 0.5 * wake;
+        if (any(below)) found |= below & (of.residual(at, asked).v < 0.0);
     }
     return any(found);
 }
@@ -156,30 +170,36 @@ template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>&
 inline constexpr double close_enough = 3e-6;  // a Newton step, in shares of the speed: the next would be 1e-11
 
 // The inflow at the nodes by Newton's method from attached flow, first over a few azimuths.  Nothing is found
-// where some node is near stall, whose group is marked then.
+// where some node is near stall, whose run is marked then.
 template <class R> bool solve_attached(const Annuli<R>& of, Disk& disk, std::vector<bool>& near_stall) {
     const auto scale_of = [&](int g) { return of.rms_speed(disk.at[g]) + std::fabs(of.flow.v_axial); };
-    near_stall.assign(disk.groups, false);
+    near_stall.assign(disk.runs(), false);
+    const auto first_in = [&](int g, Mask lanes) {
+        int k = 0;
+        while (k < width && !lanes[k]) ++k;
+        return std::min(g * width + k, disk.nodes - 1) / run;
+    };
     bool all = true;
     for (int g = 0; g < disk.groups; ++g) {
         Lanes& v = disk.inflow[g];
         v = attached_guess(of, disk.at[g]);
         Mask sure = newton(of, disk.at[g], of.few, scale_of(g), 3e-3, 5, v);
         sure &= surely_largest(of, disk.at[g], v);
-        near_stall[g] = any(~sure);
-        all &= !near_stall[g];
+        for (int k = 0; k < width && g * width + k < disk.nodes; ++k)
+            if (!sure[k]) near_stall[(g * width + k) / run] = true, all = false;
     }
     if (!all) return false;
     for (int g = 0; g < disk.groups; ++g) {
         Lanes& v = disk.inflow[g];
-        const Mask sure = newton(of, disk.at[g], of.psi, scale_of(g), close_enough, 6, v);
-        if (any(~(sure & surely_largest(of, disk.at[g], v)))) return near_stall[g] = true, false;
-        if (!disk.several && g % 3 == 0) disk.several = several_roots(of, disk.at[g], v);
+        Mask sure = newton(of, disk.at[g], of.psi, scale_of(g), close_enough, 6, v);
+        sure &= surely_largest(of, disk.at[g], v);
+        if (any(~sure)) return near_stall[first_in(g, ~sure)] = true, false;
+        if (!disk.several) disk.several = several_roots(of, disk.at[g], v, Disk::every_third_run(g));
     }
     return true;
 }
 
-// Look along the blade for folds, radii at which the hump's height passes zero, among the nodes of groups near
+// Look along the blade for folds, radii at which the hump's height passes zero, among the nodes of runs near
 // stall; elsewhere flow is attached.  Between two radii the height is a cubic, as its slope is known; where that
 // turns towards zero two folds may hide, and one looks closer.
 struct Folds {
@@ -216,12 +236,12 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     const int every = follow ? 2 : 4;
     std::array<double, most_nodes + 2> places;
     int near = 0, chosen = 0;
-    const auto add_group = [&](int g) {
+    const auto add_run = [&](int k) {
         // A fold may lie beyond the last node.
         const double inset = 1e-5 * (tip - root);
-        if (g == 0) places[near++] = root + inset;
-        for (int k = 0; k < width && g * width + k < disk.nodes; ++k) places[near++] = disk.at[g].radius[k];
-        if (g + 1 == disk.groups) places[near++] = tip - inset;
+        if (k == 0) places[near++] = root + inset;
+        for (int node = k * run; node < std::min((k + 1) * run, disk.nodes); ++node) places[near++] = disk.radius(node);
+        if (k + 1 == disk.runs()) places[near++] = tip - inset;
     };
     const auto look_at_places = [&] {
         chosen = 0;
@@ -231,20 +251,20 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
         near = 0;
         sort();
     };
-    for (int g = 0; g < disk.groups; ++g)
-        if (near_stall[g]) add_group(g);
+    for (int k = 0; k < disk.runs(); ++k)
+        if (near_stall[k]) add_run(k);
     look_at_places();
     // Beside them too, unless the height is large there and goes on so.
-    for (int g = 0; g < disk.groups; ++g) {
-        const bool within = g > 0 && near_stall[g - 1], without = g + 1 < disk.groups && near_stall[g + 1];
-        if (near_stall[g] || !(within || without)) continue;
-        const double y = disk.at[g].radius[width / 2];
+    for (int k = 0; k < disk.runs(); ++k) {
+        const bool within = k > 0 && near_stall[k - 1], without = k + 1 < disk.runs() && near_stall[k + 1];
+        if (near_stall[k] || !(within || without)) continue;
+        const double y = disk.radius(std::min(k * run + run / 2, disk.nodes - 1));
         const auto closest = std::min_element(seen.begin(), seen.end(), [&](const Hump& a, const Hump& b) {
             return std::fabs(a.radius - y) < std::fabs(b.radius - y);
         });
         const bool far = closest != seen.end() && closest->height > 0.0 && !closest->near &&
                          closest->height + closest->slope * (y - closest->radius) > 0.5 * closest->height;
-        if (!far) add_group(g);
+        if (!far) add_run(k);
     }
     if (near > 0) look_at_places();
     for (int round = 0; round < 6; ++round) {
@@ -413,7 +433,7 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
         } else {
             found = sure;
         }
-        if (!disk.several && !of.windmill && g % 3 == 0 && !any(~sure)) disk.several = several_roots(of, at, v);
+        if (!disk.several && !of.windmill) disk.several = several_roots(of, at, v, sure & Disk::every_third_run(g));
         for (int k = 0; k < width; ++k)
             if (!found[k] && g * width + k < disk.nodes) open[left++] = g * width + k;
     }

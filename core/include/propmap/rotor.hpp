@@ -188,7 +188,7 @@ template <template <class> class LawOf> class RotorSolver {
         const auto of = annuli(s);
         single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
         place_nodes(rotor_, omega, s.disk);
-        s.near_stall.assign(s.disk.groups, true);
+        s.near_stall.assign(s.disk.runs(), true);
         const bool tried = advance <= reversed_above;
         if (!(tried && solve_attached(of, s.disk, s.near_stall))) {
             s.disk.several = false;
@@ -201,7 +201,7 @@ template <template <class> class LawOf> class RotorSolver {
             s.psi = azimuths(axial ? 1 : accuracy_.azimuths_at(advance, sharper, int(times) + 1));
             single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
             place_nodes(rotor_, omega, s.disk);
-            s.near_stall.assign(s.disk.groups, true);
+            s.near_stall.assign(s.disk.runs(), true);
             s.disk.several = false;
             solve_stalled(s, accuracy_.finer[times].nodes);
             find_loads(s);
