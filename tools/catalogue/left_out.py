@@ -138,7 +138,7 @@ def predicted(
 
 
 def posterior(constants: Floats, covariance: Floats) -> PopulationPrior:
-    """The distribution of constants (7,) with a ``covariance`` (7, 7), in coordinates."""
+    """The distribution of constants (P,) with a ``covariance`` (P, P), in coordinates."""
     place = coordinates(constants)
     back = np.linalg.inv(slopes_of(place))
     return PopulationPrior.of(place, back @ covariance @ back.T)

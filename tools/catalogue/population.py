@@ -83,10 +83,10 @@ class _Family(NamedTuple):
 class _Expected(NamedTuple):
     """Expectations over one family of n members, given the population."""
 
-    mean: Floats  # of the family, (7,)
-    squares: Floats  # covariance of that, (7, 7)
+    mean: Floats  # of the family, (P,)
+    squares: Floats  # covariance of that, (P, P)
     own: Floats  # parts of the members, (n, 7)
-    own_squares: Floats  # sum of their squares, (7, 7)
+    own_squares: Floats  # sum of their squares, (P, P)
     evidence: float
 
 

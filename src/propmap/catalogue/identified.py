@@ -23,7 +23,12 @@ from propmap.units import INCH
 # Section constants identified from published loads, propeller by propeller, in one CSV file.
 
 PARAMETERS = tuple(name for name, constant in CONSTANTS.items() if constant.population)
-"""The constants that were identified; the others are held, c_l2 at the value in the file."""
+"""The constants that were identified."""
+
+LIFT_LAW = "plate"
+"""The lift law of all identified constants.  On blades that stall at rest it is as good as the
+paper's with a larger c_l2 (``python -m tools.catalogue.past_stall``), which has twice the lift of a
+plate at 45 degrees."""
 
 POOR = (0.0048, 0.0036)  # errors of C_T and C_P [-] that nine propellers in ten stay below
 
@@ -46,7 +51,7 @@ class Identified:
     diameter_m: float  # as labelled, as the pitch
     pitch_m: float
     airfoil: Airfoil  # with how well they are known
-    covariance: Floats  # (7, 7) of ``PARAMETERS``
+    covariance: Floats  # (P, P) of ``PARAMETERS``
     thrust_rms: float  # errors of C_T and C_P over all rows, and at rest; NaN without such
     power_rms: float
     static_thrust_rms: float
@@ -87,7 +92,7 @@ class Identified:
 
     @property
     def constants(self) -> Floats:
-        """Values of ``PARAMETERS``, (7,)."""
+        """Values of ``PARAMETERS``, (P,)."""
         return np.array([getattr(self.airfoil, name) for name in PARAMETERS])
 
 
@@ -138,7 +143,6 @@ def as_csv(entries: Sequence[Identified]) -> str:
     for one in entries:
         numbers = [
             *(getattr(one, name) for name in _RANGES),
-            one.airfoil.c_l2,
             *one.constants,
             *(one.covariance[pair] for pair in _PAIRS),
         ]
@@ -167,7 +171,7 @@ def _entry(row: dict[str, str]) -> Identified:
     covariance = np.zeros((len(PARAMETERS), len(PARAMETERS)))
     for i, j in _PAIRS:
         covariance[i, j] = covariance[j, i] = float(row[_pair(i, j)])
-    values: Any = {name: float(row[name]) for name in ("c_l2", *PARAMETERS)}
+    values: Any = {name: float(row[name]) for name in PARAMETERS}
     texts: Any = {name: row[name] for name in _TEXTS}
     counts: Any = {name: int(row[name]) for name in _COUNTS}
     numbers: Any = {name: float(row[name]) for name in (*_RANGES, *_ERRORS)}
@@ -176,13 +180,13 @@ def _entry(row: dict[str, str]) -> Identified:
         SectionCovariance(PARAMETERS, covariance), numbers["thrust_rms"], numbers["power_rms"]
     )
     name = f"{row['propeller']} identified"
-    airfoil = Airfoil(**values, name=name, source=source, uncertainty=known)
+    airfoil = Airfoil(**values, lift_law=LIFT_LAW, name=name, source=source, uncertainty=known)
     return Identified(airfoil=airfoil, covariance=covariance, **texts, **counts, **numbers)
 
 
 def _header() -> list[str]:
     pairs = [_pair(i, j) for i, j in _PAIRS]
-    return [*_TEXTS, *_COUNTS, *_RANGES, "c_l2", *PARAMETERS, *pairs, *_ERRORS]
+    return [*_TEXTS, *_COUNTS, *_RANGES, *PARAMETERS, *pairs, *_ERRORS]
 
 
 def _pair(i: int, j: int) -> str:

@@ -12,7 +12,6 @@ from typer import Argument, Option, echo
 from typer.core import TyperGroup
 
 from propmap.catalogue import Entry
-from propmap.catalogue.expected import HELD
 from propmap.catalogue.identified import PARAMETERS, all_identified
 from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, search
 from propmap.cli import options as opt
@@ -191,5 +190,4 @@ def _constants(prop: str, blade: Propeller) -> list[object]:
         (name, f"{getattr(law, name):.4f}", f"{deviation:.4f}", CONSTANTS[name].unit)
         for name, deviation in zip(PARAMETERS, deviations, strict=True)
     ]
-    held = [(name, f"{value:.4f}", "held", "-") for name, value in HELD.items()]
-    return [out.grid("<constant|value|standard deviation|<unit", [*rows, *held]), *shown]
+    return [out.grid("<constant|value|standard deviation|<unit", rows), *shown]
