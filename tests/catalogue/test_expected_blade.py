@@ -225,7 +225,12 @@ def test_what_is_told(
     assert len(meant.shape.families) == families
     assert (meant.unknown, meant.others) == (unknown, measured)
     assert (meant.family is not None) == (families == 1)
-    for told in (*unknown, *measured, str(meant.shape.propellers if families > 1 else "")):
+    for told in (
+        *(() if meant.wanted.maker else unknown),
+        *measured,
+        meant.wanted.maker,
+        str(meant.shape.propellers if families > 1 else ""),
+    ):
         assert told in meant.summary
     assert "\n" not in meant.summary
     assert "not measured" in meant.propeller.source

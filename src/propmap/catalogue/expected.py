@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -70,15 +70,22 @@ class ExpectedBlade:
         name = "".join(c for c in " ".join(self.text.split()) if c.isprintable())
         return self.shape.propeller(name, size.diameter, size.pitch, size.blades or 2)
 
+    def with_blades(self, asked: int | None) -> ExpectedBlade:
+        """Take the number of blades that was ``asked`` for beside the designation, if any."""
+        return replace(self, wanted=self.wanted.with_blades(asked))
+
     @property
     def summary(self) -> str:
-        """Say in one line what the blade rests on, and how far loads may err."""
+        """Say in one line how the text was read, what the blade rests on, and how far loads may
+        err."""
         count, of = self.shape.propellers, f"{len(self.shape.families)} families"
         if self.geometry == "family":
             of = f"its family, {self.family}"
         reason = "no measured blade of this size"
         if self.own is not None:
             reason = f"the blade of {self.own.tested!r} was not measured"
+        elif self.wanted.maker:
+            reason = f"no blade of {self.wanted.maker} was measured"
         elif not self.wanted.words:
             reason = "no maker is named"
         elif self.unknown:
@@ -87,6 +94,8 @@ class ExpectedBlade:
             reason += f" (known of this size: {', '.join(self.others)})"
         some = f"the mean of {count} propellers" if count > 1 else "that of one propeller"
         geometry = f"{reason}: the geometry is {some} of {of}"
+        if self.wanted.size:
+            geometry = f"{self.wanted.reading}; {geometry}"
         if self.own is not None:
             return geometry
         # Where none of the family was identified, its constants are as little known as any's.

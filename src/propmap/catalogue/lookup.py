@@ -82,7 +82,7 @@ def propeller(
         For an unknown name, with close ones, a designation that propellers of several series have,
         and a file that holds no propeller.
     """
-    meant = meant_by(name_or_path)
+    meant = meant_by(name_or_path, blades)
     if meant is None:
         found = read_geometry_file(os.fspath(name_or_path), blades=blades, radius=radius)
     else:
@@ -92,22 +92,28 @@ def propeller(
             found = replace(catalogue.load(meant.name), blades=meant.blades)
         with located(found.name):
             check_radius(found.radius, radius)
-        if blades is not None:
-            found = replace(found, blades=blades)
     return found if root_cutout is None else found.with_root_cutout(root_cutout)
 
 
-def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | ExpectedBlade | None:
-    """Find what ``propeller`` would give the blade of; None for a file. Errors are those of
-    ``propeller``."""
+def meant_by(
+    name_or_path: str | os.PathLike[str], blades: int | None = None
+) -> catalogue.Entry | ExpectedBlade | None:
+    """Find what ``propeller`` would give the blade of, and so many ``blades`` where they are asked
+    for; None for a file. Errors are those of ``propeller``."""
     text = os.fspath(name_or_path)
     name = text.strip().lower()
+    found: catalogue.Entry | ExpectedBlade
     if name in catalogue.names():
-        return catalogue.entry(name)
-    one = named_without_blade(name)
-    if one is not None:
-        return blade_of(text, Designation((one.family,), *one.size, None), one)
-    return None if looks_like_path(name_or_path) else designated(text)
+        found = catalogue.entry(name)
+    elif (one := named_without_blade(name)) is not None:
+        found = blade_of(text, Designation((one.family,), *one.size, None), one)
+    elif looks_like_path(name_or_path):
+        return None
+    else:
+        found = designated(text)
+    if isinstance(found, ExpectedBlade):
+        return found.with_blades(blades)
+    return found if blades is None else replace(found, blades=blades)
 
 
 def designated(text: str) -> catalogue.Entry | ExpectedBlade:
