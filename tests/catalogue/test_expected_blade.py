@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -137,13 +136,6 @@ def test_coefficients_of_two_sizes_at_one_reynolds_number() -> None:
         loads = rotor.loads(2.0 * np.pi * turns, speed, 1.0)
         found.append(np.array([loads.thrust, loads.drag]) / (turns**2 * blade.diameter**4))
     np.testing.assert_allclose(found[1], found[0], rtol=1e-6)
-
-
-def test_a_number_of_blades_changes_nothing_else() -> None:
-    two, three = propmap.propeller("HQ 5x4.3"), propmap.propeller("HQ 5x4.3x3")
-    assert (two.blades, three.blades) == (2, 3)
-    assert replace(two, blades=3, name=three.name) == three
-    assert propmap.propeller("HQ 5x4.3", blades=3).blades == 3
 
 
 def test_a_screw_advances_by_its_pitch_in_a_turn() -> None:

@@ -228,7 +228,7 @@ def known_model(
         As ``propmap.propeller``.
     """
     blade = propeller(name_or_path, blades)
-    meant = meant_by(name_or_path)
+    meant = meant_by(name_or_path, blades)
     known = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
     added = corrections_of("recommended") if corrections is None else corrections
     return Model(blade, known.airfoil, air or Air(), added)
@@ -244,11 +244,16 @@ def own_constants(meant: Entry | ExpectedBlade | None, blades: int) -> Identifie
 def predicted_constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
     """Predict the constants of a propeller that was not identified itself; ``meant`` is None for a
     geometry file."""
-    return expected_constants(
-        meant.family if meant is not None else None,
-        size_of(meant, blade),
-        meant.geometry if isinstance(meant, ExpectedBlade) else "measured",
-    )
+    family = meant.family if meant is not None else None
+    return expected_constants(family, size_of(meant, blade), geometry_of(meant, blade))
+
+
+def geometry_of(meant: Entry | ExpectedBlade | None, blade: Propeller) -> str:
+    """Say whose the ``blade`` of what is ``meant`` is, as ``expected_constants`` takes it."""
+    if not isinstance(meant, ExpectedBlade):
+        return "measured"
+    # The blade may have more than the name says, by an option.
+    return meant.with_blades(blade.blades if blade.blades > 2 else None).geometry
 
 
 # -------------------------------------------------------------------------------------------------

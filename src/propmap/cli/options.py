@@ -132,7 +132,7 @@ class RotorChoice:
         """Make the rotor; notes say what is assumed and what is implausible about it."""
         blade, air = self.blade(), self.medium()
         section = with_physics(
-            section_law(self.airfoil, self.prop, blade), self.model, self.correction
+            section_law(self.airfoil, self.prop, blade, self.blades), self.model, self.correction
         )
 
         from propmap.rotor import Rotor
@@ -189,14 +189,17 @@ def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
         note(f"{told} blades, as its title tells")
 
 
-def section_law(asked: str | None, prop: str, blade: Propeller) -> Airfoil | SectionTable:
+def section_law(
+    asked: str | None, prop: str, blade: Propeller, blades: int | None = None
+) -> Airfoil | SectionTable:
     """Find the law that ``--airfoil`` asks for, else that identified or predicted for PROP.
 
-    A note says which constants are taken where none are asked for.
+    A note says which constants are taken where none are asked for; ``blades`` is the number that
+    was.
     """
     if asked is not None:
         return airfoil(asked)
-    meant = meant_by(prop)
+    meant = meant_by(prop, blades)
     found = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
     if not (isinstance(meant, ExpectedBlade) and meant.own is None):
         # Else the note on the blade has said what the constants rest on too.
