@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,6 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap import catalogue
+from propmap.catalogue.blade_number import (
+    CITATION,
+    LEFT_OUT_ERROR,
+    chord_factor,
+    known_at_rest,
+    left_at_rest,
+)
 from propmap.catalogue.identified import (
     LIFT_LAW,
     PARAMETERS,
@@ -61,25 +68,41 @@ class ExpectedBlade:
 
     @property
     def geometry(self) -> str:
-        """Whose mean the blade is, "family" or "population", as ``expected_constants`` takes it."""
+        """Whose mean the blade is, "family", "population", or the latter for a "multirotor", as
+        ``expected_constants`` takes it."""
+        if not self.families and (self.wanted.maker or self.wanted.blades):
+            return "multirotor"
         return "family" if self.shape.families == self.families[:1] else "population"
 
     @property
     def propeller(self) -> Propeller:
         """The blade; two of them where the designation does not say how many."""
-        size = self.wanted
+        size, count = self.wanted, self.wanted.blades or 2
         name = "".join(c for c in " ".join(self.text.split()) if c.isprintable())
-        return self.shape.propeller(name, size.diameter, size.pitch, size.blades or 2)
+        blade = self.shape.propeller(name, size.diameter, size.pitch, count)
+        factor = chord_factor(count) if self.geometry == "multirotor" else 1.0
+        if factor == 1.0:
+            return blade
+        source = f"{blade.source}, the chord times {factor:g} for more than two blades"
+        citation = f"{blade.citation}; static thrust with more blades: {CITATION}"
+        return replace(blade, chord=factor * blade.chord, source=source, citation=citation)
+
+    def with_blades(self, asked: int | None) -> ExpectedBlade:
+        """Take the number of blades that was ``asked`` for beside the designation, if any."""
+        return replace(self, wanted=self.wanted.with_blades(asked))
 
     @property
     def summary(self) -> str:
-        """Say in one line what the blade rests on, and how far loads may err."""
+        """Say in one line how the text was read, what the blade rests on, and how far loads may
+        err."""
         count, of = self.shape.propellers, f"{len(self.shape.families)} families"
         if self.geometry == "family":
             of = f"its family, {self.family}"
         reason = "no measured blade of this size"
         if self.own is not None:
             reason = f"the blade of {self.own.tested!r} was not measured"
+        elif self.wanted.maker:
+            reason = f"no blade of {self.wanted.maker} was measured"
         elif not self.wanted.words:
             reason = "no maker is named"
         elif self.unknown:
@@ -88,6 +111,11 @@ class ExpectedBlade:
             reason += f" (known of this size: {', '.join(self.others)})"
         some = f"the mean of {count} propellers" if count > 1 else "that of one propeller"
         geometry = f"{reason}: the geometry is {some} of {of}"
+        if self.wanted.size:
+            geometry = f"{self.wanted.reading}; {geometry}"
+        multirotor = self.geometry == "multirotor"
+        if multirotor and (factor := chord_factor(self.wanted.blades or 2)) != 1.0:
+            geometry += f", of two blades, with {factor:g} of their chord"
         if self.own is not None:
             return geometry
         # Where none of the family was identified, its constants are as little known as any's.
@@ -97,6 +125,11 @@ class ExpectedBlade:
         if self.family not in {one.family for one in identified}:
             group = "population_blade"
         half, most = ERRORS[group]
+        if multirotor:
+            geometry += (
+                "; four five-inch propellers of multirotors, each left out, err in static thrust "
+                f"by less than {LEFT_OUT_ERROR:.0%}"
+            )
         return (
             f"{geometry}; with section constants predicted likewise, half of such propellers err "
             f"in thrust and torque by less than {half[0]:.0%} and {half[1]:.0%} (rms) in axial "
@@ -154,7 +187,7 @@ def expected_constants(
 
     Without a ``family``, a code such as "apcsf", those over all; without a ``size``, those of a
     middling one. ``geometry`` says whether its blade is "measured", or expected by the means of its
-    "family" or of the "population".
+    "family" or of the "population", which may be that of a "multirotor".
     """
     prior, members = expected_prior(family, size, geometry), _members(family, geometry)
     own, of = "unknown", f"{len(all_identified())} small propellers, none of its family"
@@ -168,8 +201,14 @@ def expected_constants(
         "twice that"
     )
     thrust, power = bundled_population(geometry).errors.tolist()
-    measured = None if geometry == "measured" else _of_constants(expected_prior(family, size))
-    known_to = SectionUncertainty(_of_constants(prior), thrust, power, with_blade=measured)
+    measured = None if geometry == "measured" else expected_prior(family, size)
+    if measured and geometry == "multirotor":
+        # How much of the error of static thrust is the blade's was not measured: as of others.
+        left = left_at_rest(expected_prior(family, size, "population").covariance)
+        narrowed = known_at_rest(measured.covariance, left)
+        measured = PopulationPrior.of(measured.mean, narrowed)
+    own_part = _of_constants(measured) if measured else None
+    known_to = SectionUncertainty(_of_constants(prior), thrust, power, with_blade=own_part)
     name = f"{family} expected" if members else "small propeller expected"
     law = airfoil_at(prior.mean, name, f"prior over propellers by propmap, family {own}")
     return ExpectedConstants(law.with_parameters(uncertainty=known_to), summary)
@@ -604,7 +643,13 @@ def likeness(sizes: Sequence[Size]) -> Floats:
 
 @lru_cache(maxsize=4)
 def bundled_population(geometry: str = "measured") -> Population:
-    """Read the bundled population whose blades are one of ``GEOMETRIES``."""
+    """Read the bundled population whose blades are one of ``GEOMETRIES``, or that of all for a
+    "multirotor"."""
+    if geometry == "multirotor":
+        of_all = bundled_population("population")
+        whole = of_all.between + of_all.within
+        narrowed = known_at_rest(whole, left_at_rest(whole))
+        return replace(of_all, between=narrowed, within=np.zeros_like(whole))
     file = Path(__file__).parent / "identified" / "population.toml"
     return parse_populations(file.read_text(encoding="utf-8"))[geometry]
 
