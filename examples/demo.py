@@ -27,7 +27,7 @@ from propmap.hover import HoverModel
 from propmap.io.csv import csv_text
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
-from propmap.model.corrections import MODELS, corrections_of, in_words
+from propmap.model.corrections import TYPICAL_FACTOR, as_text, corrections_of, in_words
 from propmap.model.model import Model
 from propmap.report.html import save
 from propmap.report.pictures import MeasuredLoads, disk_picture, load_curves
@@ -241,7 +241,7 @@ def write_tables(results: Results, folder: Path, notes: list[str]) -> None:
         "propmap_version": propmap.__version__,
         "propeller": results.rotor.model.propeller.name,
         "models": {
-            name: {"airfoil": section, "corrections": list(MODELS[name])}
+            name: {"airfoil": section, "corrections": _corrections(name)}
             for name, section in SECTIONS.items()
         },
         "fitted_loads": list(FITTED),
@@ -296,9 +296,14 @@ def _rotors(data: Measurement) -> dict[str, Rotor]:
     """Make the rotor of each model, by its name, in the air of the ``data``."""
     blade, air = propeller(PROPELLER), propmap.Air(density=data.air_density)
     return {
-        name: Rotor(Model(blade, parameter_set(section), air, corrections_of(name)))
+        name: Rotor(Model(blade, parameter_set(section), air, corrections_of(name, installed=True)))
         for name, section in SECTIONS.items()
     }
+
+
+def _corrections(model: str) -> list[str]:
+    """Name what a model adds to the paper's physics; the recommended rotor is installed."""
+    return [as_text(one) for one in corrections_of(model, installed=True)]
 
 
 def _timing(rotor: Rotor, flow: list[Floats], copies: int) -> Timing:
@@ -338,7 +343,7 @@ def parts(results: Results) -> Iterator[object]:
         "Gill & D'Andrea 2019 (oblique)"
     )
     for name, section in SECTIONS.items():
-        yield f"{name}: {in_words(MODELS[name])}, with the constants {section}"
+        yield f"{name}: {in_words(_corrections(name))}, with the constants {section}"
     rows = [
         (
             group.title if i == 0 else "",
@@ -382,6 +387,15 @@ def parts(results: Results) -> Iterator[object]:
         for timing in results.timings
     )
     yield f"{times}, on this machine ({os.cpu_count() or 1} cores), after the first call"
+    yield grid(
+        "<load|rms error [%]|in the 95 % band [%]",
+        [
+            (LOADS[one.load].label, _percent(one.relative_rms), _percent(one.inside))
+            for one in results.by_name
+        ],
+        "oblique, by the propeller's name alone: the installed rotor with constants from UIUC's "
+        "axial loads",
+    )
 
 
 def notes(results: Results) -> list[str]:
@@ -416,15 +430,15 @@ def notes(results: Results) -> list[str]:
             f"{one.inside:.0%} are inside in {LOADS[one.load].label} (rms {one.relative_rms:.0%})"
             for one in results.by_name
         )
-        + ". All points of a tunnel err together; bands of rotor drag are those of the blades.",
+        + ". All points of a tunnel err together.",
         f"Pitching moment: of their sign, {pitch[first]:.1f} times theirs at {first:g} degrees and "
         f"{pitch[last]:.1f} times at {last:g}. Theirs is linear in the advance ratio. The paper's "
         "model has none.",
         f"Rotor drag: theirs is {1.0 / max(drag.values()):.1f} to {1.0 / min(drag.values()):.1f} "
-        "times this theory's, by angle. Other sources have the theory right within about 20 % for "
-        "bare blades; the excess looks like a plate in the slipstream (stand, motor, hub), though "
-        "this propeller alone does not tell a plate from a factor: see make reproduce. Nothing "
-        "is tuned here.",
+        "times the recommended rotor's, by angle. That is installed as rotors on motors and stands "
+        f"were measured to be: {TYPICAL_FACTOR[0]:g} times the drag of the blades, and a plate in "
+        "the slipstream. Of the bare blades, other sources have the theory right within about "
+        "20 %. The paper's model has bare blades.",
         "The paper's section law has no camber (zero-lift angle 0), the blade has: with "
         f"{SECTIONS['paper']} mean thrust is off by {_bias(results.groups, 'paper', 'thrust')}, "
         f"mean torque by {_bias(results.groups, 'paper', 'torque')}.",

@@ -74,7 +74,6 @@ def write(folder: Path) -> None:
             "identification",
             "interference",
             "left_out",
-            "mount_drag",
             "lifting_line",
             "lifting_line_causes",
             "options",
@@ -99,7 +98,6 @@ def write(folder: Path) -> None:
         "flight-residual": flight_tables.learned(found["flight_residual"]),
         "wakes-cost": flight_tables.wakes_cost(found["interference"]),
         "wakes-coaxial": flight_tables.coaxial(found["interference"]),
-        "installed": mount_drag(found["mount_drag"]),
         "measured-power": aircraft_tables.measured_power(found["aircraft"]["power"]),
         "aircraft-times": aircraft_tables.times(found["aircraft"]),
         "aircraft-study": aircraft_tables.study(found["aircraft"]["study"]),
@@ -211,42 +209,6 @@ def by_angle(found: dict[str, Any]) -> str:
             cells.append(" / ".join("-" if s is None else f"{100.0 * s:.0f} %" for s in shares))
         points = group["errors"][0]["points"]
         rows.append(f"| {group['beta_deg']:g} | {points} | {' | '.join(cells)} |")
-    return "\n".join(rows)
-
-
-def mount_drag(found: dict[str, Any]) -> str:
-    """What a mount or a factor explains of the drag, and where the rest lies."""
-    groups = list(found["together"]["factor"]["drag_by_group"])
-    heads = ["", "area [cm²]", "factor", "thrust", "torque", "drag", *groups]
-    rows = [f"| {' | '.join(heads)} |", "|---|" + "---:|" * (len(heads) - 1)]
-    for title, when in (("drag alone", "afterwards"), ("all together", "together")):
-        for name, one in found[when].items():
-            values, errors = one["values"], one["relative_rms"]
-            area, factor = values.get("mount_area"), values.get("drag_factor")
-            cells = [
-                "-" if area is None else f"{1e4 * area:.1f}",
-                "-" if factor is None else f"{factor:.2f}",
-                *(
-                    f"{100.0 * errors[load]:.1f} %" if load in errors else "-"
-                    for load in ("thrust", "torque", "drag")
-                ),
-                *(
-                    f"{100.0 * one['drag_by_group'][group]['relative_rms']:.0f} % "
-                    f"({100.0 * (one['drag_by_group'][group]['mean_ratio'] - 1.0):+.0f})"
-                    for group in groups
-                ),
-            ]
-            rows.append(f"| {title}: {name} | {' | '.join(cells)} |")
-    first, motor = found["constants"]["relative_rms"], found["motor"]
-    rows += [
-        "",
-        f"Errors are rms over the rms of the load; by angle and speed, those of the drag and in "
-        f'brackets by how many per cent its mean is off. "Drag alone": with constants fitted to '
-        f"thrust and torque ({100.0 * first['thrust']:.1f} % and {100.0 * first['torque']:.1f} %). "
-        f"The motor of {1e4 * motor['area_m2']:.1f} cm² would add "
-        f"{100.0 * motor['lowest']:.0f} to {100.0 * motor['highest']:.0f} % to the drag of these "
-        f"constants, {100.0 * motor['median']:.0f} % in the median.",
-    ]
     return "\n".join(rows)
 
 

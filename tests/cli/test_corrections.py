@@ -198,15 +198,13 @@ def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path
     ):
         refused = run(*command, "--correction", "hub-loss")
         assert refused.code == 2 and refused.err.count("\n") == 1
-        assert (
-            "with was found with pitt-peters, tip-loss, not with pitt-peters, hub-loss"
-            in refused.err
-        )
+        kept = "pitt-peters, radial-friction"
+        assert f"was found with {kept}, tip-loss, not with {kept}, hub-loss" in refused.err
     # Used as a start, it hands them on.
     run("fit", "tunnel", "apc-8x6e", tunnel_csv, "--airfoil", "with.toml", *QUICK, "-o", "on.toml")
-    assert parameter_set("on.toml").corrections == ("pitt-peters", "tip-loss")
+    assert parameter_set("on.toml").corrections == ("pitt-peters", "radial-friction", "tip-loss")
     checked = json.loads(run("check", "with.toml", tunnel_csv, "--format", "json").out)
-    assert checked["corrections"] == ["pitt-peters", "tip-loss"]
+    assert checked["corrections"] == ["pitt-peters", "radial-friction", "tip-loss"]
     filed = fit_record(tmp_path / "with.toml")["residuals"]["thrust"]["rms"]
     assert checked["loads"]["thrust_N"]["rms"] == pytest.approx(filed, rel=0.02)
 
@@ -224,15 +222,18 @@ def test_tables_and_what_is_made_of_them_tell_the_corrections(
         propmap.airfoil("paper-apc"),
         corrections=propmap.corrections_of("recommended", ["tip-loss"]),
     )
-    assert table.info["corrections"] == ["pitt-peters", "tip-loss"]
+    assert table.info["corrections"] == ["pitt-peters", "radial-friction", "tip-loss"]
     assert table.info["model_sha256"] == model.fingerprint()
-    assert "corrections: pitt-peters, tip-loss" in run("show", "x.npz").out
+    assert "corrections: pitt-peters, radial-friction, tip-loss" in run("show", "x.npz").out
     assert json.loads(run("show", "x.npz", "--format", "json").out)["corrections"] == [
         "pitt-peters",
         "tip-loss",
     ]
     assert run("export", "x.npz", "--to", "csv", "-o", "to").code == 0
-    assert "corrections: pitt-peters, tip-loss" in Path("to/README-csv.txt").read_text()
+    assert (
+        "corrections: pitt-peters, radial-friction, tip-loss"
+        in Path("to/README-csv.txt").read_text()
+    )
     assert run("export", "x.npz", "--to", "nc", "-o", "to").code == 0
     refused = run("export", "x.npz", "--to", "c", "-o", "to", *TIP_LOSS)
     assert "--correction is given with a table" in refused.err

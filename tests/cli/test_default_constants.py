@@ -93,7 +93,7 @@ def test_a_table_by_name_tells_how_uncertain_its_constants_are(
     path = tmp_path / "x.npz"
     done = run("table", "apc-8x6e", *envelope, "-o", path)
     assert done.code == 0, done.err
-    assert "covariance of c_l1, c_d, alpha_0, zero_lift_angle, c_d0, reynolds_camber" in done.out
+    assert "covariance of c_l1, c_l2, c_d, alpha_0, zero_lift_angle, c_d0" in done.out
     info = LoadTable.load(path).info
     assert info["airfoil"]["name"] == "apc-8x6e identified"
     assert info["airfoil_covariance"]["names"][0] == "c_l1"

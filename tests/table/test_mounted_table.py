@@ -27,5 +27,5 @@ def test_the_drag_of_the_mount_is_in_the_table() -> None:
     static = propmap.Rotor(bare).loads(440.0, 0.0, 0.0).thrust
     np.testing.assert_allclose(found.drag, wanted.drag, atol=0.02 * static)
     assert (wanted.drag - without.drag > 0.04 * static).all()
-    assert table.info["corrections"] == ["installed:factor=1,area_m2=0.0014,wake=1.0"]
+    assert table.info["corrections"] == ["installed:factor=1.0,area_m2=0.0014"]
     assert table.info["model_sha256"] == model.fingerprint()

@@ -203,7 +203,7 @@ def missing_drag(aircraft: Aircraft) -> list[str]:
     if not mounted and not any(text.startswith(INSTALLED) for text in texts):
         found.append(
             "rotor drag is that of bare blades, as there is neither [mount] nor the correction "
-            f"{INSTALLED}: what is mounted in the slipstreams was measured to add as much again; "
+            f"{INSTALLED}: installed rotors were measured to have about twice that; "
             "fit it to a flight"
         )
     return found

@@ -117,7 +117,7 @@ def load_curves(
         ax.set_xlabel("flight speed V [m/s]")
     model = rotor.model
     title = f"{model.propeller.name}, airfoil {model.law_title}, {omega / RPM:.0f} rpm"
-    figure.suptitle(title if measured is None else f"{title}; points: {measured.label}")
+    figure.suptitle(title if measured is None else f"{title}\npoints: {measured.label}")
     keys: list[Any] = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
     keys.append(key("hover model", **HOVER))
     if edges:
