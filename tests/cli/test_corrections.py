@@ -227,6 +227,7 @@ def test_tables_and_what_is_made_of_them_tell_the_corrections(
     assert "corrections: pitt-peters, radial-friction, tip-loss" in run("show", "x.npz").out
     assert json.loads(run("show", "x.npz", "--format", "json").out)["corrections"] == [
         "pitt-peters",
+        "radial-friction",
         "tip-loss",
     ]
     assert run("export", "x.npz", "--to", "csv", "-o", "to").code == 0

@@ -52,7 +52,7 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
     for wanted in ("can I trust", "Outside the data", "extrapolation", "no cross-validation"):
         assert wanted.lower() in text.lower()
     # The data have no drag: how the rotor is installed cannot be known.
-    assert "rotor drag is that of the blades alone" in text
+    assert "Rotor drag is that of the blades alone" in text
     assert told["data"][0]["sha256"] in text and told["propmap"] in text
     errors = rows_of(tmp_path / "out" / "fit-errors.csv")
     by_speed = told["residuals"]["thrust"]["by_speed"]
