@@ -18,7 +18,12 @@ from .conftest import Run
     ("prop", "family", "blades", "said"),
     [
         ("5x4.3x3", None, 3, "no maker is named: the geometry is the mean of 123 propellers of 27"),
-        ("APC 12x6E", "apce", 2, "no measured blade of this size: the geometry is the mean of 13"),
+        (
+            "APC 12x6.5E",
+            "apce",
+            2,
+            "no measured blade of this size: the geometry is the mean of 13",
+        ),
     ],
 )
 def test_predict(run: Run, prop: str, family: str | None, blades: int, said: str) -> None:

@@ -21,8 +21,8 @@ from propmap.catalogue.expected import (
     covariates,
     likeness,
     mean_blade,
-    member,
     on_mean_blade,
+    on_measured_blade,
     shapes_without,
 )
 from propmap.catalogue.identified import Identified, one_of_each
@@ -55,7 +55,7 @@ def all_members(entries: Sequence[Identified]) -> dict[str, list[Member]]:
     """
     found: dict[str, list[Member]] = {name: [] for name in GEOMETRIES}
     for one in one_of_each(entries):
-        found["measured"].append(member(one))
+        found["measured"].append(on_measured_blade(one))
         others = shapes_without(catalogue.entry(one.propeller))
         if one.family in {other.family for other in others}:
             found["family"].append(on_mean_blade(one, mean_blade(others, [one.family])))

@@ -35,7 +35,8 @@ from propmap.catalogue.identified import (
     series_named,
 )
 from propmap.errors import InputError, located, quoted
-from propmap.io.geometry import check_radius, read_geometry_file
+from propmap.io.csv import read_lines
+from propmap.io.geometry import check_radius, read_geometry_file, recognise
 from propmap.io.sections import looks_like_section_table, read_section_table
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
@@ -82,7 +83,7 @@ def propeller(
         For an unknown name, with close ones, a designation that propellers of several series have,
         and a file that holds no propeller.
     """
-    meant = meant_by(name_or_path)
+    meant = _named(name_or_path)
     if meant is None:
         found = read_geometry_file(os.fspath(name_or_path), blades=blades, radius=radius)
     else:
@@ -98,8 +99,13 @@ def propeller(
 
 
 def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | ExpectedBlade | None:
-    """Find what ``propeller`` would give the blade of; None for a file. Errors are those of
-    ``propeller``."""
+    """Find what ``propeller`` would give the blade of; None for a file, but for one of APC the
+    propeller that its title names. Errors are those of ``propeller``."""
+    return _named(name_or_path) or _of_makers_file(Path(name_or_path))
+
+
+def _named(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | ExpectedBlade | None:
+    """Find what is meant by a name or a designation; None for a file."""
     text = os.fspath(name_or_path)
     name = text.strip().lower()
     if name in catalogue.names():
@@ -110,24 +116,43 @@ def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | Expected
     return None if looks_like_path(name_or_path) else designated(text)
 
 
+def _of_makers_file(path: Path) -> catalogue.Entry | None:
+    """Find the propeller whose blade an APC file has, by its title; None for another file."""
+    lines = read_lines(path) if path.is_file() else []
+    if not lines or recognise(lines, os.fspath(path)) != "apc-pe0":
+        return None
+    title = next(iter(lines[0].split()), "")
+    try:
+        size = designation(title)
+    except InputError:  # no propeller has such a size: the title is of something else
+        return None
+    return catalogue.of_makers_file(title, size.blades or 2, size.diameter) if size else None
+
+
 def designated(text: str) -> catalogue.Entry | ExpectedBlade:
-    """Find the measured propeller that a designation means, else expect its blade.
+    """Find the propeller of the catalogue that a designation means, else expect its blade.
 
     The entry has the number of blades that the designation says. A size alone means no maker, even
-    where only one of that size was measured. What is written like a name of the catalogue, maker
-    and size joined by hyphens, must be one. ``InputError`` for what is no designation, and where
-    measured propellers of several series have it.
+    where only one of that size was measured. A maker alone means none of his series by their files
+    alone, nor a series a propeller of three blades. What is written like a name of the catalogue,
+    maker and size joined by hyphens, must be one. ``InputError`` for what is no designation, and where measured
+    propellers of several series have it.
     """
     wanted = designation(text)
     if wanted is None:
         raise catalogue.unknown_name(text)
-    found = candidates(wanted)
-    if wanted.words and len(found) == 1:
-        return replace(found[0], blades=wanted.blades or found[0].blades)
-    if series_named(wanted.words)[0] and _NAME.fullmatch(text.strip()):
+    found, series = candidates(wanted), series_named(wanted.words)[0]
+    meant = [
+        one
+        for one in found
+        if one.geometry == "measured" or (len(series) == 1 and one.blades in (2, wanted.blades))
+    ]
+    if wanted.words and len(meant) == 1:
+        return replace(meant[0], blades=wanted.blades or meant[0].blades)
+    if series and _NAME.fullmatch(text.strip()):
         raise catalogue.unknown_name(text)
-    if wanted.words and found:
-        names = ", ".join(entry.name for entry in found)
+    if wanted.words and meant:
+        names = ", ".join(entry.name for entry in meant)
         remedy = "give one of these names; see `propmap props`"
         raise InputError(f"{quoted(text)} may be {names}", remedy)
     return expected_blade(text, wanted, [entry.name for entry in found])
@@ -241,7 +266,7 @@ def predicted_constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -
     return expected_constants(
         meant.family if meant is not None else None,
         size_of(meant, blade),
-        meant.geometry if isinstance(meant, ExpectedBlade) else "measured",
+        meant.geometry if meant is not None else "measured",
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import typer
 from typer import Argument, Option, echo
 
-from propmap.catalogue.expected import ExpectedBlade, airfoil_at, expected_prior, siblings, size_of
+from propmap.catalogue.expected import airfoil_at, expected_prior, siblings, size_of
 from propmap.catalogue.identified import PARAMETERS, all_identified
 from propmap.catalogue.lookup import meant_by, own_constants
 from propmap.cli import options as opt
@@ -209,7 +209,7 @@ def section_prior(
     found = None if meant is None or blade is None else own_constants(meant, blade.blades)
     own = found.tested if found is not None else None
     size = None if blade is None else size_of(meant, blade)
-    geometry = meant.geometry if isinstance(meant, ExpectedBlade) else "measured"
+    geometry = meant.geometry if meant is not None else "measured"
     distribution = expected_prior(family, size, geometry, without=own)
     members = siblings(family, without=own)
     few = "one propeller" if members == 1 else f"{members} propellers"
