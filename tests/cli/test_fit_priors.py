@@ -63,7 +63,7 @@ def test_what_is_stated_wins_over_the_prior() -> None:
 @pytest.mark.parametrize(
     ("wanted", "prop", "says"),
     [
-        ("family", "apc-8x6e", "12 propellers of the family apce"),
+        ("family", "apc-8x6e", "16 propellers of the family apce"),
         ("family", "uiuc-apcsf-10x7", "of the family apcsf"),
         ("family", "my-blade.csv", "small propellers of all families"),
         ("family", "HQ 5x4.3x3", "small propellers of all families"),

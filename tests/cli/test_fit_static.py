@@ -36,7 +36,7 @@ def test_a_stand_narrows_what_the_family_leaves_open(run: Run, stand: Path) -> N
     assert done.code == 0
     note, wrote = done.err.splitlines()
     assert note.startswith(
-        "note: the prior of the section constants is that of 12 propellers of the family apce"
+        "note: the prior of the section constants is that of 16 propellers of the family apce"
     )
     assert "its own in the catalogue left out" in note and "--prior-from none" in note
     assert wrote == "wrote fit.toml"
@@ -45,7 +45,7 @@ def test_a_stand_narrows_what_the_family_leaves_open(run: Run, stand: Path) -> N
         "c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber", "drag_angle",
     ]  # fmt: skip
     assert found["fixed"]["c_l2"] == 2.0
-    assert any("12 propellers of the family apce" in text for text in found["remarks"])
+    assert any("16 propellers of the family apce" in text for text in found["remarks"])
     law = parameter_set("fit.toml")
     assert 4.5 < law.c_l1 < 7.0 and law.zero_lift_angle < 0.0 and 1.0 < law.c_d < 5.0
     for name, told in found["parameters"].items():
