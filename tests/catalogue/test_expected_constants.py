@@ -126,6 +126,18 @@ def test_the_goals_of_propellers_left_out_are_met() -> None:
     assert min(found["family_static"]["moving"]) >= 0.92
 
 
+def test_apc_propellers_without_a_measured_blade_are_predicted_by_their_makers() -> None:
+    """Median errors of thrust and power in whole per cent, of what the committed command wrote."""
+    found = json.loads(RESULTS.read_text(encoding="utf-8"))["makers"]
+    for family, most in (("apce", (8, 8)), ("apcsf", (5, 8))):
+        one = found[f"{family}, no measured blade"]
+        assert np.less_equal(np.round(np.multiply(100.0, one["maker"])), most).all()
+        assert np.less(one["maker_rms"], one["mean_rms"]).all()
+        assert np.less(found[family]["maker_rms"], found[family]["mean_rms"]).all()
+    # Sport propellers stay on mean blades.
+    assert np.greater(found["apcsp"]["maker_rms"], found["apcsp"]["mean_rms"]).all()
+
+
 def test_size_is_the_label_s_and_that_of_the_blade_without_one() -> None:
     blade = propmap.propeller("uiuc-apce-10x7")
     labelled = size_of(meant_by("uiuc-apce-10x7"), blade)

@@ -133,9 +133,9 @@ def designated(text: str) -> catalogue.Entry | ExpectedBlade:
     """Find the propeller of the catalogue that a designation means, else expect its blade.
 
     The entry has the number of blades that the designation says. A size alone means no maker, even
-    where only one of that size was measured. A maker alone means none of his series by their files
-    alone, nor a series a propeller of three blades. What is written like a name of the catalogue,
-    maker and size joined by hyphens, must be one. ``InputError`` for what is no designation, and where measured
+    where only one of that size was measured; a maker alone means no blade by his files, nor does a
+    series mean one with three blades. What is written like a name of the catalogue, maker and size
+    joined by hyphens, must be one. ``InputError`` for what is no designation, and where measured
     propellers of several series have it.
     """
     wanted = designation(text)
