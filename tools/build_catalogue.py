@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.catalogue.makers import series_of
+from propmap.catalogue.apc import series_of
 from propmap.io.geometry import UIUC_CITATION, read_apc_pe0
 from propmap.model.model import Propeller
 from propmap.units import INCH
@@ -77,10 +77,10 @@ Row = dict[str, str]
 
 def main(data: Path) -> None:
     """Write all files of the catalogue from the folder ``data``."""
-    propellers, makers, measurements = (
-        CATALOGUE / name for name in ("propellers", "makers", "measurements")
+    propellers, apc_files, measurements = (
+        CATALOGUE / name for name in ("propellers", "apc_files", "measurements")
     )
-    for folder in (propellers, makers, measurements):
+    for folder in (propellers, apc_files, measurements):
         folder.mkdir(parents=True, exist_ok=True)
         for old in folder.iterdir():
             old.unlink()
@@ -89,8 +89,8 @@ def main(data: Path) -> None:
     for fields in [*_apc(data / "apc"), *measured]:
         _write(propellers / f"{fields['name']}.toml", fields)
     blades = _makers(data / "apc" / "pe0")
-    _write_lines(makers / "apc.csv", _makers_table(blades))
-    _write_lines(makers / "apc_differences.csv", _differences(blades, measured))
+    _write_lines(apc_files / "blades.csv", _makers_table(blades))
+    _write_lines(apc_files / "differences.csv", _differences(blades, measured))
     _write(measurements / "uiuc-8x6e.toml", _uiuc_8x6e(loads))
     for name, fields in _gill_dandrea(data / "oblique").items():
         _write(measurements / f"{name}.toml", fields)

@@ -169,7 +169,7 @@ def test_building_again_gives_the_same_files(tmp_path: Path) -> None:
             for p in sorted(folder.iterdir())
         }
 
-    for part, count in {"propellers": 129, "makers": 2, "measurements": 4}.items():
+    for part, count in {"propellers": 129, "apc_files": 2, "measurements": 4}.items():
         built = digests(tmp_path / "src" / "propmap" / "catalogue" / part)
         assert len(built) == count
         assert built == digests(ROOT / "src" / "propmap" / "catalogue" / part)

@@ -1,7 +1,7 @@
 """The propellers that come with propmap.
 
 Measured blades and a few others have one TOML file each in ``propellers/``; those of their makers'
-files are in the tables of ``makers/``.
+files, of APC, are one table, see ``apc``.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 
-from propmap.catalogue.makers import makers_blades, name_of, series_of
+from propmap.catalogue.apc import apc_blades, name_of, series_of
 from propmap.errors import InputError, quoted
 from propmap.model.model import Propeller
 
@@ -72,8 +72,8 @@ def load(name: str) -> Propeller:
     key = name.strip().lower()
     if key not in _names():
         raise unknown_name(name)
-    if key in makers_blades():
-        return makers_blades()[key].propeller()
+    if key in apc_blades():
+        return apc_blades()[key].propeller()
     # These files are propmap's own, and tested; a user's file is checked entry by entry.
     file = tomllib.loads(_files()[key].read_text(encoding="utf-8"))
     blade = file["station_m"], file["chord_m"], file["twist_rad"], file.get("root_cutout_m")
@@ -84,8 +84,8 @@ def load(name: str) -> Propeller:
 @cache
 def entry(name: str) -> Entry:
     """Read the line of the propeller called ``name``, one of ``names``."""
-    if name in makers_blades():
-        blade = makers_blades()[name]
+    if name in apc_blades():
+        blade = apc_blades()[name]
         return _of_maker(blade.title, blade.blades, 2.0 * blade.radius, blade.source)
     # The arrays come last and are most of the file: leaving them out makes a listing fast.
     head, _, _ = _files()[name].read_text(encoding="utf-8").partition("\nstation_m")
@@ -129,7 +129,7 @@ def close_names(text: str) -> str:
 
 @lru_cache(maxsize=1)
 def _names() -> dict[str, None]:
-    return dict.fromkeys(sorted({*_files(), *makers_blades()}))
+    return dict.fromkeys(sorted({*_files(), *apc_blades()}))
 
 
 @lru_cache(maxsize=1)

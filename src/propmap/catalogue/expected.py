@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.catalogue import makers
+from propmap.catalogue import apc
 from propmap.catalogue.identified import (
     PARAMETERS,
     Designation,
@@ -243,7 +243,7 @@ def on_measured_blade(one: Identified) -> Member:
     own = member(one)
     if one.geometry != "maker":
         return own
-    shift, spread = _by_difference(makers.difference(one.family))
+    shift, spread = _by_difference(apc.difference(one.family))
     return own.shifted(-shift, spread)
 
 
@@ -254,11 +254,11 @@ def on_makers_blade(
 
     ``without`` is the name of a propeller whose measured blade plays no part.
     """
-    shift, spread = _by_difference(makers.difference(family, without))
+    shift, spread = _by_difference(apc.difference(family, without))
     return PopulationPrior.of(prior.mean + shift, prior.covariance + spread)
 
 
-def _by_difference(of: makers.Difference) -> tuple[Floats, Floats]:
+def _by_difference(of: apc.Difference) -> tuple[Floats, Floats]:
     """Give the change of coordinates (7,) from measured to makers' blades, and its covariance."""
     by = np.stack([_FORCES, -_ANGLES], axis=1)
     return by @ of.mean, by @ of.covariance @ by.T
@@ -351,7 +351,7 @@ def measured_shapes() -> tuple[MeasuredShape, ...]:
     mean of their blades."""
     blades_of: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
     for entry in catalogue.entries():
-        if entry.name in makers.makers_blades():
+        if entry.name in apc.apc_blades():
             continue
         label = designation(entry.title)
         assert label is not None  # a test reads all titles

@@ -1,4 +1,4 @@
-"""Blades by their maker's own files, and how measured blades of the series differ from them."""
+"""Blades of APC by its own files, and how measured blades of the series differ from them."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from propmap.typing import Floats
 # One table of APC's blades, a line each; a process wants one of them.
 
 APC_CITATION = "Landing Products Inc. (APC Propellers), performance data files, 2022"
-FOLDER = Path(__file__).parent / "makers"
-BLADES, DIFFERENCES = FOLDER / "apc.csv", FOLDER / "apc_differences.csv"
+FOLDER = Path(__file__).parent / "apc_files"
+BLADES, DIFFERENCES = FOLDER / "blades.csv", FOLDER / "differences.csv"
 
 SERIES = {
     "E": ("apce", "Thin Electric"),
@@ -31,7 +31,7 @@ SERIES = {
 _TITLE = re.compile(r"[\d.]+x[\d.]+([A-Z]*)(?:-\d(?:Blade)?)?")
 
 
-class MakersBlade(NamedTuple):
+class ApcBlade(NamedTuple):
     """A line of the table; numbers that are most of it are left as text."""
 
     title: str  # of APC's file, such as "5x4E-3"
@@ -69,12 +69,12 @@ def series_of(title: str) -> tuple[str, str] | None:
 
 
 @lru_cache(maxsize=1)
-def makers_blades() -> dict[str, MakersBlade]:
+def apc_blades() -> dict[str, ApcBlade]:
     """List the table's blades by their names in the catalogue."""
     lines = BLADES.read_text(encoding="utf-8").splitlines()[1:]
     rows = (line.split(",") for line in lines)
     return {
-        name_of(title): MakersBlade(title, int(blades), float(radius), *shape)
+        name_of(title): ApcBlade(title, int(blades), float(radius), *shape)
         for title, blades, radius, *shape in rows
     }
 

@@ -9,7 +9,7 @@ import pytest
 
 import propmap
 from propmap import catalogue
-from propmap.catalogue import makers
+from propmap.catalogue import apc
 from propmap.catalogue.expected import expected_constants
 from propmap.catalogue.identified import designation, identified
 from propmap.catalogue.lookup import known_model
@@ -43,7 +43,7 @@ def test_they_are_those_of_the_files() -> None:
     for path in sorted((DATA / "apc" / "pe0").glob("*.PE0")):
         title = path.read_text().split(maxsplit=1)[0]
         if not re.fullmatch(r"[\d.]+x[\d.]+(E|EP|SF|MR)(-\d)?", title):
-            assert (makers.series_of(title) or ("", ""))[0] not in series
+            assert (apc.series_of(title) or ("", ""))[0] not in series
             continue
         own, blade = read_apc_pe0(path), catalogue.load(f"apc-{title.lower()}")
         seen += 1
@@ -52,7 +52,7 @@ def test_they_are_those_of_the_files() -> None:
         np.testing.assert_allclose(blade.station, own.station, atol=1e-4 * own.radius)
         np.testing.assert_allclose(blade.chord, own.chord, atol=1e-4 * own.radius)
         np.testing.assert_allclose(np.degrees(blade.twist), np.degrees(own.twist), atol=0.006)
-    assert seen == len(makers.makers_blades()) + 5
+    assert seen == len(apc.apc_blades()) + 5
 
 
 def test_what_is_bundled_is_small() -> None:
@@ -68,7 +68,7 @@ def test_the_difference_is_that_of_the_pairs(
 ) -> None:
     some = [pair for pair in PAIRS if pair[0].startswith(f"uiuc-{family}-")]
     each = np.stack([at_three_quarters(one) - at_three_quarters(made) for one, made in some])
-    found = makers.difference(family)
+    found = apc.difference(family)
     assert len(each) == pairs
     np.testing.assert_allclose(found.mean[0], each[:, 0].mean(), atol=2e-3)
     np.testing.assert_allclose(np.degrees(found.mean[1]), each[:, 1].mean(), atol=0.03)
@@ -82,13 +82,13 @@ def test_the_difference_is_that_of_the_pairs(
 def test_one_that_is_left_out_plays_no_part() -> None:
     (name,) = [made for one, made in PAIRS if one == "uiuc-apcsf-10x7"]
     # Its blade is turned back by more than two degrees, twice as far as the mean.
-    whole, rest = makers.difference("apcsf"), makers.difference("apcsf", without=name)
+    whole, rest = apc.difference("apcsf"), apc.difference("apcsf", without=name)
     assert np.degrees(rest.mean[1] - whole.mean[1]) == pytest.approx(1.16 / 6.0, abs=0.02)
     assert rest.covariance[1, 1] < whole.covariance[1, 1]
 
 
 def test_a_series_that_was_not_measured_is_known_less() -> None:
-    other, own = makers.difference("apcmr"), [makers.difference(f) for f in ("apce", "apcsf")]
+    other, own = apc.difference("apcmr"), [apc.difference(f) for f in ("apce", "apcsf")]
     assert own[1].mean[1] < other.mean[1] < own[0].mean[1]
     assert all(other.covariance[1, 1] > one.covariance[1, 1] for one in own)
 
