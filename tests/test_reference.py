@@ -113,6 +113,15 @@ def test_footnote_1_is_the_simplified_lift() -> None:
     np.testing.assert_allclose(reference.lift_coefficient(a, law), want)
 
 
+def test_a_plate_s_lift_past_stall() -> None:
+    """Far past stall, where nothing is attached."""
+    law = LAW.with_parameters(lift_law="plate")
+    a = np.array([0.25 * np.pi, -0.25 * np.pi])
+    share = 0.5 / (0.56 + 0.44 * math.sqrt(0.5))
+    want = [share * law.c_l2, -share * law.c_l2]
+    np.testing.assert_allclose(reference.lift_coefficient(a, law), want, rtol=1e-8)
+
+
 def test_drag_is_equation_4() -> None:
     """At Re = 10 404, whose root is 102, friction is 2 c_p / 100; across the flow c_d is added."""
     got = reference.drag_coefficient(np.array([0.0, 0.5 * np.pi]), np.full(2, 10404.0), LAW)

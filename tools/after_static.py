@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.catalogue.expected import HELD, airfoil_at, expected_prior
+from propmap.catalogue.expected import airfoil_at, expected_prior
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, one_of_each
 from propmap.fit.comparison import MODEL_ERROR
 from propmap.fit.fit import Settings, fit
@@ -59,7 +59,11 @@ def predicted(one: Identified, tested: MeasuredPropeller) -> tuple[Predicted, Pr
     loads = dict(zip(TOLD, measured[:, rest], strict=True))
     data = TunnelData(one.tested, omega[rest], still[rest], still[rest], loads)
     start = {name: getattr(law, name) for name in PARAMETERS}
-    choice = Choice(PARAMETERS, HELD, start=start, expected=SectionPrior(distribution, law, ""))
+    choice = Choice(
+        PARAMETERS,
+        start=start,
+        expected=SectionPrior(distribution, law, ""),
+    )
     fitted = fit(tunnel_rows(model, data, choice), choice, Settings(starts=1, folds=0))
     level = np.median((measured / size)[:, rest], axis=1)[:, None] * size
     flying = ~rest & (measured[0] > SMALL * level[0])

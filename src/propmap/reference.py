@@ -186,6 +186,8 @@ def make_case(
 def lift_coefficient(alpha: Floats, airfoil: Airfoil) -> Floats:
     """Compute C_L at an angle of attack from zero lift [rad]."""
     separated = airfoil.c_l2 * np.sin(alpha) * np.cos(alpha)
+    if airfoil.lift_law == "plate":  # Not in the paper
+        separated = separated / (0.56 + 0.44 * np.abs(np.sin(alpha)))
     if airfoil.lift_law == "simplified":
         return separated  # Footnote 1
     # The paper's sigma is (1 + A + B) / ((1 + A)(1 + B)) with A = exp(-M (alpha - alpha_0)) and

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -139,13 +138,6 @@ def test_coefficients_of_two_sizes_at_one_reynolds_number() -> None:
     np.testing.assert_allclose(found[1], found[0], rtol=1e-6)
 
 
-def test_a_number_of_blades_changes_nothing_else() -> None:
-    two, three = propmap.propeller("HQ 5x4.3"), propmap.propeller("HQ 5x4.3x3")
-    assert (two.blades, three.blades) == (2, 3)
-    assert replace(two, blades=3, name=three.name) == three
-    assert propmap.propeller("HQ 5x4.3", blades=3).blades == 3
-
-
 def test_a_screw_advances_by_its_pitch_in_a_turn() -> None:
     angle = screw_angle(SHARES, 0.8)
     np.testing.assert_allclose(2.0 * np.pi * (0.5 * SHARES) * np.tan(angle), 0.8, rtol=1e-12)
@@ -225,7 +217,12 @@ def test_what_is_told(
     assert len(meant.shape.families) == families
     assert (meant.unknown, meant.others) == (unknown, measured)
     assert (meant.family is not None) == (families == 1)
-    for told in (*unknown, *measured, str(meant.shape.propellers if families > 1 else "")):
+    for told in (
+        *(() if meant.wanted.maker else unknown),
+        *measured,
+        meant.wanted.maker,
+        str(meant.shape.propellers if families > 1 else ""),
+    ):
         assert told in meant.summary
     assert "\n" not in meant.summary
     assert "not measured" in meant.propeller.source

@@ -10,7 +10,7 @@ import pytest
 import propmap as pm
 from propmap import catalogue
 from propmap.catalogue.identified import (
-    PARAMETERS,
+    LIFT_LAW,
     all_identified,
     as_csv,
     identified,
@@ -36,7 +36,7 @@ def test_every_entry_has_a_blade_and_a_covariance_that_is_one() -> None:
         assert np.linalg.eigvalsh(one.covariance).min() > 0.0, one.propeller
         assert 0.0 < one.thrust_rms < 0.02 and 0.0 < one.power_rms < 0.02
         assert one.rpm_low <= one.rpm_high and one.rows >= one.static_rows
-        assert one.airfoil.c_l2 == 2.0 and one.verdict
+        assert one.airfoil.lift_law == LIFT_LAW and one.verdict
 
 
 def test_they_are_found_by_blade_and_number_of_blades() -> None:
@@ -76,4 +76,3 @@ def test_other_files_are_refused() -> None:
     bad = "\n".join([lines[0], lines[1].replace(",2,", ",two,", 1)])
     with pytest.raises(InputError, match="line 2"):
         parse_identified(bad, "here")
-    assert len(PARAMETERS) == 7

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,12 +18,19 @@ from .conftest import Run
 @pytest.mark.parametrize(
     ("prop", "family", "blades", "said"),
     [
-        ("5x4.3x3", None, 3, "no maker is named: the geometry is the mean of 123 propellers of 27"),
+        (
+            "5x4.3x3",
+            None,
+            3,
+            "read as 5 x 4.3 in, 3 blades; no maker is named: the geometry is the mean of 123 "
+            "propellers of 27",
+        ),
         (
             "APC 12x6.5E",
             "apce",
             2,
-            "no measured blade of this size: the geometry is the mean of 13",
+            "read as 12 x 6.5 in, two blades assumed (--blades 3, or x3 at the end, for three); no "
+            "measured blade of this size: the geometry is the mean of 13",
         ),
     ],
 )
@@ -46,7 +54,24 @@ def test_props_show(run: Run) -> None:
     done = run("props", "show", "HQ 5x4.3x3")
     assert done.code == 0
     assert "HQ 5x4.3x3: 3 blades" in done.out and "source: not measured" in done.out
-    assert "hq names no series known here" in done.err
+    assert "read as 5 x 4.3 in, 3 blades; no blade of HQProp was measured" in done.err
+
+
+def test_a_file_with_a_number_of_blades_in_its_title(run: Run, tmp_path: Path) -> None:
+    path, rows = (
+        tmp_path / "blade.csv",
+        "0.01,0.01,30\n0.03,0.013,20\n0.05,0.012,16\n0.0635,0.006,12\n",
+    )
+    path.write_text(f"# name: HQ 5x4.3x3\nradius_m,chord_m,twist_deg\n{rows}")
+    point = ["predict", str(path), "--rpm", "9000", "--speed", "0", "--beta", "0"]
+    assert "note: 3 blades, as its title tells\n" in run(*point).err
+    said = run(*point, "--blades", "2").err
+    assert "note: its title tells of 3 blades; 2 are taken, as --blades says\n" in said
+    assert "title" not in run(*point, "--blades", "3").err
+    path.write_text("# blades: 2\n" + path.read_text())
+    done = run(*point)
+    assert "note: its title tells of 3 blades; 2 are taken, as the file has\n" in done.err
+    assert "HQ 5x4.3x3, 2 blades" in done.out
 
 
 @pytest.mark.parametrize("prop", ["0x5", "5x", "abc"])

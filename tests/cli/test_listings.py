@@ -47,7 +47,7 @@ def test_props_show_tells_the_identified_constants(run: Run) -> None:
     for name, value, variance in zip(
         PARAMETERS, one.constants, one.covariance.diagonal(), strict=True
     ):
-        (row,) = [line for line in out.splitlines() if f" {name} " in line]
+        (row,) = [line for line in out.splitlines() if f"│ {name} " in line]
         assert f"{value:.4f}" in row and f"{variance**0.5:.4f}" in row
     for text in (f"verdict: {one.verdict}", one.tested, f"{one.rpm_high:.0f} rpm", "with 2 and 4"):
         assert text in out

@@ -317,10 +317,10 @@ def test_the_population_shows_every_propeller_where_it_is() -> None:
         ]
     )
     own = coordinates(np.stack([one.constants for one in entries]))
-    assert places.shape == own.shape == (len(entries), 7)
+    assert places.shape == own.shape == (len(entries), len(PARAMETERS))
     unique = [words.title(one) for one in entries]
     assert len(set(unique)) == len(unique)
-    for k in range(7):
+    for k in range(len(PARAMETERS)):
         assert np.corrcoef(places[:, k], own[:, k])[0, 1] > 0.99999
     table = population.table()
     assert f"{np.exp(bundled_population('measured').mean[0]):.3f}" in table

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from propmap.catalogue.expected import (
-    HELD,
     POPULATION,
     PopulationPrior,
     airfoil_at,
@@ -38,14 +37,14 @@ MEAN = {name: getattr(PRIOR.airfoil, name) for name in PARAMETERS}
 
 
 def choice_of(*free: str, priors: dict[str, Prior] | None = None) -> Choice:
-    fixed = HELD | {name: value for name, value in MEAN.items() if name not in free}
+    fixed = {name: value for name, value in MEAN.items() if name not in free}
     start = {name: MEAN[name] for name in free if name in MEAN}
     return Choice(free, fixed, priors or {}, start, PRIOR)
 
 
 def rows_on(design: dict[str, Floats], noise: Floats, **truth: float) -> Rows:
     model = linear_model(design)
-    exact = model(MEAN | HELD | truth, ("c_l1",))[0]
+    exact = model(MEAN | truth, ("c_l1",))[0]
     return noisy(rows_of(model, exact), noise)
 
 
@@ -77,11 +76,11 @@ def test_constants_are_spread_as_draws_from_the_coordinates_are() -> None:
         # To first order; 40,000 draws tell a deviation to 0.4 %.
         assert mean == pytest.approx(values.mean(), rel=0.02, abs=1e-4)
         assert deviation == pytest.approx(values.std(), rel=0.03)
-    assert PRIOR.of_constant("c_l2") is None
+    assert PRIOR.of_constant("c_p") is None
 
 
 def test_without_data_that_tell_of_them_constants_stay_where_propellers_are() -> None:
-    """Rows see c_l1 alone: the other six keep mean and deviation, and the verdicts say so."""
+    """Rows see c_l1 alone: the others keep mean and deviation, and the verdicts say so."""
     rows = rows_on({"c_l1": np.ones(60)}, np.zeros(60), c_l1=MEAN["c_l1"])
     found = fit(rows, choice_of(*PARAMETERS), QUICK)
     for k, name in enumerate(PARAMETERS):
@@ -105,7 +104,7 @@ def test_what_is_learnt_of_one_constant_tells_of_those_that_go_with_it() -> None
     known = prior.distribution
     rows = rows_on({"c_l1": np.ones(60)}, np.zeros(60), c_l1=1.15 * prior.airfoil.c_l1)
     start = {name: getattr(prior.airfoil, name) for name in PARAMETERS}
-    choice = Choice(PARAMETERS, HELD, {}, start, prior)
+    choice = Choice(PARAMETERS, start=start, expected=prior)
     found = fit(rows, choice, QUICK)
     place = coordinates(found.x) - known.mean
     assert np.abs(known.correlation[0, 1:]).max() > 0.2

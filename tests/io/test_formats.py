@@ -52,6 +52,25 @@ def test_pe0_line_ends_do_not_matter(written: Writer) -> None:
     assert read_apc_pe0(written(samples.PE0.replace("\n", "\r\n"))) == unix
 
 
+@pytest.mark.parametrize("title", ["# name: HQ 5x4.3x3", "# Gemfan 5 x 4,3 x 3", "# 3-blade 5043"])
+def test_a_title_tells_the_blades_where_nothing_else_does(written: Writer, title: str) -> None:
+    told = samples.CSV.replace("# name: hand-made", title)
+    untold = told.replace("# blades: 3\n", "")
+    assert read_propeller_csv(written(untold)).blades == 3
+    assert read_propeller_csv(written(untold), blades=2).blades == 2
+    assert read_propeller_csv(written(told.replace("blades: 3", "blades: 4"))).blades == 4
+
+
+@pytest.mark.parametrize(
+    ("name", "blades"),
+    [("hq_5x4.3x4_geom.txt", 4), ("da4022_5x3.75_3_blades.txt", 3), ("da4022_5x3.75_0.txt", 2)],
+)
+def test_a_uiuc_file_is_named_after_its_blades(tmp_path: Path, name: str, blades: int) -> None:
+    path = tmp_path / name
+    path.write_text(samples.UIUC)
+    assert read_uiuc_geometry(path, radius=0.0635).blades == blades
+
+
 def test_uiuc_scales_with_radius_and_has_two_blades_by_default(written: Writer) -> None:
     blade = read_uiuc_geometry(written(samples.UIUC), radius=0.15)
     assert blade.blades == 2

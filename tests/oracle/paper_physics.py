@@ -26,6 +26,7 @@ class Law:
     c_p: float = 1.328
     sharpness: float = 50.0
     attached: float = 1.0
+    plate: float = 0.0
 
 
 TABLE_I = {
@@ -33,6 +34,11 @@ TABLE_I = {
     "stiff": Law(4.2, 2.0, 1.3, 27.5 * np.pi / 180.0),
     "apc": Law(5.3, 1.7, 1.8, 20.6 * np.pi / 180.0),
 }
+
+
+def lift_law(law: Law) -> str:
+    """What ``Airfoil`` calls it."""
+    return "simplified" if law.attached == 0.0 else "plate" if law.plate else "blended"
 
 
 def wrapped(angle: Any) -> Any:
@@ -46,11 +52,12 @@ def sigma(alpha: Any, m: float, a0: float) -> Any:
 
 
 def lift(alpha: Any, law: Law) -> Any:
-    """Eq. (3), or footnote 1 with attached = 0."""
+    """Eq. (3), with a plate's lift past stall, or footnote 1 with attached = 0."""
     a = wrapped(alpha - law.zero_lift_angle)
     separated = law.c_l2 * np.sin(a) * np.cos(a)
     if law.attached == 0.0:
         return separated
+    separated = separated / (1.0 - law.plate + law.plate * np.abs(np.sin(a)))
     s = sigma(a, law.sharpness, law.alpha_0)
     return (1.0 - s) * law.c_l1 * a + s * separated
 

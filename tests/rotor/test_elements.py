@@ -13,7 +13,7 @@ from scipy.interpolate import PchipInterpolator
 
 import propmap as pm
 from tests.oracle.literal_wake import LiteralWake, static_inflow, vortex_ring
-from tests.oracle.paper_physics import RHO, TABLE_I, Law, drag, forces
+from tests.oracle.paper_physics import RHO, TABLE_I, Law, drag, forces, lift_law
 
 BLADE = pm.propeller("apc-8x6e", blades=3)
 APC = TABLE_I["apc"]
@@ -39,8 +39,8 @@ every_flow = pytest.mark.parametrize("flow", FLOWS.values(), ids=FLOWS.keys())
 
 
 def airfoil(law: Law) -> pm.Airfoil:
-    numbers = {k: v for k, v in vars(law).items() if k != "attached"}
-    return pm.Airfoil(**numbers, lift_law="blended" if law.attached else "simplified")
+    numbers = {k: v for k, v in vars(law).items() if k not in ("attached", "plate")}
+    return pm.Airfoil(**numbers, lift_law=lift_law(law))
 
 
 def rotor(law: Law, *texts: str) -> pm.Rotor:

@@ -35,6 +35,7 @@ CASES: dict[str, tuple[Any, tuple[str, ...]]] = {
     "paper": (PAPER, ()),
     "terms": (TERMS, ()),
     "simplified": (pm.Airfoil(5.0, 4.0, 1.8, 0.36, sharpness=45.0, lift_law="simplified"), ()),
+    "plate": (replace(TERMS, lift_law="plate", c_l2=2.3), ()),
     "table": (TABLE, ()),
     "pitt-peters": (PAPER, ("pitt-peters",)),
     "pitt-peters-gradient": (PAPER, ("pitt-peters-gradient",)),

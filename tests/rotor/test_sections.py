@@ -15,7 +15,7 @@ import propmap as pm
 from propmap.loads import LOADS, error_scales
 from tests.oracle.literal_section import LiteralTable
 from tests.oracle.naca_0015 import FILE, naca_0015
-from tests.oracle.paper_physics import RHO, TABLE_I, Law, drag, lift
+from tests.oracle.paper_physics import RHO, TABLE_I, Law, drag, lift, lift_law
 from tests.oracle.sampled import sampled
 
 BLADE, SOFT = pm.propeller("apc-8x6e"), pm.airfoil("paper-soft")
@@ -25,8 +25,8 @@ every_set = pytest.mark.parametrize("law", TABLE_I.values(), ids=TABLE_I.keys())
 
 
 def section(law: Law) -> pm.Airfoil:
-    numbers = {k: v for k, v in vars(law).items() if k != "attached"}
-    return pm.Airfoil(**numbers, lift_law="blended" if law.attached else "simplified")
+    numbers = {k: v for k, v in vars(law).items() if k not in ("attached", "plate")}
+    return pm.Airfoil(**numbers, lift_law=lift_law(law))
 
 
 def c_l(alpha: np.ndarray, law: Law) -> np.ndarray:
@@ -50,6 +50,18 @@ def test_drag_by_hand() -> None:
     # Edge on at Re = 10 000: 2 * 1.02 * 1.328 / 100 + 0.01; broadside adds c_d.
     _, got = section(TABLE_I["apc"]).coefficients([0.0, 0.5 * np.pi], 1e4)
     np.testing.assert_allclose(got, [0.0370912, 1.8370912], rtol=1e-14)
+
+
+def test_a_plate_has_most_lift_at_45_degrees_and_more_than_equation_3_before() -> None:
+    law = replace(TABLE_I["apc"], plate=0.44)
+    # Across the flow the normal force is c_l2, at 45 degrees sin / (0.56 + 0.44 sin) of it.
+    normal = c_l(np.pi - 1e-9 - 0.5 * np.pi, law) / np.cos(np.pi - 1e-9 - 0.5 * np.pi)
+    assert normal == pytest.approx(law.c_l2)
+    got = c_l(np.radians([45.0, -45.0, 135.0]), law) / law.c_l2
+    share = 0.5 / (0.56 + 0.44 * np.sqrt(0.5))
+    np.testing.assert_allclose(got, [share, -share, -share], rtol=1e-8)
+    stalled = np.radians(np.arange(26.0, 90.0))
+    assert (c_l(stalled, law) > c_l(stalled, TABLE_I["apc"])).all()
 
 
 @every_set
@@ -101,6 +113,7 @@ laws = st.builds(
     zero_lift_angle=st.floats(-0.2, 0.2),
     sharpness=st.floats(20.0, 120.0),
     attached=st.sampled_from([1.0, 1.0, 1.0, 0.0]),
+    plate=st.sampled_from([0.0, 0.44]),
 )
 
 

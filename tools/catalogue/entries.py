@@ -20,7 +20,7 @@ from propmap.catalogue.expected import (
     families_measured,
     family_prior,
 )
-from propmap.catalogue.identified import Identified, one_of_each
+from propmap.catalogue.identified import LIFT_LAW, PARAMETERS, Identified, one_of_each
 from propmap.fit.least_squares import INDEPENDENT
 from propmap.tasks import InTurn, Workers
 from tools.catalogue import identification
@@ -164,6 +164,8 @@ def _key(test: AxialTest, before: Sequence[str] = ()) -> str:
     ``before`` are keys of the results that its prior is made of.
     """
     settings = (
+        LIFT_LAW,
+        *PARAMETERS,
         INDEPENDENT,
         identification.FIRST_ERRORS,
         identification.LEAST_ERRORS,

@@ -1,6 +1,6 @@
 """Section constants of one propeller: penalised least squares, of its rows and of the prior.
 
-Coordinates are those of ``propmap.catalogue.expected``: the seven constants, some of them by their
+Coordinates are those of ``propmap.catalogue.expected``: the P constants, some of them by their
 logarithm.
 """
 
@@ -12,13 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap.catalogue.expected import (
-    HELD,
     POPULATION,
     PopulationPrior,
     constants_of,
     slopes_of,
 )
-from propmap.catalogue.identified import PARAMETERS
+from propmap.catalogue.identified import LIFT_LAW, PARAMETERS
 from propmap.fit.least_squares import INDEPENDENT
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
@@ -38,8 +37,12 @@ LEAST_ERRORS, MOST_ERRORS = (0.0015, 0.001), (0.004, 0.003)
 """Least and largest errors that the second fit assumes: where the model fails, its prior should not
 make it fail the more.  The covariance is with all errors that were left."""
 
-LOWER = np.array([np.log(2.0), np.log(0.2), np.log(0.12), -0.2, np.log(0.002), -0.09, -0.2])
-UPPER = np.array([np.log(12.0), np.log(9.0), np.log(0.8), 0.1, np.log(0.2), 0.09, 0.25])
+LOWER = np.array(
+    [np.log(2.0), np.log(0.8), np.log(0.2), np.log(0.12), -0.2, np.log(0.002), -0.09, -0.2]
+)
+UPPER = np.array(
+    [np.log(12.0), np.log(4.0), np.log(9.0), np.log(0.8), 0.1, np.log(0.2), 0.09, 0.25]
+)
 """Bounds of the coordinates."""
 
 EVALUATIONS = (16, 10)
@@ -47,9 +50,9 @@ EVALUATIONS = (16, 10)
 
 
 def airfoil_of(constants: Floats) -> Airfoil:
-    """Make the section law of ``constants`` (7,) in the order of ``PARAMETERS``."""
-    values: Any = dict(zip(PARAMETERS, map(float, constants), strict=True)) | HELD
-    return Airfoil(**values)
+    """Make the section law of ``constants`` (P,) in the order of ``PARAMETERS``."""
+    values: Any = dict(zip(PARAMETERS, map(float, constants), strict=True))
+    return Airfoil(**values, lift_law=LIFT_LAW)
 
 
 class AxialTest(NamedTuple):
@@ -64,7 +67,7 @@ class AxialTest(NamedTuple):
         return np.stack([self.tested.thrust, self.tested.power])
 
     def modelled(self, constants: Floats) -> tuple[Floats, Floats]:
-        """C_T and C_P [-], (2, n), and their derivatives by ``constants`` (7,), (2, 7, n).
+        """C_T and C_P [-], (2, n), and their derivatives by ``constants`` (P,), (2, P, n).
 
         NaN where no inflow was found.
         """
@@ -79,11 +82,11 @@ class AxialTest(NamedTuple):
 
 
 class Identification(NamedTuple):
-    """The constants of one propeller, (7,) in the order of ``PARAMETERS``."""
+    """The constants of one propeller, (P,) in the order of ``PARAMETERS``."""
 
     constants: Floats
-    covariance: Floats  # (7, 7), by the curvature of the penalised sum of squares
-    held: Floats  # (7,): posterior over prior deviation of a coordinate; near 1 data say nothing
+    covariance: Floats  # (P, P), by the curvature of the penalised sum of squares
+    held: Floats  # (P,): posterior over prior deviation of a coordinate; near 1 data say nothing
     thrust_rms: float  # of the errors of C_T over all rows [-]
     power_rms: float
     static_thrust_rms: float  # NaN without rows at rest
@@ -104,7 +107,7 @@ class _Penalised:
         self.scale = (self.weight / errors)[:, None]
 
     def errors(self, place: Floats) -> tuple[Floats, Floats]:
-        """Errors (2, n) [-] at coordinates (7,) and their derivatives by these, (2, n, 7).
+        """Errors (2, n) [-] at coordinates (P,) and their derivatives by these, (2, n, P).
 
         NaN and 0 where no inflow was found.
         """
@@ -118,22 +121,22 @@ class _Penalised:
         return self._found[key]
 
     def residuals(self, place: Floats) -> Floats:
-        """Weighed residuals of rows and prior at coordinates (7,), (2 n + 7,)."""
+        """Weighed residuals of rows and prior at coordinates (P,), (2 n + P,)."""
         rows = self.scale * np.nan_to_num(self.errors(place)[0])
         return np.concatenate([np.ravel(rows), self.whitening @ (place - self.prior.mean)])
 
     def slopes(self, place: Floats) -> Floats:
-        """Derivatives of ``residuals`` by the coordinates, (2 n + 7, 7)."""
+        """Derivatives of ``residuals`` by the coordinates, (2 n + P, P)."""
         rows = self.scale[..., None] * self.errors(place)[1]
         return np.concatenate([np.reshape(rows, (-1, place.size)), self.whitening])
 
     def covariance(self, place: Floats) -> Floats:
-        """Covariance (7, 7) of the coordinates, by the curvature at ``place`` (7,)."""
+        """Covariance (P, P) of the coordinates, by the curvature at ``place`` (P,)."""
         slopes = self.slopes(place)
         return np.asarray(np.linalg.inv(slopes.T @ slopes), float)
 
     def minimum(self, start: Floats, evaluations: int) -> Floats:
-        """Coordinates (7,) of the least sum of squares, searched from ``start`` (7,)."""
+        """Coordinates (P,) of the least sum of squares, searched from ``start`` (P,)."""
         from scipy.optimize import least_squares
 
         with warnings.catch_warnings():

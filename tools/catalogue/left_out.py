@@ -145,7 +145,7 @@ def predicted(
 
 
 def posterior(constants: Floats, covariance: Floats) -> PopulationPrior:
-    """The distribution of constants (7,) with a ``covariance`` (7, 7), in coordinates."""
+    """The distribution of constants (P,) with a ``covariance`` (P, P), in coordinates."""
     place = coordinates(constants)
     back = np.linalg.inv(slopes_of(place))
     return PopulationPrior.of(place, back @ covariance @ back.T)
@@ -163,6 +163,7 @@ def left_out(
     """
     rows = {tested.name: tested for tested in every}
     chosen = one_of_each(entries)
+    known = [on_measured_blade(one) for one in chosen]
     members, errors = all_members(chosen), errors_of(chosen)
     whole = {name: population_of(some, errors)[0] for name, some in members.items()}
     for one in chosen:
@@ -185,10 +186,9 @@ def left_out(
         own = posterior(one.constants, one.covariance)
         yield LeftOut("own", one.tested, predicted(test, own, np.array(one.discrepancy)))
         yield from _one_run(one.tested, test)
-        yield from _known_blade(one, siblings, members["measured"], without["measured"], test)
+        yield from _known_blade(one, siblings, known, without["measured"], test)
         yield from _mean_blade(one, siblings, without, rows[one.tested])
-        both = members["measured"], without["measured"]
-        yield from _makers_blade(one, *both, rows[one.tested], files)
+        yield from _makers_blade(one, known, without["measured"], rows[one.tested], files)
 
 
 def _one_run(name: str, test: AxialTest) -> Iterator[LeftOut]:

@@ -30,6 +30,8 @@ FILTER = """\
 SCRIPT = '<script src="_static/propellers.js"></script>'
 
 REASONS = {
+    "da4022 5.0x3.75 - 4": "At rest the power coefficient falls by a seventh from the slowest "
+    "rows to the fastest, the model's by half as much.",
     "gwsdd 5.0x4.3 - 2": "The runs are of three specimens, whose loads differ by a third, and the "
     "database does not say which run is of which: the constants lie between.",
     "mi 3.2x2.2 - 2": "Small Reynolds numbers: thrust at rest grows by a fifth with the speed of "

@@ -45,6 +45,7 @@ class Axis(NamedTuple):
 
 AXES = (
     Axis("c_l1", "1/rad", True, (3.0, 5.0, 10.0)),
+    Axis("c_l2", "-", True, (1.5, 2.0, 3.0)),
     Axis("c_d", "-", True, (1.0, 2.0, 5.0, 10.0)),
     Axis("alpha_0", "rad", True, (0.2, 0.3, 0.4)),
     Axis("zero_lift_angle", "rad", False, (-0.1, 0.0)),

@@ -44,6 +44,7 @@ template <class S> struct BlendedLaw {
     S reynolds_camber;  // growth of the zero-lift angle by ln(Re) [rad]
     S drag_angle;       // of least pressure drag, above zero_lift_angle [rad]
     double attached;    // 1 for eq. (3); 0 for the simplified lift of footnote 1, whose c_l is c_l2
+    double plate;       // 0.44 for separated lift as that of a plate, 0 for the paper's
     S far;              // exp(-2 M alpha_0), of the stall blend's other side
 
     static constexpr bool plain_stall = true;  // lift has no bends beyond that about stall
@@ -54,8 +55,8 @@ template <class S> struct BlendedLaw {
         visit("sharpness", sharpness), visit("drag_factor", drag_factor);
         visit("reynolds_camber", reynolds_camber), visit("drag_angle", drag_angle);
     }
-    template <class Source> void read_fixed(const Source& from) { attached = from.number("attached"), complete(); }
-    template <class Law> void copy_fixed(const Law& from) { attached = from.attached, complete(); }
+    template <class Source> void read_fixed(const Source& from) { attached = from.number("attached"), plate = from.number("plate"), complete(); }
+    template <class Law> void copy_fixed(const Law& from) { attached = from.attached, plate = from.plate, complete(); }
     void complete() { far = power_of_two(maximum(-2.0 * log2_e * sharpness * alpha_0, 0.0 * alpha_0 - 100.0)); }
 
     static constexpr double log2_e = 1.44269504088896340736;
@@ -74,11 +75,20 @@ template <class S> struct BlendedLaw {
     template <class F> auto coefficients(const F& flow) const {
         const auto angle = radians(flow.alpha);
         const auto& [sine, cosine, change] = flow.alpha;
-        const auto separated = c_l2 * chain(change, sine * cosine, cosine * cosine - sine * sine);
+        const auto separated = c_l2 * separated_share(change, sine, cosine);
         const auto lift = separated + attached_share(angle) * (c_l1 * angle - separated);  // Eq. (3)
         const auto drag = c_d * square(propmap::sine(flow.drag_alpha)) +
                           (2.0 * 1.02) * c_p * flow.inverse_root_reynolds + c_d0;  // Eq. (4)
         return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
+    }
+
+    // Separated lift over c_l2: sin cos in eq. (3).  A plate's normal force is sin/(0.56 + 0.44 sin) of that across
+    // the flow (Hoerner, Fluid-Dynamic Drag, 1965, p. 3-16), so that it has more lift just past stall.
+    template <class C, class V> auto separated_share(const C& change, const V& sine, const V& cosine) const {
+        const V lift = sine * cosine, slope = cosine * cosine - sine * sine;
+        if (plate == 0.0) return chain(change, lift, slope);
+        const V per = 1.0 / (1.0 - plate + plate * absolute(sine));
+        return chain(change, lift * per, (slope - plate * absolute(sine) * cosine * cosine * per) * per);
     }
 
     // 1 - sigma, how much of the flow is attached.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +14,15 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.catalogue import apc
+from propmap.catalogue.blade_number import (
+    CITATION,
+    LEFT_OUT_ERROR,
+    chord_factor,
+    known_at_rest,
+    left_at_rest,
+)
 from propmap.catalogue.identified import (
+    LIFT_LAW,
     PARAMETERS,
     Designation,
     Identified,
@@ -33,9 +41,9 @@ from propmap.typing import Floats
 # The blade to expect of a propeller that is known by diameter, pitch and blades alone.
 
 ERRORS = {
-    "family_blade": ((0.09, 0.08), (0.21, 0.20)),
-    "siblings_label": ((0.09, 0.10), (0.18, 0.22)),
-    "population_blade": ((0.19, 0.19), (0.39, 0.41)),
+    "family_blade": ((0.08, 0.08), (0.22, 0.21)),
+    "siblings_label": ((0.085, 0.10), (0.18, 0.22)),
+    "population_blade": ((0.19, 0.18), (0.39, 0.41)),
 }
 """Errors of C_T and C_P of propellers that were left out, both their blade and constants, rms over
 rms, by ``tools.catalogue.left_out``: half of them err less than the first two, nine in ten less
@@ -61,25 +69,41 @@ class ExpectedBlade:
 
     @property
     def geometry(self) -> str:
-        """Whose mean the blade is, "family" or "population", as ``expected_constants`` takes it."""
+        """Whose mean the blade is, "family", "population", or the latter for a "multirotor", as
+        ``expected_constants`` takes it."""
+        if not self.families and (self.wanted.maker or self.wanted.blades):
+            return "multirotor"
         return "family" if self.shape.families == self.families[:1] else "population"
 
     @property
     def propeller(self) -> Propeller:
         """The blade; two of them where the designation does not say how many."""
-        size = self.wanted
+        size, count = self.wanted, self.wanted.blades or 2
         name = "".join(c for c in " ".join(self.text.split()) if c.isprintable())
-        return self.shape.propeller(name, size.diameter, size.pitch, size.blades or 2)
+        blade = self.shape.propeller(name, size.diameter, size.pitch, count)
+        factor = chord_factor(count) if self.geometry == "multirotor" else 1.0
+        if factor == 1.0:
+            return blade
+        source = f"{blade.source}, the chord times {factor:g} for more than two blades"
+        citation = f"{blade.citation}; static thrust with more blades: {CITATION}"
+        return replace(blade, chord=factor * blade.chord, source=source, citation=citation)
+
+    def with_blades(self, asked: int | None) -> ExpectedBlade:
+        """Take the number of blades that was ``asked`` for beside the designation, if any."""
+        return replace(self, wanted=self.wanted.with_blades(asked))
 
     @property
     def summary(self) -> str:
-        """Say in one line what the blade rests on, and how far loads may err."""
+        """Say in one line how the text was read, what the blade rests on, and how far loads may
+        err."""
         count, of = self.shape.propellers, f"{len(self.shape.families)} families"
         if self.geometry == "family":
             of = f"its family, {self.family}"
         reason = "no measured blade of this size"
         if self.own is not None:
             reason = f"the blade of {self.own.tested!r} was not measured"
+        elif self.wanted.maker:
+            reason = f"no blade of {self.wanted.maker} was measured"
         elif not self.wanted.words:
             reason = "no maker is named"
         elif self.unknown:
@@ -88,6 +112,11 @@ class ExpectedBlade:
             reason += f" (known of this size: {', '.join(self.others)})"
         some = f"the mean of {count} propellers" if count > 1 else "that of one propeller"
         geometry = f"{reason}: the geometry is {some} of {of}"
+        if self.wanted.size:
+            geometry = f"{self.wanted.reading}; {geometry}"
+        multirotor = self.geometry == "multirotor"
+        if multirotor and (factor := chord_factor(self.wanted.blades or 2)) != 1.0:
+            geometry += f", of two blades, with {factor:g} of their chord"
         if self.own is not None:
             return geometry
         # Where none of the family was identified, its constants are as little known as any's.
@@ -97,6 +126,11 @@ class ExpectedBlade:
         if self.family not in {one.family for one in identified}:
             group = "population_blade"
         half, most = ERRORS[group]
+        if multirotor:
+            geometry += (
+                "; four five-inch propellers of multirotors, each left out, err in static thrust "
+                f"by less than {LEFT_OUT_ERROR:.0%}"
+            )
         return (
             f"{geometry}; with section constants predicted likewise, half of such propellers err "
             f"in thrust and torque by less than {half[0]:.0%} and {half[1]:.0%} (rms) in axial "
@@ -134,9 +168,9 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 # -------------------------------------------------------------------------------------------------
 # Section constants to expect of a propeller that was not identified: its family's, or any's.
 
-MEDIAN_ERRORS = {"family": 0.08, "maker": 0.09, "population": 0.13}
+MEDIAN_ERRORS = {"family": 0.08, "population": 0.12}
 """Errors of C_T and C_P of propellers that were left out, by ``tools.catalogue.left_out``: half of
-them err less, rms over rms."""
+them err less, rms over rms; with the blade of a maker's file as with a measured one."""
 
 
 class ExpectedConstants(NamedTuple):
@@ -154,34 +188,40 @@ def expected_constants(
 
     Without a ``family``, a code such as "apcsf", those over all; without a ``size``, those of a
     middling one. ``geometry`` says whether its blade is "measured", of its "maker", or expected by
-    the means of its "family" or of the "population".
+    the means of its "family" or of the "population", which may be that of a "multirotor".
     """
     prior, members = expected_prior(family, size, geometry), _members(family, geometry)
     if members and family is not None:
         own, of = family, f"those of its family, {family}, {len(members)} propellers"
     else:
         own, of = "unknown", f"{len(all_identified())} small propellers, none of its family"
-    known, by_maker = members and geometry != "population", geometry == "maker"
-    likely = MEDIAN_ERRORS["population" if not known else "maker" if by_maker else "family"]
-    of += ", for the blade of its maker's file" if by_maker else ""
+    of += ", for the blade of its maker's file" if geometry == "maker" else ""
+    known = members and geometry != "population"
+    likely = MEDIAN_ERRORS["family" if known else "population"]
     summary = (
         f"constants predicted from {of}, as it was not identified itself: half of such propellers "
         f"have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is off by "
         "twice that"
     )
     thrust, power = bundled_population(_population_of(geometry)).errors.tolist()
-    measured = None if geometry == "measured" else _of_constants(expected_prior(family, size))
-    known_to = SectionUncertainty(_of_constants(prior), thrust, power, with_blade=measured)
+    measured = None if geometry == "measured" else expected_prior(family, size)
+    if measured and geometry == "multirotor":
+        # How much of the error of static thrust is the blade's was not measured: as of others.
+        left = left_at_rest(expected_prior(family, size, "population").covariance)
+        narrowed = known_at_rest(measured.covariance, left)
+        measured = PopulationPrior.of(measured.mean, narrowed)
+    own_part = _of_constants(measured) if measured else None
+    known_to = SectionUncertainty(_of_constants(prior), thrust, power, with_blade=own_part)
     name = f"{family} expected" if members else "small propeller expected"
     law = airfoil_at(prior.mean, name, f"prior over propellers by propmap, family {own}")
     return ExpectedConstants(law.with_parameters(uncertainty=known_to), summary)
 
 
 def airfoil_at(place: Floats, name: str, source: str) -> Airfoil:
-    """Make the section law at a ``place``, coordinates (7,) of ``PopulationPrior``."""
+    """Make the section law at a ``place``, coordinates (P,) of ``PopulationPrior``."""
     found = zip(PARAMETERS, constants_of(place).tolist(), strict=True)
-    values: Any = {**HELD, **dict(found)}
-    return Airfoil(**values, name=name, source=source)
+    values: Any = dict(found)
+    return Airfoil(**values, lift_law=LIFT_LAW, name=name, source=source)
 
 
 def expected_prior(
@@ -259,7 +299,7 @@ def on_makers_blade(
 
 
 def _by_difference(of: apc.Difference) -> tuple[Floats, Floats]:
-    """Give the change of coordinates (7,) from measured to makers' blades, and its covariance."""
+    """Give the change of coordinates (P,) from measured to makers' blades, and its covariance."""
     by = np.stack([_FORCES, -_ANGLES], axis=1)
     return by @ of.mean, by @ of.covariance @ by.T
 
@@ -428,7 +468,7 @@ def _deviation(some: Floats) -> Floats:
 
 INNERMOST = 0.3  # share of the radius from which blades are compared
 
-_FORCES = np.array([name in ("c_l1", "c_d", "c_d0") for name in PARAMETERS], float)
+_FORCES = np.array([name in ("c_l1", "c_l2", "c_d", "c_d0") for name in PARAMETERS], float)
 # The coordinate of the drag angle is from the chord line, as the zero-lift angle is.
 _ANGLES = np.array([name in ("zero_lift_angle", "drag_angle") for name in PARAMETERS], float)
 
@@ -437,7 +477,7 @@ def equivalent(blade: Propeller, other: Propeller) -> Floats:
     """Say how constants identified on a ``blade`` change on the ``other``, for about the same
     loads.
 
-    To be added to coordinates (7,) of ``PopulationPrior``: the logarithm of the mean ratio of the
+    To be added to coordinates (P,) of ``PopulationPrior``: the logarithm of the mean ratio of the
     chords in those of forces, less the mean difference of the twists [rad] in those of angles.
     Means are weighed by the square of the radius and the other's chord; both have one radius.
     """
@@ -456,18 +496,15 @@ def equivalent(blade: Propeller, other: Propeller) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # What is known of a propeller's section constants before its own data are looked at.
 
-HELD = {"c_l2": 2.0}
-"""Held at one value for all: its value after stall and ``alpha_0`` would trade for each other."""
-
 LOGARITHMIC = np.array([CONSTANTS[name].population == "log" for name in PARAMETERS])
-"""Whose logarithm is the coordinate (7,)."""
+"""Whose logarithm is the coordinate (P,)."""
 
 _DRAG_ANGLE, _ZERO_LIFT = PARAMETERS.index("drag_angle"), PARAMETERS.index("zero_lift_angle")
 
 
 @dataclass(frozen=True, eq=False)
 class PopulationPrior:
-    """A normal distribution (7,) of coordinates of the constants.
+    """A normal distribution of coordinates of the P constants in ``PARAMETERS``.
 
     Coordinates are logarithms where ``CONSTANTS`` says so, else the constants; that of
     ``drag_angle`` is the angle of least pressure drag from the chord line, with ``zero_lift_angle``
@@ -480,25 +517,25 @@ class PopulationPrior:
 
     @classmethod
     def of(cls, mean: Floats, covariance: Floats) -> PopulationPrior:
-        """Make the distribution with this ``mean`` (7,) and ``covariance`` (7, 7)."""
+        """Make the distribution with this ``mean`` (P,) and ``covariance`` (P, P)."""
         deviation = np.sqrt(np.diag(covariance))
         return cls(mean, deviation, covariance / np.outer(deviation, deviation))
 
     @property
     def covariance(self) -> Floats:
-        """Covariance of the coordinates, (7, 7)."""
+        """Covariance of the coordinates, (P, P)."""
         return np.outer(self.deviation, self.deviation) * self.correlation
 
     @property
     def whitening(self) -> Floats:
-        """W (7, 7), with which W (place - ``mean``) has independent parts of variance 1."""
+        """W (P, P), with which W (place - ``mean``) has independent parts of variance 1."""
         return np.linalg.inv(np.linalg.cholesky(self.correlation)) / self.deviation
 
 
 def _population() -> PopulationPrior:
-    mean = np.array([5.31, 2.45, 0.290, -0.045, 0.024, -0.019, 0.025])
-    between = np.array([0.16, 0.38, 0.10, 0.024, 0.43, 0.014, 0.019])
-    within = np.array([0.09, 0.17, 0.10, 0.014, 0.16, 0.007, 0.012])
+    mean = np.array([5.31, 2.4, 2.45, 0.226, -0.045, 0.024, -0.019, 0.025])
+    between = np.array([0.16, 0.12, 0.38, 0.10, 0.024, 0.43, 0.014, 0.019])
+    within = np.array([0.09, 0.12, 0.17, 0.10, 0.014, 0.16, 0.007, 0.012])
     centre = np.where(LOGARITHMIC, np.log(np.where(LOGARITHMIC, mean, 1.0)), mean)
     return PopulationPrior(centre, np.hypot(between, within))
 
@@ -523,14 +560,14 @@ def constants_of(place: Floats) -> Floats:
 
 
 def slopes_of(place: Floats) -> Floats:
-    """Differentiate the constants by the coordinates ``place`` (7,), as (7, 7)."""
+    """Differentiate the constants by the coordinates ``place`` (P,), as (P, P)."""
     slopes = np.diag(np.where(LOGARITHMIC, constants_of(place), 1.0))
     slopes[_DRAG_ANGLE, _ZERO_LIFT] = -1.0
     return slopes
 
 
 def coordinate_covariance(constants: Floats, covariance: Floats) -> Floats:
-    """Convert the covariance (7, 7) of the ``constants`` (7,) to that of the coordinates."""
+    """Convert the covariance (P, P) of the ``constants`` (P,) to that of the coordinates."""
     back = np.linalg.inv(slopes_of(coordinates(constants)))
     return np.asarray(back @ covariance @ back.T)
 
@@ -546,11 +583,11 @@ class Member(NamedTuple):
     family: str  # code of its series
     tested: str  # what the source calls it
     size: Size  # labelled diameter and pitch [m]
-    precision: Floats  # (7, 7), singular where its data say nothing of some
-    pull: Floats  # (7,), ``precision`` times the coordinates that fit best
+    precision: Floats  # (P, P), singular where its data say nothing of some
+    pull: Floats  # (P,), ``precision`` times the coordinates that fit best
 
     def shifted(self, shift: Floats, spread: Floats | None = None) -> Member:
-        """Add ``shift`` (7,) to the coordinates, known up to the covariance ``spread`` (7, 7)."""
+        """Add ``shift`` (P,) to the coordinates, known up to the covariance ``spread`` (P, P)."""
         pull, precision = self.pull + self.precision @ shift, self.precision
         if spread is None:
             return self._replace(pull=pull)
@@ -620,16 +657,16 @@ Size = tuple[float, float]  # labelled diameter and pitch [m]
 class Population:
     """A normal distribution over propellers of the coordinates of ``PopulationPrior``."""
 
-    mean: Floats  # (7,) over families, of a propeller of the size ``MIDDLE``
-    trend: Floats  # (7, 2) by the logarithm of the diameter, and by pitch over diameter
-    between: Floats  # (7, 7) covariance of families' means
-    within: Floats  # (7, 7) covariance of propellers about the mean of their family
+    mean: Floats  # (P,) over families, of a propeller of the size ``MIDDLE``
+    trend: Floats  # (P, 2) by the logarithm of the diameter, and by pitch over diameter
+    between: Floats  # (P, P) covariance of families' means
+    within: Floats  # (P, P) covariance of propellers about the mean of their family
     low: Floats  # (2,) of the two in the data; the trend ends there
     high: Floats
     errors: Floats  # (2,) of C_T and C_P [-] about the model with the best constants
 
     def shift(self, size: Size) -> Floats:
-        """Add up what the trend adds to the coordinates at a ``size``, (7,)."""
+        """Add up what the trend adds to the coordinates at a ``size``, (P,)."""
         return self.trend @ np.clip(covariates(size), self.low, self.high)
 
 
@@ -648,7 +685,13 @@ def likeness(sizes: Sequence[Size]) -> Floats:
 
 @lru_cache(maxsize=4)
 def bundled_population(geometry: str = "measured") -> Population:
-    """Read the bundled population whose blades are one of ``GEOMETRIES``."""
+    """Read the bundled population whose blades are one of ``GEOMETRIES``, or that of all for a
+    "multirotor"."""
+    if geometry == "multirotor":
+        of_all = bundled_population("population")
+        whole = of_all.between + of_all.within
+        narrowed = known_at_rest(whole, left_at_rest(whole))
+        return replace(of_all, between=narrowed, within=np.zeros_like(whole))
     file = Path(__file__).parent / "identified" / "population.toml"
     return parse_populations(file.read_text(encoding="utf-8"))[geometry]
 

@@ -6,7 +6,7 @@ import csv
 import io
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from propmap import catalogue
+from propmap.catalogue.makers import maker_of, ruled, spaced
 from propmap.errors import InputError, quoted
 from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, SectionUncertainty
 from propmap.typing import Floats
@@ -23,7 +24,12 @@ from propmap.units import INCH
 # Section constants identified from published loads, propeller by propeller, in one CSV file.
 
 PARAMETERS = tuple(name for name, constant in CONSTANTS.items() if constant.population)
-"""The constants that were identified; the others are held, c_l2 at the value in the file."""
+"""The constants that were identified."""
+
+LIFT_LAW = "plate"
+"""The lift law of all identified constants.  On blades that stall at rest it is as good as the
+paper's with a larger c_l2 (``python -m tools.catalogue.past_stall``), which has twice the lift of a
+plate at 45 degrees."""
 
 MEAN_BLADES = ("family", "population")  # geometries of propellers whose own is not known
 
@@ -48,7 +54,7 @@ class Identified:
     diameter_m: float  # as labelled, as the pitch
     pitch_m: float
     airfoil: Airfoil  # with how well they are known
-    covariance: Floats  # (7, 7) of ``PARAMETERS``
+    covariance: Floats  # (P, P) of ``PARAMETERS``
     thrust_rms: float  # errors of C_T and C_P over all rows, and at rest; NaN without such
     power_rms: float
     static_thrust_rms: float
@@ -89,7 +95,7 @@ class Identified:
 
     @property
     def constants(self) -> Floats:
-        """Values of ``PARAMETERS``, (7,)."""
+        """Values of ``PARAMETERS``, (P,)."""
         return np.array([getattr(self.airfoil, name) for name in PARAMETERS])
 
 
@@ -147,7 +153,6 @@ def as_csv(entries: Sequence[Identified]) -> str:
     for one in entries:
         numbers = [
             *(getattr(one, name) for name in _RANGES),
-            one.airfoil.c_l2,
             *one.constants,
             *(one.covariance[pair] for pair in _PAIRS),
         ]
@@ -176,7 +181,7 @@ def _entry(row: dict[str, str]) -> Identified:
     covariance = np.zeros((len(PARAMETERS), len(PARAMETERS)))
     for i, j in _PAIRS:
         covariance[i, j] = covariance[j, i] = float(row[_pair(i, j)])
-    values: Any = {name: float(row[name]) for name in ("c_l2", *PARAMETERS)}
+    values: Any = {name: float(row[name]) for name in PARAMETERS}
     texts: Any = {name: row[name] for name in _TEXTS}
     counts: Any = {name: int(row[name]) for name in _COUNTS}
     numbers: Any = {name: float(row[name]) for name in (*_RANGES, *_ERRORS)}
@@ -185,13 +190,13 @@ def _entry(row: dict[str, str]) -> Identified:
         SectionCovariance(PARAMETERS, covariance), numbers["thrust_rms"], numbers["power_rms"]
     )
     name = f"{row['propeller']} identified"
-    airfoil = Airfoil(**values, name=name, source=source, uncertainty=known)
+    airfoil = Airfoil(**values, lift_law=LIFT_LAW, name=name, source=source, uncertainty=known)
     return Identified(airfoil=airfoil, covariance=covariance, **texts, **counts, **numbers)
 
 
 def _header() -> list[str]:
     pairs = [_pair(i, j) for i, j in _PAIRS]
-    return [*_TEXTS, *_COUNTS, *_RANGES, "c_l2", *PARAMETERS, *pairs, *_ERRORS]
+    return [*_TEXTS, *_COUNTS, *_RANGES, *PARAMETERS, *pairs, *_ERRORS]
 
 
 def _pair(i: int, j: int) -> str:
@@ -240,7 +245,11 @@ _SIZE = re.compile(
     rf"(?<![\d.,])(?<!{_TIMES}){_NUMBER}\s*{_TIMES}\s*{_NUMBER}(?:\s*{_TIMES}\s*(\d+))?"
     rf"(?![\d.,]|{_TIMES}\d)"
 )
-_FOUR_DIGITS = re.compile(rf"(?<![\w.])(\d\d)(\d\d)(?:\s*{_TIMES}\s*(\d+))?(?!\d)")
+# Figures alone, 51466-3, with a mark before them as in T5045C.
+_FIGURES = re.compile(
+    rf"(?<![\w.])[tqp]?([1-9]\d)(\d\d\d?)(?:[cs](?![a-z]))?(?:\s*{_TIMES}\s*(\d+)|-(\d))?"
+    rf"(?!\.?\d|\s*{_TIMES}\s*\d)"
+)
 # The UIUC database writes "gwsdd 5.0x4.3 - 2", APC "5x4E-3".
 _BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$|(?<=\de)-(\d)\b")
 _WORD = re.compile(r"[a-z]+\d*[a-z]*")
@@ -253,36 +262,56 @@ class Designation:
     words: tuple[str, ...]  # maker and series in lower case, in the order given
     diameter: float  # [m]
     pitch: float  # [m]
-    blades: int | None  # None where the text does not say
+    blades: int | None  # None where neither the text nor its maker's rule says
+    maker: str = ""  # one of ``makers.MAKERS``
+    size: str = ""  # how diameter and pitch were read
+    counted: str = ""  # how the number of blades is known
+
+    @property
+    def reading(self) -> str:
+        """Say how the text was read, and what is assumed."""
+        return f"read as {self.size}, {self.counted}"
+
+    def with_blades(self, asked: int | None) -> Designation:
+        """Take the number of blades that was ``asked`` for beside the text, if any."""
+        if asked in (None, self.blades):
+            return self
+        other = f", not {self.blades}" if self.blades else ""
+        return replace(self, blades=asked, counted=f"{asked} blades as asked{other}")
 
 
 @lru_cache(maxsize=1024)
 def designation(text: str) -> Designation | None:
-    """Read a designation such as "apc 10x4.7sf", "HQ 5x4.3x3" or "130x70"; None without a size.
+    """Read a designation such as "apc 10x4.7sf", "HQ 5x4.3x3" or "T5045C"; None without a size.
 
     Diameter and pitch are in inches; in millimetres where the text says ``mm`` or the diameter is
-    above 40. Four digits are diameter and pitch as makers of multirotors write them: 1045 is
-    10x4.5, 6040 is 6x4, 9450 is 9.4x5. ``InputError`` for a size or a number of blades that no
-    propeller has.
+    above 40. Figures alone are tenths of an inch of diameter, and tenths or hundredths of pitch:
+    6040 is 6x4, 9450 is 9.4x5, 51466 is 5.1x4.66. Where no propeller of four figures is as steep,
+    the diameter is in inches: 1045 is 10x4.5. What else a maker's form says, ``makers`` knows.
+    ``InputError`` for a size or a number of blades that no propeller has.
     """
-    lower = text.strip().lower()
+    lower = spaced(text.strip().lower())
     blades = _BLADES.search(lower)
     rest = lower[: blades.start()] + " " + lower[blades.end() :] if blades else lower
-    sized, digits = _SIZE.search(rest), _FOUR_DIGITS.search(rest)
-    if sized:
-        numbers = [float(part.replace(",", ".")) for part in sized.groups()[:2]]
-    elif digits:
-        first, second = digits.groups()[:2]
-        # Ten inches and more are whole inches, less are tenths.
-        numbers = [float(first) / (1.0 if first[0] == "1" else 10.0), float(second) / 10.0]
+    found = _SIZE.search(rest) or _FIGURES.search(rest)
+    by_rule = ruled(rest)
+    said: str | None
+    if found is None:
+        if by_rule is None or by_rule[1].size is None:
+            return None
+        numbers, said, other = list(by_rule[1].size), None, ""
+    elif found.re is _SIZE:
+        numbers = [float(part.replace(",", ".")) for part in found.groups()[:2]]
+        said, other = found[3], ""
     else:
-        return None
-    found = sized or digits
-    assert found is not None
-    words = _WORD.findall(rest[: found.start()] + " " + rest[found.end() :])
-    unit = 1e-3 if "mm" in words or numbers[0] > LARGEST_INCHES else INCH
+        numbers, other = _from_figures(*found.groups()[:2])
+        said = found[3] or found[4]
+    words = _WORD.findall(f"{rest[: found.start()]} {rest[found.end() :]}" if found else rest)
+    metric = "mm" in words or numbers[0] > LARGEST_INCHES
+    unit, name = (1e-3, "mm") if metric else (INCH, "in")
     diameter, pitch = numbers[0] * unit, numbers[1] * unit
-    said = blades[1] or blades[2] or blades[3] if blades else found[3]
+    if blades:
+        said = blades[1] or blades[2] or blades[3]
     count = int(said) if said else None
     if not LEAST_DIAMETER <= diameter <= LARGEST_DIAMETER:
         remedy = f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with mm; "
@@ -293,8 +322,28 @@ def designation(text: str) -> Designation | None:
         raise InputError(f"{quoted(text)} has a pitch of {pitch:.3g} m", remedy)
     if count is not None and not 2 <= count <= MOST_BLADES:
         raise InputError(f"{quoted(text)} has {count} blades", f"give 2 to {MOST_BLADES} blades")
-    maker = tuple(word for word in words if word not in NO_MAKER)
-    return Designation(maker, diameter, pitch, count)
+    maker, counted = maker_of(rest), f"{count} blades"
+    if count is None and by_rule is not None:
+        whose, rule = by_rule
+        count = rule.blades
+        counted = f"{count} blades" + ("" if maker else f" if it is from {whose}")
+        counted += f": {rule.means}"
+        maker = whose
+    elif count is None:
+        counted = "two blades assumed (--blades 3, or x3 at the end, for three)"
+    own = tuple(word for word in words if word not in NO_MAKER)
+    size = f"{numbers[0]:g} x {numbers[1]:g} {name}{other}"
+    return Designation(own, diameter, pitch, count, maker, size, counted)
+
+
+def _from_figures(first: str, second: str) -> tuple[list[float], str]:
+    """Read diameter and pitch [in] from figures alone, and say what else they may mean."""
+    diameter, pitch = float(first) / 10.0, float(second) / 10.0 ** (len(second) - 1)
+    if len(second) == 2 and pitch > STEEPEST * diameter:
+        return [float(first), pitch], ""
+    # Hardly any propeller is flatter.
+    large = len(second) == 2 and pitch >= 0.2 * float(first)
+    return [diameter, pitch], f" (not {first} x {pitch:g} in)" if large else ""
 
 
 def candidates(wanted: Designation) -> list[catalogue.Entry]:

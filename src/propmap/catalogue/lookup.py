@@ -83,7 +83,7 @@ def propeller(
         For an unknown name, with close ones, a designation that propellers of several series have,
         and a file that holds no propeller.
     """
-    meant = _named(name_or_path)
+    meant = _named(name_or_path, blades)
     if meant is None:
         found = read_geometry_file(os.fspath(name_or_path), blades=blades, radius=radius)
     else:
@@ -93,30 +93,39 @@ def propeller(
             found = replace(catalogue.load(meant.name), blades=meant.blades)
         with located(found.name):
             check_radius(found.radius, radius)
-        if blades is not None:
-            found = replace(found, blades=blades)
     return found if root_cutout is None else found.with_root_cutout(root_cutout)
 
 
-def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | ExpectedBlade | None:
-    """Find what ``propeller`` would give the blade of; None for a file, but for one of APC the
-    propeller that its title names. Errors are those of ``propeller``."""
-    return _named(name_or_path) or _of_makers_file(Path(name_or_path))
+def meant_by(
+    name_or_path: str | os.PathLike[str], blades: int | None = None
+) -> catalogue.Entry | ExpectedBlade | None:
+    """Find what ``propeller`` would give the blade of, and so many ``blades`` where they are asked
+    for; None for a file, but for one of APC the propeller that its title names. Errors are those of
+    ``propeller``."""
+    return _named(name_or_path, blades) or _of_apc_file(Path(name_or_path))
 
 
-def _named(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | ExpectedBlade | None:
+def _named(
+    name_or_path: str | os.PathLike[str], blades: int | None
+) -> catalogue.Entry | ExpectedBlade | None:
     """Find what is meant by a name or a designation; None for a file."""
     text = os.fspath(name_or_path)
     name = text.strip().lower()
+    found: catalogue.Entry | ExpectedBlade
     if name in catalogue.names():
-        return catalogue.entry(name)
-    one = named_without_blade(name)
-    if one is not None:
-        return blade_of(text, Designation((one.family,), *one.size, None), one)
-    return None if looks_like_path(name_or_path) else designated(text)
+        found = catalogue.entry(name)
+    elif (one := named_without_blade(name)) is not None:
+        found = blade_of(text, Designation((one.family,), *one.size, None), one)
+    elif looks_like_path(name_or_path):
+        return None
+    else:
+        found = designated(text)
+    if isinstance(found, ExpectedBlade):
+        return found.with_blades(blades)
+    return found if blades is None else replace(found, blades=blades)
 
 
-def _of_makers_file(path: Path) -> catalogue.Entry | None:
+def _of_apc_file(path: Path) -> catalogue.Entry | None:
     """Find the propeller whose blade an APC file has, by its title; None for another file."""
     lines = read_lines(path) if path.is_file() else []
     if not lines or recognise(lines, os.fspath(path)) != "apc-pe0":
@@ -247,7 +256,7 @@ def known_model(
         As ``propmap.propeller``.
     """
     blade = propeller(name_or_path, blades)
-    meant = meant_by(name_or_path)
+    meant = meant_by(name_or_path, blades)
     known = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
     added = corrections_of("recommended") if corrections is None else corrections
     return Model(blade, known.airfoil, air or Air(), added)
@@ -263,11 +272,16 @@ def own_constants(meant: Entry | ExpectedBlade | None, blades: int) -> Identifie
 def predicted_constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
     """Predict the constants of a propeller that was not identified itself; ``meant`` is None for a
     geometry file."""
-    return expected_constants(
-        meant.family if meant is not None else None,
-        size_of(meant, blade),
-        meant.geometry if meant is not None else "measured",
-    )
+    family = meant.family if meant is not None else None
+    return expected_constants(family, size_of(meant, blade), geometry_of(meant, blade))
+
+
+def geometry_of(meant: Entry | ExpectedBlade | None, blade: Propeller) -> str:
+    """Say whose the ``blade`` of what is ``meant`` is, as ``expected_constants`` takes it."""
+    if not isinstance(meant, ExpectedBlade):
+        return meant.geometry if meant is not None else "measured"
+    # The blade may have more than the name says, by an option.
+    return meant.with_blades(blade.blades if blade.blades > 2 else None).geometry
 
 
 # -------------------------------------------------------------------------------------------------

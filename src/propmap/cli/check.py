@@ -100,7 +100,7 @@ def _compare(
         measured = read_tunnel(data, blade, air)
         opt.note_reynolds(model, measured.omega, measured.speed, measured.beta)
         if prop is not None:
-            opt.note_if_predicted(prop)
+            opt.note_reading(prop, blade)
         out.note(*blade_warnings(blade), *tunnel_warnings(data, blade, air))
         return compare_tunnel(model, measured), {}
 

@@ -175,14 +175,14 @@ def _table_of(
                 )
         return LoadTable.load(source)
 
-    if prop is not None:
-        opt.note_if_predicted(prop)
     law = opt.with_physics(section_law(source), physics, corrections)
     fit = read_fit(source) if prop is None or is_fit(source) else None
     model = (
         fit.model.with_airfoil(law) if fit and prop is None else Model(propeller(prop or ""), law)
     )
     blade = model.propeller
+    if prop is not None:
+        opt.note_reading(prop, blade)
     omega = (TIP_SPEED[0] / blade.radius, TIP_SPEED[1] / blade.radius)
     rpm = [w / RPM for w in omega]
     echo(

@@ -14,7 +14,7 @@ from typer import Argument, Option, echo
 
 from propmap.catalogue.expected import airfoil_at, expected_prior, siblings, size_of
 from propmap.catalogue.identified import PARAMETERS, all_identified
-from propmap.catalogue.lookup import meant_by, own_constants
+from propmap.catalogue.lookup import geometry_of, meant_by, own_constants
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.cli.app import LazyGroup
@@ -209,7 +209,7 @@ def section_prior(
     found = None if meant is None or blade is None else own_constants(meant, blade.blades)
     own = found.tested if found is not None else None
     size = None if blade is None else size_of(meant, blade)
-    geometry = meant.geometry if meant is not None else "measured"
+    geometry = "measured" if blade is None else geometry_of(meant, blade)
     distribution = expected_prior(family, size, geometry, without=own)
     members = siblings(family, without=own)
     few = "one propeller" if members == 1 else f"{members} propellers"

@@ -12,7 +12,7 @@ from typer import Argument, Option, echo
 from typer.core import TyperGroup
 
 from propmap.catalogue import Entry
-from propmap.catalogue.expected import HELD
+from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.identified import PARAMETERS, all_identified
 from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, search
 from propmap.cli import options as opt
@@ -133,7 +133,7 @@ def show_prop(
         Text("\n".join(outline(blade)), no_wrap=True),
         f"source: {blade.source or 'not given'}",
         f"citation: {blade.citation or 'not given'}",
-        *_constants(prop, blade),
+        *_constants(meant_by(prop, blades), blade),
     )
     if output is not None:
         from propmap.report.html import save
@@ -162,9 +162,8 @@ def outline(blade: Propeller) -> list[str]:
     return ["".join(line).rstrip() for line in lines]
 
 
-def _constants(prop: str, blade: Propeller) -> list[object]:
+def _constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> list[object]:
     """Show the constants that commands take for PROP by default, and how sure they are."""
-    meant = meant_by(prop)
     if meant is None:
         return []
     shown: list[object] = []
@@ -191,5 +190,4 @@ def _constants(prop: str, blade: Propeller) -> list[object]:
         (name, f"{getattr(law, name):.4f}", f"{deviation:.4f}", CONSTANTS[name].unit)
         for name, deviation in zip(PARAMETERS, deviations, strict=True)
     ]
-    held = [(name, f"{value:.4f}", "held", "-") for name, value in HELD.items()]
-    return [out.grid("<constant|value|standard deviation|<unit", [*rows, *held]), *shown]
+    return [out.grid("<constant|value|standard deviation|<unit", rows), *shown]

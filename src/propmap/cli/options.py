@@ -38,7 +38,8 @@ from propmap.catalogue.lookup import (
 )
 from propmap.cli.output import note
 from propmap.errors import InputError
-from propmap.io.csv import OperatingPoints, check_value
+from propmap.io.csv import OperatingPoints, check_value, read_lines
+from propmap.io.geometry import blades_told
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
@@ -131,7 +132,7 @@ class RotorChoice:
         """Make the rotor; notes say what is assumed and what is implausible about it."""
         blade, air = self.blade(), self.medium()
         section = with_physics(
-            section_law(self.airfoil, self.prop, blade), self.model, self.correction
+            section_law(self.airfoil, self.prop, blade, self.blades), self.model, self.correction
         )
 
         from propmap.rotor import Rotor
@@ -166,28 +167,39 @@ def propeller_noted(
     radius: float | None = None,
     root_cutout: float | None = None,
 ) -> Propeller:
-    """Read PROP, with notes on a blade that was not measured and on what is implausible."""
+    """Read PROP, with notes on how it was read, on a blade that was not measured and on what is
+    implausible."""
     found = propeller(prop, blades, radius, root_cutout)
-    note_if_predicted(prop)
+    note_reading(prop, found, blades)
     note(*blade_warnings(found))
     return found
 
 
-def note_if_predicted(prop: str) -> None:
-    """Note what a blade that was not measured rests on."""
-    meant = meant_by(prop)
+def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
+    """Note how PROP was read, with as many blades as were ``asked`` for, where it is no name of
+    the catalogue; ``found`` is its propeller."""
+    meant = meant_by(prop, asked)
     if isinstance(meant, ExpectedBlade):
         note(meant.summary)
+    told = blades_told(prop, read_lines(prop)) if meant is None else None
+    if told not in (None, found.blades):
+        whose = "the file has" if asked is None else "--blades says"
+        note(f"its title tells of {told} blades; {found.blades} are taken, as {whose}")
+    elif told is not None and asked is None:
+        note(f"{told} blades, as its title tells")
 
 
-def section_law(asked: str | None, prop: str, blade: Propeller) -> Airfoil | SectionTable:
+def section_law(
+    asked: str | None, prop: str, blade: Propeller, blades: int | None = None
+) -> Airfoil | SectionTable:
     """Find the law that ``--airfoil`` asks for, else that identified or predicted for PROP.
 
-    A note says which constants are taken where none are asked for.
+    A note says which constants are taken where none are asked for; ``blades`` is the number that
+    was.
     """
     if asked is not None:
         return airfoil(asked)
-    meant = meant_by(prop)
+    meant = meant_by(prop, blades)
     found = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
     if not (isinstance(meant, ExpectedBlade) and meant.own is None):
         # Else the note on the blade has said what the constants rest on too.

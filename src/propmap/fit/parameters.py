@@ -297,9 +297,9 @@ class SectionPrior:
     source: str
 
     def z_scores(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """Standard deviations (7,) between coordinates and means, in the order of ``PARAMETERS``.
+        """Standard deviations (P,) between coordinates and means, in the order of ``PARAMETERS``.
 
-        The constants ``values`` are by name; the derivatives by them are (7, 7).
+        The constants ``values`` are by name; the derivatives by them are (P, P).
         """
         constants = np.array([values[name] for name in PARAMETERS])
         inside = np.where(LOGARITHMIC, np.maximum(constants, SMALLEST), constants)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
@@ -49,6 +50,19 @@ def parse_blades(text: str) -> int:
     stripped = text.strip()
     count: object = int(stripped) if stripped.isascii() and stripped.isdigit() else stripped
     return check_blades(count)
+
+
+_TOLD = re.compile(
+    r"\d *[x\u00d7*] *\d[\d.,]* *[x\u00d7*] *([2-9])(?!\.?\d)|(?<!\d)([2-9])[ _-]?blade"
+)
+_HEAD = 10  # lines of a file among which its title is
+
+
+def blades_told(file: str | os.PathLike[str], lines: Sequence[str]) -> int | None:
+    """Read the number of blades that a file's name, or a title in its ``lines``, tells, such as
+    "HQ 5x4.3x3"; None where neither does."""
+    found = _TOLD.search("\n".join([Path(file).name, *lines[:_HEAD]]).lower())
+    return int(found[1] or found[2]) if found else None
 
 
 def parse_rows(
@@ -183,7 +197,8 @@ def read_propeller_csv(
     One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in or
     c_over_R; twist_deg or twist_rad; in any dialect of ``propmap.io.csv``. Lines that start with #
     are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``, ``# source:`` and ``#
-    citation:`` count.
+    citation:`` count. A title such as "HQ 5x4.3x3" tells the number of blades where nothing else
+    does.
     """
     where, lines = os.fspath(path), read_lines(path)
     file = read_csv_table(lines, KNOWN, where, comments=True)
@@ -214,6 +229,8 @@ def read_propeller_csv(
         if blades is None and "blades" in stated:
             with located("# blades"):
                 blades = parse_blades(stated["blades"])
+        elif blades is None:
+            blades = blades_told(where, lines)
         name, source = stated.get("name", Path(where).stem), f"file {Path(where).name}"
         texts = stated.get("source", source), stated.get("citation", "")
         return build_propeller(labels, name, blades, (station, chord, twist), *texts)
@@ -271,8 +288,9 @@ def read_uiuc_geometry(
 ) -> Propeller:
     """Read a propeller from a UIUC geometry file: r/R, c/R and beta in degrees.
 
-    The files hold neither radius nor blades, which are 2 for nearly all of that database. Nothing
-    is extended: the last row must be the tip, r/R = 1.
+    The files hold neither radius nor blades, which are 2 for nearly all of that database, unless
+    the file's name tells another number. Nothing is extended: the last row must be the tip,
+    r/R = 1.
     """
     lines, file = read_lines(path), Path(path)
     with located(os.fspath(path)):
@@ -288,7 +306,8 @@ def read_uiuc_geometry(
         labels, table = parse_rows(rows, HEADER, HEADER)
         check_fractions(table[:, 0], labels)
         blade = table[:, 0] * tip, table[:, 1] * tip, twist_from_degrees(table[:, 2])
-        count, source = 2 if blades is None else blades, f"UIUC geometry file {file.name}"
+        count = (blades_told(file, lines) or 2) if blades is None else blades
+        source = f"UIUC geometry file {file.name}"
         return build_propeller(labels, file.stem, count, blade, source, UIUC_CITATION)
 
 

@@ -22,7 +22,10 @@ from propmap.typing import Floats
 
 SCHEMA = 1
 SETS = Path(__file__).parents[1] / "catalogue" / "airfoils"
-LIFT_LAWS = ("blended", "simplified")
+LIFT_LAWS = ("blended", "plate", "simplified")
+PLATE = 0.44
+"""p in sin(a)/(1 - p + p sin(a)), a plate's normal force over that across the flow [-]: S. F.
+Hoerner, Fluid-Dynamic Drag, 1965, chapter III."""
 
 
 class Constant(NamedTuple):
@@ -44,7 +47,7 @@ CONSTANTS = {
     "c_l1": Constant(
         "1/rad", "slope of the attached lift", (0.0, 20.0), (math.tau, 0.5, 12.0, 1.0), "log"
     ),
-    "c_l2": Constant("-", "lift after stall", (0.0, 10.0), (2.0, 0.0, 6.0, 0.5)),
+    "c_l2": Constant("-", "lift after stall", (0.0, 10.0), (2.0, 0.0, 6.0, 0.5), "log"),
     "c_d": Constant("-", "pressure drag", (0.0, 20.0), (0.0, 0.0, 10.0, 1.0), "log"),
     "alpha_0": Constant("rad", "angle of stall", (0.02, 1.5), (0.47, 0.1, 0.9, 0.06), "log"),
     "zero_lift_angle": Constant(
@@ -79,7 +82,8 @@ class Airfoil:
     c_l1 : float
         Slope of the attached lift [1/rad].
     c_l2 : float
-        Amplitude of the separated lift [-]; c_l where ``lift_law`` is "simplified".
+        Amplitude of the separated lift [-]; c_l where ``lift_law`` is "simplified", the normal
+        force of the section across the flow where it is "plate".
     c_d : float
         Amplitude of the pressure drag [-].
     alpha_0 : float
@@ -99,7 +103,9 @@ class Airfoil:
         How far above zero_lift_angle the pressure drag is least [rad]: c_d sin^2(alpha -
         zero_lift_angle - drag_angle) in (4).  About 0.07 for small propellers, 0 in the paper.
     lift_law : str
-        "blended", eq. (3), or "simplified", footnote 1: C_L = c_l2 sin(a) cos(a).
+        "blended", eq. (3); "plate", which is (3) with the separated lift of a plate, whose normal
+        force is sin(a)/(0.56 + 0.44 sin(a)) of that across the flow; or "simplified", footnote 1:
+        C_L = c_l2 sin(a) cos(a).
     corrections : tuple of str or None
         Corrections with which the constants were found, as ``propmap.correction`` reads them.  A
         ``Model`` with this airfoil has them too.  None where nothing is said of them.
@@ -157,7 +163,7 @@ class Airfoil:
     @property
     def has_attached_lift(self) -> bool:
         """Whether lift rises with the angle of attack up to stall: not by footnote 1."""
-        return self.lift_law == "blended" and self.c_l1 > 0.0
+        return self.lift_law != "simplified" and self.c_l1 > 0.0
 
     def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
         """Lift and drag of the section by itself, eqs. (3) and (4).
@@ -178,9 +184,10 @@ class Airfoil:
 
     def core_law(self) -> dict[str, Any]:
         """Give the law as the compiled core takes it: its numbers by name."""
-        attached = 1.0 if self.lift_law == "blended" else 0.0
+        attached = 0.0 if self.lift_law == "simplified" else 1.0
+        plate = PLATE if self.lift_law == "plate" else 0.0
         numbers = {name: getattr(self, name) for name in self.parameters}
-        return {"kind": "blended", "attached": attached, **numbers}
+        return {"kind": "blended", "attached": attached, "plate": plate, **numbers}
 
     def with_parameters(self, **changes: Any) -> Airfoil:
         """Copy it with ``changes`` by name; its uncertainty no longer holds and is left out."""

@@ -86,7 +86,7 @@ def test_each_propeller_is_in_the_groups_that_it_can_be_in(found: list[LeftOut])
 @with_data
 @pytest.mark.slow
 def test_the_blade_of_the_makers_file_is_better_than_a_mean_one(found: list[LeftOut]) -> None:
-    """Of slow flyers, all ten and the three of which no blade was measured."""
+    """For slow flyers, all ten and the three of which no blade was measured."""
     told = by_series(found, all_identified())
     assert {name: one["propellers"] for name, one in told.items()} == {
         "apcsf": 10,
