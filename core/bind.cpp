@@ -118,7 +118,7 @@ std::vector<std::pair<std::string, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<
                                                 {"untwist", &rotor.change.untwist}};
     flow.each_variable([&](const char* name, S& number) { all.emplace_back(name, &number); });
     rotor.law.each_number([&](const char* name, S& number) { all.emplace_back(name, &number); });
-    if (rotor.mounted) all.emplace_back("mount_area", &rotor.mount_area);
+    if (rotor.installed) all.emplace_back("drag_factor", &rotor.drag_factor), all.emplace_back("mount_area", &rotor.mount_area);
     return all;
 }
 
@@ -351,8 +351,9 @@ class CoreRotor {
         r.change.untwist = number(with, "blade-untwist");
         r.tip_loss = with.contains("tip-loss"), r.hub_radius = number(with, "hub-loss");
         if (with.contains("inflow")) r.inflow_shape = inflow_shapes.at(nb::cast<std::string>(with["inflow"]));
-        r.mounted = with.contains("mount-drag");
-        if (r.mounted) r.mount_area = number(with, "mount-drag"), r.mount_wake = number(with, "mount-wake", 1.0);
+        r.installed = with.contains("installed");
+        r.drag_factor = number(with, "installed", 1.0), r.mount_area = number(with, "mount-area");
+        r.mount_wake = number(with, "mount-wake", 1.0);
         r.law.stall_delay = number(with, "stall-delay"), r.law.speed_of_sound = number(with, "prandtl-glauert");
         r.radial_friction = with.contains("radial-friction");
         return r;
@@ -371,7 +372,8 @@ class CoreRotor {
             std::size_t k = 0;
             while (k < known.size() && names[d] != known[k].first) ++k;
             if (k == known.size()) throw nb::key_error(names[d].c_str());
-            if (known[k].second != &example.mount_area) which.push_back(int(k)), place.push_back(d);
+            const double* number = known[k].second;
+            if (number != &example.mount_area && number != &example.drag_factor) which.push_back(int(k)), place.push_back(d);
         }
         example.mount_area = 1.0;
         for_each_point(n, threads, [&](std::size_t k) {
@@ -382,11 +384,14 @@ class CoreRotor {
             const auto keep = [&](int j, std::size_t d, double slope) {
                 slopes[(j * p + d) * n + k] = lost ? std::nan("") : slope;
             };
-            // What is mounted adds to the drag alone, in proportion to its area, and leaves the inflow as it is.
-            for (std::size_t d = 0; d < p; ++d)
-                if (names[d] == "mount_area")
-                    for (int j = 0; j < Loads<double>::count; ++j)
-                        keep(j, d, j == 1 ? example.density * mount_drag(example, s.flow, s.result.mean_inflow) : 0.0);
+            // How it is installed changes the drag alone, in proportion to factor and area, and leaves the inflow as it is.
+            for (std::size_t d = 0; d < p; ++d) {
+                if (names[d] != "mount_area" && names[d] != "drag_factor") continue;
+                const double slope = names[d] == "drag_factor"
+                                         ? s.result.blade_drag
+                                         : example.density * mount_drag(example, s.flow, s.result.mean_inflow);
+                for (int j = 0; j < Loads<double>::count; ++j) keep(j, d, j == 1 ? slope : 0.0);
+            }
             const auto by_some = [&]<int N>(std::integral_constant<int, N>, std::size_t first) {
                 const std::size_t last = std::min(first + N, which.size());
                 Rotor<Dual<double, N>, LawOf> rotor;

@@ -100,7 +100,7 @@ def write(folder: Path) -> None:
         "flight-residual": flight_tables.learned(found["flight_residual"]),
         "wakes-cost": flight_tables.wakes_cost(found["interference"]),
         "wakes-coaxial": flight_tables.coaxial(found["interference"]),
-        "mount-drag": mount_drag(found["mount_drag"]),
+        "installed": mount_drag(found["mount_drag"]),
         "measured-power": aircraft_tables.measured_power(found["aircraft"]["power"]),
         "aircraft-times": aircraft_tables.times(found["aircraft"]),
         "aircraft-study": aircraft_tables.study(found["aircraft"]["study"]),

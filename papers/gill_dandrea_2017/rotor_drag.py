@@ -22,7 +22,6 @@ from papers.gill_dandrea_2017.tunnel import (
     Compared,
 )
 from propmap.catalogue.lookup import measurement
-from propmap.errors import drag_factor_accepted
 from propmap.fit.least_squares import rms
 from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.model import Air, Model
@@ -129,8 +128,8 @@ def ratios(one: Compared) -> list[Ratio]:
 def consequence(name: str, factor: float) -> Consequence:
     """Fly the tethered quadrotor with a set of Table I, its rotor drag as it is and multiplied."""
     law, vehicle = parameter_set(name), quadrotor()
-    with drag_factor_accepted():  # the ratio of the two published forms, not a model of either
-        more = law.with_parameters(drag_factor=factor)
+    # The ratio of the two published forms, not a model of either.
+    more = law.with_corrections((f"installed:factor={factor!r},area_m2=0.0",))
     pair = (circles(vehicle, one, CIRCLE_SPEEDS) for one in (law, more))
     return Consequence(name, factor, *pair)
 

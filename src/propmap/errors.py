@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -45,22 +44,3 @@ def quoted(value: object, limit: int = 40) -> str:
     """``value`` in quotes, cut to ``limit`` characters, for use in a message."""
     text = str(value)
     return repr(text if len(text) <= limit else text[: limit - 3] + "...")
-
-
-DRAG_FACTOR = (
-    "drag_factor is deprecated: use the correction mount-drag for what is mounted in the "
-    "slipstream, and mount_area to fit it"
-)
-
-
-def warn_of_drag_factor(stacklevel: int) -> None:
-    """Raise a ``DeprecationWarning``, so many calls above this one."""
-    warnings.warn(DRAG_FACTOR, DeprecationWarning, stacklevel=stacklevel + 1)
-
-
-@contextmanager
-def drag_factor_accepted() -> Iterator[None]:
-    """Silence this warning: where the factor comes from one who has been warned."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", DRAG_FACTOR, DeprecationWarning)
-        yield

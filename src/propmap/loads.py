@@ -139,8 +139,9 @@ def error_scales(static: Mapping[str, Any], radius: float) -> dict[str, Any]:
 FLOW = ("omega", "v_axial", "v_inplane")
 """Flow quantities with respect to which loads can be differentiated."""
 
-MOUNT_AREA = "mount_area"
-"""The area of what is mounted in the slipstream [m^2], where the rotor has one."""
+DRAG_FACTOR, MOUNT_AREA = "drag_factor", "mount_area"
+"""How a rotor is installed, where the model says so: the factor on the blades' own drag [-], and
+the area of what is mounted in the slipstream [m^2]."""
 
 GEOMETRY = ("chord_scale", "twist_offset", "untwist")
 """The blade's common relative change of the chord [-] and common offset of the twist [rad], and

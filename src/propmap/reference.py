@@ -85,7 +85,7 @@ def loads(
     ----------
     model : Model
         Propeller, ``Airfoil`` and air; without corrections (the paper's model) or with
-        ``pitt-peters`` alone (the recommended model).
+        ``pitt-peters``, ``radial-friction`` or both (the recommended model).
     omega : float
         Omega [rad/s], >= 0.
     v_axial, v_inplane : float
@@ -124,9 +124,13 @@ def loads(
     v_i = np.array([annulus_inflow(case, y) for y in case.y])
     v_i = (1.0 - share) * v_i + share * measured
     around = np.tile(v_i[:, None], case.psi.size)  # in the paper v_i does not vary with psi
-    if model.corrections and v_inplane > 0.0:
+    if "pitt-peters" in model.correction_texts and v_inplane > 0.0:
         around = around + pitt_peters(case, v_i, 1.0 - share)
-    return disk_loads(case, around)
+    found = disk_loads(case, around)
+    if "radial-friction" not in model.correction_texts:
+        return found
+    drag, torque = radial_friction(case, v_i[:, None])
+    return found._replace(drag=found.drag + drag, torque=found.torque + torque)
 
 
 @dataclass(frozen=True)
@@ -154,12 +158,10 @@ def make_case(
     model: Model, omega: float, v_axial: float, v_inplane: float, radii: int, azimuths: int
 ) -> Case:
     """Make the case of ``loads``, whose arguments these are; refuse what is not modelled here."""
-    others = [text for text in model.correction_texts if text != "pitt-peters"]
+    others = set(model.correction_texts) - {"pitt-peters", "radial-friction"}
     if others:
-        raise InputError(
-            f"correction {others[0]} is not in the reference",
-            "leave it out, or use propmap.Rotor; the reference has pitt-peters alone",
-        )
+        found = f"correction {min(others)} is not in the reference"
+        raise InputError(found, "leave it out, or use propmap.Rotor")
     if not isinstance(model.airfoil, Airfoil):
         raise InputError(
             f"airfoil {model.airfoil.name} is a {type(model.airfoil).__name__}",
@@ -345,20 +347,40 @@ def disk_loads(case: Case, v_i: Floats) -> ReferenceLoads:
     """Sum up the loads for a known inflow [m/s] at each radius and azimuth, (radii, azimuths)."""
     normal, tangential = blade_element(case, case.y[:, None], v_i)
     sine, cosine, y = np.sin(case.psi), np.cos(case.psi), case.y
-    factor = case.airfoil.drag_factor  # 1 in the paper
 
     def mean(force: Floats) -> Floats:
         return case.model.propeller.blades * force.mean(axis=1)
 
     per_radius = (
         mean(normal),  # Eq. (5)
-        factor * mean(tangential * sine),  # Eq. (6)
+        mean(tangential * sine),  # Eq. (6)
         y * mean(tangential),  # Eq. (7)
         y * mean(normal * sine),
-        factor * mean(tangential * cosine),
+        mean(tangential * cosine),
         -y * mean(normal * cosine),
     )
     return ReferenceLoads(*(float(load.sum() * case.dy) for load in per_radius))  # Eqs. (13)-(15)
+
+
+def radial_friction(case: Case, v_i: Floats) -> tuple[float, float]:
+    """Find what friction along the whole flow adds to drag [N] and torque [N m].
+
+    Lift and pressure drag do not feel that air also moves along the blade; friction does.
+    """
+    air, y, blades = case.model.air, case.y[:, None], case.model.propeller.blades
+    chord, sine = case.chord(y), np.sin(case.psi)
+    u_t, u_r = case.omega * y + case.v_inplane * sine, case.v_inplane * np.cos(case.psi)
+    u = np.hypot(u_t, case.v_axial + v_i)
+
+    def per_speed(speed: Floats) -> Floats:
+        c_v = drag_coefficient(np.zeros_like(speed), air.density * speed * chord / air.viscosity,
+                               case.airfoil)  # fmt: skip
+        return 0.5 * air.density * speed * c_v * chord
+
+    turning = (per_speed(np.hypot(u, u_r)) - per_speed(u)) * u_t
+    along = turning * sine + per_speed(np.hypot(u, u_r)) * u_r * np.cos(case.psi)
+    drag, torque = ((blades * f.mean(axis=1)).sum() * case.dy for f in (along, y * turning))
+    return float(drag), float(torque)
 
 
 def pitt_peters(case: Case, v_i: Floats, strength: float) -> Floats:

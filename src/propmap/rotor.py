@@ -9,17 +9,10 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
+from propmap import bands
 from propmap.errors import InputError
-from propmap.loads import GEOMETRY, LOADS, MOUNT_AREA
-from propmap.model.airfoil import (
-    INPLANE_SHARES,
-    TUNNEL_GAIN,
-    TUNNEL_TILT,
-    UNKNOWN_SHARE,
-    SectionCovariance,
-    SectionUncertainty,
-)
-from propmap.model.corrections import MountDrag, name_of
+from propmap.loads import DRAG_FACTOR, GEOMETRY, LOADS, MOUNT_AREA
+from propmap.model.corrections import Installed, name_of
 from propmap.model.model import Model
 from propmap.operating_points import (
     FAR,
@@ -188,14 +181,16 @@ class Rotor:
     def parameters(self) -> tuple[str, ...]:
         """Names that ``gradients`` takes.
 
-        The section law's constants; "mount_area" [m^2], where something is mounted in the
-        slipstream; "chord_scale" [-], a common relative change of the chord, "twist_offset" [rad],
-        a common change of the twist, and "untwist" [rad], what the twist of the tip loses at a tip
-        speed of 100 m/s; "omega" [rad/s], "v_axial" and "v_inplane" [m/s], "height" [m].
+        The section law's constants; "drag_factor" [-] and "mount_area" [m^2], where the model says
+        how the rotor is installed; "chord_scale" [-], a common relative change of the chord,
+        "twist_offset" [rad], a common change of the twist, and "untwist" [rad], what the twist of
+        the tip loses at a tip speed of 100 m/s; "omega" [rad/s], "v_axial" and "v_inplane" [m/s],
+        "height" [m].
         """
         law = self.model.airfoil.parameters
-        mounted = () if self.model.correction_of(MountDrag) is None else (MOUNT_AREA,)
-        return (*law, *mounted, *GEOMETRY, *FlowPoints._fields)
+        no_mount = self.model.correction_of(Installed) is None
+        installed = () if no_mount else (DRAG_FACTOR, MOUNT_AREA)
+        return (*law, *installed, *GEOMETRY, *FlowPoints._fields)
 
     def gradients(
         self,
@@ -387,15 +382,9 @@ class Rotor:
     def _deviations(
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
     ) -> dict[str, LoadValues]:
-        """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``.
-
-        To first order sqrt(g' S g), with g the derivatives by uncertain parameters and S their
-        covariance; NaN where the derivatives were not found.
-        """
-        known = self.model.uncertainty
-        if known is None:
-            return {}
-        found = _by_parameters(known, self, at) | errors_of_loads(self.model, at, loads)
+        """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``; NaN
+        where loads or their derivatives were not found."""
+        found = bands.deviations(self, at, loads)
         values = {}
         for source, rows in found.items():
             lost = np.where(np.isnan(loads), np.nan, rows)
@@ -426,66 +415,3 @@ class Rotor:
             mean_inflow=mean_inflow,
             deviations=deviations,
         )
-
-
-# -------------------------------------------------------------------------------------------------
-# Standard deviations of loads, by what they are from.
-
-
-def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
-    """Standard deviations (L, N) by source of the loads (L, N) alone, not of what they rest on."""
-    known = model.uncertainty
-    if known is None:
-        return {}
-    found = {"discrepancy": _discrepancy(model, known, at, loads)}
-    if known.another_tunnel:
-        found["tunnel"] = _tunnel(model, at, loads)
-    return found
-
-
-def _by_parameters(known: SectionUncertainty, rotor: Rotor, at: FlowPoints) -> dict[str, Floats]:
-    """Standard deviations (L, N) that follow from the uncertain constants and blade."""
-    whole = known.covariance.determined
-    if not whole.names:
-        return {}
-    slopes = rotor.gradients_at(whole.names, at).slopes
-
-    def variance(of: SectionCovariance) -> Floats:
-        return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)
-
-    if known.with_blade is None:
-        return {"parameters": np.sqrt(variance(whole))}
-    # The two populations are estimated separately; their sum has to be the whole.
-    total = variance(whole)
-    own = np.minimum(variance(known.with_blade), total)
-    return {"parameters": np.sqrt(own), "geometry": np.sqrt(total - own)}
-
-
-def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads: Floats) -> Floats:
-    """Errors (L, N) of the model with the best constants."""
-    blade, air = model.propeller, model.air
-    # In a wind a rotor that turns slowly has the loads of the wind.
-    square = at.omega**2 + (at.v_axial**2 + at.v_inplane**2) / blade.radius**2
-    force = air.density * square / (2.0 * np.pi) ** 2 * blade.diameter**4
-    of_axial = {
-        "thrust": known.thrust_coefficient * force,
-        "torque": known.power_coefficient / (2.0 * np.pi) * force * blade.diameter,
-    }
-    return np.stack(
-        [
-            of_axial[name]
-            if name in of_axial
-            else INPLANE_SHARES.get(name, UNKNOWN_SHARE) * np.abs(load)
-            for name, load in zip(LOADS, loads, strict=True)
-        ]
-    )
-
-
-def _tunnel(model: Model, at: FlowPoints, loads: Floats) -> Floats:
-    """Differences (L, N) between the loads that several tunnels, or the open air, would read."""
-    tip = np.hypot(at.omega * model.propeller.radius, np.hypot(at.v_axial, at.v_inplane))
-    speed = np.hypot(at.v_axial, at.v_inplane)
-    advance = np.divide(speed, tip, out=np.zeros_like(tip), where=tip > 0.0)
-    share = np.full_like(loads, TUNNEL_GAIN)
-    share[list(LOADS).index("thrust")] = np.hypot(TUNNEL_GAIN, TUNNEL_TILT * advance)
-    return np.asarray(share * np.abs(loads))

@@ -11,7 +11,7 @@ import propmap
 from propmap.aircraft.sensitivity import power_gradient
 from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
-from propmap.model.corrections import MountDrag
+from propmap.model.corrections import Installed
 from propmap.table import LoadTable, build_table
 from propmap.vehicle.vehicle import Vehicle
 
@@ -73,6 +73,6 @@ def test_a_table_of_something_else(vehicle: Vehicle, table: LoadTable) -> None:
     other = replace(vehicle, propeller=propmap.propeller("apc-9x6e"))
     with pytest.raises(InputError, match="the table is of"):
         Aircraft(other, table)
-    mounted = tuple(replace(m, drag=MountDrag(1e-3)) for m in vehicle.mounts)
+    mounted = tuple(replace(m, drag=Installed(1e-3)) for m in vehicle.mounts)
     with pytest.raises(InputError, match=r"\[mount\]"):
         Aircraft(replace(vehicle, mounts=mounted), table)

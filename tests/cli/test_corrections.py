@@ -170,9 +170,12 @@ def test_or_is_refused_in_one_line(run: Run, name: str) -> None:
 @pytest.mark.usefixtures("brief")
 def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path) -> None:
     done = run("fit", "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *TIP_LOSS, "-o", "with.toml")
-    assert "with pitt-peters, tip-loss, which comes along wherever the fit is used" in done.out
+    assert (
+        "with pitt-peters, radial-friction, tip-loss, which comes along wherever the fit is used"
+        in done.out
+    )
     law = parameter_set("with.toml")
-    assert law.corrections == ("pitt-peters", "tip-loss")
+    assert law.corrections == ("pitt-peters", "radial-friction", "tip-loss")
     # In Python as on the command line.
     blade = propmap.propeller("apc-8x6e")
     bare = law.with_parameters(corrections=None)
@@ -184,7 +187,7 @@ def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path
     found = propmap.Rotor(propmap.Model(blade, law)).loads(*point)
     assert found.thrust == wanted.thrust != other.thrust
     told = run("predict", "apc-8x6e", "--airfoil", "with.toml", *POINT)
-    assert "airfoil with + pitt-peters + tip-loss" in told.out
+    assert "airfoil with + pitt-peters + radial-friction + tip-loss" in told.out
     as_json = run("predict", "apc-8x6e", "--airfoil", "with.toml", *POINT, "--format", "json")
     assert json.loads(as_json.out)["thrust_N"] == pytest.approx(float(wanted.thrust), rel=1e-9)
     # Others than those of the fit are refused, by every command.
@@ -270,7 +273,7 @@ def test_the_model_is_recommended_unless_it_is_named(run: Run, tunnel_csv: Path)
         assert found["side_force_N"] == pytest.approx(float(wanted.side_force), rel=1e-9)
     # An inflow shape takes the place of the model's own.
     done = run("predict", *ROTOR, *POINT, "--correction", "coleman", "--correction", "tip-loss")
-    assert "airfoil paper-apc + coleman + tip-loss" in done.out
+    assert "airfoil paper-apc + radial-friction + coleman + tip-loss" in done.out
     # A fit under the paper's model says so, and is used with it.
     run("fit", "tunnel", "apc-8x6e", tunnel_csv, *QUICK, "--model", "paper", "-o", "paper.toml")
     assert parameter_set("paper.toml").corrections == ()
@@ -278,12 +281,22 @@ def test_the_model_is_recommended_unless_it_is_named(run: Run, tunnel_csv: Path)
     assert "airfoil paper;" in told.out
     refused = run("check", "paper.toml", tunnel_csv, "--model", "recommended")
     assert refused.code == 2
-    assert "paper was found with the paper's model, not with pitt-peters" in refused.err
+    assert (
+        "paper was found with the paper's model, not with pitt-peters, radial-friction"
+        in refused.err
+    )
     assert run("predict", *ROTOR, *POINT, "--model", "2017").code == 2
 
 
 def test_corrections_of_a_model() -> None:
     assert propmap.corrections_of("paper") == ()
-    assert propmap.corrections_of() == (propmap.correction("pitt-peters"),)
+    recommended = (propmap.correction("pitt-peters"), propmap.correction("radial-friction"))
+    assert propmap.corrections_of() == recommended
+    assert propmap.corrections_of(installed=True) == (*recommended, propmap.correction("installed"))
+    assert propmap.corrections_of("paper", installed=True) == ()
+    given = ["installed:factor=2"]
+    assert propmap.corrections_of("recommended", given, installed=True)[2:] == (
+        propmap.correction(given[0]),
+    )
     with pytest.raises(propmap.InputError, match="give one of recommended, paper"):
         propmap.corrections_of("2017")

@@ -64,7 +64,7 @@ def test_a_parameter_set_with_a_propeller(
     done = run("export", "law.toml", "--prop", "apc-8x6e", "--to", "npz", "-o", "to")
     assert done.code == 0
     assert done.err.startswith(
-        "building a table of apc-8x6e, paper-apc + pitt-peters, at 1880 to 9869 rpm"
+        "building a table of apc-8x6e, paper-apc + pitt-peters + radial-friction, at 1880 to"
     )
     ((rotor, named),) = built
     assert rotor.model.propeller.name == "apc-8x6e" and rotor.model.airfoil.name == "paper-apc"
@@ -106,15 +106,18 @@ def test_a_vehicle_goes_into_an_autopilot(run: Run, tmp_path: Path) -> None:
         "wrote ap/delivery_quadcopter_ardupilot.param\nwrote ap/README-ardupilot.md\n"
     )
     note = (tmp_path / "ap" / "README-ardupilot.md").read_text()
-    assert "rotors: paper-apc + pitt-peters" in note and "standard deviations: none" in note
+    assert (
+        "rotors: paper-apc + pitt-peters + radial-friction" in note
+        and "standard deviations: none" in note
+    )
     assert "| 3 |" in note and "| 9 |" in note and "battery at 100%" in note
     again = ["export", "quad.toml", "--to", "ardupilot", "-o", "ap", *asked, "--charge", "0.5"]
     assert "--force" in run(*again).err
-    mounted = ["--model", "paper", "--correction", "mount-drag:area_m2=0.001"]
+    mounted = ["--model", "paper", "--correction", "installed:factor=1,area_m2=0.001"]
     done = run(*again, "--force", *mounted)
     assert done.code == 0 and done.err == ""
     changed = (tmp_path / "ap" / "README-ardupilot.md").read_text()
-    assert "rotors: paper-apc + mount-drag" in changed and "battery at 50%" in changed
+    assert "rotors: paper-apc + installed" in changed and "battery at 50%" in changed
 
 
 @pytest.mark.parametrize(

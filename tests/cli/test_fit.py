@@ -142,7 +142,7 @@ def test_check_as_json(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> None:
     assert (done.code, done.err) == (0, "")
     found = json.loads(done.out)
     assert set(found) == {"corrections", "rows", "loads"}
-    assert found["corrections"] == ["pitt-peters"] and found["rows"] == 14
+    assert found["corrections"] == ["pitt-peters", "radial-friction"] and found["rows"] == 14
     assert set(found["loads"]) == {"thrust_N", "torque_Nm"}
     for name, load in found["loads"].items():
         assert set(load) == CHECKED | {"by_speed"}

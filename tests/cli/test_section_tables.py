@@ -58,7 +58,10 @@ def test_a_sweep_names_the_table(run: Run) -> None:
     done = run("sweep", *ROTOR, *axes, "-o", "x.nc")
     assert done.code == 0 and NOTE in done.err
     found = xarray.load_dataset("x.nc")
-    assert found.attrs["airfoil_name"] == "plate" and found.attrs["corrections"] == "pitt-peters"
+    assert (
+        found.attrs["airfoil_name"] == "plate"
+        and found.attrs["corrections"] == "pitt-peters, radial-friction"
+    )
 
 
 def test_check_and_export_take_a_table(
@@ -76,7 +79,9 @@ def test_check_and_export_take_a_table(
     monkeypatch.setattr("propmap.table.build.build_table", record)
     done = run("export", "plate.csv", "--prop", "apc-8x6e", "--to", "csv", "-o", "to")
     assert done.code == 0 and NOTE in done.err
-    assert built[0].model.airfoil == propmap.airfoil("plate.csv").with_corrections(["pitt-peters"])
+    assert built[0].model.airfoil == propmap.airfoil("plate.csv").with_corrections(
+        ["pitt-peters", "radial-friction"]
+    )
 
 
 @pytest.mark.parametrize(

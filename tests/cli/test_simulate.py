@@ -83,7 +83,7 @@ def test_without_noise_the_log_is_the_trim(run: Run) -> None:
     Path("vehicle.toml").write_text(VEHICLE + done.out[done.out.index("[log]") :])
     read = read_vehicle("vehicle.toml")
     log = read_flight_log("flight.csv", read)
-    law = propmap.airfoil("paper-apc").with_corrections(["pitt-peters"])
+    law = propmap.airfoil("paper-apc").with_corrections(["pitt-peters", "radial-friction"])
     points = trim(read.vehicle, law, np.array([9.0, 11.0, 13.0]))
     for sample, point in ((0, 0), (-1, 2)):
         # The file has nine digits.

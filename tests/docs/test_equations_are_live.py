@@ -231,7 +231,6 @@ def _no_tables_kept() -> Iterator[None]:
 
 
 # What is broken may come out as a factor on the drag.
-@pytest.mark.filterwarnings("ignore:drag_factor is deprecated")
 @pytest.mark.parametrize(("module", "name"), NAMED)
 def test_what_comes_out_changes(module: str, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     probe = probe_of(module)

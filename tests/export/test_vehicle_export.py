@@ -20,7 +20,7 @@ from propmap.export import export_vehicle
 from propmap.export.c_header import cost
 from propmap.export.files import identifier, vehicle_name
 from propmap.export.simple_models import literal
-from propmap.model.corrections import MountDrag
+from propmap.model.corrections import Installed
 from propmap.table import LoadTable
 from propmap.table.interpolation import STATUSES
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
@@ -306,7 +306,7 @@ WRONG: dict[str, tuple[Vehicle, str, str]] = {
     ),
     "another air": (replace(PLAIN, air=propmap.Air()), "c", "holds for 1.2 kg/m^3"),
     "a mount": (
-        replace(PLAIN, mounts=(replace(UP[0], drag=MountDrag(1e-3)), *UP[1:])), "c", "[mount]"
+        replace(PLAIN, mounts=(replace(UP[0], drag=Installed(1e-3)), *UP[1:])), "c", "[mount]"
     ),
     "six rotors": (
         replace(PLAIN, mounts=(*UP, Mount((0.3, 0.0, 0.0)), Mount((-0.3, 0.0, 0.0)))),

@@ -17,14 +17,14 @@ from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.fit.tunnel import TunnelData, model_with, tunnel_rows
 from propmap.flight.simulate import expectation, true_values
-from propmap.model.corrections import MountDrag
+from propmap.model.corrections import Installed
 from propmap.vehicle.vehicle import Vehicle
 from tests.fit.test_flight_fit import MOUNTS, OMEGA, VELOCITIES, log
 
 BLADE, LAW = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
 MODEL = propmap.Model(BLADE, LAW)
 AREA = 0.0014
-MOUNTED = MODEL.with_mount(MountDrag(AREA))
+MOUNTED = MODEL.with_mount(Installed(1.0, AREA))
 FIXED = {name: getattr(LAW, name) for name in SECTION if name != "c_d"}
 CHOICE = Choice(("c_d", "mount_area"), FIXED)
 NOISE = 0.003
@@ -76,7 +76,7 @@ def test_the_area_is_found_again(fitted: Fitted) -> None:
 
 def test_the_file_brings_it_along_with_its_covariance(file: FitFile, fitted: Fitted) -> None:
     (mount,) = file.model.corrections
-    assert mount == MountDrag(fitted.values["mount_area"])
+    assert mount == Installed(1.0, fitted.values["mount_area"])
     assert file.covariance is not None and file.covariance.names == ("c_d", "mount_area")
     np.testing.assert_allclose(file.covariance.matrix, fitted.uncertainty.covariance)
     area = file.record.parameters[1]
@@ -85,22 +85,22 @@ def test_the_file_brings_it_along_with_its_covariance(file: FitFile, fitted: Fit
 
 def test_whoever_uses_the_file_has_the_drag(file: FitFile, data: TunnelData) -> None:
     assert compare_tunnel(file.model, data)["drag_N"].all.relative_rms < 2.0 * NOISE
-    bare = compare_tunnel(file.model.with_mount(MountDrag(0.0)), data)["drag_N"].all
+    bare = compare_tunnel(file.model.with_mount(Installed(1.0, 0.0)), data)["drag_N"].all
     assert bare.relative_rms > 0.2
 
 
 def test_a_model_keeps_its_mount_where_the_fit_has_no_say() -> None:
     """And the share of the inflow where it has."""
-    deep = MODEL.with_mount(MountDrag(AREA, wake=1.8))
+    deep = MODEL.with_mount(Installed(1.0, AREA, wake=1.8))
     section = {name: getattr(LAW, name) for name in SECTION}
-    assert model_with(deep, FIRST_GUESS | section).corrections == (MountDrag(AREA, wake=1.8),)
+    assert model_with(deep, FIRST_GUESS | section).corrections == (Installed(1.0, AREA, wake=1.8),)
     moved = model_with(deep, FIRST_GUESS | section | {"mount_area": 0.003})
-    assert moved.corrections == (MountDrag(0.003, wake=1.8),)
+    assert moved.corrections == (Installed(1.0, 0.003, wake=1.8),)
     assert model_with(MODEL, FIRST_GUESS | section).corrections == ()
 
 
 # A vehicle whose rotors are mounted on different things.
-DRAGS = (MountDrag(0.001), MountDrag(0.003), MountDrag(0.001), None)
+DRAGS = (Installed(1.0, 0.001), Installed(1.0, 0.003), Installed(1.0, 0.001), None)
 VEHICLE = Vehicle(
     "test",
     1.0,
@@ -125,8 +125,8 @@ def test_each_rotor_of_a_vehicle_has_its_own_mount() -> None:
 
 
 def test_a_vehicle_s_mount_takes_the_place_of_the_law_s() -> None:
-    every = tuple(replace(mount, drag=MountDrag(0.001)) for mount in MOUNTS)
-    law = replace(LAW, corrections=("mount-drag:area_m2=0.01",))
+    every = tuple(replace(mount, drag=Installed(1.0, 0.001)) for mount in MOUNTS)
+    law = replace(LAW, corrections=("installed:factor=1,area_m2=0.01",))
     forces = [
         ForceModel(replace(VEHICLE, mounts=every), FLOWN, one).at(VALUES, ("c_l1",)).force
         for one in (law, LAW)
@@ -150,7 +150,7 @@ def test_an_area_in_flight_is_that_of_every_rotor() -> None:
 
 
 @pytest.mark.parametrize(
-    ("corrections", "area"), [((), 0.0), (("mount-drag:area_m2=0.004",), 0.004)]
+    ("corrections", "area"), [((), 0.0), (("installed:factor=1,area_m2=0.004",), 0.004)]
 )
 def test_a_planned_flight_knows_the_area_that_is_true(
     corrections: tuple[str, ...], area: float

@@ -15,7 +15,7 @@ from propmap.fit.parameters import (
     FIRST_GUESS,
     FLEX,
     FLIGHT,
-    MOUNT,
+    INSTALLED,
     SECTION,
     SENSOR,
     TURNING,
@@ -43,7 +43,7 @@ CASES: dict[str, tuple[dict[str, Any], str]] = {
     "deviation not a number": ({"priors": {"c_l2": Prior(2.0, np.nan)}}, "deviation nan"),
     "prior's mean not a number": ({"priors": {"c_l2": Prior(np.nan, 1.0)}}, "c_l2"),
     "fixed too high": ({"fixed": {"c_d0": 0.3}}, "c_d0 is 0.3 -; give a value from 0 to 0.2"),
-    "fixed too low": ({"fixed": {"drag_factor": 0.1}}, "from 0.2 to 5"),
+    "fixed too low": ({"fixed": {"zero_lift_angle": -0.5}}, "from -0.25 to 0.15"),
     "start out of bounds": ({"start": {"alpha_0": 20.0}}, "alpha_0 is 20 rad; give a value"),
     "fixed not a number": ({"fixed": {"c_d0": np.nan}}, "c_d0 is nan"),
 }
@@ -83,15 +83,6 @@ def test_a_mount_s_area_is_a_value_where_it_is_free_or_fixed(given: dict[str, An
     assert choice.values(x)["mount_area"] == 0.002
 
 
-@pytest.mark.parametrize(
-    "given", [{"free": ("c_l1", "drag_factor")}, {"fixed": {"drag_factor": 1.5}}]
-)
-def test_a_drag_factor_is_deprecated(given: dict[str, Any]) -> None:
-    with pytest.warns(DeprecationWarning, match="drag_factor is deprecated.*mount_area"):
-        Choice(**given)
-    Choice(fixed={"drag_factor": 1.0})  # without a warning
-
-
 def test_columns_are_in_the_order_of_the_free() -> None:
     choice = Choice(("alpha_0", "lift_area"))
     np.testing.assert_array_equal(choice.column("upper"), [0.9, 1.0])
@@ -105,7 +96,6 @@ def test_first_guesses_are_within_bounds(name: str) -> None:
     assert p.spread > 0.0
 
 
-@pytest.mark.filterwarnings("ignore:drag_factor is deprecated")
 @pytest.mark.parametrize("name", SECTION)
 def test_bounds_are_those_that_a_section_law_accepts(name: str) -> None:
     law = Airfoil(5.0, 1.0, 1.0, 0.4)
@@ -114,7 +104,7 @@ def test_bounds_are_those_that_a_section_law_accepts(name: str) -> None:
 
 
 def test_kinds_of_parameters_do_not_overlap() -> None:
-    kinds = (SECTION, FLEX, MOUNT, BODY, WING, SENSOR, TURNING, WAKES, FLIGHT)
+    kinds = (SECTION, FLEX, INSTALLED, BODY, WING, SENSOR, TURNING, WAKES, FLIGHT)
     assert len(EVERY) == sum(len(kind) for kind in kinds)
 
 

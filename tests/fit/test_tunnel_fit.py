@@ -179,7 +179,6 @@ def test_one_annulus_theory_predicts_the_other_s_roll_moment(published: TunnelDa
     assert 2.0 <= np.sum(model * measured) / np.sum(model**2) <= 2.5
 
 
-@pytest.mark.filterwarnings("ignore:drag_factor is deprecated")
 def test_a_drag_factor_takes_up_the_drag(published: TunnelData) -> None:
     fitted = done(published, (*FIVE, "drag_factor"), ("thrust", "torque", "drag"))
     assert fitted.relative_rms("drag") <= 0.06

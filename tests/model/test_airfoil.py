@@ -156,20 +156,3 @@ def test_with_parameters_changes_a_copy_and_checks_it() -> None:
     assert (mine.c_d, changed.c_d, changed.c_l1) == (1e-5, 2.0, 5.1)
     with pytest.raises(InputError, match="sharpness"):
         mine.with_parameters(sharpness=1.0)
-
-
-def test_a_drag_factor_is_deprecated() -> None:
-    law = Airfoil(5.0, 1.0, 1.0, 0.4)
-    for make in (
-        lambda: Airfoil(5.0, 1.0, 1.0, 0.4, drag_factor=2.0),
-        lambda: law.with_parameters(drag_factor=2.0),
-    ):
-        with pytest.warns(
-            DeprecationWarning, match="drag_factor is deprecated.*mount_area"
-        ) as told:
-            factored = make()
-        assert len(told) == 1
-    # Whoever has been warned is not warned again.
-    assert factored.with_corrections(["tip-loss"]).drag_factor == 2.0
-    assert factored.fingerprint() != law.fingerprint()
-    law.with_parameters(drag_factor=1.0)

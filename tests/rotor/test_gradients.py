@@ -26,7 +26,7 @@ def test_names_are_those_of_section_blade_mount_and_flow() -> None:
         *names
     }
     assert "mount_area" not in names
-    assert {*rotor("mount-drag").parameters} - {*names} == {"mount_area"}
+    assert {*rotor("installed").parameters} - {*names} == {"drag_factor", "mount_area"}
 
 
 def test_other_names_and_flows_are_refused() -> None:

@@ -11,12 +11,12 @@ import pytest
 import propmap
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.model.corrections import MountDrag, typical_area
+from propmap.model.corrections import TYPICAL_AREA, TYPICAL_FACTOR, Installed
 from propmap.rotor import core_corrections
 
 BLADE, LAW = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
 AREA, WAKE = 0.0014, 1.3
-MOUNT = f"mount-drag:area_m2={AREA},wake={WAKE}"
+MOUNT = f"installed:factor=1,area_m2={AREA},wake={WAKE}"
 
 OMEGA = 600.0
 SPEED = np.array([0.0, 3.0, 9.0, 14.0, 8.0, 4.0, 15.0, 6.0])
@@ -44,7 +44,7 @@ def test_it_adds_its_drag_at_the_mean_inflow_and_nothing_else(others: tuple[str,
 
 def test_an_area_of_zero_changes_no_bit() -> None:
     bare, mounted = (
-        rotor(*added).loads(OMEGA, SPEED, BETA) for added in ((), ("mount-drag:area_m2=0",))
+        rotor(*added).loads(OMEGA, SPEED, BETA) for added in ((), ("installed:factor=1,area_m2=0",))
     )
     np.testing.assert_array_equal(mounted.drag, bare.drag)
     assert "mount_area" not in rotor().parameters
@@ -60,40 +60,55 @@ def test_the_force_is_against_the_inplane_velocity_and_has_no_moment(spin: str) 
     np.testing.assert_allclose(np.cross(added, [3.0, -4.0, 0.0]), 0.0, atol=1e-12)
 
 
-def test_without_an_area_it_is_that_of_a_typical_motor() -> None:
-    given = core_corrections(rotor("mount-drag").model)
-    assert given["mount-drag"] == typical_area(BLADE.radius)
-    found, stated = (
-        rotor(text).loads(OMEGA, 9.0, 1.2)
-        for text in ("mount-drag", f"mount-drag:area_m2={typical_area(BLADE.radius)}")
+def test_what_is_not_stated_is_typical_and_uncertain() -> None:
+    radius = BLADE.radius
+    given = core_corrections(rotor("installed").model)
+    assert given["installed"] == TYPICAL_FACTOR[0]
+    assert given["mount-area"] == TYPICAL_AREA[0] * radius**2
+    bare, whole = (rotor(*text).loads(OMEGA, 9.0, 1.2) for text in ((), ("installed",)))
+    across, along = 9.0 * np.sin(1.2), 9.0 * np.cos(1.2)
+    mount = Installed().drag(
+        radius, 1.225, along, across, np.asarray(bare.mean_inflow), np.asarray(bare.drag)
     )
-    assert found.drag == stated.drag
+    assert float(whole.drag) == pytest.approx(float(mount), rel=1e-12)
+    assert Installed(2.0).deviations(radius) == {"mount_area": TYPICAL_AREA[1] * radius**2}
+    assert Installed(2.0, 0.001).deviations(radius) == {}
+
+
+@pytest.mark.parametrize("others", [(), ("pitt-peters", "radial-friction")])
+def test_the_factor_multiplies_the_blades_own_drag_and_nothing_else(
+    others: tuple[str, ...],
+) -> None:
+    bare, doubled = (
+        rotor(*others, *added).loads(OMEGA, SPEED, BETA)
+        for added in ((), ("installed:factor=2,area_m2=0",))
+    )
+    np.testing.assert_allclose(doubled.drag, 2.0 * bare.drag, rtol=1e-14)
+    for name in ("thrust", "torque", "roll_moment", "side_force", "pitch_moment"):
+        np.testing.assert_array_equal(getattr(doubled, name), getattr(bare, name), name)
 
 
 def test_a_mount_may_be_another_than_where_the_constants_are_from() -> None:
-    law = replace(LAW, corrections=("tip-loss", "mount-drag:area_m2=0.002"))
+    law = replace(LAW, corrections=("tip-loss", "installed:factor=1,area_m2=0.002"))
     own = propmap.Model(BLADE, law)
     told = core_corrections(own)
-    assert told["mount-drag"] == 0.002 and told["tip-loss"]
+    assert told["mount-area"] == 0.002 and told["tip-loss"]
     mine = propmap.Model(BLADE, law, corrections=(propmap.correction(MOUNT),))
     told = core_corrections(mine)
-    assert told["mount-drag"] == AREA and told["tip-loss"]
+    assert told["mount-area"] == AREA and told["tip-loss"]
     assert mine == own.with_mount(propmap.correction(MOUNT))
     assert mine.fingerprint() != own.fingerprint()
     with pytest.raises(InputError, match="was found with tip-loss, not with pitt-peters"):
         propmap.Model(BLADE, law, corrections=(propmap.correction("pitt-peters"),))
-    with pytest.raises(InputError, match="mount-drag is given twice"):
+    with pytest.raises(InputError, match="installed is given twice"):
         propmap.Model(BLADE, LAW, corrections=(propmap.correction(MOUNT),) * 2)
-
-
-def test_a_typical_motor_has_28_by_30_mm_below_8_inches() -> None:
-    assert typical_area(0.1016) == pytest.approx(0.028 * 0.030)
-    assert typical_area(0.2032) == pytest.approx(4.0 * typical_area(0.1016))
 
 
 @pytest.mark.parametrize(
     ("fields", "says"),
     [
+        ({"factor": -1.0}, "factor is -1.0: give 1 for the blades' own drag"),
+        ({"factor": math.nan}, "factor is nan"),
         ({"area_m2": -1e-4}, "area_m2 is -0.0001: give an area of 0 m"),
         ({"area_m2": math.nan}, "area_m2 is nan"),
         ({"area_m2": math.inf}, "area_m2 is inf"),
@@ -103,4 +118,4 @@ def test_a_typical_motor_has_28_by_30_mm_below_8_inches() -> None:
 )
 def test_what_cannot_be_mounted(fields: dict[str, float], says: str) -> None:
     with pytest.raises(InputError, match=says):
-        MountDrag(**fields)
+        Installed(**fields)

@@ -116,18 +116,6 @@ def test_without_viscous_drag_there_is_none() -> None:
     np.testing.assert_array_equal(rough.drag, plain.drag)
 
 
-@pytest.mark.filterwarnings("ignore:drag_factor is deprecated")
-def test_it_is_part_of_the_rotor_drag_that_the_factor_multiplies() -> None:
-    once, twice = (
-        [rotor.loads(*OBLIQUE) for rotor in rotors(APC.with_parameters(drag_factor=factor))]
-        for factor in (1.0, 2.0)
-    )
-    np.testing.assert_allclose(
-        twice[1].drag - twice[0].drag, 2.0 * (once[1].drag - once[0].drag), rtol=1e-9
-    )
-    np.testing.assert_allclose(twice[1].torque, once[1].torque, rtol=1e-12)
-
-
 def test_a_table_has_its_drag_at_zero_lift() -> None:
     """A table sampled from the paper's law rubs as that law does."""
     from tests.oracle.paper_physics import TABLE_I

@@ -12,7 +12,7 @@ from propmap.table import build_table
 @pytest.mark.slow
 def test_the_drag_of_the_mount_is_in_the_table() -> None:
     bare = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
-    model = bare.with_mount(propmap.correction("mount-drag:area_m2=0.0014"))
+    model = bare.with_mount(propmap.correction("installed:factor=1,area_m2=0.0014"))
     table = build_table(
         propmap.Rotor(model),
         omega=(420.0, 460.0),
@@ -27,5 +27,5 @@ def test_the_drag_of_the_mount_is_in_the_table() -> None:
     static = propmap.Rotor(bare).loads(440.0, 0.0, 0.0).thrust
     np.testing.assert_allclose(found.drag, wanted.drag, atol=0.02 * static)
     assert (wanted.drag - without.drag > 0.04 * static).all()
-    assert table.info["corrections"] == ["mount-drag:area_m2=0.0014,wake=1.0"]
+    assert table.info["corrections"] == ["installed:factor=1,area_m2=0.0014,wake=1.0"]
     assert table.info["model_sha256"] == model.fingerprint()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.model.corrections import MountDrag
+from propmap.model.corrections import Installed
 from propmap.vehicle.files import VehicleFile, read_vehicle
 from propmap.vehicle.vehicle import Body, Wakes, Wing
 from tests.io import samples
@@ -205,10 +205,10 @@ MOUNT = "\n[mount]\narea = 0.0014\n\n[body]"
 
 def test_what_the_rotors_are_mounted_on(tmp_path: Path) -> None:
     drags = [m.drag for m in read(VEHICLE.replace("\n[body]", MOUNT), tmp_path).vehicle.mounts]
-    assert drags == [MountDrag(0.0014), MountDrag(0.0014)]
+    assert drags == [Installed(1.0, 0.0014), Installed(1.0, 0.0014)]
     each = MOUNT.replace("0.0014", "[0.001, 0]\nwake = 1.5")
     drags = [m.drag for m in read(VEHICLE.replace("\n[body]", each), tmp_path).vehicle.mounts]
-    assert drags == [MountDrag(0.001, wake=1.5), MountDrag(0.0, wake=1.5)]
+    assert drags == [Installed(1.0, 0.001, wake=1.5), Installed(1.0, 0.0, wake=1.5)]
     assert [m.drag for m in read(VEHICLE, tmp_path).vehicle.mounts] == [None, None]
 
 

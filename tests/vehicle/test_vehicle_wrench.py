@@ -13,7 +13,7 @@ import pytest
 
 import propmap
 from propmap import InputError, VehicleForces
-from propmap.model.corrections import MountDrag
+from propmap.model.corrections import Installed
 from propmap.results import STATUSES
 from propmap.table.interpolation import STATUSES as TABLE_STATUSES
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
@@ -33,7 +33,7 @@ QUAD = Vehicle(
     PROPELLER,
     (
         Mount((0.16, 0.17, 0.02), spin="cw"),
-        Mount((-0.16, 0.15, 0.02), LEAN, "ccw", MountDrag(2e-3)),
+        Mount((-0.16, 0.15, 0.02), LEAN, "ccw", Installed(2e-3)),
         Mount((-0.16, -0.17, 0.03), spin="cw"),
         Mount((0.16, -0.15, 0.02), (0.0, -0.28, 0.96), "ccw"),
     ),

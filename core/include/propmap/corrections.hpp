@@ -16,7 +16,7 @@ struct RotorSettings {
     bool tip_loss = false;
     double hub_radius = 0.0;       // of Prandtl's loss at the hub [m]; 0 for none
     InflowShape inflow_shape = InflowShape::uniform;
-    bool mounted = false;          // whether something stands in the slipstream
+    bool installed = false;        // whether it is on a mount: its drag is not that of the blades alone
     double mount_wake = 1.0;       // inflow where it stands over that at the disk [-]
     bool radial_friction = false;
 
@@ -28,6 +28,7 @@ struct RotorSettings {
 template <class S, template <class> class LawOf> struct Rotor : RotorSettings {
     BladeChange<S> change{};
     CorrectedLaw<LawOf<S>> law{};
+    S drag_factor{};               // on the blades' own drag, where installed [-]
     S mount_area{};                // drag coefficient times area of what is mounted [m^2]
 };
 

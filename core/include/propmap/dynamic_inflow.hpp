@@ -102,6 +102,8 @@ Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const 
     solver.loads_and_slopes(s, psi, inflow, s.harmonics, there, slopes, unused.data());
     solver.loads_and_slopes(s, psi, inflow, {state[0] - s.mean.inflow, state[1], state[2]}, here, others, unused.data());
 
+    if (rotor.installed) there.drag = rotor.drag_factor * there.drag, here.drag = rotor.drag_factor * here.drag;
+
     Motion motion;
     motion.steady = {s.mean.inflow + s.harmonics.mean, s.harmonics.lateral, s.harmonics.longitudinal};
     for (int k = 0; k < Loads<double>::count; ++k)

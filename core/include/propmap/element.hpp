@@ -164,13 +164,12 @@ template <class R, class St, class T> auto loads_of(const R& rotor, const St& at
     const auto& [n, t] = turn;
     const double blades = rotor.blade->blades;
     const auto arm = blades * at.radius;
-    const auto in_plane = blades * rotor.law.drag_factor;
-    const auto drag = in_plane * t.sine;
+    const auto drag = blades * t.sine;
     using L = decltype(drag + arm * n.mean);
     return Loads<L>{blades * n.mean + L{},     // Eq. (5)
                     drag + L{},                // Eq. (6)
                     arm * t.mean + L{},        // Eq. (7)
-                    arm * n.sine + L{}, in_plane * t.cosine + L{}, -(arm * n.cosine) + L{}};
+                    arm * n.sine + L{}, blades * t.cosine + L{}, -(arm * n.cosine) + L{}};
 }
 
 // What skin friction along the flow adds to the loads of an annulus, once the inflow is known.

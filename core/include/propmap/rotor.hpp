@@ -59,6 +59,7 @@ struct Result {
     int roots = 1;        // largest number of roots of (11) along the blade
     double ring = 0.0;    // share of the vortex ring's inflow
     double mean_inflow = 0.0;
+    double blade_drag = 0.0;  // drag [N] of the blades alone
 };
 
 // A last step of the harmonics, in shares of all speeds: loads that follow it by their slopes err by its square, up to
@@ -78,7 +79,7 @@ template <int N> Dual<double, N> sum(const Dual<Lanes, N>& x) {
 
 // From the loads of the blades per density to those of the rotor [N], [N m]: what is added, and factors on loads.
 template <class R, class S> void complete_loads(const R& rotor, const Flow<S>& flow, const S& mean_inflow, Loads<S>& loads) {
-    if (rotor.mounted) loads.drag += mount_drag(rotor, flow, mean_inflow);
+    if (rotor.installed) loads.drag = rotor.drag_factor * loads.drag + mount_drag(rotor, flow, mean_inflow);
     loads.thrust = loads.thrust * ground_effect(rotor.tip(), flow, mean_inflow);
     for (int k = 0; k < Loads<S>::count; ++k) loads.begin()[k] = loads.begin()[k] * rotor.density;
 }
@@ -464,6 +465,7 @@ template <template <class> class LawOf> class RotorSolver {
             if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
                 add_up(radial_friction(rotor_, at, s.flow, inflow[g], s.psi));
         }
+        s.result.blade_drag = rotor_.density * total.drag;
         complete_loads(rotor_, s.flow, s.mean.inflow, total);
         s.result.loads = total;
         s.thrust_tail = rotor_.density * tail(s, integrand.data());

@@ -40,7 +40,6 @@ template <class S> struct BlendedLaw {
     S c_d0;             // constant drag [-]
     S c_p;              // skin friction constant [-]
     S sharpness;        // M of the stall blend [1/rad]
-    S drag_factor;      // factor on rotor drag (14) [-], 1 in the paper
     S reynolds_camber;  // growth of the zero-lift angle by ln(Re) [rad]
     S drag_angle;       // of least pressure drag, above zero_lift_angle [rad]
     double attached;    // 1 for eq. (3); 0 for the simplified lift of footnote 1, whose c_l is c_l2
@@ -52,7 +51,7 @@ template <class S> struct BlendedLaw {
     template <class Visit> void each_number(Visit visit) {
         visit("c_l1", c_l1), visit("c_l2", c_l2), visit("c_d", c_d), visit("alpha_0", alpha_0);
         visit("zero_lift_angle", zero_lift_angle), visit("c_d0", c_d0), visit("c_p", c_p);
-        visit("sharpness", sharpness), visit("drag_factor", drag_factor);
+        visit("sharpness", sharpness);
         visit("reynolds_camber", reynolds_camber), visit("drag_angle", drag_angle);
     }
     template <class Source> void read_fixed(const Source& from) { attached = from.number("attached"), plate = from.number("plate"), complete(); }
@@ -223,12 +222,11 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
 template <class S> struct TabulatedLaw {
     std::shared_ptr<const SectionTable> table;
     S zero_lift_angle;  // [rad]
-    S drag_factor;      // [-]
 
     static constexpr bool plain_stall = false;
     static constexpr const char* kind = "tabulated";
     template <class Visit> void each_number(Visit visit) {
-        visit("zero_lift_angle", zero_lift_angle), visit("drag_factor", drag_factor);
+        visit("zero_lift_angle", zero_lift_angle);
     }
     template <class Source> void read_fixed(const Source& from) {
         table = std::make_shared<SectionTable>(make_section_table(from.numbers("angle"), from.numbers("reynolds"),

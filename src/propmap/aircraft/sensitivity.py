@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.aircraft.trim import Aircraft, SteadyFlight, SteadyStates
+from propmap.bands import errors_of_loads
 from propmap.errors import InputError
 from propmap.loads import FLOW, LOADS
 from propmap.operating_points import FlowPoints
-from propmap.rotor import Rotor, errors_of_loads
+from propmap.rotor import Rotor
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.vehicle.vehicle_forces import Rotors, Sources, load_rows

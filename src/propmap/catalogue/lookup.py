@@ -248,7 +248,8 @@ def known_model(
     air : Air, optional
         By default the paper's.
     corrections : tuple, optional
-        By default those of the recommended model.
+        By default those of the recommended model, and ``Installed()``: rotor drag is that of a
+        rotor on a motor, with its uncertainty.
 
     Raises
     ------
@@ -258,7 +259,9 @@ def known_model(
     blade = propeller(name_or_path, blades)
     meant = meant_by(name_or_path, blades)
     known = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
-    added = corrections_of("recommended") if corrections is None else corrections
+    added = corrections
+    if added is None:
+        added = corrections_of("recommended", installed=True)
     return Model(blade, known.airfoil, air or Air(), added)
 
 

@@ -6,9 +6,7 @@ import importlib
 import io
 import os
 import sys
-import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar
 
 import typer
@@ -16,7 +14,7 @@ from typer import Option, echo
 from typer.core import TyperGroup
 
 import propmap
-from propmap.errors import DRAG_FACTOR, InputError
+from propmap.errors import InputError
 
 INTERRUPTED = 130
 
@@ -106,8 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="replace")
     command = typer.main.get_command(app)
     try:
-        with _deprecations_in_one_line():
-            code = command.main(given or ["--help"], "propmap", standalone_mode=False, obj=given)
+        code = command.main(given or ["--help"], "propmap", standalone_mode=False, obj=given)
         sys.stdout.flush()
     except InputError as error:
         return _fail(str(error))
@@ -125,25 +122,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if code == INTERRUPTED:
         echo("propmap: interrupted", err=True)
     return code or 0
-
-
-@contextmanager
-def _deprecations_in_one_line() -> Iterator[None]:
-    """Print what is deprecated in propmap as a line of its own, once."""
-    printed: list[str] = []
-    with warnings.catch_warnings():
-        show = warnings.showwarning
-
-        def show_once(message: Any, *where: Any) -> None:
-            if str(message) != DRAG_FACTOR:
-                show(message, *where)
-            elif not printed:
-                printed.append(DRAG_FACTOR)
-                echo(f"propmap: warning: {message}", err=True)
-
-        warnings.filterwarnings("always", DRAG_FACTOR, DeprecationWarning)
-        warnings.showwarning = show_once  # type: ignore[assignment]
-        yield
 
 
 def _fail(message: str) -> int:

@@ -100,7 +100,7 @@ def choose(
     there = {one.name for one in own if law is None}
     others = catalogue_candidates(sizes, blades)
     candidates = [*own, *(one for one in others if one.name not in there)]
-    corrections = tuple(corrections_of(model or "recommended", correction or ()))
+    corrections = corrections_of(model or "recommended", correction or (), installed=law is None)
     opt.note_missing(read)
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
     with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:

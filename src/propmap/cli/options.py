@@ -28,6 +28,7 @@ import typer
 from typer import Argument, Option, echo
 
 from propmap import catalogue
+from propmap.bands import MEASURED_TO
 from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.lookup import (
     airfoil,
@@ -85,8 +86,17 @@ ModelOption = Annotated[
     Option(
         "--model",
         help="Physics: recommended is the paper's with an inflow that varies around the disk "
-        "(pitt-peters), paper is Gill & D'Andrea 2017 to the letter. By default the one with which "
-        "the section law's constants were found, else recommended.",
+        "(pitt-peters) and friction along the flow (radial-friction), paper is Gill & D'Andrea "
+        "2017 to the letter. By default the one with which the section law's constants were found, "
+        "else recommended.",
+    ),
+]
+BareOption = Annotated[
+    bool,
+    Option(
+        "--bare",
+        help="Give the rotor drag of the blades alone. By default a propeller by name is installed "
+        "as rotors on motors are, with the correction installed, except with --model paper.",
     ),
 ]
 AccuracyName = Literal["standard", "fine"]
@@ -123,6 +133,7 @@ class RotorChoice:
     ] = None
     model: ModelOption = None
     correction: Corrections = None
+    bare: BareOption = False
     root_cutout: RootCutout = None
     blades: Blades = None
     radius: Radius = None
@@ -131,9 +142,9 @@ class RotorChoice:
     def rotor(self) -> Rotor:
         """Make the rotor; notes say what is assumed and what is implausible about it."""
         blade, air = self.blade(), self.medium()
-        section = with_physics(
-            section_law(self.airfoil, self.prop, blade, self.blades), self.model, self.correction
-        )
+        law = section_law(self.airfoil, self.prop, blade, self.blades)
+        by_name = self.airfoil is None and not self.bare
+        section = with_physics(law, self.model, self.correction, installed=by_name)
 
         from propmap.rotor import Rotor
 
@@ -207,13 +218,16 @@ def section_law(
     return found.airfoil
 
 
-def with_physics(law: Law, model: ModelName | None, added: Sequence[str] | None) -> Law:
-    """Return the law with the corrections that ``--model`` and ``--correction`` ask for."""
+def with_physics(
+    law: Law, model: ModelName | None, added: Sequence[str] | None, *, installed: bool = False
+) -> Law:
+    """Return the law with the corrections that ``--model`` and ``--correction`` ask for, and
+    ``installed`` or not, as ``corrections_of``."""
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)
     if model is None and not physics and own is not None:
         return cast(Law, law.with_corrections([*split_mount(own)[0], *mount]))
-    chosen = corrections_of(model or "recommended", more)
+    chosen = corrections_of(model or "recommended", more, installed=installed)
     return cast(Law, law.with_corrections([as_text(value) for value in chosen]))
 
 
@@ -317,7 +331,9 @@ def aircraft_of(
     blade = vehicle.propeller
     # A name that is not in the catalogue is of a file, written so that it is taken for one.
     name = blade.name if blade.name in catalogue.names() else f"./{blade.name}"
-    law = with_physics(section_law(airfoil, name, blade), model, correction)
+    law = with_physics(
+        section_law(airfoil, name, blade), model, correction, installed=airfoil is None
+    )
     note_missing(vehicle)
 
     from propmap.aircraft.trim import Aircraft
@@ -441,6 +457,21 @@ def note_not_counted(model: Model) -> None:
     if known is not None and known.covariance.unknown:
         names = ", ".join(known.covariance.unknown)
         note(f"standard deviations do not count {names}, of which the data of the fit say nothing")
+
+
+def note_untested_bands(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
+    """Note where no measurement was compared with the bands of a model by name: in descent and at
+    advance ratios above ``MEASURED_TO``."""
+    known = model.uncertainty
+    if known is None or not known.another_tunnel:
+        return
+    along, across = speed * np.cos(beta), speed * np.abs(np.sin(beta))
+    fast = across > MEASURED_TO * omega * model.propeller.radius
+    places = [f"at V sin(beta)/(Omega R) above {MEASURED_TO:g}"] if fast.any() else []
+    if (along < -1e-9 * speed).any():
+        places.append("in descent")
+    if places:
+        note(f"no measurement was compared with the bands {' and '.join(places)}")
 
 
 # -------------------------------------------------------------------------------------------------

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
+from propmap.bands import SOURCES
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, read_points, std_columns
 from propmap.loads import LOADS
-from propmap.model.airfoil import SOURCES
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -57,6 +57,7 @@ def predict(
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
         opt.note_not_counted(rotor.model)
+        opt.note_untested_bands(rotor.model, omega, speeds, angles)
         if where.further:
             out.note("the deviations leave out what the ground's factor errs by")
     if chosen != "table":
@@ -66,17 +67,17 @@ def predict(
         return
 
     from propmap.hover import HoverModel
-    from propmap.report.words import motor_note
+    from propmap.report.words import installation_note
 
     hover = HoverModel.of(rotor).loads(omega)
     hover["power"] = hover["torque"] * omega
-    note, blade = motor_note(rotor, loads, speeds, angles), rotor.model.propeller
+    blade = rotor.model.propeller
     out.show(
         output,
         f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; airfoil "
         f"{rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3",
         (_many_points if points else _one_point)(where, loads, spread, hover),
-        *([f"note: {note}"] if note else []),
+        f"note: {installation_note(rotor)}",
     )
 
 

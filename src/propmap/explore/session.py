@@ -208,7 +208,8 @@ def _model(session: Session) -> Model:
         meant = meant_by(session.name) if session.name else None
         law = (own_constants(meant, blade.blades) or predicted_constants(meant, blade)).airfoil
     if session.physics or law.corrections is None:
-        chosen = corrections_of(session.physics or "recommended")
+        by_name = law.uncertainty is not None
+        chosen = corrections_of(session.physics or "recommended", installed=by_name)
         law = law.with_corrections([as_text(one) for one in chosen])
     return Model(blade, law, air)
 

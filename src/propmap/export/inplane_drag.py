@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.model.corrections import MOUNT_DRAG
+from propmap.model.corrections import INSTALLED
 from propmap.operating_points import split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -200,10 +200,10 @@ def missing_drag(aircraft: Aircraft) -> list[str]:
         else loads.info.get("corrections") or []
     )
     mounted = any(mount.drag is not None for mount in vehicle.mounts)
-    if not mounted and not any(text.startswith(MOUNT_DRAG) for text in texts):
+    if not mounted and not any(text.startswith(INSTALLED) for text in texts):
         found.append(
             "rotor drag is that of bare blades, as there is neither [mount] nor the correction "
-            f"{MOUNT_DRAG}: what is mounted in the slipstreams was measured to add as much again; "
+            f"{INSTALLED}: what is mounted in the slipstreams was measured to add as much again; "
             "fit it to a flight"
         )
     return found

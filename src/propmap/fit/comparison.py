@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.catalogue.identified import PARAMETERS
-from propmap.errors import InputError, drag_factor_accepted
+from propmap.errors import InputError
 from propmap.fit.files import DataSource, FitFile
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import (
@@ -387,8 +387,7 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> li
 def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
     """The choice of a fit with one more free parameter, the last, and where to begin."""
     fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
-    with drag_factor_accepted():
-        choice = replace(fitted.choice, free=(*fitted.choice.free, name), fixed=fixed)
+    choice = replace(fitted.choice, free=(*fitted.choice.free, name), fixed=fixed)
     return choice, np.append(fitted.x, fitted.values.get(name, described(name).start))
 
 

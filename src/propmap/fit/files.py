@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 
 import propmap
-from propmap.errors import InputError, drag_factor_accepted
+from propmap.errors import InputError
 from propmap.fit.fit import Coverage, Fitted
 from propmap.fit.learned_residual import LearnedResidual
 from propmap.fit.least_squares import End, FlightErrors, ResidualErrors, by_band, errors
@@ -136,10 +136,9 @@ def fit_text(
 
     found = model_with(model, fitted.values)
     about = {"name": name, "source": f"fitted by propmap, {kind}"}
-    with drag_factor_accepted():
-        law = section_with(model.airfoil, fitted.values).with_parameters(
-            **about, corrections=tuple(found.correction_texts)
-        )
+    law = section_with(model.airfoil, fitted.values).with_parameters(
+        **about, corrections=tuple(found.correction_texts)
+    )
     sure, choice = fitted.uncertainty, fitted.choice
     record = FitRecord(
         kind=kind,
@@ -202,8 +201,7 @@ def read_fit(path: Path) -> FitFile:
         covariance = SectionCovariance(tuple(record.free), record.covariance)
         section = [name for name in record.free if name in ROTOR]
         known = fitted_uncertainty(table, tuple(ROTOR))
-        with drag_factor_accepted():
-            law = law.with_parameters(uncertainty=known)
+        law = law.with_parameters(uncertainty=known)
         file = FitFile(law, covariance.of(section) if section else None, record)
         _ = file.model  # Raises where there can be no such blade.
     except InputError as error:

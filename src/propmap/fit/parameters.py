@@ -11,7 +11,7 @@ import numpy as np
 from propmap.catalogue.expected import LOGARITHMIC, PopulationPrior, coordinates, slopes_of
 from propmap.catalogue.expected import constants_of as prior_constants
 from propmap.catalogue.identified import PARAMETERS
-from propmap.errors import InputError, quoted, warn_of_drag_factor
+from propmap.errors import InputError, quoted
 from propmap.model.airfoil import CONSTANTS, PAPER_FOUR, Airfoil
 from propmap.model.model import Section
 from propmap.typing import Floats
@@ -42,14 +42,17 @@ SECTION = {
 """Parameters of the section law; x0 of (18) is that of the first four."""
 
 MOUNT = {"mount_area": Parameter("m^2", 0.0, 0.0, 0.1, 5e-4, "what is mounted in the slipstream")}
-"""The correction ``mount-drag``, the model's own where it is neither free nor fixed."""
+"""What stands in the slipstream of the correction ``installed``, see ``INSTALLED``."""
+
+INSTALLED = {"drag_factor": Parameter("-", 1.0, 0.0, 10.0, 0.5, "on the blades' own drag")} | MOUNT
+"""The correction ``installed``, the model's own where it is neither free nor fixed."""
 
 FLEX = {
     "untwist": Parameter("rad", 0.0, -0.05, 0.15, 0.01, "twist lost at the tip at 100 m/s there")
 }
 """The correction ``blade-untwist``, the model's own where it is neither free nor fixed."""
 
-ROTOR = SECTION | FLEX | MOUNT
+ROTOR = SECTION | FLEX | INSTALLED
 """What changes the loads of a rotor at a given flow."""
 
 BODY = {
@@ -105,7 +108,7 @@ PER_FLIGHT = ("thrust_scale", "clock_offset")
 """What may differ from flight to flight: then named as ``thrust_scale[FLIGHT]``."""
 
 EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT
-FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | MOUNT | WAKES}
+FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | INSTALLED | WAKES}
 
 
 LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")
@@ -191,8 +194,6 @@ class Choice:
                 raise InputError(
                     f"{name} is {value:g} {p.unit}", f"give a value from {p.lower:g} to {p.upper:g}"
                 )
-        if "drag_factor" in self.free or self.fixed.get("drag_factor", 1.0) != 1.0:
-            warn_of_drag_factor(stacklevel=3)
 
     def values(self, x: Floats) -> dict[str, float]:
         """All parameters by name.

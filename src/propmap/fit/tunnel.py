@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.catalogue.lookup import measurement, measurement_names
-from propmap.errors import InputError, drag_factor_accepted, quoted
+from propmap.errors import InputError, quoted
 from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.parameters import (
     BODY,
     FIRST_GUESS,
     FLIGHT,
+    INSTALLED,
     SECTION,
     SENSOR,
     WAKES,
@@ -31,7 +32,7 @@ from propmap.io.csv import LOAD_COLUMNS, read_points
 from propmap.io.uiuc import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
-from propmap.model.corrections import BladeUntwist, MountDrag
+from propmap.model.corrections import BladeUntwist, Installed
 from propmap.model.model import Air, Model, Propeller, Section
 from propmap.model.plausibility import load_warnings, point_warnings
 from propmap.rotor import Rotor
@@ -91,8 +92,7 @@ def first_guess() -> Airfoil:
 
 def section_with(base: Section, values: Mapping[str, float]) -> Airfoil:
     """The section law with the section parameters among ``values``."""
-    with drag_factor_accepted():  # whoever freed or fixed it has been warned
-        return constants_of(base).with_parameters(**{n: values[n] for n in SECTION if n in values})
+    return constants_of(base).with_parameters(**{n: values[n] for n in SECTION if n in values})
 
 
 def model_with(model: Model, values: Mapping[str, float]) -> Model:
@@ -100,13 +100,11 @@ def model_with(model: Model, values: Mapping[str, float]) -> Model:
     model = model.with_airfoil(section_with(model.airfoil, values))
     if "untwist" in values:
         model = model.with_correction(BladeUntwist(values["untwist"]))
-    if "mount_area" not in values:
+    if not INSTALLED.keys() & values.keys():
         return model
-    # The share of the inflow is the model's own.
-    wake = next(
-        (one.wake for one in model.corrections if isinstance(one, MountDrag)), MountDrag.wake
-    )
-    return model.with_mount(MountDrag(values["mount_area"], wake))
+    own = model.correction_of(Installed) or Installed(1.0, 0.0)
+    factor = values.get("drag_factor", own.factor)
+    return model.with_mount(Installed(factor, values.get("mount_area", own.area_m2), own.wake))
 
 
 def rotor_with(model: Model, values: Mapping[str, float], setting: str) -> Rotor:
@@ -209,7 +207,7 @@ def _check(
             raise InputError(f"{name!r} has a weight but is not fitted", f"fit {', '.join(names)}")
         if not 0.0 < weight < np.inf:
             raise InputError(f"the weight of {name} is {weight:g}", "give a number above 0")
-    for name in ("drag_factor", "mount_area"):
+    for name in INSTALLED:
         if name in choice.free and "drag" not in names:
             raise InputError(f"{name} is free but drag is not fitted", "add drag to the loads")
 

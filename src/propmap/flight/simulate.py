@@ -19,7 +19,7 @@ from propmap.fit.parameters import EVERY, FIRST_GUESS, MOUNT, SECTION, Choice, c
 from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty
 from propmap.hover import REFERENCE_TIP_SPEED
 from propmap.model.airfoil import PAPER_FOUR, Airfoil
-from propmap.model.corrections import MountDrag
+from propmap.model.corrections import Installed
 from propmap.model.model import Model
 from propmap.typing import Floats
 from propmap.units import GRAVITY
@@ -182,7 +182,7 @@ def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
     law = constants_of(airfoil)
     section = {name: getattr(law, name) for name in SECTION}
     own_mounts = any(mount.drag is not None for mount in vehicle.mounts)
-    mounted = Model(vehicle.propeller, law, vehicle.air).correction_of(MountDrag)
+    mounted = Model(vehicle.propeller, law, vehicle.air).correction_of(Installed)
     area = None if own_mounts or mounted is None else mounted.area(vehicle.propeller.radius)
     mount = {} if area is None else {"mount_area": area}
     return FIRST_GUESS | section | mount | wing_values(vehicle)

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.errors import InputError, drag_factor_accepted, located, warn_of_drag_factor
+from propmap.errors import InputError, located
 from propmap.model.corrections import agreed, as_texts
 from propmap.typing import Floats
 
@@ -56,9 +56,6 @@ CONSTANTS = {
     "c_d0": Constant("-", "constant drag", (0.0, 1.0), (0.01, 0.0, 0.2, 0.02), "log"),
     "c_p": Constant("-", "skin friction", (0.0, 10.0)),
     "sharpness": Constant("1/rad", "sharpness of stall, M", (5.0, 500.0)),
-    "drag_factor": Constant(
-        "-", "factor on the rotor drag, deprecated", (0.0, 10.0), (1.0, 0.2, 5.0, 0.5)
-    ),
     "reynolds_camber": Constant(
         "rad", "growth of the angle of zero lift with ln Re", (-0.2, 0.2), (0.0, -0.1, 0.1, 0.02),
         "linear", filed_if_zero=False,
@@ -93,9 +90,6 @@ class Airfoil:
         none; (3) and (4) are evaluated at alpha - zero_lift_angle.
     c_d0, c_p, sharpness : float
         The paper's constants c_d0 [-], c_p [-] and M [1/rad].
-    drag_factor : float
-        Multiplies the rotor drag [-], 1 in the paper.  Deprecated: another value warns; the
-        correction ``mount-drag`` describes it.
     reynolds_camber : float
         Growth of the zero-lift angle by ln(Re / 5e4) [rad], Re = rho Omega y c / mu of the rotation
         alone, from 1e4 to 1.2e5; about -0.02 for small propellers, 0 in the paper.
@@ -128,7 +122,6 @@ class Airfoil:
     c_d0: float = 0.01
     c_p: float = 1.328
     sharpness: float = 50.0
-    drag_factor: float = 1.0
     reynolds_camber: float = 0.0
     drag_angle: float = 0.0
     lift_law: str = "blended"
@@ -156,8 +149,6 @@ class Airfoil:
                 raise InputError(f"{text} is {getattr(self, text)!r}: it must be text")
         if self.lift_law not in LIFT_LAWS:
             raise InputError(f"lift_law is {self.lift_law!r}: it must be one of {LIFT_LAWS}")
-        if self.drag_factor != 1.0:
-            warn_of_drag_factor(stacklevel=3)
         object.__setattr__(self, "corrections", as_texts(self.corrections))
 
     @property
@@ -195,8 +186,7 @@ class Airfoil:
 
     def with_corrections(self, texts: Sequence[str]) -> Airfoil:
         """Set the corrections to use it with, by their ``texts``, which must be its own if any."""
-        with drag_factor_accepted():
-            return replace(self, corrections=agreed(self.name, self.corrections, texts))
+        return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def to_toml(self) -> str:
         """Write the set as the text of a parameter file."""
@@ -316,8 +306,6 @@ class SectionTable:
         Reynolds numbers, rising.
     lift, drag : ndarray, shape (R, K)
         C_L and C_D [-], the same at -pi and pi.
-    drag_factor : float
-        Multiplies the rotor drag, 1 in the paper; deprecated, see ``Airfoil``.
     corrections : tuple of str or None
         Corrections that a ``Model`` with this table has, as ``propmap.correction`` reads them; None
         where nothing is said of them.
@@ -337,13 +325,12 @@ class SectionTable:
     reynolds: Floats
     lift: Floats
     drag: Floats
-    drag_factor: float = 1.0
     name: str = "unnamed"
     source: str = ""
     corrections: tuple[str, ...] | None = None
     sampling_error: float = 0.0
 
-    parameters: ClassVar[tuple[str, ...]] = ("zero_lift_angle", "drag_factor")
+    parameters: ClassVar[tuple[str, ...]] = ("zero_lift_angle",)
     """Names of what loads can be differentiated by."""
 
     def __post_init__(self) -> None:
@@ -361,8 +348,6 @@ class SectionTable:
         object.__setattr__(self, "corrections", as_texts(self.corrections))
         self._check_axes()
         self._check_figures()
-        if self.drag_factor != 1.0:
-            warn_of_drag_factor(stacklevel=3)
 
     def _check_axes(self) -> None:
         if self.angle.size < 8 or not (np.diff(self.angle) > 0.0).all():
@@ -503,23 +488,21 @@ class SectionTable:
             name: np.ascontiguousarray(getattr(self, name).ravel())
             for name in ("angle", "reynolds", "lift", "drag")
         }
-        return {"kind": "tabulated", "drag_factor": self.drag_factor, **figures}
+        return {"kind": "tabulated", **figures}
 
     def with_corrections(self, texts: Sequence[str]) -> SectionTable:
         """Set the corrections to use it with, by their ``texts``, as ``Airfoil``."""
-        with drag_factor_accepted():
-            return replace(self, corrections=agreed(self.name, self.corrections, texts))
+        return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def metadata(self) -> dict[str, Any]:
         """Name, source and Reynolds numbers; not the coefficients."""
-        names = ("name", "source", "drag_factor")
-        return {name: getattr(self, name) for name in names} | {"reynolds": self.reynolds.tolist()}
+        return {"name": self.name, "source": self.source, "reynolds": self.reynolds.tolist()}
 
     def fingerprint(self) -> str:
         """SHA-256 of the figures as little-endian f8."""
         import hashlib
 
-        arrays = (self.angle, self.reynolds, self.lift, self.drag, np.array(self.drag_factor))
+        arrays = (self.angle, self.reynolds, self.lift, self.drag)
         flat = np.concatenate([a.ravel() for a in arrays])
         return hashlib.sha256(flat.astype("<f8").tobytes()).hexdigest()
 
@@ -537,34 +520,11 @@ class SectionTable:
 
     def _key(self) -> tuple[Any, ...]:
         arrays = (a.tobytes() for a in (self.angle, self.reynolds, self.lift, self.drag))
-        return (*arrays, self.drag_factor, self.name, self.source, self.corrections)
+        return (*arrays, self.name, self.source, self.corrections)
 
 
 # -------------------------------------------------------------------------------------------------
 # How far loads computed with a set of constants may err, and by what.
-
-SOURCES = ("parameters", "geometry", "discrepancy", "tunnel")
-"""What a load's error is made of; independent of each other."""
-
-TUNNEL_GAIN = 0.08
-"""Standard deviation of a tunnel's readings of one propeller about another tunnel's, as a share of
-the load.  Loads identified from the UIUC database differ from those of the 2019 campaign (Gill and
-D'Andrea, Drones 3(4):77, doi 10.3390/drones3040077) by 6-18 % in thrust and 3-14 % in torque."""
-
-TUNNEL_TILT = 1.0
-"""Standard deviation of the thrust's slope by the advance ratio V/(Omega R): 0.10 per 0.1 in axial
-flow.  In flow along the disk it is taken to be as large, where one propeller was measured: the
-8x6E's thrust there grows in the campaign of 2019 and falls by the constants of UIUC's axial loads,
-which stall earlier (``make demo``)."""
-
-INPLANE_SHARES = {"drag": 0.10, "roll_moment": 0.10, "side_force": 0.5, "pitch_moment": 0.5}
-"""Standard deviations of what the theory itself errs by in loads that no axial test has seen, as
-shares of the load: rotor drag of bare blades is within about 20 % of a free-wake lifting line, of
-Ribner's fin analogy and of measurements, rolling moments within 0 to -18 % of the lifting line, and
-pitching moments differ by a factor of about 2 (docs/validation.md)."""
-
-
-UNKNOWN_SHARE = 0.5  # for a load that has not been judged so
 
 DISCREPANCIES = ("thrust_coefficient", "power_coefficient")
 """Loads of an axial test, as coefficients, and fields of ``SectionUncertainty``."""
@@ -583,7 +543,7 @@ class SectionUncertainty:
         Standard deviations of the errors of C_T and C_P that the best constants would leave [-].
     another_tunnel : bool
         Whether the constants rest on a tunnel other than the one, or the flight, that the loads
-        are to agree with, so that ``TUNNEL_GAIN`` and ``TUNNEL_TILT`` count.
+        are to agree with, so that what tunnels differ by counts, see ``propmap.bands``.
     with_blade : SectionCovariance or None
         What ``covariance`` would be with the blade measured; None where it was.
 

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap.errors import InputError, quoted
+from propmap.loads import DRAG_FACTOR, MOUNT_AREA
 from propmap.model.airfoil import SectionUncertainty
 from propmap.model.corrections import (
     CORRECTIONS,
-    MOUNT_DRAG,
+    INSTALLED,
     BladeToHub,
     Correction,
     agreed,
@@ -295,8 +296,8 @@ class Model:
         return replace(self, airfoil=airfoil)
 
     def with_mount(self, mount: Correction) -> Model:
-        """Put ``mount``, a ``mount-drag``, in the place of its own if any."""
-        others = [value for value in self.corrections if name_of(value) != MOUNT_DRAG]
+        """Put ``mount``, an ``installed``, in the place of its own if any."""
+        others = [value for value in self.corrections if name_of(value) != INSTALLED]
         return replace(self, corrections=(*others, mount))
 
     def with_correction(self, value: Correction) -> Model:
@@ -309,7 +310,7 @@ class Model:
         return replace(self, airfoil=law, corrections=corrections)
 
     def correction_of(self, kind: type[OneOf]) -> OneOf | None:
-        """Find the correction of this ``kind``, such as ``MountDrag``, or None."""
+        """Find the correction of this ``kind``, such as ``Installed``, or None."""
         return next((value for value in self.corrections if isinstance(value, kind)), None)
 
     @property
@@ -333,7 +334,7 @@ class Model:
         mounts = [split_mount(list(texts))[1] for texts in (self.correction_texts, filed)]
         if known is not None and mounts[0] != mounts[1]:
             # What is mounted was given instead of found: it is known.
-            known = known.without("mount_area")
+            known = known.without(MOUNT_AREA).without(DRAG_FACTOR)
         return known
 
     @property

@@ -32,7 +32,7 @@ from propmap.report.html import (
     share_of_weight,
     style,
 )
-from propmap.report.words import motor_note
+from propmap.report.words import installation_note
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
@@ -164,7 +164,7 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
     facts = {
         "rpm": omega / RPM,
         "draws": len(changes),
-        "motor": motor_note(rotor, found, speed, betas),
+        "motor": installation_note(rotor),
     }
     return FigureRecord("fit-loads", groups, draw), facts
 

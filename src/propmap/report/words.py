@@ -1,19 +1,15 @@
-"""Findings in words: a table's certificate, and what a motor in the slipstream would add."""
+"""Findings in words: a table's certificate, and how a rotor is installed."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from propmap.loads import LOADS
-from propmap.typing import Floats
+from propmap.loads import DRAG_FACTOR, LOADS, MOUNT_AREA
+from propmap.model.corrections import TYPICAL_FACTOR, Installed
 from propmap.units import DEGREE, RPM
 
 if TYPE_CHECKING:
-    from propmap.results import Loads
     from propmap.rotor import Rotor
 
 # -------------------------------------------------------------------------------------------------
@@ -78,36 +74,22 @@ def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
 # By how much a motor in the slipstream raises the rotor drag of a model that has none.
 
 
-def rise_by_motor(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike) -> Floats:
-    """Compute the drag of a motor in proportion to the propeller, over the rotor drag [-].
-
-    The rotor has nothing mounted; speed [m/s] and beta [rad] broadcast to the shape of the loads.
-    NaN without an in-plane velocity, and where the drag is not positive.
-    """
-    from propmap.model.corrections import MountDrag
-
-    velocity, angle = np.broadcast_arrays(np.asarray(speed, float), np.asarray(beta, float))
-    along, across = velocity * np.cos(angle), velocity * np.abs(np.sin(angle))
-    radius, density = rotor.model.propeller.radius, rotor.model.air.density
-    drag = MountDrag().drag(radius, density, along, across, loads.mean_inflow)
-    known = (across > 1e-9 * np.maximum(velocity, 1.0)) & (loads.drag > 0.0)
-    return np.divide(drag, loads.drag, out=np.full(np.shape(loads.drag), np.nan), where=known)
-
-
-def motor_note(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike) -> str:
-    """Say what ``rise_by_motor`` gives; "" where something is mounted, or nothing can be said."""
-    from propmap.model.corrections import MOTOR_DIAMETER, MOTOR_HEIGHT, MountDrag
-
-    if rotor.model.correction_of(MountDrag) is not None:
-        return ""
-    rise = 100.0 * rise_by_motor(rotor, loads, speed, beta)
-    if not np.isfinite(rise).any():
-        return ""
-    low, high = np.nanmin(rise), np.nanmax(rise)
-    by = f"{high:.0f} %" if high - low < 1.0 else f"{low:.0f} to {high:.0f} %"
-    size = 1e3 * rotor.model.propeller.radius
-    motor = f"{size * MOTOR_DIAMETER:.0f} x {size * MOTOR_HEIGHT:.0f} mm"
+def installation_note(rotor: Rotor) -> str:
+    """Say whether the rotor drag is that of the blades alone, or of a rotor as it is installed."""
+    mount, radius = rotor.model.correction_of(Installed), rotor.model.propeller.radius
+    if mount is None:
+        return (
+            "rotor drag is that of the blades alone; on a motor or a stand it was measured to be "
+            f"about {TYPICAL_FACTOR[0]:g} times that, and more by what stands in the slipstream "
+            "(correction installed)"
+        )
+    unknown = mount.deviations(radius)
+    factor, area = f"{mount.blade_factor:g}", f"{1e4 * mount.area(radius):.3g}"
+    if DRAG_FACTOR in unknown:
+        factor += f" (+- {unknown[DRAG_FACTOR]:g})"
+    if MOUNT_AREA in unknown:
+        area += f" (+- {1e4 * unknown[MOUNT_AREA]:.3g})"
     return (
-        f"rotor drag is that of the blades alone; a motor of {motor} in the slipstream would "
-        f"raise it by {by} (correction mount-drag, in fits mount_area)"
+        f"rotor drag is that of the installed rotor: {factor} times the blades' own, and the drag "
+        f"of {area} cm^2 in the slipstream"
     )

@@ -17,7 +17,7 @@ from propmap import catalogue
 from propmap.catalogue.lookup import looks_like_path, propeller
 from propmap.errors import InputError, located, quoted
 from propmap.io.toml import Number, Text, TomlTable, Vector, example, read_toml
-from propmap.model.corrections import MountDrag
+from propmap.model.corrections import Installed
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Propeller
 from propmap.units import RPM
 from propmap.vehicle.powertrain import COLD, Battery, Motor, Powertrain, SpeedController
@@ -65,7 +65,7 @@ class _Mount(TomlTable):
     area: Annotated[
         Number | tuple[Number, ...], "an area in m^2, or a list with one for each rotor"
     ]
-    wake: Annotated[Number, "a share of the inflow, 1 at the disk"] = MountDrag.wake
+    wake: Annotated[Number, "a share of the inflow, 1 at the disk"] = Installed.wake
 
 
 class _Body(TomlTable):
@@ -220,7 +220,7 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     ``axis`` (unit vector along the thrust, by default up).
     Optional: ``inertia`` about the three axes [kg m^2] and ``rotor_inertia`` [kg m^2], see
     ``Vehicle``; ``[air]`` ``density``, ``viscosity`` (by default the paper's);
-    ``[mount]``, what is in the rotors' slipstreams, see ``MountDrag``: ``area`` [m^2], one for all
+    ``[mount]``, what is in the rotors' slipstreams, see ``Installed``: ``area`` [m^2], one for all
     rotors or a list with one for each, ``wake`` (by default 1); ``[body]``
     ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]);
     ``[wing]`` ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad], ``span``
@@ -301,7 +301,7 @@ def _propeller(given: str | _VehiclePropeller, where: str) -> Propeller:
         return propeller(source, given.blades, given.radius, given.root_cutout)
 
 
-def _mount_drags(mount: _Mount | None, rotors: int, where: str) -> Sequence[MountDrag | None]:
+def _mount_drags(mount: _Mount | None, rotors: int, where: str) -> Sequence[Installed | None]:
     if mount is None:
         return [None] * rotors
     areas = mount.area if isinstance(mount.area, tuple) else (mount.area,) * rotors
@@ -309,7 +309,7 @@ def _mount_drags(mount: _Mount | None, rotors: int, where: str) -> Sequence[Moun
         found = f"area has {len(areas)} numbers for {rotors} rotors"
         raise InputError(found, "give one area in m^2, or a list with one for each rotor", where)
     with located(where):
-        return [MountDrag(area, mount.wake) for area in areas]
+        return [Installed(1.0, area, mount.wake) for area in areas]
 
 
 def _powertrain(file: _VehicleFile, where: str) -> Powertrain:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.model.corrections import MountDrag
+from propmap.model.corrections import Installed
 from propmap.model.model import Air, Propeller
 from propmap.typing import Floats
 from propmap.vehicle.powertrain import Powertrain
@@ -34,7 +34,7 @@ class Mount:
         Unit vector along the thrust [-].
     spin : str
         "ccw" or "cw", seen from above with the thrust up.
-    drag : MountDrag or None
+    drag : Installed or None
         Of what carries it in its slipstream, as motor and arm; None for what the section law
         brings along, where it was fitted with a mount.
     """
@@ -42,7 +42,7 @@ class Mount:
     position: Vector
     axis: Vector = (0.0, 0.0, 1.0)
     spin: str = "ccw"
-    drag: MountDrag | None = None
+    drag: Installed | None = None
 
 
 @dataclass(frozen=True)

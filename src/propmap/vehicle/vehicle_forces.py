@@ -458,7 +458,7 @@ def check_table(vehicle: Vehicle, table: Any) -> None:
     if any(mount.drag is not None for mount in vehicle.mounts):
         raise InputError(
             "the vehicle file has [mount], of which a table knows nothing",
-            "leave out [mount] and build the table with --correction mount-drag:area_m2=...",
+            "leave out [mount] and build the table with --correction installed:area_m2=...",
         )
     described = getattr(table, "info", {}).get("propeller")
     if described is None:

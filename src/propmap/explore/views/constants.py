@@ -29,7 +29,7 @@ from propmap.units import RPM
 if TYPE_CHECKING:
     from propmap.explore.app import Application
 
-SET = tuple(name for name in SECTION if name != "drag_factor")  # constants that have a slider
+SET = tuple(SECTION)  # constants that have a slider
 FREE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle")
 MOST = 400  # measured points that are predicted
 NAME = "errors.csv"

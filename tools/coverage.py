@@ -1,0 +1,279 @@
+"""Print what bands hold of measurements, and the numbers of ``propmap.bands`` that these give.
+
+Usage: python -m tools.coverage DATA
+
+DATA is the folder of reference data.  Axial flow: every propeller of the UIUC database with a
+measured blade, its middle and its fastest run predicted by constants identified without them.
+Oblique flow: by name, the 2019 campaign's APC 8x6E, the in-plane force of its 20 propellers, and a
+10x4.7 Slow Flyer in another tunnel.  "Left out" are bands whose shares the other campaign gives
+alone.  Side and pitching moment of the second tunnel have inferred axes, and its tares are in them.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+from unittest import mock
+
+import numpy as np
+from scipy.optimize import brentq
+
+import propmap
+from propmap import bands, catalogue
+from propmap.catalogue.identified import PARAMETERS, all_identified, one_of_each
+from propmap.model import corrections
+from propmap.model.airfoil import SectionCovariance, SectionUncertainty
+from propmap.model.corrections import Installed
+from propmap.model.model import Air, Model
+from propmap.results import Loads
+from propmap.rotor import Rotor
+from propmap.typing import Floats
+from propmap.units import RPM
+from tools.catalogue.database import read_uiuc_database, refiled, with_rows
+from tools.catalogue.identification import AxialTest, airfoil_of, identify
+
+SHARES = (0.50, 0.80, 0.95)
+LOADS = ("thrust", "torque", "drag", "roll_moment", "side_force", "pitch_moment")
+NEAR_REST = 0.02
+"""Advance ratio below which a row is not one of oblique flow."""
+
+ADVANCE = np.linspace(0.05, 0.25, 5)
+"""Advance ratios at which in-plane forces are compared, those of the 2019 campaign."""
+
+TIP_SPEED = 84.0  # [m/s], about the middle of that campaign
+
+
+class Campaign(NamedTuple):
+    """Loads of one propeller by name, measured and computed, at n points of oblique flow."""
+
+    name: str
+    model: Model
+    flow: tuple[Floats, Floats, Floats]  # omega [rad/s], speed [m/s], beta [rad]
+    measured: Mapping[str, Floats]  # (n,) each [N], [N m]
+
+    def loads(self) -> Loads:
+        """Compute the loads, with the bands as they are now."""
+        return Rotor(self.model).loads(*self.flow)
+
+    def z_scores(self, name: str) -> Floats:
+        """Errors of a load over their standard deviations (n,)."""
+        found = self.loads()
+        return (getattr(found, name) - self.measured[name]) / getattr(found.std, name)
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    """Read a CSV file with a comment in front."""
+    with path.open(encoding="utf-8") as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+def campaign(name: str, propeller: str, path: Path, columns: Mapping[str, str]) -> Campaign:
+    """Read a campaign's file; ``columns`` are loads by name, with a minus where signs differ."""
+    rows = rows_of(path)
+
+    def column(text: str) -> Floats:
+        return np.array([float(row[text.lstrip("-")]) for row in rows])
+
+    omega, speed, beta = column("rpm") * RPM, column("speed_mps"), np.radians(column("beta_deg"))
+    model = propmap.known_model(propeller, air=Air())
+    oblique = speed * np.sin(beta) > NEAR_REST * omega * model.propeller.radius
+    measured = {
+        load: (-1.0 if text.startswith("-") else 1.0) * column(text)[oblique]
+        for load, text in columns.items()
+    }
+    return Campaign(name, model, (omega[oblique], speed[oblique], beta[oblique]), measured)
+
+
+def campaigns(data: Path) -> list[Campaign]:
+    """Read both oblique campaigns."""
+    first = {name: f"{name}_N" for name in ("thrust", "drag")}
+    first |= {name: f"{name}_Nm" for name in ("torque", "roll_moment", "pitch_moment")}
+    second = {"thrust": "thrust_N", "torque": "torque_Nm", "drag": "inplane_x_N"}
+    second |= {
+        "side_force": "inplane_y_N",
+        "roll_moment": "-moment_x_Nm",
+        "pitch_moment": "moment_y_Nm",
+    }
+    oblique = data / "oblique"
+    return [
+        campaign("2019", "APC 8x6E", oblique / "apc_8x6e_published_polynomials.csv", first),
+        campaign("second tunnel", "APC 10x4.7SF", oblique / "ryerson_apc_10x47.csv", second),
+    ]
+
+
+# -------------------------------------------------------------------------------------------------
+# Axial flow.
+
+
+def axial_z_scores(data: Path) -> dict[str, Floats]:
+    """Errors over standard deviations (n,) of all rows of runs that were left out."""
+    rows = {one.name: one for one in refiled(read_uiuc_database(data / "uiuc" / "loads.csv"))}
+    found: dict[str, list[Floats]] = {"thrust": [], "torque": []}
+    for one in one_of_each([one for one in all_identified() if one.tested in rows]):
+        tested = rows[one.tested]
+        blade = replace(catalogue.load(one.propeller), blades=one.blades)
+        moving = tested.advance > 0.0
+        runs = {int(k): float(tested.rpm[tested.run == k].mean()) for k in set(tested.run[moving])}
+        order = sorted(runs, key=lambda k: (runs[k], k))
+        for run in {order[len(order) // 2], order[-1]} if len(order) > 1 else ():
+            left = tested.run == run
+            result = identify(AxialTest(blade, with_rows(tested, ~left)))
+            known = SectionUncertainty(
+                SectionCovariance(PARAMETERS, result.covariance),
+                result.thrust_rms,
+                result.power_rms,
+            )
+            law = airfoil_of(result.constants).with_parameters(uncertainty=known)
+            turns, diameter = tested.rpm[left] / 60.0, blade.diameter
+            loads = Rotor(Model(blade, law)).loads(
+                2.0 * np.pi * turns, tested.advance[left] * turns * diameter, 0.0
+            )
+            force = Air().density * turns**2 * diameter**4
+            wanted = {
+                "thrust": tested.thrust[left] * force,
+                "torque": tested.power[left] * force * diameter / (2.0 * np.pi),
+            }
+            for name, value in wanted.items():
+                found[name].append((getattr(loads, name) - value) / getattr(loads.std, name))
+    return {name: np.concatenate(parts) for name, parts in found.items()}
+
+
+# -------------------------------------------------------------------------------------------------
+# What the campaigns say of the shares.
+
+
+def share_that_fits(one: Campaign, name: str) -> float:
+    """Find the share with which the errors of a load are as large as their standard deviations."""
+
+    def excess(share: float) -> float:
+        with with_shares({name: share}):
+            return float(np.mean(one.z_scores(name) ** 2)) - 1.0
+
+    return 0.0 if excess(1e-6) < 0.0 else float(brentq(excess, 1e-6, 100.0, xtol=1e-4))
+
+
+def with_shares(shares: Mapping[str, float]) -> ExitStack:
+    """Set the shares of oblique flow, by load."""
+    stack = ExitStack()
+    for table in (bands.OBLIQUE, bands.INPLANE):
+        own = {name: share for name, share in shares.items() if name in table}
+        stack.enter_context(mock.patch.dict(table, own))
+    return stack
+
+
+def shares_of(every: Sequence[Campaign]) -> dict[str, float]:
+    """Root mean squares over campaigns of the shares that fit each."""
+    found = {}
+    for name in (*bands.OBLIQUE, *bands.INPLANE):
+        each = [share_that_fits(one, name) for one in every if name in one.measured]
+        if each:
+            found[name] = float(np.sqrt(np.mean(np.square(each))))
+    return found
+
+
+class InPlane(NamedTuple):
+    """In-plane force of one propeller of the 2019 campaign, at ``ADVANCE``."""
+
+    name: str
+    measured: Floats
+    installed: Loads
+    factor: float  # on the blades' own drag that fits best, with the typical area
+
+
+def in_plane(data: Path) -> Iterator[InPlane]:
+    """Compare edgewise in-plane forces by name with ``gill2019_inplane.csv``."""
+    for row in rows_of(data / "drag" / "gill2019_inplane.csv"):
+        radius = float(row["radius_m"])
+        model = propmap.known_model(_named(row["propeller"]), int(row["blades"]))
+        omega = TIP_SPEED / radius
+        flow = (omega, ADVANCE * TIP_SPEED, 0.5 * np.pi)
+        pressure = 0.5 * model.air.density * np.pi * radius**2 * TIP_SPEED**2
+        measured = float(row["k4"]) * ADVANCE * pressure
+        yield InPlane(
+            row["propeller"], measured, Rotor(model).loads(*flow), _factor(model, flow, measured)
+        )
+
+
+def _named(name: str) -> str:
+    """The campaign's name of a propeller as the catalogue has it."""
+    listed = f"uiuc-{name}"
+    return listed if listed in catalogue.names() else name.replace("-", " ", 1)
+
+
+def _factor(model: Model, flow: tuple[Any, Any, Any], measured: Floats) -> float:
+    """Find the factor on the blades' drag for what is ``measured`` with the typical area."""
+    plain, mount = (
+        Rotor(model.with_mount(Installed(factor))).loads(*flow).drag for factor in (1.0, 0.0)
+    )
+    blades = plain - mount
+    return float(blades @ (measured - mount) / (blades @ blades))
+
+
+# -------------------------------------------------------------------------------------------------
+# The command.
+
+
+def told(name: str, scores: Floats) -> str:
+    """A line: what bands hold, and the root mean square of errors over deviations."""
+    from statistics import NormalDist
+
+    known = scores[np.isfinite(scores)]
+    wide = [NormalDist().inv_cdf(0.5 + 0.5 * share) for share in SHARES]
+    held = "  ".join(f"{np.mean(np.abs(known) <= w):6.1%}" for w in wide)
+    return f"  {name:<28}{known.size:>6}  {held}   {np.sqrt(np.mean(known**2)):5.2f}"
+
+
+def main(data: Path) -> None:
+    """Print the tables."""
+    print("bands of 50, 80, 95 % hold, and rms of z-scores      rows")
+    print("axial flow, runs left out")
+    for name, scores in axial_z_scores(data).items():
+        print(told(name, scores))
+    every = campaigns(data)
+    alone = {one.name: shares_of([one]) for one in every}
+    for one in every:
+        others = shares_of([other for other in every if other is not one])
+        print(f"{one.name}, {one.model.propeller.name}, by name; and its shares left out")
+        for name in LOADS:
+            if name not in one.measured:
+                continue
+            print(told(name, one.z_scores(name)))
+            if name in others:
+                with with_shares(others):
+                    print(told(f"{name}, left out", one.z_scores(name)))
+        relative = {
+            name: np.sqrt(np.mean((getattr(one.loads(), name) / one.measured[name] - 1.0) ** 2))
+            for name in ("thrust", "torque", "drag")
+        }
+        print("  rms errors:", ", ".join(f"{name} {error:.1%}" for name, error in relative.items()))
+    found = list(in_plane(data))
+    scores = np.stack(
+        [(one.installed.drag - one.measured) / one.installed.std.drag for one in found]
+    )
+    rms = [np.sqrt(np.mean((one.installed.drag / one.measured - 1.0) ** 2)) for one in found]
+    print(f"in-plane force of {len(found)} propellers, 2019, mu {ADVANCE[0]:g} to {ADVANCE[-1]:g}")
+    print(told("drag", scores.ravel()))
+    print(f"  rms errors: half below {np.median(rms):.1%}, all below {np.max(rms):.1%}")
+    factors = np.array([one.factor for one in found])
+    second = every[1]
+    own = _factor(second.model, second.flow, second.measured["drag"])
+    print(
+        f"  factor on the blades' drag beside {corrections.TYPICAL_AREA[0]:g} R^2: "
+        f"{factors.mean():.2f}, deviation {factors.std(ddof=1):.2f}; second tunnel {own:.2f}"
+    )
+    print("shares per advance ratio, by campaign, and together")
+    together = shares_of(every)
+    for name in together:
+        each = "  ".join(f"{alone[one.name].get(name, np.nan):5.2f}" for one in every)
+        print(f"  {name:<14}{each}   {together[name]:5.2f}")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    main(Path(sys.argv[1]))
