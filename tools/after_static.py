@@ -47,7 +47,7 @@ class Predicted(NamedTuple):
 def predicted(one: Identified, tested: MeasuredPropeller) -> tuple[Predicted, Predicted]:
     """Before the fit to static rows, and after it."""
     blade = replace(catalogue.load(one.propeller), blades=one.blades)
-    distribution = expected_prior(one.family, one.size, without=one.tested)
+    distribution = expected_prior(one.family, one.size, one.geometry, without=one.tested)
     law = airfoil_at(distribution.mean, "expected", "")
     model = Model(blade, law.with_corrections(["pitt-peters"]))
     turns, diameter = tested.rpm / 60.0, blade.diameter

@@ -2,8 +2,8 @@
 
 Usage: python tools/build_catalogue.py DATA_FOLDER
 
-DATA_FOLDER holds apc/*.PE0, uiuc/geometry.csv, uiuc/loads.csv and oblique/*.csv.  The files
-under src/propmap/catalogue/ are written anew; the same data give the same bytes.
+DATA_FOLDER holds apc/*.PE0, apc/pe0/*.PE0, uiuc/geometry.csv, uiuc/loads.csv and oblique/*.csv.
+The files under src/propmap/catalogue/ are written anew; the same data give the same bytes.
 """
 
 from __future__ import annotations
@@ -11,12 +11,17 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from propmap.catalogue.apc import series_of
 from propmap.io.geometry import UIUC_CITATION, read_apc_pe0
+from propmap.model.model import Propeller
 from propmap.units import INCH
 
 CATALOGUE = Path(__file__).resolve().parent.parent / "src" / "propmap" / "catalogue"
@@ -33,6 +38,11 @@ APC_FILES = {
     "11x7E": ("apc-11x7e", "APC 11x7E Thin Electric", "apce"),
     "9x6E": ("apc-9x6e", "APC 9x6E Thin Electric", "apce"),
 }
+OWN_FILES = {"8x6E", "8x6SF", "8x4.5MR", "11x7E", "9x6E"}  # their titles
+
+# Series of which the catalogue has all blades; those of the others are read, to compare.
+MAKERS_SERIES = {"apce", "apcsf", "apcmr"}
+COMPARED_AT = 0.75  # share of the radius
 
 # Families whose makers the database names; the others keep its code as their title.
 UIUC_TITLES = {
@@ -67,15 +77,20 @@ Row = dict[str, str]
 
 def main(data: Path) -> None:
     """Write all files of the catalogue from the folder ``data``."""
-    propellers = CATALOGUE / "propellers"
-    measurements = CATALOGUE / "measurements"
-    for folder in (propellers, measurements):
+    propellers, apc_files, measurements = (
+        CATALOGUE / name for name in ("propellers", "apc_files", "measurements")
+    )
+    for folder in (propellers, apc_files, measurements):
         folder.mkdir(parents=True, exist_ok=True)
-        for old in folder.glob("*.toml"):
+        for old in folder.iterdir():
             old.unlink()
     loads = _read_csv(data / "uiuc" / "loads.csv")
-    for fields in [*_apc(data / "apc"), *_uiuc(data / "uiuc" / "geometry.csv", loads)]:
+    measured = list(_uiuc(data / "uiuc" / "geometry.csv", loads))
+    for fields in [*_apc(data / "apc"), *measured]:
         _write(propellers / f"{fields['name']}.toml", fields)
+    blades = _makers(data / "apc" / "pe0")
+    _write_lines(apc_files / "blades.csv", _makers_table(blades))
+    _write_lines(apc_files / "differences.csv", _differences(blades, measured))
     _write(measurements / "uiuc-8x6e.toml", _uiuc_8x6e(loads))
     for name, fields in _gill_dandrea(data / "oblique").items():
         _write(measurements / f"{name}.toml", fields)
@@ -98,6 +113,57 @@ def _apc(folder: Path) -> Iterable[dict[str, Any]]:
             "chord_m": list(blade.chord),
             "twist_rad": list(blade.twist),
         }
+
+
+def _makers(folder: Path) -> dict[str, Propeller]:
+    """APC's blades of known series by title, by diameter and pitch."""
+    found = {}
+    for path in folder.glob("*.PE0"):
+        title = path.read_text(encoding="utf-8").split(maxsplit=1)[0]
+        if series_of(title):
+            found[title] = read_apc_pe0(path)
+
+    def place(title: str) -> tuple[list[float], str]:
+        size = re.match(r"([\d.]+)x([\d.]+)", title)
+        assert size is not None  # else it would be of no series
+        return [float(part) for part in size.groups()], title
+
+    return {title: found[title] for title in sorted(found, key=place)}
+
+
+def _makers_table(makers: dict[str, Propeller]) -> Iterable[str]:
+    """A line for each blade that has no file of its own; all stations of the PE0 file."""
+    yield "title,blades,radius_m,r_over_R,c_over_R,twist_deg"
+    for title, blade in makers.items():
+        family, _ = series_of(title) or ("", "")
+        if family in MAKERS_SERIES and title not in OWN_FILES:
+            shape = (
+                " ".join(f"{value:.{digits}f}" for value in values)
+                for values, digits in (
+                    (blade.station / blade.radius, 4),
+                    (blade.chord / blade.radius, 5),
+                    (np.degrees(blade.twist), 2),
+                )
+            )
+            yield ",".join([title, str(blade.blades), _float(blade.radius), *shape])
+
+
+def _differences(makers: dict[str, Propeller], measured: Sequence[dict[str, Any]]) -> Iterable[str]:
+    """Chord and twist of measured blades beside their maker's, at 0.75 R."""
+    yield "family,title,chord_ratio,twist_less_deg"
+    by_size = {(series_of(title) or ("", ""))[0] + title.rstrip("ESFMR"): title for title in makers}
+    for fields in measured:
+        family, size = fields["name"].split("-")[1:3]
+        title = by_size.get(family + size)
+        if title is not None:
+            (chord, twist), (own_chord, own_twist) = (
+                [float(np.interp(COMPARED_AT, r / r[-1], values)) for values in (c / r[-1], t)]
+                for r, c, t in (
+                    [np.array(fields[key]) for key in ("station_m", "chord_m", "twist_rad")],
+                    [makers[title].station, makers[title].chord, makers[title].twist],
+                )
+            )
+            yield f"{family},{title},{chord / own_chord:.4f},{math.degrees(twist - own_twist):.3f}"
 
 
 def _uiuc(geometry: Path, loads: Sequence[Row]) -> Iterable[dict[str, Any]]:
@@ -259,7 +325,10 @@ def _read_csv(path: Path) -> list[Row]:
 
 
 def _write(path: Path, fields: dict[str, Any]) -> None:
-    lines = [f"{key} = {_toml(value)}" for key, value in fields.items()]
+    _write_lines(path, (f"{key} = {_toml(value)}" for key, value in fields.items()))
+
+
+def _write_lines(path: Path, lines: Iterable[str]) -> None:
     with path.open("x", encoding="utf-8", newline="\n") as stream:
         stream.write("\n".join(lines) + "\n")
 

@@ -46,6 +46,7 @@ LEFT_OUT = {
     "family": "constants of its family; its blade is known",
     "other_blade_of_family": "the same without those of its own blade in other numbers",
     "population": "constants of all; its blade is known",
+    "maker": "constants of its family; its blade by its maker's file",
     "family_blade": "blade and constants of its family",
     "population_blade": "blade and constants of all",
     "family_static": "constants of its family, after a static test: moving rows",
@@ -117,6 +118,7 @@ def write(folder: Path) -> None:
         "identified": identified(),
         "after-static": after_static(found["after_static"]),
         "left-out": left_out(found["left_out"]),
+        "left-out-makers": left_out_makers(found["left_out"]["makers"]),
         "other-tunnel": other_tunnel(found["demo"]),
         "scale-sweep": scale_tables.sweep(found["cluster"]),
         "scale-overhead": scale_tables.overhead(found["cluster"]),
@@ -315,11 +317,30 @@ def left_out(found: dict[str, Any]) -> str:
     return "\n".join(rows)
 
 
+def left_out_makers(found: dict[str, Any]) -> str:
+    """Compare mean blades with those of makers' files, by series."""
+    rows = [
+        "| | propellers | mean blade: C_T, C_P | blade of the maker's file: C_T, C_P |",
+        "|---|---:|---:|---:|",
+    ]
+    for name, one in found.items():
+        cells = [
+            ", ".join(
+                f"{100.0 * half:.1f} % ({100.0 * rms:.1f} %)"
+                for half, rms in zip(one[group], one[f"{group}_rms"], strict=True)
+            )
+            for group in ("mean", "maker")
+        ]
+        rows.append(f"| {name} | {one['propellers']} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
 def identified() -> str:
     """How well the bundled constants fit, and the propellers that they fit worst."""
     found = summary(all_identified())
     rows = [
-        f"Root mean square errors over all rows of {found.propellers} propellers, by "
+        f"Root mean square errors over all rows of {found.propellers} propellers with a measured "
+        "blade, by "
         "`python -m tools.catalogue`:",
         "",
         "| | median | 90 % below |",

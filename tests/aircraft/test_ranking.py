@@ -134,7 +134,7 @@ def test_constants_vary_by_their_covariance() -> None:
 
 
 def test_candidates() -> None:
-    assert len(catalogue_candidates()) == 138
+    assert len(catalogue_candidates()) == 143
     tens = catalogue_candidates((9.9 * INCH, 10.1 * INCH), 2)
     assert tens and all(abs(one.propeller.diameter - 10.0 * INCH) < 0.1 * INCH for one in tens)
     with pytest.raises(InputError, match="no propeller of the catalogue"):

@@ -35,7 +35,11 @@ def test_a_number_of_blades_changes_the_chord_and_nothing_else(text: str, blades
 
 @pytest.mark.parametrize(
     ("text", "other"),
-    [("APC 12x6E 3-blade", "APC 12x6E"), ("nr640 9x5 4-blade", "nr640 9x5"), ("5x4.3x2", "5x4.3")],
+    [
+        ("APC 12x6.5E 3-blade", "APC 12x6.5E"),
+        ("nr640 9x5 4-blade", "nr640 9x5"),
+        ("5x4.3x2", "5x4.3"),
+    ],
 )
 def test_blades_of_a_series_and_of_two_stay_as_they_were(text: str, other: str) -> None:
     np.testing.assert_array_equal(propmap.propeller(text).chord, propmap.propeller(other).chord)
@@ -60,7 +64,7 @@ def test_an_option_counts_as_the_name_does() -> None:
     assert geometry_of(meant_by("5x4.5"), blade) == geometry_of(meant_by("5x4.5", 3), blade)
     assert geometry_of(meant_by("5x4.5x3"), blade) == "multirotor"
     assert geometry_of(meant_by("5x4.5"), propmap.propeller("5x4.5")) == "population"
-    assert geometry_of(meant_by("apc 12x6e", 3), blade) == "family"
+    assert geometry_of(meant_by("apc 12x6.5e", 3), blade) == "family"
 
 
 def test_static_thrust_is_as_well_known_as_is_said() -> None:

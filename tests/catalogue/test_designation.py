@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import propmap
 from propmap import catalogue
+from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.identified import candidates, designation
 from propmap.catalogue.lookup import designated
 from propmap.units import INCH
@@ -75,7 +76,7 @@ def test_no_size(text: str) -> None:
         ("apc-8x6q", "did you mean apc-8x6e"),
         ("apc-8x6", "did you mean apc-8x6e"),
         ("abc", "did you mean apc-"),
-        ("5x", "did you mean uiuc-.*5x"),
+        ("5x", "did you mean apc-5x"),
     ],
 )
 def test_refusals_are_one_line(text: str, says: str) -> None:
@@ -103,6 +104,15 @@ def test_refusals_are_one_line(text: str, says: str) -> None:
         ("ma 9x6", "uiuc-ma-9x6"),
         ("10x4.7SF", "uiuc-apcsf-10x4.7"),
         ("gwssf 10.0x4.7 - 2", "uiuc-gwssf-10x4.7"),
+        ("APC 7x5E", "apc-7x5e"),
+        ("apc-7x5E", "apc-7x5e"),
+        ("12x6e", "apc-12x6e"),
+        ("APC 12x4.5MR", "apc-12x4.5mr"),
+        ("apc slow flyer 12x3.8", "apc-12x3.8sf"),
+        ("APC 5.1x5E", "apc-5.1x5.0e"),
+        ("APC 5x4E-4", "apc-5x4e-4"),
+        ("APC 11x7E 3-blade", "apc-11x7e-3"),
+        ("APC 11x4.5EP", "apc-11x4.5ep"),
     ],
 )
 def test_one_propeller(text: str, name: str) -> None:
@@ -122,9 +132,18 @@ def test_every_title_means_its_own_propeller() -> None:
     for entry in catalogue.entries():
         wanted = designation(entry.title)
         assert wanted is not None
-        assert wanted.diameter == pytest.approx(entry.diameter_m, rel=0.01), entry.name
+        assert wanted.diameter == pytest.approx(entry.diameter_m, rel=0.011), entry.name
         own = [found for found in candidates(wanted) if found.family == entry.family]
         assert own, entry.name
+
+
+@pytest.mark.parametrize("text", ["apc 12x6", "apc 8x6", "apc 7x5", "APC 12x7E"])
+def test_a_makers_file_is_not_meant_unless_series_and_blades_are(text: str) -> None:
+    """APC's sport propellers have no letter, and of his 12x7E three blades are known alone."""
+    found = designated(text)
+    assert isinstance(found, ExpectedBlade)
+    assert any(name.startswith("apc-") for name in found.others)
+    assert found.others[0] in found.summary
 
 
 @given(

@@ -156,9 +156,9 @@ def test_a_blade_is_predicted_by_its_siblings(name: str) -> None:
 
 
 FIFTY = [
-    *("5x4.3x3", "HQ 5x4.3x3", "apc 10x4.5mr", "gws 8x4.5 hd", "1045", "130x70", "11x3.8 3-blade"),
-    *("5x4.3", "10x7", "8x4.5", "6040x3", "DJI 9450", "APC 12x6E", "apc 7x5e", "apcsf 8x3.8"),
-    *("apc slow flyer 12x3.8", "apc sport 12x6", "APC 15x8", "apc 5.5x4.5", "APC 8x8 E"),
+    *("5x4.3x3", "HQ 5x4.3x3", "apc 10x4.2mr", "gws 8x4.5 hd", "1045", "130x70", "11x3.8 3-blade"),
+    *("5x4.3", "10x7", "8x4.5", "6040x3", "DJI 9450", "APC 12x7E", "apc 7x5.5e", "apcsf 8x5.2"),
+    *("apc slow flyer 12x5", "apc sport 12x6", "APC 15x8", "apc 5.5x4.5", "APC 8x7 E"),
     *("GWS 6x3", "gws slow flyer 8x6", "gws 12x8 3-blade", "graupner 12x6", "kyosho 12x8"),
     *("graupner cam slim 11x8", "graupner super nylon 12x8", "master airscrew 12x6"),
     *("master airscrew electric 12x8", "E-flite 120x80", "kpf 110x70", "da4002 9x3", "da4052 7x5"),
@@ -203,9 +203,9 @@ def test_errors_that_are_told_are_those_of_propellers_left_out() -> None:
         ("130x70", 27, (), ("uiuc-ef-130x70",)),
         ("HQ 5x4.3x3", 27, ("hq",), ()),
         ("gws 8x4.5 hd", 2, ("hd",), ()),
-        ("apc 12x6e", 1, (), ()),
-        ("12x6E", 1, (), ()),
-        ("apc 10x4.5mr", 1, (), ()),
+        ("apc 12x6.5e", 1, (), ()),
+        ("12x6.5E", 1, (), ()),
+        ("apc 10x4.2mr", 1, (), ()),
         ("master airscrew 12x6", 1, (), ()),
     ],
 )

@@ -105,7 +105,7 @@ def test_larger_propellers_have_more_lift_and_those_of_more_pitch_stall_later() 
 
 def test_errors_that_are_told_are_those_of_propellers_left_out() -> None:
     found = json.loads(RESULTS.read_text(encoding="utf-8"))
-    for name, error in MEDIAN_ERRORS.items():
+    for name, error in (MEDIAN_ERRORS | {"maker": MEDIAN_ERRORS["family"]}).items():
         assert error == pytest.approx(np.mean(found[name]["median"]), abs=0.007)
 
 
@@ -118,8 +118,20 @@ def test_the_goals_of_propellers_left_out_are_met() -> None:
         for where in ("at_rest", "moving"):
             held = [share for share in found[group][where] if share is not None]
             assert all(0.91 <= share <= 0.98 for share in held), (group, where)
-            assert not held or 0.92 <= np.mean(held) <= 0.972
+            assert not held or 0.92 <= np.mean(held) <= 0.975
     assert min(found["family_static"]["moving"]) >= 0.91
+
+
+def test_apc_propellers_without_a_measured_blade_are_predicted_by_their_makers() -> None:
+    """Median errors of thrust and power in whole per cent, of what the committed command wrote."""
+    found = json.loads(RESULTS.read_text(encoding="utf-8"))["makers"]
+    for family, most in (("apce", (8, 8)), ("apcsf", (5, 8))):
+        one = found[f"{family}, no measured blade"]
+        assert np.less_equal(np.round(np.multiply(100.0, one["maker"])), most).all()
+        assert np.less(one["maker_rms"], one["mean_rms"]).all()
+        assert np.less(found[family]["maker_rms"], found[family]["mean_rms"]).all()
+    # Sport propellers stay on mean blades.
+    assert np.greater(found["apcsp"]["maker_rms"], found["apcsp"]["mean_rms"]).all()
 
 
 def test_size_is_the_label_s_and_that_of_the_blade_without_one() -> None:
@@ -139,7 +151,7 @@ def test_size_is_the_label_s_and_that_of_the_blade_without_one() -> None:
         ("aeronaut 9x5", "uiuc-ancf-9x5", "population"),
         ("uiuc-ANCF-12x6.5", "uiuc-ancf-12x6.5", "population"),
         ("Zingali 11x7 2-blade", "uiuc-zin-11x7", "population"),
-        ("APC 8x8 E", "uiuc-apce-8x8", "family"),
+        ("APC sport 8x8", "uiuc-apcsp-8x8", "family"),
         ("da4052 5x4.92", "uiuc-da4052-5x4.92", "family"),
     ],
 )
@@ -164,14 +176,14 @@ def test_another_number_of_blades_has_constants_to_be_expected() -> None:
 def test_of_several_without_blade_the_candidates_are_named() -> None:
     meant = designated("apc 8x8")
     assert isinstance(meant, ExpectedBlade) and meant.own is None
-    assert meant.others == ("uiuc-apce-8x8", "uiuc-apcsp-8x8")
+    assert meant.others == ("apc-8x8e", "uiuc-apcsp-8x8")
     with pytest.raises(InputError):
         designated("uiuc-ancf-9x44")
 
 
 def test_they_are_listed_and_every_name_is_found_again() -> None:
     every = identified_without_blade()
-    assert len(every) > 100 and not {one.propeller for one in every} & set(catalogue.names())
+    assert len(every) > 90 and not {one.propeller for one in every} & set(catalogue.names())
     listed = {entry.name: entry for entry in search("not measured")}
     assert set(listed) == {one.propeller for one in every}
     for one in every:

@@ -44,7 +44,7 @@ def test_constants_of_the_family(run: Run) -> None:
     blade = propmap.propeller("apc-8x6sf")
     size = size_of(meant_by("apc-8x6sf"), blade)
     assert size == pytest.approx((8 * 0.0254, 6 * 0.0254))
-    law = expected_constants("apcsf", size).airfoil
+    law = expected_constants("apcsf", size, "maker").airfoil
     done = run("predict", "apc-8x6sf", *POINT, "--format", "json")
     assert done.code == 0 and done.err.count("\n") == 1
     assert "those of its family, apcsf" in done.err

@@ -26,10 +26,10 @@ from .conftest import Run
             "propellers of 27",
         ),
         (
-            "APC 12x6E",
+            "APC 12x6.5E",
             "apce",
             2,
-            "read as 12 x 6 in, two blades assumed (--blades 3, or x3 at the end, for three); no "
+            "read as 12 x 6.5 in, two blades assumed (--blades 3, or x3 at the end, for three); no "
             "measured blade of this size: the geometry is the mean of 13",
         ),
     ],

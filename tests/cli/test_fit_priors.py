@@ -61,7 +61,7 @@ def test_what_is_stated_wins_over_the_prior() -> None:
 @pytest.mark.parametrize(
     ("wanted", "prop", "says"),
     [
-        ("family", "apc-8x6e", "12 propellers of the family apce"),
+        ("family", "apc-8x6e", "16 propellers of the family apce"),
         ("family", "uiuc-apcsf-10x7", "of the family apcsf"),
         ("family", "my-blade.csv", "small propellers of all families"),
         ("family", "HQ 5x4.3x3", "small propellers of all families"),
@@ -103,11 +103,11 @@ def test_thrust_alone_at_low_speed_leaves_physical_constants(run: Run) -> None:
         in done.err
     )
     law, found = parameter_set("fit.toml"), fit_record(Path("fit.toml"))
-    assert 4.0 < law.c_l1 < 7.5 and 1.0 < law.c_d < 5.0
+    assert 4.0 < law.c_l1 < 8.0 and 1.0 < law.c_d < 5.0
     assert 0.2 < law.alpha_0 < 0.4 and -0.1 < law.zero_lift_angle < 0.0 and 0.0 < law.c_d0 < 0.05
     held = [n for n, p in found["parameters"].items() if "held by its prior" in p["verdict"]]
-    # Thrust tells of lift, not of drag.
-    assert {"c_d", "c_d0", "alpha_0"} <= set(held) and "c_l1" not in held
+    # Thrust tells of lift, not of drag; how far the blade is turned is not known to a degree.
+    assert {"c_d", "c_d0", "alpha_0"} <= set(held) and "zero_lift_angle" not in held
     assert not any(found["parameters"][name]["identified"] for name in held)
     file = read_fit(Path("fit.toml"))
     for degrees in (60.0, 90.0):

@@ -65,8 +65,8 @@ def test_props_show_tells_what_is_expected_of_others(run: Run) -> None:
     words = " ".join(done.out.split())
     assert lift("apc-8x6sf") in words and "of its family, apcsf" in words
     assert "verdict" not in words
-    other = run("props", "show", "apc 12x6sf")
-    assert lift("apc 12x6sf") in other.out and "no measured blade" in other.err
+    other = run("props", "show", "apc 12x7sf")
+    assert lift("apc 12x7sf") in other.out and "no measured blade" in other.err
     assert lift("5x4.3x3") in run("props", "show", "5x4.3x3").out
 
 

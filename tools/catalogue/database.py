@@ -43,7 +43,8 @@ LOST_POINTS = {  # blades whose labels have lost a decimal point
     "ancf 125.0x9.0": "ancf 12.5x9.0",
 }
 SPECIMENS = ("", "-b", "-c")  # endings of the names of a blade of which several were measured
-MAKERS_FILES = {"apce": "apc-{}e", "apcsf": "apc-{}sf"}  # blades by their maker's own files
+MAKERS_FILES = {"apce": "apc-{}e", "apcsf": "apc-{}sf", "apcsp": "apc-{}"}
+"""Names of blades by their maker's own files."""
 
 
 COLUMNS = ("PropName", "BladeName", "Family", "B", "J", "N", "CT", "CP")
@@ -166,10 +167,14 @@ def blade_names(tested: MeasuredPropeller) -> list[str]:
     """Name the blades of the catalogue that a propeller may have, measured ones first."""
     family, size = family_and_size(tested)
     possible = [f"uiuc-{family}-{size}{end}" for end in SPECIMENS]
-    if family in MAKERS_FILES:
-        possible.append(MAKERS_FILES[family].format(size))
     known = catalogue.names()
-    return [name for name in possible if name in known]
+    return [name for name in (*possible, makers_name(tested)) if name in known]
+
+
+def makers_name(tested: MeasuredPropeller) -> str:
+    """Name the blade that a file of its maker would have; "" where he has none."""
+    family, size = family_and_size(tested)
+    return MAKERS_FILES.get(family, "").format(size)
 
 
 def mean_propeller(tested: MeasuredPropeller, shape: MeanBlade) -> Propeller:

@@ -20,7 +20,7 @@ from propmap.catalogue.expected import (
     families_measured,
     family_prior,
 )
-from propmap.catalogue.identified import LIFT_LAW, PARAMETERS, Identified
+from propmap.catalogue.identified import LIFT_LAW, PARAMETERS, Identified, one_of_each
 from propmap.fit.least_squares import INDEPENDENT
 from propmap.tasks import InTurn, Workers
 from tools.catalogue import identification
@@ -70,12 +70,12 @@ def identify_all(
         specimens = sum(name.startswith("uiuc") for name in names)
         for name in names:
             test = AxialTest(replace(catalogue.load(name), blades=tested.blades), tested)
-            remark = ""
-            if not name.startswith("uiuc"):
+            geometry, remark = catalogue.entry(name).geometry, ""
+            if geometry == "maker":
                 remark = "blade by its maker's file; "
             elif specimens > 1:
                 remark = f"one of {specimens} blades measured, each tested in some of the runs; "
-            wanted.append(_Wanted(name, "measured", test, POPULATION, _key(test), remark))
+            wanted.append(_Wanted(name, geometry, test, POPULATION, _key(test), remark))
     return _identified(wanted, known, done, workers)
 
 
@@ -87,14 +87,14 @@ def identify_without_blade(
     done: Done,
     workers: Workers | None = None,
 ) -> list[Identified]:
-    """Identify the propellers whose blades were never measured, with their family's mean blade.
+    """Identify the propellers whose blades are not known, with their family's mean blade.
 
     Where none of the family was measured it is the mean of all.  Their prior is that of their
     family, and wider by what is not known of the blade: from ``measured``, what ``identify_all``
     found, and the ``populations`` of it.
     """
     wanted = []
-    before = [one.key for one in measured]
+    before = [one.key for one in one_of_each(measured)]
     for tested in every:
         if blade_names(tested):
             continue

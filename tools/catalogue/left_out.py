@@ -1,17 +1,18 @@
 """Print how well each propeller is predicted from the others, without its own rows.
 
-Usage: python -m tools.catalogue.left_out LOADS
+Usage: python -m tools.catalogue.left_out LOADS FILES
 
-LOADS is the UIUC database's loads.csv; the constants are the bundled ones.  Errors are root mean
-squares over those of what was measured, over the rows of a propeller; bands are those of 95 %, and
-what they hold is the mean over propellers of the share of rows.  Nothing of the bands is fitted to
-what they hold: their width is that of the distribution over the other propellers, and of the errors
-that own constants leave.  The figures go into benchmarks/results/left_out.json as well.
+LOADS is the UIUC database's loads.csv, FILES a folder with APC's PE0 files; the constants are the
+bundled ones.  Errors are root mean squares over those of what was measured, over the rows of a
+propeller; bands are those of 95 %, and what they hold is the mean over propellers of the share of
+rows.  Nothing of the bands is fitted to what they hold: their width is that of the distribution
+over the other propellers, and of the errors that own constants leave.  APC's series follow:
+propellers predicted with constants of the family and its mean blade, or that of the maker's file.
+The figures go into benchmarks/results/left_out.json as well.
 """
 
 from __future__ import annotations
 
-import itertools
 import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -35,7 +36,9 @@ from propmap.catalogue.expected import (
     mean_blade,
     measured_shapes,
     member_without_blade,
+    on_makers_blade,
     on_mean_blade,
+    on_measured_blade,
     shapes_without,
     slopes_of,
 )
@@ -46,10 +49,13 @@ from propmap.catalogue.identified import (
     one_of_each,
 )
 from propmap.io.csv import replacing
+from propmap.io.geometry import read_apc_pe0
+from propmap.model.model import Propeller
 from propmap.typing import Floats
 from tools.catalogue.database import (
     MeasuredPropeller,
     label_of,
+    makers_name,
     mean_propeller,
     read_uiuc_database,
     refiled,
@@ -73,6 +79,7 @@ GROUPS = {
     "family": "family",
     "other_blade_of_family": "family, same blade left out too",
     "population": "population",
+    "maker": "family, blade of its maker",
     "family_blade": "family, blade too",
     "population_blade": "population, blade too",
     "family_static": "family, after a static test",
@@ -85,11 +92,11 @@ GROUPS = {
 
 "Own" are a propeller's own constants, and with a run left out, those found without the run at the
 middle one of its rotational speeds or at the highest, of which errors and bands are; all others
-leave its rows out.  "Blade too" is with the mean blade of the others in place of its own.  "After a
-static test", its rows at rest, and they alone, have updated what the others say, and errors and
-bands are those of its moving rows.  "Never measured" are propellers without geometry in the
-database, whose loads play no part in any population; "siblings" are of the same family and no more
-measured.
+leave its rows out.  "Blade of its maker" is that of his file, as if no other had been measured.
+"Blade too" is with the mean blade of the others in place of its own.  "After a static test", its
+rows at rest, and they alone, have updated what the others say, and errors and bands are those of
+its moving rows.  "Never measured" are propellers without geometry in the database or the catalogue,
+whose loads play no part in any population; "siblings" are of the same family and no more measured.
 """
 
 
@@ -145,14 +152,18 @@ def posterior(constants: Floats, covariance: Floats) -> PopulationPrior:
 
 
 def left_out(
-    entries: Sequence[Identified], every: Sequence[MeasuredPropeller]
+    entries: Sequence[Identified],
+    every: Sequence[MeasuredPropeller],
+    files: Mapping[str, Propeller],
 ) -> Iterator[LeftOut]:
-    """Predict each of ``entries``, of measured blades, from the others, blade known or left out.
+    """Predict each of ``entries``, of known blades, from the others, blade known or left out.
 
-    ``every`` has the refiled rows of those that are to be left out in turn.
+    ``every`` has the refiled rows of those that are to be left out in turn, ``files`` the blades of
+    their makers' files by name.
     """
     rows = {tested.name: tested for tested in every}
     chosen = one_of_each(entries)
+    known = [on_measured_blade(one) for one in chosen]
     members, errors = all_members(chosen), errors_of(chosen)
     whole = {name: population_of(some, errors)[0] for name, some in members.items()}
     for one in chosen:
@@ -175,8 +186,9 @@ def left_out(
         own = posterior(one.constants, one.covariance)
         yield LeftOut("own", one.tested, predicted(test, own, np.array(one.discrepancy)))
         yield from _one_run(one.tested, test)
-        yield from _known_blade(one, siblings, members["measured"], without["measured"], test)
+        yield from _known_blade(one, siblings, known, without["measured"], test)
         yield from _mean_blade(one, siblings, without, rows[one.tested])
+        yield from _makers_blade(one, known, without["measured"], rows[one.tested], files)
 
 
 def _one_run(name: str, test: AxialTest) -> Iterator[LeftOut]:
@@ -207,7 +219,8 @@ def _known_blade(
     def prior_from(some: Sequence[Identified]) -> PopulationPrior:
         tested = {other.tested for other in some}
         known = [m for m in members if m.family == one.family and m.tested in tested]
-        return family_prior(known, population, one.size)
+        prior = family_prior(known, population, one.size)
+        return on_makers_blade(prior, one.family) if one.geometry == "maker" else prior
 
     still = test.tested.advance == 0.0
 
@@ -226,6 +239,23 @@ def _known_blade(
     if others:
         found = predicted(test, prior_from(others), population.errors)
         yield LeftOut("other_blade_of_family", one.tested, found)
+
+
+def _makers_blade(
+    one: Identified,
+    members: Sequence[Member],
+    population: Population,
+    tested: MeasuredPropeller,
+    files: Mapping[str, Propeller],
+) -> Iterator[LeftOut]:
+    """Predict with the blade of the maker's file; ``members`` are on measured blades."""
+    name = makers_name(tested)
+    if name in files:
+        siblings = [m for m in members if m.family == one.family and m.tested != one.tested]
+        prior = family_prior(siblings, population, one.size)
+        test = AxialTest(replace(files[name], blades=one.blades), tested)
+        found = predicted(test, on_makers_blade(prior, one.family, name), population.errors)
+        yield LeftOut("maker", one.tested, found)
 
 
 def _mean_blade(
@@ -248,10 +278,12 @@ def never_measured(
     without_blade: Sequence[Identified],
     every: Sequence[MeasuredPropeller],
     populations: Mapping[str, Population],
+    files: Mapping[str, Propeller],
 ) -> Iterator[LeftOut]:
-    """Predict propellers ``without_blade`` from ``entries``, those with measured blades.
+    """Predict propellers ``without_blade`` from ``entries``, those with known blades.
 
-    ``every`` has the refiled rows of the former, ``populations`` are those of the latter.
+    ``every`` has the refiled rows of the former, ``populations`` are those of the latter; ``files``
+    as for ``left_out``.
     """
     rows = {tested.name: tested for tested in every}
     chosen = one_of_each(entries)
@@ -262,6 +294,8 @@ def never_measured(
             shape = mean_blade(shapes, [one.family])
             members = [on_mean_blade(m, shape) for m in chosen if m.family == one.family]
             yield _on_mean("family_label", members, populations["family"], shape, tested)
+            known = [on_measured_blade(m) for m in chosen]
+            yield from _makers_blade(one, known, populations["measured"], tested, files)
             continue
         shape, population = mean_blade(shapes), populations["population"]
         yield _on_mean("population_label", [], population, shape, tested)
@@ -291,16 +325,19 @@ def _on_mean(
 # The command: medians and 90th percentiles over propellers, and what bands hold.
 
 
-def main(loads: Path) -> None:
+def main(loads: Path, folder: Path) -> None:
     """Print the figures and write them."""
+    blades = [read_apc_pe0(path) for path in folder.glob("*.PE0")]
+    files = {blade.name: blade for blade in blades}
     every = refiled(read_uiuc_database(loads))
     measured = all_identified()
-    found: dict[str, list[Prediction]] = {name: [] for name in GROUPS}
     populations = populations_of(measured)
-    for each in itertools.chain(
-        left_out(measured, every),
-        never_measured(measured, identified_without_blade(), every, populations),
-    ):
+    all_found = [
+        *left_out(measured, every, files),
+        *never_measured(measured, identified_without_blade(), every, populations, files),
+    ]
+    found: dict[str, list[Prediction]] = {name: [] for name in GROUPS}
+    for each in all_found:
         found[each.group].append(each.found)
     results = {name: _summary(some) for name, some in found.items()}
     print(f"{'':<37}errors, median (90 %)           bands hold, C_T and C_P")
@@ -315,8 +352,44 @@ def main(loads: Path) -> None:
             *(" ".join(map(_percent, one[key])) for key in ("at_rest", "moving")),
         ]
         print(f"{words:<32}{one['propellers']:>3}  {'  '.join(shown)}")
+    results["makers"] = by_series(all_found, measured)
+    print(f"\n{'':<34}n  mean blade, median (rms)       blade of the maker's file")
+    for name, one in results["makers"].items():
+        shown = [
+            f"{half:5.1%} ({rms:5.1%})"
+            for group in ("mean", "maker")
+            for half, rms in zip(one[group], one[f"{group}_rms"], strict=True)
+        ]
+        print(f"{name:<32}{one['propellers']:>3}  {'  '.join(shown)}")
     with replacing(RESULTS) as path:
         path.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
+
+
+def by_series(found: Sequence[LeftOut], entries: Sequence[Identified]) -> dict[str, Any]:
+    """Compare mean blades with those of the makers' files by series, over propellers with both.
+
+    Those without a measured blade, all but the ``entries`` of one, are told by themselves too.
+    """
+    errors: dict[str, dict[str, Floats]] = {}
+    for one in found:
+        group = "mean" if one.group in ("family_blade", "family_label") else one.group
+        errors.setdefault(one.tested, {})[group] = one.found.errors
+    measured = {one.tested for one in entries if one.geometry == "measured"}
+    series: dict[str, list[str]] = {}
+    for tested, by_group in errors.items():
+        if {"mean", "maker"} <= set(by_group):
+            family = tested.partition(" ")[0]
+            series.setdefault(family, []).append(tested)
+            if tested not in measured:
+                series.setdefault(f"{family}, no measured blade", []).append(tested)
+    told: dict[str, Any] = {}
+    for name in sorted(series):
+        told[name] = {"propellers": len(series[name])}
+        for group in ("mean", "maker"):
+            each = np.stack([errors[tested][group] for tested in series[name]])
+            told[name][group] = np.round(np.median(each, axis=0), 5).tolist()
+            told[name][f"{group}_rms"] = np.round(np.sqrt(np.mean(each**2, axis=0)), 5).tolist()
+    return told
 
 
 def _summary(some: list[Prediction]) -> dict[str, Any]:
@@ -343,6 +416,6 @@ def _mean(shares: list[Floats]) -> list[float | None]:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) != 3:
         sys.exit(__doc__)
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), Path(sys.argv[2]))

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
+from propmap.catalogue.apc import apc_blades
 from propmap.catalogue.expected import (
     GEOMETRIES,
     POPULATION,
@@ -54,7 +55,7 @@ def all_members(entries: Sequence[Identified]) -> dict[str, list[Member]]:
     misses.  Those without measured siblings have none of their family.
     """
     found: dict[str, list[Member]] = {name: [] for name in GEOMETRIES}
-    for one in one_of_each(entries):
+    for one in _counted(entries):
         found["measured"].append(member(one))
         others = shapes_without(catalogue.entry(one.propeller))
         if one.family in {other.family for other in others}:
@@ -70,8 +71,14 @@ def members_on(entries: Sequence[Identified], family: str, shape: MeanBlade) -> 
 
 def errors_of(entries: Sequence[Identified]) -> Floats:
     """Root mean squares over propellers of the errors of C_T and C_P that are left [-], (2,)."""
-    each = [one.discrepancy for one in one_of_each(entries)]
+    each = [one.discrepancy for one in _counted(entries)]
     return np.sqrt(np.mean(np.square(each), axis=0))
+
+
+def _counted(entries: Sequence[Identified]) -> list[Identified]:
+    """Keep those that mean blades are made of, too, all but those of APC's table: how far its
+    blades are off is no spread of constants."""
+    return [one for one in one_of_each(entries) if one.propeller not in apc_blades()]
 
 
 class _Family(NamedTuple):

@@ -83,7 +83,7 @@ def verdict(tested: MeasuredPropeller, found: Identification) -> str:
 
 
 class Summary(NamedTuple):
-    """Errors of C_T and C_P over propellers."""
+    """Errors of C_T and C_P over propellers with a measured blade."""
 
     propellers: int  # of a propeller of which several blades were measured, the best counts
     thrust: tuple[float, float]  # median and 90th percentile of the rms of C_T [-]
@@ -93,7 +93,7 @@ class Summary(NamedTuple):
 
 def summary(entries: Sequence[Identified]) -> Summary:
     """Say how well identified constants fit as a whole."""
-    chosen = one_of_each(entries)
+    chosen = [one for one in one_of_each(entries) if one.geometry == "measured"]
     thrust, power = (
         tuple(np.quantile([getattr(one, name) for one in chosen], (0.5, 0.9)).tolist())
         for name in ("thrust_rms", "power_rms")

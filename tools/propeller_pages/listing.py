@@ -90,15 +90,26 @@ def _item(one: Identified) -> str:
 
 
 def counts(entries: Sequence[Identified]) -> str:
-    """How many there are, how many are flagged, and which blades have no constants."""
+    """How many there are, and how many are flagged."""
     known = {one.propeller for one in entries}
-    without = [f"`{name}`" for name in catalogue.names() if name not in known]
     return (
         f"{len(entries)} sets of constants of {len(known)} blades; "
         f"{sum(map(flagged, entries))} carry a remark on what is wrong with the data or the fit "
-        f'and are found with the word "flagged". No axial loads were published of '
-        f"{' and '.join(without)}, which have the constants to be expected of their families."
+        'and are found with the word "flagged".'
     )
+
+
+def makers(entries: Sequence[Identified]) -> str:
+    """Tabulate the blades by their makers' files, which have no cards but for ``entries``."""
+    carded = {one.propeller for one in entries}
+    by_series: dict[str, list[str]] = {}
+    for entry in catalogue.entries():
+        if entry.geometry == "maker" and entry.name not in carded:
+            by_series.setdefault(series_title(entry.family), []).append(entry.name)
+    lines = ["| series | propellers | names |", "|---|---:|---|"]
+    for series, names in sorted(by_series.items()):
+        lines.append(f"| {series} | {len(names)} | {', '.join(f'`{name}`' for name in names)} |")
+    return "\n".join(lines)
 
 
 def worst(entries: Sequence[Identified], rows: dict[str, MeasuredPropeller]) -> str:

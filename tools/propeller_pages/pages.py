@@ -34,6 +34,7 @@ def write(docs: Path) -> None:
     parts = {
         "counts": listing.counts(entries),
         "list": listing.listing(entries),
+        "makers": listing.makers(entries),
         "worst": listing.worst(entries, rows),
         "population": raw('<div class="wide">', population.picture(entries), "</div>"),
         "population-table": population.table(),

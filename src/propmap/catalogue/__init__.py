@@ -1,4 +1,8 @@
-"""The propellers that come with propmap, one TOML file each in ``propellers/``."""
+"""The propellers that come with propmap.
+
+Measured blades and a few others have one TOML file each in ``propellers/``; those of their makers'
+files, of APC, are one table, see ``apc``.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 
+from propmap.catalogue.apc import apc_blades, name_of, series_of
 from propmap.errors import InputError, quoted
 from propmap.model.model import Propeller
 
@@ -34,10 +39,15 @@ class Entry:
     diameter_m: float
     source: str
 
+    @property
+    def geometry(self) -> str:
+        """Whether the blade was "measured", or is that of its "maker" by his file."""
+        return "measured" if self.name.startswith("uiuc-") else "maker"
+
 
 def names() -> list[str]:
     """List the names of all propellers, in alphabetical order."""
-    return list(_files())
+    return list(_names())
 
 
 def entries() -> list[Entry]:
@@ -60,8 +70,10 @@ def matching(text: str, among: list[Entry]) -> list[Entry]:
 def load(name: str) -> Propeller:
     """Load the propeller called ``name``, in any case; ``InputError`` if there is none."""
     key = name.strip().lower()
-    if key not in _files():
+    if key not in _names():
         raise unknown_name(name)
+    if key in apc_blades():
+        return apc_blades()[key].propeller()
     # These files are propmap's own, and tested; a user's file is checked entry by entry.
     file = tomllib.loads(_files()[key].read_text(encoding="utf-8"))
     blade = file["station_m"], file["chord_m"], file["twist_rad"], file.get("root_cutout_m")
@@ -72,11 +84,33 @@ def load(name: str) -> Propeller:
 @cache
 def entry(name: str) -> Entry:
     """Read the line of the propeller called ``name``, one of ``names``."""
+    if name in apc_blades():
+        blade = apc_blades()[name]
+        return _of_maker(blade.title, blade.blades, 2.0 * blade.radius, blade.source)
     # The arrays come last and are most of the file: leaving them out makes a listing fast.
     head, _, _ = _files()[name].read_text(encoding="utf-8").partition("\nstation_m")
     file = tomllib.loads(head)
     texts = file["title"], file["family"]
     return Entry(name, *texts, file["blades"], 2.0 * file["radius_m"], file["source"])
+
+
+def of_makers_file(title: str, blades: int, diameter_m: float) -> Entry | None:
+    """Make the line of a propeller that an APC file with this ``title`` is of.
+
+    It is that of the catalogue where there is one; None where the title names no series known.
+    """
+    name = name_of(title)
+    if name in _names():
+        return entry(name)
+    known = series_of(title) is not None
+    return _of_maker(title, blades, diameter_m, f"APC PE0 file {title}") if known else None
+
+
+def _of_maker(title: str, blades: int, diameter_m: float, source: str) -> Entry:
+    series = series_of(title)
+    assert series is not None  # of a title that names one
+    family, words = series
+    return Entry(name_of(title), f"APC {title} {words}", family, blades, diameter_m, source)
 
 
 def unknown_name(name: str) -> InputError:
@@ -94,6 +128,11 @@ def close_names(text: str) -> str:
 
 
 @lru_cache(maxsize=1)
+def _names() -> dict[str, None]:
+    return dict.fromkeys(sorted({*_files(), *apc_blades()}))
+
+
+@lru_cache(maxsize=1)
 def _files() -> dict[str, Path]:
     found = (Path(__file__).parent / "propellers").glob("*.toml")
-    return {file.stem: file for file in sorted(found, key=lambda file: file.stem)}
+    return {file.stem: file for file in found}

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap import catalogue
+from propmap.catalogue import apc
 from propmap.catalogue.blade_number import (
     CITATION,
     LEFT_OUT_ERROR,
@@ -40,12 +41,12 @@ from propmap.typing import Floats
 # The blade to expect of a propeller that is known by diameter, pitch and blades alone.
 
 ERRORS = {
-    "family_blade": ((0.08, 0.08), (0.23, 0.22)),
+    "family_blade": ((0.08, 0.08), (0.22, 0.21)),
     "siblings_label": ((0.085, 0.10), (0.18, 0.22)),
-    "population_blade": ((0.19, 0.18), (0.40, 0.42)),
+    "population_blade": ((0.19, 0.18), (0.39, 0.41)),
 }
 """Errors of C_T and C_P of propellers that were left out, both their blade and constants, rms over
-rms, by ``python -m tools.left_out``: half of them err less than the first two, nine in ten less
+rms, by ``tools.catalogue.left_out``: half of them err less than the first two, nine in ten less
 than the others; by the group there."""
 
 
@@ -139,14 +140,14 @@ class ExpectedBlade:
 
 def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ()) -> ExpectedBlade:
     """Expect the blade of ``wanted``, by the series that its words name or by all; ``measured`` are
-    names of propellers of its size, for the summary."""
+    names of propellers of its size in the catalogue, for the summary."""
     families, unknown = series_named(wanted.words)
     known = [
         one
         for one in identified_without_blade()
         if one.family in families and same_size((wanted.diameter, wanted.pitch), one.size)
     ]
-    if len(known) == 1 and wanted.blades in (None, known[0].blades):
+    if len(known) == 1 and not measured and wanted.blades in (None, known[0].blades):
         return blade_of(text, wanted, known[0])
     names = (*measured, *(one.propeller for one in known))
     return ExpectedBlade(
@@ -167,9 +168,9 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 # -------------------------------------------------------------------------------------------------
 # Section constants to expect of a propeller that was not identified: its family's, or any's.
 
-MEDIAN_ERRORS = {"family": 0.09, "population": 0.12}
-"""Errors of C_T and C_P of propellers that were left out, by ``python -m tools.left_out``: half of
-them err less, rms over rms."""
+MEDIAN_ERRORS = {"family": 0.08, "population": 0.12}
+"""Errors of C_T and C_P of propellers that were left out, by ``tools.catalogue.left_out``: half of
+them err less, rms over rms; with the blade of a maker's file as with a measured one."""
 
 
 class ExpectedConstants(NamedTuple):
@@ -186,13 +187,15 @@ def expected_constants(
     """Give the most likely constants of a small propeller.
 
     Without a ``family``, a code such as "apcsf", those over all; without a ``size``, those of a
-    middling one. ``geometry`` says whether its blade is "measured", or expected by the means of its
-    "family" or of the "population", which may be that of a "multirotor".
+    middling one. ``geometry`` says whether its blade is "measured", of its "maker", or expected by
+    the means of its "family" or of the "population", which may be that of a "multirotor".
     """
     prior, members = expected_prior(family, size, geometry), _members(family, geometry)
-    own, of = "unknown", f"{len(all_identified())} small propellers, none of its family"
     if members and family is not None:
         own, of = family, f"those of its family, {family}, {len(members)} propellers"
+    else:
+        own, of = "unknown", f"{len(all_identified())} small propellers, none of its family"
+    of += ", for the blade of its maker's file" if geometry == "maker" else ""
     known = members and geometry != "population"
     likely = MEDIAN_ERRORS["family" if known else "population"]
     summary = (
@@ -200,7 +203,7 @@ def expected_constants(
         f"have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is off by "
         "twice that"
     )
-    thrust, power = bundled_population(geometry).errors.tolist()
+    thrust, power = bundled_population(_population_of(geometry)).errors.tolist()
     measured = None if geometry == "measured" else expected_prior(family, size)
     if measured and geometry == "multirotor":
         # How much of the error of static thrust is the blade's was not measured: as of others.
@@ -230,8 +233,14 @@ def expected_prior(
     """Give the distribution of a propeller's constants without its own data, for
     ``expected_constants``; ``without`` is what the database calls a propeller that is left out."""
     members = [one for one in _members(family, geometry) if one.tested != without]
-    population = bundled_population(geometry)
-    return family_prior(members, population, size or (MIDDLE[0], MIDDLE[0] * MIDDLE[1]))
+    population = bundled_population(_population_of(geometry))
+    prior = family_prior(members, population, size or (MIDDLE[0], MIDDLE[0] * MIDDLE[1]))
+    return on_makers_blade(prior, family) if geometry == "maker" else prior
+
+
+def _population_of(geometry: str) -> str:
+    """Say which of ``GEOMETRIES`` constants with a blade of this ``geometry`` are drawn from."""
+    return "measured" if geometry == "maker" else geometry
 
 
 def siblings(family: str | None, without: str | None = None) -> int:
@@ -263,10 +272,36 @@ def _members(family: str | None, geometry: str) -> list[Member]:
             for one in identified_without_blade()
             if one.family == family and one.geometry == "population"
         ]
-    measured = one_of_each([one for one in all_identified() if one.family == family])
-    if geometry == "measured" or not measured:
-        return [member(one) for one in measured]
-    return [on_mean_blade(one, bundled_mean((one.family,))) for one in measured]
+    known = one_of_each(all_identified(family)) if family else []
+    if geometry != "family" or not known:
+        return [on_measured_blade(one) for one in known]
+    return [on_mean_blade(one, bundled_mean((one.family,))) for one in known]
+
+
+def on_measured_blade(one: Identified) -> Member:
+    """Take what the data of ``one`` say; of a maker's blade, for what would have been measured."""
+    own = member(one)
+    if one.geometry != "maker":
+        return own
+    shift, spread = _by_difference(apc.difference(one.family))
+    return own.shifted(-shift, spread)
+
+
+def on_makers_blade(
+    prior: PopulationPrior, family: str | None, without: str = ""
+) -> PopulationPrior:
+    """Move the distribution of constants from a measured blade to that of its maker's file.
+
+    ``without`` is the name of a propeller whose measured blade plays no part.
+    """
+    shift, spread = _by_difference(apc.difference(family, without))
+    return PopulationPrior.of(prior.mean + shift, prior.covariance + spread)
+
+
+def _by_difference(of: apc.Difference) -> tuple[Floats, Floats]:
+    """Give the change of coordinates (P,) from measured to makers' blades, and its covariance."""
+    by = np.stack([_FORCES, -_ANGLES], axis=1)
+    return by @ of.mean, by @ of.covariance @ by.T
 
 
 def on_mean_blade(one: Identified, shape: MeanBlade) -> Member:
@@ -352,9 +387,12 @@ def shapes_without(entry: catalogue.Entry) -> list[MeasuredShape]:
 
 @lru_cache(maxsize=1)
 def measured_shapes() -> tuple[MeasuredShape, ...]:
-    """List the propellers of the catalogue by series and size: the mean of their blades."""
+    """List the propellers of the catalogue by series and size, but for the table of a maker's: the
+    mean of their blades."""
     blades_of: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
     for entry in catalogue.entries():
+        if entry.name in apc.apc_blades():
+            continue
         label = designation(entry.title)
         assert label is not None  # a test reads all titles
         blade = catalogue.load(entry.name)
@@ -548,9 +586,13 @@ class Member(NamedTuple):
     precision: Floats  # (P, P), singular where its data say nothing of some
     pull: Floats  # (P,), ``precision`` times the coordinates that fit best
 
-    def shifted(self, shift: Floats) -> Member:
-        """Add ``shift`` (P,) to the coordinates."""
-        return self._replace(pull=self.pull + self.precision @ shift)
+    def shifted(self, shift: Floats, spread: Floats | None = None) -> Member:
+        """Add ``shift`` (P,) to the coordinates, known up to the covariance ``spread`` (P, P)."""
+        pull, precision = self.pull + self.precision @ shift, self.precision
+        if spread is None:
+            return self._replace(pull=pull)
+        known = np.linalg.inv(np.eye(shift.size) + precision @ spread)
+        return self._replace(precision=known @ precision, pull=known @ pull)
 
 
 def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:

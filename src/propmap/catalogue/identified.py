@@ -31,6 +31,8 @@ LIFT_LAW = "plate"
 paper's with a larger c_l2 (``python -m tools.catalogue.past_stall``), which has twice the lift of a
 plate at 45 degrees."""
 
+MEAN_BLADES = ("family", "population")  # geometries of propellers whose own is not known
+
 POOR = (0.0048, 0.0036)  # errors of C_T and C_P [-] that nine propellers in ten stay below
 
 _PAIRS = [(i, j) for i in range(len(PARAMETERS)) for j in range(i, len(PARAMETERS))]
@@ -48,7 +50,7 @@ class Identified:
     blades: int
     family: str  # code of its series
     tested: str  # what the source calls it
-    geometry: str  # "measured", or the mean of its "family" or of the "population"
+    geometry: str  # "measured", of its "maker", or the mean of its "family" or "population"
     diameter_m: float  # as labelled, as the pitch
     pitch_m: float
     airfoil: Airfoil  # with how well they are known
@@ -103,32 +105,39 @@ def identified(propeller: str, blades: int) -> Identified | None:
     return _bundled(key) if key in _rows() else None
 
 
-def all_identified() -> list[Identified]:
-    """List all bundled constants of measured blades, in the order of the file."""
-    return [_bundled(key) for key, row in _rows().items() if row["geometry"] == "measured"]
+def all_identified(family: str | None = None) -> list[Identified]:
+    """List the bundled constants of blades that were measured, in the order of the file, and of
+    makers' blades where none was; those of one ``family``, or all."""
+    rows = [item for item in _rows().items() if family in (None, item[1]["family"])]
+    measured = {row["tested"] for _, row in rows if row["geometry"] == "measured"}
+    return [
+        _bundled(key)
+        for key, row in rows
+        if row["geometry"] == "measured"
+        or (row["geometry"] == "maker" and row["tested"] not in measured)
+    ]
 
 
 def identified_without_blade() -> list[Identified]:
-    """List all bundled constants of propellers whose blades were never measured."""
-    return [_bundled(key) for key, row in _rows().items() if row["geometry"] != "measured"]
+    """List all bundled constants of propellers whose blades are not known."""
+    return [_bundled(key) for key, row in _rows().items() if row["geometry"] in MEAN_BLADES]
 
 
 def named_without_blade(name: str) -> Identified | None:
     """Find the one of ``identified_without_blade`` with this ``name``, in lower case."""
     found = [
-        key for key, row in _rows().items() if key[0] == name and row["geometry"] != "measured"
+        key for key, row in _rows().items() if key[0] == name and row["geometry"] in MEAN_BLADES
     ]
     return _bundled(found[0]) if found else None
 
 
 def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
-    """Keep, of ``entries`` for several blades of one tested propeller, the one that fits best."""
+    """Keep, of ``entries`` for several blades of one tested propeller, a measured one, and of these
+    the one that fits best."""
     best: dict[str, Identified] = {}
-    for one in entries:
-        kept = best.get(one.tested)
-        if kept is None or badness(one) < badness(kept):
-            best[one.tested] = one
-    return list(best.values())
+    for one in sorted(entries, key=lambda one: (one.geometry != "measured", badness(one))):
+        best.setdefault(one.tested, one)
+    return [one for one in entries if best[one.tested] is one]
 
 
 def badness(one: Identified) -> float:
@@ -241,8 +250,8 @@ _FIGURES = re.compile(
     rf"(?<![\w.])[tqp]?([1-9]\d)(\d\d\d?)(?:[cs](?![a-z]))?(?:\s*{_TIMES}\s*(\d+)|-(\d))?"
     rf"(?!\.?\d|\s*{_TIMES}\s*\d)"
 )
-# The UIUC database writes "gwsdd 5.0x4.3 - 2".
-_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$")
+# The UIUC database writes "gwsdd 5.0x4.3 - 2", APC "5x4E-3".
+_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$|(?<=\de)-(\d)\b")
 _WORD = re.compile(r"[a-z]+\d*[a-z]*")
 
 
@@ -271,6 +280,7 @@ class Designation:
         return replace(self, blades=asked, counted=f"{asked} blades as asked{other}")
 
 
+@lru_cache(maxsize=1024)
 def designation(text: str) -> Designation | None:
     """Read a designation such as "apc 10x4.7sf", "HQ 5x4.3x3" or "T5045C"; None without a size.
 
@@ -301,7 +311,7 @@ def designation(text: str) -> Designation | None:
     unit, name = (1e-3, "mm") if metric else (INCH, "in")
     diameter, pitch = numbers[0] * unit, numbers[1] * unit
     if blades:
-        said = blades[1] or blades[2]
+        said = blades[1] or blades[2] or blades[3]
     count = int(said) if said else None
     if not LEAST_DIAMETER <= diameter <= LARGEST_DIAMETER:
         remedy = f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with mm; "
@@ -339,12 +349,17 @@ def _from_figures(first: str, second: str) -> tuple[list[float], str]:
 def candidates(wanted: Designation) -> list[catalogue.Entry]:
     """List the propellers of the catalogue that a designation may mean, one for each series.
 
-    Of several blades of one series and size the first that was measured is given. Where the words
-    are the whole name of a series or its code, others whose names go on are left out. The number of
-    blades counts only where no maker is named: makers put one blade on hubs for two and more.
+    Of several blades of one series and size one with as many blades is given, and of these the
+    first that was measured. Where the words are the whole name of a series or its code, others
+    whose names go on are left out. The number of blades counts only where no maker is named: makers
+    put one blade on hubs for two and more.
     """
     found: dict[str, catalogue.Entry] = {}
     named, whole = _series(wanted.words), set()
+
+    def place(entry: catalogue.Entry) -> tuple[bool, bool]:
+        return entry.blades == (wanted.blades or 2), entry.geometry == "measured"
+
     for entry in catalogue.entries():
         own = designation(entry.title)
         if own is None or not same_size((wanted.diameter, wanted.pitch), (own.diameter, own.pitch)):
@@ -354,7 +369,7 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
         if not wanted.words and wanted.blades not in (None, entry.blades):
             continue
         family = entry.family
-        if family not in found or (_measured(entry) and not _measured(found[family])):
+        if family not in found or place(entry) > place(found[family]):
             found[family] = entry
         if _whole(wanted.words, family):
             whole.add(family)
@@ -379,10 +394,6 @@ def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
 def same_size(one: tuple[float, float], other: tuple[float, float]) -> bool:
     """Whether two pairs of diameter and pitch differ by no more than makers round."""
     return all(abs(a - b) <= SAME * b for a, b in zip(one, other, strict=True))
-
-
-def _measured(entry: catalogue.Entry) -> bool:
-    return entry.name.startswith("uiuc-")
 
 
 @lru_cache(maxsize=1)

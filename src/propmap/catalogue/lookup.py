@@ -35,7 +35,8 @@ from propmap.catalogue.identified import (
     series_named,
 )
 from propmap.errors import InputError, located, quoted
-from propmap.io.geometry import check_radius, read_geometry_file
+from propmap.io.csv import read_lines
+from propmap.io.geometry import check_radius, read_geometry_file, recognise
 from propmap.io.sections import looks_like_section_table, read_section_table
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
@@ -82,7 +83,7 @@ def propeller(
         For an unknown name, with close ones, a designation that propellers of several series have,
         and a file that holds no propeller.
     """
-    meant = meant_by(name_or_path, blades)
+    meant = _named(name_or_path, blades)
     if meant is None:
         found = read_geometry_file(os.fspath(name_or_path), blades=blades, radius=radius)
     else:
@@ -99,7 +100,15 @@ def meant_by(
     name_or_path: str | os.PathLike[str], blades: int | None = None
 ) -> catalogue.Entry | ExpectedBlade | None:
     """Find what ``propeller`` would give the blade of, and so many ``blades`` where they are asked
-    for; None for a file. Errors are those of ``propeller``."""
+    for; None for a file, but for one of APC the propeller that its title names. Errors are those of
+    ``propeller``."""
+    return _named(name_or_path, blades) or _of_apc_file(Path(name_or_path))
+
+
+def _named(
+    name_or_path: str | os.PathLike[str], blades: int | None
+) -> catalogue.Entry | ExpectedBlade | None:
+    """Find what is meant by a name or a designation; None for a file."""
     text = os.fspath(name_or_path)
     name = text.strip().lower()
     found: catalogue.Entry | ExpectedBlade
@@ -116,24 +125,43 @@ def meant_by(
     return found if blades is None else replace(found, blades=blades)
 
 
+def _of_apc_file(path: Path) -> catalogue.Entry | None:
+    """Find the propeller whose blade an APC file has, by its title; None for another file."""
+    lines = read_lines(path) if path.is_file() else []
+    if not lines or recognise(lines, os.fspath(path)) != "apc-pe0":
+        return None
+    title = next(iter(lines[0].split()), "")
+    try:
+        size = designation(title)
+    except InputError:  # no propeller has such a size: the title is of something else
+        return None
+    return catalogue.of_makers_file(title, size.blades or 2, size.diameter) if size else None
+
+
 def designated(text: str) -> catalogue.Entry | ExpectedBlade:
-    """Find the measured propeller that a designation means, else expect its blade.
+    """Find the propeller of the catalogue that a designation means, else expect its blade.
 
     The entry has the number of blades that the designation says. A size alone means no maker, even
-    where only one of that size was measured. What is written like a name of the catalogue, maker
-    and size joined by hyphens, must be one. ``InputError`` for what is no designation, and where
-    measured propellers of several series have it.
+    where only one of that size was measured; a maker alone means no blade by his files, nor does a
+    series mean one with three blades. What is written like a name of the catalogue, maker and size
+    joined by hyphens, must be one. ``InputError`` for what is no designation, and where measured
+    propellers of several series have it.
     """
     wanted = designation(text)
     if wanted is None:
         raise catalogue.unknown_name(text)
-    found = candidates(wanted)
-    if wanted.words and len(found) == 1:
-        return replace(found[0], blades=wanted.blades or found[0].blades)
-    if series_named(wanted.words)[0] and _NAME.fullmatch(text.strip()):
+    found, series = candidates(wanted), series_named(wanted.words)[0]
+    meant = [
+        one
+        for one in found
+        if one.geometry == "measured" or (len(series) == 1 and one.blades in (2, wanted.blades))
+    ]
+    if wanted.words and len(meant) == 1:
+        return replace(meant[0], blades=wanted.blades or meant[0].blades)
+    if series and _NAME.fullmatch(text.strip()):
         raise catalogue.unknown_name(text)
-    if wanted.words and found:
-        names = ", ".join(entry.name for entry in found)
+    if wanted.words and meant:
+        names = ", ".join(entry.name for entry in meant)
         remedy = "give one of these names; see `propmap props`"
         raise InputError(f"{quoted(text)} may be {names}", remedy)
     return expected_blade(text, wanted, [entry.name for entry in found])
@@ -254,7 +282,7 @@ def predicted_constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -
 def geometry_of(meant: Entry | ExpectedBlade | None, blade: Propeller) -> str:
     """Say whose the ``blade`` of what is ``meant`` is, as ``expected_constants`` takes it."""
     if not isinstance(meant, ExpectedBlade):
-        return "measured"
+        return meant.geometry if meant is not None else "measured"
     # The blade may have more than the name says, by an option.
     return meant.with_blades(blade.blades if blade.blades > 2 else None).geometry
 

@@ -40,7 +40,8 @@ def test_constants_are_found_written_and_kept(
     loads.write_text(HEADER + first, encoding="utf-8")
     main([str(loads), "-o", str(output)])
     capsys.readouterr()
-    (found,) = parse_identified(output.read_text(encoding="utf-8"), "it")
+    found, by_maker = parse_identified(output.read_text(encoding="utf-8"), "it")
+    assert (by_maker.propeller, by_maker.geometry) == ("apc-9x4.5e", "maker")
     known = identified("uiuc-apce-9x4.5", 2)
     assert known is not None
     assert (found.propeller, found.blades, found.rows, found.static_rows) == (
@@ -59,7 +60,10 @@ def test_constants_are_found_written_and_kept(
     assert "uiuc-apce-9x4.5," not in outcome.err and "uiuc-apce-9x6," in outcome.err
     assert "median" in outcome.out
     again = parse_identified(output.read_text(encoding="utf-8"), "it")
-    assert [one.propeller for one in again] == ["uiuc-apce-9x4.5", "uiuc-apce-9x6", "apc-9x6e"]
+    assert [one.propeller for one in again] == [
+        *("uiuc-apce-9x4.5", "apc-9x4.5e"),
+        *("uiuc-apce-9x6", "apc-9x6e"),
+    ]
     assert again[0].constants.tolist() == found.constants.tolist()
 
 

@@ -63,7 +63,7 @@ def test_refiled_runs_agree_with_those_beside_them() -> None:
 @with_data
 def test_blades_are_those_of_the_catalogue() -> None:
     names = {one.name: blade_names(one) for one in read_uiuc_database(LOADS)}
-    assert names["apce 10.0x5.0 - 2"] == ["uiuc-apce-10x5"]
+    assert names["apcsp 10.0x6.0 - 2"] == ["uiuc-apcsp-10x6"]
     assert names["apce 9.0x6.0 - 2"] == ["uiuc-apce-9x6", "apc-9x6e"]
     assert names["apce 8.0x6.0 - 2"] == ["apc-8x6e"]
     assert len(names["gwsdd 5.0x4.3 - 2"]) == 3

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from propmap import catalogue
 from propmap.catalogue.expected import GEOMETRIES, bundled_population
 from propmap.catalogue.identified import all_identified, identified_without_blade
 from propmap.typing import Floats
 from tests.tools.catalogue.test_entries import LOADS, with_data
 from tools.catalogue.database import read_uiuc_database, refiled
-from tools.catalogue.left_out import GROUPS, LeftOut, left_out, never_measured
+from tools.catalogue.left_out import GROUPS, LeftOut, by_series, left_out, never_measured
 
 FAMILIES = ("apcsf", "gwssf", "kyosho", "mae")
 
@@ -20,11 +21,15 @@ def found() -> list[LeftOut]:
     """Four families whose blades are alike, and of two whose blades were not measured."""
     every = refiled(read_uiuc_database(LOADS))
     chosen = all_identified()
-    names = ("apcsf 8.0x3.8 - 2", "apcsf 9.0x3.8 - 2", "ance 8.5x6.0 - 2", "ance 8.5x7.0 - 2")
+    names = ("magf 7.0x4.0 - 2", "magf 8.0x4.0 - 2", "ance 8.5x6.0 - 2", "ance 8.5x7.0 - 2")
     others = [one for one in identified_without_blade() if one.tested in names]
     populations = {name: bundled_population(name) for name in GEOMETRIES}
     some = [one for one in every if one.family in FAMILIES]
-    return [*left_out(chosen, some), *never_measured(chosen, others, every, populations)]
+    files = {entry.name: catalogue.load(entry.name) for entry in catalogue.search("apcsf")}
+    return [
+        *left_out(chosen, some, files),
+        *never_measured(chosen, others, every, populations, files),
+    ]
 
 
 def median(found: list[LeftOut], group: str) -> Floats:
@@ -72,6 +77,22 @@ def test_bands_hold_most_rows_and_not_by_being_endless(found: list[LeftOut]) -> 
 @pytest.mark.slow
 def test_each_propeller_is_in_the_groups_that_it_can_be_in(found: list[LeftOut]) -> None:
     count = {group: sum(one.group == group for one in found) for group in GROUPS}
-    assert count["own"] == count["population"] == count["population_blade"] == 21
-    assert count["family"] == count["family_blade"] == count["other_blade_of_family"] == 21
+    assert count["own"] == count["population"] == count["population_blade"] == 24
+    assert count["family"] == count["family_blade"] == count["other_blade_of_family"] == 24
     assert count["family_label"] == count["siblings_label"] == count["population_label"] == 2
+    assert count["maker"] == 10
+
+
+@with_data
+@pytest.mark.slow
+def test_the_blade_of_the_makers_file_is_better_than_a_mean_one(found: list[LeftOut]) -> None:
+    """For slow flyers, all ten and the three of which no blade was measured."""
+    told = by_series(found, all_identified())
+    assert {name: one["propellers"] for name, one in told.items()} == {
+        "apcsf": 10,
+        "apcsf, no measured blade": 3,
+    }
+    for one in told.values():
+        assert np.less(one["maker"], one["mean"]).all()
+        assert np.less(one["maker_rms"], one["mean_rms"]).all()
+    assert np.less(told["apcsf, no measured blade"]["maker"], 0.08).all()
