@@ -214,6 +214,29 @@ def _factor(model: Model, flow: tuple[Any, Any, Any], measured: Floats) -> float
     return float(blades @ (measured - mount) / (blades @ blades))
 
 
+VEHICLES = [
+    ("Crazyflie 2.0, Förster 2015", "46x20 mm", 2, 50.0, "0.74"),
+    ("Parrot Bebop, Sun et al. 2019", "128x76 mm", 3, 60.0, "1.24 to 1.39"),
+    ("X500, PX4 and RotorS default", "APC 11x4.7SF", 2, 60.0, "1.32"),
+    ("S500, tuned by hand to a log", "10x4.5", 2, 60.0, "3.84"),
+]
+"""Name, its propeller or one like it, blades, speed of the tips in hover [m/s], and H/(T mu) of the
+whole vehicle as published."""
+
+
+def vehicles() -> Iterator[tuple[str, str, float, float, float]]:
+    """Give name, published H/(T mu), that of bare blades, of the installed rotor, and half its band
+    of 95 %, at an advance ratio of 0.1."""
+    for name, propeller, blades, tip, published in VEHICLES:
+        model = propmap.known_model(propeller, blades)
+        flow = (tip / model.propeller.radius, 0.1 * tip, 0.5 * np.pi)
+        loads = Rotor(model).loads(*flow)
+        bare = Rotor(model.with_mount(Installed(1.0, 0.0))).loads(*flow)
+        per = 0.1 * float(loads.thrust)
+        half = 1.96 * float(loads.std.drag)
+        yield name, published, float(bare.drag) / per, float(loads.drag) / per, half / per
+
+
 # -------------------------------------------------------------------------------------------------
 # The command.
 
@@ -266,6 +289,9 @@ def main(data: Path) -> None:
         f"  factor on the blades' drag beside {corrections.TYPICAL_AREA[0]:g} R^2: "
         f"{factors.mean():.2f}, deviation {factors.std(ddof=1):.2f}; second tunnel {own:.2f}"
     )
+    print("H/(T mu) of whole vehicles: published; bare blades; installed, with 95 %")
+    for name, published, bare, installed, half in vehicles():
+        print(f"  {name:<32}{published:<14}{bare:5.2f}   {installed:.2f} +- {half:.2f}")
     print("shares per advance ratio, by campaign, and together")
     together = shares_of(every)
     for name in together:

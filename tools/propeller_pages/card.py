@@ -10,14 +10,20 @@ import numpy as np
 from propmap.catalogue.expected import POPULATION, coordinate_covariance
 from propmap.catalogue.identified import PARAMETERS, Identified
 from propmap.catalogue.lookup import propeller
+from propmap.loads import LOADS
 from propmap.model.airfoil import CONSTANTS
-from propmap.model.model import Propeller
-from propmap.units import INCH
+from propmap.model.corrections import corrections_of
+from propmap.model.model import Model, Propeller
+from propmap.rotor import Rotor
+from propmap.units import INCH, RPM
 from tools.catalogue.database import MeasuredPropeller
 from tools.measured_rows import SOURCE
 from tools.propeller_pages import blade_picture, fit_pictures
 from tools.propeller_pages.comparison import Comparison, compare, error_parts, reynolds
 from tools.propeller_pages.words import fixed, flagged, page_name, title
+
+EDGEWISE = 0.15
+"""Advance ratio of the edgewise flow whose loads a page shows."""
 
 
 def card(one: Identified, tested: MeasuredPropeller | None) -> str:
@@ -47,6 +53,8 @@ def card(one: Identified, tested: MeasuredPropeller | None) -> str:
             _errors(one, compared),
         ]
     parts += [
+        "## Loads with their bands",
+        _bands(one, blade),
         "## Constants",
         _constants(one),
         "## What they rest on",
@@ -114,10 +122,38 @@ def _constants(one: Identified) -> str:
         [
             *rows,
             "",
-            f"`c_l2` is held at {one.airfoil.c_l2:g}. The last column is the standard deviation as "
-            "a share of that of the prior over propellers (of its coordinate): near 100 % the rows "
-            "say nothing and the value is the prior's. The covariance of all is in "
+            "The last column is the standard deviation as a share of that of the prior over "
+            "propellers (of its coordinate): near 100 % the rows say nothing and the value is the "
+            "prior's. The covariance of all is in "
             f"`propmap.catalogue.identified.identified({one.propeller!r}, {one.blades})`.",
+        ]
+    )
+
+
+def _bands(one: Identified, blade: Propeller) -> str:
+    """Tabulate the loads of the installed rotor in three flows, with half the band of 95 %."""
+    rpm = 0.5 * (one.rpm_low + one.rpm_high)
+    along, across = 0.5 * one.advance_high * rpm / 60.0 * blade.diameter, EDGEWISE * rpm * RPM
+    speed = np.array([0.0, along, across * blade.radius])
+    corrections = corrections_of("recommended", installed=True)
+    loads = Rotor(Model(blade, one.airfoil, corrections=corrections)).loads(
+        rpm * RPM, speed, np.array([0.0, 0.0, 0.5 * np.pi])
+    )
+    flows = ["at rest", f"axial, {speed[1]:.1f} m/s", f"edgewise, {speed[2]:.1f} m/s"]
+    rows = [f"| at {rpm:.0f} rpm | {' | '.join(flows)} |", "|---|---:|---:|---:|"]
+    _, high = loads.interval(0.95)
+    for name, load in LOADS.items():
+        value, end = getattr(loads, name), getattr(high, name)
+        cells = [
+            f"{v:.3g} ± {e - v:.2g}" if e > v else "0" for v, e in zip(value, end, strict=True)
+        ]
+        rows.append(f"| {load.label} [{load.unit}] | {' | '.join(cells)} |")
+    return "\n".join(
+        [
+            *rows,
+            "",
+            "The rotor is installed as rotors on motors are; a band holds the load with a "
+            "probability of 95 %: [what it is made of](../how-to/uncertainty.md).",
         ]
     )
 
