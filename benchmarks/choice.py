@@ -27,7 +27,6 @@ from benchmarks.results_file import RESULTS, machine, write_results
 from propmap.catalogue.lookup import measurement
 from propmap.export import export_table
 from propmap.hover import HoverModel
-from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
@@ -50,6 +49,10 @@ class Way:
     loads: Callable[[Floats, Floats, Floats], Floats]  # from omega, speed, beta (n,) to (4, n)
     one: Callable[[float, float, float], Any]
     """Time of a single point, called as a simulation would."""
+
+
+COMPARED = ("thrust", "drag", "torque", "roll_moment")
+"""Loads that all four ways give."""
 
 
 def fitted_rotor(data: str) -> Rotor:
@@ -95,7 +98,7 @@ def between(table: LoadTable) -> tuple[Way, Way]:
 
     def closed_one(w: float, v: float, b: float) -> Any:
         x, z = v * math.sin(b), v * math.cos(b)
-        return closed.force(w, x, 0.0, z), closed.moment(w, x, 0.0, z, 1)
+        return closed.force(w, x, 0.0, z, 1), closed.moment(w, x, 0.0, z, 1)
 
     return (
         Way("closed form", closed_loads, closed_one),
@@ -113,7 +116,7 @@ def _multinomial(table: LoadTable) -> Any:
 
 
 def _stacked(found: Any) -> Floats:
-    return np.stack([np.asarray(getattr(found, name)) for name in LOADS])
+    return np.stack([np.asarray(getattr(found, name)) for name in COMPARED])
 
 
 def seconds(call: Callable[[], Any], repeats: int) -> float:
@@ -133,7 +136,7 @@ def measured_errors(way: Way) -> dict[str, float]:
     found = way.loads(data.omega, data.speed, data.beta)
     scale = data.air_density / propmap.Air().density
     errors = {}
-    for k, name in enumerate(LOADS):
+    for k, name in enumerate(COMPARED):
         truth = data.loads[name]
         off = found[k] * scale - truth
         errors[name] = float(np.sqrt(np.nanmean(off**2) / np.mean(truth**2)))
@@ -172,7 +175,7 @@ def measure() -> dict[str, Any]:
                 / POINTS,
                 "model_error": None
                 if way is dearest
-                else dict(zip(LOADS, rms.tolist(), strict=True)),
+                else dict(zip(COMPARED, rms.tolist(), strict=True)),
                 "measured": measured_errors(way),
             }
         )
