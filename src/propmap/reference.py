@@ -6,11 +6,7 @@ stands where the code meets it.  Symbols are the paper's: y is the radius of a b
 psi the azimuth [rad], 0 at the rear and pi/2 on the advancing side, v_i the induced velocity [m/s].
 
 It shares nothing with ``propmap.Rotor`` but the model that both take: it scans for every inflow and
-sums every integral over equal steps.  Each therefore checks the other.
-
-Where the paper is wrong, ambiguous or silent, comments say so: on beta in ``Case``, the stall blend
-in ``lift_coefficient``, reverse flow in ``blade_element``, (8) and windmill descent in
-``momentum_thrust``, several roots of (11) in ``annulus_inflow``, (12) in ``vortex_ring``.
+sums every integral over equal steps.  Where the paper is wrong or silent, comments say so.
 """
 
 from __future__ import annotations
@@ -46,19 +42,10 @@ class ReferenceLoads(NamedTuple):
 
     Attributes
     ----------
-    thrust : float
-        T, along the axis [N], eq. (13).
-    drag : float
-        D, in the disk plane against the in-plane velocity [N], eq. (14).
-    torque : float
-        tau, what turns the shaft [N m], eq. (15); negative where the air drives the propeller.
-    roll_moment : float
-        About the direction of the in-plane velocity [N m], positive where the advancing side is
-        lifted.  Not in the paper, like the two below.
-    side_force : float
-        In the disk plane across the in-plane velocity [N], positive towards the retreating side.
-    pitch_moment : float
-        About the axis across the in-plane velocity [N m], positive where the front is lifted.
+    thrust, drag, torque : float
+        T [N], D [N] and tau [N m], eqs. (13) to (15).
+    roll_moment, side_force, pitch_moment : float
+        [N m], [N] and [N m]; not in the paper.
     """
 
     thrust: float
@@ -79,8 +66,6 @@ def loads(
 ) -> ReferenceLoads:
     """Compute the loads of one rotor at one operating point, eqs. (1)-(15).
 
-    A point takes about half a second in axial flow and some seconds elsewhere.
-
     Parameters
     ----------
     model : Model
@@ -92,7 +77,7 @@ def loads(
         V cos(beta), positive in climb, and V sin(beta), >= 0 [m/s].
     radii : int
         Equal steps along the blade.  With 200, loads are good to 0.1 % of those at rest, to 0.2 %
-        where the inflow jumps at stall: an annulus then falls to one side or the other.
+        where the inflow jumps at stall.
     azimuths : int
         Equal steps around the disk, at least 3.  Take more than 64 beyond an advance ratio
         V sin(beta)/(Omega R) of 0.3.
@@ -105,15 +90,13 @@ def loads(
     Raises
     ------
     InputError
-        For other corrections, a section table, an operating point that is no finite number or has
-        the wrong sign, too few steps, and blades too wide for momentum theory.
+        For other corrections, a section table, operating points that are no numbers or have the
+        wrong sign, too few steps, and blades too wide for momentum theory.
 
     References
     ----------
-    R. Gill, R. D'Andrea, "Propeller Thrust and Drag in Forward Flight", IEEE CCTA 2017,
-    doi 10.1109/CCTA.2017.8062443.
-    D. M. Pitt, D. A. Peters, "Theoretical Prediction of Dynamic-Inflow Derivatives",
-    Vertica 5(1), 1981.
+    R. Gill, R. D'Andrea, IEEE CCTA 2017, doi 10.1109/CCTA.2017.8062443.
+    D. M. Pitt, D. A. Peters, Vertica 5(1), 1981.
     """
     case = make_case(model, omega, v_axial, v_inplane, radii, azimuths)
     share, measured = 0.0, 0.0
@@ -137,8 +120,8 @@ def loads(
 class Case:
     """A rotor at an operating point, and the steps of its integrals.
 
-    The paper's prose calls beta the angle of the velocity to the disk plane; its formulas take it
-    as the angle to the axis: 0 in axial climb, pi/2 edgewise, pi in axial descent, as here.
+    The paper's prose has beta from the velocity to the disk plane; its formulas have it to the
+    axis: 0 in axial climb, pi/2 edgewise, pi in axial descent, as here.
     """
 
     model: Model
@@ -260,9 +243,8 @@ def momentum_thrust(case: Case, y: float, v_i: Any) -> Any:
     """Compute the thrust of an annulus per radius by the momentum theorem [N/m].
 
     Eq. (8) is mass flow times the change of velocity, 2 v_i.  The paper negates it where the wake
-    is above the disk, which is right for a mass flow with a sign.  That of (10) is a root and has
-    none, and the air changes its velocity against the thrust whichever way it goes: nothing is
-    negated here, and thrust stays positive in windmill descent.  Eq. (9) is (10) in axial flow.
+    is above the disk, which is right for a mass flow with a sign; that of (10) has none, and the
+    air changes its velocity against the thrust whichever way it goes.  (9) is (10) in axial flow.
     """
     v_axial, v_inplane, rho = case.v_axial, case.v_inplane, case.model.air.density
 
@@ -363,32 +345,27 @@ def disk_loads(case: Case, v_i: Floats) -> ReferenceLoads:
 
 
 def radial_friction(case: Case, v_i: Floats) -> tuple[float, float]:
-    """Find what friction along the whole flow adds to drag [N] and torque [N m].
-
-    Lift and pressure drag do not feel that air also moves along the blade; friction does.
-    """
+    """Find what friction along the blade and across, which alone feels it, adds to D and tau."""
     air, y, blades = case.model.air, case.y[:, None], case.model.propeller.blades
     chord, sine = case.chord(y), np.sin(case.psi)
     u_t, u_r = case.omega * y + case.v_inplane * sine, case.v_inplane * np.cos(case.psi)
     u = np.hypot(u_t, case.v_axial + v_i)
 
     def per_speed(speed: Floats) -> Floats:
-        c_v = drag_coefficient(np.zeros_like(speed), air.density * speed * chord / air.viscosity,
-                               case.airfoil)  # fmt: skip
-        return 0.5 * air.density * speed * c_v * chord
+        reynolds = air.density * speed * chord / air.viscosity
+        return 0.5 * air.viscosity * reynolds * drag_coefficient(0.0 * u, reynolds, case.airfoil)
 
     turning = (per_speed(np.hypot(u, u_r)) - per_speed(u)) * u_t
     along = turning * sine + per_speed(np.hypot(u, u_r)) * u_r * np.cos(case.psi)
-    drag, torque = ((blades * f.mean(axis=1)).sum() * case.dy for f in (along, y * turning))
-    return float(drag), float(torque)
+    drag, torque = (float(blades * f.mean(axis=1).sum() * case.dy) for f in (along, y * turning))
+    return drag, torque
 
 
 def pitt_peters(case: Case, v_i: Floats, strength: float) -> Floats:
     """Find what the recommended model adds to the annulus inflow [m/s], (radii, azimuths).
 
-    It adds v_0 + (y/R) (v_s sin(psi) + v_c cos(psi)), which depends on the loads as they do on it.
-    In the paper a moment induces no inflow, and the rolling moment comes out a quarter too large.
-    v_0 is the change of the mean inflow that goes with the change of thrust.  ``strength`` is 1
+    It adds v_0 + (y/R) (v_s sin(psi) + v_c cos(psi)), which depends on the loads as they do on it;
+    v_0 goes with the change of thrust.  In the paper a moment induces no inflow.  ``strength`` is 1
     outside the vortex ring.
     """
     radius = case.model.propeller.radius
