@@ -90,8 +90,7 @@ def loads(
     Raises
     ------
     InputError
-        For other corrections, a section table, operating points that are no numbers or have the
-        wrong sign, too few steps, and blades too wide for momentum theory.
+        For what is not modelled here, wrong points, too few steps, and blades that are too wide.
 
     References
     ----------
@@ -243,8 +242,8 @@ def momentum_thrust(case: Case, y: float, v_i: Any) -> Any:
     """Compute the thrust of an annulus per radius by the momentum theorem [N/m].
 
     Eq. (8) is mass flow times the change of velocity, 2 v_i.  The paper negates it where the wake
-    is above the disk, which is right for a mass flow with a sign; that of (10) has none, and the
-    air changes its velocity against the thrust whichever way it goes.  (9) is (10) in axial flow.
+    is above the disk, which suits a mass flow with a sign; that of (10) has none, and the air is
+    slowed against the thrust whichever way it goes.  Eq. (9) is (10) in axial flow.
     """
     v_axial, v_inplane, rho = case.v_axial, case.v_inplane, case.model.air.density
 
@@ -357,7 +356,7 @@ def radial_friction(case: Case, v_i: Floats) -> tuple[float, float]:
 
     turning = (per_speed(np.hypot(u, u_r)) - per_speed(u)) * u_t
     along = turning * sine + per_speed(np.hypot(u, u_r)) * u_r * np.cos(case.psi)
-    drag, torque = (float(blades * f.mean(axis=1).sum() * case.dy) for f in (along, y * turning))
+    drag, torque = ((blades * f.mean(axis=1)).sum() * case.dy for f in (along, y * turning))
     return drag, torque
 
 
