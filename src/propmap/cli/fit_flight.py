@@ -60,7 +60,7 @@ from propmap.fit.flight import (
 from propmap.fit.parameters import (
     BODY,
     FLEX,
-    MOUNT,
+    INSTALLED,
     SECTION,
     SENSOR,
     TURNING,
@@ -79,6 +79,7 @@ from propmap.flight.steady import (
     steady_stretches,
 )
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
+from propmap.model.corrections import TYPICAL_FACTOR
 from propmap.model.model import Model
 from propmap.model.plausibility import air_warnings, blade_warnings
 from propmap.rotor import Rotor
@@ -244,6 +245,9 @@ UNTWIST = Prior(0.02, 0.02)
 CLOCK = Prior(0.0, 0.01)  # [s]; filters of sensors delay them by some milliseconds
 # What motor controllers report is right within a hundredth: a clock's error, and rounding.
 ROTOR_SPEEDS = Prior(1.0, 0.01)
+# In oblique flow blades stall later than in the axial tests that other propellers' constants are
+# from: at 0.42 rad in the campaign of 2019 (apc-8x6e-2019), at 0.35 in a second tunnel.
+STALL_IN_FLIGHT = Prior(0.36, 0.08)
 
 # Standard deviations: areas of a body over that of all disks, and of a mount over that of its
 # disk; places of the accelerometer and of the centre of mass over the hubs' mean distance; mass of
@@ -254,7 +258,7 @@ ROTOR_SHARE = 0.01
 
 
 def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, Prior]:
-    """Give priors of all parameters but the section's, by the vehicle's size.
+    """Give priors of all parameters but the section's, and of stall, by the vehicle's size.
 
     With ``hover``, the thrust scale of each flight is expected where its own hover has it.
     """
@@ -268,6 +272,8 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
         scale = replace(scale, measured={})
     return {
         **dict.fromkeys(BODY, bodies),
+        "alpha_0": STALL_IN_FLIGHT,
+        "drag_factor": Prior(*TYPICAL_FACTOR),
         "mount_area": Prior(0.0, MOUNT_SHARE * disk),
         "untwist": UNTWIST,
         **dict.fromkeys(OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
@@ -292,7 +298,7 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     if level:
         return PAPER_FOUR
     turning = tuple(TURNING) if vehicle.inertia else ()
-    mount = () if any(one.drag for one in vehicle.mounts) else tuple(MOUNT)
+    mount = () if any(one.drag for one in vehicle.mounts) else tuple(INSTALLED)
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
     scales = of_each("thrust_scale", log) if len(log.flights) > 1 else ()
     own = (*of_each("clock_offset", log), *scales)
@@ -403,6 +409,8 @@ def fit_flight(
     chosen = choice_of(free, fix, prior, default, base, wing, expected)
     if not flights.level:
         known = flight_priors(file.vehicle, flights.log, hover=hover_scale)
+        if expected is None:
+            del known["alpha_0"]
         chosen = with_flight_priors(chosen, known)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
@@ -539,7 +547,7 @@ def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> 
     Other propellers give the ``prior`` of the blade; ``known`` are the priors of other terms.
     """
     own_mounts = any(one.drag for one in vehicle.mounts)
-    mount = () if own_mounts else tuple(MOUNT)
+    mount = () if own_mounts else tuple(INSTALLED)
     drag = DRAGS if own_mounts else (*mount, "drag_area_z")
     blade = (*BLADE, *drag, *SENSOR)
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
