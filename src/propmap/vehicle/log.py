@@ -355,10 +355,18 @@ class Recording:
     rates: Signal  # along body axes, (n, 3) [rad/s]
     rotor_speed: Signal  # in the order of the log, (n, rotors) [rad/s]
     specific_force: Signal | None  # along body axes, (n, 3) [m/s^2]
+    notes: tuple[str, ...] = ()  # what its reader left out
 
     def signals(self) -> dict[str, Signal]:
         """Return the signals that there are, by the name of their field."""
         return {name: value for name, value in vars(self).items() if isinstance(value, Signal)}
+
+    def from_start(self) -> Recording:
+        """Return this recording with times since its first sample."""
+        signals = self.signals()
+        first = min(signal.time[0] for signal in signals.values())
+        moved: Any = {name: replace(s, time=s.time - first) for name, s in signals.items()}
+        return replace(self, **moved)
 
 
 def cleaned(recording: Recording) -> Recording:
@@ -435,9 +443,13 @@ def flight_log(
     """
     logged, rotors = recording.rotor_speed.values.shape[1], len(vehicle_file.vehicle.mounts)
     if logged != rotors:
+        turn = np.flatnonzero(np.nanmax(np.abs(recording.rotor_speed.values), axis=0, initial=0.0))
+        which = ", ".join(str(k + 1) for k in turn) or "none"
         raise InputError(
-            f"the log has {logged} rotor speeds, the vehicle has {rotors} rotors",
-            "give a [[rotors]] table per rotor, or the log of this vehicle",
+            f"the log has {logged} rotor speeds, of which these ever turn: {which}; the vehicle "
+            f"has {rotors} rotors",
+            "give a [[rotors]] table per rotor or the log of this vehicle; or let the autopilot "
+            "know which outputs are motors, or save as CSV and name the motors' columns",
             recording.source,
         )
     recording = cleaned(recording)
@@ -502,6 +514,7 @@ def common_clock(
                 "log it at a higher rate, and give times in seconds",
                 source,
             )
+    first = min(signal.time[0] for signal in signals)
     last_to_start = max(signals, key=lambda signal: signal.time[0])
     first_to_end = min(signals, key=lambda signal: signal.time[-1])
     start, end = last_to_start.time[0], first_to_end.time[-1]
@@ -522,7 +535,7 @@ def common_clock(
     if int(known.sum()) < FEWEST_SAMPLES:
         raise InputError(
             f"all signals together are known at {int(known.sum())} times: {first_to_end.name} "
-            f"ends at {end:.6g} s, {last_to_start.name} begins at {start:.6g} s",
+            f"ends at {end - first:.6g} s, {last_to_start.name} begins at {start - first:.6g} s",
             "log all of them at once, with the stamps of one clock",
             source,
         )
