@@ -422,6 +422,19 @@ def _check_count(signal: Signal, count: int, source: str) -> None:
         )
 
 
+def motor_slots(functions: list[int], motors: dict[int, int]) -> list[int] | None:
+    """Return the places of motors 1, 2, ... among outputs with these ``functions``.
+
+    ``motors`` has numbers of motors by function.  None where those that turn one are not motors 1
+    to n, each once.
+    """
+    place = {motors[f]: k for k, f in enumerate(functions) if f in motors}
+    turning = sum(function in motors for function in functions)
+    if not turning or sorted(place) != [*range(1, turning + 1)]:
+        return None
+    return [place[number] for number in sorted(place)]
+
+
 # -------------------------------------------------------------------------------------------------
 # A recording becomes a flight log: one clock, FLU, rotors in the vehicle's order.
 

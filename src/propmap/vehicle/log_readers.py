@@ -1,4 +1,4 @@
-"""Readers of flight logs: CSV and Parquet, PX4's ULog, bags of ROS."""
+"""Readers of flight logs: CSV and Parquet, PX4's ULog, bags of ROS; by the file's ending, all."""
 
 from __future__ import annotations
 
@@ -18,8 +18,16 @@ from numpy.typing import NDArray
 from propmap.errors import InputError, quoted
 from propmap.io.csv import has_decimal_commas, separator_of, too_many_fields
 from propmap.typing import Floats
+from propmap.vehicle.dataflash import read_dataflash
 from propmap.vehicle.files import EULER_COLUMNS, QUATERNION_COLUMNS, LogMap, VehicleFile
-from propmap.vehicle.log import FlightLog, Recording, Signal, flight_log, quaternion_of_angles
+from propmap.vehicle.log import (
+    FlightLog,
+    Recording,
+    Signal,
+    flight_log,
+    motor_slots,
+    quaternion_of_angles,
+)
 
 # -------------------------------------------------------------------------------------------------
 # Flight logs as CSV or Parquet, whose columns the vehicle file names.
@@ -296,7 +304,7 @@ def _parsed(path: Path) -> Any:
     # Damaged bytes make its parser fail in ways that it does not list.
     except Exception as error:
         raise InputError(
-            f"not a ULog file: {error or type(error).__name__}",
+            f"not a ULog file: {str(error) or type(error).__name__}",
             "give the .ulg file as the flight controller wrote it",
         ) from None
 
@@ -358,19 +366,6 @@ def _ulog_rotor_speed(file: Any, factor: float) -> tuple[Signal, tuple[str, ...]
         )
     speeds = np.stack(columns, axis=1)[:, slots or [*range(count)]]
     return Signal(f"rotor speed ({ROTORS})", _time(data), speeds * factor), notes
-
-
-def motor_slots(functions: list[int], motors: dict[int, int]) -> list[int] | None:
-    """Return the places of motors 1, 2, ... among outputs with these ``functions``.
-
-    ``motors`` has numbers of motors by function.  None where those that turn one are not motors 1
-    to n, each once.
-    """
-    place = {motors[f]: k for k, f in enumerate(functions) if f in motors}
-    turning = sum(function in motors for function in functions)
-    if not turning or sorted(place) != [*range(1, turning + 1)]:
-        return None
-    return [place[number] for number in sorted(place)]
 
 
 def _time(data: Any, field: str = "") -> Floats:
@@ -516,7 +511,7 @@ def _messages(path: Path, log: LogMap) -> dict[str, tuple[Floats, list[Any]]]:
     # Damaged bytes make SQLite, MCAP and YAML parsers fail in ways that rosbags does not list.
     except Exception as error:
         raise InputError(
-            f"not a bag that can be read: {error or type(error).__name__}",
+            f"not a bag that can be read: {str(error) or type(error).__name__}",
             "give a ROS 1 .bag, a ROS 2 folder with metadata.yaml, or an .mcap file",
         ) from None
 
@@ -578,6 +573,7 @@ READERS: dict[str, Callable[[Path, LogMap], Recording]] = {
     ".parquet": read_csv_log,
     ".pq": read_csv_log,
     ".ulg": read_ulog,
+    ".bin": read_dataflash,
     ".bag": read_rosbag,
     ".db3": read_rosbag,
     ".mcap": read_rosbag,
@@ -588,7 +584,7 @@ READERS: dict[str, Callable[[Path, LogMap], Recording]] = {
 def read_flight_log(
     path: str | os.PathLike[str], vehicle_file: VehicleFile, *, rate: float | None = None
 ) -> FlightLog:
-    """Read a flight log of any kind: CSV, Parquet, PX4's ULog, bags of ROS 1 and ROS 2.
+    """Read a flight log of any kind: CSV, Parquet, PX4's ULog, ArduPilot's DataFlash, bags of ROS.
 
     Signals are interpolated linearly to one clock, those that are faster after a low-pass; gaps
     above 0.25 s are cut out.  Samples that cannot be used are dropped, which ``source`` then tells,
