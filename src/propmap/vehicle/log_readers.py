@@ -263,7 +263,7 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
     where logged.  Velocities that the log marks as not valid are left out.  Frames are PX4's, FRD
     and NED, whatever the map says.  Raises ``InputError``.
     """
-    file = _parsed(path)
+    file = parsed_ulog(path)
     unit = "erpm" if log.rotor_unit == "erpm" else "rpm"
     source = f"{path} (damaged parts skipped)" if file.file_corruption else str(path)
     missing = [
@@ -292,7 +292,11 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
     )
 
 
-def _parsed(path: Path) -> Any:
+def parsed_ulog(path: Path) -> Any:
+    """Return a ULog file as pyulog has it, with the topics of use.
+
+    Raises ``InputError`` where it cannot be read.
+    """
     from pyulog import ULog
 
     try:
