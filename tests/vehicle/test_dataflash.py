@@ -50,6 +50,16 @@ def test_electrical_rpm_are_divided_by_the_pole_pairs(tmp_path: Path) -> None:
     np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed, rtol=1e-6)
 
 
+def test_a_controller_that_falls_silent_leaves_a_gap(tmp_path: Path) -> None:
+    """What the others report meanwhile is no speed of its own, and nothing is put in its place."""
+    path = tmp_path / "a.bin"
+    here = vehicle_with(write_dataflash(LOG, path, silent=(3, 0.99, 1.61)), tmp_path)
+    read = read_flight_log(path, here)
+    assert not np.any((read.time - 1.0 > 0.99) & (read.time - 1.0 < 1.61))
+    (note,) = [n for n in check_recording(read_recording(path, here)) if "no sample" in n]
+    assert "rotor speed (ESC) has no sample from 0.98 to 1.62 s" in note
+
+
 @pytest.mark.parametrize(
     ("leave_out", "parts"),
     [

@@ -65,11 +65,13 @@ def write_dataflash(
     leave_out: tuple[str, ...] = (),
     outputs: dict[int, int | None] | None = None,
     speeds: str = "ESC",
+    silent: tuple[int, float, float] = (0, 0.0, 0.0),
 ) -> str:
     """Write a ``log``, beside a second IMU and filter that are off.  Gives the ``[log]`` table.
 
     outputs : by the number of the output, from 1, the motor that it turns, or None for a servo;
     by default outputs 1 to 4 turn motors 1 to 4.  speeds : the message that has them.
+    silent : output that does not report, and from when to when [s].
     """
     seen = InFrames(log, "frd", "ned")
     turns = np.degrees(seen.rotation.as_euler("ZYX")[:, ::-1])
@@ -98,6 +100,8 @@ def write_dataflash(
         written["RCOU"] = [[stamp, *[1500] * 14]]
         written[speeds] = []
         for output, motor in outputs.items():
+            if output == silent[0] and silent[1] < log.time[i] < silent[2]:
+                continue
             rpm = float(log.rotor_speed[i, motor - 1] / RPM) if motor else 0.0
             if speeds == "RPM":
                 written["RPM"].append([stamp, output - 1, rpm, 1.0, 1])

@@ -540,11 +540,7 @@ def common_clock(
         time = np.arange(start, end, 1.0 / rate)
     known = np.ones(time.size, dtype=np.bool_)
     for signal in signals:
-        # Times between two samples that are too far apart, at neither of them, are in a gap.
-        after = np.clip(np.searchsorted(signal.time, time), 1, signal.time.size - 1)
-        wide = signal.time[after] - signal.time[after - 1] > LONGEST_GAP
-        at_sample = (time == signal.time[after]) | (time == signal.time[after - 1])
-        known &= at_sample | ~wide
+        known &= known_at(time, signal.time)
     if int(known.sum()) < FEWEST_SAMPLES:
         raise InputError(
             f"all signals together are known at {int(known.sum())} times: {first_to_end.name} "
@@ -553,6 +549,14 @@ def common_clock(
             source,
         )
     return time[known]
+
+
+def known_at(time: Floats, own: Floats) -> NDArray[np.bool_]:
+    """Say at which times (n,) [s] a signal with samples at its ``own`` times is not in a gap."""
+    # Times between two samples that are too far apart, at neither of them, are in a gap.
+    after = np.clip(np.searchsorted(own, time), 1, own.size - 1)
+    wide = own[after] - own[after - 1] > LONGEST_GAP
+    return np.asarray((time == own[after]) | (time == own[after - 1]) | ~wide)
 
 
 def interpolated(signal: Signal, time: Floats) -> Floats:
