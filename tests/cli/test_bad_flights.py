@@ -229,7 +229,7 @@ CASES: dict[str, tuple[Callable[[Columns], Columns], list[str], bool]] = {
         True,
     ),
     "rotors in rpm": (scaled(ROTORS, 9.5493), ["rpm read as rad/s", 'rotor_unit = "rpm"'], True),
-    "rotors in rev/s": (scaled(ROTORS, 1 / 6.2832), ["0.02", "times the weight"], False),
+    "rotors in rev/s": (scaled(ROTORS, 1 / 6.2832), ["0.02", "times the weight"], True),
     "too short": (rows(slice(0, 6)), ["has 6 samples, expected at least 10"], True),
     "too slow to filter": (
         rows(slice(None, None, 10)),

@@ -57,8 +57,33 @@ def test_a_wrong_unit_is_an_error(
 
 
 def test_a_doubtful_log_is_a_warning(rotor: Rotor) -> None:
-    (warning,) = check_rotor_speed(LOG, rotor, replace(VEHICLE, mass=4.0))
+    (warning,) = check_rotor_speed(LOG, rotor, replace(VEHICLE, mass=2.5))
     assert "times the weight" in warning and "check mass, propeller" in warning
+
+
+@pytest.mark.parametrize(
+    ("values", "unit", "mass", "parts"),
+    [
+        # Hover takes about 10800 rpm, 1130 rad/s.
+        ((1650.0, 1750.0), "rpm", 0.772, ["they look like PWM in us; log measured speeds"]),
+        ((1420.0, 1580.0), "rad/s", 0.15, ["they look like PWM in us", "PWM is a command"]),
+        ((1050.0, 1150.0), "rpm", 0.772, ["like rad/s read as rpm, or like PWM in us"]),
+        ((0.45, 0.55), "rpm", 0.772, ["no error of units explains", "throttle are commands"]),
+        ((230.0, 250.0), "rad/s", 0.772, ["no error of units explains", "check mass and prop"]),
+    ],
+)
+def test_commands_are_an_error(
+    rotor: Rotor, values: tuple[float, float], unit: str, mass: float, parts: list[str]
+) -> None:
+    """PWM and throttle read as speeds, which a fit would take minutes to make nothing of."""
+    span = (LOG.rotor_speed - LOG.rotor_speed.min()) / np.ptp(LOG.rotor_speed)
+    commands = (values[0] + (values[1] - values[0]) * span) * (RPM if unit == "rpm" else 1.0)
+    with pytest.raises(InputError) as caught:
+        check_rotor_speed(
+            replace(LOG, rotor_speed=commands), rotor, replace(VEHICLE, mass=mass), unit
+        )
+    for part in parts:
+        assert part in str(caught.value)
 
 
 def test_a_mass_in_grams_is_an_error(rotor: Rotor) -> None:

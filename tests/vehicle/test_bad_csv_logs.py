@@ -65,15 +65,25 @@ def _degrees(table: Table) -> None:
 CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
     "a column is missing": (
         lambda t: t.header.__setitem__(t.header.index("vy"), "v_y"),
-        ["log.csv", "column 'vy' is missing", "time_s, vx, v_y", "did you mean 'v_y'", "velocity"],
+        [
+            "log.csv",
+            "columns: 'vy' missing; the",
+            "time_s, vx, v_y",
+            "did you mean 'v_y'",
+            "velocity",
+        ],
     ),
     "a column twice": (
         lambda t: t.header.__setitem__(t.header.index("ax"), "vy"),
-        ["column 'vy' occurs more than once", "velocity in [log.columns]"],
+        ["'ax' missing, 'vy' more than once", "correct specific_force, velocity in [log.columns]"],
+    ),
+    "several columns are missing": (
+        lambda t: [t.header.__setitem__(t.header.index(n), f"{n}_1") for n in ("vy", "q", "qw")],
+        ["'vy', 'q', 'qw' missing", "correct velocity, rates, qw in [log.columns]"],
     ),
     "no column map": (
         lambda t: setattr(t, "log", t.log.partition("[log.columns]")[0]),
-        ["vehicle.toml: [log.columns]: no time; add time ="],
+        ["vehicle.toml: [log.columns]: no time, velocity, rates, rotor_speed, qw", "time = ..."],
     ),
     "attitude twice": (
         lambda t: setattr(t, "log", t.log + 'roll = "roll"\n'),

@@ -11,7 +11,8 @@ import pytest
 from propmap.errors import InputError
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog
-from propmap.vehicle.log_readers import read_flight_log
+from propmap.vehicle.log_checks import check_recording
+from propmap.vehicle.log_readers import read_flight_log, read_recording
 from tests.flight.synthetic import NEUROBEM, vehicle_with
 
 from .refusals import LOG, message_of
@@ -65,6 +66,21 @@ def test_a_ulog_without_a_topic(topic: str, remedy: str, tmp_path: Path) -> None
     assert "vehicle_acceleration" in message
 
 
+def test_all_that_is_missing_is_named_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "a.ulg"
+    missing = ("vehicle_attitude", "vehicle_angular_velocity", "vehicle_acceleration", "esc_status")
+    log = write_ulog(LOG, path, VEHICLE, leave_out=(*missing, "sensor_combined"))
+    message = message_of(path, vehicle_with(log, tmp_path))
+    rates = "no vehicle_angular_velocity or sensor_combined"
+    assert f"no topic vehicle_attitude, {rates}, no esc_status; found" in message
+    assert "vehicle_local_position" in message.partition("found")[2]
+    log = write_bag(LOG, tmp_path / "bag", VEHICLE)
+    log = log.replace('"/imu"', '"/imu_raw"').replace('"/odometry"', '"/odom"')
+    message = message_of(tmp_path / "bag", vehicle_with(log, tmp_path))
+    assert "no topic /odom, no /imu_raw; the bag has /imu (sensor_msgs/Imu), /odometry" in message
+    assert "correct odometry, imu in [log.topics] of" in message
+
+
 def test_a_ulog_cut_short_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     path = tmp_path / "a.ulg"
     vehicle_file = vehicle_with(write_ulog(LOG, path, VEHICLE), tmp_path)
@@ -86,10 +102,13 @@ def test_the_log_of_another_vehicle(tmp_path: Path) -> None:
     six = replace(VEHICLE, mounts=VEHICLE.mounts + VEHICLE.mounts[:2])
     log = write_ulog(_with_rotors(6), tmp_path / "a.ulg", six)
     message = message_of(tmp_path / "a.ulg", vehicle_with(log, tmp_path))
-    assert "a.ulg: the log has 6 rotor speeds, the vehicle has 4 rotors" in message
+    assert (
+        "a.ulg: the log has 6 rotor speeds, of which these ever turn: 1, 2, 3, 4, 5, 6; " in message
+    )
+    assert "the vehicle has 4 rotors; give a [[rotors]] table per rotor" in message
     log = write_bag(_with_rotors(6), tmp_path / "bag", six)
     message = message_of(tmp_path / "bag", vehicle_with(log, tmp_path))
-    assert "6 rotor speeds, the vehicle has 4 rotors; give a [[rotors]] table" in message
+    assert "the log has 6 rotor speeds" in message
 
 
 @pytest.mark.parametrize(
@@ -147,6 +166,15 @@ def test_parquet_without_pyarrow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert "pip install '.[parquet]'" in message_of(tmp_path / "a.parquet", vehicle_file)
 
 
+def test_a_gap_is_told_in_seconds_since_the_start(tmp_path: Path) -> None:
+    """Bags have stamps since 1970, which say nothing when rounded."""
+    part = LOG.picked((LOG.time < 0.9) | (LOG.time > 1.6))
+    vehicle_file = vehicle_with(write_bag(part, tmp_path / "bag", VEHICLE), tmp_path)
+    notes = check_recording(read_recording(tmp_path / "bag", vehicle_file))
+    assert any("has no sample from 0.88 to 1.62 s, which is left out" in note for note in notes)
+    assert not any("e+09" in note for note in notes)
+
+
 def test_signals_of_two_clocks(tmp_path: Path) -> None:
     """Rotor speeds recorded an hour after the rest, such as wall time against boot time."""
     from propmap.vehicle.log import Signal, common_clock
@@ -155,5 +183,8 @@ def test_signals_of_two_clocks(tmp_path: Path) -> None:
     early, late = (Signal(n, t, t[:, None]) for n, t in (("attitude", time), ("rpm", time + 3600)))
     with pytest.raises(InputError, match=r"attitude ends at 4\.99 s, rpm begins at 3600 s"):
         common_clock([early, late], [], str(tmp_path))
+    both = [replace(signal, time=signal.time + 1.7e9) for signal in (early, late)]
+    with pytest.raises(InputError, match=r"attitude ends at 4\.99 s, rpm begins at 3600 s"):
+        common_clock(both, [], str(tmp_path))
     with pytest.raises(InputError, match="the rate is 0"):
         common_clock([early], [], str(tmp_path), rate=0.0)

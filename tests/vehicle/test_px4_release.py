@@ -12,7 +12,8 @@ import pytest
 from propmap.typing import Floats
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog, low_passed
-from propmap.vehicle.log_readers import read_flight_log
+from propmap.vehicle.log_checks import check_recording
+from propmap.vehicle.log_readers import read_flight_log, read_recording
 from tests.flight.synthetic import NEUROBEM, flight, vehicle_with
 
 from .refusals import message_of
@@ -125,6 +126,39 @@ def test_motors_are_told_by_their_function(tmp_path: Path) -> None:
     tables["esc_status"]["esc"]["actuator_function"] = 0
     read = read_px4(tables, tmp_path)
     np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed[:, [2, 0, 3, 1]], atol=0.06)
+
+
+def test_slots_of_other_outputs_are_left_out(tmp_path: Path) -> None:
+    """Eight slots, four of motors, wired across each other; one note says what is not read."""
+    tables = topics_of(LOG, {}, order=(None, 3, 1, None, 4, 2, None, None))
+    read = read_px4(tables, tmp_path)
+    np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed, atol=0.06)
+    recording = read_recording(tmp_path / "a.ulg", vehicle_with("", tmp_path))
+    (note,) = [text for text in check_recording(recording) if "esc_status has" in text]
+    assert "esc_status has 8 slots, of which those of motors 1 to 4 are read" in note
+    assert note.endswith("left out, as no motor's: 1, 4, 7, 8")
+
+
+@pytest.mark.parametrize("output", ["UAVCAN_EC_FUNC", "PWM_MAIN_FUNC", "PWM_AUX_FUNC"])
+def test_parameters_say_what_outputs_turn(output: str, tmp_path: Path) -> None:
+    """Where esc_status does not; servos, whose functions are from 201, are no motors."""
+    order = (3, None, 1, 4, 2, None)
+    tables = topics_of(LOG, {}, order=order)
+    tables["esc_status"]["esc"]["actuator_function"] = 0
+    turned = {f"{output}{k}": 100 + n if n else 201 for k, n in enumerate(order, start=1)}
+    write_px4_log(tables, tmp_path / "a.ulg", turned)
+    read = read_flight_log(tmp_path / "a.ulg", vehicle_with("", tmp_path))
+    np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed, atol=0.06)
+
+
+def test_slots_that_nothing_tells_apart_are_an_error(tmp_path: Path) -> None:
+    tables = topics_of(LOG, {}, order=(None, 3, 1, None, 4, 2))
+    tables["esc_status"]["esc"]["actuator_function"] = 0
+    write_px4_log(tables, tmp_path / "a.ulg")
+    message = message_of(tmp_path / "a.ulg", vehicle_with("", tmp_path))
+    assert "the log has 6 rotor speeds, of which these ever turn: 2, 3, 5, 6; the" in message
+    assert "the vehicle has 4 rotors; give a [[rotors]] table per rotor" in message
+    assert "let the autopilot know which outputs are motors, or save as CSV" in message
 
 
 def test_velocities_that_are_not_valid_are_left_out(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from propmap.vehicle.log import FlightLog
 from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import NEUROBEM, SPEEDS, flight, vehicle_with
 
+from .write_dataflash import write_dataflash
 from .write_logs import START, csv_columns, write_bag, write_csv, write_ulog
 
 LOG = flight()
@@ -51,6 +52,7 @@ FORMATS: dict[str, tuple[str, float, Write]] = {
             leave_out=("vehicle_angular_velocity", "vehicle_acceleration"),
         ),
     ),
+    "dataflash": ("a.bin", 1.0, lambda path: write_dataflash(LOG, path)),
     "ros 2, sqlite": ("bag", START, lambda path: write_bag(LOG, path, VEHICLE)),
     "ros 2, mcap, joint states": (
         "bag",

@@ -191,6 +191,11 @@ def write_ulog(
         file.write(b"ULog\x01\x12\x35\x01" + struct.pack("<Q", int(stamps[0])))
         for text in formats.values():
             file.write(_ulog_message("F", text.encode()))
+        for name, value in _geometry(vehicle).items():
+            kind, code = ("float", "<f") if isinstance(value, float) else ("int32_t", "<i")
+            named = f"{kind} {name}".encode()
+            body = struct.pack("<B", len(named)) + named + struct.pack(code, value)
+            file.write(_ulog_message("P", body))
         for number, (name, messages) in enumerate(data.items()):
             if name not in leave_out:
                 subscription = struct.pack("<BH", 0, number) + name.encode()
@@ -198,6 +203,16 @@ def write_ulog(
                 for message in messages:
                     file.write(_ulog_message("D", struct.pack("<H", number) + message))
     return _log_table(pole_pairs, rotor_unit="erpm") if pole_pairs else _log_table()
+
+
+def _geometry(vehicle: Vehicle) -> dict[str, float | int]:
+    """Parameters by which PX4 knows the vehicle's rotors, all of which thrust upwards."""
+    found: dict[str, float | int] = {"CA_ROTOR_COUNT": len(vehicle.mounts)}
+    for k, mount in enumerate(vehicle.mounts):
+        for axis, place in zip("XYZ", FLIP @ np.array(mount.position), strict=True):
+            found[f"CA_ROTOR{k}_P{axis}"] = float(place)
+        found[f"CA_ROTOR{k}_KM"] = 0.05 if mount.spin == "ccw" else -0.05
+    return found
 
 
 def _beside(stamps: list[list[int]], values: Floats) -> list[list[Any]]:

@@ -84,11 +84,11 @@ ACCELEROMETER_LATE = -1250
 
 
 def topics_of(
-    log: FlightLog, every: dict[str, int], order: tuple[int, ...] = (1, 2, 3, 4)
+    log: FlightLog, every: dict[str, int], order: tuple[int | None, ...] = (1, 2, 3, 4)
 ) -> dict[str, Any]:
     """Tables by topic of a ``log``, of whose samples each topic has one of ``every`` so many.
 
-    order : number of the motor that each controller turns.
+    order : number of the motor that each controller turns; None for a slot of something else.
     """
     seen = InFrames(log, "frd", "ned")
     stamp = np.round(log.time * 1e6).astype(np.int64) + 1_000_000
@@ -126,7 +126,7 @@ def _dtype(fields: list[Field]) -> np.dtype[Any]:
     return np.dtype([(n, f"<{kind}", (count,) if count > 1 else ()) for n, kind, count in fields])
 
 
-def _esc_status(log: FlightLog, stamp: Any, order: tuple[int, ...]) -> Any:
+def _esc_status(log: FlightLog, stamp: Any, order: tuple[int | None, ...]) -> Any:
     report = _dtype(ESC_REPORT)
     head = [("timestamp", "<u8"), ("counter", "<u2"), ("esc_count", "u1")]
     flags = [("esc_connectiontype", "u1"), ("esc_online_flags", "u1"), ("esc_armed_flags", "u1")]
@@ -135,6 +135,9 @@ def _esc_status(log: FlightLog, stamp: Any, order: tuple[int, ...]) -> Any:
     # Without a stamp of the measurement, publication is at once.
     table["timestamp"], table["esc_count"] = stamp, len(order)
     for place, motor in enumerate(order):
+        if motor is None:
+            table["esc"]["actuator_function"][:, place] = 40 + place
+            continue
         reversed_ = -1 if motor % 2 else 1
         esc = table["esc"][:, place]
         esc["timestamp"] = stamp
@@ -155,7 +158,9 @@ def _format(name: str, dtype: np.dtype[Any]) -> str:
     return f"{name}:{''.join(parts)}"
 
 
-def write_px4_log(tables: dict[str, Any], path: Path) -> None:
+def write_px4_log(
+    tables: dict[str, Any], path: Path, parameters: dict[str, float | int] | None = None
+) -> None:
     """Write tables by topic as the data of one file, in order of their stamps."""
     start = min(int(table["timestamp"][0]) for table in tables.values())
     with path.open("wb") as file:
@@ -171,8 +176,10 @@ def write_px4_log(tables: dict[str, Any], path: Path) -> None:
         for key, text in (("sys_name", "PX4"), ("ver_hw", "PX4_FMU_V6X")):
             named = f"char[{len(text)}] {key}".encode()
             message("I", struct.pack("<B", len(named)) + named + text.encode())
-        named = b"float IMU_ACCEL_CUTOFF"
-        message("P", struct.pack("<B", len(named)) + named + struct.pack("<f", 30.0))
+        for key, value in {"IMU_ACCEL_CUTOFF": 30.0, **(parameters or {})}.items():
+            kind, code = ("float", "<f") if isinstance(value, float) else ("int32_t", "<i")
+            named = f"{kind} {key}".encode()
+            message("P", struct.pack("<B", len(named)) + named + struct.pack(code, value))
         rows = []
         for number, (name, table) in enumerate(tables.items()):
             message("A", struct.pack("<BH", 0, number) + name.encode())

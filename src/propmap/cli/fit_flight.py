@@ -176,7 +176,8 @@ def _recorded(paths: Sequence[Path], file: VehicleFile) -> tuple[list[FlightLog]
         logs.append(flight_log(recording, file))
         if logs[-1].source != recording.source:
             remarks.append(logs[-1].source)
-        unit = file.log.rotor_unit or ("rpm" if logs[-1].source.endswith(".ulg") else None)
+        # Where it need not be stated, it is rpm.
+        unit = file.log.rotor_unit or "rpm"
         remarks += check_rotor_speed(logs[-1], _nominal_rotor(file), file.vehicle, unit)
         check_rotor_order(logs[-1], file.vehicle)
     return logs, [*remarks, *mixed_vehicles(logs, file.vehicle)]
@@ -321,7 +322,9 @@ EVERY, FEW = 3, 1500
 def fit_flight(
     logs: Annotated[
         list[Path],
-        Argument(metavar="LOG...", help="CSV, Parquet, ULog, bag, or a level-flight table."),
+        Argument(
+            metavar="LOG...", help="CSV, Parquet, ULog, DataFlash, bag, or a level-flight table."
+        ),
     ],
     vehicle: opt.VehicleOption,
     output: Output,
@@ -479,7 +482,8 @@ ENDINGS = ("x", "y", "z")
 
 def fit_terms_page(
     logs: Annotated[
-        list[Path], Argument(metavar="LOG...", help="CSV, Parquet, ULog or bag; two or more.")
+        list[Path],
+        Argument(metavar="LOG...", help="CSV, Parquet, ULog, DataFlash or bag; two or more."),
     ],
     vehicle: opt.VehicleOption,
     output: out.FolderOutput,

@@ -36,6 +36,8 @@ and the nearest is named, but few pairs must fit closely, as 2 is near 1."""
 POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 
 CARRIED = Range(0.4, 2.5)  # thrust over the weight outside which a warning is due
+POSSIBLE = Range(0.2, 5.0)  # and outside which it is an error: no blade is off by so much
+PWM = Range(900.0, 2200.0)  # [us], pulses to motor controllers
 
 
 def check_rotor_speed(
@@ -45,7 +47,8 @@ def check_rotor_speed(
 
     The ``rotor`` has a nominal section law.  ``rotor_unit``, "rad/s", "rpm" or "erpm", is what the
     vehicle file states, and separates errors of like size.  Raises ``InputError`` where a rotor
-    stands still, or where a wrong unit, of the speeds or of the mass, explains the difference.
+    stands still, where a wrong unit, of the speeds or of the mass, explains the difference, and
+    where the thrust is below a fifth of the weight or above five times.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:
@@ -61,15 +64,25 @@ def check_rotor_speed(
         f"in slow flight the rotors would carry {share:.3g} times the weight "
         f"at {float(np.mean(slow.rotor_speed)) / RPM:.0f} rpm"
     )
-    cause, remedy = _speed_error(math.sqrt(share), rotor_unit)
-    if cause:
-        raise InputError(f"{found}: {cause}", f"{remedy} in [log] of the vehicle file", log.source)
-    if share in CARRIED:
-        return []
     if unit_errors(1.0 / share, CARRIED, UNIT_ERRORS["mass"]):
         raise InputError(
             f"{found}: the mass of {vehicle.mass:g} kg looks like grams",
             "write kilograms in the vehicle file",
+            log.source,
+        )
+    read = slow.rotor_speed / (1.0 if rotor_unit == "rad/s" else RPM)
+    low, high = np.percentile(read, [1.0, 99.0])
+    pulses = share not in POSSIBLE and rotor_unit != "erpm" and low in PWM and high in PWM
+    cause, remedy = _speed_error(math.sqrt(share), rotor_unit, pulses=pulses)
+    if cause:
+        raise InputError(f"{found}: {cause}", f"{remedy} in [log] of the vehicle file", log.source)
+    if share in CARRIED:
+        return []
+    if share not in POSSIBLE:
+        raise InputError(
+            f"{found}, which no error of units explains that is common",
+            "check mass and propeller in the vehicle file, and whether the log has rotor speeds in "
+            "rpm, electrical rpm or rad/s: PWM and throttle are commands, no speeds",
             log.source,
         )
     return [f"{log.source}: {found}; check mass, propeller, air density and the rotor speeds"]
@@ -108,8 +121,12 @@ def _thrust_share(log: FlightLog, rotor: Rotor, vehicle: Vehicle) -> float:
     return float(force / needed)
 
 
-def _speed_error(ratio: float, unit: str | None) -> tuple[str, str]:
-    """Return cause and remedy of speeds that are wrong by the factor ``ratio``; empty for none."""
+def _speed_error(ratio: float, unit: str | None, *, pulses: bool) -> tuple[str, str]:
+    """Return cause and remedy of speeds that are wrong by the factor ``ratio``; empty for none.
+
+    With ``pulses``, they are in the range of PWM.
+    """
+    pwm, measured = "like PWM in us", "log measured speeds, as PWM is a command, and name them"
 
     def pole_pairs(factor: float) -> str:
         return next(iter(unit_errors(factor, NEAR_PAIRS, POLE_PAIRS)), "")
@@ -128,7 +145,10 @@ def _speed_error(ratio: float, unit: str | None) -> tuple[str, str]:
         # Not knowing what is stated, 9 or 10 pole pairs look like 60 / (2 pi).
         return f"{cause}, or like electrical rpm", f'{remedy}, or "erpm" and pole_pairs,'
     if unit != "rad/s" and ratio / RPM in NEAR_UNIT:
-        return "they look like rad/s read as rpm", 'write rotor_unit = "rad/s"'
+        cause, remedy = "they look like rad/s read as rpm", 'write rotor_unit = "rad/s"'
+        return (f"{cause}, or {pwm}", f"{remedy}, or {measured}") if pulses else (cause, remedy)
+    if pulses:
+        return f"they look {pwm}", measured
     pairs = pole_pairs(ratio * RPM if unit == "rad/s" else ratio)
     cause = f"they look like electrical rpm of motors with about {pairs} pole pairs"
     return (cause, f'write rotor_unit = "erpm" and pole_pairs ({pairs}?)') if pairs else ("", "")

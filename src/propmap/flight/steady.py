@@ -112,7 +112,7 @@ def _pieces(log: FlightLog, scaled: Floats) -> list[_Piece]:
     ends = (steps > longest) | (flying[1:] != flying[:-1])
     bounds = [0, *(np.flatnonzero(ends) + 1), len(log)]
     parts = [slice(*ends) for ends in itertools.pairwise(bounds) if flying[ends[0]]]
-    return [_Piece(part.start, log.time[part], smoothed(part)) for part in parts]
+    return [_Piece(part.start, log.since_start[part], smoothed(part)) for part in parts]
 
 
 def _stretches(piece: _Piece, seconds: float) -> list[slice]:

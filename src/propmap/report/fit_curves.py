@@ -331,17 +331,18 @@ def tunnel_fit(data: TunnelData, rotor: Rotor) -> FigureRecord:
 @style()
 def steady_parts(log: FlightLog, stretches: Sequence[slice]) -> Figure:
     """Draw speed, climb rate and rotor speeds against time, steady ``stretches`` shaded."""
-    ends = [(log.time[part.start], log.time[part.stop - 1]) for part in stretches]
+    time = log.since_start
+    ends = [(time[part.start], time[part.stop - 1]) for part in stretches]
     figure = new_figure(9.2, 6.0)
     axes = figure.subplots(3, 1, sharex=True, height_ratios=(1.2, 1.0, 1.2))
     speed, climb, rotors = axes
     for ax, values in ((speed, log.speed), (climb, log.climb_rate)):
-        ax.plot(log.time, values, color=COLOURS[0], rasterized=True, **SAMPLES)
+        ax.plot(time, values, color=COLOURS[0], rasterized=True, **SAMPLES)
         for pair, part in zip(ends, stretches, strict=True):
             ax.plot(pair, 2 * [np.mean(values[part])], color=COLOURS[1], linewidth=1.6)
     colours = [COLOURS[k % len(COLOURS)] for k in range(log.rotor_speed.shape[1])]
     for colour, values in zip(colours, log.rotor_speed.T, strict=True):
-        rotors.plot(log.time, values / RPM, color=colour, rasterized=True, **SAMPLES)
+        rotors.plot(time, values / RPM, color=colour, rasterized=True, **SAMPLES)
     for ax, label in zip(
         axes, ("speed V [m/s]", "climb rate [m/s]", "rotor speeds [1/min]"), strict=True
     ):
@@ -349,7 +350,7 @@ def steady_parts(log: FlightLog, stretches: Sequence[slice]) -> Figure:
             ax.axvspan(*pair, **SHADE)
         ax.set_ylabel(label)
     rotors.set_xlabel("time [s]")
-    rotors.set_xlim(log.time[0], log.time[-1])
+    rotors.set_xlim(0.0, time[-1])
     dots: dict[str, Any] = {"marker": ".", "linestyle": "none"}
     handles: list[Any] = [
         Patch(label="steady stretch", **SHADE),
@@ -359,8 +360,7 @@ def steady_parts(log: FlightLog, stretches: Sequence[slice]) -> Figure:
     legend_below(figure, handles, columns=min(len(handles), 8))
     seconds = sum(float(last - first) for first, last in ends)
     figure.suptitle(
-        f"{log.source}: {len(stretches)} steady stretches, {seconds:.0f} of "
-        f"{log.time[-1] - log.time[0]:.0f} s"
+        f"{log.source}: {len(stretches)} steady stretches, {seconds:.0f} of {time[-1]:.0f} s"
     )
     return figure
 

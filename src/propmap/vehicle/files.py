@@ -356,9 +356,9 @@ EULER_COLUMNS = ("roll", "pitch", "yaw")
 class LogMap:
     """What the table ``[log]`` of a vehicle file states about its logs; None is "not stated".
 
-    PX4 logs are in FRD and NED whatever is stated, and their rotor speeds in rpm unless "erpm" is
-    stated.  Bags are in FLU and ENU (REP 103), and an Odometry's velocity in the body frame, unless
-    stated.  Whatever else a log needs must be stated.
+    Logs of PX4 and ArduPilot are in FRD and NED whatever is stated, and their rotor speeds in rpm
+    unless "erpm" is stated.  Bags are in FLU and ENU (REP 103), and an Odometry's velocity in the
+    body frame, unless stated.  Whatever else a log needs must be stated.
 
     Attributes
     ----------

@@ -355,10 +355,18 @@ class Recording:
     rates: Signal  # along body axes, (n, 3) [rad/s]
     rotor_speed: Signal  # in the order of the log, (n, rotors) [rad/s]
     specific_force: Signal | None  # along body axes, (n, 3) [m/s^2]
+    notes: tuple[str, ...] = ()  # what its reader left out
 
     def signals(self) -> dict[str, Signal]:
         """Return the signals that there are, by the name of their field."""
         return {name: value for name, value in vars(self).items() if isinstance(value, Signal)}
+
+    def from_start(self) -> Recording:
+        """Return this recording with times since its first sample."""
+        signals = self.signals()
+        first = min(signal.time[0] for signal in signals.values())
+        moved: Any = {name: replace(s, time=s.time - first) for name, s in signals.items()}
+        return replace(self, **moved)
 
 
 def cleaned(recording: Recording) -> Recording:
@@ -414,6 +422,19 @@ def _check_count(signal: Signal, count: int, source: str) -> None:
         )
 
 
+def motor_slots(functions: list[int], motors: dict[int, int]) -> list[int] | None:
+    """Return the places of motors 1, 2, ... among outputs with these ``functions``.
+
+    ``motors`` has numbers of motors by function.  None where those that turn one are not motors 1
+    to n, each once.
+    """
+    place = {motors[f]: k for k, f in enumerate(functions) if f in motors}
+    turning = sum(function in motors for function in functions)
+    if not turning or sorted(place) != [*range(1, turning + 1)]:
+        return None
+    return [place[number] for number in sorted(place)]
+
+
 # -------------------------------------------------------------------------------------------------
 # A recording becomes a flight log: one clock, FLU, rotors in the vehicle's order.
 
@@ -435,9 +456,13 @@ def flight_log(
     """
     logged, rotors = recording.rotor_speed.values.shape[1], len(vehicle_file.vehicle.mounts)
     if logged != rotors:
+        turn = np.flatnonzero(np.nanmax(np.abs(recording.rotor_speed.values), axis=0, initial=0.0))
+        which = ", ".join(str(k + 1) for k in turn) or "none"
         raise InputError(
-            f"the log has {logged} rotor speeds, the vehicle has {rotors} rotors",
-            "give a [[rotors]] table per rotor, or the log of this vehicle",
+            f"the log has {logged} rotor speeds, of which these ever turn: {which}; the vehicle "
+            f"has {rotors} rotors",
+            "give a [[rotors]] table per rotor or the log of this vehicle; or let the autopilot "
+            "know which outputs are motors, or save as CSV and name the motors' columns",
             recording.source,
         )
     recording = cleaned(recording)
@@ -502,6 +527,7 @@ def common_clock(
                 "log it at a higher rate, and give times in seconds",
                 source,
             )
+    first = min(signal.time[0] for signal in signals)
     last_to_start = max(signals, key=lambda signal: signal.time[0])
     first_to_end = min(signals, key=lambda signal: signal.time[-1])
     start, end = last_to_start.time[0], first_to_end.time[-1]
@@ -514,19 +540,23 @@ def common_clock(
         time = np.arange(start, end, 1.0 / rate)
     known = np.ones(time.size, dtype=np.bool_)
     for signal in signals:
-        # Times between two samples that are too far apart, at neither of them, are in a gap.
-        after = np.clip(np.searchsorted(signal.time, time), 1, signal.time.size - 1)
-        wide = signal.time[after] - signal.time[after - 1] > LONGEST_GAP
-        at_sample = (time == signal.time[after]) | (time == signal.time[after - 1])
-        known &= at_sample | ~wide
+        known &= known_at(time, signal.time)
     if int(known.sum()) < FEWEST_SAMPLES:
         raise InputError(
             f"all signals together are known at {int(known.sum())} times: {first_to_end.name} "
-            f"ends at {end:.6g} s, {last_to_start.name} begins at {start:.6g} s",
+            f"ends at {end - first:.6g} s, {last_to_start.name} begins at {start - first:.6g} s",
             "log all of them at once, with the stamps of one clock",
             source,
         )
     return time[known]
+
+
+def known_at(time: Floats, own: Floats) -> NDArray[np.bool_]:
+    """Say at which times (n,) [s] a signal with samples at its ``own`` times is not in a gap."""
+    # Times between two samples that are too far apart, at neither of them, are in a gap.
+    after = np.clip(np.searchsorted(own, time), 1, own.size - 1)
+    wide = own[after] - own[after - 1] > LONGEST_GAP
+    return np.asarray((time == own[after]) | (time == own[after - 1]) | ~wide)
 
 
 def interpolated(signal: Signal, time: Floats) -> Floats:

@@ -33,10 +33,10 @@ def check_recording(recording: Recording) -> list[str]:
     """Warn of sensors that failed, and of frames, units, columns and clocks that do not agree.
 
     Raises ``InputError`` for a mistake that is certain.  Checks that need the vehicle and its
-    rotors are in ``propmap.flight.checks``.
+    rotors are in ``propmap.flight.checks``.  Times in messages are since the log's start.
     """
-    recording = cleaned(recording)
-    found = [*_gaps(recording), *_dead_sensors(recording)]
+    recording = cleaned(recording).from_start()
+    found = [*recording.notes, *_gaps(recording), *_dead_sensors(recording)]
     for signal in (recording.rates, recording.specific_force):
         found += _saturated(signal) if signal else []
     found += _disagreements(recording)

@@ -1,4 +1,4 @@
-"""Readers of flight logs: CSV and Parquet, PX4's ULog, bags of ROS."""
+"""Readers of flight logs: CSV and Parquet, PX4's ULog, bags of ROS; by the file's ending, all."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import contextlib
 import csv
 import difflib
 import io
+import itertools
 import os
 from collections.abc import Callable, Collection
 from pathlib import Path
@@ -17,8 +18,16 @@ from numpy.typing import NDArray
 from propmap.errors import InputError, quoted
 from propmap.io.csv import has_decimal_commas, separator_of, too_many_fields
 from propmap.typing import Floats
+from propmap.vehicle.dataflash import read_dataflash
 from propmap.vehicle.files import EULER_COLUMNS, QUATERNION_COLUMNS, LogMap, VehicleFile
-from propmap.vehicle.log import FlightLog, Recording, Signal, flight_log, quaternion_of_angles
+from propmap.vehicle.log import (
+    FlightLog,
+    Recording,
+    Signal,
+    flight_log,
+    motor_slots,
+    quaternion_of_angles,
+)
 
 # -------------------------------------------------------------------------------------------------
 # Flight logs as CSV or Parquet, whose columns the vehicle file names.
@@ -38,7 +47,9 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     cells are samples that are not finite; text is refused.  Raises ``InputError``.
     """
     where = str(path)
-    stated = {key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")}
+    stated: dict[str, Any] = {
+        key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")
+    }
     factor = log.rotor_factor(log.stated("rotor_unit"))
     angles, quaternion = (
         bool(set(names) & set(log.columns)) for names in (EULER_COLUMNS, QUATERNION_COLUMNS)
@@ -51,14 +62,20 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
         )
     attitude = EULER_COLUMNS if angles else QUATERNION_COLUMNS
     wanted = [*QUANTITIES, *attitude]
-    for key in wanted:
-        if key not in log.columns and key not in OPTIONAL:
-            raise InputError(
-                f"no {key}", f"add {key} = the column's name", f"{log.file}: [log.columns]"
-            )
+    unnamed = [key for key in wanted if key not in log.columns and key not in OPTIONAL]
+    if unnamed:
+        raise InputError(
+            f"no {', '.join(unnamed)}",
+            f"name the columns, such as {unnamed[0]} = ...",
+            f"{log.file}: [log.columns]",
+        )
     names = {key: log.columns[key] for key in wanted if key in log.columns}
     table = _table(path, where, {name for several in names.values() for name in several})
-    values = {key: _columns(table, columns, key, where, log) for key, columns in names.items()}
+    _check_columns(list(table.columns), names, where, log)
+    values = {
+        key: np.stack([_numbers(table[name], name, where) for name in columns], axis=1)
+        for key, columns in names.items()
+    }
     time = values["time"][:, 0]
 
     def signal(key: str, array: Floats) -> Signal:
@@ -159,23 +176,30 @@ def _use_points(table: Any, separator: str, where: str, wanted: Collection[str])
             table.isetitem(k, table.iloc[:, k].str.replace(",", ".", regex=False))
 
 
-def _columns(table: Any, names: tuple[str, ...], key: str, where: str, log: LogMap) -> Floats:
-    """Return columns as numbers; (n, len(names))."""
-    columns, present = [], list(table.columns)
-    for name in names:
-        if present.count(name) != 1:
-            close = difflib.get_close_matches(name, present, n=1)
-            hint = f"did you mean {close[0]!r}? " if close else ""
-            more = ", ..." if len(present) > MOST_SHOWN else ""
-            times = "occurs more than once" if name in present else "is missing"
-            raise InputError(
-                f"column {quoted(name)} {times}; the file has "
-                f"{', '.join(present[:MOST_SHOWN])}{more}",
-                f"{hint}correct {key} in [log.columns] of {log.file}",
-                where,
-            )
-        columns.append(_numbers(table[name], name, where))
-    return np.stack(columns, axis=1)
+def _check_columns(
+    present: list[str], names: dict[str, tuple[str, ...]], where: str, log: LogMap
+) -> None:
+    """Raise ``InputError`` for all columns named that the file does not have exactly once."""
+    wanted = {name: key for key, columns in names.items() for name in columns}
+    missing = [name for name in wanted if name not in present]
+    twice = [name for name in wanted if present.count(name) > 1]
+    found = [
+        f"{', '.join(map(quoted, some))} {what}"
+        for some, what in ((missing, "missing"), (twice, "more than once"))
+        if some
+    ]
+    if not found:
+        return
+    close = [difflib.get_close_matches(name, present, n=1) for name in missing]
+    meant = ", ".join(map(repr, itertools.chain(*close)))
+    keys = ", ".join(dict.fromkeys(wanted[name] for name in (*missing, *twice)))
+    raise InputError(
+        f"columns: {', '.join(found)}; the file has {', '.join(present[:MOST_SHOWN])}"
+        f"{', ...' if len(present) > MOST_SHOWN else ''}",
+        (f"did you mean {meant}? " if meant else "")
+        + f"correct {keys} in [log.columns] of {log.file}",
+        where,
+    )
 
 
 def _numbers(column: Any, name: str, where: str) -> Floats:
@@ -220,8 +244,11 @@ ACCELEROMETER_LATE, NOT_SAMPLED = "accelerometer_timestamp_relative", 2**31 - 1
 """Field of sensor_combined with the time from its stamp to that of the accelerometer [us], and what
 it holds where there is none: PX4's SensorCombined.msg."""
 
-FIRST_MOTOR = 101
-"""``actuator_function`` of motor 1 in PX4's EscReport.msg; that of motor k is k - 1 more."""
+MOTORS = {100 + number: number for number in range(1, 13)}
+"""Number of the motor by ``actuator_function`` in PX4's EscReport.msg."""
+
+FUNCTIONS = ("UAVCAN_EC_FUNC", "PWM_MAIN_FUNC", "PWM_AUX_FUNC")
+"""Parameters, before the number of the output, that say what it turns."""
 
 TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, ROTORS})
 
@@ -231,14 +258,22 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
 
     vehicle_attitude, vehicle_local_position, vehicle_angular_velocity (else sensor_combined),
     vehicle_acceleration (else sensor_combined, else none) and esc_status, whose ``esc_rpm`` is in
-    rpm unless the ``log`` map says "erpm", and which are in the order of PX4's motors where the log
-    says which controller turns which.  Times are those of the measurement where logged.  Velocities
-    that the log marks as not valid are left out.  Frames are PX4's, FRD and NED, whatever the map
-    says.  Raises ``InputError``.
+    rpm unless the ``log`` map says "erpm".  Where the log says which controller turns which motor,
+    those of motors are read, in the order of their numbers.  Times are those of the measurement
+    where logged.  Velocities that the log marks as not valid are left out.  Frames are PX4's, FRD
+    and NED, whatever the map says.  Raises ``InputError``.
     """
-    file = _parsed(path)
+    file = parsed_ulog(path)
     unit = "erpm" if log.rotor_unit == "erpm" else "rpm"
     source = f"{path} (damaged parts skipped)" if file.file_corruption else str(path)
+    missing = [
+        " or ".join(topics)
+        for topics in ([*ATTITUDE], [*VELOCITY], [*RATES], [ROTORS])
+        if not any(_dataset(file, topic) for topic in topics)
+    ]
+    if missing:
+        raise _missing_topics(file, missing)
+    rotor_speed, notes = _ulog_rotor_speed(file, log.rotor_factor(unit))
     return Recording(
         source=source,
         body_frame="frd",
@@ -247,16 +282,21 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
         attitude=_signal(file, "attitude", ATTITUDE),
         velocity=_signal(file, "velocity", VELOCITY),
         rates=_signal(file, "rates", RATES),
-        rotor_speed=_ulog_rotor_speed(file, log.rotor_factor(unit)),
+        rotor_speed=rotor_speed,
         specific_force=(
             _signal(file, "specific force", SPECIFIC_FORCE)
             if any(_dataset(file, topic) for topic in SPECIFIC_FORCE)
             else None
         ),
+        notes=notes,
     )
 
 
-def _parsed(path: Path) -> Any:
+def parsed_ulog(path: Path) -> Any:
+    """Return a ULog file as pyulog has it, with the topics of use.
+
+    Raises ``InputError`` where it cannot be read.
+    """
     from pyulog import ULog
 
     try:
@@ -268,7 +308,7 @@ def _parsed(path: Path) -> Any:
     # Damaged bytes make its parser fail in ways that it does not list.
     except Exception as error:
         raise InputError(
-            f"not a ULog file: {error or type(error).__name__}",
+            f"not a ULog file: {str(error) or type(error).__name__}",
             "give the .ulg file as the flight controller wrote it",
         ) from None
 
@@ -280,14 +320,12 @@ def _dataset(file: Any, topic: str) -> Any:
 
 
 def _signal(file: Any, name: str, sources: dict[str, list[str]]) -> Signal:
-    for topic, fields in sources.items():
-        data = _dataset(file, topic)
-        if data is not None:
-            columns = [_field(data, topic, field) for field in fields]
-            values = np.stack(columns, axis=1)
-            valid = _valid(data, name, topic)
-            return Signal(f"{name} ({topic})", _time(data, fields[0])[valid], values[valid])
-    raise _missing_topic(file, " or ".join(sources))
+    """Return the samples of the first of the topics that the log has; it has one of them."""
+    topic = next(topic for topic in sources if _dataset(file, topic))
+    data, fields = _dataset(file, topic), sources[topic]
+    values = np.stack([_field(data, topic, field) for field in fields], axis=1)
+    valid = _valid(data, name, topic)
+    return Signal(f"{name} ({topic})", _time(data, fields[0])[valid], values[valid])
 
 
 def _valid(data: Any, name: str, topic: str) -> NDArray[np.bool_]:
@@ -306,10 +344,9 @@ def _valid(data: Any, name: str, topic: str) -> NDArray[np.bool_]:
     return np.asarray(valid)
 
 
-def _ulog_rotor_speed(file: Any, factor: float) -> Signal:
+def _ulog_rotor_speed(file: Any, factor: float) -> tuple[Signal, tuple[str, ...]]:
+    """Return the speeds of the motors and a note where other slots are left out."""
     data = _dataset(file, ROTORS)
-    if data is None:
-        raise _missing_topic(file, ROTORS)
     count = int(np.max(_field(data, ROTORS, "esc_count")))
     columns = [_field(data, ROTORS, f"esc[{k}].esc_rpm") for k in range(count)]
     if not columns:
@@ -317,13 +354,22 @@ def _ulog_rotor_speed(file: Any, factor: float) -> Signal:
             "esc_count of topic esc_status is 0: no motor controller reports its speed",
             "fly with controllers that report rpm, by DShot telemetry or UAVCAN",
         )
-    # In the order of the motors, where the log says of all controllers which one they turn.
-    fields = [f"esc[{k}].actuator_function" for k in range(count)]
-    turned = [int(np.median(data.data[field])) for field in fields if field in data.data]
-    motors = [FIRST_MOTOR + k for k in range(count)]
-    order = [turned.index(m) for m in motors] if sorted(turned) == motors else [*range(count)]
-    speeds = np.stack(columns, axis=1)[:, order]
-    return Signal(f"rotor speed ({ROTORS})", _time(data), speeds * factor)
+    logged = [data.data.get(f"esc[{k}].actuator_function", np.zeros(1)) for k in range(count)]
+    stated = file.initial_parameters
+    ways = [
+        [int(np.median(values)) for values in logged],
+        *([int(stated.get(f"{name}{k + 1}", 0)) for k in range(count)] for name in FUNCTIONS),
+    ]
+    slots = next(filter(None, (motor_slots(functions, MOTORS) for functions in ways)), None)
+    notes: tuple[str, ...] = ()
+    if slots and len(slots) < count:
+        left = ", ".join(str(k + 1) for k in range(count) if k not in slots)
+        notes = (
+            f"{ROTORS} has {count} slots, of which those of motors 1 to {len(slots)} are read; "
+            f"left out, as no motor's: {left}",
+        )
+    speeds = np.stack(columns, axis=1)[:, slots or [*range(count)]]
+    return Signal(f"rotor speed ({ROTORS})", _time(data), speeds * factor), notes
 
 
 def _time(data: Any, field: str = "") -> Floats:
@@ -345,13 +391,13 @@ def _field(data: Any, topic: str, field: str) -> Floats:
     return np.asarray(data.data[field], dtype=np.float64)
 
 
-def _missing_topic(file: Any, topic: str) -> InputError:
+def _missing_topics(file: Any, topics: list[str]) -> InputError:
     # Topics that are not of use here are not parsed, but the log names their formats.
     present = sorted({data.name for data in file.data_list}) or ["no topic of use"]
     return InputError(
-        f"no topic {topic}; found {', '.join(present)}",
-        "log it: see SDLOG_PROFILE of PX4, and for esc_status motor controllers with telemetry "
-        "(actuator_motors and actuator_outputs are commands, no speeds)",
+        f"no topic {', no '.join(topics)}; found {', '.join(present)}",
+        "log what is missing: see SDLOG_PROFILE of PX4, and for esc_status motor controllers with "
+        "telemetry (actuator_motors and actuator_outputs are commands, no speeds)",
     )
 
 
@@ -455,25 +501,27 @@ def _messages(path: Path, log: LogMap) -> dict[str, tuple[Floats, list[Any]]]:
     try:
         # Old bags of ROS 2 do not hold the definitions of their messages.
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
-            return {role: _topic(bag, role, topic, log) for role, topic in log.topics.items()}
+            present = {c.topic: _short(c.msgtype) for c in bag.connections}
+            missing = {r: topic for r, topic in log.topics.items() if topic not in present}
+            if missing:
+                listed = ", ".join(f"{topic} ({present[topic]})" for topic in sorted(present))
+                raise InputError(
+                    f"no topic {', no '.join(missing.values())}; the bag has {listed or 'none'}",
+                    f"correct {', '.join(missing)} in [log.topics] of {log.file}",
+                )
+            return {role: _topic(bag, role, topic) for role, topic in log.topics.items()}
     except InputError:
         raise
     # Damaged bytes make SQLite, MCAP and YAML parsers fail in ways that rosbags does not list.
     except Exception as error:
         raise InputError(
-            f"not a bag that can be read: {error or type(error).__name__}",
+            f"not a bag that can be read: {str(error) or type(error).__name__}",
             "give a ROS 1 .bag, a ROS 2 folder with metadata.yaml, or an .mcap file",
         ) from None
 
 
-def _topic(bag: Any, role: str, topic: str, log: LogMap) -> tuple[Floats, list[Any]]:
+def _topic(bag: Any, role: str, topic: str) -> tuple[Floats, list[Any]]:
     connections = [c for c in bag.connections if c.topic == topic]
-    if not connections:
-        present = ", ".join(sorted(f"{c.topic} ({_short(c.msgtype)})" for c in bag.connections))
-        raise InputError(
-            f"no topic {topic}; the bag has {present or 'none'}",
-            f"correct {role} in [log.topics] of {log.file}",
-        )
     wanted, found = TYPES.get(role), connections[0].msgtype
     if wanted not in (None, found):
         raise InputError(
@@ -529,6 +577,7 @@ READERS: dict[str, Callable[[Path, LogMap], Recording]] = {
     ".parquet": read_csv_log,
     ".pq": read_csv_log,
     ".ulg": read_ulog,
+    ".bin": read_dataflash,
     ".bag": read_rosbag,
     ".db3": read_rosbag,
     ".mcap": read_rosbag,
@@ -539,7 +588,7 @@ READERS: dict[str, Callable[[Path, LogMap], Recording]] = {
 def read_flight_log(
     path: str | os.PathLike[str], vehicle_file: VehicleFile, *, rate: float | None = None
 ) -> FlightLog:
-    """Read a flight log of any kind: CSV, Parquet, PX4's ULog, bags of ROS 1 and ROS 2.
+    """Read a flight log of any kind: CSV, Parquet, PX4's ULog, ArduPilot's DataFlash, bags of ROS.
 
     Signals are interpolated linearly to one clock, those that are faster after a low-pass; gaps
     above 0.25 s are cut out.  Samples that cannot be used are dropped, which ``source`` then tells,

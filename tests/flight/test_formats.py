@@ -1,4 +1,4 @@
-"""One simulated flight as CSV, ULog and bag: the same operating points and the same fit."""
+"""One simulated flight as CSV, ULog, DataFlash and bag: one set of points, one fit."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from propmap.flight.steady import operating_points, steady_stretches
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import vehicle_with
+from tests.vehicle.write_dataflash import write_dataflash
 from tests.vehicle.write_logs import write_bag, write_csv, write_ulog
 
 FREE = Choice(("c_l1", "alpha_0"), {"c_l2": 1.7, "c_d": 1.8})
@@ -33,6 +34,7 @@ def test_formats_agree(tmp_path: Path) -> None:
     writers = {
         "csv": lambda path: write_csv(log, path),
         "ulg": lambda path: write_ulog(log, path, vehicle),
+        "bin": lambda path: write_dataflash(log, path),
         "bag": lambda path: write_bag(log, path, vehicle),
     }
     for name, write in writers.items():

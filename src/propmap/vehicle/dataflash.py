@@ -1,0 +1,211 @@
+"""Reader of ArduPilot's DataFlash logs (.bin), whose messages are in FRD and NED."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import struct
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from propmap.errors import InputError
+from propmap.typing import Floats
+from propmap.vehicle.files import LogMap
+from propmap.vehicle.log import (
+    Recording,
+    Signal,
+    known_at,
+    motor_slots,
+    quaternion_of_angles,
+)
+
+# Fields by message, of which the first that the log has is used; units and frames by ArduPilot's
+# documentation, https://ardupilot.org/copter/docs/logmessages.html: deg, m/s, rad/s, m/s^2, rpm.
+ANGLES = dict.fromkeys(("ATT", "AHR2"), ("Roll", "Pitch", "Yaw"))
+VELOCITY = dict.fromkeys(("XKF1", "NKF1"), ("VN", "VE", "VD"))
+INERTIAL = {"IMU": ("GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ")}
+SPEEDS = {"ESC": ("RPM",), "RPM": ("RPM",)}
+FIELDS = {**ANGLES, **VELOCITY, **INERTIAL, **SPEEDS}
+INSTANCES = ("I", "C", "Instance")
+"""Fields with the number of the sensor, the filter or the motor controller, from 0."""
+
+COMMANDS = "RCOU"
+MOTORS = {
+    **{32 + number: number for number in range(1, 9)},
+    **{73 + number: number for number in range(9, 13)},
+}
+"""Number of the motor by ``SERVOn_FUNCTION``."""
+
+ON_COPROCESSOR = 8
+"""Outputs before those whose controllers are counted, where a coprocessor has the first ones."""
+
+MICROSECOND = 1e-6
+HEAD = b"\xa3\x95"  # before each message
+AS_WRITTEN = "give the .bin file as ArduPilot wrote it"
+
+Samples = Mapping[tuple[str, int], Floats]
+"""Rows of time [s] and fields, (n, 1 + fields), by message and instance."""
+
+
+def read_dataflash(path: Path, log: LogMap) -> Recording:
+    """Read a DataFlash log of ArduPilot.
+
+    ATT (else AHR2), XKF1 (else NKF1) for the velocity, IMU, and ESC (else RPM) for the rotor
+    speeds, in rpm unless the ``log`` map says "erpm".  Of several sensors or filters the first is
+    read; of motor controllers those whose ``SERVOn_FUNCTION`` is a motor's, in the order of the
+    motors' numbers.  Frames are FRD and NED, whatever the map says.  Raises ``InputError``.
+    """
+    samples, parameters = _messages(path)
+
+    def first(sources: Mapping[str, tuple[str, ...]]) -> tuple[str, Floats]:
+        key = min(
+            (key for key in samples if key[0] in sources),
+            key=lambda key: ([*sources].index(key[0]), key[1]),
+        )
+        return key[0], samples[key]
+
+    attitude, angles = first(ANGLES)
+    filtered, velocity = first(VELOCITY)
+    _, inertial = first(INERTIAL)
+    roll, pitch, yaw = np.radians(angles[:, 1:].T)
+    rotor_speed, notes = _rotor_speed(samples, parameters)
+    unit = "erpm" if log.rotor_unit == "erpm" else "rpm"
+    speeds = rotor_speed.values * log.rotor_factor(unit)
+    return Recording(
+        source=str(path),
+        body_frame="frd",
+        world_frame="ned",
+        velocity_in="world",
+        attitude=Signal(
+            f"attitude ({attitude})", angles[:, 0], quaternion_of_angles(roll, pitch, yaw)
+        ),
+        velocity=Signal(f"velocity ({filtered})", velocity[:, 0], velocity[:, 1:]),
+        rates=Signal("rates (IMU)", inertial[:, 0], inertial[:, 1:4]),
+        rotor_speed=Signal(rotor_speed.name, rotor_speed.time, speeds),
+        specific_force=Signal("specific force (IMU)", inertial[:, 0], inertial[:, 4:]),
+        notes=notes,
+    )
+
+
+def _messages(path: Path) -> tuple[Samples, dict[str, float]]:
+    """Return the samples of the messages of use, and the parameters."""
+    from pymavlink.DFReader import DFReader_binary
+
+    class Reader(DFReader_binary):  # type: ignore[misc]
+        def init_arrays_fast(self, progress_callback: Any = None) -> None:
+            """Find the messages as its own Python does, as its C prints past ``sys.stderr``."""
+            try:
+                self.init_arrays(progress_callback)
+            except Exception:
+                self.close()
+                raise
+
+    samples: dict[tuple[str, int], Floats] = {}
+    with path.open("rb") as start:
+        if start.read(len(HEAD)) != HEAD:
+            raise InputError("not a DataFlash log: it does not begin as one", AS_WRITTEN)
+    try:
+        # pymavlink prints what it skips, such as the rest of a sector at the end.
+        quiet = io.StringIO()
+        with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
+            file = Reader(str(path))
+        with contextlib.closing(file):
+            kinds = {name: file.counts[number] for name, number in file.name_to_id.items()}
+            _check_present({name for name, count in kinds.items() if count > 0})
+            for kind, fields in FIELDS.items():
+                if kinds.get(kind, 0) > 0:
+                    columns = _columns(file, kind, ("TimeUS", *fields))
+                    rows = np.array([*columns.values()][: 1 + len(fields)], dtype=np.float64).T
+                    rows[:, 0] *= MICROSECOND
+                    numbers = next((columns[name] for name in INSTANCES if name in columns), None)
+                    which = np.zeros(len(rows)) if numbers is None else np.array(numbers)
+                    samples |= {(kind, int(k)): rows[which == k] for k in np.unique(which)}
+            stated = _columns(file, "PARM", ("Name", "Value")) if kinds.get("PARM") else {}
+    except InputError:
+        raise
+    # Damaged bytes make its parser fail in ways that it does not list.
+    except Exception as error:
+        raise InputError(
+            f"not a DataFlash log: {str(error) or type(error).__name__}", AS_WRITTEN
+        ) from None
+    names = [name.rstrip(b"\0").decode(errors="replace") for name in stated.get("Name", ())]
+    return samples, dict(zip(names, stated.get("Value", ()), strict=True))
+
+
+def _columns(file: Any, kind: str, fields: tuple[str, ...]) -> dict[str, list[Any]]:
+    """Return these ``fields`` of all messages of a kind, and that of their instance.
+
+    This is as pymavlink unpacks them, but all at once: one by one takes three times as long.
+    """
+    layout = file.formats[file.name_to_id[kind]]
+    if not {*fields} <= {*layout.columns}:
+        raise InputError(
+            f"message {kind} has the fields {', '.join(layout.columns)}, expected "
+            f"{', '.join(fields)}",
+            "give a log of a later release of ArduPilot",
+        )
+    unpack = struct.Struct(layout.msg_struct).unpack_from
+    whole = file.data_len - layout.len
+    rows = [unpack(file.data_map, at + 3) for at in file.offsets[layout.type] if at <= whole]
+    found = {}
+    for name in (*fields, *INSTANCES):
+        if name in layout.columns:
+            place = layout.columns.index(name)
+            scale = layout.msg_mults[place]
+            found[name] = [row[place] if scale is None else row[place] * scale for row in rows]
+    return found
+
+
+def _check_present(present: set[str]) -> None:
+    """Raise ``InputError`` for all that a log with messages of these kinds lacks."""
+    wanted = (ANGLES, VELOCITY, INERTIAL, SPEEDS)
+    missing = [" or ".join(kinds) for kinds in wanted if not present & {*kinds}]
+    if not missing:
+        return
+    found = ", ".join(sorted(present & {*FIELDS, COMMANDS})) or "none of use"
+    remedies = []
+    if present & {*SPEEDS}:
+        remedies.append("set LOG_BITMASK so that it is logged")
+    else:
+        remedies.append("fly with motor controllers that report rpm: DShot telemetry or DroneCAN")
+        if COMMANDS in present:
+            remedies.append(f"{COMMANDS} are commands (PWM), no speeds")
+        if len(missing) > 1:
+            remedies.append("set LOG_BITMASK so that the rest is logged")
+    raise InputError(f"no message {', no '.join(missing)}; found {found}", "; ".join(remedies))
+
+
+def _rotor_speed(
+    samples: Samples, parameters: Mapping[str, float]
+) -> tuple[Signal, tuple[str, ...]]:
+    """Return rotor speeds in the unit of the log and notes on what is left out.
+
+    Controllers report one after the other: those of all are interpolated to the times of the one
+    with the fewest samples, but for times at which one of them is silent.
+    """
+    kind = next(kind for kind in SPEEDS if any(key[0] == kind for key in samples))
+    instances = sorted(number for name, number in samples if name == kind)
+    notes: tuple[str, ...] = ()
+    if kind == "ESC":
+        for before in (0, ON_COPROCESSOR):
+            outputs = [f"SERVO{before + k + 1}_FUNCTION" for k in instances]
+            slots = motor_slots([int(parameters.get(name, 0)) for name in outputs], MOTORS)
+            if slots:
+                left = [str(k) for place, k in enumerate(instances) if place not in slots]
+                if left:
+                    notes = (
+                        f"ESC has {len(instances)} instances, of which those of motors 1 to "
+                        f"{len(slots)} are read; left out, as no motor's: {', '.join(left)}",
+                    )
+                instances = [instances[place] for place in slots]
+                break
+    each = [samples[kind, number] for number in instances]
+    start, end = max(r[0, 0] for r in each), min(r[-1, 0] for r in each)
+    time = min(each, key=len)[:, 0]
+    known = [(time >= start) & (time <= end), *(known_at(time, rows[:, 0]) for rows in each)]
+    time = time[np.all(known, axis=0)]
+    speeds = np.stack([np.interp(time, rows[:, 0], rows[:, 1]) for rows in each], axis=1)
+    return Signal(f"rotor speed ({kind})", time, speeds), notes

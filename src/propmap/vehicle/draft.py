@@ -1,0 +1,84 @@
+"""A vehicle file drafted from the parameters of a PX4 log, with what they do not say marked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from propmap.errors import InputError
+from propmap.typing import Floats
+from propmap.vehicle.log_readers import parsed_ulog
+
+UP = (0.0, 0.0, -1.0)  # in FRD
+FIELDS = {"PX": 0.0, "PY": 0.0, "PZ": 0.0, "AX": UP[0], "AY": UP[1], "AZ": UP[2], "KM": 0.05}
+"""Parameters of a rotor after "CA_ROTORn_", with PX4's defaults, which a log may leave out."""
+
+MASS = "WEIGHT_GROSS"  # [kg], -1 where it was not set
+MISSING = "# MISSING: "
+
+
+def draft_vehicle(path: Path) -> str:
+    """Write the TOML text of a vehicle file from a ULog file.
+
+    Places, axes and spins of the rotors are those of CA_ROTORn_*, the mass is WEIGHT_GROSS.  Lines
+    with what the log does not say are comments that begin with "MISSING".  Raises ``InputError``
+    where the log says nothing of rotors.
+    """
+    stated: Mapping[str, float] = parsed_ulog(path).initial_parameters
+    count = int(stated.get("CA_ROTOR_COUNT", 0))
+    if count < 1:
+        raise InputError(
+            "its parameters have no rotors: no CA_ROTOR_COUNT above 0",
+            "give a log of PX4 1.14 or later, whose geometry is set, or write the file by hand",
+            str(path),
+        )
+    mass = float(stated.get(MASS, -1.0))
+    rotors = [
+        {name: float(stated.get(f"CA_ROTOR{k}_{name}", FIELDS[name])) for name in FIELDS}
+        for k in range(count)
+    ]
+    places = np.array([[one["PX"], one["PY"], one["PZ"]] for one in rotors])
+    # Airframes that were never measured have ones for the sides.
+    generic = bool(np.isin(np.abs(places), (0.0, 1.0)).all())
+    lines = [
+        f'# Drafted from {path.name} by "propmap vehicle from-log": fill in what is MISSING.',
+        "schema = 1",
+        f'name = "{_plain(path.stem)}"',
+        'frame = "frd"  # of the positions: x forward, y right, z down',
+        f"mass = {mass:.6g}  # kg, {MASS}: check that the battery is included"
+        if mass > 0.0
+        else f"{MISSING}mass = 1.0  # kg, battery included",
+        f'{MISSING}propeller = "apc-8x6e"  # a name of `propmap props` or a geometry file',
+    ]
+    for number, (one, place) in enumerate(zip(rotors, places, strict=True), start=1):
+        where = f"position = {_numbers(place)}"
+        axis = np.array([one["AX"], one["AY"], one["AZ"]])
+        length = float(np.linalg.norm(axis))
+        lines += [
+            "",
+            f"[[rotors]]  # motor {number} of PX4",
+            f"{MISSING}{where}  # m; these are PX4's generic ones" if generic else where,
+            f'spin = "{"ccw" if one["KM"] > 0.0 else "cw"}"',
+        ]
+        if length > 0.0 and not np.allclose(axis / length, UP, atol=1e-3):
+            lines.append(f"axis = {_numbers(axis / length)}")
+    lines += ["", "[log]", 'rotor_unit = "rpm"  # "erpm" and pole_pairs where it is electrical', ""]
+    return "\n".join(lines)
+
+
+def missing_in(draft: str) -> list[str]:
+    """List the entries that a draft lacks, each once."""
+    lines = [line.removeprefix(MISSING) for line in draft.splitlines() if line.startswith(MISSING)]
+    return list(dict.fromkeys(line.partition(" ")[0] for line in lines))
+
+
+def _numbers(values: Floats) -> str:
+    """Write the values, which PX4 has as 32-bit numbers, as a list of TOML."""
+    return f"[{', '.join(str(float(f'{value:.6g}') + 0.0) for value in values)}]"
+
+
+def _plain(text: str) -> str:
+    """Return a text without what a string of TOML would have to escape."""
+    return "".join(c if c.isprintable() and c not in '"\\' else "_" for c in text)

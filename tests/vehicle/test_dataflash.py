@@ -1,0 +1,119 @@
+"""Logs of ArduPilot: which messages are read, which outputs are motors, and what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from propmap.vehicle.log_checks import check_recording
+from propmap.vehicle.log_readers import read_flight_log, read_recording
+from tests.flight.synthetic import vehicle_with
+
+from .refusals import LOG, message_of
+from .write_dataflash import write_dataflash
+
+
+@pytest.mark.parametrize(
+    "outputs",
+    [
+        {1: 3, 2: 1, 3: 4, 4: 2},
+        {9: 3, 10: 1, 11: 4, 12: 2},  # behind the coprocessor's eight
+        {1: None, 2: 3, 3: 1, 4: None, 5: 4, 6: 2},
+    ],
+)
+def test_motors_are_told_by_their_function(outputs: dict[int, int | None], tmp_path: Path) -> None:
+    path = tmp_path / "a.bin"
+    here = vehicle_with(write_dataflash(LOG, path, outputs=outputs), tmp_path)
+    read = read_flight_log(path, here)
+    np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed, rtol=1e-6)
+    notes = [note for note in check_recording(read_recording(path, here)) if "left out" in note]
+    servos = [k for k, motor in outputs.items() if motor is None]
+    assert len(notes) == bool(servos)
+    assert all("ESC has 6 instances" in note and "motor's: 0, 3" in note for note in notes)
+
+
+def test_speeds_of_rpm_sensors_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "a.BIN"
+    here = vehicle_with(write_dataflash(LOG, path, speeds="RPM"), tmp_path)
+    read = read_flight_log(path, here)
+    np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed, rtol=1e-6)
+
+
+def test_electrical_rpm_are_divided_by_the_pole_pairs(tmp_path: Path) -> None:
+    path = tmp_path / "a.bin"
+    write_dataflash(replace(LOG, rotor_speed=7.0 * LOG.rotor_speed), path)
+    here = vehicle_with('[log]\nrotor_unit = "erpm"\npole_pairs = 7\n', tmp_path)
+    read = read_flight_log(path, here)
+    np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed, rtol=1e-6)
+
+
+def test_a_controller_that_falls_silent_leaves_a_gap(tmp_path: Path) -> None:
+    """What the others report meanwhile is no speed of its own, and nothing is put in its place."""
+    path = tmp_path / "a.bin"
+    here = vehicle_with(write_dataflash(LOG, path, silent=(3, 0.99, 1.61)), tmp_path)
+    read = read_flight_log(path, here)
+    assert not np.any((read.time - 1.0 > 0.99) & (read.time - 1.0 < 1.61))
+    (note,) = [n for n in check_recording(read_recording(path, here)) if "no sample" in n]
+    assert "rotor speed (ESC) has no sample from 0.98 to 1.62 s" in note
+
+
+@pytest.mark.parametrize(
+    ("leave_out", "parts"),
+    [
+        (
+            ("ESC",),
+            [
+                "a.bin: no message ESC or RPM; found ATT, IMU, RCOU, XKF1; fly with motor",
+                "RCOU are commands (PWM), no speeds",
+            ],
+        ),
+        (
+            ("ATT", "XKF1", "ESC", "RCOU"),
+            [
+                "no message ATT or AHR2, no XKF1 or NKF1, no ESC or RPM; found IMU",
+                "set LOG_BITMASK so that the rest is logged",
+            ],
+        ),
+        (("IMU",), ["no message IMU; found ATT, ESC, RCOU, XKF1; set LOG_BITMASK so"]),
+    ],
+)
+def test_all_that_is_missing_is_named(
+    leave_out: tuple[str, ...], parts: list[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "a.bin"
+    here = vehicle_with(write_dataflash(LOG, path, leave_out=leave_out), tmp_path)
+    message = message_of(path, here)
+    for part in parts:
+        assert part in message
+
+
+def test_instances_of_another_count_are_an_error(tmp_path: Path) -> None:
+    """Six controllers, and no parameter that says what they turn."""
+    path = tmp_path / "a.bin"
+    outputs = dict.fromkeys(range(1, 5), 1) | {5: None, 6: None}
+    message = message_of(path, vehicle_with(write_dataflash(LOG, path, outputs=outputs), tmp_path))
+    assert "the log has 6 rotor speeds, of which these ever turn: 1, 2, 3, 4; the veh" in message
+
+
+@pytest.mark.parametrize(
+    "content", [b"\x93\x11junk" * 99, b"\xa3\x95\x80" * 99, bytes(4000), b"ULog\x01\x12\x35"]
+)
+def test_junk_is_refused(content: bytes, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.bin").write_bytes(content)
+    message = message_of(tmp_path / "a.bin", vehicle_with("", tmp_path))
+    assert "a.bin: not a DataFlash log: " in message and "as ArduPilot wrote it" in message
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_log_cut_short_or_damaged_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    path = tmp_path / "a.bin"
+    here = vehicle_with(write_dataflash(LOG, path), tmp_path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2] + bytes(300))
+    assert 50 < len(read_flight_log(path, here)) < 62
+    middle = 2 * len(whole) // 3
+    path.write_bytes(whole[:middle] + bytes(300) + whole[middle + 300 :])
+    assert len(read_flight_log(path, here)) > 110
