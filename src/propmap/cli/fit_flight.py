@@ -79,6 +79,7 @@ from propmap.flight.steady import (
     steady_stretches,
 )
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
+from propmap.model.envelope import MAIN_PART
 from propmap.model.model import Model
 from propmap.model.plausibility import air_warnings, blade_warnings
 from propmap.rotor import Rotor
@@ -440,6 +441,7 @@ def fit_flight(
         model=model.model,
         data=[*logs, vehicle],
         covered=model.coverage(),
+        envelope=model.envelope((0.0, 100.0) if flights.level else MAIN_PART),
         hover=hover_rows(model, fitted.values, fitted.rows),
         remarks=[*note_prior(expected), *remarks, *warnings],
         options={

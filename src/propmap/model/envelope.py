@@ -1,0 +1,136 @@
+"""The envelope of the operating points that constants were fitted to, and what lies beyond it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.typing import Floats
+from propmap.units import RPM
+
+Range = tuple[float, float]
+"""Least and largest."""
+
+QUANTITIES = {
+    "edgewise_ratio": "V sin(beta)/(Omega R)",
+    "advance_ratio": "V/(Omega R)",
+    "climb_ratio": "V cos(beta)/(Omega R)",
+    "rpm": "rotor speed",
+}
+"""What an envelope has ranges of, in words."""
+
+MARGIN = 0.01
+"""By how much a ratio may leave its range and count as inside [-]."""
+
+RPM_MARGIN = 0.2
+"""The share for the rotor speed, which acts on loads over Omega^2 by the Reynolds number alone."""
+
+MAIN_PART = (1.0, 99.0)
+"""Percentiles that are the ends in whole flights, where single samples would widen the ranges."""
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """Ranges of the data of a fit, at the rotors that turn.
+
+    Attributes
+    ----------
+    percentiles : tuple of float
+        Which of the points are the ends: 0 and 100 for all of them, as in a tunnel.
+    edgewise_ratio, advance_ratio, climb_ratio : tuple of float
+        V sin(beta), V and V cos(beta) over the tip's speed Omega R [-].
+    rpm : tuple of float
+        Rotor speed [1/min].
+    """
+
+    percentiles: Range
+    edgewise_ratio: Range
+    advance_ratio: Range
+    climb_ratio: Range
+    rpm: Range
+
+    def __post_init__(self) -> None:
+        for name in QUANTITIES:
+            low, high = getattr(self, name)
+            if not -math.inf < low <= high < math.inf:
+                raise ValueError(f"{name} from {low} to {high} is no range")
+
+    @classmethod
+    def of(
+        cls,
+        omega: Floats,
+        axial: Floats,
+        inplane: Floats,
+        radius: float,
+        percentiles: Range = (0.0, 100.0),
+    ) -> Envelope:
+        """Find the ranges of points [rad/s], V cos(beta) and V sin(beta) [m/s], R [m]."""
+        found = _quantities(omega, axial, inplane, radius)
+        ends = {name: np.nanpercentile(v, percentiles).tolist() for name, v in found.items()}
+        return cls(percentiles, **{name: (low, high) for name, (low, high) in ends.items()})
+
+    def beyond(self, omega: Floats, axial: Floats, inplane: Floats, radius: float) -> Beyond:
+        """Tell which points, as in ``of``, lie outside, and by which quantity."""
+        found = _quantities(omega, axial, inplane, radius)
+        excess = {}
+        for name, values in found.items():
+            low, high = getattr(self, name)
+            margins = (RPM_MARGIN * low, RPM_MARGIN * high) if name == "rpm" else (MARGIN, MARGIN)
+            off = np.where(values > high + margins[1], values - high, 0.0)
+            excess[name] = np.where(values < low - margins[0], values - low, off)
+        return Beyond(self, excess)
+
+
+@dataclass(frozen=True, eq=False)
+class Beyond:
+    """By how much points leave an ``envelope``: 0 inside, negative below the least."""
+
+    envelope: Envelope
+    excess: dict[str, Floats]  # by quantity, in the shape of the points
+
+    @property
+    def points(self) -> NDArray[np.bool_]:
+        """Which points lie outside."""
+        return np.any(np.stack(list(self.excess.values())) != 0.0, axis=0)
+
+    @property
+    def samples(self) -> NDArray[np.bool_]:
+        """Which samples (n,) of several rotors' points (n, k), or points (n,), lie outside."""
+        return _by_sample(self.points)
+
+    def sentence(self, what: str = "points") -> str:
+        """Say how many samples lie outside, by which quantities and how far; "" where none does."""
+        outside = self.samples
+        if not outside.any():
+            return ""
+        parts = []
+        for name, excess in self.excess.items():
+            if not excess.any():
+                continue
+            furthest = excess.flat[np.argmax(np.abs(excess))]
+            low, high = getattr(self.envelope, name)
+            reached, unit = furthest + (high if furthest > 0.0 else low), ""
+            if name == "rpm":
+                unit, reached, low, high = " rpm", round(reached), round(low), round(high)
+            share = f", {_by_sample(excess != 0.0).mean():.1%} of the {what}"
+            parts.append(
+                f"{QUANTITIES[name]} {'up' if furthest > 0.0 else 'down'} to {reached:.5g}{unit} "
+                f"(data {low:.5g} to {high:.5g}{share if outside.size > 1 else ''})"
+            )
+        who = f"{outside.mean():.1%} of the {what} lie" if outside.size > 1 else "it lies"
+        return f"{who} beyond the data of the fit: {'; '.join(parts)}"
+
+
+def _quantities(omega: Floats, axial: Floats, inplane: Floats, radius: float) -> dict[str, Floats]:
+    """Compute the quantities of points; ratios are NaN at rotors that stand still."""
+    tip = np.where(omega > 0.0, omega, np.nan) * radius
+    ratios = (inplane / tip, np.hypot(axial, inplane) / tip, axial / tip)
+    return dict(zip(QUANTITIES, (*ratios, tip / radius / RPM), strict=True))
+
+
+def _by_sample(points: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Join the points of a sample's rotors."""
+    return np.asarray(points.reshape(points.shape[0] if points.ndim else 1, -1).any(axis=1))
