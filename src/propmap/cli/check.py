@@ -33,6 +33,7 @@ from propmap.model.corrections import in_words
 from propmap.model.model import Air, Model
 from propmap.model.plausibility import blade_warnings
 from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.wakes import hub_flow
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -66,7 +67,11 @@ def check(
         out.show(output, *tables)
         return
     loads = {
-        name: _numbers(c.all) | {"by_speed": {band: _numbers(e) for band, e in c.by_speed.items()}}
+        name: _numbers(c.all)
+        | {
+            "by_speed": {band: _numbers(e) for band, e in c.by_speed.items()},
+            "by_envelope": {band: _numbers(e) for band, e in c.by_envelope.items()},
+        }
         for name, c in found.items()
     }
     rows = max((c.all.rows for c in found.values()), default=0)
@@ -75,9 +80,9 @@ def check(
         whole["with_learned_residual"] = {n: _numbers(c.all) for n, c in learned.items()}
     columns = ("load", "band", "rows", "rms", "relative_rms", "bias", "worst", "hover_rms")
     bands = [
-        {"load": name, "band": band} | numbers
-        for name, load in loads.items()
-        for band, numbers in {"all": load, **load["by_speed"]}.items()
+        {"load": name, "band": band} | _numbers(e)
+        for name, c in found.items()
+        for band, e in c.bands.items()
     ]
     out.emit_rows(columns, bands, chosen, output, whole=whole)
 
@@ -102,7 +107,9 @@ def _compare(
         if prop is not None:
             opt.note_reading(prop, blade)
         out.note(*blade_warnings(blade), *tunnel_warnings(data, blade, air))
-        return compare_tunnel(model, measured), {}
+        beyond = fitted.beyond(measured.flow, blade.radius) if fitted else None
+        out.note(*(beyond.told("rows") if beyond else ()))
+        return compare_tunnel(model, measured, beyond.samples if beyond else None), {}
 
     if prop is not None:
         raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
@@ -112,8 +119,11 @@ def _compare(
     _, log, remarks = read_flights(paths, file, "balance", low_pass=cutoff)
     values, more = values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
     forces = flight_forces(flown, log, law, values)
-    out.note(*remarks, *more)
-    errors = compare_forces(flown, log, forces)
+    flow = hub_flow(flown, log)[:3]
+    beyond = fitted.beyond(flow, flown.propeller.radius) if fitted else None
+    outside = beyond.samples if beyond else None
+    out.note(*remarks, *more, *(beyond.told("samples") if beyond else ()))
+    errors = compare_forces(flown, log, forces, outside)
     learned = fitted.learned_residual if fitted else None
     if learned is None:
         return errors, {}
@@ -124,7 +134,7 @@ def _compare(
         "the fit has a learned residual beside the physics; outside the flights that it "
         f"was trained on it fades at {faded:.1f} % of the samples and is off at {off:.1f} %"
     )
-    return errors, compare_forces(flown, log, replace(forces, model=with_it))
+    return errors, compare_forces(flown, log, replace(forces, model=with_it), outside)
 
 
 def _numbers(errors: Any) -> dict[str, Any]:
@@ -146,10 +156,10 @@ def _table(
             f"{e.hover_rms:.4g}",
         )
         for name, c in found.items()
-        for band, e in {"all": c.all, **c.by_speed}.items()
+        for band, e in c.bands.items()
     ]
     physics = f", with {in_words(law.corrections or ())}{besides}"
-    heads = "<load|<speed|rows|rms|relative|bias|worst|hover model's rms"
+    heads = "<load|<rows at|rows|rms|relative|bias|worst|hover model's rms"
     return out.grid(heads, rows, f"Model minus measurement{physics}")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -73,15 +73,31 @@ from propmap.vehicle.wakes import hub_flow, in_wakes
 # A parameter set against measurements, beside the hover model of the same rotor.
 
 
+Mask = NDArray[np.bool_]
+
+
 @dataclass(frozen=True)
 class SpeedErrors:
-    """Errors of one load over all rows and in each band of speed."""
+    """Errors of one load over all rows, inside and outside the envelope of what was fitted to, and
+    in each band of speed."""
 
     all: ResidualErrors
     by_speed: Mapping[str, ResidualErrors]
+    # Of ``INSIDE`` and ``OUTSIDE``, where there are rows; empty where no envelope is known.
+    by_envelope: Mapping[str, ResidualErrors] = field(default_factory=dict)
+
+    @property
+    def bands(self) -> dict[str, ResidualErrors]:
+        """All of them by name."""
+        return {"all": self.all, **self.by_envelope, **self.by_speed}
 
 
-def compare_tunnel(model: Model, data: TunnelData) -> dict[str, SpeedErrors]:
+INSIDE, OUTSIDE = "inside the training's envelope", "outside"
+
+
+def compare_tunnel(
+    model: Model, data: TunnelData, outside: Mask | None = None
+) -> dict[str, SpeedErrors]:
     """Errors of a model on loads measured in a tunnel or on a bench.
 
     Parameters
@@ -90,6 +106,8 @@ def compare_tunnel(model: Model, data: TunnelData) -> dict[str, SpeedErrors]:
         The section law to judge, with the propeller and the air of the test.
     data : TunnelData
         What was measured.
+    outside : ndarray of bool, shape (n,), optional
+        Which rows lie outside the envelope of what the model was fitted to.
 
     Returns
     -------
@@ -101,7 +119,9 @@ def compare_tunnel(model: Model, data: TunnelData) -> dict[str, SpeedErrors]:
     loads = rotor.loads(data.omega, data.speed, data.beta)
     hovers = HoverModel.of(rotor).loads(data.omega)
     return {
-        LOADS[name].column: _compared(getattr(loads, name), measured, data.speed, hovers[name])
+        LOADS[name].column: _compared(
+            getattr(loads, name), measured, data.speed, hovers[name], outside
+        )
         for name, measured in data.loads.items()
     }
 
@@ -150,13 +170,13 @@ def flight_forces(
 
 
 def compare_forces(
-    vehicle: Vehicle, log: FlightLog, forces: FlightForces
+    vehicle: Vehicle, log: FlightLog, forces: FlightForces, outside: Mask | None = None
 ) -> dict[str, SpeedErrors]:
     """Errors of forces and moments along the vehicle's axes, by name with unit.
 
     Forces are held against mass times specific force, and moments, where the vehicle file has
-    moments of inertia, against what turns the vehicle. Raises ``InputError`` without specific
-    force.
+    moments of inertia, against what turns the vehicle. Which samples lie ``outside`` (n,) the
+    envelope of the fit is known or not. Raises ``InputError`` without specific force.
     """
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
@@ -166,7 +186,7 @@ def compare_forces(
     names = (*AXES, *MOMENTS) if np.isfinite(measured[:, 3:]).any() else AXES
     return {
         f"{name}_{UNITS[name].replace(' ', '')}": _compared(
-            forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k]
+            forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k], outside
         )
         for k, name in enumerate(names)
     }
@@ -187,15 +207,19 @@ def compare_flight(
 
 
 def compare_level(
-    vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
+    vehicle: Vehicle,
+    log: FlightLog,
+    law: Section,
+    values: Mapping[str, float],
+    outside: Mask | None = None,
 ) -> dict[str, SpeedErrors]:
     """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17).
 
-    Arguments are those of ``flight_forces``; no specific force is needed.
+    Arguments are those of ``flight_forces`` and ``compare_forces``; no specific force is needed.
     """
     model, hover = level_forces(vehicle, log, law, values)
     weight = np.full(len(log), vehicle.mass * GRAVITY)
-    return {"vertical_force_N": _compared(model, weight, log.speed, hover)}
+    return {"vertical_force_N": _compared(model, weight, log.speed, hover, outside)}
 
 
 def level_forces(
@@ -212,8 +236,17 @@ def level_forces(
     return model, hover
 
 
-def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> SpeedErrors:
-    return SpeedErrors(errors(model, measured, hover), by_band(model, measured, speed, hover))
+def _compared(
+    model: Floats, measured: Floats, speed: Floats, hover: Floats, outside: Mask | None
+) -> SpeedErrors:
+    parts = {} if outside is None else {INSIDE: ~outside, OUTSIDE: outside}
+    by_envelope = {
+        name: errors(model[mine], measured[mine], hover[mine])
+        for name, mine in parts.items()
+        if mine.any()
+    }
+    by_speed = by_band(model, measured, speed, hover)
+    return SpeedErrors(errors(model, measured, hover), by_speed, by_envelope)
 
 
 # -------------------------------------------------------------------------------------------------

@@ -34,7 +34,7 @@ from propmap.fit.tunnel import model_with, section_with
 from propmap.hover import HoverModel
 from propmap.io.sections import looks_like_section_table
 from propmap.model.airfoil import Airfoil, SectionCovariance, fitted_uncertainty, read_airfoil
-from propmap.model.envelope import Envelope
+from propmap.model.envelope import Beyond, Envelope
 from propmap.model.model import Air, Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -92,6 +92,11 @@ class FitFile:
         """What ``propmap fit flight --residual`` learned besides; None where it did not."""
         table = self.record.settings.get("learned_residual")
         return None if table is None else LearnedResidual.of_table(table)
+
+    def beyond(self, flow: tuple[Floats, Floats, Floats], radius: float) -> Beyond | None:
+        """How far points, as in ``Envelope.of``, leave the data; None where that is not known."""
+        known = self.record.envelope
+        return None if known is None else known.beyond(*flow, radius)
 
 
 def fit_text(

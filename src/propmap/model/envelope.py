@@ -101,27 +101,27 @@ class Beyond:
         """Which samples (n,) of several rotors' points (n, k), or points (n,), lie outside."""
         return _by_sample(self.points)
 
-    def sentence(self, what: str = "points") -> str:
-        """Say how many samples lie outside, by which quantities and how far; "" where none does."""
+    def told(self, what: str = "points") -> list[str]:
+        """Say in a sentence how many samples lie outside, by which quantities and how far; none
+        where no sample does."""
         outside = self.samples
         if not outside.any():
-            return ""
+            return []
+        leaving = {n: _by_sample(excess != 0.0) for n, excess in self.excess.items()}
         parts = []
-        for name, excess in self.excess.items():
+        for name in sorted(QUANTITIES, key=lambda name: -leaving[name].sum()):
+            excess = self.excess[name]
             if not excess.any():
                 continue
-            furthest = excess.flat[np.argmax(np.abs(excess))]
+            furthest = float(excess.flat[np.argmax(np.abs(excess))])
             low, high = getattr(self.envelope, name)
-            reached, unit = furthest + (high if furthest > 0.0 else low), ""
-            if name == "rpm":
-                unit, reached, low, high = " rpm", round(reached), round(low), round(high)
-            share = f", {_by_sample(excess != 0.0).mean():.1%} of the {what}"
-            parts.append(
-                f"{QUANTITIES[name]} {'up' if furthest > 0.0 else 'down'} to {reached:.5g}{unit} "
-                f"(data {low:.5g} to {high:.5g}{share if outside.size > 1 else ''})"
-            )
+            ends = (furthest + (high if furthest > 0.0 else low), low, high)
+            reached, *data = (f"{v:.0f} rpm" if name == "rpm" else f"{v:.3g}" for v in ends)
+            way = "up" if furthest > 0.0 else "down"
+            share = f", {leaving[name].mean():.1%}" if outside.size > 1 else ""
+            parts.append(f"{QUANTITIES[name]} {way} to {reached} (data {' to '.join(data)}{share})")
         who = f"{outside.mean():.1%} of the {what} lie" if outside.size > 1 else "it lies"
-        return f"{who} beyond the data of the fit: {'; '.join(parts)}"
+        return [f"{who} beyond the data of the fit: {'; '.join(parts)}"]
 
 
 def _quantities(omega: Floats, axial: Floats, inplane: Floats, radius: float) -> dict[str, Floats]:
