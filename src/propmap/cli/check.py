@@ -226,17 +226,23 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
 
     if vehicle is None:
         measured = read_tunnel(data, file.model.propeller, file.model.air)
-        found = compare_tunnel(file.model, measured)
-        return GivenData([DataSource.of(item) for item in sources(data)], found, tunnel=measured)
+        beyond = file.beyond(measured.flow, file.model.propeller.radius)
+        found = compare_tunnel(file.model, measured, beyond.samples if beyond else None)
+        named = [DataSource.of(item) for item in sources(data)]
+        return GivenData(named, found, tunnel=measured, beyond=beyond)
 
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]
     flown, files = described.vehicle, [DataSource.of(path) for path in paths]
     if all_level_tables(paths):
         _, log, _ = read_flights(paths, described, "level")
-        errors = compare_level(flown, log, file.airfoil, file.values)
-        return GivenData(files, errors, level=(flown, log))
+        beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
+        outside = beyond.samples if beyond else None
+        errors = compare_level(flown, log, file.airfoil, file.values, outside)
+        return GivenData(files, errors, level=(flown, log), beyond=beyond)
     _, log, _ = read_flights(paths, described, "balance", low_pass=file.low_pass)
     values, _ = values_for(file, flown, log, paths)
     forces = flight_forces(flown, log, file.airfoil, values)
-    errors = compare_forces(flown, log, forces)
-    return GivenData(files, errors, residuals=force_trends(flown, log, forces))
+    beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
+    errors = compare_forces(flown, log, forces, beyond.samples if beyond else None)
+    trends = force_trends(flown, log, forces)
+    return GivenData(files, errors, residuals=trends, beyond=beyond)

@@ -119,7 +119,7 @@ def compare_tunnel(
     loads = rotor.loads(data.omega, data.speed, data.beta)
     hovers = HoverModel.of(rotor).loads(data.omega)
     return {
-        LOADS[name].column: _compared(
+        LOADS[name].column: compared(
             getattr(loads, name), measured, data.speed, hovers[name], outside
         )
         for name, measured in data.loads.items()
@@ -185,7 +185,7 @@ def compare_forces(
         raise InputError("there is no specific force to compare with", "log it", log.source)
     names = (*AXES, *MOMENTS) if np.isfinite(measured[:, 3:]).any() else AXES
     return {
-        f"{name}_{UNITS[name].replace(' ', '')}": _compared(
+        f"{name}_{UNITS[name].replace(' ', '')}": compared(
             forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k], outside
         )
         for k, name in enumerate(names)
@@ -219,7 +219,7 @@ def compare_level(
     """
     model, hover = level_forces(vehicle, log, law, values)
     weight = np.full(len(log), vehicle.mass * GRAVITY)
-    return {"vertical_force_N": _compared(model, weight, log.speed, hover, outside)}
+    return {"vertical_force_N": compared(model, weight, log.speed, hover, outside)}
 
 
 def level_forces(
@@ -236,9 +236,10 @@ def level_forces(
     return model, hover
 
 
-def _compared(
+def compared(
     model: Floats, measured: Floats, speed: Floats, hover: Floats, outside: Mask | None
 ) -> SpeedErrors:
+    """Errors of a ``model`` and of the ``hover`` model on what was ``measured``; (n,) each."""
     parts = {} if outside is None else {INSIDE: ~outside, OUTSIDE: outside}
     by_envelope = {
         name: errors(model[mine], measured[mine], hover[mine])
