@@ -68,8 +68,9 @@ class Envelope:
         percentiles: Range = (0.0, 100.0),
     ) -> Envelope:
         """Find the ranges of points [rad/s], V cos(beta) and V sin(beta) [m/s], R [m]."""
-        found = _quantities(omega, axial, inplane, radius)
-        ends = {name: np.nanpercentile(v, percentiles).tolist() for name, v in found.items()}
+        turning = omega > 0.0
+        found = _quantities(omega[turning], axial[turning], inplane[turning], radius)
+        ends = {name: np.percentile(v, percentiles).tolist() for name, v in found.items()}
         return cls(percentiles, **{name: (low, high) for name, (low, high) in ends.items()})
 
     def beyond(self, omega: Floats, axial: Floats, inplane: Floats, radius: float) -> Beyond:
@@ -128,7 +129,7 @@ def _quantities(omega: Floats, axial: Floats, inplane: Floats, radius: float) ->
     """Compute the quantities of points; ratios are NaN at rotors that stand still."""
     tip = np.where(omega > 0.0, omega, np.nan) * radius
     ratios = (inplane / tip, np.hypot(axial, inplane) / tip, axial / tip)
-    return dict(zip(QUANTITIES, (*ratios, tip / radius / RPM), strict=True))
+    return dict(zip(QUANTITIES, (*ratios, omega / RPM), strict=True))
 
 
 def _by_sample(points: NDArray[np.bool_]) -> NDArray[np.bool_]:
