@@ -94,7 +94,10 @@ class FitFile:
         return None if table is None else LearnedResidual.of_table(table)
 
     def beyond(self, flow: tuple[Floats, Floats, Floats], radius: float) -> Beyond | None:
-        """How far points, as in ``Envelope.of``, leave the data; None where that is not known."""
+        """How far points leave the data of the fit; None where that is not known.
+
+        Their ``flow`` are the arrays of ``Envelope.beyond``, ``radius`` is R [m].
+        """
         known = self.record.envelope
         return None if known is None else known.beyond(*flow, radius)
 

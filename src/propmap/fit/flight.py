@@ -349,7 +349,7 @@ class ForceModel:
         return coverage(flow.omega.ravel(), speed.ravel(), beta.ravel(), radius)
 
     def envelope(self, percentiles: Range) -> Envelope:
-        """Ranges of the flow at all rotors between these percentiles of their points."""
+        """Ranges of the flow at all rotors between these ``percentiles`` of their points."""
         flow, radius = self.flow, self.vehicle.propeller.radius
         return Envelope.of(flow.omega, flow.axial, flow.inplane, radius, percentiles)
 

@@ -67,14 +67,24 @@ class Envelope:
         radius: float,
         percentiles: Range = (0.0, 100.0),
     ) -> Envelope:
-        """Find the ranges of points [rad/s], V cos(beta) and V sin(beta) [m/s], R [m]."""
+        """Find the ranges of points ``omega``, ``axial``, ``inplane`` and ``radius``, as in
+        ``beyond``, between these ``percentiles``."""
         turning = omega > 0.0
         found = _quantities(omega[turning], axial[turning], inplane[turning], radius)
         ends = {name: np.percentile(v, percentiles).tolist() for name, v in found.items()}
         return cls(percentiles, **{name: (low, high) for name, (low, high) in ends.items()})
 
     def beyond(self, omega: Floats, axial: Floats, inplane: Floats, radius: float) -> Beyond:
-        """Tell which points, as in ``of``, lie outside, and by which quantity."""
+        """Tell which points lie outside, and by which quantity.
+
+        Parameters
+        ----------
+        omega, axial, inplane : ndarray, shape (n,) or (n, k)
+            Of n points or of k rotors at n samples: rotational speed [rad/s], V cos(beta) and
+            V sin(beta) [m/s].
+        radius : float
+            R [m].
+        """
         found = _quantities(omega, axial, inplane, radius)
         excess = {}
         for name, values in found.items():
@@ -87,10 +97,14 @@ class Envelope:
 
 @dataclass(frozen=True, eq=False)
 class Beyond:
-    """By how much points leave an ``envelope``: 0 inside, negative below the least."""
+    """By how much points leave an ``envelope``.
+
+    The ``excess`` by quantity has the shape of the points, is 0 inside and negative below the
+    least.
+    """
 
     envelope: Envelope
-    excess: dict[str, Floats]  # by quantity, in the shape of the points
+    excess: dict[str, Floats]
 
     @property
     def points(self) -> NDArray[np.bool_]:
@@ -103,8 +117,8 @@ class Beyond:
         return _by_sample(self.points)
 
     def told(self, what: str = "points") -> list[str]:
-        """Say in a sentence how many samples lie outside, by which quantities and how far; none
-        where no sample does."""
+        """Say in a sentence how many samples, called ``what``, lie outside, by which quantities and
+        how far; none where no sample does."""
         outside = self.samples
         if not outside.any():
             return []
