@@ -81,9 +81,9 @@ def test_a_use_beyond_the_data_is_no_yes(
     count = 100
     inplane = np.where(np.arange(count) < share * count, 30.0, 3.0)
     beyond = ENVELOPE.beyond(np.full(count, 500.0), np.zeros(count), inplane, 0.1)
-    outside, measured = beyond.samples, np.ones(count)
-    model = measured + np.where(outside, off, 0.01)
-    errors = compared(model, measured, inplane, measured + 2.0, outside)
+    measured = np.ones(count)
+    model = measured + np.where(beyond.samples, off, 0.01)
+    errors = compared(model, measured, inplane, measured + 2.0, beyond)
     given = fit_page.GivenData([], {"thrust_N": errors}, beyond=beyond)
     text = told(record(), monkeypatch, given)
     assert f"{level}. Where there were data" in text

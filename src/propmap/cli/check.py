@@ -109,7 +109,7 @@ def _compare(
         out.note(*blade_warnings(blade), *tunnel_warnings(data, blade, air))
         beyond = fitted.beyond(measured.flow, blade.radius) if fitted else None
         out.note(*(beyond.told("rows") if beyond else ()))
-        return compare_tunnel(model, measured, beyond.samples if beyond else None), {}
+        return compare_tunnel(model, measured, beyond), {}
 
     if prop is not None:
         raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
@@ -119,11 +119,9 @@ def _compare(
     _, log, remarks = read_flights(paths, file, "balance", low_pass=cutoff)
     values, more = values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
     forces = flight_forces(flown, log, law, values)
-    flow = hub_flow(flown, log)[:3]
-    beyond = fitted.beyond(flow, flown.propeller.radius) if fitted else None
-    outside = beyond.samples if beyond else None
+    beyond = fitted.beyond(hub_flow(flown, log)[:3], flown.propeller.radius) if fitted else None
     out.note(*remarks, *more, *(beyond.told("samples") if beyond else ()))
-    errors = compare_forces(flown, log, forces, outside)
+    errors = compare_forces(flown, log, forces, beyond)
     learned = fitted.learned_residual if fitted else None
     if learned is None:
         return errors, {}
@@ -134,7 +132,7 @@ def _compare(
         "the fit has a learned residual beside the physics; outside the flights that it "
         f"was trained on it fades at {faded:.1f} % of the samples and is off at {off:.1f} %"
     )
-    return errors, compare_forces(flown, log, replace(forces, model=with_it), outside)
+    return errors, compare_forces(flown, log, replace(forces, model=with_it), beyond)
 
 
 def _numbers(errors: Any) -> dict[str, Any]:
@@ -227,7 +225,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     if vehicle is None:
         measured = read_tunnel(data, file.model.propeller, file.model.air)
         beyond = file.beyond(measured.flow, file.model.propeller.radius)
-        found = compare_tunnel(file.model, measured, beyond.samples if beyond else None)
+        found = compare_tunnel(file.model, measured, beyond)
         named = [DataSource.of(item) for item in sources(data)]
         return GivenData(named, found, tunnel=measured, beyond=beyond)
 
@@ -236,13 +234,12 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     if all_level_tables(paths):
         _, log, _ = read_flights(paths, described, "level")
         beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
-        outside = beyond.samples if beyond else None
-        errors = compare_level(flown, log, file.airfoil, file.values, outside)
+        errors = compare_level(flown, log, file.airfoil, file.values, beyond)
         return GivenData(files, errors, level=(flown, log), beyond=beyond)
     _, log, _ = read_flights(paths, described, "balance", low_pass=file.low_pass)
     values, _ = values_for(file, flown, log, paths)
     forces = flight_forces(flown, log, file.airfoil, values)
     beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
-    errors = compare_forces(flown, log, forces, beyond.samples if beyond else None)
+    errors = compare_forces(flown, log, forces, beyond)
     trends = force_trends(flown, log, forces)
     return GivenData(files, errors, residuals=trends, beyond=beyond)

@@ -60,6 +60,7 @@ from propmap.fit.uncertainty import uncertainty
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
+from propmap.model.envelope import Beyond
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -71,9 +72,6 @@ from propmap.vehicle.wakes import hub_flow, in_wakes
 
 # -------------------------------------------------------------------------------------------------
 # A parameter set against measurements, beside the hover model of the same rotor.
-
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -96,7 +94,7 @@ INSIDE, OUTSIDE = "inside the training's envelope", "outside"
 
 
 def compare_tunnel(
-    model: Model, data: TunnelData, outside: Mask | None = None
+    model: Model, data: TunnelData, beyond: Beyond | None = None
 ) -> dict[str, SpeedErrors]:
     """Errors of a model on loads measured in a tunnel or on a bench.
 
@@ -106,8 +104,8 @@ def compare_tunnel(
         The section law to judge, with the propeller and the air of the test.
     data : TunnelData
         What was measured.
-    outside : ndarray of bool, shape (n,), optional
-        Which rows lie outside the envelope of what the model was fitted to.
+    beyond : Beyond, optional
+        How far the rows leave the envelope of what the model was fitted to.
 
     Returns
     -------
@@ -120,7 +118,7 @@ def compare_tunnel(
     hovers = HoverModel.of(rotor).loads(data.omega)
     return {
         LOADS[name].column: compared(
-            getattr(loads, name), measured, data.speed, hovers[name], outside
+            getattr(loads, name), measured, data.speed, hovers[name], beyond
         )
         for name, measured in data.loads.items()
     }
@@ -170,13 +168,13 @@ def flight_forces(
 
 
 def compare_forces(
-    vehicle: Vehicle, log: FlightLog, forces: FlightForces, outside: Mask | None = None
+    vehicle: Vehicle, log: FlightLog, forces: FlightForces, beyond: Beyond | None = None
 ) -> dict[str, SpeedErrors]:
     """Errors of forces and moments along the vehicle's axes, by name with unit.
 
     Forces are held against mass times specific force, and moments, where the vehicle file has
-    moments of inertia, against what turns the vehicle. Which samples lie ``outside`` (n,) the
-    envelope of the fit is known or not. Raises ``InputError`` without specific force.
+    moments of inertia, against what turns the vehicle. ``beyond`` says how far the samples leave
+    the envelope of the fit. Raises ``InputError`` without specific force.
     """
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
@@ -186,7 +184,7 @@ def compare_forces(
     names = (*AXES, *MOMENTS) if np.isfinite(measured[:, 3:]).any() else AXES
     return {
         f"{name}_{UNITS[name].replace(' ', '')}": compared(
-            forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k], outside
+            forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k], beyond
         )
         for k, name in enumerate(names)
     }
@@ -211,7 +209,7 @@ def compare_level(
     log: FlightLog,
     law: Section,
     values: Mapping[str, float],
-    outside: Mask | None = None,
+    beyond: Beyond | None = None,
 ) -> dict[str, SpeedErrors]:
     """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17).
 
@@ -219,7 +217,7 @@ def compare_level(
     """
     model, hover = level_forces(vehicle, log, law, values)
     weight = np.full(len(log), vehicle.mass * GRAVITY)
-    return {"vertical_force_N": compared(model, weight, log.speed, hover, outside)}
+    return {"vertical_force_N": compared(model, weight, log.speed, hover, beyond)}
 
 
 def level_forces(
@@ -237,10 +235,10 @@ def level_forces(
 
 
 def compared(
-    model: Floats, measured: Floats, speed: Floats, hover: Floats, outside: Mask | None
+    model: Floats, measured: Floats, speed: Floats, hover: Floats, beyond: Beyond | None
 ) -> SpeedErrors:
     """Errors of a ``model`` and of the ``hover`` model on what was ``measured``; (n,) each."""
-    parts = {} if outside is None else {INSIDE: ~outside, OUTSIDE: outside}
+    parts = {} if beyond is None else {INSIDE: ~beyond.samples, OUTSIDE: beyond.samples}
     by_envelope = {
         name: errors(model[mine], measured[mine], hover[mine])
         for name, mine in parts.items()
