@@ -56,20 +56,6 @@ def coaxial(found: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def learned(found: dict[str, Any]) -> str:
-    """What a learned residual changes on the flight that it has not seen."""
-    lines = [
-        "| trained on | checked on | physics, x, y, z [N] | with the residual [N] |",
-        "|---|---|---|---|",
-    ]
-    for row in found["checks"]:
-        pair = (", ".join(f"{x:.3f}" for x in row[k]) for k in ("physics_N", "with_residual_N"))
-        lines.append(
-            f"| {_short(row['trained'])} | {_short(row['checked'])} | {' | '.join(pair)} |"
-        )
-    return "\n".join(lines)
-
-
 def _errors(found: dict[str, Any], model: str, flight: str, signals: str, fitted: str) -> str:
     for row in found["errors"]:
         asked = (row["model"], row["flight"], row["signals"], row["fitted_to_it"])

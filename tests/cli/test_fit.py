@@ -12,16 +12,20 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.fit.comparison import INSIDE, OUTSIDE
+from propmap.fit.files import read_fit
 from propmap.model.airfoil import parameter_set
 
 from .conftest import Run
 from .fit_inputs import (
     CHECKED,
     FREE,
+    ONE_SPEED,
     QUICK,
     UIUC,
     fit_record,
     fitted,
+    picked,
     uiuc_files,
 )
 
@@ -145,13 +149,44 @@ def test_check_as_json(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> None:
     assert found["corrections"] == ["pitt-peters", "radial-friction"] and found["rows"] == 14
     assert set(found["loads"]) == {"thrust_N", "torque_Nm"}
     for name, load in found["loads"].items():
-        assert set(load) == CHECKED | {"by_speed"}
+        assert set(load) == CHECKED | {"by_speed", "by_envelope"}
+        # Nothing of its own data is beyond them.
+        assert load["by_envelope"] == {INSIDE: {key: load[key] for key in CHECKED}}
         assert sum(band["rows"] for band in load["by_speed"].values()) == 14
         assert all(set(band) == CHECKED for band in load["by_speed"].values())
         # The data of the fit itself.
         residual = fit_record(tunnel_fit)["residuals"][name.partition("_")[0]]
         assert load["rms"] == pytest.approx(residual["rms"], rel=0.02)
         assert load["bias"] == pytest.approx(residual["bias"], rel=0.1)
+
+
+def test_check_tells_errors_beyond_the_training_apart(
+    run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Path
+) -> None:
+    known = read_fit(tunnel_fit).record.envelope
+    assert known is not None and known.percentiles == (0.0, 100.0)
+    assert known.edgewise_ratio == (0.0, 0.0) and known.climb_ratio == known.advance_ratio
+    # Twice the speed of the fastest row, with loads that are wrong by far.
+    rpm, speed = ONE_SPEED, 2.0 * float(UIUC.speed[picked()].max())
+    (tmp_path / "more.csv").write_text(f"{tunnel_csv.read_text()}{rpm},{speed},0,1.0,0.01\n")
+    arguments = ["check", tunnel_fit, "more.csv"]
+    done = run(*arguments, "--format", "json")
+    assert done.err.startswith("note: 6.7% of the rows lie beyond the data of the fit: V")
+    assert "rotor speed" not in done.err and "V cos(beta)/(Omega R) up to" in done.err
+    thrust = json.loads(done.out)["loads"]["thrust_N"]
+    apart = thrust["by_envelope"]
+    assert (apart[INSIDE]["rows"], apart[OUTSIDE]["rows"]) == (14, 1)
+    assert apart[OUTSIDE]["rms"] == pytest.approx(abs(thrust["worst"]))
+    own = fit_record(tunnel_fit)["residuals"]["thrust"]["rms"]
+    assert apart[INSIDE]["rms"] == pytest.approx(own, rel=0.02)
+    rows = list(csv.DictReader(io.StringIO(run(*arguments, "--format", "csv").out)))
+    assert [r["band"] for r in rows if r["load"] == "thrust_N"][:3] == ["all", INSIDE, OUTSIDE]
+    assert INSIDE in run(*arguments).out
+    # An earlier version wrote no envelope: nothing is said.
+    (tmp_path / "old.toml").write_text(tunnel_fit.read_text().partition("[fit.envelope]")[0])
+    old = run("check", "old.toml", "more.csv", "--format", "json")
+    assert (old.code, old.err) == (0, "")
+    assert json.loads(old.out)["loads"]["thrust_N"]["by_envelope"] == {}
 
 
 def test_check_as_csv_table_and_file(

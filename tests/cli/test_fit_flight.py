@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
-import tomli_w
 
 from propmap.cli import main
-from propmap.fit.learned_residual import LearnedResidual, features
 from propmap.units import GRAVITY
-from propmap.vehicle.files import read_vehicle
-from propmap.vehicle.log_readers import read_flight_log
 
 from .conftest import Run, brief_commands
 from .fit_inputs import CHECKED, FREE, LEVEL, QUICK, VEHICLE, fit_record, fitted
@@ -40,7 +35,6 @@ def test_a_level_table(level_fit: Path) -> None:
     assert names == ["level.csv", "vehicle.toml"]
     assert set(found["residuals"]) == {"vertical_force"}
     assert found["settings"]["vehicle"] == "test quadrotor"
-    assert "learned_residual" not in found["settings"]
     # Numbers made up near the hover of paper-apc.
     assert found["residuals"]["vertical_force"]["relative_rms"] < 0.1
 
@@ -79,58 +73,6 @@ def turning_log(folder: Path, count: int = 200) -> Path:
     return folder / "log.csv"
 
 
-@pytest.mark.usefixtures("brief")
-def test_a_learned_residual_is_told_apart_by_check(
-    level_fit: Path, run: Run, tmp_path: Path
-) -> None:
-    log = turning_log(tmp_path, 60)
-    logged = ["--vehicle", "logged.toml", "--format", "json"]
-    without = run("check", level_fit, log, *logged)
-    file = read_vehicle(tmp_path / "logged.toml")
-    names = tuple(features(file.vehicle, read_flight_log(log, file)))
-    count = len(names)
-    wide, none = np.full(count, 10.0), np.zeros((3, count))
-    none[0, 0] = 0.01
-    learned = LearnedResidual(
-        names=names,
-        low=-wide,
-        high=wide,
-        middle=np.zeros(count),
-        spread=np.ones(count),
-        weights=none,
-        covariance=np.zeros((3, count, count)),
-        noise=np.ones(3),
-        evidence=np.array([9.0, 9.0, 0.0]),
-        without=np.ones(3),
-        with_it=0.5 * np.ones(3),
-    )
-    table = tomllib.loads(level_fit.read_text())
-    table["fit"]["settings"]["learned_residual"] = learned.table()
-    (tmp_path / "with.toml").write_text(tomli_w.dumps(table))
-    told = run("check", "with.toml", log, *logged)
-    assert told.code == 0 and "a learned residual beside the physics" in told.err
-    found, plain = json.loads(told.out), json.loads(without.out)
-    added = found.pop("with_learned_residual")
-    assert found == plain and "learned residual" not in without.err
-    more = added["force_x_N"]["bias"] - plain["loads"]["force_x_N"]["bias"]
-    # 0.01 rho A (Omega R)^2 of four rotors that turn at 585 rad/s and a little more.
-    blade, air = file.vehicle.propeller, file.vehicle.air
-    one = air.density * np.pi * blade.radius**4 * 588.0**2
-    assert more == pytest.approx(0.04 * one, rel=0.02)
-    assert added["force_y_N"]["rms"] == plain["loads"]["force_y_N"]["rms"]
-    text = run("check", "with.toml", log, *logged[:2]).out
-    assert "with the learned residual" in text
-
-
-@pytest.mark.usefixtures("brief")
-def test_a_residual_is_not_learned_from_steady_stretches(level_fit: Path, run: Run) -> None:
-    place = level_fit.parent
-    level = [place / "level.csv", "--vehicle", place / "vehicle.toml", "--method", "level"]
-    told = run("fit", "flight", *level, *QUICK, "--residual", "-o", "no.toml")
-    assert told.code == 2 and "--residual is for whole flights" in told.err
-    assert not Path("no.toml").exists()
-
-
 @pytest.mark.slow
 def test_without_steady_stretches_all_forces_are_fitted(run: Run, tmp_path: Path) -> None:
     log = turning_log(tmp_path)
@@ -146,7 +88,11 @@ def test_without_steady_stretches_all_forces_are_fitted(run: Run, tmp_path: Path
     checked = json.loads(run("check", "out.toml", log, *vehicle, "--format", "json").out)
     assert set(checked) == {"corrections", "rows", "loads"} and checked["rows"] == 200
     assert set(checked["loads"]) == {"force_x_N", "force_y_N", "force_z_N"}
-    assert set(checked["loads"]["force_z_N"]) == CHECKED | {"by_speed"}
+    assert set(checked["loads"]["force_z_N"]) == CHECKED | {"by_speed", "by_envelope"}
+    # Of whole flights the main part is the envelope.
+    assert found["envelope"]["percentiles"] == [1.0, 99.0]
+    apart = checked["loads"]["force_z_N"]["by_envelope"]
+    assert sum(one["rows"] for one in apart.values()) == 200
     refused = run("fit", "flight", log, *vehicle, *free, "--method", "level", "-o", "no.toml")
     assert refused.code == 2 and "no steady stretch of 2 s" in refused.err
     assert not (tmp_path / "no.toml").exists()

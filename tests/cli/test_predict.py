@@ -16,6 +16,7 @@ import propmap
 from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints
 from propmap.loads import LOADS
 from propmap.results import Loads
+from tests.fit.fit_records import ENVELOPE, fit_text
 
 from .conftest import BETA, POINT, POINTS, ROTOR, RPM, SPEED, Run
 
@@ -49,6 +50,18 @@ def test_points_to_json_and_csv(run: Run, rotor: propmap.Rotor, points_csv: Path
         for column, field in FIELDS.items():
             assert one[column] == float(row[column]) == getattr(loads, field)[i]
         assert one["status"] == row["status"] == "ok"
+
+
+def test_points_beyond_the_data_of_a_fit_are_told(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "fit.toml").write_text(fit_text(envelope=ENVELOPE))
+    law = ["apc-8x6e", "--airfoil", "fit.toml", "--rpm", "5000", "--format", "json"]
+    inside = run("predict", *law, "--speed", "5", "--beta", "60")
+    assert (inside.code, inside.err) == (0, "")
+    beyond = run("predict", *law, "--speed", "18", "--beta", "60")
+    assert beyond.err.startswith("note: it lies beyond the data of the fit: V sin(beta)")
+    assert "up to 0.29" in beyond.err and "(data 0 to 0.25)" in beyond.err
+    down = run("predict", *law, "--speed", "5", "--beta", "170").err
+    assert "V cos(beta)/(Omega R) down to -0.0926 (data -0.05 to 0.2)" in down
 
 
 def test_one_row_is_still_a_list(run: Run, tmp_path: Path) -> None:

@@ -13,6 +13,9 @@ import propmap
 from propmap.fit.files import DataSource, FitRecord, FittedLoad, FittedPropeller, FreeParameter
 from propmap.fit.fit import Coverage, CoveredAngle
 from propmap.fit.least_squares import End, ResidualErrors
+from propmap.model.envelope import Envelope
+
+ENVELOPE = Envelope((0.0, 100.0), (0.0, 0.25), (0.0, 0.25), (-0.05, 0.2), (4000.0, 6000.0))
 
 
 def load(name: str, rms: float, hover: float, crossed: float = math.nan) -> FittedLoad:

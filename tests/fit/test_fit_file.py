@@ -12,8 +12,9 @@ import pytest
 from propmap.errors import InputError
 from propmap.fit.files import DataSource, read_fit
 from propmap.fit.fit import coverage
+from propmap.model.airfoil import parameter_set
 
-from .fit_records import fit_text, parameter, record
+from .fit_records import ENVELOPE, fit_text, parameter, record
 
 
 def written(folder: Path, text: str) -> Path:
@@ -32,6 +33,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
         "settings": {"loss": "linear", "loads": ["thrust"]},
         "body": {"lift_area": 0.01},
         "wing": {"wing_c_l1": 4.0},
+        "envelope": ENVELOPE,
     }
     want = record(**changed)
     found = read_fit(written(tmp_path, fit_text(**changed)))
@@ -41,6 +43,14 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     assert found.values == {"lift_area": 0.01, "wing_c_l1": 4.0}
     assert found.model.propeller.name == "apc-8x6e" and found.model.air == want.air
     assert found.covariance is not None and found.covariance.unknown == ("c_d",)
+    known = parameter_set(tmp_path / "fit.toml").uncertainty
+    assert found.record.envelope == ENVELOPE and known is not None and known.envelope == ENVELOPE
+
+
+def test_a_file_of_an_earlier_version_has_no_envelope(tmp_path: Path) -> None:
+    path = written(tmp_path, fit_text())
+    known = parameter_set(path).uncertainty
+    assert read_fit(path).record.envelope is None and known is not None and known.envelope is None
 
 
 @pytest.mark.parametrize(
@@ -54,14 +64,16 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
         (r"\[fit.covered\]", "[fit.covered]\nrpm = [2, 1]\n[x]", "at covered"),
         ('"c_l1",', "", "parameters are not those that are free"),
         (r"chord_m = \[\n", "chord_m = [ -0.01,", "the table [fit] is damaged: "),
+        (r"\[fit.envelope\]", "[fit.envelope]\nrpm = [2, 1]\n[x]", "is damaged: "),
         ("density = .*", "density = -1.2", "at air: air density is -1.2: it must be positive"),
     ],
 )
 def test_the_entry_that_is_damaged_is_named(
     tmp_path: Path, entry: str, damage: str, says: str
 ) -> None:
-    text = re.sub(entry, damage, fit_text(), count=1)
-    assert text != fit_text()
+    whole = fit_text(envelope=ENVELOPE)
+    text = re.sub(entry, damage, whole, count=1)
+    assert text != whole
     with pytest.raises(InputError) as refused:
         read_fit(written(tmp_path, text))
     assert says in str(refused.value) and str(refused.value).startswith(str(tmp_path))

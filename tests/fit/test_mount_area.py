@@ -18,6 +18,7 @@ from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.fit.tunnel import TunnelData, model_with, tunnel_rows
 from propmap.flight.simulate import expectation, true_values
 from propmap.model.corrections import Installed
+from propmap.model.envelope import Envelope
 from propmap.vehicle.vehicle import Vehicle
 from tests.fit.test_flight_fit import MOUNTS, OMEGA, VELOCITIES, log
 
@@ -57,6 +58,7 @@ def file(fitted: Fitted, data: TunnelData, tmp_path_factory: pytest.TempPathFact
         model=MODEL,
         data=["uiuc-8x6e"],
         covered=coverage(data.omega, data.speed, data.beta, BLADE.radius),
+        envelope=Envelope.of(*data.flow, BLADE.radius),
         hover=np.zeros(fitted.rows.measured.size),
         remarks=(),
         options={},

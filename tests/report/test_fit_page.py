@@ -11,13 +11,14 @@ import pytest
 from matplotlib.figure import Figure
 
 import propmap
+from propmap.fit.comparison import compared
 from propmap.fit.files import FitFile, FitRecord
 from propmap.loads import LOADS
 from propmap.report import fit_curves, fit_page
 from propmap.report.fit_curves import DRAWS, drawn_changes, held, load_lines
 from propmap.report.fit_page import angles_without_data, overall, speed_rows
 from propmap.report.html import PAGE, FigureRecord
-from tests.fit.fit_records import covered, load, parameter, record
+from tests.fit.fit_records import ENVELOPE, covered, load, parameter, record
 
 
 def file_of(fit: FitRecord) -> FitFile:
@@ -25,12 +26,14 @@ def file_of(fit: FitRecord) -> FitFile:
     return FitFile(law, None, fit)
 
 
-def told(fit: FitRecord, monkeypatch: pytest.MonkeyPatch) -> str:
+def told(
+    fit: FitRecord, monkeypatch: pytest.MonkeyPatch, given: fit_page.GivenData | None = None
+) -> str:
     """The text of the page, without load curves and pictures."""
     nothing = FigureRecord("fit-loads", [], Figure), {"rpm": 5000.0, "draws": 0, "motor": ""}
     monkeypatch.setattr(fit_curves, "load_lines", lambda *_: nothing)
     monkeypatch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")
-    html = fit_page.fit_pages(file_of(fit), "fit.toml", "abc", None)[PAGE]
+    html = fit_page.fit_pages(file_of(fit), "fit.toml", "abc", given)[PAGE]
     assert isinstance(html, str)
     text = unescape(re.sub(r"<[^>]+>", " ", html)).replace("\N{NO-BREAK SPACE}", " ")
     return " ".join(text.split())
@@ -65,6 +68,30 @@ def test_one_speed_is_never_trusted_alone(monkeypatch: pytest.MonkeyPatch) -> No
     fit = record(speed=(7.0, 7.5))
     assert overall(fit) == "caution"
     assert "The data are from one speed" in told(fit, monkeypatch)
+
+
+@pytest.mark.parametrize(
+    ("share", "off", "level"),
+    [(0.02, 1.0, "Yes"), (0.2, 0.04, "With care"), (0.2, 1.0, "No")],
+    ids=["a few rows", "beyond, where it still holds", "beyond, where it fails"],
+)
+def test_a_use_beyond_the_data_is_no_yes(
+    share: float, off: float, level: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    count = 100
+    inplane = np.where(np.arange(count) < share * count, 30.0, 3.0)
+    beyond = ENVELOPE.beyond(np.full(count, 500.0), np.zeros(count), inplane, 0.1)
+    measured = np.ones(count)
+    model = measured + np.where(beyond.samples, off, 0.01)
+    errors = compared(model, measured, inplane, measured + 2.0, beyond)
+    given = fit_page.GivenData([], {"thrust_N": errors}, beyond=beyond)
+    text = told(record(), monkeypatch, given)
+    assert f"{level}. Where there were data" in text
+    asked = "The data given are beyond that."
+    assert (asked in text) == (level != "Yes")
+    if asked in text:
+        assert "20.0% of the rows lie beyond the data of the fit: V sin(beta)" in text
+        assert f"The rms errors there are thrust {off:g} N (0.01 inside)." in text
 
 
 def test_every_speed_has_its_own_answer() -> None:

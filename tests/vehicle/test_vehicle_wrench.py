@@ -13,7 +13,9 @@ import pytest
 
 import propmap
 from propmap import InputError, VehicleForces
+from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.model.corrections import Installed
+from propmap.model.envelope import Envelope
 from propmap.results import STATUSES
 from propmap.table.interpolation import STATUSES as TABLE_STATUSES
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
@@ -209,7 +211,7 @@ def test_the_worst_status_and_no_number_where_loads_are_lost(wakes: Wakes | None
 
 
 def test_every_status_has_a_place() -> None:
-    assert set(SEVERITY) == {*STATUSES, *TABLE_STATUSES}
+    assert set(SEVERITY) == {*STATUSES, *TABLE_STATUSES, "extrapolated"}
     for order in (STATUSES, TABLE_STATUSES):
         places = [SEVERITY.index(name) for name in order]
         assert places == sorted(places)
@@ -217,6 +219,26 @@ def test_every_status_has_a_place() -> None:
         "windmill",
         "outside",
     ]
+
+
+def test_a_rotor_beyond_the_data_of_its_constants_is_extrapolated() -> None:
+    ends = Envelope((0.0, 100.0), (0.0, 0.1), (0.0, 0.1), (-0.05, 0.05), (5000.0, 7000.0))
+    known = SectionUncertainty(SectionCovariance((), np.zeros((0, 0))), envelope=ends)
+    law = replace(MODEL.airfoil, uncertainty=known)
+    forces = VehicleForces(SYMMETRIC, propmap.Rotor(replace(MODEL, airfoil=law)))
+    slow, fast, sinking = [3.0, 0.0, 0.0], [12.0, 0.0, 0.0], [0.0, 0.0, -6.5]
+    found = forces.wrench([600.0] * 4, [slow, fast, sinking])
+    assert found.status[:2].tolist() == ["ok", "extrapolated"]
+    # What momentum theory cannot tell is worse.
+    assert found.status[2] == "vortex_ring"
+    assert (found.rotor_status[1] == "extrapolated").all()
+    one = forces.wrench([[600.0, 600.0, 600.0, 900.0]], slow)
+    assert one.rotor_status[0].tolist() == ["ok", "ok", "ok", "extrapolated"]
+    assert one.status.tolist() == ["extrapolated"]
+    # The loads are those of the same rotor without a word.
+    plain = VehicleForces(SYMMETRIC, ROTOR).wrench([600.0] * 4, [slow, fast, sinking])
+    np.testing.assert_array_equal(found.force, plain.force)
+    assert "extrapolated" not in plain.status
 
 
 STATE: dict[str, Any] = {"omegas": [600.0] * 4, "velocity": [1.0, 0.0, 0.0]}

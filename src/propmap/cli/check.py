@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -33,6 +32,7 @@ from propmap.model.corrections import in_words
 from propmap.model.model import Air, Model
 from propmap.model.plausibility import blade_warnings
 from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.wakes import hub_flow
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -58,34 +58,33 @@ def check(
     """Compare a fit with measurements it has not seen."""
     chosen = out.chosen_format(format_, output)
     law = opt.with_physics(airfoil(fit), model, correction)
-    found, learned = _compare(fit, law, data, vehicle, prop)
+    found = _compare(fit, law, data, vehicle, prop)
     if chosen == "table":
-        tables = [_table(found, law)]
-        if learned:
-            tables.append(_table(learned, law, ", with the learned residual"))
-        out.show(output, *tables)
+        out.show(output, _table(found, law))
         return
     loads = {
-        name: _numbers(c.all) | {"by_speed": {band: _numbers(e) for band, e in c.by_speed.items()}}
+        name: _numbers(c.all)
+        | {
+            "by_speed": {band: _numbers(e) for band, e in c.by_speed.items()},
+            "by_envelope": {band: _numbers(e) for band, e in c.by_envelope.items()},
+        }
         for name, c in found.items()
     }
     rows = max((c.all.rows for c in found.values()), default=0)
     whole = {"corrections": list(law.corrections or ()), "rows": rows, "loads": loads}
-    if learned:
-        whole["with_learned_residual"] = {n: _numbers(c.all) for n, c in learned.items()}
     columns = ("load", "band", "rows", "rms", "relative_rms", "bias", "worst", "hover_rms")
     bands = [
-        {"load": name, "band": band} | numbers
-        for name, load in loads.items()
-        for band, numbers in {"all": load, **load["by_speed"]}.items()
+        {"load": name, "band": band} | _numbers(e)
+        for name, c in found.items()
+        for band, e in c.bands.items()
     ]
     out.emit_rows(columns, bands, chosen, output, whole=whole)
 
 
 def _compare(
     fit: Path, law: Airfoil | SectionTable, data: list[str], vehicle: Path | None, prop: str | None
-) -> tuple[Mapping[str, SpeedErrors], Mapping[str, SpeedErrors]]:
-    """Compare the physics, and the physics with a learned residual where the fit has one."""
+) -> Mapping[str, SpeedErrors]:
+    """Compare with tunnel data, or with flights where a vehicle is given."""
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is None:
         if fitted is None and prop is None:
@@ -102,7 +101,9 @@ def _compare(
         if prop is not None:
             opt.note_reading(prop, blade)
         out.note(*blade_warnings(blade), *tunnel_warnings(data, blade, air))
-        return compare_tunnel(model, measured), {}
+        beyond = fitted.beyond(measured.flow, blade.radius) if fitted else None
+        out.note(*(beyond.told("rows") if beyond else ()))
+        return compare_tunnel(model, measured, beyond)
 
     if prop is not None:
         raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
@@ -112,19 +113,9 @@ def _compare(
     _, log, remarks = read_flights(paths, file, "balance", low_pass=cutoff)
     values, more = values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
     forces = flight_forces(flown, log, law, values)
-    out.note(*remarks, *more)
-    errors = compare_forces(flown, log, forces)
-    learned = fitted.learned_residual if fitted else None
-    if learned is None:
-        return errors, {}
-    added = learned.at(flown, log)
-    with_it = np.concatenate([forces.model[:, :3] + added.force, forces.model[:, 3:]], axis=1)
-    faded, off = (100.0 * float(np.mean(added.status == word)) for word in ("faded", "off"))
-    out.note(
-        "the fit has a learned residual beside the physics; outside the flights that it "
-        f"was trained on it fades at {faded:.1f} % of the samples and is off at {off:.1f} %"
-    )
-    return errors, compare_forces(flown, log, replace(forces, model=with_it))
+    beyond = fitted.beyond(hub_flow(flown, log)[:3], flown.propeller.radius) if fitted else None
+    out.note(*remarks, *more, *(beyond.told("samples") if beyond else ()))
+    return compare_forces(flown, log, forces, beyond)
 
 
 def _numbers(errors: Any) -> dict[str, Any]:
@@ -146,10 +137,10 @@ def _table(
             f"{e.hover_rms:.4g}",
         )
         for name, c in found.items()
-        for band, e in {"all": c.all, **c.by_speed}.items()
+        for band, e in c.bands.items()
     ]
     physics = f", with {in_words(law.corrections or ())}{besides}"
-    heads = "<load|<speed|rows|rms|relative|bias|worst|hover model's rms"
+    heads = "<load|<rows at|rows|rms|relative|bias|worst|hover model's rms"
     return out.grid(heads, rows, f"Model minus measurement{physics}")
 
 
@@ -216,17 +207,22 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
 
     if vehicle is None:
         measured = read_tunnel(data, file.model.propeller, file.model.air)
-        found = compare_tunnel(file.model, measured)
-        return GivenData([DataSource.of(item) for item in sources(data)], found, tunnel=measured)
+        beyond = file.beyond(measured.flow, file.model.propeller.radius)
+        found = compare_tunnel(file.model, measured, beyond)
+        named = [DataSource.of(item) for item in sources(data)]
+        return GivenData(named, found, tunnel=measured, beyond=beyond)
 
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]
     flown, files = described.vehicle, [DataSource.of(path) for path in paths]
     if all_level_tables(paths):
         _, log, _ = read_flights(paths, described, "level")
-        errors = compare_level(flown, log, file.airfoil, file.values)
-        return GivenData(files, errors, level=(flown, log))
+        beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
+        errors = compare_level(flown, log, file.airfoil, file.values, beyond)
+        return GivenData(files, errors, level=(flown, log), beyond=beyond)
     _, log, _ = read_flights(paths, described, "balance", low_pass=file.low_pass)
     values, _ = values_for(file, flown, log, paths)
     forces = flight_forces(flown, log, file.airfoil, values)
-    errors = compare_forces(flown, log, forces)
-    return GivenData(files, errors, residuals=force_trends(flown, log, forces))
+    beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
+    errors = compare_forces(flown, log, forces, beyond)
+    trends = force_trends(flown, log, forces)
+    return GivenData(files, errors, residuals=trends, beyond=beyond)

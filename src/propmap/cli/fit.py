@@ -45,6 +45,7 @@ from propmap.io.csv import read_columns, read_lines
 from propmap.io.uiuc import looks_like_uiuc_loads
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import in_words
+from propmap.model.envelope import Envelope
 from propmap.model.model import Air, Model, Propeller
 from propmap.model.plausibility import (
     air_warnings,
@@ -326,6 +327,7 @@ def _finish_tunnel(
         model=model,
         data=data,
         covered=coverage(measured.omega, measured.speed, measured.folded_beta, blade.radius),
+        envelope=Envelope.of(*measured.flow, blade.radius),
         hover=hover_rows(rotor, measured, fitted.rows),
         remarks=[
             *note_prior(prior),

@@ -80,6 +80,7 @@ from propmap.flight.steady import (
 )
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
 from propmap.model.corrections import TYPICAL_FACTOR
+from propmap.model.envelope import MAIN_PART
 from propmap.model.model import Model
 from propmap.model.plausibility import air_warnings, blade_warnings
 from propmap.rotor import Rotor
@@ -359,13 +360,6 @@ def fit_flight(
             help="Expect each flight's thrust scale where its own hover has it.",
         ),
     ] = True,
-    residual: Annotated[
-        bool,
-        Option(
-            "--residual",
-            help="Learn a small correction of what the physics leaves unexplained.",
-        ),
-    ] = False,
     body_study: Annotated[
         bool, Option("--body-study", help="Say whether terms for body lift and drag pay.")
     ] = False,
@@ -430,15 +424,6 @@ def fit_flight(
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
     remarks += residual_trends(fitted, model.log)
     remarks += unlikely_constants(fitted)
-    learned = None
-    if residual:
-        if flights.level:
-            raise InputError("--residual is for whole flights", "add --method balance")
-        from propmap.fit.learned_residual import learn
-
-        left = file.vehicle.mass * model.log.specific_force - model.at(fitted.values, ()).force
-        learned = learn(file.vehicle, model.log, left)
-        remarks += learned.sentences()
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     flown = by_flight(fitted, flights.log)
@@ -451,6 +436,7 @@ def fit_flight(
         model=model.model,
         data=[*logs, vehicle],
         covered=model.coverage(),
+        envelope=model.envelope((0.0, 100.0) if flights.level else MAIN_PART),
         hover=hover_rows(model, fitted.values, fitted.rows),
         remarks=[*note_prior(expected), *remarks, *warnings],
         options={
@@ -459,7 +445,6 @@ def fit_flight(
             "low_pass": 0.0 if flights.level else cutoff,
             "hover_reference": (hovers and hovers.reference_at(fitted.values)) or 0.0,
             "vehicle": file.vehicle.name,
-            **({"learned_residual": learned.table()} if learned else {}),
         },
         flights=flown,
     )

@@ -410,12 +410,18 @@ def parse_axis(option: str, quantity: str, text: str, count: int | None = None) 
 
 
 def note_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
-    """Note what is implausible about operating points [rad/s], [m/s], [rad], before any work.
+    """Note what is implausible about operating points [rad/s], [m/s], [rad] and how far they are
+    beyond the data of the constants, before any work.
 
     Raises ``InputError`` where a blade tip is faster than sound.
     """
     note_reynolds(model, omega, speed, beta)
     note(*point_warnings(model.propeller, omega, speed, beta))
+    known = model.uncertainty
+    if known is not None and known.envelope is not None:
+        omega, speed, beta = (np.ravel(a) for a in np.broadcast_arrays(omega, speed, beta))
+        flow = omega, speed * np.cos(beta), speed * np.abs(np.sin(beta))
+        note(*known.envelope.beyond(*flow, model.propeller.radius).told())
 
 
 def note_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +60,7 @@ from propmap.fit.uncertainty import uncertainty
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
+from propmap.model.envelope import Beyond
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -75,13 +76,26 @@ from propmap.vehicle.wakes import hub_flow, in_wakes
 
 @dataclass(frozen=True)
 class SpeedErrors:
-    """Errors of one load over all rows and in each band of speed."""
+    """Errors of one load over all rows, inside and outside the envelope of what was fitted to, and
+    in each band of speed."""
 
     all: ResidualErrors
     by_speed: Mapping[str, ResidualErrors]
+    # Of ``INSIDE`` and ``OUTSIDE``, where there are rows; empty where no envelope is known.
+    by_envelope: Mapping[str, ResidualErrors] = field(default_factory=dict)
+
+    @property
+    def bands(self) -> dict[str, ResidualErrors]:
+        """All of them by name."""
+        return {"all": self.all, **self.by_envelope, **self.by_speed}
 
 
-def compare_tunnel(model: Model, data: TunnelData) -> dict[str, SpeedErrors]:
+INSIDE, OUTSIDE = "inside the training's envelope", "outside"
+
+
+def compare_tunnel(
+    model: Model, data: TunnelData, beyond: Beyond | None = None
+) -> dict[str, SpeedErrors]:
     """Errors of a model on loads measured in a tunnel or on a bench.
 
     Parameters
@@ -90,6 +104,8 @@ def compare_tunnel(model: Model, data: TunnelData) -> dict[str, SpeedErrors]:
         The section law to judge, with the propeller and the air of the test.
     data : TunnelData
         What was measured.
+    beyond : Beyond, optional
+        How far the rows leave the envelope of what the model was fitted to.
 
     Returns
     -------
@@ -101,7 +117,9 @@ def compare_tunnel(model: Model, data: TunnelData) -> dict[str, SpeedErrors]:
     loads = rotor.loads(data.omega, data.speed, data.beta)
     hovers = HoverModel.of(rotor).loads(data.omega)
     return {
-        LOADS[name].column: _compared(getattr(loads, name), measured, data.speed, hovers[name])
+        LOADS[name].column: compared(
+            getattr(loads, name), measured, data.speed, hovers[name], beyond
+        )
         for name, measured in data.loads.items()
     }
 
@@ -150,13 +168,13 @@ def flight_forces(
 
 
 def compare_forces(
-    vehicle: Vehicle, log: FlightLog, forces: FlightForces
+    vehicle: Vehicle, log: FlightLog, forces: FlightForces, beyond: Beyond | None = None
 ) -> dict[str, SpeedErrors]:
     """Errors of forces and moments along the vehicle's axes, by name with unit.
 
     Forces are held against mass times specific force, and moments, where the vehicle file has
-    moments of inertia, against what turns the vehicle. Raises ``InputError`` without specific
-    force.
+    moments of inertia, against what turns the vehicle. ``beyond`` says how far the samples leave
+    the envelope of the fit. Raises ``InputError`` without specific force.
     """
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
@@ -165,8 +183,8 @@ def compare_forces(
         raise InputError("there is no specific force to compare with", "log it", log.source)
     names = (*AXES, *MOMENTS) if np.isfinite(measured[:, 3:]).any() else AXES
     return {
-        f"{name}_{UNITS[name].replace(' ', '')}": _compared(
-            forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k]
+        f"{name}_{UNITS[name].replace(' ', '')}": compared(
+            forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k], beyond
         )
         for k, name in enumerate(names)
     }
@@ -187,15 +205,19 @@ def compare_flight(
 
 
 def compare_level(
-    vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
+    vehicle: Vehicle,
+    log: FlightLog,
+    law: Section,
+    values: Mapping[str, float],
+    beyond: Beyond | None = None,
 ) -> dict[str, SpeedErrors]:
     """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17).
 
-    Arguments are those of ``flight_forces``; no specific force is needed.
+    Arguments are those of ``flight_forces`` and ``compare_forces``; no specific force is needed.
     """
     model, hover = level_forces(vehicle, log, law, values)
     weight = np.full(len(log), vehicle.mass * GRAVITY)
-    return {"vertical_force_N": _compared(model, weight, log.speed, hover)}
+    return {"vertical_force_N": compared(model, weight, log.speed, hover, beyond)}
 
 
 def level_forces(
@@ -212,8 +234,18 @@ def level_forces(
     return model, hover
 
 
-def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> SpeedErrors:
-    return SpeedErrors(errors(model, measured, hover), by_band(model, measured, speed, hover))
+def compared(
+    model: Floats, measured: Floats, speed: Floats, hover: Floats, beyond: Beyond | None
+) -> SpeedErrors:
+    """Errors of a ``model`` and of the ``hover`` model on what was ``measured``; (n,) each."""
+    parts = {} if beyond is None else {INSIDE: ~beyond.samples, OUTSIDE: beyond.samples}
+    by_envelope = {
+        name: errors(model[mine], measured[mine], hover[mine])
+        for name, mine in parts.items()
+        if mine.any()
+    }
+    by_speed = by_band(model, measured, speed, hover)
+    return SpeedErrors(errors(model, measured, hover), by_speed, by_envelope)
 
 
 # -------------------------------------------------------------------------------------------------

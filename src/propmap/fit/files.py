@@ -17,7 +17,6 @@ import numpy as np
 import propmap
 from propmap.errors import InputError
 from propmap.fit.fit import Coverage, Fitted
-from propmap.fit.learned_residual import LearnedResidual
 from propmap.fit.least_squares import End, FlightErrors, ResidualErrors, by_band, errors
 from propmap.fit.parameters import (
     BODY,
@@ -34,6 +33,7 @@ from propmap.fit.tunnel import model_with, section_with
 from propmap.hover import HoverModel
 from propmap.io.sections import looks_like_section_table
 from propmap.model.airfoil import Airfoil, SectionCovariance, fitted_uncertainty, read_airfoil
+from propmap.model.envelope import Beyond, Envelope
 from propmap.model.model import Air, Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -86,11 +86,13 @@ class FitFile:
         """
         return float(self.record.settings.get("hover_reference", 0.0)) or None
 
-    @property
-    def learned_residual(self) -> LearnedResidual | None:
-        """What ``propmap fit flight --residual`` learned besides; None where it did not."""
-        table = self.record.settings.get("learned_residual")
-        return None if table is None else LearnedResidual.of_table(table)
+    def beyond(self, flow: tuple[Floats, Floats, Floats], radius: float) -> Beyond | None:
+        """How far points leave the data of the fit; None where that is not known.
+
+        Their ``flow`` are the arrays of ``Envelope.beyond``, ``radius`` is R [m].
+        """
+        known = self.record.envelope
+        return None if known is None else known.beyond(*flow, radius)
 
 
 def fit_text(
@@ -101,6 +103,7 @@ def fit_text(
     model: Model,
     data: Sequence[Path | str],
     covered: Coverage,
+    envelope: Envelope,
     hover: Floats,
     remarks: Sequence[str],
     options: Mapping[str, Any],
@@ -118,7 +121,7 @@ def fit_text(
         What was fitted; its section law gave the constants that are no parameters of a fit.
     data : sequence of Path or str
         Files, whose hashes are noted, or names of the catalogue.
-    covered : Coverage
+    covered, envelope : Coverage, Envelope
         Operating points of the data.
     hover : ndarray, shape (M,)
         The hover model's values of the fitted rows.
@@ -163,6 +166,7 @@ def fit_text(
         loads=[_load(fitted, k, hover, flights or {}) for k in range(len(fitted.rows.names))],
         starts=sorted(fitted.minimum.ends, key=lambda end: end.minimum),
         discrepancy=discrepancy(fitted, found, hover),
+        envelope=envelope,
     )
     return law.to_toml() + "\n" + tomli_w.dumps({"fit": record.table()})
 
@@ -337,7 +341,7 @@ class FittedPropeller(msgspec.Struct, frozen=True):
         return Propeller(self.name, self.blades, *shape, self.root)
 
 
-class FitRecord(msgspec.Struct, frozen=True):
+class FitRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     """All that a fit file says of its fit of P free parameters."""
 
     kind: str  # "tunnel", "level flight" or "flight"
@@ -365,6 +369,7 @@ class FitRecord(msgspec.Struct, frozen=True):
     # Errors that the fit left, as standard deviations of C_T and C_P [-], by the names of
     # ``DISCREPANCIES``; empty where an earlier version wrote the file.
     discrepancy: dict[str, float] = msgspec.field(default_factory=dict)
+    envelope: Envelope | None = None  # None where an earlier version wrote the file
 
     def __post_init__(self) -> None:
         count = len(self.parameters)

@@ -31,6 +31,7 @@ from propmap.fit.tunnel import model_with
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
+from propmap.model.envelope import Envelope, Range
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -346,6 +347,11 @@ class ForceModel:
         speed, beta = np.hypot(flow.axial, flow.inplane), np.arctan2(flow.inplane, flow.axial)
         radius = self.vehicle.propeller.radius
         return coverage(flow.omega.ravel(), speed.ravel(), beta.ravel(), radius)
+
+    def envelope(self, percentiles: Range) -> Envelope:
+        """Ranges of the flow at all rotors between these ``percentiles`` of their points."""
+        flow, radius = self.flow, self.vehicle.propeller.radius
+        return Envelope.of(flow.omega, flow.axial, flow.inplane, radius, percentiles)
 
 
 def on_vehicle(

@@ -71,6 +71,12 @@ class TunnelData:
         """beta brought to 0...pi [rad] (n,): beta and 2 pi - beta have the same loads."""
         return np.abs(np.remainder(self.beta + np.pi, 2.0 * np.pi) - np.pi)
 
+    @property
+    def flow(self) -> tuple[Floats, Floats, Floats]:
+        """Rotational speed [rad/s], V cos(beta) and V sin(beta) >= 0 [m/s]; (n,) each."""
+        across = np.abs(self.speed * np.sin(self.beta))
+        return self.omega, self.speed * np.cos(self.beta), across
+
 
 def merged(parts: Sequence[TunnelData]) -> TunnelData:
     """Join several sets to one."""

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from propmap.errors import InputError, located
 from propmap.model.corrections import agreed, as_texts
+from propmap.model.envelope import Envelope
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
@@ -546,6 +547,8 @@ class SectionUncertainty:
         are to agree with, so that what tunnels differ by counts, see ``propmap.bands``.
     with_blade : SectionCovariance or None
         What ``covariance`` would be with the blade measured; None where it was.
+    envelope : Envelope or None
+        Of the operating points that the constants were fitted to; None where it is not known.
 
     Raises
     ------
@@ -558,6 +561,7 @@ class SectionUncertainty:
     power_coefficient: float = 0.0
     another_tunnel: bool = True
     with_blade: SectionCovariance | None = None
+    envelope: Envelope | None = None
 
     def __post_init__(self) -> None:
         for name in DISCREPANCIES:
@@ -617,10 +621,13 @@ def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty
         every = SectionCovariance(tuple(free), matrix)
         kept = [name for name in free if name in names]
         shares: Any = {name: float(left[name]) for name in DISCREPANCIES if name in left}
-    except (KeyError, TypeError, ValueError) as error:
-        found = f"the table [fit] is damaged: covariance ({error})"
+        ends: Any = {name: tuple(map(float, v)) for name, v in table.get("envelope", {}).items()}
+        covered = Envelope(**ends) if ends else None
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        found = f"the table [fit] is damaged: covariance or envelope ({error})"
         raise InputError(found, "write it again with propmap fit") from None
-    return SectionUncertainty(every.of(kept), **shares, another_tunnel=False)
+    kept_of = every.of(kept)
+    return SectionUncertainty(kept_of, **shares, another_tunnel=False, envelope=covered)
 
 
 # -------------------------------------------------------------------------------------------------

@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.fit.comparison import SpeedErrors, Trend, level_forces
+from propmap.fit.comparison import INSIDE, OUTSIDE, SpeedErrors, Trend, level_forces
 from propmap.fit.files import DataSource, FitFile, FitRecord, FittedLoad
 from propmap.fit.fit import CoveredAngle
 from propmap.fit.least_squares import ResidualErrors
 from propmap.fit.parameters import EVERY, general
 from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
+from propmap.model.envelope import Beyond
 from propmap.report import fit_curves
 from propmap.report.html import (
     BAND,
@@ -53,6 +54,7 @@ OVERFITTED = 1.5  # cross-validated error over the error left, above which a fit
 STRONG = 0.9  # correlation from which two parameters are named as a pair
 GAP, STEP = 22.5, 15  # [deg]: angles further than the first from all data, named in such steps
 BINS, SPREAD = 8, (10.0, 90.0)  # of equal numbers of residuals; percentiles that are shaded
+ASKED = 0.05  # share of the samples given beyond the fit's data, above which the use is beyond them
 PANELS = 5  # of residuals in a row
 
 
@@ -65,6 +67,7 @@ class GivenData:
     tunnel: TunnelData | None = None
     level: tuple[Vehicle, FlightLog] | None = None  # what flew, and its steady operating points
     residuals: Sequence[Sequence[Trend]] = ()  # of each force, against every candidate
+    beyond: Beyond | None = None  # how far they leave the fit's data
 
 
 def fit_pages(
@@ -81,8 +84,11 @@ def fit_pages(
         correlations(fit),
     ]
     check: dict[str, Any] = {}
+    level, beyond = overall(fit), []
     if given:
         check = _check(fit, given)
+        beyond = check["beyond"]
+        level = worst_of([level, check["level"]]) if beyond else level
         bands = {_load_and_unit(name): one.by_speed for name, one in given.errors.items()}
         records.append(band_errors("fit-check", bands))
         if given.tunnel is not None:
@@ -114,6 +120,8 @@ def fit_pages(
         sha256=sha256,
         given=given,
         check=check,
+        level=level,
+        beyond=beyond,
         files=[(one.name, one.sha256 or "part of propmap") for one in fit.data],
         page=sys.modules[__name__],
         curves=facts,
@@ -122,7 +130,8 @@ def fit_pages(
 
 
 def _check(fit: FitRecord, given: GivenData) -> dict[str, Any]:
-    """Judge a fit on the data given: level, rows, each load's errors, and names new and known.
+    """Judge a fit on the data given: level, rows, each load's errors, names new and known, and what
+    of them is beyond the fit's data.
 
     ResidualErrors are shares of what was measured; those of forces in flight, of the largest force.
     """
@@ -139,13 +148,32 @@ def _check(fit: FitRecord, given: GivenData) -> dict[str, Any]:
     names: tuple[list[str], list[str]] = ([], [])
     for one in given.sources:
         names[(one.sha256 or one.name) in seen].append(one.name)
+    levels = [level_of(own) for _, own, _ in errors] or ["bad"]
+    beyond = []
+    if given.beyond is not None and np.mean(given.beyond.samples) > ASKED:
+        told = {n: one for n, one in given.errors.items() if one.by_envelope[OUTSIDE].rows}
+        beyond = [*given.beyond.told("rows"), *_errors_beyond(told)]
+        levels.append("caution")
+        levels += [level_of(one.by_envelope[OUTSIDE].rms / sizes[n]) for n, one in told.items()]
     return {
-        "level": worst_of([level_of(own) for _, own, _ in errors] or ["bad"]),
+        "level": worst_of(levels),
+        "beyond": beyond,
         "rows": max((e.rows for e in found.values()), default=0),
         "errors": errors,
         "new": names[0],
         "known": names[1],
     }
+
+
+def _errors_beyond(errors: Mapping[str, SpeedErrors]) -> list[str]:
+    """Say how large the errors are beyond the fit's data, and inside."""
+    parts = []
+    for name, one in errors.items():
+        load, unit = _load_and_unit(name)
+        inside = one.by_envelope.get(INSIDE)
+        beside = f" ({number(inside.rms)} inside)" if inside else ""
+        parts.append(f"{label_of(load)} {number(one.by_envelope[OUTSIDE].rms)} {unit}{beside}")
+    return [f"the rms errors there are {', '.join(parts)}"] if parts else []
 
 
 def _load_and_unit(name: str) -> tuple[str, str]:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
+from propmap.model.envelope import Envelope
 from propmap.model.model import Model
 from propmap.operating_points import broadcast, rates_of
 from propmap.results import STATUSES
@@ -42,7 +43,8 @@ class VehicleWrench:
     force, moment : ndarray, shape (..., 3)
         [N], and about the centre of mass [N m]; NaN where a rotor's loads were not found.
     status : ndarray of str, shape (...)
-        The worst of the rotors', in the words of ``propmap.Loads`` or of a table's loads.
+        The worst of the rotors', in the words of ``propmap.Loads`` or of a table's loads, or
+        "extrapolated" where a rotor's flow is beyond the data of the fit that its constants are of.
     rotor_force, rotor_moment : ndarray, shape (..., k, 3)
         Of each rotor with its mount [N], and about the centre of mass [N m].
     body_force, wing_force : ndarray, shape (..., 3)
@@ -92,6 +94,8 @@ class VehicleForces:
     def __init__(self, vehicle: Vehicle, loads: LoadSource) -> None:
         self.vehicle = vehicle
         self._rotors = Rotors.of(vehicle, loads)
+        known = loads.model.uncertainty if isinstance(loads, Rotor) else None
+        self._envelope = None if known is None else known.envelope
 
     def wrench(
         self,
@@ -144,6 +148,10 @@ class VehicleForces:
         through = moving - air
         hubs = through[..., None, :] + np.cross(turning[..., None, :], self._rotors.position)
         found = self._rotors.wrenches(omega, hubs)
+        if self._envelope is not None:
+            far = self._rotors.beyond(self._envelope, omega, hubs)
+            words = np.where(far, "extrapolated", SEVERITY[0])
+            found = found._replace(status=worst(np.stack([found.status, words], axis=-1)))
         moment = self._rotors.moment(found.force, found.moment)
         vehicle, density = self.vehicle, self.vehicle.air.density
         body, wing = body_force(vehicle.body, density, through), np.zeros_like(through)
@@ -251,6 +259,12 @@ class Rotors:
             added = alone.known(added_flow(self.vehicle, self.wakes, flow, alone.thrust))
             loads, status = self._in_wakes(flow, added, alone)
         return _as_wrenches(flow, loads, added, status, omega.shape)
+
+    def beyond(self, envelope: Envelope, omega: Floats, velocity: Floats) -> NDArray[np.bool_]:
+        """Return which rotors (..., k) are outside an ``envelope``, as in ``wrenches``."""
+        flow = self._flow(omega, velocity)
+        outside = envelope.beyond(flow.omega, flow.axial, flow.inplane, self.radius).points
+        return outside.reshape(omega.shape)
 
     def around(
         self, omega: Floats, velocity: Floats, change: float
@@ -390,8 +404,9 @@ def mounted_rotors(vehicle: Vehicle, model: Model) -> list[tuple[Model, NDArray[
 # -------------------------------------------------------------------------------------------------
 # Loads of a vehicle's rotors from what gives them: a rotor, a table or the hover model.
 
-SEVERITY = (*STATUSES[:-1], "unresolved", "clamped", STATUSES[-1], "no_value", "outside")
-"""Statuses of rotors and of tables, from harmless to fatal."""
+USABLE, (RING, LOST) = STATUSES[:-2], STATUSES[-2:]
+SEVERITY = (*USABLE, "extrapolated", RING, "unresolved", "clamped", LOST, "no_value", "outside")
+"""Statuses of rotors and of tables, and of points beyond a fit's data, from harmless to fatal."""
 
 
 @runtime_checkable

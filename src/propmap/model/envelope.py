@@ -1,0 +1,151 @@
+"""The envelope of the operating points that constants were fitted to, and what lies beyond it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.typing import Floats
+from propmap.units import RPM
+
+Range = tuple[float, float]
+"""Least and largest."""
+
+QUANTITIES = {
+    "edgewise_ratio": "V sin(beta)/(Omega R)",
+    "advance_ratio": "V/(Omega R)",
+    "climb_ratio": "V cos(beta)/(Omega R)",
+    "rpm": "rotor speed",
+}
+"""What an envelope has ranges of, in words."""
+
+MARGIN = 0.01
+"""By how much a ratio may leave its range and count as inside [-]."""
+
+RPM_MARGIN = 0.2
+"""The share for the rotor speed, which acts on loads over Omega^2 by the Reynolds number alone."""
+
+MAIN_PART = (1.0, 99.0)
+"""Percentiles that are the ends in whole flights, where single samples would widen the ranges."""
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """Ranges of the data of a fit, at the rotors that turn.
+
+    Attributes
+    ----------
+    percentiles : tuple of float
+        Which of the points are the ends: 0 and 100 for all of them, as in a tunnel.
+    edgewise_ratio, advance_ratio, climb_ratio : tuple of float
+        V sin(beta), V and V cos(beta) over the tip's speed Omega R [-].
+    rpm : tuple of float
+        Rotor speed [1/min].
+    """
+
+    percentiles: Range
+    edgewise_ratio: Range
+    advance_ratio: Range
+    climb_ratio: Range
+    rpm: Range
+
+    def __post_init__(self) -> None:
+        for name in QUANTITIES:
+            low, high = getattr(self, name)
+            if not -math.inf < low <= high < math.inf:
+                raise ValueError(f"{name} from {low} to {high} is no range")
+
+    @classmethod
+    def of(
+        cls,
+        omega: Floats,
+        axial: Floats,
+        inplane: Floats,
+        radius: float,
+        percentiles: Range = (0.0, 100.0),
+    ) -> Envelope:
+        """Find the ranges of points ``omega``, ``axial``, ``inplane`` and ``radius``, as in
+        ``beyond``, between these ``percentiles``."""
+        turning = omega > 0.0
+        found = _quantities(omega[turning], axial[turning], inplane[turning], radius)
+        ends = {name: np.percentile(v, percentiles).tolist() for name, v in found.items()}
+        return cls(percentiles, **{name: (low, high) for name, (low, high) in ends.items()})
+
+    def beyond(self, omega: Floats, axial: Floats, inplane: Floats, radius: float) -> Beyond:
+        """Tell which points lie outside, and by which quantity.
+
+        Parameters
+        ----------
+        omega, axial, inplane : ndarray, shape (n,) or (n, k)
+            Of n points or of k rotors at n samples: rotational speed [rad/s], V cos(beta) and
+            V sin(beta) [m/s].
+        radius : float
+            R [m].
+        """
+        found = _quantities(omega, axial, inplane, radius)
+        excess = {}
+        for name, values in found.items():
+            low, high = getattr(self, name)
+            margins = (RPM_MARGIN * low, RPM_MARGIN * high) if name == "rpm" else (MARGIN, MARGIN)
+            off = np.where(values > high + margins[1], values - high, 0.0)
+            excess[name] = np.where(values < low - margins[0], values - low, off)
+        return Beyond(self, excess)
+
+
+@dataclass(frozen=True, eq=False)
+class Beyond:
+    """By how much points leave an ``envelope``.
+
+    The ``excess`` by quantity has the shape of the points, is 0 inside and negative below the
+    least.
+    """
+
+    envelope: Envelope
+    excess: dict[str, Floats]
+
+    @property
+    def points(self) -> NDArray[np.bool_]:
+        """Which points lie outside."""
+        return np.any(np.stack(list(self.excess.values())) != 0.0, axis=0)
+
+    @property
+    def samples(self) -> NDArray[np.bool_]:
+        """Which samples (n,) of several rotors' points (n, k), or points (n,), lie outside."""
+        return _by_sample(self.points)
+
+    def told(self, what: str = "points") -> list[str]:
+        """Say in a sentence how many samples, called ``what``, lie outside, by which quantities and
+        how far; none where no sample does."""
+        outside = self.samples
+        if not outside.any():
+            return []
+        leaving = {n: _by_sample(excess != 0.0) for n, excess in self.excess.items()}
+        parts = []
+        for name in sorted(QUANTITIES, key=lambda name: -leaving[name].sum()):
+            excess = self.excess[name]
+            if not excess.any():
+                continue
+            furthest = float(excess.flat[np.argmax(np.abs(excess))])
+            low, high = getattr(self.envelope, name)
+            ends = (furthest + (high if furthest > 0.0 else low), low, high)
+            reached, *data = (f"{v:.0f} rpm" if name == "rpm" else f"{v:.3g}" for v in ends)
+            way = "up" if furthest > 0.0 else "down"
+            share = f", {leaving[name].mean():.1%}" if outside.size > 1 else ""
+            parts.append(f"{QUANTITIES[name]} {way} to {reached} (data {' to '.join(data)}{share})")
+        who = f"{outside.mean():.1%} of the {what} lie" if outside.size > 1 else "it lies"
+        return [f"{who} beyond the data of the fit: {'; '.join(parts)}"]
+
+
+def _quantities(omega: Floats, axial: Floats, inplane: Floats, radius: float) -> dict[str, Floats]:
+    """Compute the quantities of points; ratios are NaN at rotors that stand still."""
+    tip = np.where(omega > 0.0, omega, np.nan) * radius
+    ratios = (inplane / tip, np.hypot(axial, inplane) / tip, axial / tip)
+    return dict(zip(QUANTITIES, (*ratios, omega / RPM), strict=True))
+
+
+def _by_sample(points: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Join the points of a sample's rotors."""
+    return np.asarray(points.reshape(points.shape[0] if points.ndim else 1, -1).any(axis=1))

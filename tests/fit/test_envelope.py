@@ -1,0 +1,63 @@
+"""Which operating points lie beyond the data of a fit, and by which quantity."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from propmap.model.envelope import MAIN_PART, Envelope
+from propmap.units import RPM
+
+RADIUS = 0.1
+OMEGA = np.array([500.0, 400.0, 600.0, 0.0])
+FOUND = Envelope.of(OMEGA, np.array([0.0, 4.0, -3.0, 1.0]), np.array([0.0, 3.0, 6.0, 9.0]), RADIUS)
+
+
+def test_the_ranges_are_those_of_the_rotors_that_turn() -> None:
+    assert FOUND.edgewise_ratio == pytest.approx((0.0, 0.1))
+    assert FOUND.advance_ratio == pytest.approx((0.0, 0.125))
+    assert FOUND.climb_ratio == pytest.approx((-0.05, 0.1))
+    assert FOUND.rpm == pytest.approx((400.0 / RPM, 600.0 / RPM))
+
+
+@pytest.mark.parametrize(
+    ("point", "leaves"),
+    [
+        ((500.0, 0.0, 3.0), set()),
+        ((500.0, -3.6, 0.0), {"climb_ratio"}),
+        ((500.0, 0.0, 5.8), {"edgewise_ratio"}),
+        ((500.0, 0.0, 7.0), {"edgewise_ratio", "advance_ratio"}),
+        ((700.0, 0.0, 0.0), set()),
+        ((730.0, 0.0, 0.0), {"rpm"}),
+        ((300.0, 0.0, 0.0), {"rpm"}),
+    ],
+)
+def test_the_quantity_that_leaves_is_named(
+    point: tuple[float, float, float], leaves: set[str]
+) -> None:
+    beyond = FOUND.beyond(*(np.array([v]) for v in point), RADIUS)
+    assert {name for name, excess in beyond.excess.items() if excess.any()} == leaves
+    assert beyond.points.tolist() == [bool(leaves)]
+    assert bool(beyond.told()) == bool(leaves)
+
+
+def test_single_samples_do_not_widen_the_main_part() -> None:
+    inplane = np.linspace(0.0, 5.0, 1000)
+    inplane[0] = 40.0
+    omega, axial = np.full(1000, 500.0), np.zeros(1000)
+    every = Envelope.of(omega, axial, inplane, RADIUS)
+    main = Envelope.of(omega, axial, inplane, RADIUS, MAIN_PART)
+    assert every.edgewise_ratio[1] == pytest.approx(0.8)
+    assert main.edgewise_ratio[1] == pytest.approx(0.1, abs=0.002)
+
+
+def test_a_sample_is_beyond_where_one_rotor_is_and_its_excess_is_told() -> None:
+    omega, axial = np.full((4, 2), 500.0), np.zeros((4, 2))
+    inplane = np.zeros((4, 2))
+    inplane[3, 1] = 10.0
+    beyond = FOUND.beyond(omega, axial, inplane, RADIUS)
+    assert beyond.samples.tolist() == [False, False, False, True]
+    assert beyond.excess["edgewise_ratio"][3, 1] == pytest.approx(0.1)
+    (told,) = beyond.told("samples")
+    assert told.startswith("25.0% of the samples lie beyond the data of the fit: V sin(beta)")
+    assert "up to 0.2 (data 0 to 0.1, 25.0%)" in told
