@@ -10,7 +10,16 @@ from scipy.spatial.transform import Rotation
 
 import propmap
 from propmap.errors import InputError
-from propmap.fit.flight import CLOCK, OFFSET, HoverScale, at_samples, of_others, sensor_force
+from propmap.fit.flight import (
+    BIAS,
+    CLOCK,
+    OFFSET,
+    TILT,
+    HoverScale,
+    at_samples,
+    of_others,
+    sensor_force,
+)
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog, joined
 from propmap.vehicle.vehicle import Mount, Vehicle
@@ -48,6 +57,23 @@ def test_the_acceleration_of_a_point_of_a_turning_body() -> None:
     np.testing.assert_allclose(np.einsum("k,knj->nj", PLACE, slopes), found)
     by_file, _ = sensor_force(replace(VEHICLE, sensor=tuple(PLACE)), log, {}, ())
     np.testing.assert_allclose(by_file, found)
+
+
+def test_a_turned_sensor_with_a_bias_reads_the_force_in_its_own_axes() -> None:
+    _, log = turning()
+    log = replace(log, specific_force=log.specific_force + np.array([1.0, -2.0, 0.0]))
+    angles, bias = np.array([0.004, -0.006]), np.array([0.1, -0.2, 0.3])
+    axes = Rotation.from_rotvec([*angles, 0.0])
+    wanted = axes.inv().apply(log.specific_force) + bias - log.specific_force
+    names = (*TILT, *BIAS)
+    values = dict(zip(names, [*angles, *bias], strict=True))
+    found, slopes = sensor_force(VEHICLE, log, values, names)
+    # To first order in the angles.
+    np.testing.assert_allclose(found, VEHICLE.mass * wanted, atol=2e-3)
+    np.testing.assert_allclose(np.einsum("k,knj->nj", [*angles, *bias], slopes), found, atol=1e-12)
+    # They need no time derivatives, as the sensor's place does.
+    bare = replace(log, angular_acceleration=np.full_like(log.rates, np.nan))
+    np.testing.assert_array_equal(sensor_force(VEHICLE, bare, values, names)[0], found)
 
 
 def test_late_stamps_read_what_was_before() -> None:

@@ -46,9 +46,11 @@ from propmap.fit.comparison import (
 from propmap.fit.files import fit_text
 from propmap.fit.fit import fit, range_warnings
 from propmap.fit.flight import (
+    BIAS,
     CENTRE,
     OFFSET,
     OVER_FLIGHTS,
+    TILT,
     ForceModel,
     HoverScale,
     balance_rows,
@@ -62,7 +64,6 @@ from propmap.fit.parameters import (
     FLEX,
     INSTALLED,
     SECTION,
-    SENSOR,
     TURNING,
     WAKES,
     Choice,
@@ -245,6 +246,7 @@ the disk (1) or far below it (2) or by less, as air at the rim is slower."""
 # Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
 UNTWIST = Prior(0.02, 0.02)
 CLOCK = Prior(0.0, 0.01)  # [s]; filters of sensors delay them by some milliseconds
+TURNED, BIASED = Prior(0.0, 0.02), Prior(0.0, 0.1)  # [rad], [m/s^2], as boards are mounted
 # What motor controllers report is right within a hundredth: a clock's error, and rounding.
 ROTOR_SPEEDS = Prior(1.0, 0.01)
 # In oblique flow blades stall later than in the axial tests that other propellers' constants are
@@ -279,6 +281,8 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
         "mount_area": Prior(0.0, MOUNT_SHARE * disk),
         "untwist": UNTWIST,
         **dict.fromkeys(OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
+        **dict.fromkeys(TILT, TURNED),
+        **dict.fromkeys(BIAS, BIASED),
         **dict.fromkeys(("clock_offset", *of_each("clock_offset", log)), CLOCK),
         **dict.fromkeys(CENTRE, Prior(0.0, CENTRE_SHARE * arm)),
         "rotor_inertia": Prior(0.0, heavy),
@@ -538,11 +542,11 @@ def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> 
     own_mounts = any(one.drag for one in vehicle.mounts)
     mount = () if own_mounts else tuple(INSTALLED)
     drag = DRAGS if own_mounts else (*mount, "drag_area_z")
-    blade = (*BLADE, *drag, *SENSOR)
+    blade = (*BLADE, *drag, *OFFSET, "clock_offset")
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
     named = {
         "three axes, body drag": (*BLADE, *DRAGS),
-        "accelerometer's place and clock": (*BLADE, *DRAGS, *SENSOR),
+        "accelerometer's place and clock": (*BLADE, *DRAGS, *OFFSET, "clock_offset"),
         "drag of the mounts for the body's in x, y": () if own_mounts else blade,
         "the rotors' wakes": (*blade, *wakes) if wakes else (),
         "blades that give way": (*blade, *wakes, *FLEX),

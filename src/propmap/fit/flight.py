@@ -440,10 +440,13 @@ def _force(vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]) -> Flo
 # What an accelerometer away from the centre of mass, on a clock of its own, adds to a balance.
 #
 # It reads a = a_cm + dw/dt x r + w x (w x r) of the vehicle that turns at w, r from the centre of
-# mass; and where its stamps are late by d, a(t - d), here a - d da/dt.
+# mass; and where its stamps are late by d, a(t - d), here a - d da/dt.  Turned by small angles q,
+# it reads a - q x a, and with a bias b more.
 
 OFFSET = ("sensor_x", "sensor_y", "sensor_z")
 CLOCK = "clock_offset"
+TILT = ("sensor_tilt_x", "sensor_tilt_y")
+BIAS = ("sensor_bias_x", "sensor_bias_y", "sensor_bias_z")
 
 
 def sensor_force(
@@ -458,6 +461,13 @@ def sensor_force(
     own = np.array([values.get(name, 0.0) for name in OFFSET])
     place, late = own + vehicle.sensor, at_samples(CLOCK, values, log)
     force, slopes = np.zeros((len(log), 3)), np.zeros((len(free), len(log), 3))
+    for name, axis in (*zip(TILT, np.eye(3), strict=False), *zip(BIAS, np.eye(3), strict=True)):
+        if name not in free and not values.get(name):
+            continue  # steady operating points have no accelerometer
+        turned = -np.cross(axis, log.specific_force) if name in TILT else axis
+        force += vehicle.mass * values.get(name, 0.0) * turned
+        if name in free:
+            slopes[free.index(name)] = vehicle.mass * turned
     fitted = own.any() or late.any() or any(general(name) in (*OFFSET, CLOCK) for name in free)
     points = not np.isfinite(log.angular_acceleration).any()
     if not fitted and (points or not place.any()):
@@ -474,7 +484,7 @@ def sensor_force(
         for e in np.eye(3)
     ]
     by_clock = -vehicle.mass * log.specific_force_rate
-    force = np.einsum("k,knj->nj", place, np.stack(by_place)) + late[:, None] * by_clock
+    force += np.einsum("k,knj->nj", place, np.stack(by_place)) + late[:, None] * by_clock
     for row, name in enumerate(free):
         if name in OFFSET:
             slopes[row] = by_place[OFFSET.index(name)]

@@ -77,6 +77,11 @@ SENSOR = {
     "sensor_y": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, left"),
     "sensor_z": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, up"),
     "clock_offset": Parameter("s", 0.0, -0.1, 0.1, 0.01, "how late the accelerometer's stamps are"),
+    "sensor_tilt_x": Parameter("rad", 0.0, -0.1, 0.1, 0.01, "the accelerometer turned about x"),
+    "sensor_tilt_y": Parameter("rad", 0.0, -0.1, 0.1, 0.01, "the accelerometer turned about y"),
+    "sensor_bias_x": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along x"),
+    "sensor_bias_y": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along y"),
+    "sensor_bias_z": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along z"),
 }
 """The accelerometer, from the centre of mass; its place adds to the vehicle file's."""
 
