@@ -71,6 +71,10 @@ def test_the_page_and_what_was_asked(run: Run, flown: list[str], tmp_path: Path)
     # What is not free is absent, but with the same shape of the model.
     for step in steps[1:]:
         assert {"mount_area", "untwist"} <= set(step.choice.free) | set(step.choice.fixed)
+    # Without what is mounted the blades keep their own rotor drag.
+    for step in steps[:3]:
+        assert step.choice.fixed["drag_factor"] == 1.0
+        assert 0.0 < step.choice.fixed["mount_area"] < 1e-6
     first = asked["flights"][0]
     assert first.prediction is not None
     np.testing.assert_allclose(first.prediction, [[1.0, 2.0, 3.0]] * len(first.passed), atol=1e-6)

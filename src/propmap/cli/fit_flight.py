@@ -547,14 +547,15 @@ def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> 
     named = {
         "three axes, body drag": (*BLADE, *DRAGS),
         "accelerometer's place and clock": (*BLADE, *DRAGS, *OFFSET, "clock_offset"),
-        "drag of the mounts for the body's in x, y": () if own_mounts else blade,
+        "drag of installed rotors for the body's in x, y": () if own_mounts else blade,
         "the rotors' wakes": (*blade, *wakes) if wakes else (),
         "blades that give way": (*blade, *wakes, *FLEX),
         "download of the body": (*blade, *wakes, *FLEX, *DOWN),
     }
 
     at = {name: float(getattr(prior.airfoil, name)) for name in SECTION}
-    absent = {**dict.fromkeys(mount, ALMOST_NONE), **dict.fromkeys(FLEX, 0.0)}
+    bare = {name: max(INSTALLED[name].start, ALMOST_NONE) for name in mount}
+    absent = {**bare, **dict.fromkeys(FLEX, 0.0)}
 
     def choice(free: tuple[str, ...]) -> Choice:
         """Hold what is not free where other propellers have it, or absent."""
