@@ -11,7 +11,7 @@ is then predicted with the factor of the others: printed are its median error ov
 the width of the 95 % band, by the same errors of the others (whose factors it is counted in), and
 what share of the rows it holds.  The density of the stand's air was not recorded and is taken to be
 ``DENSITY``; the rotational speed is that of the motors' current.  The numbers of
-propmap.catalogue.blade_number are the last lines.
+propmap.catalogue.expected are the last lines.
 """
 
 from __future__ import annotations
@@ -25,11 +25,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.catalogue.blade_number import DEVIATION, known_at_rest, left_at_rest
 from propmap.catalogue.expected import (
+    STAND_DEVIATION,
     bundled_mean,
     expected_constants,
     expected_prior,
+    known_at_rest,
+    left_at_rest,
     slopes_of,
 )
 from propmap.catalogue.identified import PARAMETERS
@@ -61,7 +63,7 @@ class StaticTest(NamedTuple):
     thrust: Floats  # [N]
     density: float  # [kg/m^3]
 
-    def rotor(self, factor: float, deviation: float = DEVIATION) -> Rotor:
+    def rotor(self, factor: float, deviation: float = STAND_DEVIATION) -> Rotor:
         """Make its rotor by size and number of blades, with ``factor`` on the mean blade's chord,
         and static thrust known to a ``deviation``."""
         mean = bundled_mean().propeller(self.name, *self.size, self.blades)
@@ -76,7 +78,7 @@ class StaticTest(NamedTuple):
         law = law.with_parameters(uncertainty=known)
         return Rotor(Model(blade, law, Air(self.density), corrections_of("recommended")))
 
-    def loads(self, factor: float, deviation: float = DEVIATION) -> Loads:
+    def loads(self, factor: float, deviation: float = STAND_DEVIATION) -> Loads:
         """Predict its loads."""
         return self.rotor(factor, deviation).loads(self.omega, 0.0, 0.0)
 
@@ -230,7 +232,7 @@ def main(stand_file: Path, loads_file: Path) -> None:
     print(f"CHORD_OF_MORE = {np.exp(mean):.3f}, its logarithm to {deviation:.3f}")
     errors = [one.error for one in found]
     print(f"LEFT_OUT_ERROR = {np.abs(np.expm1(errors)).max():.3f}")
-    print(f"DEVIATION = {widened(errors):.3f}")
+    print(f"STAND_DEVIATION = {widened(errors):.3f}")
     print(f"AT_REST = {', '.join(f'{value:.2f}' for value in slopes)}")
 
 

@@ -10,8 +10,9 @@ import pytest
 import propmap
 from propmap import catalogue
 from propmap.catalogue import apc
+from propmap.catalogue.designation import designation
 from propmap.catalogue.expected import expected_constants
-from propmap.catalogue.identified import designation, identified
+from propmap.catalogue.identified import identified
 from propmap.catalogue.lookup import known_model
 from propmap.io.geometry import read_apc_pe0
 from propmap.model.airfoil import Airfoil

@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.blade_number import (
+from propmap.catalogue.expected import (
     AT_REST,
     CHORD_OF_MORE,
-    DEVIATION,
+    STAND_DEVIATION,
+    bundled_population,
+    expected_prior,
     known_at_rest,
     left_at_rest,
 )
-from propmap.catalogue.expected import bundled_population, expected_prior
 from propmap.catalogue.lookup import geometry_of, meant_by
 
 WHOLE = bundled_population("population").between + bundled_population("population").within
@@ -69,7 +70,7 @@ def test_an_option_counts_as_the_name_does() -> None:
 
 def test_static_thrust_is_as_well_known_as_is_said() -> None:
     narrowed = known_at_rest(WHOLE, left_at_rest(WHOLE))
-    assert AT_REST @ narrowed @ AT_REST == pytest.approx(DEVIATION**2, rel=1e-9)
+    assert AT_REST @ narrowed @ AT_REST == pytest.approx(STAND_DEVIATION**2, rel=1e-9)
     assert (np.linalg.eigvalsh(narrowed) > 0.0).all()
     taken = np.linalg.eigvalsh(WHOLE - narrowed)
     assert (taken[:-1] < 1e-12).all() and taken[-1] > 0.0, "in one direction"

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import propmap
 from propmap import catalogue
+from propmap.catalogue.designation import candidates, designation
 from propmap.catalogue.expected import ExpectedBlade
-from propmap.catalogue.identified import candidates, designation
 from propmap.catalogue.lookup import designated
 from propmap.units import INCH
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import propmap
 from propmap import catalogue
+from propmap.catalogue.designation import designation
 from propmap.catalogue.expected import (
     ERRORS,
     SHARES,
@@ -24,7 +25,6 @@ from propmap.catalogue.expected import (
     screw_angle,
     shapes_without,
 )
-from propmap.catalogue.identified import designation
 from propmap.catalogue.lookup import designated
 from propmap.model.plausibility import at_share, blade_warnings
 

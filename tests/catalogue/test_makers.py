@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import propmap
-from propmap.catalogue.identified import designation
+from propmap.catalogue.designation import designation
 from propmap.catalogue.lookup import meant_by
 from propmap.units import INCH
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.blade_number import AT_REST, CHORD_OF_MORE, DEVIATION, LEFT_OUT_ERROR
+from propmap.catalogue.expected import AT_REST, CHORD_OF_MORE, LEFT_OUT_ERROR, STAND_DEVIATION
 from propmap.model.model import Air
 from propmap.units import INCH, RPM
 from tools.chord_by_blades import (
@@ -95,7 +95,7 @@ def test_propellers_of_the_stand_are_predicted_by_the_others(
         assert one.half_width <= 0.30 and one.inside >= 0.95, one.test.name
     mean, _ = rule(np.log([one.own for one in found if one.test.blades > 2]), hubs)
     assert np.exp(mean) == pytest.approx(CHORD_OF_MORE, abs=0.002)
-    assert widened([one.error for one in found]) == pytest.approx(DEVIATION, abs=0.001)
+    assert widened([one.error for one in found]) == pytest.approx(STAND_DEVIATION, abs=0.001)
     slopes = np.mean([one.test.slopes(one.factor) for one in found], axis=0)
     np.testing.assert_allclose(slopes, AT_REST, atol=0.02)
     main(STAND, LOADS)

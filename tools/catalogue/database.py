@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap import catalogue
+from propmap.catalogue.designation import Designation, designation
 from propmap.catalogue.expected import MeanBlade
-from propmap.catalogue.identified import Designation, designation
 from propmap.errors import InputError
 from propmap.io.csv import read_csv_table, read_lines
 from propmap.io.geometry import parse_blades, parse_number

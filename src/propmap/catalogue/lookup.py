@@ -15,6 +15,13 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.catalogue import Entry
+from propmap.catalogue.designation import (
+    WITHOUT_BLADE,
+    Designation,
+    candidates,
+    designation,
+    series_named,
+)
 from propmap.catalogue.expected import (
     ExpectedBlade,
     ExpectedConstants,
@@ -24,15 +31,10 @@ from propmap.catalogue.expected import (
     size_of,
 )
 from propmap.catalogue.identified import (
-    WITHOUT_BLADE,
-    Designation,
     Identified,
-    candidates,
-    designation,
     identified,
     identified_without_blade,
     named_without_blade,
-    series_named,
 )
 from propmap.errors import InputError, located, quoted
 from propmap.io.csv import read_lines
