@@ -424,8 +424,8 @@ def notes(results: Results) -> list[str]:
         f"{_bias(elsewhere, 'recommended', 'thrust')} in mean thrust, "
         f"{_bias(elsewhere, 'recommended', 'torque')} in mean torque.",
         "The bands of the picture are what is known of the propeller by its name alone, with "
-        "constants identified from UIUC's axial loads: they should hold 95 %. Of the oblique "
-        "points, "
+        "constants identified from UIUC's axial loads: they should hold 95 %. Shares of the "
+        "oblique points: "
         + ", ".join(
             f"{one.inside:.0%} are inside in {LOADS[one.load].label} (rms {one.relative_rms:.0%})"
             for one in results.by_name
@@ -437,7 +437,7 @@ def notes(results: Results) -> list[str]:
         f"Rotor drag: theirs is {1.0 / max(drag.values()):.1f} to {1.0 / min(drag.values()):.1f} "
         "times the recommended rotor's, by angle. That is installed as rotors on motors and stands "
         f"were measured to be: {TYPICAL_FACTOR[0]:g} times the drag of the blades, and a plate in "
-        "the slipstream. Of the bare blades, other sources have the theory right within about "
+        "the slipstream. Other sources have the theory right for bare blades within about "
         "20 %. The paper's model has bare blades.",
         "The paper's section law has no camber (zero-lift angle 0), the blade has: with "
         f"{SECTIONS['paper']} mean thrust is off by {_bias(results.groups, 'paper', 'thrust')}, "

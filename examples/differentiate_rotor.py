@@ -24,7 +24,7 @@ with jax.enable_x64(True):
     print("d thrust / d omega    ", float(by_omega), "N s/rad")
     print("d thrust / d velocity ", np.asarray(by_velocity), "N s/m, axial and in-plane")
 
-    # The same by differences of the computed thrust.
+    # Again, by differences of the computed thrust.
     ahead, behind = (thrust(omega, velocity.at[0].add(h)) for h in (1e-3, -1e-3))
     print("by differences, axial ", float(ahead - behind) / 2e-3, "N s/m")
 

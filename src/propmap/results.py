@@ -58,15 +58,16 @@ Deviations = Callable[[], Mapping[str, LoadValues]]
 class Loads(LoadValues):
     """Loads of a rotor; every field has the broadcast shape of the operating points.
 
-    Of them ``thrust``, ``drag``, ``torque``, ``roll_moment``, ``side_force``, ``pitch_moment`` and
+    ``thrust``, ``drag``, ``torque``, ``roll_moment``, ``side_force``, ``pitch_moment`` and
     ``power`` are described in ``LoadValues``.
 
     Attributes
     ----------
     status : ndarray of str
-        Of ``STATUSES``.  "multiple_roots": near stall the inflow has several solutions, the largest
-        is used.  "windmill": descent so fast that the wake is above the disk.  "vortex_ring":
-        momentum theory does not hold and a measured inflow is blended in; not to be trusted.
+        One of ``STATUSES``.  "multiple_roots": near stall the inflow has several solutions, the
+        largest is used.  "windmill": descent so fast that the wake is above the disk.
+        "vortex_ring": momentum theory does not hold and a measured inflow is blended in; not to be
+        trusted.
         "coarse": loads vary so sharply along the blade that their error may exceed what the
         accuracy promises.  "not_converged": the loads are NaN.
     roots : ndarray of int

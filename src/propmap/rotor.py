@@ -150,7 +150,8 @@ class Rotor:
         omega : array_like, shape (...)
             Rotational speed [rad/s], >= 0.
         velocity : array_like, shape (..., 3)
-            Of the hub through the air, z along the thrust [m/s]; broadcast over the leading axes.
+            Velocity of the hub through the air, z along the thrust [m/s]; broadcast over the
+            leading axes.
         **further
             ``height``, as in ``loads``.
         """

@@ -73,13 +73,13 @@ class Flown:
     Attributes
     ----------
     states : SteadyStates
-        Of the legs.
+        Steady states of the legs.
     energy : ndarray
         Electrical energy at the battery's terminals, without a motor that of the shafts [J].
     course : Course
         State of charge over time; NaN without a battery.
     status : ndarray of str
-        Of ``WORDS``.
+        One of ``WORDS``.
     """
 
     states: SteadyStates
@@ -116,7 +116,7 @@ def fly(aircraft: Aircraft, mission: Mission) -> Flown:
     Returns
     -------
     Flown
-        Of n legs.
+        One flight of n legs.
     """
     states = aircraft.steady(mission.speed, mission.climb, margin=False)
     battery, n = aircraft.vehicle.powertrain.battery, len(states)
@@ -159,12 +159,12 @@ def read_mission(path: str | os.PathLike[str]) -> Mission:
     Parameters
     ----------
     path : path
-        Of the file, in any dialect of ``propmap.io.csv``.
+        Path of the file, in any dialect of ``propmap.io.csv``.
 
     Returns
     -------
     Mission
-        Of the legs, in order.
+        Mission of the legs, in order.
 
     Raises
     ------

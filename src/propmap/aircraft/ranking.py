@@ -39,7 +39,7 @@ class Judged:
     candidate : Candidate
         The propeller.
     score : float
-        Of the task, in its unit; NaN where it is not feasible.
+        Score of the task, in its unit; NaN where it is not feasible.
     deviation : float
         Standard deviation of the score from that of the constants; NaN where it is not known.
     hover_power, cruise_power : float
@@ -51,7 +51,7 @@ class Judged:
     top_speed : float
         [m/s]; NaN where it was not searched for or no limit was met.
     limit : str
-        Of the top speed, a status.
+        What limits the top speed, a status.
     why_not : str
         In words; empty where it is feasible.
     """
@@ -84,7 +84,7 @@ class Ranking:
     task : Task
         What it is for.
     corrections : tuple of Correction
-        Of all models; candidates whose constants know their own keep them.
+        For all models; candidates whose constants know their own keep them.
     maximum_rotor_speed : float
         [rad/s].
     charge : float
@@ -466,13 +466,13 @@ class Task:
     name : str
         A key of ``MEASURES``.
     speed : float or None
-        Of the cruise [m/s]; None where the task has none.
+        Speed of the cruise [m/s]; None where the task has none.
     mission : Mission or None
         For the task "mission".
     thrust_margin : float
         That hover must leave.
     measure : str
-        Of the task's ``MEASURES``; empty for the first.
+        One of the task's ``MEASURES``; empty for the first.
 
     Raises
     ------

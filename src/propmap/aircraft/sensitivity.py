@@ -51,7 +51,7 @@ class StateChange(NamedTuple):
     shaft_power, electrical_power : ndarray, shape (n,)
         [W]; the second is NaN where the vehicle has no motor.
     used : dict of str to ndarray, shape (n,)
-        Of the shares of limits, as in ``SteadyStates``.
+        Shares of limits that are used, as in ``SteadyStates``.
     """
 
     pitch: Floats
@@ -88,7 +88,7 @@ def derivatives(
     aircraft, states : Aircraft, SteadyStates
         What flies, and n states of it.
     names : iterable of str
-        Of ``VEHICLE``, of the section law's constants such as "c_l1", and "chord_scale" [-], a
+        From ``VEHICLE``, from the section law's constants such as "c_l1", and "chord_scale" [-], a
         common factor on the chord, "twist_offset" [rad], added to the twist, and "diameter_scale"
         [-], a common factor on radius and chord.
 
@@ -152,8 +152,8 @@ def spread(aircraft: Aircraft, states: SteadyStates) -> StateChange | None:
 
     Deviations of the loads by their sources, see ``propmap.Loads.std_by_source``, are alike at all
     rotors.  Constants of the section law vary together by their covariance; errors of the model and
-    of the tunnel are independent from load to load.  Of a table the errors of all its loads are
-    taken to be so.
+    of the tunnel are independent from load to load.  The errors of a
+    table's loads are taken to be so too.
 
     Parameters
     ----------

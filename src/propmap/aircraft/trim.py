@@ -48,7 +48,7 @@ class Aircraft:
     vehicle : Vehicle
         What flies, from ``read_vehicle(path).vehicle``.
     loads : Rotor or LoadTable
-        Of its rotors.
+        Gives its rotors' loads.
     maximum_rotor_speed : float
         [rad/s] besides the largest of the vehicle's motor.
     charge : float
@@ -117,7 +117,8 @@ class Aircraft:
         climb : array_like
             Climb rate through the air, negative in descent [m/s].
         bank : array_like
-            Of a coordinated level turn, positive to the right [rad]; all three broadcast to (n,).
+            Angle of a coordinated level turn, positive to the right [rad]; all three broadcast
+            to (n,).
         margin : bool
             Whether the thrust margin is wanted, which takes as long again.
         near : SteadyStates, optional
@@ -127,7 +128,7 @@ class Aircraft:
         Returns
         -------
         SteadyStates
-            Of n.
+            n of them.
 
         Raises
         ------
@@ -673,8 +674,8 @@ STATUSES = {
 class SteadyStates:
     """n steady states of an aircraft with k rotors.
 
-    Of a state that was not found, or is beyond a limit, all are NaN but the first three and, beyond
-    a limit, the next two, which say by how much.
+    Where a state was not found, or is beyond a limit, all are NaN but the first three and, beyond a
+    limit, the next two, which say by how much.
 
     Attributes
     ----------
@@ -689,9 +690,9 @@ class SteadyStates:
     pitch, roll : ndarray, shape (n,)
         Positive nose down, and right side down [rad].
     rotor_speed, thrust, torque : ndarray, shape (n, k)
-        Of each rotor [rad/s], [N], [N m].
+        Rotational speed, thrust and torque of each rotor [rad/s], [N], [N m].
     shaft_power : ndarray, shape (n,)
-        Of all rotors [W].
+        Shaft power of all rotors [W].
     electrical_power : ndarray, shape (n,)
         At the battery's terminals [W]; NaN where the vehicle has no motor.
     motor_current, throttle : ndarray, shape (n, k)
@@ -704,7 +705,7 @@ class SteadyStates:
         The largest unbalanced force over the weight, and moment over the weight times the longest
         arm [-].
     status : ndarray of str, shape (n,)
-        Of ``STATUSES``.
+        One of ``STATUSES``.
     """
 
     speed: Floats

@@ -228,7 +228,7 @@ def _from_figures(first: str, second: str) -> tuple[list[float], str]:
 def candidates(wanted: Designation) -> list[catalogue.Entry]:
     """List the propellers of the catalogue that a designation may mean, one for each series.
 
-    Of several blades of one series and size one with as many blades is given, and of these the
+    Among several blades of one series and size one with as many blades is given, and of these the
     first that was measured. Where the words are the whole name of a series or its code, others
     whose names go on are left out. The number of blades counts only where no maker is named: makers
     put one blade on hubs for two and more.

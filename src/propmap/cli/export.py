@@ -24,7 +24,7 @@ from propmap.units import RPM
 if TYPE_CHECKING:
     from propmap.table import LoadTable
 
-# Of the table that is built from a fit: tip speeds and speeds [m/s], angles [rad], and the
+# The table that is built from a fit: tip speeds and speeds [m/s], angles [rad], and the
 # largest error as a share of the static loads.
 TIP_SPEED = (20.0, 105.0)
 SPEED = (0.0, 20.0)

@@ -126,8 +126,8 @@ def read_flights(
 ) -> Flights:
     """Read logs, or tables of operating points, for the method "level", "balance" or "auto".
 
-    Steady stretches last ``seconds`` at least, and are drawn as a ``picture``. Of whole flights
-    there are so many ``samples`` at most, as neighbours err alike, with all signals passed below
+    Steady stretches last ``seconds`` at least, and are drawn as a ``picture``. Whole flights
+    have so many ``samples`` at most, as neighbours err alike, with all signals passed below
     ``low_pass`` [Hz], 0 for none.
     """
     names = flight_names([str(path) for path in paths])
@@ -320,7 +320,7 @@ def with_flight_priors(choice: Choice, known: Mapping[str, Prior]) -> Choice:
 # -------------------------------------------------------------------------------------------------
 # ``propmap fit flight``: section parameters from flight logs of a vehicle.
 
-# Of so many samples of whole flights one is fitted from all starts, and all from the best end.
+# One in so many samples of whole flights is fitted from all starts, and all from the best end.
 EVERY, FEW = 3, 1500
 
 

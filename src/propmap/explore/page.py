@@ -328,7 +328,7 @@ def _reproduce(view: View) -> Any:
     ]
     return html.Section(
         [
-            html.H2("The same numbers elsewhere"),
+            html.H2("These numbers elsewhere"),
             html.Div(buttons, className="buttons"),
             html.Details(lines),
         ],

@@ -254,8 +254,9 @@ def read_path(path: Path) -> Given:
 def read_upload(name: str, data: bytes) -> Given:
     """Read a file that came through the browser from a temporary folder of its own.
 
-    Of the ``name`` that the browser says the last part counts, and its ending. ``InputError`` is
-    the reader's with that name alone, or of a file that is too large or of another kind.
+    Only the last part of the ``name`` that the browser sends counts, and its ending.
+    ``InputError`` is the reader's with that name alone, or of a file that is too large or of
+    another kind.
     """
     plain = (
         re.sub(r"[^\w.+ -]", "_", Path(name.replace("\\", "/")).name)[-80:].lstrip(".") or "file"

@@ -44,7 +44,7 @@ class Explained:
     values : dict of str to float or int
         By the names that the firmware knows; whole numbers are int.
     unit : str
-        Of the values.
+        Unit of the values.
     std : float or None
         Their standard deviation, in the unit; None where it is not known.
     meaning, source, holds : str
@@ -67,7 +67,7 @@ class ParameterSet:
     Attributes
     ----------
     suffix : str
-        Of the file's name, as in "quad_px4.params".
+        Ending of the file's name, as in "quad_px4.params".
     purpose : str
         In a sentence.
     kinds : list of Explained

@@ -100,7 +100,7 @@ def header(table: LoadTable) -> str:
         column_weights=columns,
         odd_weights=odd,
         cells=cell_codes(content),
-        # Of each knot, the loads at the least omega, then at the largest.
+        # At each knot the loads at the least omega, then at the largest.
         data=content.coefficients.transpose(2, 3, 0, 1)
         .reshape(*content.coefficients.shape[2:], -1)
         .astype(np.float32),

@@ -312,8 +312,8 @@ def rotor_sources(
 def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> UncertainLoads:
     """Return loads with their independent errors at omega (N,) [rad/s] and velocity (N, 3) [m/s].
 
-    The velocity is in the rotor frame, z along the thrust.  Of a table's errors it is not known
-    which loads they have in common: each load has its own.
+    The velocity is in the rotor frame, z along the thrust.  It is not known which errors of a
+    table its loads have in common: each load has its own.
     """
     # Points that differ: half the rotors see what the others see.
     once, where = np.unique(

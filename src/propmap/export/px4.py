@@ -273,6 +273,6 @@ def simulator(
         ("SIH_KDV", {"SIH_KDV": round(drag, 5)}, "N s/m", spread,
          "Force on the vehicle = -SIH_KDV V, in all directions.", fitted),
         ("THR_MDL_FAC", {"THR_MDL_FAC": 0.0}, "-", None, linear,
-         "Of the simulator alone: the real vehicle has another."),
+         "For the simulator alone: the real vehicle has another."),
     ]  # fmt: skip
     return [Explained(*row[:5], SIH, row[5]) for row in rows], ""

@@ -81,7 +81,7 @@ class SpeedErrors:
 
     all: ResidualErrors
     by_speed: Mapping[str, ResidualErrors]
-    # Of ``INSIDE`` and ``OUTSIDE``, where there are rows; empty where no envelope is known.
+    # By ``INSIDE`` and ``OUTSIDE``, where there are rows; empty where no envelope is known.
     by_envelope: Mapping[str, ResidualErrors] = field(default_factory=dict)
 
     @property
@@ -698,7 +698,7 @@ def values_for(
 ) -> tuple[dict[str, float], list[str]]:
     """Choose parameters for the flights of a ``log`` from ``paths``; return remarks on them too.
 
-    A flight of the fit keeps its own. Of any other, the thrust scale is what its own hover has
+    A flight of the fit keeps its own. For any other the thrust scale is what its own hover has
     beside the hover of the fit's flights, where that is sure; else it is the mean of the fit's
     flights, as its clock is.
     """

@@ -54,7 +54,8 @@ class FitFile:
     airfoil : Airfoil
         The section law that was found.
     covariance : SectionCovariance or None
-        Of the parameters of the section law and of the mount that were free; None where none was.
+        What is known of the parameters of the section law and of the mount that were free; None
+        where none was.
     record : FitRecord
         All that the file says of the fit.
     """
@@ -185,7 +186,7 @@ def read_fit(path: Path) -> FitFile:
     Parameters
     ----------
     path : Path
-        Of a file that ``propmap fit`` wrote.
+        Path of a file that ``propmap fit`` wrote.
 
     Raises
     ------

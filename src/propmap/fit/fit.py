@@ -46,11 +46,11 @@ class Settings:
     loss : str
         "linear" or "soft_l1".
     folds : int
-        Of the cross-validation, 0 for none.
+        Folds of the cross-validation, 0 for none.
     bootstrap : int
         Repetitions, 0 for none.
     seed : int
-        Of the random starts, folds and draws.
+        Seed of the random starts, folds and draws.
     """
 
     starts: int = 4
@@ -71,7 +71,7 @@ class Fitted:
     minimum : Minimum
         Where the search ended.
     uncertainty : Uncertainty
-        Of the free parameters.
+        Uncertainty of the free parameters.
     residual : ndarray, shape (M,)
         Model minus measurement, in the units of the measurement.
     left_out : ndarray, shape (M,)

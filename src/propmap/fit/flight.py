@@ -61,7 +61,7 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
     Parameters
     ----------
     model : ForceModel
-        Of the vehicle, at its steady operating points.
+        Model of the vehicle, at its steady operating points.
     choice : Choice
         Which parameters are free.
 
@@ -93,7 +93,7 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = CORRELAT
     Parameters
     ----------
     model : ForceModel
-        Of the vehicle, at the samples of its log.
+        Model of the vehicle, at the samples of its log.
     choice : Choice
         Which parameters are free.
     stretch : float

@@ -278,7 +278,7 @@ class Rows:
     Attributes
     ----------
     names, units : tuple of str
-        Of each kind of load.
+        Names and units of each kind of load.
     measured : ndarray, shape (M,)
         In the unit of the load.
     load : ndarray, shape (M,)

@@ -155,7 +155,7 @@ class Choice:
     fixed : mapping of str to float
         Values of any others that are not at their first guess.
     priors : mapping of str to Prior
-        Of free parameters.
+        Priors of free parameters.
     start : mapping of str to float
         Values to start from first, where these are not the first guesses.
     expected : SectionPrior, optional
@@ -291,7 +291,7 @@ class SectionPrior:
     Attributes
     ----------
     distribution : PopulationPrior
-        Of the coordinates of the constants.
+        Distribution of the coordinates of the constants.
     airfoil : Airfoil
         The most likely constants.
     source : str

@@ -138,7 +138,7 @@ def tunnel_rows(
     Parameters
     ----------
     model : Model
-        Of the test; its section law gives what no parameter of a fit does.
+        Model of the test; its section law gives what no parameter of a fit does.
     data : TunnelData
         What was measured.
     choice : Choice

@@ -40,9 +40,9 @@ class Uncertainty:
     low, high : ndarray, shape (P,)
         Ends of the 95 % intervals, within the bounds.
     correlation : ndarray, shape (P, P)
-        Of the errors [-].
+        Correlation of the errors [-].
     singular_values : ndarray, shape (P,)
-        Of the residuals' derivatives per spread, relative to the largest.
+        Singular values of the residuals' derivatives per spread, relative to the largest.
     verdicts : tuple of str
         A sentence for each.
     identified : tuple of bool

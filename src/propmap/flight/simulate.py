@@ -177,7 +177,7 @@ accepted, as the forces jump where the number of azimuths, which depends on the 
 def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
     """Return all parameters of a fit by name, as they are; what a fit adds to the body is zero.
 
-    Of what the rotors are mounted on, where the vehicle file says it, a fit has no parameter.
+    A fit has no parameter for what the rotors are mounted on where the vehicle file says it.
     """
     law = constants_of(airfoil)
     section = {name: getattr(law, name) for name in SECTION}

@@ -538,8 +538,8 @@ class SectionUncertainty:
     Attributes
     ----------
     covariance : SectionCovariance
-        Of the constants.  Where the blade was not measured it holds what is not known of chord and
-        twist, too, as changes of the constants that have the same loads.
+        Covariance of the constants.  Where the blade was not measured it holds what is not known of
+        chord and twist, too, as changes of the constants that have the same loads.
     thrust_coefficient, power_coefficient : float
         Standard deviations of the errors of C_T and C_P that the best constants would leave [-].
     another_tunnel : bool
@@ -548,7 +548,8 @@ class SectionUncertainty:
     with_blade : SectionCovariance or None
         What ``covariance`` would be with the blade measured; None where it was.
     envelope : Envelope or None
-        Of the operating points that the constants were fitted to; None where it is not known.
+        The range of operating points that the constants were fitted to; None where it is not
+        known.
 
     Raises
     ------

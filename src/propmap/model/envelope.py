@@ -80,7 +80,7 @@ class Envelope:
         Parameters
         ----------
         omega, axial, inplane : ndarray, shape (n,) or (n, k)
-            Of n points or of k rotors at n samples: rotational speed [rad/s], V cos(beta) and
+            At n points, or for k rotors at n samples: rotational speed [rad/s], V cos(beta) and
             V sin(beta) [m/s].
         radius : float
             R [m].

@@ -203,7 +203,7 @@ class ResponseSurface:
     low, high : ndarray, shape (k,)
         Least and largest of each.
     coefficients : ndarray
-        Of the terms in the order of ``_terms``.
+        Coefficients of the terms in the order of ``_terms``.
     left_out_rms : float
         Root mean square error at designs left out of the fit one at a time, in the quantity's unit.
     """

@@ -65,7 +65,7 @@ class Study(Evaluation):
     designs : int or None
         How many a Latin hypercube has; None for the full factorial.
     seed : int
-        Of the Latin hypercube.
+        Seed of the Latin hypercube.
     points_per_task : int
         Operating points that are computed together, at most.
 

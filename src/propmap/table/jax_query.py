@@ -78,7 +78,7 @@ class JaxTable(NamedTuple):
         omega : array, shape (...)
             Omega [rad/s].
         velocity : array, shape (..., 3)
-            Of the hub through the air [m/s], z along the thrust.
+            Velocity of the hub through the air [m/s], z along the thrust.
         clamp : bool
             As in ``loads``; outside, the derivatives by the velocity are zero.
         """

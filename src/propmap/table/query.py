@@ -185,7 +185,7 @@ class LoadTable:
         Parameters
         ----------
         path : path
-            Of the file.
+            Path of the file.
         propeller : Propeller, optional
             The geometry that the table must have been built from.
 
@@ -261,7 +261,7 @@ class LoadTable:
         omega : array_like, shape (...)
             Omega [rad/s].
         velocity : array_like, shape (..., 3)
-            Of the hub through the air [m/s], z along the thrust; broadcast with ``omega``.
+            Velocity of the hub through the air [m/s], z along the thrust; broadcast with ``omega``.
         clamp : bool
             As in ``loads``.
         """

@@ -54,9 +54,10 @@ def read_dataflash(path: Path, log: LogMap) -> Recording:
     """Read a DataFlash log of ArduPilot.
 
     ATT (else AHR2), XKF1 (else NKF1) for the velocity, IMU, and ESC (else RPM) for the rotor
-    speeds, in rpm unless the ``log`` map says "erpm".  Of several sensors or filters the first is
-    read; of motor controllers those whose ``SERVOn_FUNCTION`` is a motor's, in the order of the
-    motors' numbers.  Frames are FRD and NED, whatever the map says.  Raises ``InputError``.
+    speeds, in rpm unless the ``log`` map says "erpm".  Where there are several sensors or filters
+    the first is read; among motor controllers those whose ``SERVOn_FUNCTION`` is a motor's, in the
+    order of the motors' numbers.  Frames are FRD and NED, whatever the map says.  Raises
+    ``InputError``.
     """
     samples, parameters = _messages(path)
 

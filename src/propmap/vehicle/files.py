@@ -73,7 +73,7 @@ class _Body(TomlTable):
         tuple[Area, Area, Area], "[front, side, top], areas of 0 or more in m^2"
     ] = Body.drag_area
     lift_area: Annotated[Area, "an area of 0 or more in m^2"] = Body.lift_area
-    # Of either sign.
+    # Either sign is allowed.
     download_area: Annotated[tuple[Number, Number], "[along x, along y], two areas in m^2"] = (
         Body.download_area
     )
@@ -238,7 +238,7 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     Parameters
     ----------
     path : path
-        Of the file.
+        Path of the file.
 
     Raises
     ------
@@ -371,7 +371,7 @@ class LogMap:
     rotor_unit : str or None
         "rad/s", "rpm" or "erpm" (electrical).
     pole_pairs : int or None
-        Of the motors; needed for "erpm".
+        Number of pole pairs of the motors; needed for "erpm".
     rotor_order : tuple of int or None
         Entry k is the number (from 1) of the vehicle's rotor that the log shows k-th.
     wind : tuple of 3 float

@@ -36,7 +36,7 @@ class FlightLog:
     time : ndarray, shape (n,)
         Rising [s].
     velocity : ndarray, shape (n, 3)
-        Of the centre of mass through the air, in the vehicle's frame [m/s].
+        Velocity of the centre of mass through the air, in the vehicle's frame [m/s].
     rates : ndarray, shape (n, 3)
         Angular velocity in the vehicle's frame [rad/s].
     up : ndarray, shape (n, 3)

@@ -597,7 +597,7 @@ def read_flight_log(
     Parameters
     ----------
     path : path
-        Of the file, or the folder of a ROS 2 bag.
+        Path of the file, or the folder of a ROS 2 bag.
     vehicle_file : VehicleFile
         The vehicle and the map of the log.
     rate : float, optional

@@ -37,11 +37,11 @@ class Powertrain:
     Attributes
     ----------
     motor : Motor or None
-        Of every rotor.
+        Motor of every rotor.
     controller : SpeedController or None
-        Of every motor; without one nothing is lost there.
+        Controller of every motor; without one nothing is lost there.
     battery : Battery or None
-        Of all.
+        One for all motors.
 
     Raises
     ------
@@ -133,7 +133,7 @@ class Motor:
     speed_constant : float
         Kv [rad/s/V], without load.
     resistance : float
-        Of the winding, at 20 degrees C [ohm].
+        Resistance of the winding, at 20 degrees C [ohm].
     no_load_current : tuple of float
         i_0 [A]; more than one where it was measured at several voltages.
     no_load_voltage : tuple of float
@@ -144,7 +144,7 @@ class Motor:
     maximum_speed : float
         [rad/s], infinite where none is known.
     temperature : float
-        Of the winding in flight [degrees C].
+        Temperature of the winding in flight [degrees C].
 
     Raises
     ------
@@ -243,11 +243,11 @@ class Battery:
     cells : int
         In series.
     capacity : float
-        Of the pack [A s].
+        Capacity of the pack [A s].
     resistance : float
-        Of the pack [ohm].
+        Resistance of the pack [ohm].
     usable_share : float
-        Of the charge that a flight uses [-].
+        Share of the charge that a flight uses [-].
     maximum_current : float
         [A], infinite where none is known.
     auxiliary_power : float

@@ -29,13 +29,13 @@ class Mount:
     Attributes
     ----------
     position : tuple of 3 float
-        Of the hub relative to the centre of mass [m].
+        Position of the hub relative to the centre of mass [m].
     axis : tuple of 3 float
         Unit vector along the thrust [-].
     spin : str
         "ccw" or "cw", seen from above with the thrust up.
     drag : Installed or None
-        Of what carries it in its slipstream, as motor and arm; None for what the section law
+        What carries it in its slipstream, such as motor and arm; None for what the section law
         brings along, where it was fitted with a mount.
     """
 
@@ -57,7 +57,7 @@ class Body:
         Lift across the flow is 1/2 rho V^2 lift_area sin(a) cos(a) [m^2], a the angle of attack of
         the body in its plane of symmetry.
     download_area : tuple of 2 float
-        Of flow along x and along y [m^2]: F_z = -1/2 rho download_area_k v_k^2, whichever way it
+        For flow along x and along y [m^2]: F_z = -1/2 rho download_area_k v_k^2, whichever way it
         flows; negative where it lifts.
     """
 
@@ -73,9 +73,9 @@ class Wing:
     Attributes
     ----------
     area : float
-        Of the wing [m^2].
+        Area of the wing [m^2].
     incidence : float
-        Of its zero-lift line to the vehicle's x axis [rad], positive leading edge up.
+        Angle between its zero-lift line and the vehicle's x axis [rad], positive leading edge up.
     c_l1, c_l2, alpha_0 : float
         As for a blade section [1/rad], [-], [rad].
     span : float or None
@@ -102,7 +102,8 @@ class Wakes:
         behind the one whose wake it is, as the air meets it, on upwash at rotors beside it, and on
         downwash; 1 is the cylinder's own, 0 none.
     share : float
-        Of a rotor's inflow in the air that carries its wake away [-]: 1 at the disk, 2 far below.
+        Share of a rotor's inflow in the air that carries its wake away [-]: 1 at the disk, 2 far
+        below.
     """
 
     ahead: float = 1.0
@@ -122,7 +123,7 @@ class Vehicle:
     mass : float
         Take-off mass [kg].
     propeller : Propeller
-        Of every rotor.
+        Propeller of every rotor.
     mounts : tuple of Mount
         One per rotor, in the order of the rotor speeds.
     air : Air
@@ -139,7 +140,7 @@ class Vehicle:
         Moments of inertia about its axes through the centre of mass [kg m^2]; None where they are
         not known.
     rotor_inertia : float
-        Of one rotor with what turns with it, about its axis [kg m^2].
+        Moment of inertia of one rotor with what turns with it, about its axis [kg m^2].
 
     Raises
     ------
@@ -218,7 +219,7 @@ class Vehicle:
             centre of mass over the ground [m/s], turning [rad/s] and velocity of the air over the
             ground [m/s], (..., 3) each, in the vehicle's frame.
         loads : Rotor or LoadTable
-            Of its rotors: a vehicle does not know the section law of its blades.
+            Gives its rotors' loads: a vehicle does not know the section law of its blades.
 
         Raises
         ------

@@ -46,17 +46,17 @@ class VehicleWrench:
         The worst of the rotors', in the words of ``propmap.Loads`` or of a table's loads, or
         "extrapolated" where a rotor's flow is beyond the data of the fit that its constants are of.
     rotor_force, rotor_moment : ndarray, shape (..., k, 3)
-        Of each rotor with its mount [N], and about the centre of mass [N m].
+        Force and moment of each rotor with its mount [N], and about the centre of mass [N m].
     body_force, wing_force : ndarray, shape (..., 3)
         [N], at the centre of mass; zero where there is none.
     thrust, torque : ndarray, shape (..., k)
-        Of each rotor [N], [N m].
+        Thrust and torque of each rotor [N], [N m].
     added_flow : ndarray, shape (..., k)
         What the wakes of the other rotors add to V cos(beta) [m/s]; zero without [wakes].
     rotor_status : ndarray of str, shape (..., k)
-        Of each rotor.
+        Status of each rotor.
     power : ndarray, shape (...)
-        Of all shafts, the sum of torque times omega [W].
+        Power of all shafts, the sum of torque times omega [W].
     """
 
     force: Floats
@@ -82,7 +82,7 @@ class VehicleForces:
         From ``propmap.read_vehicle(path).vehicle``.  Its rotors are in each other's wakes where it
         has ``wakes``.
     loads : Rotor or LoadTable
-        Of its rotors, or what else has ``loads_at_velocity``.
+        Gives its rotors' loads: these, or what else has ``loads_at_velocity``.
 
     Raises
     ------
@@ -113,9 +113,9 @@ class VehicleForces:
         omegas : array_like, shape (..., k)
             Speeds of the k rotors, in the order of the vehicle's mounts [rad/s], >= 0.
         velocity : array_like, shape (..., 3)
-            Of the centre of mass over the ground [m/s].
+            Velocity of the centre of mass over the ground [m/s].
         rates : array_like, shape (..., 3)
-            Of turning [rad/s].
+            How fast it turns [rad/s].
         wind : array_like, shape (..., 3)
             Velocity of the air over the ground [m/s], uniform; a wind that is known in the world's
             frame has to be turned into the vehicle's.

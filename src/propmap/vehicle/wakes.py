@@ -58,8 +58,8 @@ def glauert_inflow(
     """Solve eq. (10) for a disk's uniform inflow v, T = 2 rho A v sqrt(V_in^2 + (V_ax + v)^2).
 
     Arrays are (...): ``thrust`` [N], V cos(beta) and V sin(beta) [m/s]; ``disk`` is rho A [kg/m].
-    Of several solutions, in descent, v [m/s] is the largest, but no more than ``LARGEST_INFLOW``; 0
-    without thrust, NaN where an argument is.  Also returns its derivative by T [m/s/N].
+    Where descent has several solutions v [m/s] is the largest, but no more than ``LARGEST_INFLOW``;
+    0 without thrust, NaN where an argument is.  Also returns its derivative by T [m/s/N].
     """
     square = np.maximum(thrust, 0.0) / (2.0 * disk)
     hover = np.sqrt(square)
@@ -87,9 +87,9 @@ def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> Hub
     vehicle, wakes : Vehicle, Wakes
         Where its m rotors are, and how they act on each other.
     model : Model
-        Of its rotors.
+        Physics of its rotors.
     flow : HubFlow
-        Of n samples without the wakes.
+        Flow of n samples without the wakes.
 
     Raises
     ------
@@ -128,9 +128,9 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
     wakes : Wakes
         Gains, and the share of its inflow that skews a wake.
     flow : HubFlow
-        Of n samples.
+        Flow of n samples.
     thrust : ndarray, shape (n, m)
-        Of each rotor [N], without its neighbours.
+        Thrust of each rotor [N], without its neighbours.
     """
     inflow, by_thrust = _inflow(vehicle, flow, thrust)
     seen, by_share = _seen(vehicle, flow, inflow, wakes.share, slope=True)
