@@ -241,7 +241,7 @@ def vehicles() -> Iterator[tuple[str, str, float, float, float]]:
 # The command.
 
 
-def told(name: str, scores: Floats) -> str:
+def line_of(name: str, scores: Floats) -> str:
     """A line: what bands hold, and the root mean square of errors over deviations."""
     from statistics import NormalDist
 
@@ -256,7 +256,7 @@ def main(data: Path) -> None:
     print("bands of 50, 80, 95 % hold, and rms of z-scores      rows")
     print("axial flow, runs left out")
     for name, scores in axial_z_scores(data).items():
-        print(told(name, scores))
+        print(line_of(name, scores))
     every = campaigns(data)
     alone = {one.name: shares_of([one]) for one in every}
     for one in every:
@@ -265,10 +265,10 @@ def main(data: Path) -> None:
         for name in LOADS:
             if name not in one.measured:
                 continue
-            print(told(name, one.z_scores(name)))
+            print(line_of(name, one.z_scores(name)))
             if name in others:
                 with with_shares(others):
-                    print(told(f"{name}, left out", one.z_scores(name)))
+                    print(line_of(f"{name}, left out", one.z_scores(name)))
         relative = {
             name: np.sqrt(np.mean((getattr(one.loads(), name) / one.measured[name] - 1.0) ** 2))
             for name in ("thrust", "torque", "drag")
@@ -280,7 +280,7 @@ def main(data: Path) -> None:
     )
     rms = [np.sqrt(np.mean((one.installed.drag / one.measured - 1.0) ** 2)) for one in found]
     print(f"in-plane force of {len(found)} propellers, 2019, mu {ADVANCE[0]:g} to {ADVANCE[-1]:g}")
-    print(told("drag", scores.ravel()))
+    print(line_of("drag", scores.ravel()))
     print(f"  rms errors: half below {np.median(rms):.1%}, all below {np.max(rms):.1%}")
     factors = np.array([one.factor for one in found])
     second = every[1]

@@ -38,7 +38,7 @@ def test_the_quantity_that_leaves_is_named(
     beyond = FOUND.beyond(*(np.array([v]) for v in point), RADIUS)
     assert {name for name, excess in beyond.excess.items() if excess.any()} == leaves
     assert beyond.points.tolist() == [bool(leaves)]
-    assert bool(beyond.told()) == bool(leaves)
+    assert bool(beyond.sentences()) == bool(leaves)
 
 
 def test_single_samples_do_not_widen_the_main_part() -> None:
@@ -58,6 +58,6 @@ def test_a_sample_is_beyond_where_one_rotor_is_and_its_excess_is_told() -> None:
     beyond = FOUND.beyond(omega, axial, inplane, RADIUS)
     assert beyond.samples.tolist() == [False, False, False, True]
     assert beyond.excess["edgewise_ratio"][3, 1] == pytest.approx(0.1)
-    (told,) = beyond.told("samples")
+    (told,) = beyond.sentences("samples")
     assert told.startswith("25.0% of the samples lie beyond the data of the fit: V sin(beta)")
     assert "up to 0.2 (data 0 to 0.1, 25.0%)" in told

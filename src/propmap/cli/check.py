@@ -102,7 +102,7 @@ def _compare(
             opt.note_reading(prop, blade)
         out.note(*blade_warnings(blade), *tunnel_warnings(data, blade, air))
         beyond = fitted.beyond(measured.flow, blade.radius) if fitted else None
-        out.note(*(beyond.told("rows") if beyond else ()))
+        out.note(*(beyond.sentences("rows") if beyond else ()))
         return compare_tunnel(model, measured, beyond)
 
     if prop is not None:
@@ -114,7 +114,7 @@ def _compare(
     values, more = values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
     forces = flight_forces(flown, log, law, values)
     beyond = fitted.beyond(hub_flow(flown, log)[:3], flown.propeller.radius) if fitted else None
-    out.note(*remarks, *more, *(beyond.told("samples") if beyond else ()))
+    out.note(*remarks, *more, *(beyond.sentences("samples") if beyond else ()))
     return compare_forces(flown, log, forces, beyond)
 
 

@@ -40,7 +40,7 @@ from propmap.catalogue.lookup import (
 from propmap.cli.output import note
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_value, read_lines
-from propmap.io.geometry import blades_told
+from propmap.io.geometry import blades_in_title
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
@@ -192,12 +192,12 @@ def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
     meant = meant_by(prop, asked)
     if isinstance(meant, ExpectedBlade):
         note(meant.summary)
-    told = blades_told(prop, read_lines(prop)) if meant is None else None
-    if told not in (None, found.blades):
+    in_title = blades_in_title(prop, read_lines(prop)) if meant is None else None
+    if in_title not in (None, found.blades):
         whose = "the file has" if asked is None else "--blades says"
-        note(f"its title tells of {told} blades; {found.blades} are taken, as {whose}")
-    elif told is not None and asked is None:
-        note(f"{told} blades, as its title tells")
+        note(f"its title tells of {in_title} blades; {found.blades} are taken, as {whose}")
+    elif in_title is not None and asked is None:
+        note(f"{in_title} blades, as its title tells")
 
 
 def section_law(
@@ -421,7 +421,7 @@ def note_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> Non
     if known is not None and known.envelope is not None:
         omega, speed, beta = (np.ravel(a) for a in np.broadcast_arrays(omega, speed, beta))
         flow = omega, speed * np.cos(beta), speed * np.abs(np.sin(beta))
-        note(*known.envelope.beyond(*flow, model.propeller.radius).told())
+        note(*known.envelope.beyond(*flow, model.propeller.radius).sentences())
 
 
 def note_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:

@@ -58,7 +58,7 @@ _TOLD = re.compile(
 _HEAD = 10  # lines of a file among which its title is
 
 
-def blades_told(file: str | os.PathLike[str], lines: Sequence[str]) -> int | None:
+def blades_in_title(file: str | os.PathLike[str], lines: Sequence[str]) -> int | None:
     """Read the number of blades that a file's name, or a title in its ``lines``, tells, such as
     "HQ 5x4.3x3"; None where neither does."""
     found = _TOLD.search("\n".join([Path(file).name, *lines[:_HEAD]]).lower())
@@ -230,7 +230,7 @@ def read_propeller_csv(
             with located("# blades"):
                 blades = parse_blades(stated["blades"])
         elif blades is None:
-            blades = blades_told(where, lines)
+            blades = blades_in_title(where, lines)
         name, source = stated.get("name", Path(where).stem), f"file {Path(where).name}"
         texts = stated.get("source", source), stated.get("citation", "")
         return build_propeller(labels, name, blades, (station, chord, twist), *texts)
@@ -306,7 +306,7 @@ def read_uiuc_geometry(
         labels, table = parse_rows(rows, HEADER, HEADER)
         check_fractions(table[:, 0], labels)
         blade = table[:, 0] * tip, table[:, 1] * tip, twist_from_degrees(table[:, 2])
-        count = (blades_told(file, lines) or 2) if blades is None else blades
+        count = (blades_in_title(file, lines) or 2) if blades is None else blades
         source = f"UIUC geometry file {file.name}"
         return build_propeller(labels, file.stem, count, blade, source, UIUC_CITATION)
 

@@ -116,7 +116,7 @@ class Beyond:
         """Which samples (n,) of several rotors' points (n, k), or points (n,), lie outside."""
         return _by_sample(self.points)
 
-    def told(self, what: str = "points") -> list[str]:
+    def sentences(self, what: str = "points") -> list[str]:
         """Say in a sentence how many samples, called ``what``, lie outside, by which quantities and
         how far; none where no sample does."""
         outside = self.samples

@@ -151,10 +151,10 @@ def _check(fit: FitRecord, given: GivenData) -> dict[str, Any]:
     levels = [level_of(own) for _, own, _ in errors] or ["bad"]
     beyond = []
     if given.beyond is not None and np.mean(given.beyond.samples) > ASKED:
-        told = {n: one for n, one in given.errors.items() if one.by_envelope[OUTSIDE].rows}
-        beyond = [*given.beyond.told("rows"), *_errors_beyond(told)]
+        outside = {n: one for n, one in given.errors.items() if one.by_envelope[OUTSIDE].rows}
+        beyond = [*given.beyond.sentences("rows"), *_errors_beyond(outside)]
         levels.append("caution")
-        levels += [level_of(one.by_envelope[OUTSIDE].rms / sizes[n]) for n, one in told.items()]
+        levels += [level_of(one.by_envelope[OUTSIDE].rms / sizes[n]) for n, one in outside.items()]
     return {
         "level": worst_of(levels),
         "beyond": beyond,
