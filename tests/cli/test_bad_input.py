@@ -55,7 +55,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*PREDICT, "--rpm", "4000", "--speed", "-1", "--beta", "0"], "speed is negative"),
     ([*PREDICT, "--rpm", "nan", "--speed", "1", "--beta", "0"], "rpm is nan"),
     ([*PREDICT, "--rpm", "4000", "--speed", "1", "--beta", "inf"], "beta is inf"),
-    ([*PREDICT, "--rpm", "4000", "--beta", "0"], "--speed is missing"),
+    ([*PREDICT, "--rpm", "4000", "--speed", "1", "--beta", "400"], "more than a turn"),
     (PREDICT, "--rpm is missing"),
     ([*PREDICT, *POINT, "--rho", "-1"], "density"),
     ([*PREDICT, *POINT, "--mu", "0"], "viscosity"),

@@ -40,11 +40,17 @@ from propmap.catalogue.lookup import (
 from propmap.cli.output import note
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_value, read_lines
-from propmap.io.geometry import blades_in_title
+from propmap.io.geometry import blades_in_title, how_read
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
-from propmap.model.plausibility import air_warnings, blade_warnings, point_warnings
+from propmap.model.plausibility import (
+    PITCH_STATION,
+    air_warnings,
+    at_share,
+    blade_warnings,
+    point_warnings,
+)
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -59,6 +65,7 @@ if TYPE_CHECKING:
 # PROP and the options that choose a rotor.
 
 Others = ParamSpec("Others")
+SAME_BLADE = 0.02  # share within which radius and chord are those of one blade
 Law = TypeVar("Law", bound=Airfoil | SectionTable)
 
 PROP_HELP = "Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file."
@@ -192,6 +199,8 @@ def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
     meant = meant_by(prop, asked)
     if isinstance(meant, ExpectedBlade):
         note(meant.summary)
+    elif meant is None:
+        note(*how_read(prop, asked))
     in_title = blades_in_title(prop, read_lines(prop)) if meant is None else None
     if in_title not in (None, found.blades):
         whose = "the file has" if asked is None else "--blades says"
@@ -209,6 +218,7 @@ def section_law(
     was.
     """
     if asked is not None:
+        note(*_of_another_propeller(asked, blade))
         return airfoil(asked)
     meant = meant_by(prop, blades)
     found = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
@@ -216,6 +226,24 @@ def section_law(
         # Else the note on the blade has said what the constants rest on too.
         note(f"{found.summary}; another law by --airfoil")
     return found.airfoil
+
+
+def _of_another_propeller(asked: str, blade: Propeller) -> list[str]:
+    """Remark that ``--airfoil`` asks for a fit to another propeller than the ``blade``."""
+    path = Path(asked)
+    if path.suffix.lower() != ".toml" or not path.is_file():
+        return []
+    from propmap.fit.files import is_fit, read_fit
+
+    if not is_fit(path):
+        return []
+    fitted = read_fit(path).record.propeller.propeller()
+    chords = [at_share(one, PITCH_STATION)[0] for one in (fitted, blade)]
+    pairs = [(fitted.radius, blade.radius), (fitted.blades, blade.blades), chords]
+    if all(math.isclose(one, other, rel_tol=SAME_BLADE) for one, other in pairs):
+        return []
+    whose = f"{fitted.name}, {fitted.blades} blades, R = {fitted.radius:.4g} m"
+    return [f"the constants of {asked} were fitted to another propeller: {whose}"]
 
 
 def with_physics(

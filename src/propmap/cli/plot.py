@@ -127,7 +127,8 @@ def _save(figure: Figure, output: Path) -> None:
 
 
 def _measured(path: Path, rpm: float) -> MeasuredLoads:
-    points, columns = read_points(path, LOAD_COLUMNS)
+    points, columns, remarks = read_points(path, LOAD_COLUMNS)
+    out.note(*remarks)
     if not columns:
         raise InputError(
             "there is no column of loads", f"name one of {', '.join(LOAD_COLUMNS)}", str(path)

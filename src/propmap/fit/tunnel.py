@@ -28,8 +28,8 @@ from propmap.fit.parameters import (
     general,
 )
 from propmap.hover import HoverModel
+from propmap.io.coefficients import Coefficients, looks_like_coefficients, read_coefficients
 from propmap.io.csv import LOAD_COLUMNS, read_points
-from propmap.io.uiuc import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import BladeUntwist, Installed
@@ -55,6 +55,10 @@ class TunnelData:
         Rotational speed [rad/s], flight speed [m/s], angle to the axis [rad].
     loads : mapping of str to ndarray, shape (n,)
         By their names in ``propmap.loads.LOADS`` [N], [N m]; NaN where not measured.
+    remarks : tuple of str
+        What was taken for what, and what are no measurements.
+    by_power : bool
+        Whether the torque is that of a power.
     """
 
     source: str
@@ -62,6 +66,8 @@ class TunnelData:
     speed: Floats
     beta: Floats
     loads: Mapping[str, Floats] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+    by_power: bool = False
 
     def __len__(self) -> int:
         return int(self.omega.size)
@@ -87,7 +93,13 @@ def merged(parts: Sequence[TunnelData]) -> TunnelData:
 
     loads = {n: np.concatenate([column(part, n) for part in parts]) for n in names}
     flow = {a: np.concatenate([getattr(p, a) for p in parts]) for a in ("omega", "speed", "beta")}
-    return TunnelData(source=", ".join(p.source for p in parts), loads=loads, **flow)
+    return TunnelData(
+        source=", ".join(p.source for p in parts),
+        loads=loads,
+        remarks=tuple(remark for part in parts for remark in part.remarks),
+        by_power=any(part.by_power for part in parts),
+        **flow,
+    )
 
 
 def first_guess() -> Airfoil:
@@ -251,21 +263,23 @@ def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelDa
 
 
 def tunnel_warnings(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
-    """Say what does not fit this propeller, file by file, with the likely cause.
+    """Say how files were read and what does not fit this propeller, with the likely cause.
 
     Raises ``InputError`` where there can be no such loads or points.
     """
-    found = []
-    for item in sources(data):
-        part = _read(item, propeller, air)
-        points = part.omega, part.speed, part.beta
-        try:
-            warnings = point_warnings(propeller, *points)
-            warnings += load_warnings(propeller, air, *points, part.loads)
-        except InputError as error:
-            raise InputError(error.found, error.remedy, part.source) from None
-        found += [f"{part.source}: {warning}" for warning in warnings]
-    return found
+    parts = [_read(item, propeller, air) for item in sources(data)]
+    return [text for part in parts for text in data_warnings(part, propeller, air)]
+
+
+def data_warnings(data: TunnelData, propeller: Propeller, air: Air) -> list[str]:
+    """Say of one file what ``tunnel_warnings`` says of all."""
+    points = data.omega, data.speed, data.beta
+    try:
+        warnings = point_warnings(propeller, *points)
+        warnings += load_warnings(propeller, air, *points, data.loads, by_power=data.by_power)
+    except InputError as error:
+        raise InputError(error.found, error.remedy, data.source) from None
+    return [f"{data.source}: {text}" for text in (*data.remarks, *warnings)]
 
 
 def measured_in_catalogue(name: str, air: Air) -> TunnelData:
@@ -276,23 +290,30 @@ def measured_in_catalogue(name: str, air: Air) -> TunnelData:
     return TunnelData(name, m.omega, m.speed, m.beta, loads)
 
 
-def measured_loads(path: Path) -> Callable[[Propeller, Air], TunnelData]:
-    """Read the loads in a CSV or UIUC file now; coefficients take propeller and air later."""
-    if looks_like_uiuc_loads(path):
-        return functools.partial(_of_coefficients, path.name, read_uiuc_loads(path))
-    points, columns = read_points(path, LOAD_COLUMNS)
-    if not columns:
-        raise InputError(
-            "there is no column with a load", f"add one of {', '.join(LOAD_COLUMNS)}", str(path)
-        )
-    found = TunnelData(
-        path.name,
-        points.rpm * RPM,
-        points.speed_mps,
-        np.radians(points.beta_deg),
-        {LOAD_COLUMNS[name]: values for name, values in columns.items()},
+def measured_loads(path: Path, *, at_rest: bool = False) -> Callable[[Propeller, Air], TunnelData]:
+    """Read the loads in a CSV file or one of coefficients now; these take propeller and air later.
+
+    A CSV file of a test ``at_rest`` needs no angle.
+    """
+    if looks_like_coefficients(path):
+        return functools.partial(_of_coefficients, path.name, read_coefficients(path))
+    points, columns, remarks = read_points(path, (*LOAD_COLUMNS, "power_W"), at_rest=at_rest)
+    loads = {LOAD_COLUMNS[name]: values for name, values in columns.items() if name != "power_W"}
+    omega = points.rpm * RPM
+    if by_power := "power_W" in columns:
+        unknown = np.full_like(omega, np.nan)
+        remarks.append("power is taken to be the shaft's, not the battery's")
+        loads["torque"] = np.divide(columns["power_W"], omega, out=unknown, where=omega > 0.0)
+    if not loads:
+        known = ", ".join((*LOAD_COLUMNS, "power_W"))
+        remedy = f"add one of {known}; power is that of the shaft"
+        found = "; ".join(("there is no column with a load", *remarks))
+        raise InputError(found, remedy, str(path))
+    beta = np.radians(points.beta_deg)
+    data = TunnelData(
+        path.name, omega, points.speed_mps, beta, loads, tuple(remarks), by_power=by_power
     )
-    return lambda _propeller, _air: found
+    return lambda _propeller, _air: data
 
 
 def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:
@@ -311,4 +332,5 @@ def _of_coefficients(name: str, c: Coefficients, propeller: Propeller, air: Air)
         c.advance * turns * diameter,
         np.zeros_like(c.rpm),
         {"thrust": c.thrust * force, "torque": torque},
+        c.remarks,
     )
