@@ -92,6 +92,10 @@ POLARS = {
     "Airfoil,x\nReynolds number,50000\nNcrit,9\nMach,0\nMax Cl/Cd,20\n\n"
     "Alpha,Cl,Cd,Cdp,Cm,Top_Xtr,Bot_Xtr\n"
     + "".join(f"{a},{c},{d},0.01,-0.1,0.5,0.9\n" for a, c, d in POLAR),
+    "XFOIL without Re": " x\n\n  alpha    CL        CD\n ------ -------- ---------\n"
+    + "".join(f" {a} {c} {d}\n" for a, c, d in POLAR),
+    "XFLR5": "xflr5 v6.47\n\n Mach = 0.000     Re =     0.050 e 6     Ncrit = 9.000\n\n"
+    "   alpha,  CL,  CD,  CDp\n" + "".join(f" {a}, {c}, {d}, 0.01\n" for a, c, d in POLAR),
     "CCBlade": "hand-made\n50000.0\n0.0\n"
     + "".join(f"{np.radians(a):.12f} {c} {d}\n" for a, c, d in POLAR),
 }

@@ -52,6 +52,11 @@ STANDS = {
     "a stand's own names": (samples.stand(ROWS), "'Thrust (gf)' is thrust in gf"),
     "capitals": (stand_csv("RPM,THRUST_N,Torque_Nm", 0, 1, 2), "'RPM' is the rotational speed"),
     "symbols": (stand_csv("rpm,T [N],Q_Nm", 0, 1, 2), "'Q_Nm' is torque in Nm"),
+    "with a unit that no load has": (
+        "rpm,Thrust (N),Torque (N-m),Power (%)\n"
+        + "".join(f"{r},{t},{q},50\n" for r, t, q in ROWS),
+        "not used: 'Power (%)'",
+    ),
     "a power beside": (stand_csv("rpm,thrust_N,torque_Nm,power", 0, 1, 2, 0), "not used: 'power'"),
 }
 
@@ -104,6 +109,15 @@ def test_points_at_rest_need_rpm_alone(run: Run) -> None:
     assert done.code == 0 and done.out.count("\n") == 3
     assert "'Rotation speed (rpm)' is the rotational speed" in done.err
     assert "all rows are taken to be at rest" in done.err
+
+
+@pytest.mark.usefixtures("brief")
+@pytest.mark.parametrize("change", [("", ""), ("RPM", "# static\nRPM"), (" ", ",")])
+def test_coefficients_of_uiuc_with_comments_and_commas(run: Run, change: tuple[str, str]) -> None:
+    Path("static.txt").write_text("RPM CT CP\n3000 0.1 0.05\n4000 0.1 0.049\n".replace(*change))
+    done = run("fit", "static", "static.txt", *PROP, *FREE, "-o", "fit.toml")
+    assert done.code == 0, done.err
+    assert fit_record(Path("fit.toml"))["rows"] == 4
 
 
 # -------------------------------------------------------------------------------------------------
@@ -290,8 +304,8 @@ def test_constants_of_another_propeller_are_pointed_out(run: Run) -> None:
 FIRST_CASES = {
     "upper_rpm.csv": ("'RPM' is the rotational speed", PROP),
     "q_dropped.csv": ("'Q_Nm' is torque in Nm", ["--prop", "apc-10x5e"]),
-    "blank_torque.csv": ("'torque_Nm' (blank)", ["--prop", "HQ 5x4.3x3"]),
-    "thrust_only.csv": ("thrust", ["--prop", "HQ 5x4.3x3"]),
+    "blank_torque.csv": ("'torque_Nm' (blank)", ["--prop", "7x5"]),
+    "thrust_only.csv": ("thrust", ["--prop", "7x5"]),
 }
 
 

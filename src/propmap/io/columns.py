@@ -68,6 +68,7 @@ MOMENT = _units(
 POWER = _units({"w watt watts": 1.0, "kw": 1e3, "mw": 1e-3, "hp": HORSEPOWER})
 SHARE = {"": 1.0, "percent": 0.01, "%": 0.01}
 PURE = {"": 1.0}
+OTHERS = {"%", "percent", "s", "v", "a", "us", "c", "gw"}  # units of what is none of these
 
 
 class Quantity(NamedTuple):
@@ -140,7 +141,9 @@ NOT_TAKEN = {
 }
 """What looks like a quantity and is another, and why."""
 
-AROUND = "(powertrain|rotor|propeller|prop|mean|average|avg|measured|test|filtered|raw) ?[1-9]?"
+AROUND = (
+    "([ab]|powertrain|rotor|propeller|prop|mean|average|avg|measured|test|filtered|raw) ?[1-9]?"
+)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -225,7 +228,7 @@ class Header:
                         taken = Taken(place_in_order, place, name, written, factor)
                         self.taken.setdefault(column, []).append(taken)
                         return True
-                    if len(words) > 2:  # T and Q may be anything
+                    if len(words) > 3 and unit not in OTHERS:  # T and Q may be anything
                         unclear.setdefault(column, name)
         return False
 

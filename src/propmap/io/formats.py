@@ -25,13 +25,15 @@ LOADS = "give it to propmap fit or propmap check"
 
 PE0 = Format("an APC PE0 file", r"\s*STATION\s+CHORD\b|.*AIRFOIL SUMMARY DATA", BLADE)
 UIUC_GEOMETRY = Format("a UIUC geometry file", r"\s*r/R[\s,;]+c/R[\s,;]+beta\s*$", BLADE)
-QPROP = Format("a QPROP propeller", r".*!\s*Nblades|\s*[#!]\s*r\s+chord\s+beta\b", BLADE)
+QPROP = Format(
+    "a QPROP propeller", r".*!\s*(Nblades|Rfac|CL0)\b|\s*[#!]\s*r\s+chord\s+beta\b", BLADE
+)
 XROTOR = Format("an XROTOR file", r"\s*XROTOR\s+VERSION", BLADE)
 BEM = Format("an OpenVSP .bem file", r"\.*\s*BEM Propeller", BLADE)
 TOML = Format("a TOML file of propmap", r"\s*schema\s*=", "name it .toml")
 AERODYN_15 = Format("AeroDyn v15", r"[^!]*\S\s+NumTabs\b", POLAR)
 AERODYN = Format("AeroDyn", r".*number of airfoil tables in this file", POLAR)
-XFOIL = Format("XFOIL", r"\s*alpha\s+CL\s+CD\b", POLAR)
+XFOIL = Format("XFOIL", r"\s*(alpha|aoa)\s+CL\s+CD\b", POLAR)
 CACTUS = Format("CACTUS", r"reynolds number:", POLAR)
 UIUC_LOADS = Format("UIUC loads", r"\s*(J|RPM)[\s,]+CT[\s,]+CP\b", LOADS)
 PERFILES = Format("a PERFILE of APC, with computed loads", r"\s*PROP\s+RPM\s*=", LOADS)

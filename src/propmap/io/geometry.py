@@ -446,13 +446,8 @@ def read_xrotor(
     with located(os.fspath(path)):
         tip = _below(lines, r"!\s*Rad\s+Vel", "the radius")[0][1][0]
         (_, counts), *rows = _below(lines, r"!\s*#?\s*(Num )?stations", "the stations")
-        wanted, count = _whole(counts[0]), _whole(counts[-1]) if blades is None else blades
-        table = [(n, [row[0] * tip, row[1] * tip, row[2]]) for n, row in rows if len(row) > 2]
-        if len(table) < wanted:
-            found = f"found {len(table)} stations, expected {wanted}"
-            raise InputError(found, "give the whole file")
-        own = lines[1].strip() if len(lines) > 1 else "", count
-        return _in_metres(path, "XROTOR", own, table[:wanted], tip, radius)
+        own = lines[1].strip(), _whole(counts[-1]) if blades is None else blades
+        return _in_metres(path, "XROTOR", own, _scaled(rows, counts[0], tip), tip, radius)
 
 
 def read_bem(
@@ -471,13 +466,9 @@ def read_bem(
                 raise InputError(f"found no {key}", "give the file as OpenVSP writes it")
         tip = 0.5 * stated["Diameter"]
         rows = _below(lines, r"\s*Radius/R\s*,\s*Chord/R\s*,\s*Twist \(deg\)", "the stations")
-        wanted = _whole(stated["Num_Sections"])
-        table = [(n, [row[0] * tip, row[1] * tip, row[2]]) for n, row in rows if len(row) > 2]
-        if len(table) < wanted:
-            found = f"found {len(table)} stations, expected {wanted}"
-            raise InputError(found, "give the whole file")
         own = "", _whole(stated["Num_Blade"]) if blades is None else blades
-        return _in_metres(path, "OpenVSP", own, table[:wanted], tip, radius)
+        table = _scaled(rows, stated["Num_Sections"], tip)
+        return _in_metres(path, "OpenVSP", own, table, tip, radius)
 
 
 def _numbers(lines: Sequence[str], first: int) -> Numbered:
@@ -500,6 +491,15 @@ def _below(lines: Sequence[str], sign: str, what: str) -> Numbered:
         if rows:
             return rows
     raise InputError(f"found no {what}", "give the whole file")
+
+
+def _scaled(rows: Numbered, count: float, tip: float) -> Numbered:
+    """Give ``count`` rows, of station and chord over the radius, in metres: that of the ``tip``."""
+    table = [(n, [row[0] * tip, row[1] * tip, row[2]]) for n, row in rows if len(row) > 2]
+    if not 0 < count <= len(table):
+        found = f"found {len(table)} stations, expected {count:g}"
+        raise InputError(found, "give the whole file")
+    return table[: int(count)]
 
 
 def _whole(value: float) -> int:

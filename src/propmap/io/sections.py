@@ -87,13 +87,19 @@ def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 
 def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read one polar; rows in any order, as they were computed."""
-    head = next(k for k, (_, line) in enumerate(lines) if re.match(r"\s*alpha\s+CL\s+CD\b", line))
-    above = "\n".join(line for _, line in lines[:head])
-    found = re.search(r"Re\s*=\s*([\d.]+)\s*e\s*([+-]?\d+)", above)
-    if found is None:
-        raise InputError("no Reynolds number above the rows", "keep the line with Re = 0.100 e 6")
+    sign = re.compile(formats.XFOIL.sign, re.IGNORECASE)
+    head = next(k for k, (_, line) in enumerate(lines) if sign.match(line))
     rows = [line for line in lines[head + 1 :] if set(line[1].strip()) - set("- ")]
-    yield float(found[1]) * 10.0 ** int(found[2]), [_row(line) for line in rows]
+    yield _reynolds(lines[:head]), [_row(line) for line in rows]
+
+
+def _reynolds(lines: Lines) -> float:
+    """Read the Reynolds number above the rows of a polar; 0 where none is stated."""
+    text = "\n".join(line for _, line in lines)
+    if found := re.search(r"\bRe\s*=\s*(\d[\d.]*)(?:\s*e\s*([+-]?\d{1,2})\b)?", text):
+        return parse_number(found[1], "Re") * 10.0 ** int(found[2] or 0)
+    found = re.search(r"reynolds number\W+(\d[\d.e+]*)", text, re.IGNORECASE)
+    return parse_number(found[1], "Reynolds number") if found else 0.0
 
 
 def _cactus(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
@@ -127,7 +133,7 @@ def _csv(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     assert file is not None
     found = Header(file.header, CSV_COLUMNS)
     taken = {name: one for name in CSV_COLUMNS if (one := found.one_of(name)) is not None}
-    above = re.search(r"reynolds number\W+([\d.e+]+)", "\n".join(t for _, t in lines[:start]), re.I)
+    above = _reynolds(lines[:start])
     tables: dict[float, list[Row]] = {}
     for number, cells in file.rows:
         place = f"line {number}"
@@ -135,8 +141,9 @@ def _csv(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
             count = f"found {len(cells)} fields, expected {len(file.header)}"
             raise InputError(count, "complete the row", place)
         row = {n: parse_number(cells[t.place], n, place) * t.factor for n, t in taken.items()}
-        reynolds = row.get("re", parse_number(above[1], "Reynolds number") if above else 0.0)
-        tables.setdefault(reynolds, []).append((number, row["alpha_deg"], row["cl"], row["cd"]))
+        tables.setdefault(row.get("re", above), []).append(
+            (number, row["alpha_deg"], row["cl"], row["cd"])
+        )
     yield from tables.items()
 
 
