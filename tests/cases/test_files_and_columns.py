@@ -57,6 +57,10 @@ STANDS = {
         + "".join(f"{r},{t},{q},50\n" for r, t, q in ROWS),
         "not used: 'Power (%)'",
     ),
+    "a title above": (
+        "T-Motor F80,,\n" + stand_csv("RPM,Thrust (N),Torque (Nm)", 0, 1, 2),
+        "'RPM' is",
+    ),
     "a power beside": (stand_csv("rpm,thrust_N,torque_Nm,power", 0, 1, 2, 0), "not used: 'power'"),
 }
 
@@ -95,6 +99,19 @@ def test_a_blank_torque_leaves_the_thrust(run: Run) -> None:
     Path("blank.csv").write_text(text)
     done = run("fit", "static", "blank.csv", *PROP, *FREE, "-o", "fit.toml")
     assert done.code == 0 and "not used: 'torque_Nm' (blank)" in done.err
+    assert list(fit_record(Path("fit.toml"))["residuals"]) == ["thrust"]
+
+
+@pytest.mark.usefixtures("brief")
+def test_voltage_times_current_is_no_power_of_the_shaft(run: Run) -> None:
+    text = "RPM,Thrust(g),Voltage (V),Current (A),Power (W)\n" + "".join(
+        f"{rpm},{t / 9.80665e-3},11.1,{rpm / 1e3},{round(11.1 * rpm / 1e3, 1)}\n"
+        for rpm, t, _ in ROWS
+    )
+    Path("maker.csv").write_text(text)
+    done = run("fit", "static", "maker.csv", *PROP, *FREE, "-o", "fit.toml")
+    assert done.code == 0
+    assert "power is voltage times current, electrical and not of the shaft" in done.err
     assert list(fit_record(Path("fit.toml"))["residuals"]) == ["thrust"]
 
 

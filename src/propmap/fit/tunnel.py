@@ -290,6 +290,9 @@ def measured_in_catalogue(name: str, air: Air) -> TunnelData:
     return TunnelData(name, m.omega, m.speed, m.beta, loads)
 
 
+SAME_POWER = 0.03  # share within which a power is that of voltage and current
+
+
 def measured_loads(path: Path, *, at_rest: bool = False) -> Callable[[Propeller, Air], TunnelData]:
     """Read the loads in a CSV file or one of coefficients now; these take propeller and air later.
 
@@ -297,13 +300,18 @@ def measured_loads(path: Path, *, at_rest: bool = False) -> Callable[[Propeller,
     """
     if looks_like_coefficients(path):
         return functools.partial(_of_coefficients, path.name, read_coefficients(path))
-    points, columns, remarks = read_points(path, (*LOAD_COLUMNS, "power_W"), at_rest=at_rest)
-    loads = {LOAD_COLUMNS[name]: values for name, values in columns.items() if name != "power_W"}
-    omega = points.rpm * RPM
-    if by_power := "power_W" in columns:
-        unknown = np.full_like(omega, np.nan)
+    further = (*LOAD_COLUMNS, "power_W", "voltage_V", "current_A")
+    points, columns, remarks = read_points(path, further, at_rest=at_rest)
+    electrical = columns.pop("voltage_V", np.nan) * columns.pop("current_A", np.nan)
+    power, omega = columns.pop("power_W", None), points.rpm * RPM
+    if power is not None and np.mean(np.isclose(power, electrical, rtol=SAME_POWER)) > 0.5:
+        remarks.append("power is voltage times current, electrical and not of the shaft: not used")
+        power = None
+    loads = {LOAD_COLUMNS[name]: values for name, values in columns.items()}
+    if power is not None:
         remarks.append("power is taken to be the shaft's, not the battery's")
-        loads["torque"] = np.divide(columns["power_W"], omega, out=unknown, where=omega > 0.0)
+        unknown = np.full_like(omega, np.nan)
+        loads["torque"] = np.divide(power, omega, out=unknown, where=omega > 0.0)
     if not loads:
         known = ", ".join((*LOAD_COLUMNS, "power_W"))
         remedy = f"add one of {known}; power is that of the shaft"
@@ -311,7 +319,7 @@ def measured_loads(path: Path, *, at_rest: bool = False) -> Callable[[Propeller,
         raise InputError(found, remedy, str(path))
     beta = np.radians(points.beta_deg)
     data = TunnelData(
-        path.name, omega, points.speed_mps, beta, loads, tuple(remarks), by_power=by_power
+        path.name, omega, points.speed_mps, beta, loads, tuple(remarks), by_power=power is not None
     )
     return lambda _propeller, _air: data
 

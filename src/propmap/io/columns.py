@@ -21,51 +21,20 @@ def _units(factors: Mapping[str, float]) -> dict[str, float]:
 
 
 KNOT, HORSEPOWER = 1852.0 / 3600.0, 745.69987
-SPIN = _units(
-    {
-        "rpm 1min min1 rmin revmin upm": 1.0,
-        "rads radsec rads1 radps": 1.0 / RPM,
-        "rps hz revs 1s s1": 60.0,
-        "krpm": 1e3,
-    }
-)
-SPEED = _units(
-    {
-        "mps ms ms1 msec": 1.0,
-        "cms": 0.01,
-        "kmh kph kmph": KMH,
-        "mph": MPH,
-        "kt kts knots": KNOT,
-        "fts fps": FOOT,
-    }
-)
+SPIN = _units({"rpm 1min min1 rmin revmin upm": 1.0, "rads radsec rads1 radps": 1.0 / RPM})
+SPIN |= _units({"rps hz revs 1s s1": 60.0, "krpm": 1e3})
+SPEED = _units({"mps ms ms1 msec": 1.0, "cms": 0.01, "kmh kph kmph": KMH, "mph": MPH})
+SPEED |= _units({"kt kts knots": KNOT, "fts fps": FOOT})
 ANGLE = _units({"deg degree degrees": 1.0, "rad radian radians": 1.0 / DEGREE})
 LENGTH = _units({"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in inch inches": INCH, "ft": FOOT})
-FORCE = _units(
-    {
-        "n newton newtons": 1.0,
-        "mn": 1e-3,
-        "g gf gr gram grams gramf": 1e-3 * GRAVITY,
-        "kg kgf": GRAVITY,
-        "lb lbf lbs": POUND,
-        "oz ozf": POUND / 16.0,
-    }
-)
-MOMENT = _units(
-    {
-        "nm": 1.0,
-        "ncm": 1e-2,
-        "nmm mnm": 1e-3,
-        "kgm kgfm": GRAVITY,
-        "gm": 1e-3 * GRAVITY,
-        "kgcm kgfcm": 1e-2 * GRAVITY,
-        "gcm gfcm": 1e-5 * GRAVITY,
-        "ozin ozfin inoz inozf": POUND * INCH / 16.0,
-        "lbin lbfin inlb inlbf": POUND * INCH,
-        "lbft lbfft ftlb ftlbf": POUND * FOOT,
-    }
-)
+FORCE = _units({"n newton newtons": 1.0, "mn": 1e-3, "kg kgf": GRAVITY, "lb lbf lbs": POUND})
+FORCE |= _units({"g gf gr gram grams gramf": 1e-3 * GRAVITY, "oz ozf": POUND / 16.0})
+MOMENT = _units({"nm": 1.0, "ncm": 1e-2, "nmm mnm": 1e-3, "kgm kgfm": GRAVITY})
+MOMENT |= _units({"gm": 1e-3 * GRAVITY, "kgcm kgfcm": 1e-2 * GRAVITY, "gcm gfcm": 1e-5 * GRAVITY})
+MOMENT |= _units({"ozin ozfin inoz inozf": POUND * INCH / 16.0, "lbin lbfin inlb": POUND * INCH})
+MOMENT |= _units({"lbft lbfft ftlb ftlbf": POUND * FOOT, "inlbf": POUND * INCH})
 POWER = _units({"w watt watts": 1.0, "kw": 1e3, "mw": 1e-3, "hp": HORSEPOWER})
+VOLT, AMPERE = _units({"v volt volts": 1.0, "mv": 1e-3}), _units({"a amp amps": 1.0, "ma": 1e-3})
 SHARE = {"": 1.0, "percent": 0.01, "%": 0.01}
 PURE = {"": 1.0}
 OTHERS = {"%", "percent", "s", "v", "a", "us", "c", "gw"}  # units of what is none of these
@@ -116,6 +85,8 @@ QUANTITIES = {
         ("((shaft|mech|mechanical|brake|propeller) )?power|p( (shaft|mech))?|pshaft|pmech",),
         POWER,
     ),
+    "voltage_V": Quantity("the voltage", ("((battery|input|esc) )?voltage|u|v",), VOLT),
+    "current_A": Quantity("the current", ("((battery|input|esc) )?current|i",), AMPERE),
     # Of a blade's geometry.
     "radius_m": Quantity("the station", ("radius|r|station|radial (position|station)",), LENGTH),
     "r_over_R": Quantity(

@@ -419,6 +419,7 @@ def _number(value: float) -> float | None:
 POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
 OF_POINTS = POINT_COLUMNS | {column: name for name, column in FURTHER.items()}
 LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}  # names of loads by their column
+TITLED = 10  # lines of a file among which its header is
 AT_REST = "columns of speed and beta are missing: all rows are taken to be at rest"
 
 
@@ -463,7 +464,13 @@ def read_columns(
     """
     wanted, lines = (*needed, *further), read_lines(path, what)
     with located(str(path)):
-        first = next((line for line in lines if line.strip(" \t;,") and not is_comment(line)), "")
+        # Some programs put a title above the names of the columns.
+        known = [
+            0 if is_comment(line) else len(columns_in(line, wanted)) for line in lines[:TITLED]
+        ]
+        start = next((k for k, count in enumerate(known) if count > 1), 0)
+        lines = [line if is_comment(line) else "" for line in lines[:start]] + lines[start:]
+        first = next((text for text in lines if text.strip(" \t;,") and not is_comment(text)), "")
         file = read_csv_table(lines, columns_in(first, wanted), comments=True)
         names = file.header if file else []
         rows = file.rows if file else []
