@@ -83,6 +83,7 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
     "fast rotation": {
         "rpm converted from rad/s twice": 1.0 / RPM,
         "electrical rpm, of 7 pole pairs for example": 7.0,
+        "electrical rpm, of 12 pole pairs for example": 12.0,
         "rpm times 60": 60.0,
     },
     "thrust": {
