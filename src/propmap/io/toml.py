@@ -39,15 +39,6 @@ WORDS = {
 }
 
 
-def is_toml(path: str | os.PathLike[str]) -> bool:
-    """Whether the file at ``path`` is TOML, of whatever it is."""
-    try:
-        tomllib.loads("\n".join(read_lines(path, "TOML file")))
-    except (ValueError, RecursionError):
-        return False
-    return True
-
-
 def read_toml(path: str | os.PathLike[str], kind: type[Made], schema: int, what: str) -> Made:
     """Read the file at ``path``, called ``what`` in messages, as a ``kind`` of struct."""
     where = os.fspath(path)
