@@ -57,6 +57,12 @@ STANDS = {
         + "".join(f"{r},{t},{q},50\n" for r, t, q in ROWS),
         "not used: 'Power (%)'",
     ),
+    "rows that stand still": (
+        stand_csv("RPM1 - RPM,Thrust - N,Torque - N*m", 0, 1, 2).replace(
+            "\n", "\n0,5,0.1\n,5,\n", 1
+        ),
+        "2 of 10 rows have no rpm: left out",
+    ),
     "a title above": (
         "T-Motor F80,,\n" + stand_csv("RPM,Thrust (N),Torque (Nm)", 0, 1, 2),
         "'RPM' is",
@@ -78,6 +84,13 @@ def test_stands_are_read_and_said_how(run: Run, case: str) -> None:
     assert any(says in remark for remark in fit_record(Path("found.toml"))["remarks"])
     want, found = parameter_set("want.toml"), parameter_set("found.toml")
     assert found.c_l1 == pytest.approx(want.c_l1, rel=1e-5)
+
+
+@pytest.mark.usefixtures("brief")
+def test_a_stand_s_file_that_is_no_utf_8(run: Run) -> None:
+    Path("stand.csv").write_bytes(samples.stand(ROWS).encode("latin-1"))
+    done = run("fit", "static", "stand.csv", *PROP, *FREE)
+    assert done.code == 0 and "'Torque (N\u00b7m)' is torque in N\u00b7m" in done.err
 
 
 @pytest.mark.usefixtures("brief")
@@ -161,6 +174,13 @@ GEOMETRIES = {
     "commas_geom.csv": (samples.UIUC.replace(" ", ","), "2 blades, as nearly all"),
     "blade.prop": (samples.QPROP, "a QPROP propeller: its section law is not read"),
     "blade.xrotor": (samples.XROTOR, "an XROTOR file: its section law is not read"),
+    "saved.xrotor": (
+        samples.XROTOR.replace("!   #stations    #blades", "!   II Nblds"),
+        "an XROTOR file: its section law is not read",
+    ),
+    "inches.prop": (samples.QPROP.replace(" 2        ! Nb", " 2 3.937008 ! Nb"), "QPROP"),
+    "metres.prop": (samples.QPROP.replace(" 2        ! Nb", " 2 0.1 0.02 ! Nb"), "QPROP"),
+    "script.bem": (samples.BEM.replace("Num_Blade:", "Num_Blades:"), "in metres"),
     "blade.bem": (samples.BEM, "diameter is taken to be in metres"),
     "spelled.csv": (
         "# blades: 2\nRadius [mm];Chord (cm);Twist [\u00b0];t/c\n"

@@ -85,7 +85,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*PREDICT, "--points", "short.csv"], "line 2, column beta_deg"),
     ([*PREDICT, "--points", "quote.csv"], "quote.csv"),
     ([*PREDICT, "--points", "binary.csv"], "binary data"),
-    ([*PREDICT, "--points", "latin.csv"], "not UTF-8"),
+    ([*PREDICT, "--points", "latin.csv"], "is not a number"),
     ([*SWEEP, *GRID, "-o", "out.txt"], ".nc"),
     ([*SWEEP, *GRID, "-o", "nowhere/out.nc"], "nowhere"),
     ([*SWEEP, *GRID, "-o", "taken.nc"], "--force"),

@@ -334,7 +334,9 @@ def test_fit_refuses_what_cannot_be(run: Run, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_fit_keeps_its_doubts(run: Run, tmp_path: Path) -> None:
     (tmp_path / "tunnel.csv").write_text(scaled(TUNNEL, thrust_N=0.22481))
-    result = run("fit", "tunnel", "apc-8x6e", "tunnel.csv", *QUICK, "-o", "fit.toml")
+    asked = ("fit", "tunnel", "apc-8x6e", "tunnel.csv", *QUICK, "-o", "fit.toml")
+    assert run(*asked).code == 2
+    result = run(*asked, "--accept")
     assert result.code == 0
     assert "note: tunnel.csv: thrust is 0." in result.err
     assert "thrust looks like pounds" in (tmp_path / "fit.toml").read_text()

@@ -31,7 +31,7 @@ class Coefficients(NamedTuple):
 
 def looks_like_coefficients(path: Path) -> bool:
     """Whether the file at ``path`` holds rows that ``read_coefficients`` reads."""
-    return format_of(read_lines(path, "load file")) in (UIUC_LOADS, PERFILES)
+    return format_of(read_lines(path, "load file", latin=True)) in (UIUC_LOADS, PERFILES)
 
 
 def read_coefficients(path: Path) -> Coefficients:

@@ -56,11 +56,11 @@ QUANTITIES = {
     "rpm": Quantity(
         "the rotational speed",
         (
-            f"rpm|omega|n|w|speed|revs|{_SPIN}|(rotor|motor|prop|propeller|optical) rpm",
+            f"rpm|omega|n|w|speed|rot|rotation|{_SPIN}|(rotor|motor|prop|propeller|optical) rpm",
             _ELECTRIC_SPEED,
         ),
         SPIN,
-        "(rotor |motor |prop |propeller |optical )?rpm",
+        "(rotor |motor |prop |propeller |optical )?rpm( [1-9])?",
     ),
     "speed_mps": Quantity(
         "the flight speed",
@@ -138,7 +138,7 @@ LONGEST = 80  # characters of a name that are looked at
 def _words(text: str) -> str:
     for letter, name in zip("\u03c9\u03b2\u03b1\u03b8", GREEK, strict=True):
         text = text.replace(letter, name)
-    return re.sub(r"[^a-z0-9]+", " ", text).strip()
+    return re.sub(r"([a-z])([1-9])\b", r"\1 \2", re.sub(r"[^a-z0-9]+", " ", text).strip())
 
 
 def _parted(name: str) -> Iterator[tuple[str, str, str]]:
@@ -151,7 +151,7 @@ def _parted(name: str) -> Iterator[tuple[str, str, str]]:
     yield _words(low), "", ""
     for end, start, stop in parts:
         plain = re.sub("[^a-z0-9%]", "", low[start:stop].replace("°", "deg"))
-        yield _words(low[:end]), plain, text[start:stop].strip()
+        yield _words(low[:end]), plain, text[start:stop].strip(" -")
 
 
 class Header:
@@ -190,7 +190,7 @@ class Header:
                 return True
             for words, unit, written in _parted(name):
                 for rank, names in enumerate(quantity.names):
-                    if not re.fullmatch(f"({AROUND} )?({names})( {AROUND})?", words):
+                    if not re.fullmatch(f"({AROUND} )?({names})( ({AROUND}|[1-9]))?", words):
                         continue
                     if unit in quantity.units if unit else re.fullmatch(quantity.bare, words):
                         # Names such as thrust_g are propmap's own in all but the unit.

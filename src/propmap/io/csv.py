@@ -217,11 +217,14 @@ def loads_csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats
 MAX_BYTES = 5_000_000
 
 
-def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[str]:
+def read_lines(
+    path: str | os.PathLike[str], content: str = "geometry", *, latin: bool = False
+) -> list[str]:
     """Read the lines of the UTF-8 text file at ``path``, without their line ends.
 
     ``InputError``, in which the file is one with ``content``, for a missing file, a directory, a
-    file above 5 MB, and a file that is empty, binary or in another encoding.
+    file above 5 MB, and a file that is empty, binary or in another encoding, unless that may be
+    ``latin``, as that of instruments which write "\u00b5s".
     """
     where = os.fspath(path)
     try:
@@ -253,6 +256,8 @@ def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[
         try:
             text = data.decode("utf-8-sig")
         except UnicodeDecodeError as error:
+            if latin:
+                return data.decode("latin-1").splitlines()
             line = data.count(b"\n", 0, error.start) + 1
             found = f"line {line}: byte 0x{data[error.start]:02x} is not UTF-8 text"
             raise InputError(found, "save the file as UTF-8") from None
@@ -462,7 +467,7 @@ def read_columns(
     An empty field is NaN unless it is of an operating point. ``InputError`` names the file, which
     should be ``what``, the line and the column.
     """
-    wanted, lines = (*needed, *further), read_lines(path, what)
+    wanted, lines = (*needed, *further), read_lines(path, what, latin=True)
     with located(str(path)):
         # Some programs put a title above the names of the columns.
         known = [
@@ -499,6 +504,9 @@ def read_columns(
             raise missing(absent[0], needed)
         if not rows:
             raise InputError("there is no row below the header", "add a row per point")
+        remarks = header.told(found)
+        if "thrust_N" in further and "rpm" in found:
+            rows = _turning(rows, found["rpm"].place, remarks)
         columns: dict[str, Floats] = {}
         for name, one in found.items():
             values = [
@@ -506,7 +514,17 @@ def read_columns(
                 for line, row in rows
             ]
             columns[name] = np.array(values) * one.factor
-    return columns, header.told(found)
+    return columns, remarks
+
+
+def _turning(
+    rows: list[tuple[int, list[str]]], place: int, remarks: list[str]
+) -> list[tuple[int, list[str]]]:
+    """Leave out rows of measurements whose rotor stands still, with a remark."""
+    kept = [row for row in rows if len(row[1]) > place and row[1][place].strip("0.")]
+    if kept and len(kept) < len(rows):
+        remarks.append(f"{len(rows) - len(kept)} of {len(rows)} rows have no rpm: left out")
+    return kept or rows
 
 
 def _value(cell: str, column: str, line: int, name: str) -> float:

@@ -433,7 +433,10 @@ def read_qprop(
             (n, [v * f + a for v, f, a in zip(row, factor, offset, strict=False)])
             for n, row in body
         ]
-        tip = count[1] * factor[0] + offset[0] if len(count) > 1 else None
+        # Some write the radius in metres, others in the unit of the rows.
+        tips = [count[1] * factor[0] + offset[0], count[1]] if len(count) > 1 else [None]
+        last = table[-1][1][0] if table else 0.0
+        tip = next((one for one in tips if one and NEAR_TIP * one < last <= one * 1.001), tips[0])
         own = (title.strip(), _whole(count[0]) if blades is None else blades)
         return _in_metres(path, "QPROP", own, table, tip, radius)
 
@@ -445,7 +448,7 @@ def read_xrotor(
     lines = read_lines(path)
     with located(os.fspath(path)):
         tip = _below(lines, r"!\s*Rad\s+Vel", "the radius")[0][1][0]
-        (_, counts), *rows = _below(lines, r"!\s*#?\s*(Num )?stations", "the stations")
+        (_, counts), *rows = _below(lines, r"!.*(stations|Nblds)", "the stations")
         own = lines[1].strip(), _whole(counts[-1]) if blades is None else blades
         return _in_metres(path, "XROTOR", own, _scaled(rows, counts[0], tip), tip, radius)
 
@@ -454,14 +457,15 @@ def read_bem(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
     """Read a propeller from an OpenVSP .bem file, whose diameter is taken to be in metres."""
-    lines = read_lines(path)
+    lines, wanted = read_lines(path), ("Num_Sections", "Num_Blade", "Diameter")
     with located(os.fspath(path)):
         stated: dict[str, float] = {}
         for number, line in enumerate(lines, start=1):
             key, colon, value = line.partition(":")
-            if colon and key.strip() in ("Num_Sections", "Num_Blade", "Diameter"):
-                stated[key.strip()] = parse_number(value, key.strip(), f"line {number}")
-        for key in ("Num_Sections", "Num_Blade", "Diameter"):
+            key = key.strip().replace("Num_Blades", "Num_Blade")  # as scripts write it
+            if colon and key in wanted:
+                stated[key] = parse_number(value, key, f"line {number}")
+        for key in wanted:
             if key not in stated:
                 raise InputError(f"found no {key}", "give the file as OpenVSP writes it")
         tip = 0.5 * stated["Diameter"]
