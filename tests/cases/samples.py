@@ -98,6 +98,8 @@ POLARS = {
     "   alpha,  CL,  CD,  CDp\n" + "".join(f" {a}, {c}, {d}, 0.01\n" for a, c, d in POLAR),
     "CCBlade": "hand-made\n50000.0\n0.0\n"
     + "".join(f"{np.radians(a):.12f} {c} {d}\n" for a, c, d in POLAR),
+    "CCBlade in degrees": "hand-made\n5e4\n0.0\n"
+    + "".join(f"{a:.2f} {c} {d} -0.1\n" for a, c, d in POLAR),
 }
 STAND_NAMES = (
     "Time (s),ESC signal (\u00b5s),Torque (N\u00b7m),Thrust (gf),Voltage (V),Current (A),"

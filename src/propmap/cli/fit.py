@@ -314,7 +314,8 @@ def _refuse_poor(fitted: Fitted, warnings: Sequence[str], *, accept: bool) -> No
         left = errors(*fitted.compared(k)).relative_rms
         if name in ("thrust", "torque") and left > MOST_LEFT and not accept:
             found = f"the fit leaves {left:.0%} of the {name} (rms) and is not written"
-            doubts = "; ".join(warnings) or "neither units nor signs of the data stand out"
+            odd = [text for text in warnings if ": columns: " not in text]
+            doubts = "; ".join(odd) or "neither units nor signs of the data stand out"
             remedy = "correct the data or the propeller, or write it all the same by --accept"
             raise InputError(f"{found}; {doubts}", remedy)
 

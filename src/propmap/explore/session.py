@@ -229,7 +229,7 @@ Kind = Literal["geometry", "constants", "fit", "table", "vehicle", "data"]
 
 MOST_BYTES = 5_000_000  # of a file that comes through the browser
 MOST_FILES = 200  # kept at a time, of all tabs; the one not used for longest goes first
-ENDINGS = (".toml", ".npz", ".csv", ".txt", ".dat")
+ENDINGS = (".toml", ".npz", ".csv", ".txt", ".dat", ".pe0", ".prop", ".xrotor", ".bem")
 
 
 @dataclass(frozen=True, eq=False)

@@ -150,7 +150,7 @@ def _csv(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 def _is_ccblade(texts: Sequence[str]) -> bool:
     """Whether a line of text, a Reynolds and a Mach number stand above rows of three numbers."""
     counts = [len(text.split()) for text in texts[1:5]]
-    return counts == [1, 1, 3, 3] and all(_is_row(text) for text in texts[3:5])
+    return counts in ([1, 1, 3, 3], [1, 1, 4, 4]) and all(map(_is_row, texts[3:5]))
 
 
 def _ccblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
