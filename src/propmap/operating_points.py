@@ -52,6 +52,8 @@ def broadcast(**named: ArrayLike) -> list[Floats]:
         if not np.isfinite(array).all():
             raise InputError(f"{name} holds a value that is not finite: remove NaN and infinity")
         arrays.append(array)
+    if len(arrays) == 1:
+        return [np.array(arrays[0])]
     try:
         return [np.array(a) for a in np.broadcast_arrays(*arrays)]
     except ValueError:
