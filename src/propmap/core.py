@@ -7,6 +7,7 @@ one for each level of x86-64.
 from __future__ import annotations
 
 import importlib
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -28,6 +29,11 @@ def _suitable() -> ModuleType:
 
 
 _build = _suitable()
+
+
+def include_folder() -> Path:
+    """Find the folder of the core's C++ headers, installed beside its build."""
+    return Path(str(_build.__file__)).with_name("include")
 
 
 def __getattr__(name: str) -> Any:

@@ -85,10 +85,27 @@ def _show_version(wanted: bool) -> None:
         raise typer.Exit
 
 
+def _show_headers(wanted: bool) -> None:
+    if wanted:
+        from propmap.core import include_folder
+
+        echo(include_folder())
+        raise typer.Exit
+
+
 @app.callback()
 def _options(
     version: Annotated[
         bool, Option("--version", callback=_show_version, is_eager=True, help="Show the version.")
+    ] = False,
+    include_dir: Annotated[
+        bool,
+        Option(
+            "--include-dir",
+            callback=_show_headers,
+            is_eager=True,
+            help="Show the folder of the core's C++ headers.",
+        ),
     ] = False,
 ) -> None:
     pass
