@@ -30,10 +30,8 @@ def _suitable() -> ModuleType:
 
 _build = _suitable()
 
-
-def include_folder() -> Path:
-    """Find the folder of the core's C++ headers, installed beside its build."""
-    return Path(str(_build.__file__)).with_name("include")
+HEADERS = Path(str(_build.__file__)).with_name("include")
+"""The folder of the core's C++ headers, installed beside its build."""
 
 
 def __getattr__(name: str) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -48,6 +49,13 @@ _STATUSES = np.asarray(STATUSES)
 
 RADII_TOGETHER = 1000
 """Radii at which the core gives fields over the disk in one call, at most."""
+
+
+def include_folder() -> Path:
+    """Find the folder of the core's C++ headers."""
+    from propmap.core import HEADERS
+
+    return HEADERS
 
 
 def core_corrections(model: Model) -> dict[str, Any]:

@@ -87,7 +87,7 @@ def _show_version(wanted: bool) -> None:
 
 def _show_headers(wanted: bool) -> None:
     if wanted:
-        from propmap.core import include_folder
+        from propmap.rotor import include_folder
 
         echo(include_folder())
         raise typer.Exit
