@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -383,21 +383,13 @@ class MeasuredShape(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MeanBlade:
-    """Mean chord and twist (n,) of one series or several, with one vote each, and their spread.
-
-    Standard deviations are over all series, within them and between their means; NaN where there
-    are too few blades.
-    """
+    """Mean chord and twist (n,) of one series or several, with one vote each."""
 
     families: tuple[str, ...]
     propellers: int  # how many were measured
     share: Floats  # radii over the tip radius, from where most members' blades begin
     chord: Floats  # over the tip radius [-]
     offset: Floats  # twist less that of a screw with the labelled pitch [rad]
-    chord_within: Floats
-    offset_within: Floats
-    chord_between: Floats
-    offset_between: Floats
 
     def propeller(self, name: str, diameter: float, pitch: float, blades: int) -> Propeller:
         """Make a propeller of this shape, labelled ``diameter`` and ``pitch`` [m]."""
@@ -416,13 +408,6 @@ class MeanBlade:
 def screw_angle(share: Floats, pitch_ratio: float) -> Floats:
     """Compute the angle [rad] of a screw at a ``share`` of the radius, atan(P / (2 pi r))."""
     return np.arctan(pitch_ratio / (math.pi * share))
-
-
-def shapes_without(entry: catalogue.Entry) -> list[MeasuredShape]:
-    """Leave the propeller of which ``entry`` is a blade out of ``measured_shapes``."""
-    label = designation(entry.title)
-    own = label and (entry.family, _size(label))
-    return [one for one in measured_shapes() if (one.family, one.size) != own]
 
 
 @lru_cache(maxsize=1)
@@ -444,7 +429,7 @@ def measured_shapes() -> tuple[MeasuredShape, ...]:
             for values in (blade.chord / blade.radius, blade.twist)
         )
         offset = twist - screw_angle(SHARES, label.pitch / label.diameter)
-        blades_of.setdefault((entry.family, _size(label)), []).append((chord, offset))
+        blades_of.setdefault((entry.family, label_size(label)), []).append((chord, offset))
     return tuple(
         MeasuredShape(family, size, *np.mean(blades, axis=0))
         for (family, size), blades in blades_of.items()
@@ -463,24 +448,19 @@ def bundled_mean(families: tuple[str, ...] = ()) -> MeanBlade:
 
 
 def mean_blade(shapes: Sequence[MeasuredShape], families: Collection[str] = ()) -> MeanBlade:
-    """Average the ``shapes`` of some ``families``, of all where none is given; the spread is over
-    all."""
+    """Average the ``shapes`` of some ``families``, of all where none is given."""
     by_family: dict[str, list[Floats]] = {}
     for one in shapes:
         by_family.setdefault(one.family, []).append(np.stack([one.chord, one.offset]))
-    means = {family: _mean(np.stack(some)) for family, some in by_family.items()}
     chosen = tuple(families) or tuple(by_family)
+    means = np.stack([_mean(np.stack(by_family[family])) for family in chosen])
     counted = sum(len(by_family[family]) for family in chosen)
-    about = np.stack([one - means[f] for f, some in by_family.items() for one in some])
-    freedom = np.isfinite(about).sum(axis=0) - np.isfinite(list(means.values())).sum(axis=0)
-    within = np.sqrt(np.nansum(about**2, axis=0) / np.where(freedom > 0, freedom, np.nan))
-    between = _deviation(np.stack(list(means.values())))
-    begun = np.mean([np.isfinite(means[family][0]) for family in chosen], axis=0) >= 0.5
-    mean = _mean(np.stack([means[family] for family in chosen])[..., begun])
-    return MeanBlade(chosen, counted, SHARES[begun], *mean, *within[:, begun], *between[:, begun])
+    begun = np.mean(np.isfinite(means[:, 0]), axis=0) >= 0.5
+    return MeanBlade(chosen, counted, SHARES[begun], *_mean(means[..., begun]))
 
 
-def _size(label: Designation) -> tuple[float, float]:
+def label_size(label: Designation) -> tuple[float, float]:
+    """Give the labelled diameter and pitch [m], rounded to be compared."""
     return round(label.diameter, 5), round(label.pitch, 5)
 
 
@@ -490,13 +470,6 @@ def _mean(some: Floats) -> Floats:
     count = known.sum(axis=0)
     total = np.where(known, some, 0.0).sum(axis=0)
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
-
-
-def _deviation(some: Floats) -> Floats:
-    """Take standard deviations over the first axis, NaN where fewer than two are known."""
-    count = np.isfinite(some).sum(axis=0)
-    squares = np.nansum((some - _mean(some)) ** 2, axis=0)
-    return np.sqrt(squares / np.where(count > 1, count - 1, np.nan))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -565,11 +538,6 @@ class PopulationPrior:
     def covariance(self) -> Floats:
         """Covariance of the coordinates, (P, P)."""
         return np.outer(self.deviation, self.deviation) * self.correlation
-
-    @property
-    def whitening(self) -> Floats:
-        """W (P, P), with which W (place - ``mean``) has independent parts of variance 1."""
-        return np.linalg.inv(np.linalg.cholesky(self.correlation)) / self.deviation
 
 
 def _population() -> PopulationPrior:
@@ -736,24 +704,9 @@ def bundled_population(geometry: str = "measured") -> Population:
     return parse_populations(file.read_text(encoding="utf-8"))[geometry]
 
 
-def as_toml(populations: Mapping[str, Population]) -> str:
-    """Write the text of a file that ``parse_populations`` reads."""
-    lines = ["# Written by `python -m tools.catalogue`; see propmap.catalogue.expected."]
-    for name, one in populations.items():
-        lines += ["", f"[{name}]"]
-        lines += [f"{f.name} = {_listed(getattr(one, f.name))}" for f in fields(one)]
-    return "\n".join(lines) + "\n"
-
-
 def parse_populations(text: str) -> dict[str, Population]:
     """Read the populations of a file's ``text``, by the blade that their constants belong to."""
     return {
         name: Population(**{key: np.array(value) for key, value in table.items()})
         for name, table in tomllib.loads(text).items()
     }
-
-
-def _listed(values: Floats) -> str:
-    if values.ndim == 1:
-        return "[" + ", ".join(f"{value:.8e}" for value in values) + "]"
-    return "[\n" + "".join(f"  {_listed(row)},\n" for row in values) + "]"
