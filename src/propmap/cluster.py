@@ -28,16 +28,12 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # From ``--cluster local:4`` or ``tcp://host:8786`` to workers.
 
-ANSWER_WITHIN = 5.0
-"""Time that a scheduler has to answer [s]."""
-
-START_WITHIN = 60.0
-"""Time that a worker of this machine has to start [s]."""
+ANSWER_WITHIN = 5.0  # time that a scheduler has to answer [s]
+START_WITHIN = 60.0  # time that a worker of this machine has to start [s]
 
 MOST_LOCAL = 1024
 
-FAILURES = 10
-"""Workers of this machine that one task may lose before it is given up."""
+FAILURES = 10  # workers of this machine that one task may lose before it is given up
 
 REMEDY = "write local, local:4 for four workers on this machine, or tcp://host:8786"
 
@@ -148,14 +144,9 @@ AHEAD = 3
 """Tasks under way per thread of the workers: one that runs and two that wait for it, so that no
 worker waits for the client.  The client holds no more than these."""
 
-RECOUNT = 2.0
-"""After so long the workers are counted again [s]: some may have joined or left."""
-
-ALONE = 60.0
-"""Time that a run waits for a worker where none is left [s]."""
-
-KEPT = 4
-"""Things shared by tasks, such as rotors, that a worker keeps at a time."""
+RECOUNT = 2.0  # after so long the workers are counted again [s]: some may have joined or left
+ALONE = 60.0  # time that a run waits for a worker where none is left [s]
+KEPT = 4  # things shared by tasks, such as rotors, that a worker keeps at a time
 
 GONE = InputError("the scheduler went away", "start it, and run the command again to go on")
 

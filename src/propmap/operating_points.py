@@ -14,8 +14,7 @@ from propmap.typing import Floats
 SPIN_REMEDY = "give the spin by its direction, not by a sign [rad/s]"
 """What to do instead of a negative omega."""
 
-FAR = np.array(np.inf)
-"""Height of a rotor far from the ground [m]."""
+FAR = np.array(np.inf)  # height of a rotor far from the ground [m]
 
 
 class Further(TypedDict, total=False):

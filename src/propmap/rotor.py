@@ -46,8 +46,7 @@ ACCURACIES = ("standard", "fine")
 
 _STATUSES = np.asarray(STATUSES)
 
-RADII_TOGETHER = 1000
-"""Radii at which the core gives fields over the disk in one call, at most."""
+RADII_TOGETHER = 1000  # radii at which the core gives fields over the disk in one call, at most
 
 
 def core_corrections(model: Model) -> dict[str, Any]:

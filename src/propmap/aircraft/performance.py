@@ -231,8 +231,7 @@ def _lowest(x: Floats, y: Floats) -> float:
 # -------------------------------------------------------------------------------------------------
 # The top speed of an aircraft, and the limit that it meets there.
 
-BEYOND = 1.3
-"""Ratio of the speeds at which the search goes on beyond those that were asked for."""
+BEYOND = 1.3  # ratio of the speeds at which the search goes on beyond those that were asked for
 
 FASTEST = 150.0  # [m/s] up to which a top speed is searched
 STEPS = 40  # steps of a search for the top speed, at most

@@ -447,8 +447,7 @@ MEASURES = {
     },
     "fast": {"speed": "top speed"},
     "mission": {"energy": "energy of the mission"},
-}
-"""What candidates may be ranked by for each task, the first by default."""
+}  # what candidates may be ranked by for each task, the first by default
 
 UNITS = {"energy": "W", "time": "s", "range": "m", "speed": "m/s"}
 ENERGIES = {"cruise": "J/m", "mission": "J"}

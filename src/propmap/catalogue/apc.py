@@ -25,8 +25,7 @@ SERIES = {
     "SF": ("apcsf", "Slow Flyer"),
     "MR": ("apcmr", "Multi-Rotor"),
     "": ("apcsp", "Sport"),
-}
-"""Code and title of a series by its mark behind the size; other marks name none known here."""
+}  # code and title of a series by its mark behind the size; other marks name none known here
 
 _TITLE = re.compile(r"[\d.]+x[\d.]+([A-Z]*)(?:-\d(?:Blade)?)?")
 

@@ -62,8 +62,7 @@ MAKERS = (
     Maker("Lumenier", "lumenier"),
     Maker("EMAX", "emax|avan"),
     Maker("Azure Power", "azure"),
-)
-"""Makers with the rules that are known of them; shops' and makers' pages agree on these."""
+)  # makers with the rules that are known of them; shops' and makers' pages agree on these
 
 _NAMES = {maker: rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS}
 
@@ -115,8 +114,7 @@ WITHOUT_BLADE = {
     "kavfk": "Kavon FK",
     "rusp": "Rev Up Special",
     "zin": "Zingali",
-}
-"""Series of which loads were measured and no blade."""
+}  # series of which loads were measured and no blade
 
 _NUMBER = r"(\d{1,3}(?:[.,]\d+)?)"
 _TIMES = "[x\u00d7*]"

@@ -172,8 +172,7 @@ CHORD_OF_MORE = 0.711
 """Chord of blades on a propeller with more than two, over that of the mean blade; the logarithm is
 known to 0.03.  Three and four are not told apart."""
 
-LEFT_OUT_ERROR = 0.10
-"""Errors of static thrust of the stand's propellers, each left out, are less."""
+LEFT_OUT_ERROR = 0.10  # errors of static thrust of the stand's propellers, each left out, are less
 
 STAND_DEVIATION = 0.099
 """Standard deviation of the logarithm of static thrust about that of blades with this chord: the

@@ -120,8 +120,7 @@ class AutopilotParameters:
     file_text: Callable[[ParameterSet, Vehicle], str]
 
 
-Flights = tuple[InplaneForces, InplaneForces]
-"""Level flights of a vehicle along x and y."""
+Flights = tuple[InplaneForces, InplaneForces]  # level flights of a vehicle along x and y
 
 SPEEDS = np.linspace(1.0, 15.0, 8)  # level flights by default [m/s]
 

@@ -251,11 +251,8 @@ def compared(
 # -------------------------------------------------------------------------------------------------
 # How far forward flight is known: relative uncertainty of thrust and torque, before and after.
 
-ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)
-"""J = V / (n D) of the points looked at [-]."""
-
-BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])
-"""Their angles to the axis [rad]."""
+ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)  # J = V / (n D) of the points looked at [-]
+BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])  # their angles to the axis [rad]
 
 JUDGED = ("thrust", "torque")
 
@@ -263,8 +260,7 @@ MODEL_ERROR = 0.03
 """Error of the model with the best constants, as a share of the load at rest; so much makes
 the intervals hold after a fit to static rows: ``python -m tools.after_static``."""
 
-SMALL = 0.1
-"""Share of the load at rest below which a relative uncertainty of a load means nothing."""
+SMALL = 0.1  # share of the load at rest below which a relative uncertainty of a load means nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -317,8 +313,7 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
 # -------------------------------------------------------------------------------------------------
 # Whether the constants that a fit found are unlikely beside those of other propellers.
 
-FAR = 2.5
-"""z-score among propellers from which a constant is worth a remark."""
+FAR = 2.5  # z-score among propellers from which a constant is worth a remark
 
 
 def unlikely_constants(fitted: Fitted) -> list[str]:
@@ -348,20 +343,17 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
 REMARKABLE = 0.7
 """Share of the residuals' size below which giving up an assumption is worth a remark."""
 
-POOR = 0.03
-"""Relative residual from which a fit is looked into."""
+POOR = 0.03  # relative residual from which a fit is looked into
 
 ASSUMPTIONS = {
     "zero_lift_angle": "C_L(0) = 0, an uncambered section",
     "c_d0": "c_d0 = 0.01, the constant drag",
     "mount_area": "the rotor drag without more in the slipstream",
-}
-"""What holds as long as the parameter is not free."""
+}  # what holds as long as the parameter is not free
 
 BODY_TERMS = ("lift_area", "drag_area_x")
 
-LEAST_FALL = 0.05
-"""Share by which a term of the body has to lower the residuals to pay."""
+LEAST_FALL = 0.05  # share by which a term of the body has to lower the residuals to pay
 
 
 def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
@@ -426,14 +418,9 @@ def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
 # -------------------------------------------------------------------------------------------------
 # Which variables the residuals of a flight fit still depend on, in words.
 
-LEAST_SHARE = 0.05
-"""Share of the residuals' variance from which a variable is worth a sentence."""
-
-CERTAIN = 3.0
-"""Slope over its block-wise standard error from which it is significant."""
-
-MOST = 2
-"""Sentences per load."""
+LEAST_SHARE = 0.05  # share of the residuals' variance from which a variable is worth a sentence
+CERTAIN = 3.0  # slope over its block-wise standard error from which it is significant
+MOST = 2  # sentences per load
 
 
 def candidates(log: FlightLog) -> dict[str, Floats]:
@@ -540,8 +527,7 @@ def _slope(
 # -------------------------------------------------------------------------------------------------
 # What each term of a whole-flight fit is worth, on flights that the fit has not seen.
 
-SURE = 2.0
-"""Standard errors by which a term has to change the mean square error to be said to pay."""
+SURE = 2.0  # standard errors by which a term has to change the mean square error to be said to pay
 
 
 @dataclass(frozen=True, eq=False)

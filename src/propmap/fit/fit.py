@@ -31,8 +31,7 @@ from propmap.units import RPM
 # -------------------------------------------------------------------------------------------------
 # A whole identification: search, uncertainty, residuals, cross-validation, bootstrap.
 
-MEDIAN_TO_DEVIATION = 1.4826
-"""Standard deviation over median size, of normal errors."""
+MEDIAN_TO_DEVIATION = 1.4826  # standard deviation over median size, of normal errors
 
 
 @dataclass(frozen=True)
@@ -243,20 +242,14 @@ def _refit_to(refit: _Refit, drawn: NDArray[np.intp]) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Which operating points the data of a fit cover, and what these cannot determine.
 
-AT_REST = 0.1
-"""Speed [m/s] below which the direction of the flow means nothing."""
-
-BAND = 15.0
-"""Width of the bands of the angle beta [deg], the first one about 0."""
-
-FEW = 0.02
-"""Share of the points in motion below which an angle is hardly covered."""
+AT_REST = 0.1  # speed [m/s] below which the direction of the flow means nothing
+BAND = 15.0  # width of the bands of the angle beta [deg], the first one about 0
+FEW = 0.02  # share of the points in motion below which an angle is hardly covered
 
 HOVER_BELOW, NARROW = 1.0, 2.0
 """Speeds [m/s]: below the first everything hovers; a range below the second is one speed."""
 
-Range = tuple[float, float]
-"""Least and largest."""
+Range = tuple[float, float]  # least and largest
 
 
 class _CoveredPoints(msgspec.Struct, frozen=True, omit_defaults=True):

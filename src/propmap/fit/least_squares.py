@@ -28,8 +28,7 @@ computed loads."""
 SAME_MINIMUM = 1e-3
 """Distance, in units of the parameters' spreads, within which two ends are one minimum."""
 
-DIFFERENCE = 1e-5
-"""Step of difference quotients, in spreads."""
+DIFFERENCE = 1e-5  # step of difference quotients, in spreads
 
 ON_BOUND = 1e-9
 """Distance from a bound, in spreads, that is no distance: the search stays inside the bounds."""
@@ -44,14 +43,9 @@ the derivatives, and are all refused."""
 REFIT_EVALUATIONS = 6
 """Evaluations at most where a known minimum is only followed, as in cross-validation."""
 
-FAR = 1.5
-"""Standard deviations of a prior within which searches start."""
-
-MOST_UNSOLVED = 0.05
-"""Share of the rows that may have no solution in the model."""
-
-ONE_OF_FEW = 0.2
-"""Share of few rows that may have none where they are of one operating point."""
+FAR = 1.5  # standard deviations of a prior within which searches start
+MOST_UNSOLVED = 0.05  # share of the rows that may have no solution in the model
+ONE_OF_FEW = 0.2  # share of few rows that may have none where they are of one operating point
 
 
 class End(msgspec.Struct, frozen=True):
@@ -267,8 +261,7 @@ propellers in general: what a model or a stand gets wrong, neighbouring rows hav
 INDEPENDENT_AT_REST = 4.0
 """Independent numbers in rows that are all at rest, which differ in rotational speed alone."""
 
-REMEMBERED = 16
-"""Evaluations that are kept: more than one refit takes."""
+REMEMBERED = 16  # evaluations that are kept: more than one refit takes
 
 
 @dataclass(frozen=True, eq=False)
@@ -412,8 +405,7 @@ class Rows:
 # -------------------------------------------------------------------------------------------------
 # How far a model is from measurements: over all rows and by speed.
 
-BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)
-"""Edges of the bands of speed [m/s]."""
+BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)  # edges of the bands of speed [m/s]
 
 
 class ResidualErrors(msgspec.Struct, frozen=True):

@@ -38,8 +38,7 @@ SECTION = {
     name: Parameter(constant.unit, *constant.fit, constant.meaning)
     for name, constant in CONSTANTS.items()
     if constant.fit is not None
-}
-"""Parameters of the section law; x0 of (18) is that of the first four."""
+}  # parameters of the section law; x0 of (18) is that of the first four
 
 MOUNT = {"mount_area": Parameter("m^2", 0.0, 0.0, 0.1, 5e-4, "what is mounted in the slipstream")}
 """What stands in the slipstream of the correction ``installed``, see ``INSTALLED``."""
@@ -49,11 +48,9 @@ INSTALLED = {"drag_factor": Parameter("-", 1.0, 0.0, 10.0, 0.5, "on the blades' 
 
 FLEX = {
     "untwist": Parameter("rad", 0.0, -0.05, 0.15, 0.01, "twist lost at the tip at 100 m/s there")
-}
-"""The correction ``blade-untwist``, the model's own where it is neither free nor fixed."""
+}  # the correction ``blade-untwist``, the model's own where it is neither free nor fixed
 
-ROTOR = SECTION | FLEX | INSTALLED
-"""What changes the loads of a rotor at a given flow."""
+ROTOR = SECTION | FLEX | INSTALLED  # what changes the loads of a rotor at a given flow
 
 BODY = {
     "drag_area_x": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along x"),
@@ -62,15 +59,13 @@ BODY = {
     "lift_area": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "lift of the body"),
     "download_area_x": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "download of flow along x"),
     "download_area_y": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "download of flow along y"),
-}
-"""Terms of section III.A, and what flow along the body presses it down."""
+}  # terms of section III.A, and what flow along the body presses it down
 
 WING = {
     "wing_c_l1": Parameter("1/rad", 5.0, 0.5, 12.0, 1.0, "slope of the wing's attached lift"),
     "wing_c_l2": Parameter("-", 1.0, 0.0, 6.0, 0.5, "the wing's lift after stall"),
     "wing_alpha_0": Parameter("rad", 0.3, 0.1, 0.9, 0.06, "the wing's angle of stall"),
-}
-"""The wing of footnote 4, whose lift has the form (3)."""
+}  # the wing of footnote 4, whose lift has the form (3)
 
 SENSOR = {
     "sensor_x": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, forward"),
@@ -82,32 +77,28 @@ SENSOR = {
     "sensor_bias_x": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along x"),
     "sensor_bias_y": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along y"),
     "sensor_bias_z": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along z"),
-}
-"""The accelerometer, from the centre of mass; its place adds to the vehicle file's."""
+}  # the accelerometer, from the centre of mass; its place adds to the vehicle file's
 
 TURNING = {
     "centre_x": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, forward"),
     "centre_y": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, left"),
     "centre_z": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, up"),
     "rotor_inertia": Parameter("kg m^2", 0.0, 0.0, 0.1, 1e-6, "inertia of a rotor with its motor"),
-}
-"""Parameters of the balance of moments, which add to the vehicle file's."""
+}  # parameters of the balance of moments, which add to the vehicle file's
 
 WAKES = {
     "wake_ahead": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash ahead of a wake"),
     "wake_beside": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash beside a wake"),
     "wake_downwash": Parameter("-", 1.0, 0.0, 12.0, 1.0, "downwash of a wake"),
     "wake_share": Parameter("-", 1.0, 0.0, 2.0, 0.5, "share of the inflow that skews a wake"),
-}
-"""See ``propmap.vehicle.wakes``; what is neither free nor fixed is the vehicle file's."""
+}  # see ``propmap.vehicle.wakes``; what is neither free nor fixed is the vehicle file's
 
 ROTOR_SPEED = "rotor_speed_scale"
 
 FLIGHT = {
     "thrust_scale": Parameter("-", 1.0, 0.8, 1.25, 0.02, "thrust over that of the rotors' model"),
     ROTOR_SPEED: Parameter("-", 1.0, 0.9, 1.1, 0.01, "rotor speeds over those logged"),
-}
-"""Battery and mass of a flight, and what a motor controller takes for its motor's speed."""
+}  # battery and mass of a flight, and what a motor controller takes for its motor's speed
 
 PER_FLIGHT = ("thrust_scale", "clock_offset")
 """What may differ from flight to flight: then named as ``thrust_scale[FLIGHT]``."""

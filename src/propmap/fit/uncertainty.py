@@ -15,8 +15,7 @@ from propmap.typing import Floats
 # -------------------------------------------------------------------------------------------------
 # How well a fit determines its parameters, from the residuals and their derivatives.
 
-AT_BOUND = 1e-6
-"""Distance from a bound, in spreads, within which the bound holds a parameter."""
+AT_BOUND = 1e-6  # distance from a bound, in spreads, within which the bound holds a parameter
 
 HELD_BY_PRIOR = 0.7
 """Share of the deviation beforehand above which a prior says more of a parameter than the data."""

@@ -99,8 +99,7 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
         "rad/s, converted from degrees twice": math.pi / 180.0,
     },
     "specific force": {"units of g": 1.0 / GRAVITY},
-}
-"""What a figure of some quantity looks like, and the factor by which it is then wrong."""
+}  # what a figure of some quantity looks like, and the factor by which it is then wrong
 
 LOAD_UNIT_ERRORS = (
     ("rpm in rad/s", (RPM**-2, RPM**-2)),
@@ -110,8 +109,7 @@ LOAD_UNIT_ERRORS = (
     ("a radius taken for the diameter", (16.0, 32.0)),
     *(("electrical rpm", (pairs**-2.0, pairs**-2.0)) for pairs in (4, 6, 7, 11)),
     ("coefficients over rho A (Omega R)^2", (4.0 / math.pi**3, 4.0 / math.pi**4)),
-)
-"""Errors of thrust and torque together, over estimates that go with rpm^2, and R^4 and R^5."""
+)  # errors of thrust and torque together, over estimates that go with rpm^2, and R^4 and R^5
 
 CLOSE_FACTOR = 2.3
 """Factor below which two unit errors cannot be distinguished: loads of similar blades differ so."""

@@ -201,8 +201,7 @@ REPORT_FILES = file_names(
     + [f"fit-residuals-{k}" for k in range(1, MOST_LOADS + 1)]
     + [f"table-{name}" for name in ("cells", "loads", "maps", "hover")],
     ["fit-correlations", "table-certificate"],
-)
-"""What ``propmap report`` may write."""
+)  # what ``propmap report`` may write
 
 TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values", "fit-terms-worth"])
 """What ``propmap fit terms`` may write."""

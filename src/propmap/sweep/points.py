@@ -24,15 +24,13 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # Operating points of a sweep, and the parts that tasks evaluate.
 
-Place = tuple[int, ...]
-"""A task's number along each dimension."""
+Place = tuple[int, ...]  # a task's number along each dimension
 
 AXES = {
     "rpm": ("rpm", "1/min", "rotational speed"),
     "speed": ("speed_mps", "m/s", "speed of the hub through the air"),
     "beta": ("beta_deg", "degree", "angle from the axis to the velocity, 0 in axial climb"),
-}
-"""Coordinate, unit and meaning by dimension of a grid."""
+}  # coordinate, unit and meaning by dimension of a grid
 
 
 class Part(NamedTuple):
@@ -169,8 +167,7 @@ TEXTS = {
     "mean_inflow": ("m/s", "induced velocity averaged over the disk"),
     "reverse_flow": ("1", "share of the blades' disk that the air meets from behind"),
     "roots": ("1", "largest number of solutions of the inflow equation along the blade"),
-}
-"""Unit and meaning of each quantity that is no standard deviation."""
+}  # unit and meaning of each quantity that is no standard deviation
 
 
 def quantities(loads: Loads, *, bands: bool, by_source: bool) -> dict[str, NDArray[Any]]:

@@ -40,11 +40,8 @@ POINTS_PER_TASK = 16_384
 """One to some seconds of one core: long beside what it costs to hand out a task, short beside what
 a worker may lose when it dies."""
 
-SAMPLE = 2048
-"""Operating points by which the time of a sweep is predicted."""
-
-Values = dict[str, NDArray[Any]]
-"""Arrays by quantity."""
+SAMPLE = 2048  # operating points by which the time of a sweep is predicted
+Values = dict[str, NDArray[Any]]  # arrays by quantity
 
 
 class Evaluation(ABC):

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
-RUN = "propmap_run"
-"""Attribute of the store with what its results depend on."""
+RUN = "propmap_run"  # attribute of the store with what its results depend on
 
 SAME = {
     "kind": "kind of run",
@@ -39,11 +38,9 @@ SAME = {
     "accuracy": "accuracy",
     "quantities": "set of quantities",
     "chunk": "size of tasks",
-}
-"""What must be the same for a run to go on, in words."""
+}  # what must be the same for a run to go on, in words
 
-NOT_DONE = 255
-"""Status of points that have not been computed yet."""
+NOT_DONE = 255  # status of points that have not been computed yet
 
 
 @dataclass(frozen=True)
