@@ -15,28 +15,12 @@ from propmap.export.files import Files, identifier, note, rendered, vehicle_name
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.results import spin_sign
-from propmap.table.interpolation import (
-    TableContent,
-    cell_codes,
-    interval_polynomials,
-    on_planes,
-    pad,
-)
+from propmap.table import interpolation
 from propmap.table.query import END_SLACK, SLACK, LoadTable
 from propmap.typing import Floats
+from propmap.vehicle import wakes
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import Rotors
-from propmap.vehicle.wakes import (
-    BEARINGS,
-    LARGEST_INFLOW,
-    LARGEST_UPWASH,
-    SKEWS,
-    SLOW,
-    STEPS,
-    UPWASH,
-    SeenWake,
-    frame_of,
-)
 
 # -------------------------------------------------------------------------------------------------
 # Target ``c``: a C99 header with the table, its query, gradient and inverse.
@@ -99,7 +83,7 @@ def header(table: LoadTable) -> str:
         row_weights=rows,
         column_weights=columns,
         odd_weights=odd,
-        cells=cell_codes(content),
+        cells=interpolation.cell_codes(content),
         # At each knot the loads at the least omega, then at the largest.
         data=content.coefficients.transpose(2, 3, 0, 1)
         .reshape(*content.coefficients.shape[2:], -1)
@@ -111,7 +95,7 @@ def header(table: LoadTable) -> str:
     )
 
 
-def table_bytes(content: TableContent, real: int) -> int:
+def table_bytes(content: interpolation.TableContent, real: int) -> int:
     """Count the bytes of the header's tables, where its numbers have ``real`` bytes, 8 or 4.
 
     Coefficients have 4 in both precisions.
@@ -120,10 +104,10 @@ def table_bytes(content: TableContent, real: int) -> int:
     return content.coefficients.size * 4 + 16 * cells * real + content.cells.size
 
 
-def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
+def _weights(content: interpolation.TableContent) -> tuple[Floats, Floats, Floats]:
     """Return weight polynomials of rows and columns (n - 1, 16), and of odd loads in the first and
     the last column interval (2, 16)."""
-    ends = on_planes(content.beta)
+    ends = interpolation.on_planes(content.beta)
     even, odd = (
         _folded(content.beta, *(np.array(parity) if on else None for on in ends))
         for parity in (1.0, -1.0)
@@ -137,8 +121,8 @@ def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
     ``low`` and ``high`` are parities at the ends, as for ``pad``.  A ghost value is a sum over
     the three knots at its end of the axis; its weight is spread over these.
     """
-    weights = interval_polynomials(knots)
-    ghosts = pad(knots, np.eye(knots.size), low, high)
+    weights = interpolation.interval_polynomials(knots)
+    ghosts = interpolation.pad(knots, np.eye(knots.size), low, high)
     weights[0, 1:] += ghosts[0, :3, None] * weights[0, 0]
     weights[-1, :3] += ghosts[-1, -3:, None] * weights[-1, 3]
     weights[0, 0] = weights[-1, 3] = 0.0
@@ -224,11 +208,11 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
             "wakes": vehicle.wakes,
             "wake": wake_geometry(vehicle),
             "disk": vehicle.air.density * np.pi * vehicle.propeller.radius**2,
-            "steps": STEPS,
-            "largest": LARGEST_INFLOW,
-            "slow": SLOW,
-            "upwash": UPWASH,
-            "largest_upwash": LARGEST_UPWASH,
+            "steps": wakes.STEPS,
+            "largest": wakes.LARGEST_INFLOW,
+            "slow": wakes.SLOW,
+            "upwash": wakes.UPWASH,
+            "largest_upwash": wakes.LARGEST_UPWASH,
         }
     return rendered(
         "vehicle.h",
@@ -350,7 +334,7 @@ def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
     if pairs:
         without = done + (SOURCE + QUERY).times(rotors) + PAIR.times(pairs)
         done = without + STEP.times(USUAL_STEPS * rotors)
-        worst = without + STEP.times(STEPS * rotors)
+        worst = without + STEP.times(wakes.STEPS * rotors)
         wake = wake_geometry(vehicle)
         polynomials = wake.skew.weights.size + wake.around.weights.size
         read += query * rotors + (pairs * (16 + 16 + 5) + rotors * (16 + 9)) * 4
@@ -391,14 +375,14 @@ def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
     """Tabulate the wakes of the rotors of a ``vehicle``, two or more."""
     mounts, radius = vehicle.mounts, vehicle.propeller.radius
     k = len(mounts)
-    frames = np.stack([frame_of(mount.axis) for mount in mounts])
+    frames = np.stack([wakes.frame_of(mount.axis) for mount in mounts])
     kind, bearing, towards = np.zeros((k, k), int), np.zeros((k, k)), np.zeros((k, k, 3))
     splines: list[object] = []
     for t, target in enumerate(mounts):
         for s, source in enumerate(mounts):
             if t == s:
                 continue
-            seen = SeenWake(source, target, radius)
+            seen = wakes.SeenWake(source, target, radius)
             # Pairs with the same geometry share a spline.
             same = [n for n, spline in enumerate(splines) if spline is seen.spline]
             if not same:
@@ -410,8 +394,8 @@ def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
             length = np.linalg.norm(beside)
             towards[t, s] = beside / (length if length > 1e-9 else 1.0)
     knots = splines[0].tck[:2]  # type: ignore[attr-defined]
-    skew = _axis(knots[0], np.linspace(0.0, np.pi, SKEWS))
-    around = _axis(knots[1], np.linspace(0.0, 2.0 * np.pi, BEARINGS + 1))
+    skew = _axis(knots[0], np.linspace(0.0, np.pi, wakes.SKEWS))
+    around = _axis(knots[1], np.linspace(0.0, 2.0 * np.pi, wakes.BEARINGS + 1))
     used = slice(around.first[0], around.first[-1] + 4)
     tables = [
         spline.get_coeffs().reshape(len(knots[0]) - 4, -1)[:, used]  # type: ignore[attr-defined]

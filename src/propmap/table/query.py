@@ -15,16 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from propmap.errors import InputError, quoted
 from propmap.loads import LOADS
+from propmap.table import interpolation
 from propmap.table.files import read_table, write_table
-from propmap.table.interpolation import (
-    CLAMPED,
-    NO_VALUE,
-    OUTSIDE,
-    STATUSES,
-    Lookup,
-    TableContent,
-    bilinear,
-)
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
@@ -101,13 +93,13 @@ class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
         "no_value": the model found no loads nearby, or they were left out; NaN.  "outside":
         outside the envelope; NaN.
         """
-        words = np.asarray(STATUSES)[self.code]
+        words = np.asarray(interpolation.STATUSES)[self.code]
         return str(words) if words.ndim == 0 else words
 
     @property
     def inside(self) -> Any:
         """Whether the point asked for is inside the envelope."""
-        return (self.code != OUTSIDE) & (self.code != CLAMPED)
+        return (self.code != interpolation.OUTSIDE) & (self.code != interpolation.CLAMPED)
 
 
 class Gradient(_every_load("power")):  # type: ignore[misc]
@@ -150,7 +142,7 @@ SLACK = 1e-9
 same number however it is converted."""
 
 HALF = len(LOADS)  # values per knot that are loads; as many slopes with Omega^(-1/2) follow
-_NOWHERE = TableLoads(*(HALF + 1) * [math.nan], OUTSIDE)
+_NOWHERE = TableLoads(*(HALF + 1) * [math.nan], interpolation.OUTSIDE)
 
 
 class LoadTable:
@@ -165,9 +157,9 @@ class LoadTable:
         What the table holds.
     """
 
-    def __init__(self, content: TableContent) -> None:
+    def __init__(self, content: interpolation.TableContent) -> None:
         self.content = content
-        self._lookup = Lookup(content)
+        self._lookup = interpolation.Lookup(content)
         ends = (content.omega, content.speed, content.beta[[0, -1]])
         self._box = tuple((float(low), float(high)) for low, high in ends)
         self._slack = tuple(SLACK * (high - low) for low, high in self._box)
@@ -300,7 +292,7 @@ class LoadTable:
         lost = np.isnan(rate)
         advance = speeds / (np.where(lost, content.omega[0], rate) * content.radius)
         at = np.clip(advance, content.advance[0], content.advance[-1])
-        ends = bilinear(content.advance, content.beta, content.deviations, at, folded)
+        ends = interpolation.bilinear(content.advance, content.beta, content.deviations, at, folded)
         roots = content.omega**-0.5
         share = (rate**-0.5 - roots[0]) / (roots[1] - roots[0])
         scale = content.scale.reshape(-1, *w.ndim * (1,)) * rate**2
@@ -361,9 +353,9 @@ class LoadTable:
         friction = square * (omega**-0.5 - self._root)
         loads, code = self._lookup.point(speed / (omega * self._radius), beta, square, friction)
         if loads[0] != loads[0]:
-            code = NO_VALUE
+            code = interpolation.NO_VALUE
         elif clamped:
-            code = CLAMPED
+            code = interpolation.CLAMPED
         return TableLoads(*loads, loads[TORQUE] * omega, code)
 
     def _points(self, omega: Floats, speed: Floats, beta: Floats, clamp: bool) -> TableLoads:
@@ -380,9 +372,9 @@ class LoadTable:
             total = values[:, :HALF] + values[:, HALF:]
             total *= (rate * rate)[:, None]
             loads[:, cut] = total.T
-        code[outside] = CLAMPED
-        code[np.isnan(loads[0])] = NO_VALUE
-        code[np.isnan(w)] = OUTSIDE
+        code[outside] = interpolation.CLAMPED
+        code[np.isnan(loads[0])] = interpolation.NO_VALUE
+        code[np.isnan(w)] = interpolation.OUTSIDE
         fields = (*loads, loads[TORQUE] * w, code)
         return TableLoads(*(field.reshape(shape) for field in fields))
 
