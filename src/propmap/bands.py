@@ -42,10 +42,8 @@ lifting line, of Ribner's fin analogy and of measurements (docs/validation.md)."
 
 
 def deviations(rotor: Rotor, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
-    """Standard deviations (L, N) by source of the loads (L, N) of a ``rotor`` at N points.
-
-    To first order sqrt(g' S g), with g the derivatives by uncertain numbers and S their covariance.
-    """
+    """Standard deviations (L, N) by source of the loads (L, N) of a ``rotor`` at N points, to first
+    order sqrt(g' S g) with derivatives g by uncertain numbers of covariance S."""
     known = rotor.model.uncertainty
     if known is None:
         return {}

@@ -78,10 +78,8 @@ def resolved(
     one: bool = False,
     **further: Unpack[Further],
 ) -> FlowPoints:
-    """Resolve V along the axis and across it, exactly at multiples of pi/2.
-
-    Arrays are refused where ``one`` is true.
-    """
+    """Resolve V along the axis and across it, exactly at multiples of pi/2; with ``one`` arrays are
+    refused."""
     more = _given(further)
     alone = None if more else _resolved_alone(omega, speed, beta)
     if alone is not None:

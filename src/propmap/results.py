@@ -310,10 +310,8 @@ def spin_sign(spin: str) -> float:
 
 
 def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
-    """Make vectors of loads (...) in the right-handed rotor frame with z along the thrust.
-
-    ``direction`` (..., 3) is the unit vector of the in-plane velocity, ``sign`` that of the spin.
-    """
+    """Make vectors of loads (...) in the right-handed rotor frame with z along the thrust, for the
+    unit vector ``direction`` (..., 3) of the in-plane velocity and the ``sign`` of the spin."""
     # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.  What is to
     # the left acts along (-y, x).
     x, y = direction[..., 0], direction[..., 1]

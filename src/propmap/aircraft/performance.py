@@ -364,10 +364,8 @@ def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, 
 
 
 def rows(states: SteadyStates, sure: StateChange | None = None) -> list[dict[str, Any]]:
-    """Return one mapping per state, a number per rotor as rpm_1, rpm_2 ...; None for NaN.
-
-    ``states`` and ``sure`` are those of ``columns``.
-    """
+    """List a mapping per state with the quantities of ``columns``, a number per rotor as rpm_1,
+    rpm_2 ...; None for NaN."""
     flat: dict[str, list[float]] = {}
     for name, column in columns(states, sure).items():
         if column.values.ndim == 1:

@@ -264,10 +264,8 @@ class Ranking:
 
 
 def _overlap(vehicle: Vehicle, radius: float) -> str:
-    """Say why disks of this radius do not fit beside each other on a vehicle; empty where they do.
-
-    Rotors one above the other, on one axis, may have any radius.
-    """
+    """Say why disks of this ``radius`` [m] do not fit beside each other, but for rotors on one
+    axis; empty where they do."""
     place, axis = vehicle.hub_positions, vehicle.rotor_axes
     closest = math.inf
     for k in range(len(place)):
@@ -311,10 +309,8 @@ def beats(better: Judged, worse: Judged) -> float:
 
 
 def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
-    """Return numbers of the feasible ones that no other beats in hover power and in top speed.
-
-    They are in the order of rising hover power.
-    """
+    """Number the feasible ones that no other beats in hover power and in top speed, by rising hover
+    power."""
     power = np.array([one.hover_power if one.feasible else math.nan for one in judged])
     speed = np.array([one.top_speed if one.feasible else math.nan for one in judged])
     found = [
@@ -343,11 +339,8 @@ class Candidate:
     verdict: str = "good"  # or what is wrong with the constants
 
     def varied(self) -> list[Candidate]:
-        """Return candidates with constants off by one standard deviation along each principal axis.
-
-        The axes are those of their covariance; where a constant would leave its bounds, it goes to
-        the other side, or not at all.
-        """
+        """List candidates with constants off by one standard deviation along each principal axis of
+        their covariance, to the other side or not at all where one would leave its bounds."""
         if self.covariance is None or not isinstance(self.airfoil, Airfoil):
             return []
         known = self.covariance.determined

@@ -272,12 +272,9 @@ ChangesAt = Callable[[FlowPoints], Floats]
 
 
 class Responses:
-    """Steady states, ready to be differentiated.
-
-    What balances the aircraft follows a change by the implicit function theorem: with unknowns x
-    and the unbalanced shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp.  With ``exact``, by the loads'
-    own derivatives by the flow where they have some, see ``has_slopes``; else all are differences.
-    """
+    """Steady states, ready to be differentiated by the implicit function theorem: with unknowns x
+    and unbalanced shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp. With ``exact`` the loads' own
+    derivatives by the flow are taken where there are some, see ``has_slopes``, else differences."""
 
     def __init__(self, aircraft: Aircraft, states: SteadyStates, *, exact: bool = False) -> None:
         self.aircraft, self.count = aircraft, len(states)
@@ -359,11 +356,8 @@ class Responses:
     def _implied(
         self, residual: Floats, torque: Floats | None = None, flown: str | None = None
     ) -> StateChange:
-        """Return the response to a change that, were nothing to follow, leaves ``residual`` (n, u).
-
-        It changed torques by ``torque`` (n, k) [N m]; ``flown`` is what of the flight changes
-        itself.
-        """
+        """Find the response to a change that by itself leaves ``residual`` (n, u) and adds
+        ``torque`` (n, k) [N m]; ``flown`` is what of the flight changes itself."""
         dx = -np.einsum("nur,nr->nu", self._inverse, residual)
         dq = np.einsum("nku,nu->nk", self._torque, dx)
         if torque is not None:
@@ -428,20 +422,15 @@ def _by_name(rows: Floats, omega: Floats) -> Any:
 
 
 def has_slopes(source: Any) -> bool:
-    """Whether the loads of a ``source`` have exact derivatives by the flow.
-
-    A rotor has, by the implicit function theorem, and a table; the hover model has not.
-    """
+    """Whether the loads of a ``source`` have exact derivatives by the flow, as those of a rotor and
+    a table."""
     return isinstance(source, Rotor | LoadTable)
 
 
 class LocalLoads:
-    """Loads that are linear in rotor speed and in the velocity along and across the axis.
-
-    They are linear about the operating points of the first call; a later one is about the nearest
-    of these.  Where there is no velocity across the axis, drag and moments by it grow in whichever
-    direction it does.
-    """
+    """Loads that are linear in rotor speed and velocity about the nearest of the operating points
+    of the first call. Without velocity across the axis, drag and moments by it grow in any
+    direction."""
 
     def __init__(self, source: Any) -> None:
         self._source = source

@@ -86,20 +86,16 @@ def apc_blades() -> dict[str, ApcBlade]:
 
 
 class Difference(NamedTuple):
-    """What a blade of a series measures more than in its maker's file, at 0.75 R.
-
-    The logarithm of the ratio of the chords, and the difference of the twists [rad].
-    """
+    """What a blade of a series measures more than in its maker's file, at 0.75 R: the logarithm of
+    the ratio of the chords, and the difference of the twists [rad]."""
 
     mean: Floats  # (2,)
     covariance: Floats  # (2, 2) of a further propeller, with that of the mean
 
 
 def difference(family: str | None, without: str = "") -> Difference:
-    """Give the difference of a series, or over series where none of it was measured.
-
-    The propeller that the catalogue calls ``without`` is left out.
-    """
+    """Give the difference of a series, or over series where none of it was measured; the propeller
+    that the catalogue calls ``without`` is left out."""
     every = {code: _difference(pairs) for code, pairs in _pairs(without).items()}
     if family in every:
         return every[family]

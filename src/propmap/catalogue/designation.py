@@ -80,11 +80,8 @@ def maker_of(text: str) -> str:
 
 
 def ruled(text: str) -> tuple[str, Rule] | None:
-    """Find the rule that a designation in lower case follows, and whose it is.
-
-    Where it names none of these makers the rule may be anybody's, but for names that stand for a
-    size.
-    """
+    """Find the rule that a designation in lower case follows, and whose it is. Where no maker is
+    named the rule may be anybody's, but for names that stand for a size."""
     named = [maker for maker, name in _NAMES.items() if re.search(name, text)]
     for maker in named or MAKERS:
         for rule in maker.rules:
@@ -224,13 +221,10 @@ def _from_figures(first: str, second: str) -> tuple[list[float], str]:
 
 
 def candidates(wanted: Designation) -> list[catalogue.Entry]:
-    """List the propellers of the catalogue that a designation may mean, one for each series.
-
-    Among several blades of one series and size one with as many blades is given, and of these the
-    first that was measured. Where the words are the whole name of a series or its code, others
-    whose names go on are left out. The number of blades counts only where no maker is named: makers
-    put one blade on hubs for two and more.
-    """
+    """List the propellers of the catalogue that a designation may mean, one for each series: with
+    as many blades if there is such a one, and measured before others. Where the words are a series'
+    whole name or code, longer names are left out; blades count only where no maker is named, as one
+    blade is put on many hubs."""
     found: dict[str, catalogue.Entry] = {}
     named, whole = _series(wanted.words), set()
 
@@ -255,11 +249,8 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
 
 def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
     """Split a designation's ``words`` into codes of the series that they name, and words that name
-    none.
-
-    Words are given up from the last on until the others name a series: "gws hd" stands for all
-    series of GWS. The list is empty where the first word is unknown, or there is none.
-    """
+    none; the last words are given up until the others name a series, so that "gws hd" is any of
+    GWS."""
     for count in range(len(words), 0, -1):
         found = _series(words[:count])
         whole = [family for family in found if _whole(words[:count], family)]

@@ -196,10 +196,7 @@ def left_at_rest(covariance: Floats, deviation: float = STAND_DEVIATION) -> floa
 
 def known_at_rest(covariance: Floats, left: float) -> Floats:
     """Narrow a ``covariance`` (P, P) of the coordinates until the share ``left`` of the variance of
-    static thrust is left.
-
-    What does not change static thrust, drag above all, stays as little known as it is.
-    """
+    static thrust is left; what does not change static thrust stays as little known."""
     along = covariance @ AT_REST
     return covariance - (1.0 - left) * np.outer(along, along) / (AT_REST @ along)
 
@@ -223,12 +220,9 @@ class ExpectedConstants(NamedTuple):
 def expected_constants(
     family: str | None = None, size: Size | None = None, geometry: str = "measured"
 ) -> ExpectedConstants:
-    """Give the most likely constants of a small propeller.
-
-    Without a ``family``, a code such as "apcsf", those over all; without a ``size``, those of a
-    middling one. ``geometry`` says whether its blade is "measured", of its "maker", or expected by
-    the means of its "family" or of the "population", which may be that of a "multirotor".
-    """
+    """Give the most likely constants of a small propeller of a ``family`` such as "apcsf", or any,
+    and ``size``, or a middling one; its blade's ``geometry`` is "measured", its "maker"'s, or the
+    mean of its "family" or of the "population", perhaps that of a "multirotor"."""
     prior, members = expected_prior(family, size, geometry), _members(family, geometry)
     if members and family is not None:
         own, of = family, f"those of its family, {family}, {len(members)} propellers"
@@ -288,11 +282,8 @@ def siblings(family: str | None, without: str | None = None) -> int:
 
 
 def size_of(meant: catalogue.Entry | ExpectedBlade | None, blade: Propeller) -> Size:
-    """Read diameter and pitch [m] from the label of what ``lookup.meant_by`` has found.
-
-    For a file, None, they are the blade's diameter and the pitch of its twist at three quarters of
-    the radius, which is 3 % of the diameter above labels in the mean over those measured.
-    """
+    """Read diameter and pitch [m] from the label of what ``lookup.meant_by`` has found; for a file,
+    None, from the blade, whose pitch at 0.75 R is 3 % of the diameter above labels in the mean."""
     if isinstance(meant, ExpectedBlade):
         return meant.wanted.diameter, meant.wanted.pitch
     label = designation(meant.title) if meant is not None else None
@@ -329,10 +320,8 @@ def on_measured_blade(one: Identified) -> Member:
 def on_makers_blade(
     prior: PopulationPrior, family: str | None, without: str = ""
 ) -> PopulationPrior:
-    """Move the distribution of constants from a measured blade to that of its maker's file.
-
-    ``without`` is the name of a propeller whose measured blade plays no part.
-    """
+    """Move a distribution from a measured blade to that of its maker's file, without the measured
+    blade that the catalogue calls ``without``."""
     shift, spread = _by_difference(apc.difference(family, without))
     return PopulationPrior.of(prior.mean + shift, prior.covariance + spread)
 
@@ -486,13 +475,9 @@ _ANGLES = np.array([name in ("zero_lift_angle", "drag_angle") for name in PARAME
 
 
 def equivalent(blade: Propeller, other: Propeller) -> Floats:
-    """Say how constants identified on a ``blade`` change on the ``other``, for about the same
-    loads.
-
-    To be added to coordinates (P,) of ``PopulationPrior``: the logarithm of the mean ratio of the
-    chords in those of forces, less the mean difference of the twists [rad] in those of angles.
-    Means are weighed by the square of the radius and the other's chord; both have one radius.
-    """
+    """Say how coordinates (P,) of constants identified on a ``blade`` change on the ``other`` for
+    about the same loads: by the logarithm of the chords' mean ratio, less the twists' mean
+    difference [rad], weighed by radius squared and the other's chord; both have one radius."""
     share = other.station / other.radius
     share = share[share >= INNERMOST]
     own, its = (
@@ -516,12 +501,9 @@ _DRAG_ANGLE, _ZERO_LIFT = PARAMETERS.index("drag_angle"), PARAMETERS.index("zero
 
 @dataclass(frozen=True, eq=False)
 class PopulationPrior:
-    """A normal distribution of coordinates of the P constants in ``PARAMETERS``.
-
-    Coordinates are logarithms where ``CONSTANTS`` says so, else the constants; that of
-    ``drag_angle`` is the angle of least pressure drag from the chord line, with ``zero_lift_angle``
-    added.
-    """
+    """A normal distribution of coordinates of the P constants in ``PARAMETERS``: logarithms where
+    ``CONSTANTS`` says so, and for ``drag_angle`` the angle of least pressure drag from the chord
+    line."""
 
     mean: Floats
     deviation: Floats
@@ -614,12 +596,8 @@ def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:
 
 
 def family_prior(members: Sequence[Member], population: Population, size: Size) -> PopulationPrior:
-    """Predict the distribution of a further propeller of the family of which ``members`` are known.
-
-    It is the normal distribution of its coordinates, given theirs, as ``Population`` puts them
-    together: siblings of a similar size say the most. Without members it is that over all
-    propellers.
-    """
+    """Predict the distribution of a further propeller of a family from its ``members``, by which
+    siblings of a similar size say the most; without members it is that over all propellers."""
     own = population.mean + population.shift(size)
     related = likeness([*(one.size for one in members), size])
     joint = np.kron(np.ones_like(related), population.between) + np.kron(related, population.within)

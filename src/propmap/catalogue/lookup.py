@@ -141,14 +141,10 @@ def _of_apc_file(path: Path) -> catalogue.Entry | None:
 
 
 def designated(text: str) -> catalogue.Entry | ExpectedBlade:
-    """Find the propeller of the catalogue that a designation means, else expect its blade.
-
-    The entry has the number of blades that the designation says. A size alone means no maker, even
-    where only one of that size was measured; a maker alone means no blade by his files, nor does a
-    series mean one with three blades. What is written like a name of the catalogue, maker and size
-    joined by hyphens, must be one. ``InputError`` for what is no designation, and where measured
-    propellers of several series have it.
-    """
+    """Find the propeller of the catalogue that a designation means, with the blades that it says,
+    else expect its blade: a size or a maker alone means none, nor a series one with three blades.
+    ``InputError`` for no designation, for what is written like a name of the catalogue and is none,
+    and where several series have it."""
     wanted = designation(text)
     if wanted is None:
         raise catalogue.unknown_name(text)

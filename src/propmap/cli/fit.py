@@ -106,12 +106,9 @@ def choice_of(
     also_fixed: Mapping[str, float] | None = None,
     expected: SectionPrior | None = None,
 ) -> Choice:
-    """Choose the free parameters and what holds the others.
-
-    ``base`` gives the values of what is not free and the first start, ``also_fixed`` values known
-    from elsewhere, as those of a vehicle's wing.  With a prior ``expected`` from other propellers,
-    its constants are free by default, less those that are fixed, and so are any more in ``priors``.
-    """
+    """Choose what is free, by default ``default`` or the constants of a prior ``expected`` from
+    other propellers, less those fixed. What holds the others and starts it is of ``base``, and of
+    ``also_fixed``, as of a vehicle's wing."""
     law = base or (expected.airfoil if expected else None)
     given = {name: getattr(law, name) for name in SECTION} if law else {}
     stated = dict(_pair(text, "--fix") for text in fix or ())
@@ -159,12 +156,9 @@ def _number(text: str, where: str) -> float:
 def section_prior(
     wanted: str | None, prop: str, blade: Propeller | None = None, *, by_default: bool
 ) -> SectionPrior | None:
-    """Predict the constants of a propeller from others, as ``--prior-from`` wants it, or not.
-
-    The ``prop`` may be a name of the catalogue, a designation, or unknown; its ``blade`` tells its
-    size, else it is a middling one.  ``by_default`` says whether there is a prior where none is
-    asked for.  Raises ``InputError`` for an unknown family.
-    """
+    """Predict the constants of ``prop``, known or not, from others as ``--prior-from`` wants it, or
+    not, and then as ``by_default`` says; its ``blade`` gives the size. Raises ``InputError`` for an
+    unknown family."""
     source = (wanted or ("family" if by_default else "none")).strip().lower()
     if source == "none":
         return None
@@ -496,10 +490,8 @@ def fit_static(
 
 
 def _read_static(path: Path, propeller: Propeller, air: Air) -> tunnel.TunnelData:
-    """Read loads at rest; coefficients become loads with this propeller and air.
-
-    Raises ``InputError`` that names the file and what is wrong in it, also where the air moves.
-    """
+    """Read loads at rest, coefficients with this propeller and air; ``InputError`` names the file
+    and what is wrong in it, also where the air moves."""
 
     def check_rest(speed: Floats) -> None:
         if np.any(speed != 0.0):

@@ -144,10 +144,8 @@ def show_prop(
 
 
 def outline(blade: Propeller) -> list[str]:
-    """Draw the blade about mid-chord in half-block characters, to scale, the axis at the left.
-
-    A character is taken to be twice as high as wide, so a half block is as high as wide.
-    """
+    """Draw the blade about mid-chord in half-block characters, twice as high as wide, to scale with
+    the axis at the left."""
     step = blade.radius / OUTLINE_WIDTH
     middles = (np.arange(OUTLINE_WIDTH) + 0.5) * step
     chord = np.interp(middles, blade.station, blade.chord, left=0.0)

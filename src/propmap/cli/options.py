@@ -203,11 +203,8 @@ def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
 def section_law(
     asked: str | None, prop: str, blade: Propeller, blades: int | None = None
 ) -> Airfoil | SectionTable:
-    """Find the law that ``--airfoil`` asks for, else that identified or predicted for PROP.
-
-    A note says which constants are taken where none are asked for; ``blades`` is the number that
-    was.
-    """
+    """Find the law that ``--airfoil`` asks for, else with a note that identified or predicted for
+    PROP with so many ``blades`` as were asked for."""
     if asked is not None:
         return airfoil(asked)
     meant = meant_by(prop, blades)
@@ -246,10 +243,8 @@ def constants(name_or_path: str) -> Airfoil:
 def takes_rotor(
     command: Callable[Concatenate[RotorChoice, Others], None], prop: Any = PropArgument
 ) -> Callable[..., None]:
-    """Give a command the parameters of ``RotorChoice`` in place of its first argument.
-
-    ``prop`` makes the propeller an argument of the command line or an option.
-    """
+    """Give a command the parameters of ``RotorChoice`` in place of its first argument; ``prop``
+    makes the propeller an argument or an option."""
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
     types = get_type_hints(RotorChoice, include_extras=True)
     shared = [
@@ -381,10 +376,8 @@ def single_point(rpm: float, speed: float, beta: float, **further: float | None)
 
 
 def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:
-    """Read rising values (n,) from "6000", "10,20" or "A:B:N", N values from A to B.
-
-    Messages name the ``option``; ``count`` is the N of "A:B", which is refused without it.
-    """
+    """Read rising values (n,) from "6000", "10,20" or "A:B:N", N values from A to B; ``count`` is
+    the N of "A:B", refused without it, and messages name the ``option``."""
     parts = text.split(":")
     form = "A:B:N" if count is None else "A:B or A:B:N"
     remedy = f"write a number, a list such as 10,20, or {form} (N values from A to B)"
@@ -410,11 +403,8 @@ def parse_axis(option: str, quantity: str, text: str, count: int | None = None) 
 
 
 def note_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
-    """Note what is implausible about operating points [rad/s], [m/s], [rad] and how far they are
-    beyond the data of the constants, before any work.
-
-    Raises ``InputError`` where a blade tip is faster than sound.
-    """
+    """Note what is implausible about points [rad/s], [m/s], [rad] and how far they are beyond the
+    constants' data; ``InputError`` where a blade tip is faster than sound."""
     note_reynolds(model, omega, speed, beta)
     note(*point_warnings(model.propeller, omega, speed, beta))
     known = model.uncertainty

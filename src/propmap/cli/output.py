@@ -49,11 +49,8 @@ Force = Annotated[bool, Option("--force", help="Replace what exists.")]
 
 
 def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool = False) -> None:
-    """Raise ``InputError`` before any work is done if a file cannot be written at the path.
-
-    It must have one of the ``endings``, dots included, where some are given; ``keep_existing``
-    refuses a file that is there already.
-    """
+    """Raise ``InputError`` before any work if no file with one of the ``endings``, if any, can be
+    written at the path, or one is there and ``keep_existing``."""
     where = str(path)
     if endings and path.suffix.lower() not in endings:
         raise InputError(

@@ -40,10 +40,8 @@ Yes = Annotated[
 
 
 def check_store(path: Path, *, force: bool) -> None:
-    """Raise ``InputError`` before any work where no store can be made or gone on with.
-
-    A store of propmap's that is there goes away with ``force``; nothing else does.
-    """
+    """Raise ``InputError`` before any work where no store can be made or gone on with; a store of
+    propmap's goes away with ``force``."""
     if not path.parent.is_dir():
         raise InputError(
             f"there is no folder {str(path.parent)!r}", "make it or choose another", str(path)
@@ -55,10 +53,8 @@ def check_store(path: Path, *, force: bool) -> None:
 
 
 def opened(path: Path, layout: Layout) -> Store:
-    """Make the store or go on with what a stopped run has left, and say which.
-
-    Raises ``InputError`` where the store is complete or the disk too small.
-    """
+    """Make the store or go on, and say so, with what a stopped run has left; ``InputError`` where
+    it is complete or the disk too small."""
     where = str(path)
     if not path.exists():
         free = shutil.disk_usage(path.parent).free
@@ -94,10 +90,8 @@ def run_announced(
     yes: bool,
     what: str,
 ) -> None:
-    """Run with a progress bar, after printing how large the run is and how long it takes.
-
-    Asks first where that is much, unless ``yes``; ``what`` is "operating points" or the like.
-    """
+    """Run with a progress bar, after printing size and time, and asking where these are much unless
+    ``yes``; ``what`` is "operating points" or the like."""
     with opt.workers_of(cluster) as workers:
         seconds = evaluation.seconds_per_point(workers)
         points, parts = math.prod(layout.shape), parts_count(layout.shape, layout.chunk)

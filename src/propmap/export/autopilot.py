@@ -329,11 +329,8 @@ def where_it_holds(comparisons: list[DragComparison]) -> str:
 
 @dataclass(frozen=True)
 class DragFilter:
-    """The equation of a filter, in flight along one body axis.
-
-    Specific force against the motion = M (rho / 1.225)^power v + 1/2 rho v s / B, where s is the
-    size of the whole velocity or that of its component v along the axis.
-    """
+    """The equation of a filter along a body axis: specific force against the motion = M (rho /
+    1.225)^power v + 1/2 rho v s / B, s being v or the size of the whole velocity."""
 
     momentum: str  # name of M [1/s]
     ballistic: str  # name of B [kg/m^2], but for the axis

@@ -96,10 +96,8 @@ def header(table: LoadTable) -> str:
 
 
 def table_bytes(content: interpolation.TableContent, real: int) -> int:
-    """Count the bytes of the header's tables, where its numbers have ``real`` bytes, 8 or 4.
-
-    Coefficients have 4 in both precisions.
-    """
+    """Count the bytes of the header's tables, with numbers of ``real`` bytes, 8 or 4, and
+    coefficients of 4."""
     cells = (content.advance.size - 1) + (content.beta.size - 1)
     return content.coefficients.size * 4 + 16 * cells * real + content.cells.size
 
@@ -116,11 +114,9 @@ def _weights(content: interpolation.TableContent) -> tuple[Floats, Floats, Float
 
 
 def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
-    """Return weight polynomials (n - 1, 16), powers first, of the values at the knots alone.
-
-    ``low`` and ``high`` are parities at the ends, as for ``pad``.  A ghost value is a sum over
-    the three knots at its end of the axis; its weight is spread over these.
-    """
+    """Give weight polynomials (n - 1, 16), powers first, of the values at the knots alone: ghosts,
+    by the parities ``low`` and ``high`` as for ``pad``, are spread over the three knots at their
+    end."""
     weights = interpolation.interval_polynomials(knots)
     ghosts = interpolation.pad(knots, np.eye(knots.size), low, high)
     weights[0, 1:] += ghosts[0, :3, None] * weights[0, 0]
@@ -164,10 +160,8 @@ def singles(blocks: NDArray[np.float32]) -> str:
 
 
 def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
-    """Write the rotor's header, the vehicle's, and the note.
-
-    Raise ``InputError`` for a table of another propeller or air, see ``VehicleForces``.
-    """
+    """Write the rotor's header, the vehicle's and the note; ``InputError`` for a table of another
+    propeller or air."""
     Rotors.of(vehicle, table)
     name, rotor = vehicle_name(vehicle, table), identifier(table)
     twice = ""

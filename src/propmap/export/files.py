@@ -49,10 +49,8 @@ def check_folder(folder: Path) -> None:
 
 
 def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
-    """Write files into a folder, made if need be, complete before the first gets its name.
-
-    Without ``replace``, files that are there already raise ``InputError``.
-    """
+    """Write files into a folder, made if need be, all complete before the first gets its name;
+    ``InputError`` for one that is there, unless ``replace``."""
     check_folder(folder)
     paths = [folder / name for name in files]
     for path in paths:
@@ -82,11 +80,8 @@ def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
 
 
 def rendered(template: str, table: LoadTable, **values: Any) -> str:
-    """Return the text of a template; ``values`` that are functions serve as filters.
-
-    Every template knows the table, the registry's ``loads``, the name ``p`` of the propeller and
-    that name in capitals, ``P``, and the ``lines`` of the provenance.
-    """
+    """Render a template with ``values``, functions among which serve as filters, the ``table``, its
+    name ``p`` and ``P`` in capitals, ``loads`` and the ``lines`` of provenance."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
@@ -281,11 +276,8 @@ class ErrorSizes:
 
 
 def sample(table: LoadTable) -> Samples:
-    """Return loads at points of the envelope that have any.
-
-    Raise ``InputError`` for a table without hover, which has no static loads, and for one without
-    points for simple models.
-    """
+    """Take loads at points of the envelope that have any; ``InputError`` for a table without hover,
+    or without points for simple models."""
     omega, speed, beta = evenly(table)
     found = table.loads(omega, speed, beta)
     loads = {name: getattr(found, name) for name in LOADS}
@@ -330,10 +322,8 @@ def middle_omega(table: LoadTable) -> float:
 
 
 def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[ErrorSizes, ErrorSizes]:
-    """Measure a model's loads (n,) where simple models are meant, and over the envelope.
-
-    Loads that ``model`` lacks count as zero.
-    """
+    """Measure a model's loads (n,), zero where it lacks one, where simple models are meant and over
+    the envelope."""
     shares = [
         (model.get(name, 0.0) - load) / samples.static[name] for name, load in samples.loads.items()
     ]

@@ -52,12 +52,8 @@ class InplaneForces:
 
 
 def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForces:
-    """Trim an aircraft in level flight along a body axis at ``speeds`` (n,) above 0 [m/s].
-
-    Along y it flies to the left; a symmetric one flies to the right the same way.  Raise
-    ``InputError`` where it cannot hover, where its thrust is not along z at rest, and where fewer
-    than two of the speeds are flown.
-    """
+    """Trim an aircraft in level flight forward or to the left at ``speeds`` (n,) above 0 [m/s];
+    ``InputError`` where it cannot hover, with thrust along z, or flies fewer than two."""
     turned = aircraft if axis == "x" else _turned(aircraft)
     states = turned.steady(np.concatenate([[0.0], speeds]), margin=False)
     if not states.found[0]:
@@ -126,11 +122,8 @@ def _turned(aircraft: Aircraft) -> Aircraft:
 
 
 def _errors(aircraft: Aircraft, velocity: Floats, omega: Floats) -> Floats:
-    """Find the errors (E, n) of the specific force against the motion along x.
-
-    A cause that changes the thrust changes the speed of all rotors so that they carry as much as
-    before; the attitude and the flow are those of the flight without it.
-    """
+    """Find the errors (E, n) of the specific force against the motion along x; rotors change speed
+    so that they carry as much as before, in the attitude and the flow of before."""
     vehicle = aircraft.vehicle
     axes = np.array([mount.axis for mount in vehicle.mounts])
     forward, upward, turning = [], [], []
@@ -225,11 +218,8 @@ def fit_drag(
     density: float,
     least: float,
 ) -> tuple[Floats, Floats]:
-    """Fit m [1/s], b along x and b along y [m^2/kg] to all flights, none below zero.
-
-    The ``square`` of n flights is q [m^2/s^2]; below ``least`` the filter has no b, and it is 0.
-    Return the constants (3,) and what each of E independent causes adds to them (E, 3).
-    """
+    """Fit m [1/s], b along x and b along y [m^2/kg], none below zero, 0 below ``least``, to all
+    flights, whose ``square`` is q [m^2/s^2]; with what each of E causes adds to them (E, 3)."""
     from scipy.optimize import nnls
 
     rows = []
@@ -310,11 +300,8 @@ def rotor_sources(
 
 
 def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> UncertainLoads:
-    """Return loads with their independent errors at omega (N,) [rad/s] and velocity (N, 3) [m/s].
-
-    The velocity is in the rotor frame, z along the thrust.  It is not known which errors of a
-    table its loads have in common: each load has its own.
-    """
+    """Find loads with their independent errors at omega (N,) [rad/s] and velocity (N, 3) [m/s] in
+    the rotor frame; each load of a table has errors of its own."""
     # Points that differ: half the rotors see what the others see.
     once, where = np.unique(
         np.column_stack([omega, velocity]).round(9), axis=0, return_inverse=True

@@ -159,10 +159,8 @@ ROTORS = 4  # RotorPy's Multirotor inverts the matrix from its rotors' thrusts t
 
 
 def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
-    """Write a module that asks ``VehicleForces``, the table beside it, and the note.
-
-    Raise ``InputError`` for another number of rotors, and a table of another propeller or air.
-    """
+    """Write a module that asks ``VehicleForces``, the table and the note; ``InputError`` for other
+    than four rotors and a table of another propeller or air."""
     if len(vehicle.mounts) != ROTORS:
         raise InputError(
             f"the vehicle has {len(vehicle.mounts)} rotors, RotorPy's Multirotor {ROTORS}",
@@ -203,10 +201,8 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
 
 
 def literal(value: Any) -> str:
-    """Return the Python expression of a dataclass, tuple, array or number, fields by default out.
-
-    Classes stand by their names alone.
-    """
+    """Write the Python expression of a dataclass, tuple, array or number, classes by their names
+    alone, fields by default left out."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         parts = []
         for field in dataclasses.fields(value):
@@ -231,11 +227,8 @@ JSBSIM_POINTS = 121  # linear in between: 1e-4 of the static coefficient
 
 
 def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
-    """Tabulate C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) over rising J, (k,) each.
-
-    With descent, J < 0, down to where the table has no values.  Each is taken at the middle omega,
-    or at the largest that reaches that J within the envelope.
-    """
+    """Tabulate C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) over rising J, (k,) each, with
+    descent as far as there are values, at the middle omega or the largest that reaches J."""
     low, high = table.envelope["beta"]
     if low > 1e-9:
         raise InputError(

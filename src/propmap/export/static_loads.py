@@ -104,11 +104,8 @@ def known_curve(aircraft: Aircraft) -> tuple[SignalCurve | None, str]:
 
 
 def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) -> SignalCurve | None:
-    """Return the curve of a vehicle with motor and battery; None where it does not reach signal 1.
-
-    ``charge`` is 0 to 1; ``more_torque`` is the share by which the torque is larger than the
-    model's, to see what its error does.
-    """
+    """Find the curve of a vehicle with motor and battery at a ``charge`` 0 to 1, None where it does
+    not reach signal 1; ``more_torque`` is a share added to the model's."""
     powertrain, count = aircraft.vehicle.powertrain, len(aircraft.vehicle.mounts)
     motor, battery = powertrain.motor, powertrain.battery
     assert motor is not None and battery is not None
@@ -185,10 +182,8 @@ def curve_factor(
     shares: Shares,
     limits: tuple[float, float],
 ) -> CurveFactor:
-    """Fit f to the ``curve`` of an aircraft, whose loads at rest are ``still``.
-
-    ``shares`` are what the autopilot takes as x, ``limits`` the least and largest f it takes.
-    """
+    """Fit f, within ``limits``, to the ``curve`` of an aircraft, whose loads at rest are ``still``;
+    ``shares`` are what the autopilot takes as x."""
     charge = aircraft.charge
 
     def factor(found: SignalCurve | None) -> float:

@@ -126,11 +126,8 @@ def compare_tunnel(
 
 @dataclass(frozen=True, eq=False)
 class FlightForces:
-    """All forces but gravity on a vehicle at n samples, by a model and by the hover model.
-
-    Forces [N] are as an accelerometer feels them where it sits, moments [N m] about the centre of
-    mass, in the vehicle's frame.
-    """
+    """All forces but gravity on a vehicle at n samples, felt where the accelerometer sits [N], and
+    moments about the centre of mass [N m], in the vehicle's frame."""
 
     model: Floats  # (n, 6)
     hover: Floats  # (n, 6)
@@ -170,12 +167,9 @@ def flight_forces(
 def compare_forces(
     vehicle: Vehicle, log: FlightLog, forces: FlightForces, beyond: Beyond | None = None
 ) -> dict[str, SpeedErrors]:
-    """Errors of forces and moments along the vehicle's axes, by name with unit.
-
-    Forces are held against mass times specific force, and moments, where the vehicle file has
-    moments of inertia, against what turns the vehicle. ``beyond`` says how far the samples leave
-    the envelope of the fit. Raises ``InputError`` without specific force.
-    """
+    """Errors of forces against mass times specific force, and of moments where inertia is known, by
+    name with unit; ``beyond`` says how far samples leave the fit's envelope. ``InputError`` without
+    specific force."""
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
     )
@@ -211,10 +205,8 @@ def compare_level(
     values: Mapping[str, float],
     beyond: Beyond | None = None,
 ) -> dict[str, SpeedErrors]:
-    """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17).
-
-    Arguments are those of ``flight_forces`` and ``compare_forces``; no specific force is needed.
-    """
+    """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17),
+    arguments as of ``flight_forces`` and ``compare_forces``."""
     model, hover = level_forces(vehicle, log, law, values)
     weight = np.full(len(log), vehicle.mass * GRAVITY)
     return {"vertical_force_N": compared(model, weight, log.speed, hover, beyond)}
@@ -223,10 +215,8 @@ def compare_level(
 def level_forces(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
-    """Vertical forces [N] (n,) by the model of ``flight_forces`` and by the hover model.
-
-    Where the accelerometer sits plays no part.
-    """
+    """Vertical forces [N] (n,) by the model of ``flight_forces`` and by the hover model, wherever
+    the accelerometer sits."""
     values = {name: value for name, value in values.items() if general(name) not in SENSOR}
     here = replace(vehicle, sensor=(0.0, 0.0, 0.0))
     found = flight_forces(here, log, law, values)
@@ -278,12 +268,8 @@ class ForwardTrust:
 
 
 def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> ForwardTrust:
-    """Uncertainty that a fit of a ``model`` leaves at rest, in axial and in edgewise flow.
-
-    To first order, sqrt(g' S g) with g the derivatives by the free constants: before the fit at the
-    most likely ones with their covariance, after it at those found with that of the fit; and
-    ``MODEL_ERROR`` beside it.
-    """
+    """Uncertainty that a fit of a ``model`` leaves at rest, in axial and in edgewise flow: to first
+    order sqrt(g' S g) by the free constants, before and after, and ``MODEL_ERROR`` beside it."""
     choice = fitted.choice
     by_prior = choice.prior_residuals(choice.first)[1]
     before = np.asarray(np.linalg.pinv(by_prior.T @ by_prior), np.float64)
@@ -317,10 +303,8 @@ FAR = 2.5  # z-score among propellers from which a constant is worth a remark
 
 
 def unlikely_constants(fitted: Fitted) -> list[str]:
-    """Name the constants of a fit that lie far from those of other propellers, in one sentence.
-
-    There is none where nothing is far, or no prior over propellers was used.
-    """
+    """Name the constants of a fit that lie far from those of other propellers, in one sentence;
+    none without a prior over these."""
     expected = fitted.choice.expected
     if expected is None:
         return []
@@ -357,11 +341,8 @@ LEAST_FALL = 0.05  # share by which a term of the body has to lower the residual
 
 
 def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
-    """Name the assumptions of the section law that a poor fit points at, a sentence each.
-
-    They are those that lower the residuals by 30 % or more when given up. ``rows_for`` gives the
-    same data as rows for another choice of free parameters.
-    """
+    """Name the assumptions of the section law that lower the residuals of a poor fit by 30 % or
+    more when given up; ``rows_for`` gives its data as rows for another choice."""
     size = rms(fitted.minimum.residual)
     if size < POOR:
         return []
@@ -382,11 +363,9 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
 
 
 def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
-    """Say whether lift and drag of the body pay in a flight fit without them (section III.A).
-
-    A term does if its 95 % interval leaves out zero and the residuals fall by more than 5 %.
-    ``rows_for`` gives the same data as rows for another choice of free parameters.
-    """
+    """Say whether lift and drag of the body pay in a flight fit without them (section III.A): by an
+    interval without zero and a fall of the residuals; ``rows_for`` gives its data for another
+    choice."""
     sentences = []
     size = rms(fitted.minimum.residual)
     for name in BODY_TERMS:
@@ -479,11 +458,8 @@ class Trend:
 def trends(
     log: FlightLog, load: str, unit: str, residual: Floats, block: NDArray[np.intp]
 ) -> list[Trend]:
-    """Fit the residual of a load to every candidate, the strongest first.
-
-    ``residual`` (n,) is model minus measurement; what is not finite is left out. Errors may be
-    correlated within a ``block`` (n,).
-    """
+    """Fit the ``residual`` (n,) of a load, model minus measurement, to every candidate, the
+    strongest first; errors may be correlated within a ``block`` (n,)."""
     known = np.isfinite(residual)
     off, stretch, found = residual[known], block[known], []
     for name, variable in candidates(log).items():
@@ -493,10 +469,8 @@ def trends(
 
 
 def residual_trends(fitted: Fitted, log: FlightLog) -> list[str]:
-    """Say what the residuals of a fit to the samples of ``log`` still depend on.
-
-    The strongest dependence comes first, with two sentences per load at most.
-    """
+    """Say what the residuals of a fit to the samples of ``log`` still depend on, the strongest
+    first, two sentences per load at most."""
     rows, sentences = fitted.rows, []
     if rows.group is None:
         return []
@@ -532,11 +506,8 @@ SURE = 2.0  # standard errors by which a term has to change the mean square erro
 
 @dataclass(frozen=True, eq=False)
 class RecordedFlight:
-    """One flight, its signals low-passed and as they were recorded.
-
-    A prediction is of forces [N] by something else, (n, 3) at the samples of ``passed`` and
-    low-passed like these, and (m, 3) at those of ``raw``; None where there is none.
-    """
+    """One flight, its signals low-passed and as recorded, with another's prediction of its forces
+    [N], (n, 3) at the samples of either, where there is one."""
 
     name: str
     passed: FlightLog  # low-passed
@@ -592,12 +563,9 @@ def fit_terms(
     samples: int,
     tell: Callable[[str], None] | None = None,
 ) -> list[FittedStep]:
-    """Fit all steps, each flight in turn left out and the others joined.
-
-    The section ``law`` gives what no step frees; of the flights that are fitted to, ``samples`` are
-    taken at most. After each fit ``tell`` is called with a line of text. The results are in the
-    order of the steps, then of the flights left out.
-    """
+    """Fit all steps, each flight in turn left out and at most ``samples`` of the others, with the
+    ``law`` for what no step frees, in the order of steps, then flights left out; ``tell`` gets a
+    line after each."""
     found = []
     for step in steps:
         for left_out in range(len(flights)) if len(flights) > 1 else (None,):
@@ -619,10 +587,8 @@ def fit_terms(
 def gain(
     old: Sequence[AxisErrors], new: Sequence[AxisErrors], flights: Sequence[RecordedFlight]
 ) -> tuple[float, float]:
-    """Fall of the mean square of the force error from one model to another [N^2]; its deviation.
-
-    Errors within a second of each other count as one, as they are correlated.
-    """
+    """Fall of the mean square of the force error from one model to another and its deviation [N^2];
+    errors within a second count as one, as they are correlated."""
     means = []
     for a, b, flight in zip(old, new, flights, strict=True):
         fall = np.sum(a.passed**2 - b.passed**2, axis=1)
@@ -682,12 +648,9 @@ def _rms(off: Floats) -> Floats:
 def values_for(
     file: FitFile, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
 ) -> tuple[dict[str, float], list[str]]:
-    """Choose parameters for the flights of a ``log`` from ``paths``; return remarks on them too.
-
-    A flight of the fit keeps its own. For any other the thrust scale is what its own hover has
-    beside the hover of the fit's flights, where that is sure; else it is the mean of the fit's
-    flights, as its clock is.
-    """
+    """Choose parameters for the flights of a ``log`` from ``paths``, and remarks: a flight of the
+    fit keeps its own, another has the mean's, and the thrust scale of its own hover where that is
+    sure."""
     logs = file.record.data[:-1]  # The vehicle's file is the last.
     names = flight_names([source.file for source in logs])
     seen = {source.sha256: name for source, name in zip(logs, names, strict=True)}

@@ -428,11 +428,9 @@ OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
 
 
 def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]:
-    """Standard deviations of C_T and C_P that a fit leaves, by name of ``DISCREPANCIES``.
-
-    ``found`` is the model with the fitted parameters, ``hover`` (M,) what the hover model says of
-    the rows. A load that was not fitted is taken to err by as large a share as the other.
-    """
+    """Standard deviations of C_T and C_P that a fit leaves, by name of ``DISCREPANCIES``, with the
+    model ``found`` and the hover model's rows ``hover`` (M,); a load not fitted errs by as large a
+    share."""
     shares = {}
     for kind, names in (("thrust", OF_THRUST), ("torque", OF_TORQUE)):
         for k, name in enumerate(fitted.rows.names):

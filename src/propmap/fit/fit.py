@@ -280,11 +280,8 @@ class CoveredAngle(Covered, frozen=True):
 
 
 class Coverage(_CoveredPoints, frozen=True):
-    """All operating points of a fit's data: their ranges, and those at rest and by angle.
-
-    Points where the propeller stands still do not count.  ``angles`` has an entry for each band of
-    beta that holds points in motion, by rising angle.
-    """
+    """All operating points of a fit's data where the propeller turns: ranges, and those at rest and
+    in each band of beta that holds points in motion, by rising angle."""
 
     angles: list[CoveredAngle]
     at_rest: Covered | None = None
@@ -297,11 +294,8 @@ class Coverage(_CoveredPoints, frozen=True):
 
 
 def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Coverage:
-    """Ranges of n operating points, at rest and by angle; beta is in 0...pi [rad], radius is R [m].
-
-    Loads over Omega^2 depend on the advance ratio and the angle, and on little else. Raises
-    ``InputError`` where the propeller turns at none of the points.
-    """
+    """Ranges of n operating points, at rest and by angle, with beta in 0...pi [rad] and R [m];
+    ``InputError`` where the propeller turns at none."""
     turning = omega > 0.0
     if not turning.any():
         raise InputError("the propeller stands still at all points", "give rpm above 0")

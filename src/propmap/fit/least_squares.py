@@ -77,10 +77,8 @@ class Evaluator:
         self.unsolved = 0
 
     def at(self, x: Floats, free: tuple[str, ...] | None = None) -> Evaluation:
-        """Residuals (M,) as shares of their scales and derivatives (M, P), without priors.
-
-        The derivatives are by the ``free`` parameters, by default those of the choice.
-        """
+        """Residuals (M,) as shares of their scales, without priors, and derivatives (M, P) by the
+        ``free`` parameters, by default the choice's."""
         rows = self.rows
         value, slope = rows.model(self.choice.values(x), self.choice.free if free is None else free)
         lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
@@ -102,11 +100,8 @@ class Evaluator:
         return np.concatenate([self.at(x, ())[0], self.weight * self.choice.prior_residuals(x)[0]])
 
     def difference_quotients(self, x: Floats) -> Floats:
-        """Difference quotients of ``computed``, its Jacobian (M + K, P).
-
-        Where inflow rises steeply it differs from ``jacobian`` by up to some per cent; see
-        docs/theory.md, known limits.
-        """
+        """Difference quotients (M + K, P) of ``computed``; where inflow rises steeply they differ
+        from ``jacobian`` by some per cent, see docs/theory.md, known limits."""
         from scipy.optimize import approx_fprime
 
         step = DIFFERENCE * self.choice.column("spread")
@@ -115,22 +110,17 @@ class Evaluator:
 
 
 def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
-    """Factor on the residuals of priors beside those of rows.
-
-    It is the standard deviation ``error`` of a residual where every row is a number of its own;
-    whole flights, and rows beside what is known of propellers in general, are worth
-    ``rows.independent``.
-    """
+    """Factor on the residuals of priors beside those of rows: the standard deviation ``error`` of a
+    residual where each row is a number of its own; whole flights, and rows beside what propellers
+    have in common, are worth ``rows.independent``."""
     if choice.expected is None and rows.group is None:
         return error
     return error * float(np.sqrt(rows.counts.sum() / max(float(rows.independent.sum()), 1.0)))
 
 
 def starts(choice: Choice, count: int, seed: int) -> list[Floats]:
-    """The first guess, and ``count`` - 1 starts at random within three spreads of it.
-
-    None is further than ``FAR`` standard deviations from the mean of other propellers.
-    """
+    """The first guess, and ``count`` - 1 random starts within three spreads of it and ``FAR``
+    standard deviations from the mean of other propellers."""
     away = np.random.default_rng(seed).uniform(-3.0, 3.0, (count - 1, len(choice.free)))
     away = away * choice.column("spread")
     if choice.expected is not None:
@@ -153,15 +143,10 @@ def search(
     follow: bool = False,
     polish: bool = True,
 ) -> Minimum:
-    """Find the best minimum over all starts.
-
-    ``loss`` is "linear", or "soft_l1" so that a few outliers do not decide. ``error`` is the
-    standard deviation of a residual as a share of its scale: priors are weighed against it, and
-    twice it is an outlier. With ``follow`` the start is a minimum of much the same data, so that
-    few steps do; without it the best end is followed to the last digit, unless ``polish`` is false.
-    Raises ``InputError`` for fewer numbers than parameters, and where the model has no solution for
-    more than one row in twenty, or of few rows for more than those of one operating point.
-    """
+    """Find the best minimum over all starts, by ``loss`` "linear" or "soft_l1"; priors are weighed
+    against the ``error`` of a residual, twice it is an outlier. ``follow`` takes few steps from a
+    known minimum, else ``polish`` follows the best end to the last digit. ``InputError`` for too
+    few numbers and too many rows without solution."""
     from scipy.optimize import least_squares
 
     used = int(np.count_nonzero(rows.weight))
@@ -315,12 +300,9 @@ class Rows:
         table: Callable[[NDArray[np.intp]], RowModel],
         group: NDArray[np.intp] | None = None,
     ) -> Rows:
-        """Make a row of each finite number in a table of L loads at n operating points.
-
-        ``names`` and ``units`` are of the loads, ``measured`` and ``scale`` (n, L), ``speed`` and
-        ``group`` (n,). From the indices of m points ``table`` gives a model of them: values (m, L)
-        and derivatives (m, L, P).
-        """
+        """Make a row of each finite number in tables ``measured`` and ``scale`` (n, L) of loads
+        called ``names`` at n points; ``table`` gives, from indices of m points, a model of values
+        (m, L) and derivatives (m, L, P)."""
         point, load = np.nonzero(np.isfinite(measured))
         # A search is polished where it ended, and refits of parts of the data begin there.
         whole: dict[Any, Evaluation] = {}
@@ -377,10 +359,8 @@ class Rows:
 
     @property
     def independent(self) -> Floats:
-        """How many independent numbers the rows of each load (L,) are worth.
-
-        In flight that is one for each group; each manoeuvre meets another flow.
-        """
+        """How many independent numbers the rows of each load (L,) are worth: in flight one for each
+        group, as each manoeuvre meets another flow."""
         parts = [self.of_load(k) for k in range(len(self.names))]
         if self.group is not None:
             return np.array([float(np.unique(self.group[part]).size) for part in parts])
@@ -476,11 +456,8 @@ def by_band(
 
 @dataclass(eq=False)
 class RowsElsewhere:
-    """``rows`` and what goes with them, to be sent to workers, who make the rows again.
-
-    Models of rows cannot be sent; ``remake`` can, and gives the rows. It is None where no other
-    process works.
-    """
+    """``rows`` and what goes with them, to be sent to workers, where ``remake`` gives the rows
+    again as models cannot be sent; None where no other process works."""
 
     rows: Rows
     remake: Callable[[], Rows] | None

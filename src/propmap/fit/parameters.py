@@ -294,10 +294,8 @@ class SectionPrior:
     source: str
 
     def z_scores(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """Standard deviations (P,) between coordinates and means, in the order of ``PARAMETERS``.
-
-        The constants ``values`` are by name; the derivatives by them are (P, P).
-        """
+        """Standard deviations (P,) between coordinates and means of constants ``values`` by name,
+        in the order of ``PARAMETERS``, and derivatives (P, P)."""
         constants = np.array([values[name] for name in PARAMETERS])
         inside = np.where(LOGARITHMIC, np.maximum(constants, SMALLEST), constants)
         place = coordinates(inside)
@@ -306,11 +304,8 @@ class SectionPrior:
         return (place - self.distribution.mean) / deviation, slopes
 
     def penalty(self, values: Mapping[str, float], kept: Sequence[int]) -> tuple[Floats, Floats]:
-        """Numbers (K,) that are independent and of variance 1 beforehand; their slopes (K, 7).
-
-        They are of the K coordinates ``kept``, which are known beforehand by this prior, at the
-        constants ``values`` by name.
-        """
+        """Numbers (K,) independent and of variance 1 beforehand, of the coordinates ``kept`` at the
+        constants ``values`` by name; their slopes (K, 7)."""
         scores, slopes = self.z_scores(values)
         own = list(kept)
         root = np.linalg.cholesky(self.distribution.correlation[np.ix_(own, own)])

@@ -588,11 +588,9 @@ def as_texts(texts: Any) -> tuple[str, ...] | None:
 
 
 def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tuple[str, ...]:
-    """Give the corrections for a section law that was found with its ``own``, None if unknown.
-
-    What is mounted may differ from where the constants were found: ``given``, it replaces its own.
-    ``InputError`` where others than its own are given to the law called ``section``.
-    """
+    """Give the corrections for a section law that was found with its ``own``, None if unknown, the
+    mount as ``given``; ``InputError`` where others than its own are given to the law called
+    ``section``."""
     wanted, mount = split_mount(as_texts(given) or ())
     if own is None:
         return *wanted, *mount

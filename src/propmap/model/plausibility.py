@@ -123,11 +123,8 @@ def unit_errors(value: float, usual: Range, errors: Mapping[str, float]) -> list
 def common_errors(
     figures: Sequence[float], usual: Range, errors: Iterable[tuple[str, Sequence[float]]]
 ) -> list[str]:
-    """List the unit errors that bring all ``figures`` into a usual range, likeliest first.
-
-    Likely are those that leave the figures less than ``CLOSE_FACTOR`` times as far from the middle
-    of the range as the likeliest does.  There are none for a figure that is not above 0.
-    """
+    """List the unit errors that bring all ``figures`` into a usual range, likeliest first, up to
+    ``CLOSE_FACTOR`` times as far from its middle; none for a figure that is not above 0."""
     if not all(0.0 < value < math.inf for value in figures):
         return []
     far: dict[str, float] = {}
@@ -251,11 +248,8 @@ def air_warnings(air: Air) -> list[str]:
 
 
 def point_warnings(propeller: Propeller, omega: Floats, speed: Floats, beta: Floats) -> list[str]:
-    """Warn of operating points [rad/s], [m/s], [rad] unlike those of small propellers.
-
-    Shapes broadcast to (n,).  Raises ``InputError`` where a blade tip moves faster than sound:
-    neither the momentum theory nor any section law here holds, and there is no number to give.
-    """
+    """Warn of operating points [rad/s], [m/s], [rad] that broadcast to (n,), unlike small
+    propellers'; ``InputError`` where a tip is faster than sound, as nothing here holds then."""
     w, v, b = (np.ravel(values) for values in np.broadcast_arrays(omega, speed, beta))
     tip = w * propeller.radius
     fast = _fast_tip(tip, v)
@@ -392,12 +386,8 @@ def load_warnings(
     beta: Floats,
     loads: Mapping[str, Floats],
 ) -> list[str]:
-    """Warn of measured ``loads`` [N], [N m] that do not fit the blade; NaN is not measured.
-
-    All arrays are (n,).  Raises ``InputError`` where loads cannot be, with more power in the
-    slipstream than on the shaft or a coefficient three times the largest that has been measured:
-    constants fitted to such loads mean nothing.
-    """
+    """Warn of measured ``loads`` (n,) [N], [N m] that do not fit the blade; NaN is not measured.
+    ``InputError`` where there can be no such loads: constants fitted to them mean nothing."""
     turning = omega > 0.0
     w, v, b = omega[turning], speed[turning], beta[turning]
     known = {n: loads[n][turning] for n in loads if np.isfinite(loads[n][turning]).any()}
@@ -422,12 +412,9 @@ def load_warnings(
 def estimated_loads(
     propeller: Propeller, air: Air, omega: Floats, axial: Floats
 ) -> dict[str, Floats]:
-    """Estimate thrust [N] and torque [N m] of a blade in axial flow (n,) within a factor of two.
-
-    Momentum and blade element at 0.75 of the radius, with a linear lift (J. G. Leishman,
-    Principles of Helicopter Aerodynamics, 2nd ed., Cambridge 2006, section 3.3), scaled to small
-    propellers; V cos(beta), ``axial`` [m/s], may not be above the blade's pitch speed.
-    """
+    """Estimate thrust [N] and torque [N m] of a blade in axial flow (n,) up to its pitch speed
+    within a factor of two, by momentum and blade element at 0.75 R (J. G. Leishman, Principles of
+    Helicopter Aerodynamics, 2nd ed., Cambridge 2006, section 3.3), scaled to small propellers."""
     radius = propeller.radius
     chord, twist = at_share(propeller, PITCH_STATION)
     solidity = propeller.blades * chord / (math.pi * radius)
@@ -583,10 +570,8 @@ MAX_TWIST = 1.6  # [rad]; no blade is set at 92 degrees to its disk: a larger fi
 
 
 def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[str] = ()) -> None:
-    """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip.
-
-    Messages name the stations by their ``labels``, such as "line 7".
-    """
+    """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip;
+    messages name stations by ``labels``, such as "line 7"."""
 
     def refuse(found: str, remedy: str) -> NoReturn:
         raise InputError(found, remedy)
@@ -685,11 +670,8 @@ def check_root_cutout(root_cutout: Any, station: Floats) -> float:
 
 
 def twist_from_degrees(degrees: Floats) -> Floats:
-    """Return twist [rad] of a column in degrees, refused where its figures look like radians.
-
-    A blade whose steepest section stands at less than 1.6 degrees makes no propeller, so such a
-    column of ``degrees`` (n,) is taken for radians under the wrong name.
-    """
+    """Convert ``degrees`` (n,) to radians, refusing figures below 1.6, which as degrees would make
+    no propeller and look like radians."""
     steepest = float(np.nanmax(np.abs(degrees), initial=0.0))
     if degrees.size and steepest < MAX_TWIST:
         raise InputError(

@@ -84,11 +84,8 @@ def report_files(
     folder: Path = Path(__file__).parents[1],
     **values: Any,
 ) -> dict[str, str | bytes]:
-    """Make all files of a report by name: the page, ``.svg`` of figures, ``.csv`` of sheets.
-
-    ``template`` is the page's template, a path in ``folder``, by default the package, where what it
-    extends is found too; ``values`` are what it uses.
-    """
+    """Make all files of a report by name, the page from a ``template`` in ``folder`` or the package
+    with ``values``, ``.svg`` of figures and ``.csv`` of sheets."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     images = {name: as_svg(figure) for name, figure in figures.items()}
@@ -165,10 +162,8 @@ def _field(value: Any) -> Any:
 
 
 def _columns(heads: str, rows: Iterable[Sequence[Any]]) -> list[tuple[str, str, bool, list[str]]]:
-    """Split a table into columns: name, unit, whether it holds numbers, and cells.
-
-    ``heads`` are such as "load | rms error [N]"; numbers become texts of three digits.
-    """
+    """Split a table with ``heads`` such as "load | rms error [N]" into columns: name, unit, whether
+    it holds numbers, and cells of three digits."""
 
     def is_number(text: str) -> bool:
         bare = re.sub(f"[{MINUS}{MISSING}% ]", "", text)
@@ -236,10 +231,8 @@ def check_folder(folder: Path, names: Collection[str]) -> None:
 def write_folder(
     folder: Path, files: Mapping[str, str | bytes], names: Collection[str] = ()
 ) -> None:
-    """Make a folder of ``files`` by name, or replace one that holds no others but ``names``.
-
-    They are written into a folder beside it, which is renamed when all are there.
-    """
+    """Make a folder of ``files`` by name, or replace one with no others but ``names``, by a folder
+    beside it that is renamed when all are there."""
     check_folder(folder, {*files, *names})
     place = folder.absolute()
     part, old = (

@@ -62,10 +62,8 @@ class MeasuredLoads:
     loads: dict[str, Floats]  # (n,) by name; NaN where not measured
 
     def along(self, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
-        """Find the points within half a degree of ``beta`` [rad], in the order of their speed.
-
-        Those at rest are among them, at any angle, if ``at_rest``.
-        """
+        """Find the points within half a degree of ``beta`` [rad], by rising speed, and those at
+        rest if ``at_rest``."""
         near = np.abs(self.beta - beta) < NEAR_ANGLE
         mine = np.flatnonzero(near | (at_rest & (self.speed == 0.0)))
         return mine[np.argsort(self.speed[mine], kind="stable")]
@@ -82,12 +80,9 @@ def load_curves(
     band: Rotor | None = None,
     band_label: str = "95 % band of the model",
 ) -> Figure:
-    """Draw every load over ``speed`` (n,) [m/s], a curve for each of up to 7 angles [rad].
-
-    The hover model is dashed. Measured points at rest belong to every curve and are drawn with the
-    first. The band that holds the loads of the rotor ``band`` with a probability of 95 % is shaded
-    where it says how well it is known.
-    """
+    """Draw every load over ``speed`` (n,) [m/s], a curve for each of up to 7 angles [rad], the
+    hover model dashed, measured points at rest with the first; the 95 % band of the rotor ``band``
+    is shaded."""
     if len(betas) > len(COLOURS):
         raise InputError(
             f"{len(betas)} angles make an unreadable picture", f"give at most {len(COLOURS)}"
@@ -136,11 +131,9 @@ ARROW: dict[str, Any] = {"arrowstyle": "-|>", "color": "0.2", "mutation_scale": 
 
 @style()
 def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figure:
-    """Draw the angle of attack over the disk seen from above, flight towards the top of the page.
-
-    The operating point is in [rad/s], [m/s], [rad]; ``InputError`` where the inflow did not
-    converge everywhere. A counter-clockwise propeller is shown; the other is its mirror image.
-    """
+    """Draw the angle of attack at a point [rad/s], [m/s], [rad] over a disk that turns
+    counter-clockwise, seen from above, flight upwards; ``InputError`` where the inflow did not
+    converge everywhere."""
     blade = rotor.model.propeller
     radius = np.linspace(*rotor.model.span, 160)
     azimuth = np.radians(np.linspace(0.0, 360.0, 361))
@@ -290,12 +283,9 @@ def power_curves(
     found: Performance | None = None,
     sure: Sequence[StateChange | None] = (),
 ) -> Figure:
-    """Draw power, pitch, rotor speeds and thrust margin over speed, a curve for each climb rate.
-
-    ``flown`` and ``hover`` are up to 7 states of the aircraft and of the same with the hover model,
-    which is dashed; ``sure`` has the deviations of ``flown`` that make bands of 95 %, None where
-    nothing is known. States of ``found`` that have a name are marked.
-    """
+    """Draw power, pitch, rotor speeds and thrust margin over speed for up to 7 climb rates of
+    ``flown``, the ``hover`` model's dashed, with bands of 95 % where ``sure`` knows, and marks on
+    the states of ``found``."""
     if len(flown) > len(COLOURS):
         raise InputError(
             f"{len(flown)} climb rates make an unreadable picture", f"give at most {len(COLOURS)}"
@@ -377,10 +367,8 @@ NAMED = 3  # of the ranking's best that are named beside those of the front
 
 @style()
 def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int]) -> Figure:
-    """Draw a point for each feasible propeller of a ranking, best first.
-
-    The numbers in ``front``, by rising hover power, are joined: no other beats them in both.
-    """
+    """Draw a point for each feasible propeller of a ranking, best first, and join those in
+    ``front``, that no other beats in hover power and top speed."""
     figure = new_figure(8.6, 5.6)
     ax = figure.subplots()
     drawn = [k for k, one in enumerate(judged) if one.feasible and np.isfinite(one.top_speed)]
@@ -482,12 +470,9 @@ def response_picture(
     rows: dict[str, Floats],
     values: Floats,
 ) -> Figure:
-    """Draw contours of a quantity over two variables, the others at the middle of their ranges.
-
-    Dots are all designs (``rows`` of variables, (n,) each), wherever the others are. Beside it
-    what the surface says of each design, against the computed ``values`` (n,). ``label`` and
-    ``labels`` are words with units, of the quantity and of the ``axes``.
-    """
+    """Draw contours of a quantity called ``label`` over two ``axes``, the others at the middle,
+    with dots of all designs ``rows`` (n,); beside it the surface against the computed ``values``
+    (n,)."""
     figure = new_figure(9.6, 4.6)
     ax, check = figure.subplots(1, 2, width_ratios=(1.35, 1.0))
     ends = [(rows[name].min(), rows[name].max()) for name in axes]

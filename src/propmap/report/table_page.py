@@ -188,10 +188,8 @@ def table_cells(table: LoadTable) -> html.FigureRecord:
 
 
 def cell_ranks(table: LoadTable) -> tuple[np.ndarray, np.ndarray]:
-    """Give each cell's place in ``KINDS`` and its status, ``NO_VALUE`` where a corner has none.
-
-    Both (n - 1, m - 1), by advance ratio and angle.
-    """
+    """Give each cell's place in ``KINDS`` and its status, ``NO_VALUE`` where a corner has none; (n
+    - 1, m - 1) by advance ratio and angle."""
     lost: Any = np.isnan(table.content.coefficients).any(axis=(0, 1))
     corners = lost[:-1, :-1] | lost[1:, :-1] | lost[:-1, 1:] | lost[1:, 1:]
     codes = np.where(corners, np.uint8(NO_VALUE), cell_codes(table.content))
@@ -298,12 +296,9 @@ def hover_errors(
     found: Any,
     constants: Mapping[str, float],
 ) -> tuple[html.FigureRecord, dict[str, Any]]:
-    """Record the hover model less the table along ``lines``, and judge it all over the envelope.
-
-    ``found`` are the table's loads at ``points`` of the envelope; the hover model's are its
-    ``constants`` times Omega^2. The table of the page has a row per band of speed, with errors as
-    shares of the static load (of the drag, which the hover model lacks, of the static thrust).
-    """
+    """Record the hover model, ``constants`` times Omega^2, less the table along ``lines``, and
+    judge it by the loads ``found`` at ``points``, a row per band of speed in shares of the static
+    load, the drag's of the thrust."""
     groups: list[dict[str, Any]] = []
     for one in lines.groups:
         groups.append({name: one[name] for name in ("beta_deg", "speed_mps", "rpm")})

@@ -29,10 +29,8 @@ def terms_pages(
     samples: int,
     remarks: Sequence[str],
 ) -> dict[str, str | bytes]:
-    """Make all files of the page by name, from what ``fit_terms`` found.
-
-    Signals were low-passed at ``low_pass`` [Hz]; each fit took at most so many ``samples``.
-    """
+    """Make all files of the page by name from what ``fit_terms`` found of signals below
+    ``low_pass`` [Hz], ``samples`` at most in a fit."""
     off, worths = step_errors(vehicle, flights, found), worth(flights, found)
     alone, steps = len(flights) == 1, steps_of(found)
     names = [f.name for f in flights]
@@ -170,11 +168,8 @@ def step_errors(
 def worth(
     flights: Sequence[RecordedFlight], found: Sequence[FittedStep]
 ) -> list[tuple[str, str, float, float]]:
-    """Judge each step but the first on flights that its fits have not seen, or on the only one.
-
-    Gives the step, the verdict, the fall of the mean square of the force's error and its standard
-    deviation [N^2].
-    """
+    """Judge each step but the first on flights that its fits have not seen, or on the only one:
+    name, verdict, fall of the force's mean square error and its deviation [N^2]."""
     unseen = {
         step: [f.off[f.left_out or 0] for f in found if f.step == step] for step in steps_of(found)
     }

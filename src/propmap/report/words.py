@@ -20,10 +20,8 @@ PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}  # coordinates in the en
 
 
 def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
-    """Find the place in the envelope, as in ``PLACE``, of a certificate's largest errors, by load.
-
-    Empty for a certificate of earlier versions, which does not say; None for a load without errors.
-    """
+    """Find where, as in ``PLACE``, a certificate's largest errors are by load, None without errors;
+    empty for one of earlier versions."""
     if not found.get("max_omega"):
         return {}
     units = {"max_omega": 1.0 / RPM, "max_speed": 1.0, "max_beta": 1.0 / DEGREE}

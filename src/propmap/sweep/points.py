@@ -131,11 +131,8 @@ def _check(points: Points) -> None:
 
 
 def chunk_shape(shape: Sequence[int], most: int) -> tuple[int, ...]:
-    """Cut a ``shape`` into parts of ``most`` points at most, as equal as may be, last axis first.
-
-    The parts follow each other in C order.  They follow from the shape alone, so that loads do not
-    depend, to the last digit, on who does the tasks.
-    """
+    """Cut a ``shape`` into parts of ``most`` points at most in C order, as equal as may be, by the
+    shape alone, so that loads do not depend to the last digit on who does them."""
     left, chunk = most, []
     for length in reversed(shape):
         parts = -(-length // max(left, 1))
@@ -171,11 +168,8 @@ TEXTS = {
 
 
 def quantities(loads: Loads, *, bands: bool, by_source: bool) -> dict[str, NDArray[Any]]:
-    """Name the arrays to file, "thrust_std" and "thrust_std_tunnel" included; the status is last.
-
-    ``bands`` and ``by_source`` say whether standard deviations are among them, where the loads have
-    any, and whether those of each source are as well.
-    """
+    """Name the arrays to file, with ``bands`` standard deviations as "thrust_std" where there are
+    any, ``by_source`` those as "thrust_std_tunnel" too; the status is last."""
     found: dict[str, NDArray[Any]] = {name: getattr(loads, name) for name in TEXTS}
     if bands and loads.std_by_source:
         deviations = {"std": loads.std}

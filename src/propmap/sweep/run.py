@@ -45,11 +45,8 @@ Values = dict[str, NDArray[Any]]  # arrays by quantity
 
 
 class Evaluation(ABC):
-    """Loads at many operating points, in tasks that follow from these alone, whoever does them.
-
-    ``Sweep`` is of one rotor, ``propmap.study.run.Study`` of many designs.  Workers are sent an
-    evaluation without its points: each task brings its own.
-    """
+    """Loads at many operating points, in tasks that follow from these alone and bring them along,
+    whoever does them: ``Sweep`` of one rotor, ``propmap.study.run.Study`` of many designs."""
 
     kind: str
     rotor: Rotor

@@ -128,11 +128,8 @@ class Store:
 
     @classmethod
     def resume(cls, path: Path, layout: Layout) -> Store:
-        """Open the store of an earlier run to go on with; remove what was left half written.
-
-        Raises ``InputError`` where the folder is no store of propmap's, or results would differ
-        from those it has.
-        """
+        """Open the store of an earlier run without what it left half written; ``InputError`` where
+        the folder is no store of propmap's, or results would differ."""
         before = begun(path)
         for name, words in SAME.items():
             if before.get(name) != layout.depends_on.get(name):
@@ -156,10 +153,8 @@ class Store:
             return False
 
     def write(self, place: Place, values: Mapping[str, NDArray[Any]]) -> None:
-        """File the ``values`` by quantity of the part at a ``place``, in the order of the layout.
-
-        An ``OSError``, such as that of a full disk, names the store.
-        """
+        """File the ``values`` by quantity of the part at a ``place`` in the layout's order; an
+        ``OSError``, as of a full disk, names the store."""
         group = _zarr().open_group(str(self.path), mode="r+")
         for name, part in values.items():
             array = group[name]
@@ -223,10 +218,8 @@ Filed: TypeAlias = Store | InMemory
 
 
 def begun(path: Path) -> dict[str, str]:
-    """What the results of the store at ``path`` depend on, as ``Layout.depends_on``, and its run.
-
-    Raises ``InputError`` where no store of propmap's is there.
-    """
+    """Read what the results of the store at ``path`` depend on, as ``Layout.depends_on``, and its
+    run; ``InputError`` for another folder."""
     try:
         found = json.loads((path / "zarr.json").read_text(encoding="utf-8"))
         return dict(found["attributes"][RUN])

@@ -364,11 +364,8 @@ def starting_axes(
 
 
 def refine(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> Refined:
-    """Insert knots until lines and cells, tested at their middles, are within the tolerance.
-
-    Where the loads jump it cannot be met; knots end at the axes' finest distance, and the cells
-    are marked.  Raise ``InputError`` where more than ``MOST_KNOTS`` knots would be needed.
-    """
+    """Insert knots until lines and cells, tested at their middles, are within the tolerance; cells
+    that at the finest distance are not are marked. ``InputError`` for more than ``MOST_KNOTS``."""
     model.stage = "placing knots"
     for _ in range(ROUNDS):
         _refine_lines(model, advance, beta, tolerance)
@@ -447,12 +444,9 @@ GLANCES = 4  # points per cell as small as cells become; such cells are where ju
 def find_jumps(
     content: TableContent, model: CachedModel, limit: float, suspects: NDArray[np.bool_]
 ) -> TableContent:
-    """Mark further cells in which the table's error exceeds ``limit``.
-
-    The ``suspects`` (n - 1, m - 1), cells as small as cells become, are searched first.  A jump
-    is seldom alone: then the cells around those marked are searched, and those around what is
-    found, always at random points.
-    """
+    """Mark further cells in which the table's error exceeds ``limit`` at random points: first of
+    the ``suspects`` (n - 1, m - 1), small as cells become, then around those marked, as a jump is
+    seldom alone."""
     model.stage = "looking for jumps"
     rng, table = np.random.default_rng(PATROL_POINTS), LoadTable(content)
     points = quasi_random(table, PATROL_POINTS, seed=PATROL_POINTS)
@@ -524,10 +518,8 @@ BATCH = 4096  # operating points between two reports of progress: some tenths of
 
 
 class CachedModel:
-    """Loads of a rotor, and relative to its static ones at two rotational speeds (2,) [rad/s].
-
-    Raise ``InputError`` unless static thrust and torque are positive.
-    """
+    """Loads of a rotor, and relative to its static ones at two rotational speeds (2,) [rad/s];
+    ``InputError`` unless these are positive."""
 
     def __init__(
         self,

@@ -267,10 +267,8 @@ GOALS = 2 * len(LOADS)  # each load in resolved cells, then each in the others
 def largest_errors(
     table: LoadTable, model: CachedModel, sampled: TableErrors, seed: int
 ) -> TableErrors:
-    """Search for the largest errors by load from points ``sampled``; return all points met.
-
-    Errors inside unresolved cells are climbed separately.  The ``seed`` is of the random steps.
-    """
+    """Search by random steps of this ``seed`` for the largest errors by load from points
+    ``sampled``, inside unresolved cells separately, and return all points met."""
     rng = np.random.default_rng(seed)
     content = table.content
     points = sampled.omega.size
@@ -356,11 +354,8 @@ SEED = 20_170
 def parameter_uncertainty(
     table: LoadTable, model: CachedModel, covariance: SectionCovariance
 ) -> dict[str, Any]:
-    """Measure what the covariance means for the loads over the envelope; plain data.
-
-    Standard deviations, to first order, are shares of the static loads as in the certificate.
-    Beside these the table's own errors matter or they do not.
-    """
+    """Measure what the covariance means for the loads over the envelope as plain data: standard
+    deviations, to first order, as shares of the static loads."""
     model.stage = "uncertainty of the parameters"
     known = covariance.determined
     omega, speed, beta = quasi_random(table, UNCERTAINTY_POINTS, SEED)

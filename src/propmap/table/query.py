@@ -446,11 +446,9 @@ HARDLY_MOVING = 1e-7
 def chain_rule(
     found: Any, omega: Any, advance: Any, tip_speed: Any, root: Any, where: Callable[..., Any]
 ) -> tuple[Any, Any, Any, Any]:
-    """Return loads, and their derivatives by omega, speed, and beta over the speed, (..., L).
-
-    ``found`` is as from ``Lookup.slopes``, of points with omega [rad/s], J [-] and Omega R [m/s];
-    ``root`` is Omega^(-1/2) less that at the least omega; ``where`` is NumPy's or JAX's.
-    """
+    """Find loads and their derivatives by omega, speed, and beta over the speed, (..., L), of what
+    ``Lookup.slopes`` ``found`` at omega [rad/s], J [-] and Omega R [m/s]; ``root`` is Omega^(-1/2)
+    above the least, ``where`` NumPy's or JAX's."""
     both = found[..., :HALF] + root[..., None, None, None] * found[..., HALF:]
     value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
     by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]
@@ -508,11 +506,8 @@ class Inverse(NamedTuple):
 
 
 def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: Floats) -> Inverse:
-    """Find every omega of the envelope at which a load has a value; arguments of one shape.
-
-    A point outside the envelope, or where the table has no values, has none.  Where the blades
-    windmill at low omega, the same thrust often occurs twice: "several".
-    """
+    """Find every omega of the envelope at which a load has a value, arguments of one shape; none
+    outside, and "several" where blades windmill at low omega."""
     if quantity not in QUANTITIES:
         raise InputError(f"quantity is {quantity!r}: it must be one of {', '.join(QUANTITIES)}")
     shape = value.shape
