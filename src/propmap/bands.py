@@ -25,8 +25,7 @@ SOURCES = ("parameters", "geometry", "discrepancy", "tunnel", "installation")
 
 MEASURED_TO = 0.35  # advance ratio [-] up to which bands were compared with measurements
 
-TUNNEL_GAIN = 0.04
-"""Standard deviation of thrust and torque as shares, of another specimen or in another run [-]."""
+TUNNEL_GAIN = 0.04  # of thrust and torque as shares, of another specimen or in another run [-]
 
 OBLIQUE = {"thrust": 0.8, "torque": 1.0}
 """Standard deviations of what the theory errs by in oblique flow, as shares of the load per advance

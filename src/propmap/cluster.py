@@ -140,10 +140,7 @@ def _remote(address: str) -> Iterator[DaskWorkers]:
 # -------------------------------------------------------------------------------------------------
 # The workers of a Dask cluster: tasks sent as they are needed, results taken as they come.
 
-AHEAD = 3
-"""Tasks under way per thread of the workers: one that runs and two that wait for it, so that no
-worker waits for the client.  The client holds no more than these."""
-
+AHEAD = 3  # tasks under way per thread of the workers, so that none waits for the client
 RECOUNT = 2.0  # after so long the workers are counted again [s]: some may have joined or left
 ALONE = 60.0  # time that a run waits for a worker where none is left [s]
 KEPT = 4  # things shared by tasks, such as rotors, that a worker keeps at a time
@@ -284,8 +281,7 @@ def dask_setup(worker: object) -> None:
 # -------------------------------------------------------------------------------------------------
 # Whether client, scheduler and workers have the same versions.
 
-SAME = ("propmap", "numpy", "python", "distributed")
-"""What must be of one version everywhere: loads, or what is sent, depend on it."""
+SAME = ("propmap", "numpy", "python", "distributed")  # of one version everywhere
 
 
 def check_versions(client: Client) -> None:

@@ -50,8 +50,7 @@ class LoadValues:
     power: Floats
 
 
-Deviations = Callable[[], Mapping[str, LoadValues]]
-"""Standard deviations of loads by their source; empty where nothing is known of them."""
+Deviations = Callable[[], Mapping[str, LoadValues]]  # by source; empty where nothing is known
 
 
 @dataclass(frozen=True)

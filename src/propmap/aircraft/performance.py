@@ -16,8 +16,7 @@ from propmap.typing import Floats
 from propmap.units import RPM
 
 TOP = 3  # number of the top speed among the states with a name
-SPEEDS, BETWEEN = 41, 13
-"""Speeds at which power is computed, from rest to the top speed, and about the least of these."""
+SPEEDS, BETWEEN = 41, 13  # from rest to the top speed, and about those of least power
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,8 +238,7 @@ CLOSE, NARROW = 2e-3, 0.1
 """The interval with the top speed is narrowed until it is so small a share of it, each time to so
 much about where the share of the limit is likely to reach 1."""
 
-WITHIN = 0.999
-"""Share of the last interval, so that rounding does not put the top speed beyond the limit."""
+WITHIN = 0.999  # share of the last interval, so that rounding does not lead beyond
 
 
 def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:

@@ -26,8 +26,7 @@ from propmap.tasks import InThreads, Workers, cores, in_order
 from propmap.units import INCH
 from propmap.vehicle.vehicle import Vehicle
 
-COAXIAL = 1e-3
-"""Distance of two axes over the radius below which rotors are one above the other [-]."""
+COAXIAL = 1e-3  # distance of axes over the radius below which rotors are above each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -443,9 +442,7 @@ MEASURES = {
 }  # what candidates may be ranked by for each task, the first by default
 
 UNITS = {"energy": "W", "time": "s", "range": "m", "speed": "m/s"}
-ENERGIES = {"cruise": "J/m", "mission": "J"}
-"""Units of scores, and of the energy of tasks that are not held."""
-
+ENERGIES = {"cruise": "J/m", "mission": "J"}  # units of the energy of tasks that are not held
 SPEED = 10.0  # [m/s] at which propellers are compared besides hover, unless one is given
 
 

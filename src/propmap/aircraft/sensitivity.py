@@ -30,11 +30,8 @@ VEHICLE = (*FLIGHT, "mass", *AREAS)
 """What steady states can be differentiated by, besides the constants of the section law and
 ``GEOMETRY``: [m/s], [kg], [m^2]."""
 
-DIAMETER, GROWTH = "diameter_scale", 0.01
-"""A common factor on radius and chord, and the step of its differences."""
-
-SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}
-"""Scales of the steps of differences, by parameter; else the constant itself."""
+DIAMETER, GROWTH = "diameter_scale", 0.01  # a common factor on radius and chord, and its step
+SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}  # of steps; else the constant itself
 
 
 class StateChange(NamedTuple):
@@ -267,8 +264,7 @@ smaller step would make the most of a quotient."""
 
 SMOOTH_STEP = 1e-5  # instead of ``STEP`` where the loads are linear: what is left is smooth
 
-ChangesAt = Callable[[FlowPoints], Floats]
-"""D changes of the L loads at N operating points, (D, L, N)."""
+ChangesAt = Callable[[FlowPoints], Floats]  # D changes of the L loads at N points, (D, L, N)
 
 
 class Responses:

@@ -98,10 +98,7 @@ LARGEST_INCHES = 40.0  # diameter above which a bare number is taken for millime
 LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # [m] of any propeller that is meant to be known here
 STEEPEST = 2.5  # largest ratio of pitch to diameter
 MOST_BLADES = 8
-SAME = 0.006
-"""Relative difference up to which two lengths are the same: makers round to a twentieth of an
-inch."""
-
+SAME = 0.006  # relative difference of lengths that are the same, as makers round to 1/20 in
 NO_MAKER = ("mm", "in", "inch", "uiuc")  # units, and where names in the catalogue are from
 
 WITHOUT_BLADE = {

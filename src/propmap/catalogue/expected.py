@@ -632,9 +632,7 @@ likelihood on a grid, over all three populations."""
 
 OWN_SHARE = 0.25  # share of the variance within families in which siblings of one size differ
 
-GEOMETRIES = ("measured", "family", "population")
-"""Which blade the constants of a population belong to, as in ``Identified.geometry``."""
-
+GEOMETRIES = ("measured", "family", "population")  # whose blade, as ``Identified.geometry``
 Size = tuple[float, float]  # labelled diameter and pitch [m]
 
 

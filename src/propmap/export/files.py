@@ -28,8 +28,7 @@ from propmap.vehicle.vehicle import Vehicle
 # -------------------------------------------------------------------------------------------------
 # Several files at once, all of them or none.
 
-Files = Mapping[str, str | Callable[[Path], None]]
-"""What to write: by name, a text or a function that writes to the path that it is given."""
+Files = Mapping[str, str | Callable[[Path], None]]  # by name, a text or what writes to the path
 
 
 def check_folder(folder: Path) -> None:

@@ -29,9 +29,7 @@ if TYPE_CHECKING:
 # The specific force along a body axis in level flight along it: what drag models are fitted to.
 
 AXES = {"x": "forward", "y": "sideways"}  # body axes, and how the vehicle flies along them
-AT_REST = 0.1
-"""Specific force along x or y at rest [m/s^2] up to which the thrust counts as along z; so much
-is read as some 0.5 m/s of wind."""
+AT_REST = 0.1  # specific force along x or y at rest [m/s^2] of thrust along z; 0.5 m/s of wind
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,9 +275,7 @@ class DragComparison:
 # Loads of a rotor with their independent errors, for what is computed from several of them.
 
 USED = ("thrust", "drag", "torque")  # loads that are looked at, in this order
-FASTER = 0.02
-"""Share by which a rotor speed is changed up and down in a difference quotient: large beside what
-loads jump by where their nodes change with the speed."""
+FASTER = 0.02  # share of rotor speed in difference quotients, large beside jumps of the loads
 
 
 class UncertainLoads(NamedTuple):

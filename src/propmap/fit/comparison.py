@@ -324,9 +324,7 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
 # -------------------------------------------------------------------------------------------------
 # What one more free parameter changes in a fit: assumptions that fail, terms of the body.
 
-REMARKABLE = 0.7
-"""Share of the residuals' size below which giving up an assumption is worth a remark."""
-
+REMARKABLE = 0.7  # share of the residuals' size below which an assumption is worth a remark
 POOR = 0.03  # relative residual from which a fit is looked into
 
 ASSUMPTIONS = {

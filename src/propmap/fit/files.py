@@ -41,8 +41,7 @@ from propmap.typing import Floats
 # -------------------------------------------------------------------------------------------------
 # Fit files: TOML that describes a fit, suffices to repeat it, and is a parameter set itself.
 
-BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT
-"""What the table ``[fit.body]`` has; the rest is the section law, its corrections and the wing."""
+BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT  # the table ``[fit.body]``
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,8 +257,7 @@ def _load(
 # -------------------------------------------------------------------------------------------------
 # The table ``[fit]`` of a fit file: one description for writing and for reading.
 
-BY_NAME = ("parameters", "residuals")
-"""In the file these are tables by name, in a record lists whose entries hold their name."""
+BY_NAME = ("parameters", "residuals")  # tables by name in the file, lists in a record
 
 
 class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):

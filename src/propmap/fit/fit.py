@@ -246,9 +246,7 @@ AT_REST = 0.1  # speed [m/s] below which the direction of the flow means nothing
 BAND = 15.0  # width of the bands of the angle beta [deg], the first one about 0
 FEW = 0.02  # share of the points in motion below which an angle is hardly covered
 
-HOVER_BELOW, NARROW = 1.0, 2.0
-"""Speeds [m/s]: below the first everything hovers; a range below the second is one speed."""
-
+HOVER_BELOW, NARROW = 1.0, 2.0  # speed [m/s] below which all hovers; range of one speed
 Range = tuple[float, float]  # least and largest
 
 

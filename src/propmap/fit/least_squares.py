@@ -21,28 +21,14 @@ from propmap.typing import Floats
 # -------------------------------------------------------------------------------------------------
 # Bounded nonlinear least squares from several starts; eq. (18).
 
-NOISE_FLOOR = 1e-3
-"""Smallest standard deviation assumed for a residual, relative to its scale: the accuracy of the
-computed loads."""
-
-SAME_MINIMUM = 1e-3
-"""Distance, in units of the parameters' spreads, within which two ends are one minimum."""
-
+NOISE_FLOOR = 1e-3  # least deviation of a residual over its scale, that of the computed loads
+SAME_MINIMUM = 1e-3  # distance of two ends of one minimum, in spreads
 DIFFERENCE = 1e-5  # step of difference quotients, in spreads
 
-ON_BOUND = 1e-9
-"""Distance from a bound, in spreads, that is no distance: the search stays inside the bounds."""
-
-EVALUATIONS, FINAL_EVALUATIONS = 20, 30
-"""Evaluations of the model at most: from each start, and to polish the best end."""
-
-FINE = 1e-6, 1e-8
-"""Steps and gains, relative, with which the polishing ends.  Smaller steps are within the errors of
-the derivatives, and are all refused."""
-
-REFIT_EVALUATIONS = 6
-"""Evaluations at most where a known minimum is only followed, as in cross-validation."""
-
+ON_BOUND = 1e-9  # distance from a bound, in spreads, that is none: searches stay inside
+EVALUATIONS, FINAL_EVALUATIONS = 20, 30  # at most, from each start and to polish
+FINE = 1e-6, 1e-8  # last relative steps and gains, above the derivatives' errors
+REFIT_EVALUATIONS = 6  # at most where a known minimum is followed, as in cross-validation
 FAR = 1.5  # standard deviations of a prior within which searches start
 MOST_UNSOLVED = 0.05  # share of the rows that may have no solution in the model
 ONE_OF_FEW = 0.2  # share of few rows that may have none where they are of one operating point
@@ -243,9 +229,7 @@ INDEPENDENT = 10.0
 """Independent numbers that the rows of one load are worth at most, beside what is known of
 propellers in general: what a model or a stand gets wrong, neighbouring rows have in common."""
 
-INDEPENDENT_AT_REST = 4.0
-"""Independent numbers in rows that are all at rest, which differ in rotational speed alone."""
-
+INDEPENDENT_AT_REST = 4.0  # at rest, where rows differ in rotational speed alone
 REMEMBERED = 16  # evaluations that are kept: more than one refit takes
 
 

@@ -100,15 +100,13 @@ FLIGHT = {
     ROTOR_SPEED: Parameter("-", 1.0, 0.9, 1.1, 0.01, "rotor speeds over those logged"),
 }  # battery and mass of a flight, and what a motor controller takes for its motor's speed
 
-PER_FLIGHT = ("thrust_scale", "clock_offset")
-"""What may differ from flight to flight: then named as ``thrust_scale[FLIGHT]``."""
+PER_FLIGHT = ("thrust_scale", "clock_offset")  # named as ``thrust_scale[FLIGHT]``
 
 EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT
 FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | INSTALLED | WAKES}
 
 
-LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")
-"""Forces and moments are linear in these, the others given."""
+LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")  # forces are linear in these
 
 
 def constants_of(section: Section) -> Airfoil:
@@ -262,8 +260,7 @@ def known(name: str) -> str:
 # -------------------------------------------------------------------------------------------------
 # The prior, from propellers in general, of the section constants of one that is being fitted.
 
-SMALLEST = 1e-6
-"""Taken for a constant at its bound of 0, which is infinitely far in coordinates that are logs."""
+SMALLEST = 1e-6  # for a constant at its bound of 0, whose logarithm is infinitely far
 
 LEAST_ERROR = 0.03
 """Standard deviation of residuals at least, as a share of their scale, where such a prior is

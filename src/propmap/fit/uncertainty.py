@@ -17,11 +17,8 @@ from propmap.typing import Floats
 
 AT_BOUND = 1e-6  # distance from a bound, in spreads, within which the bound holds a parameter
 
-HELD_BY_PRIOR = 0.7
-"""Share of the deviation beforehand above which a prior says more of a parameter than the data."""
-
-LARGEST_STRETCH = 4.0
-"""Stretch of an interval, at most, where the model is not linear: it identifies nothing then."""
+HELD_BY_PRIOR = 0.7  # share of the prior deviation above which it says more than the data
+LARGEST_STRETCH = 4.0  # of an interval at most, which identifies nothing then
 
 NEGLIGIBLE = 1e-6
 """Singular value, relative to the largest, below which data say nothing of a direction: its
@@ -319,9 +316,7 @@ def bounded_intervals(
 # -------------------------------------------------------------------------------------------------
 # Errors of parameters from residuals that are correlated within stretches of the data.
 
-MOST_ALONE = 0.9
-"""Share of what is known of a direction that one stretch is taken to give, at most: what a single
-stretch alone determines has no error that the others could show."""
+MOST_ALONE = 0.9  # share of what is known of a direction that one stretch can give
 
 
 class BlockErrors(NamedTuple):

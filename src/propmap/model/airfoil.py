@@ -221,8 +221,7 @@ class Airfoil:
         return "\n".join(lines) + "\n"
 
 
-FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")
-"""Fields of ``Airfoil`` that a parameter file has."""
+FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")  # in files
 
 
 def parameter_set(name_or_path: str | Path) -> Airfoil:
@@ -527,8 +526,7 @@ class SectionTable:
 # -------------------------------------------------------------------------------------------------
 # How far loads computed with a set of constants may err, and by what.
 
-DISCREPANCIES = ("thrust_coefficient", "power_coefficient")
-"""Loads of an axial test, as coefficients, and fields of ``SectionUncertainty``."""
+DISCREPANCIES = ("thrust_coefficient", "power_coefficient")  # of an axial test
 
 
 @dataclass(frozen=True, eq=False)

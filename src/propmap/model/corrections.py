@@ -21,12 +21,8 @@ from propmap.units import SPEED_OF_SOUND
 if TYPE_CHECKING:
     from propmap.model.model import Model, Propeller
 
-HUB_SHARE = 0.08
-"""Radius of a hub whose size is not given, over that of the tip [-]: 16 mm across on an 8-inch
-propeller."""
-
-LARGEST_UNTWIST = 0.2
-"""Largest loss of the tip's twist [rad]; a blade that gives way further is no propeller's."""
+HUB_SHARE = 0.08  # hub's radius over R where it is not given: 16 mm across on 8 inches
+LARGEST_UNTWIST = 0.2  # of the tip [rad]; a propeller's blade gives way no further
 
 TYPICAL_FACTOR, TYPICAL_AREA = (1.9, 0.6), (0.1, 0.1)
 """Mean and standard deviation of how rotors on motors are installed: the factor on the blades' own

@@ -22,11 +22,8 @@ QUANTITIES = {
 
 MARGIN = 0.01  # by how much a ratio may leave its range and count as inside [-]
 
-RPM_MARGIN = 0.2
-"""The share for the rotor speed, which acts on loads over Omega^2 by the Reynolds number alone."""
-
-MAIN_PART = (1.0, 99.0)
-"""Percentiles that are the ends in whole flights, where single samples would widen the ranges."""
+RPM_MARGIN = 0.2  # share of the rotor speed, which acts by the Reynolds number alone
+MAIN_PART = (1.0, 99.0)  # percentiles that are the ends in flights, where samples stray
 
 
 @dataclass(frozen=True)

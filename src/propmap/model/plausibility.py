@@ -111,8 +111,7 @@ LOAD_UNIT_ERRORS = (
     ("coefficients over rho A (Omega R)^2", (4.0 / math.pi**3, 4.0 / math.pi**4)),
 )  # errors of thrust and torque together, over estimates that go with rpm^2, and R^4 and R^5
 
-CLOSE_FACTOR = 2.3
-"""Factor below which two unit errors cannot be distinguished: loads of similar blades differ so."""
+CLOSE_FACTOR = 2.3  # of loads of similar blades: closer unit errors look alike
 
 
 def unit_errors(value: float, usual: Range, errors: Mapping[str, float]) -> list[str]:
@@ -187,9 +186,7 @@ LOAD_RATIO = Range(1.0 / 2.3, 2.3)
 and 0.55 to 2.0 for torque."""
 WRONG_LOAD_RATIO = Range(1.0 / 1.5, 1.5)  # the same where loads are known to be wrong
 
-FAST_TIP_MACH = 0.75
-"""Above it the drag of thick sections rises steeply, which no section law here has."""
-
+FAST_TIP_MACH = 0.75  # above it the drag of thick sections rises, which no law here has
 PITCH_STATION = 0.75  # share of the radius at which chord and twist stand for the blade
 PULLING, WINDMILLING = 1.6, 2.0
 """Axial speed over that of a screw with the blade's pitch, up to which a propeller pulls (measured
@@ -354,23 +351,14 @@ def _beta_in_radians(beta: Floats) -> list[str]:
 # Chord and twist at 0.75 of the radius give thrust and torque in axial flow within a factor of two,
 # so that a load out by more is in other units.
 
-SLOW = 0.6
-"""Axial speed over the blade's pitch speed, up to which an estimate of the loads is any good."""
-
-AXIAL, EDGEWISE = 0.9, 0.3
-"""|cos(beta)| above which flow counts as axial, and below which as edgewise."""
+SLOW = 0.6  # axial over pitch speed, up to which an estimate of the loads is any good
+AXIAL, EDGEWISE = 0.9, 0.3  # |cos(beta)| above which flow is axial, and below, edgewise
 
 LIFT_SLOPE, ZERO_LIFT, DRAG = 5.5, math.radians(-4.0), 0.03
 INDUCED = 1.25
-SMALL_BLADES = 0.68
-"""Measured loads over the estimate without this factor: the median of 134 propellers."""
-
-IMPOSSIBLE_COEFFICIENT = 0.75
-"""C_T and C_P thrice the largest that have been measured (0.25 of four blades)."""
-
-ENERGY_MARGIN = 1.15
-"""Ideal power over shaft power, above which no error of measurement explains it."""
-
+SMALL_BLADES = 0.68  # measured loads over the estimate otherwise, median of 134 propellers
+IMPOSSIBLE_COEFFICIENT = 0.75  # C_T and C_P thrice the largest measured
+ENERGY_MARGIN = 1.15  # ideal power over shaft power that no error of measurement explains
 WEAK = 0.25  # share of the slow thrust below which rows do not say how far a propeller pulls
 DRAG_SHARE = 0.02  # drag over thrust that no axial flow has
 AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5

@@ -18,9 +18,7 @@ from propmap.sweep.points import AXES, Part, Place
 from propmap.sweep.run import Evaluation, Values
 from propmap.typing import Floats
 
-POINTS_PER_TASK = 8192
-"""Operating points of a task, of all its designs: one to some seconds of one core."""
-
+POINTS_PER_TASK = 8192  # of all its designs: one to some seconds of one core
 SAMPLE = 4  # designs by which the time of a study is predicted
 
 GEOMETRY = {

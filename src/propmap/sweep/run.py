@@ -36,10 +36,7 @@ from propmap.typing import Floats
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
-POINTS_PER_TASK = 16_384
-"""One to some seconds of one core: long beside what it costs to hand out a task, short beside what
-a worker may lose when it dies."""
-
+POINTS_PER_TASK = 16_384  # some seconds of a core: long beside handing out, short beside a loss
 SAMPLE = 2048  # operating points by which the time of a sweep is predicted
 Values = dict[str, NDArray[Any]]  # arrays by quantity
 

@@ -49,9 +49,7 @@ MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; tolerances beg
 LARGEST_TOLERANCE = 0.1
 
 MOST_UNRESOLVED = 0.05  # share of the envelope above which a table is refused
-NARROW_ABOVE = 0.02
-"""Share of the envelope above which unresolved cells are halved: a thin feature of the loads that
-fell between the middles of wide cells takes little of the envelope once they are narrow."""
+NARROW_ABOVE = 0.02  # share of the envelope above which unresolved cells are halved
 
 NARROWINGS = 6
 
@@ -511,9 +509,7 @@ def with_marks_of(old: TableContent, new: TableContent) -> TableContent:
 # -------------------------------------------------------------------------------------------------
 # The model as the builder of a table sees it: coefficients at (J, beta), each asked for once.
 
-Progress = Callable[[str, int], None]
-"""Receives what is being done and the number of operating points evaluated so far."""
-
+Progress = Callable[[str, int], None]  # what is done, and points evaluated so far
 BATCH = 4096  # operating points between two reports of progress: some tenths of a second
 
 

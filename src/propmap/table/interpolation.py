@@ -122,8 +122,7 @@ STATUSES = ("ok", "vortex_ring", "unresolved", "clamped", "no_value", "outside")
 
 OK, VORTEX_RING, UNRESOLVED, CLAMPED, NO_VALUE, OUTSIDE = range(len(STATUSES))
 
-WIDTH = 2 * len(LOADS)
-"""Values per knot: each load over Omega^2, and their slopes with Omega^(-1/2)."""
+WIDTH = 2 * len(LOADS)  # values per knot: loads over Omega^2, and slopes with Omega^(-1/2)
 
 
 def cell_codes(content: TableContent) -> NDArray[np.uint8]:

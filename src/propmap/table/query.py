@@ -137,10 +137,7 @@ for _kind in (TableLoads, Gradient, Deviation, JaxLoads):
 # ``LoadTable``: loads from a table, with NumPy alone.
 
 CHUNK = 1024  # points that are interpolated together, so that what they gather stays in the cache
-SLACK = 1e-9
-"""Share of an axis by which a point may lie beyond its end for rounding: 10000 rpm is not the
-same number however it is converted."""
-
+SLACK = 1e-9  # share of an axis by which points may lie beyond its end for rounding
 HALF = len(LOADS)  # values per knot that are loads; as many slopes with Omega^(-1/2) follow
 _NOWHERE = TableLoads(*(HALF + 1) * [math.nan], interpolation.OUTSIDE)
 
@@ -439,8 +436,7 @@ class LoadTable:
 # -------------------------------------------------------------------------------------------------
 # Derivatives of a table's loads, by the chain rule through J, beta and Omega^(-1/2).
 
-HARDLY_MOVING = 1e-7
-"""Advance ratio below which d/dbeta over J, 0/0 at rest, is taken from its limit."""
+HARDLY_MOVING = 1e-7  # advance ratio below which d/dbeta over J is taken from its limit
 
 
 def chain_rule(
@@ -481,9 +477,7 @@ def _with_power(loads: Floats, omega: Floats, each: Floats) -> Floats:
 
 QUANTITIES = ("thrust", "torque", "power")
 
-END_SLACK = 1e-11
-"""How far, relatively, a request may lie beyond the load at an end of the envelope for rounding;
-the answer is that end."""
+END_SLACK = 1e-11  # share beyond the load at an end of the envelope that is mere rounding
 
 
 class Inverse(NamedTuple):
