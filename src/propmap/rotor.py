@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,10 +37,7 @@ from propmap.results import (
     spin_sign,
 )
 from propmap.tasks import cores
-from propmap.typing import Floats
-
-if TYPE_CHECKING:
-    from propmap.typing import CoreRotor
+from propmap.typing import CoreRotor, Floats
 
 ACCURACIES = ("standard", "fine")
 

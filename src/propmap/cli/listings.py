@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -18,10 +18,7 @@ from propmap.catalogue.lookup import meant_by, own_constants, predicted_constant
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.model.airfoil import CONSTANTS, airfoil_names, parameter_set
-
-if TYPE_CHECKING:
-    from propmap.model.model import Propeller
-
+from propmap.model.model import Propeller
 
 ENTRY = ("name", "title", "family", "blades", "diameter_m", "source")
 OUTLINE_WIDTH = 72  # characters from the axis to the tip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -18,7 +18,7 @@ from propmap.fit.parameters import EVERY, ROTOR
 from propmap.fit.tunnel import TunnelData
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
-from propmap.model.model import Model
+from propmap.model.model import Model, Section
 from propmap.report.html import (
     COLOURS,
     HOVER,
@@ -37,12 +37,8 @@ from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
 from propmap.vehicle.log import FlightLog
+from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wakes import hub_flow, rotor_forces
-
-if TYPE_CHECKING:
-    from propmap.model.model import Section
-    from propmap.vehicle.vehicle import Vehicle
-
 
 # -------------------------------------------------------------------------------------------------
 # Loads of the fitted propeller over speed, and what the parameters' uncertainty does to them.

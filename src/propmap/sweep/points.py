@@ -5,21 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.results import STATUSES
+from propmap.results import STATUSES, Loads
 from propmap.typing import Floats
 from propmap.units import RPM
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from propmap.results import Loads
-
 
 # -------------------------------------------------------------------------------------------------
 # Operating points of a sweep, and the parts that tasks evaluate.
