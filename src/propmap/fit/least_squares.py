@@ -285,8 +285,8 @@ class Rows:
         group: NDArray[np.intp] | None = None,
     ) -> Rows:
         """Make a row of each finite number in tables ``measured`` and ``scale`` (n, L) of loads
-        called ``names`` at n points; ``table`` gives, from indices of m points, a model of values
-        (m, L) and derivatives (m, L, P)."""
+        with these ``names`` and ``units`` at n points of ``speed`` and ``group`` (n,). From indices
+        of m points ``table`` gives a model: values (m, L) and derivatives (m, L, P)."""
         point, load = np.nonzero(np.isfinite(measured))
         # A search is polished where it ended, and refits of parts of the data begin there.
         whole: dict[Any, Evaluation] = {}
