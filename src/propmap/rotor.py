@@ -20,7 +20,7 @@ from propmap.operating_points import (
     Further,
     along_and_across,
     broadcast,
-    rates,
+    rates_of,
     resolved,
     split_velocity,
 )
@@ -282,7 +282,7 @@ class Rotor:
 
     def hover_inflow(self, omega: ArrayLike) -> Floats:
         """Static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s], from own static thrust."""
-        w = rates(omega)
+        w = rates_of("omega", omega)
         return self._core.hover_inflow(np.ascontiguousarray(w.ravel()), cores()).reshape(w.shape)
 
     def inflow(

@@ -64,7 +64,7 @@ class Commands(LazyGroup):
         "fit": "fit.fit_app",
         "simulate": "simulate.simulate_app",
         "plot": "plot.plot_app",
-        "vehicle": "vehicle.vehicle_app",
+        "vehicle": "simulate.vehicle_app",
         "props": "listings.props_app",
         "airfoils": "listings.airfoils_app",
     }

@@ -101,7 +101,7 @@ def export(
     find_export(to)
     if to in AUTOPILOTS:
         from propmap.export.autopilot import SPEEDS, export_autopilot
-        from propmap.export.inplane_drag import missing_drag
+        from propmap.export.steady_loads import missing_drag
 
         refuse(prop=prop)
         check_folder(output)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from rich.filesize import decimal
 from typer import Argument, Option, echo
 
 from propmap.cli import options as opt
@@ -20,8 +21,7 @@ from propmap.results import Loads, joined
 from propmap.study.files import StudyFile, Surface, read_study, response_surface
 from propmap.study.run import VARIABLES, Study
 from propmap.sweep.points import AXES, TEXTS, Grid, parts_count, quantities
-from propmap.sweep.run import Evaluation, Sweep
-from propmap.sweep.store import Filed, InMemory, Layout, Store, begun
+from propmap.sweep.run import Evaluation, Filed, InMemory, Layout, Store, Sweep, begun
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def opened(path: Path, layout: Layout) -> Store:
         free = shutil.disk_usage(path.parent).free
         if layout.bytes > free:
             raise InputError(
-                f"this takes up to {size_text(layout.bytes)}, and {size_text(free)} are free",
+                f"this takes up to {decimal(layout.bytes)}, and {decimal(free)} are free",
                 "choose another disk or fewer points",
                 where,
             )
@@ -97,27 +97,20 @@ def run_announced(
         points, parts = math.prod(layout.shape), parts_count(layout.shape, layout.chunk)
         needed = points * (1.0 - float(store.done(layout).mean())) * seconds / workers.count
         echo(
-            f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {size_text(layout.bytes)}; "
+            f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {decimal(layout.bytes)}; "
             f"about {time_text(needed)} ({1e6 * seconds:.0f} us per point and worker)",
             err=True,
         )
         if not yes and (layout.bytes > ASK_ABOVE_BYTES or needed > ASK_ABOVE_SECONDS):
             if not sys.stdin.isatty():
                 raise InputError(
-                    f"a run of {size_text(layout.bytes)} and {time_text(needed)} is not begun "
+                    f"a run of {decimal(layout.bytes)} and {time_text(needed)} is not begun "
                     "unasked",
                     "pass --yes, or ask for fewer points",
                 )
             typer.confirm("begin?", abort=True, err=True)
         with out.progress_bar("tasks") as update:
             evaluation.run(store, layout, workers, update)
-
-
-def size_text(size: float) -> str:
-    """Write a size in bytes as "1.3 GB"."""
-    units = ("B", "kB", "MB", "GB", "TB", "PB")
-    power = min(int(math.log10(max(size, 1.0))) // 3, len(units) - 1)
-    return f"{size / 1000.0**power:.3g} {units[power]}"
 
 
 def time_text(seconds: float) -> str:

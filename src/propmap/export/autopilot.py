@@ -15,7 +15,7 @@ from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
 from propmap.export import find_export
 from propmap.export.files import check_folder, vehicle_identifier, write_files
-from propmap.export.inplane_drag import (
+from propmap.export.steady_loads import (
     AXES,
     CLOSE,
     DragComparison,

@@ -18,7 +18,7 @@ from propmap.export.autopilot import (
     comment_lines,
     common_remarks,
 )
-from propmap.export.static_loads import (
+from propmap.export.steady_loads import (
     SignalCurve,
     StaticLoads,
     curve_factor,

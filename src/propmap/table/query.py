@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError
 from propmap.loads import LOADS
+from propmap.operating_points import arrays_of, components
 from propmap.table import interpolation
 from propmap.table.files import read_table, write_table
 from propmap.typing import Floats
@@ -25,32 +26,6 @@ if TYPE_CHECKING:
 
 # -------------------------------------------------------------------------------------------------
 # The arguments of a table's queries: numbers or arrays that broadcast, in any quadrant.
-
-
-def broadcast(**named: ArrayLike) -> list[Floats]:
-    """Turn arguments into arrays of one shape; ``InputError`` where they are no numbers."""
-    arrays = []
-    for name, value in named.items():
-        try:
-            arrays.append(np.asarray(value, dtype=np.float64))
-        except (TypeError, ValueError):
-            raise InputError(
-                f"{name} is {quoted(value)}: give a number or an array of numbers"
-            ) from None
-    try:
-        return list(np.broadcast_arrays(*arrays))
-    except ValueError:
-        shapes = ", ".join(f"{n} {a.shape}" for n, a in zip(named, arrays, strict=True))
-        raise InputError(f"shapes do not fit together: {shapes}; they must broadcast") from None
-
-
-def split_velocity(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return omega and the velocity's x, y, z as arrays of one shape."""
-    (vector,) = broadcast(velocity=velocity)
-    if vector.ndim == 0 or vector.shape[-1] != 3:
-        raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
-    w, x, y, z = broadcast(omega=omega, vx=vector[..., 0], vy=vector[..., 1], vz=vector[..., 2])
-    return w, x, y, z
 
 
 def fold(beta: Floats) -> tuple[Floats, Floats]:
@@ -235,7 +210,7 @@ class LoadTable:
             and isinstance(beta, (float, int))
         ):
             return self._point(omega, speed, beta, clamp)
-        w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+        w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         if w.ndim == 0:
             return self._point(float(w), float(v), float(b), clamp)
         return self._points(w, v, b, clamp)
@@ -258,7 +233,7 @@ class LoadTable:
             x, y, z = map(float, velocity)
             across = math.hypot(x, y)
             return self._point(omega, math.hypot(across, z), math.atan2(across, z), clamp)
-        w, x, y, z = split_velocity(omega, velocity)
+        w, x, y, z = arrays_of(omega=omega, **components(velocity))
         across = np.hypot(x, y)
         return self.loads(w, np.hypot(across, z), np.arctan2(across, z), clamp=clamp)
 
@@ -284,7 +259,7 @@ class LoadTable:
                 "the table says nothing of its model's errors",
                 "build it of constants identified or expected by name, or of a fit's file",
             )
-        w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+        w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         rate, speeds, folded, _ = self._bounded(w, v, fold(b)[0], clamp=False)
         lost = np.isnan(rate)
         advance = speeds / (np.where(lost, content.omega[0], rate) * content.radius)
@@ -301,7 +276,7 @@ class LoadTable:
 
         Arguments are those of ``loads``.
         """
-        w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+        w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         folded, sign = fold(b)
         w, v, folded, _ = self._bounded(w, v, folded, clamp=False)
         return self._by_chunks(self._polar_gradient, w, v, folded, sign)
@@ -312,7 +287,7 @@ class LoadTable:
         Arguments are those of ``loads_at_velocity``.  Without in-plane velocity, where loads by
         it point nowhere, the derivatives are those for one that begins to grow along x.
         """
-        w, x, y, z = split_velocity(omega, velocity)
+        w, x, y, z = arrays_of(omega=omega, **components(velocity))
         across = np.hypot(x, y)
         speed, beta = np.hypot(across, z), np.arctan2(across, z)
         w, speed, beta, _ = self._bounded(w, speed, beta, clamp=False)
@@ -331,7 +306,7 @@ class LoadTable:
             Its value, V [m/s] and beta [rad], broadcast.
         """
 
-        wanted, v, b = broadcast(value=value, speed=speed, beta=beta)
+        wanted, v, b = arrays_of(value=value, speed=speed, beta=beta)
         return solve(self, quantity, wanted, v, fold(b)[0])
 
     def _point(self, omega: float, speed: float, beta: float, clamp: bool) -> TableLoads:
