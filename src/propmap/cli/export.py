@@ -53,9 +53,7 @@ def export(
             f"For a vehicle file: {_forms('autopilot')}.",
         ),
     ],
-    output: Annotated[
-        Path, Option("--output", "-o", metavar="DIR", help="Write to this folder, made if need be.")
-    ],
+    output: Annotated[Path, out.output_option("Write to this folder, made if need be.", "DIR")],
     prop: Annotated[
         str | None,
         Option(metavar="PROP", help="For a section law: propeller's name or geometry file."),

@@ -89,9 +89,8 @@ Bootstrap = Annotated[
     int, Option("--bootstrap", min=0, help="Number of refits to rows drawn with replacement.")
 ]
 Seed = Annotated[int, Option("--seed", help="Seed of the random starts, folds and draws.")]
-Output = Annotated[
-    Path, Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file.")
-]
+WRITTEN = out.output_option("Write the fit to this file.", "FIT.toml")
+Output = Annotated[Path, WRITTEN]
 Picture = Annotated[
     Path | None, Option("--picture", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
 ]
@@ -433,10 +432,7 @@ def fit_static(
             "torque_Ncm, torque_mNm or the shaft's power_W where measured; or UIUC files.",
         ),
     ],
-    output: Annotated[
-        Path | None,
-        Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file."),
-    ] = None,
+    output: Annotated[Path | None, WRITTEN] = None,
     free: Free = None,
     fix: Fix = None,
     prior: Priors = None,

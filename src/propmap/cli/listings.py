@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from typer import Argument, Option, echo
+from typer import Argument, echo
 from typer.core import TyperGroup
 
 from propmap.catalogue import Entry
@@ -109,8 +109,7 @@ def show_prop(
     blades: opt.Blades = None,
     radius: opt.Radius = None,
     output: Annotated[
-        Path | None,
-        Option("--output", "-o", metavar="FILE", help="Draw the blade too: .png, .svg, .pdf."),
+        Path | None, out.output_option("Draw the blade too: .png, .svg, .pdf.")
     ] = None,
 ) -> None:
     """Show a propeller's blade and its section constants."""

@@ -386,15 +386,14 @@ def parse_axis(option: str, quantity: str, text: str, count: int | None = None) 
             values = np.array([float(part) for part in text.split(",")])
         elif len(parts) == 3 or (len(parts) == 2 and count is not None):
             number = int(parts[2]) if len(parts) == 3 else int(count or 0)
-            if not 2 <= number <= 1_000_000:
-                raise InputError(f"{option} {text}: N is {number}", "use 2 to 1000000 values")
-            values = np.linspace(float(parts[0]), float(parts[1]), number)
+            ends = float(parts[0]), float(parts[1])
+            values = np.linspace(*ends, number) if 2 <= number <= 1_000_000 else np.empty(0)
         else:
             raise ValueError
-    except InputError:
-        raise
     except (ValueError, OverflowError):
         raise InputError(f"{option} {text!r} cannot be read", remedy) from None
+    if not values.size:
+        raise InputError(f"{option} {text}: N is {number}", "use 2 to 1000000 values")
     for value in values.tolist():
         check_value(quantity, value)
     if any(b <= a for a, b in itertools.pairwise(values.tolist())):

@@ -23,6 +23,13 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 PICTURES = (".png", ".svg", ".pdf")
+
+
+def output_option(help_: str, metavar: str = "FILE") -> Any:
+    """Make the option ``--output``, ``-o`` of a command with this help."""
+    return Option("--output", "-o", metavar=metavar, help=help_)
+
+
 WIDTH_ELSEWHERE = 160  # columns of a table that does not go to a terminal, so that nothing is cut
 
 Format = Literal["table", "json", "csv"]
@@ -30,20 +37,10 @@ FormatOption = Annotated[
     Format | None,
     Option("--format", help="Form of the output; by default as the file's ending says."),
 ]
-TextOutput = Annotated[
-    Path | None, Option("--output", "-o", metavar="FILE", help="Write to this file, replacing it.")
-]
-PictureOutput = Annotated[
-    Path, Option("--output", "-o", metavar="FILE", help="Write this picture: .png, .svg or .pdf.")
-]
+TextOutput = Annotated[Path | None, output_option("Write to this file, replacing it.")]
+PictureOutput = Annotated[Path, output_option("Write this picture: .png, .svg or .pdf.")]
 FolderOutput = Annotated[
-    Path,
-    Option(
-        "--output",
-        "-o",
-        metavar="FOLDER",
-        help="Folder for the page: new, empty, or written by this command.",
-    ),
+    Path, output_option("Folder for the page: new, empty, or written by this command.", "FOLDER")
 ]
 Force = Annotated[bool, Option("--force", help="Replace what exists.")]
 
@@ -57,17 +54,14 @@ def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool
             f"the file's ending is {path.suffix!r}", f"use {' or '.join(endings)}", where
         )
     try:
-        if path.is_dir():
-            raise InputError("this is a folder", "name a file inside it", where)
-        if not path.parent.is_dir():
-            raise InputError(
-                f"there is no folder {str(path.parent)!r}", "make it or choose another", where
-            )
-        exists = path.exists()
-    except InputError:
-        raise
+        is_folder, in_folder, exists = path.is_dir(), path.parent.is_dir(), path.exists()
     except ValueError as error:
         raise InputError(f"not a path: {error}", "choose another name", where) from None
+    if is_folder:
+        raise InputError("this is a folder", "name a file inside it", where)
+    if not in_folder:
+        found = f"there is no folder {str(path.parent)!r}"
+        raise InputError(found, "make it or choose another", where)
     if not os.access(path.parent, os.W_OK):
         raise InputError("the folder cannot be written to", "choose another", where)
     if exists and keep_existing:

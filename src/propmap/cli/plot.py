@@ -90,13 +90,7 @@ def plot_disk(
     speed: Annotated[float, Option(help="Flight speed [m/s].")],
     beta: Annotated[float, Option(help="Angle of velocity to axis [deg].")],
     output: Annotated[
-        Path,
-        Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Write this picture (.png, .svg or .pdf) or field (.csv).",
-        ),
+        Path, out.output_option("Write this picture (.png, .svg or .pdf) or field (.csv).")
     ],
 ) -> None:
     """Draw the angle of attack over the disk.

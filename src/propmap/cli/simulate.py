@@ -46,9 +46,7 @@ def simulate_flight(
     speed: Annotated[
         str, Option("--speeds", metavar="A:B:N", help="Flight speeds [m/s], or a list 1,5,9.")
     ],
-    output: Annotated[
-        Path, Option("--output", "-o", metavar="FILE.csv", help="Write the log to this CSV file.")
-    ],
+    output: Annotated[Path, out.output_option("Write the log to this CSV file.", "FILE.csv")],
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
     radius: Annotated[float, Option(help="Radius of the circles [m].")] = 1.7,

@@ -142,12 +142,9 @@ def sweep(
     ],
     output: Annotated[
         Path,
-        Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Write NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr), which is "
-            "written as it is computed, so that a run that was stopped goes on.",
+        out.output_option(
+            "Write NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr), which is "
+            "written as it is computed, so that a run that was stopped goes on."
         ),
     ],
     force: out.Force = False,
@@ -245,12 +242,9 @@ def study(
     ],
     output: Annotated[
         Path,
-        Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Write NetCDF (.nc) or, for studies of any size, Zarr (.zarr), where a run that "
-            "was stopped goes on.",
+        out.output_option(
+            "Write NetCDF (.nc) or, for studies of any size, Zarr (.zarr), where a run that was "
+            "stopped goes on."
         ),
     ],
     picture: Annotated[
@@ -273,10 +267,8 @@ def study(
     if picture is not None and read.surface is None:
         raise InputError("--picture needs two quantities that vary", "vary another", str(file))
     choice = opt.RotorChoice(read.propeller, airfoil=read.airfoil or None, accuracy=accuracy)
-    try:
+    with out.blamed_on(file):
         made = read.study(choice.rotor())
-    except InputError as error:
-        raise InputError(error.found, error.remedy, str(file)) from None
     layout = made.layout(opt.command_line(context))
     points = math.prod(made.shape)
     if not streamed and points > MOST_IN_MEMORY:

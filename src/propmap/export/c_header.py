@@ -6,7 +6,7 @@ import itertools
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -231,41 +231,19 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
 # ``tests/export/test_vehicle_export.py`` holds them to a run with numbers that count.
 
 
-class Operations(NamedTuple):
-    """Counts of operations; comparisons and changes of sign are sums."""
-
-    sums: int = 0
-    products: int = 0
-    divisions: int = 0
-    roots: int = 0
-    functions: int = 0  # of the C library, but the square root
-
-    def __add__(self, other: object) -> Self:
-        if not isinstance(other, Operations):
-            return NotImplemented
-        return type(self)(*(a + b for a, b in zip(self, other, strict=True)))
-
-    def times(self, count: int) -> Operations:
-        """Multiply all by ``count``."""
-        return Operations(*(count * each for each in self))
-
-    @property
-    def total(self) -> int:
-        """Sum of all kinds."""
-        return sum(self)
-
-
-BODY = Operations(12, 15)  # air's velocity, drag and download
-LIFT, WING = Operations(4, 10, 0, 1, 3), Operations(9, 9, 2, 0, 5)
-INDUCED = Operations(2, 8)  # drag, where a wing has a span
-FLOW, FORCE = Operations(14, 18, 1, 1), Operations(28, 35)  # at a hub, and of a rotor there
-QUERY = Operations(321, 307, 2, 2, 1)  # of the table, with the angle and the speed asked for
-SOURCE = Operations(35, 30, 1, 2, 2)  # a rotor's wake without its inflow
-STEP = Operations(10, 4, 2, 1)  # of Newton's method for that inflow
-PAIR = Operations(40, 52, 0, 0, 2)  # a wake at another rotor
+# Comparisons and changes of sign are sums; functions are those of the C library, but the root.
+KINDS = ("sums", "products", "divisions", "roots", "functions")
+BODY = np.array([12, 15, 0, 0, 0])  # air's velocity, drag and download
+LIFT, WING = np.array([4, 10, 0, 1, 3]), np.array([9, 9, 2, 0, 5])
+INDUCED = np.array([2, 8, 0, 0, 0])  # drag, where a wing has a span
+FLOW, FORCE = np.array([14, 18, 1, 1, 0]), np.array([28, 35, 0, 0, 0])  # at a hub, of a rotor there
+QUERY = np.array([321, 307, 2, 2, 1])  # of the table, with the angle and the speed asked for
+SOURCE = np.array([35, 30, 1, 2, 2])  # a rotor's wake without its inflow
+STEP = np.array([10, 4, 2, 1, 0])  # of Newton's method for that inflow
+PAIR = np.array([40, 52, 0, 0, 2])  # a wake at another rotor
 
 USUAL_STEPS = 6  # of Newton's method, outside of descent; it ends after ``STEPS``
-CYCLES = Operations(3, 3, 16, 16, 150)
+CYCLES = np.array([3, 3, 16, 16, 150])
 """Assumed of a core with a floating-point unit for single precision, loads, stores and loops
 included: sums and products take 1 cycle, divisions and roots 14 on an Arm Cortex-M4F (Technical
 Reference Manual, Arm DDI 0439) and no more on a Cortex-M7."""
@@ -279,31 +257,31 @@ RATE = 1000.0  # calls per second
 class Cost:
     """What one call takes, in single precision."""
 
-    operations: Operations  # outside of descent
-    worst: Operations  # where Newton's method takes all its steps
+    operations: NDArray[np.int_]  # by ``KINDS``, outside of descent (5,)
+    worst: NDArray[np.int_]  # where Newton's method takes all its steps
     read: int  # bytes of tables, each as often as it is used
     stored: int  # bytes of all tables, the rotor's included
 
     @property
     def cycles(self) -> int:
         """Cycles of the processor, by ``CYCLES``."""
-        return sum(a * b for a, b in zip(self.operations, CYCLES, strict=True))
+        return int(self.operations @ CYCLES)
 
     @property
     def sentence(self) -> str:
         """Say all of this in words."""
-        done = self.operations
-        parts = ", ".join(f"{count} {kind}" for kind, count in done._asdict().items() if count)
-        worst = f" (at most {self.worst.total}, in fast descent)" if self.worst != done else ""
+        counts, most = self.operations.tolist(), int(self.worst.sum())
+        parts = ", ".join(f"{n} {kind}" for kind, n in zip(KINDS, counts, strict=True) if n)
+        worst = f" (at most {most}, in fast descent)" if most != sum(counts) else ""
         times = " and ".join(
             f"{self.cycles / clock * 1e3:.2f} ms on a {core}" for core, clock in CLOCKS.items()
         )
         share = max(self.cycles / clock * RATE for clock in CLOCKS.values())
         return (
-            f"A call takes {done.total} operations{worst}: {parts}. It reads {self.read} bytes of "
+            f"A call takes {sum(counts)} operations{worst}: {parts}. It reads {self.read} bytes of "
             f"tables, which are {self.stored / 1000.0:.0f} kB in all, in single precision. At an "
-            f"assumed {CYCLES.sums} cycles for a sum or a product, {CYCLES.divisions} for a "
-            f"division or a root and {CYCLES.functions} for another function, loads and stores "
+            f"assumed {CYCLES[0]} cycles for a sum or a product, {CYCLES[2]} for a "
+            f"division or a root and {CYCLES[4]} for another function, loads and stores "
             f"included, it is {self.cycles} cycles: {times}, so that {RATE:g} calls a second take "
             f"at most {share:.0%} of the time. Not measured on such a core."
         )
@@ -313,22 +291,22 @@ def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
     """Count what a call for a ``vehicle`` takes."""
     rotors = len(vehicle.mounts)
     pairs = rotors * (rotors - 1) if vehicle.wakes is not None else 0
-    done = BODY + (FLOW + QUERY + FORCE).times(rotors)
+    done = BODY + rotors * (FLOW + QUERY + FORCE)
     if vehicle.body.lift_area or vehicle.wing is not None:
-        done += LIFT
+        done = done + LIFT
     if vehicle.wing is not None:
-        done += WING
+        done = done + WING
         if vehicle.wing.span is not None:
-            done += INDUCED
+            done = done + INDUCED
     # Sixteen knots with both ends of each load, three polynomials of weights, knots and scales.
     query = 16 * 2 * len(LOADS) * 4 + (3 * 16 + len(LOADS) + 12) * 4
     read = (query + 7 * 4) * rotors
     stored = table_bytes(table.content, 4) + (7 * rotors + 6) * 4
     worst = done
     if pairs:
-        without = done + (SOURCE + QUERY).times(rotors) + PAIR.times(pairs)
-        done = without + STEP.times(USUAL_STEPS * rotors)
-        worst = without + STEP.times(wakes.STEPS * rotors)
+        without = done + rotors * (SOURCE + QUERY) + pairs * PAIR
+        done = without + USUAL_STEPS * rotors * STEP
+        worst = without + wakes.STEPS * rotors * STEP
         wake = wake_geometry(vehicle)
         polynomials = wake.skew.weights.size + wake.around.weights.size
         read += query * rotors + (pairs * (16 + 16 + 5) + rotors * (16 + 9)) * 4

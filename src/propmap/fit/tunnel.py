@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.catalogue.lookup import measurement, measurement_names
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.parameters import (
     BODY,
@@ -257,11 +257,9 @@ def tunnel_warnings(data: Sequence[str], propeller: Propeller, air: Air) -> list
     for item in sources(data):
         part = _read(item, propeller, air)
         points = part.omega, part.speed, part.beta
-        try:
+        with located(part.source):
             warnings = point_warnings(propeller, *points)
             warnings += load_warnings(propeller, air, *points, part.loads)
-        except InputError as error:
-            raise InputError(error.found, error.remedy, part.source) from None
         found += [f"{part.source}: {warning}" for warning in warnings]
     return found
 

@@ -204,20 +204,18 @@ TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values", "fit-terms-worth"])
 
 def check_folder(folder: Path, names: Collection[str]) -> None:
     """Raise ``InputError`` unless the folder is new or holds no files but those of ``names``."""
-    where = str(folder)
+    where, parent = str(folder), folder.absolute().parent
     try:
-        parent = folder.absolute().parent
-        if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-            raise InputError("this is not a folder", "name a folder to write into", where)
-        if not parent.is_dir():
-            missing = f"there is no folder {str(parent)!r}"
-            raise InputError(missing, "make it or choose another", where)
-        held = folder.iterdir() if folder.exists() else ()
-        others = sorted(p.name for p in held if p.name not in names or p.is_dir())
-    except InputError:
-        raise
+        exists, in_folder = folder.exists(), parent.is_dir()
     except ValueError as error:
         raise InputError(f"not a path: {error}", "choose another name", where) from None
+    if folder.is_symlink() or (exists and not folder.is_dir()):
+        raise InputError("this is not a folder", "name a folder to write into", where)
+    if not in_folder:
+        missing = f"there is no folder {str(parent)!r}"
+        raise InputError(missing, "make it or choose another", where)
+    held = folder.iterdir() if exists else ()
+    others = sorted(p.name for p in held if p.name not in names or p.is_dir())
     if others:
         raise InputError(
             f"the folder holds {others[0]!r}, which this command does not write",
