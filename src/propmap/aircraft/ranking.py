@@ -427,9 +427,6 @@ def file_candidate(path: str | os.PathLike[str], section: Section | None = None)
     return Candidate(os.fspath(path), blade, law, known and known.covariance, verdict)
 
 
-# -------------------------------------------------------------------------------------------------
-# What an aircraft is for, and what propellers are ranked by.
-
 MEASURES = {
     "hover": {"energy": "power in hover", "time": "time in hover on one battery"},
     "cruise": {

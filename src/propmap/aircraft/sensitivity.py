@@ -21,9 +21,6 @@ from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.vehicle.vehicle_forces import Rotors, Sources, load_rows
 
-# -------------------------------------------------------------------------------------------------
-# How sure steady states are, and their derivatives by what a designer may choose.
-
 FLIGHT = ("speed", "climb")
 AREAS = ("drag_area_x", "drag_area_y", "drag_area_z")
 VEHICLE = (*FLIGHT, "mass", *AREAS)
@@ -253,9 +250,6 @@ def _errors_of(source: Any) -> ChangesAt:
 
     return at
 
-
-# -------------------------------------------------------------------------------------------------
-# How steady states change, to first order, with what they rest on.
 
 STEP = 1e-2
 """Steps of difference quotients to either side: angles [rad], shares of squared rotor speeds and of

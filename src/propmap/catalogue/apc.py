@@ -12,9 +12,6 @@ import numpy as np
 from propmap.model.model import Propeller
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# One table of APC's blades, a line each; a process wants one of them.
-
 APC_CITATION = "Landing Products Inc. (APC Propellers), performance data files, 2022"
 FOLDER = Path(__file__).parent / "apc_files"
 BLADES, DIFFERENCES = FOLDER / "blades.csv", FOLDER / "differences.csv"

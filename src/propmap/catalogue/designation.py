@@ -11,9 +11,6 @@ from propmap import catalogue
 from propmap.errors import InputError, quoted
 from propmap.units import INCH
 
-# -------------------------------------------------------------------------------------------------
-# How makers of propellers for multirotors designate them: one table of their rules.
-
 
 class Rule(NamedTuple):
     """What a form of designation means with one maker."""

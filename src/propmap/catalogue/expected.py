@@ -27,9 +27,6 @@ from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, Section
 from propmap.model.model import Propeller
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# The blade to expect of a propeller that is known by diameter, pitch and blades alone.
-
 ERRORS = {
     "family_blade": ((0.08, 0.08), (0.22, 0.21)),
     "siblings_label": ((0.085, 0.10), (0.18, 0.22)),

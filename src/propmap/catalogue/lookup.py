@@ -47,9 +47,6 @@ from propmap.model.model import Air, Model, Propeller
 from propmap.typing import Floats
 from propmap.units import INCH
 
-# -------------------------------------------------------------------------------------------------
-# Propellers and section laws by their name in the catalogue, or from a file.
-
 _SIZE_AT_END = re.compile(r"\s+\d\S*( mm)?( \(.*\))?$")
 _NAME = re.compile(r"[A-Za-z][^\s-]*(-[^\s-]+)+")
 

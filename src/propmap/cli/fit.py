@@ -316,10 +316,6 @@ def _finish_tunnel(
     finish(fitted, rotor.model, remarks, text, output)
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap fit tunnel``: section parameters from loads measured in a tunnel or on a bench.
-
-
 @opt.takes_rotor
 def fit_tunnel(
     choice: opt.RotorChoice,

@@ -138,10 +138,6 @@ def _measured(path: Path, rpm: float) -> MeasuredLoads:
     return MeasuredLoads(path.stem, points.speed_mps[mine], beta, loads)
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap explore``: the propeller in a browser.
-
-
 def explore(
     subject: Annotated[
         str | None,

@@ -161,9 +161,6 @@ def _expected(expected: Expectation, flights: int) -> Table:
     return out.grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap vehicle``: vehicle files.
-
 vehicle_app = typer.Typer(
     name="vehicle", help="Write a vehicle file: vehicle from-log LOG.", rich_markup_mode=None
 )

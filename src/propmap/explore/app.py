@@ -32,9 +32,6 @@ from propmap.explore.page import INDEX, failed, legend, page, remarks, table, vi
 from propmap.explore.session import KNOWN, MOST_BYTES, Session, Shelf, read_upload
 from propmap.explore.view import View, values_of
 
-# -------------------------------------------------------------------------------------------------
-# The Dash application: what a browser asks, and what it is answered.
-
 send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
 
 LIVE = "/_live"  # where figures are asked for while something moves
@@ -506,10 +503,6 @@ class Newest:
 
 def _tab(asked: Mapping[str, Any]) -> str:
     return str(asked.get("tab"))[:40]
-
-
-# -------------------------------------------------------------------------------------------------
-# What the browser does by itself, by functions of assets/explore.js.
 
 
 def register_in_the_browser(app: Dash) -> None:

@@ -29,9 +29,6 @@ from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
 
-# -------------------------------------------------------------------------------------------------
-# Parameters of an autopilot with what they mean, how sure they are, and where they hold.
-
 
 @dataclass(frozen=True)
 class Explained:

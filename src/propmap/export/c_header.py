@@ -1,4 +1,9 @@
-"""Target ``c``: a table, or with it a whole vehicle, as a C99 header."""
+"""Target ``c``: a table, or with it a whole vehicle, as a C99 header.
+
+The header keeps the coefficients as the file does, in single precision at both ends of omega, and
+extrapolates to no ghost values: their share is in the weights of the outermost intervals.  So a
+point costs the memory of its sixteen knots alone.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +26,6 @@ from propmap.typing import Floats
 from propmap.vehicle import wakes
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import Rotors
-
-# -------------------------------------------------------------------------------------------------
-# Target ``c``: a C99 header with the table, its query, gradient and inverse.
-#
-# The header keeps the coefficients as the file does, in single precision at both ends of omega, and
-# extrapolates to no ghost values: their share is in the weights of the outermost intervals.  So a
-# point costs the memory of its sixteen knots alone.
 
 MOST_BUCKETS = 1024
 

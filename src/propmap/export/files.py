@@ -25,9 +25,6 @@ from propmap.typing import Floats
 from propmap.units import DEGREE, RPM
 from propmap.vehicle.vehicle import Vehicle
 
-# -------------------------------------------------------------------------------------------------
-# Several files at once, all of them or none.
-
 Files = Mapping[str, str | Callable[[Path], None]]  # by name, a text or what writes to the path
 
 

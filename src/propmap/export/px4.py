@@ -1,4 +1,8 @@
-"""Parameters of PX4: of its control allocation, its estimator and its simulator."""
+"""Parameters of PX4: of its control allocation, its estimator and its simulator.
+
+Each definition was read in PX4's source, whose files the parameters name; the file format is that
+of QGroundControl.
+"""
 
 from __future__ import annotations
 
@@ -28,12 +32,6 @@ from propmap.export.steady_loads import (
 from propmap.typing import Floats
 from propmap.units import GRAVITY
 from propmap.vehicle.vehicle import Vector, Vehicle
-
-# -------------------------------------------------------------------------------------------------
-# Target ``px4``: parameters of PX4's Kalman filter, control allocation and simulator.
-#
-# Each definition was read in PX4's source, whose files the parameters name; the file format is that
-# of QGroundControl.
 
 FILTER = DragFilter(
     momentum="EKF2_MCOEF",
@@ -215,9 +213,6 @@ def thrust_coefficient(vehicle: Vehicle, still: StaticLoads, curve: SignalCurve)
         holds=curve.full_signal(vehicle.powertrain.motor),
     )
 
-
-# -------------------------------------------------------------------------------------------------
-# Parameters of PX4's simulator in hardware (SIH): linear rotors and linear drag.
 
 SIH = "PX4-Autopilot src/modules/simulation/simulator_sih/sih.cpp, generate_force_and_torques"
 

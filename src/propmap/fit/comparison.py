@@ -70,9 +70,6 @@ from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import mounted_rotors
 from propmap.vehicle.wakes import hub_flow, in_wakes
 
-# -------------------------------------------------------------------------------------------------
-# A parameter set against measurements, beside the hover model of the same rotor.
-
 
 @dataclass(frozen=True)
 class SpeedErrors:
@@ -295,9 +292,6 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
     load, now = loads(fitted.x, fitted.uncertainty.covariance)
     return ForwardTrust(omega, np.array(ADVANCE), BETA, load, was, now)
 
-
-# -------------------------------------------------------------------------------------------------
-# Whether the constants that a fit found are unlikely beside those of other propellers.
 
 FAR = 2.5  # z-score among propellers from which a constant is worth a remark
 
@@ -639,10 +633,6 @@ def _rms(off: Floats) -> Floats:
     return found
 
 
-# -------------------------------------------------------------------------------------------------
-# What a fit's parameters are for flights, of which it may have seen some.
-
-
 def values_for(
     file: FitFile, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
 ) -> tuple[dict[str, float], list[str]]:
@@ -674,10 +664,6 @@ def values_for(
                 f"fit's flights at the same rotor speeds: {why}"
             )
     return values, remarks
-
-
-# -------------------------------------------------------------------------------------------------
-# Errors of a fit to several flights, flight by flight.
 
 
 def by_flight(fitted: Fitted, log: FlightLog) -> dict[str, dict[str, FlightErrors]]:

@@ -38,9 +38,6 @@ from propmap.model.model import Air, Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# Fit files: TOML that describes a fit, suffices to repeat it, and is a parameter set itself.
-
 BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT  # the table ``[fit.body]``
 
 
@@ -417,9 +414,6 @@ def _listed(tables: Any) -> Any:
         return tables
     return [{"name": k, **t} if isinstance(t, Mapping) else t for k, t in tables.items()]
 
-
-# -------------------------------------------------------------------------------------------------
-# What a fit could not explain, as errors of thrust and power coefficients.
 
 OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
 """Rows whose errors, over what the hover model says of them, are shares of a static load."""

@@ -28,9 +28,6 @@ from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats
 from propmap.units import RPM
 
-# -------------------------------------------------------------------------------------------------
-# A whole identification: search, uncertainty, residuals, cross-validation, bootstrap.
-
 MEDIAN_TO_DEVIATION = 1.4826  # standard deviation over median size, of normal errors
 
 

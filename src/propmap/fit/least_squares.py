@@ -18,9 +18,6 @@ from propmap.errors import InputError
 from propmap.fit.parameters import Choice
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# Bounded nonlinear least squares from several starts; eq. (18).
-
 NOISE_FLOOR = 1e-3  # least deviation of a residual over its scale, that of the computed loads
 SAME_MINIMUM = 1e-3  # distance of two ends of one minimum, in spreads
 DIFFERENCE = 1e-5  # step of difference quotients, in spreads
@@ -218,9 +215,6 @@ def minima(ends: list[End], spread: Floats) -> tuple[End, ...]:
         found.append(msgspec.structs.replace(end, minimum=best.minimum))
     return tuple(found)
 
-
-# -------------------------------------------------------------------------------------------------
-# What every fit sees: numbers measured, and a model of them with its derivatives.
 
 Evaluation = tuple[Floats, Floats]
 RowModel = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
@@ -432,10 +426,6 @@ def by_band(
             part = None if hover is None else hover[mine]
             found[name] = errors(model[mine], measured[mine], part)
     return found
-
-
-# -------------------------------------------------------------------------------------------------
-# Rows in other processes: they are made there again, since their models cannot be sent.
 
 
 @dataclass(eq=False)

@@ -16,9 +16,6 @@ from propmap.model.airfoil import CONSTANTS, PAPER_FOUR, Airfoil
 from propmap.model.model import Section
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# What a fit may vary: names, bounds, first guesses, and what the user chose.
-
 
 @dataclass(frozen=True)
 class Parameter:
@@ -256,9 +253,6 @@ def known(name: str) -> str:
         raise InputError(f"{quoted(name)} is not a parameter", f"choose from {', '.join(close)}")
     return name
 
-
-# -------------------------------------------------------------------------------------------------
-# The prior, from propellers in general, of the section constants of one that is being fitted.
 
 SMALLEST = 1e-6  # for a constant at its bound of 0, whose logarithm is infinitely far
 

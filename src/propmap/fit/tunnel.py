@@ -39,9 +39,6 @@ from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import RPM
 
-# -------------------------------------------------------------------------------------------------
-# Loads measured on a bench or in a tunnel, as rows to fit.
-
 
 @dataclass(frozen=True, eq=False)
 class TunnelData:

@@ -12,9 +12,6 @@ from propmap.fit.least_squares import NOISE_FLOOR, Evaluator, Minimum, Rows, wei
 from propmap.fit.parameters import LEAST_ERROR, LINEAR, Choice, described, general
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# How well a fit determines its parameters, from the residuals and their derivatives.
-
 AT_BOUND = 1e-6  # distance from a bound, in spreads, within which the bound holds a parameter
 
 HELD_BY_PRIOR = 0.7  # share of the prior deviation above which it says more than the data

@@ -18,9 +18,6 @@ from propmap.model.corrections import agreed, as_texts
 from propmap.model.envelope import Envelope
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# The section law's constants: named sets, files, and checks.
-
 SCHEMA = 1
 SETS = Path(__file__).parents[1] / "catalogue" / "airfoils"
 LIFT_LAWS = ("blended", "plate", "simplified")
@@ -281,9 +278,6 @@ def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
         known = known or filed_uncertainty(table.get("uncertainty"))
         return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
 
-
-# -------------------------------------------------------------------------------------------------
-# A section law given as a table of C_L and C_D.
 
 LARGEST = 10.0  # coefficients beyond are taken for an error of the file [-]
 CLOSEST = 0.999 * math.radians(0.01)  # least distance of two angles [rad]
@@ -629,10 +623,6 @@ def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty
     return SectionUncertainty(kept_of, **shares, another_tunnel=False, envelope=covered)
 
 
-# -------------------------------------------------------------------------------------------------
-# How uncertain the parameters of a section law are, as a fit has found.
-
-
 @dataclass(frozen=True, eq=False)
 class SectionCovariance:
     """The covariance of P parameters of ``Airfoil``.
@@ -685,10 +675,6 @@ class SectionCovariance:
         """Give plain data, with None for an infinite variance."""
         rows = [[v if np.isfinite(v) else None for v in row] for row in self.matrix.tolist()]
         return {"names": list(self.names), "matrix": rows}
-
-
-# -------------------------------------------------------------------------------------------------
-# A section by itself in the compiled core.
 
 
 def section_coefficients(

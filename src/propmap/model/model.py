@@ -26,9 +26,6 @@ from propmap.model.corrections import (
 from propmap.model.plausibility import check_blade, check_blades, check_root_cutout
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# The geometry of a propeller: chord and twist along the blade.
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Propeller:
@@ -139,9 +136,6 @@ def _frozen_array(values: Any, field: str) -> Floats:
     array.flags.writeable = False
     return array
 
-
-# -------------------------------------------------------------------------------------------------
-# The air: density and viscosity.
 
 PAPER_DENSITY = 1.225
 PAPER_VISCOSITY = 1.983e-5

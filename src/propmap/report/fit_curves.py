@@ -40,9 +40,6 @@ from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wakes import hub_flow, rotor_forces
 
-# -------------------------------------------------------------------------------------------------
-# Loads of the fitted propeller over speed, and what the parameters' uncertainty does to them.
-
 SPEEDS, MOST_ANGLES = 26, 4
 BEYOND = 1.25  # how far the curves go, in units of the data's largest advance ratio
 UNTESTED = 0.25  # advance ratio to which they go where all data are from rest

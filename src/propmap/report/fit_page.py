@@ -405,10 +405,6 @@ def angles_without_data(fit: FitRecord) -> str:
     return " and ".join(spans)
 
 
-# -------------------------------------------------------------------------------------------------
-# ResidualErrors by load and band of speed, beside the hover model's.
-
-
 def band_errors(
     name: str, bands: Mapping[tuple[str, str], Mapping[str, ResidualErrors]]
 ) -> FigureRecord:

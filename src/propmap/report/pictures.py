@@ -46,9 +46,6 @@ if TYPE_CHECKING:
     from propmap.study.files import ResponseSurface
 
 
-# -------------------------------------------------------------------------------------------------
-# Loads against flight speed for several angles, as in the paper's figure 7.
-
 NEAR_ANGLE = np.radians(0.5)
 
 
@@ -120,9 +117,6 @@ def load_curves(
     legend_below(figure, keys)
     return figure
 
-
-# -------------------------------------------------------------------------------------------------
-# The angle of attack over the disk, with inflow and thrust along the blade.
 
 STALL: dict[str, Any] = {"color": COLOURS[1], "linewidth": 1.6, "linestyle": "solid"}
 REVERSE: dict[str, Any] = {"color": "white", "linewidth": 1.6, "linestyle": "dashed"}
@@ -229,9 +223,6 @@ def _directions(ax: Any, tip: float, *, oblique: bool) -> None:
         ax.text(0.53, 1.12, "flight", transform=ax.transAxes, va="center")
 
 
-# -------------------------------------------------------------------------------------------------
-# A blade: its outline, chord and twist.
-
 WIDTH = 7.2  # of the figure [inches]
 
 
@@ -268,9 +259,6 @@ def planform(propeller: Propeller) -> Figure:
     figure.suptitle(f"{propeller.name}: {number}, R = {tip:.4g} mm, loaded from {root:.4g} mm")
     return figure
 
-
-# -------------------------------------------------------------------------------------------------
-# Power, attitude, rotor speeds and thrust margin of an aircraft against its speed.
 
 WIDE = NormalDist().inv_cdf(0.975)  # standard deviations on either side of a 95 % band
 
@@ -359,9 +347,6 @@ def power_curves(
     return figure
 
 
-# -------------------------------------------------------------------------------------------------
-# Hover power against top speed of the propellers that an aircraft may have.
-
 NAMED = 3  # of the ranking's best that are named beside those of the front
 
 
@@ -413,10 +398,6 @@ def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int])
     return figure
 
 
-# -------------------------------------------------------------------------------------------------
-# A mission over time: speed, power, and the battery's charge and voltage.
-
-
 @style()
 def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
     """Draw speed, power, charge and voltage over time; shaded where the mission cannot go on."""
@@ -453,9 +434,6 @@ def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
     legend_below(figure, keys)
     return figure
 
-
-# -------------------------------------------------------------------------------------------------
-# A response surface, with the designs that it was fitted to.
 
 GRID = 80  # values along each axis
 

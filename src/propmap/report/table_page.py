@@ -286,10 +286,6 @@ def load_maps(table: LoadTable, omega: float) -> html.FigureRecord:
     return html.FigureRecord("table-maps", [columns], draw)
 
 
-# -------------------------------------------------------------------------------------------------
-# What the hover model would miss in a table's envelope.
-
-
 def hover_errors(
     lines: html.FigureRecord,
     points: tuple[Floats, Floats, Floats],

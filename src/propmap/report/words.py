@@ -12,9 +12,6 @@ from propmap.units import DEGREE, RPM
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
-# -------------------------------------------------------------------------------------------------
-# A table's certificate in words.
-
 TITLES = {name: load.share for name, load in LOADS.items()}  # what errors are shares of
 PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}  # coordinates in the envelope, with units
 
@@ -66,10 +63,6 @@ def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
     if found["not_counted"]:
         names = ", ".join(found["not_counted"])
         yield f"not counted, as the fit's data do not determine them: {names}"
-
-
-# -------------------------------------------------------------------------------------------------
-# By how much a motor in the slipstream raises the rotor drag of a model that has none.
 
 
 def installation_note(rotor: Rotor) -> str:

@@ -21,9 +21,6 @@ from propmap.sweep.points import TEXTS
 from propmap.typing import Floats
 from propmap.units import INCH
 
-# -------------------------------------------------------------------------------------------------
-# Files that say what a study varies.
-
 SCHEMA = 1
 
 KEYS = {

@@ -16,9 +16,6 @@ from propmap.results import STATUSES, Loads
 from propmap.typing import Floats
 from propmap.units import RPM
 
-# -------------------------------------------------------------------------------------------------
-# Operating points of a sweep, and the parts that tasks evaluate.
-
 Place = tuple[int, ...]  # a task's number along each dimension
 
 AXES = {

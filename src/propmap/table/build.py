@@ -260,9 +260,6 @@ def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
     }
 
 
-# -------------------------------------------------------------------------------------------------
-# Standard deviations of a table's loads, from the model at some of the knots.
-
 MOST_DEVIATIONS = 20  # along each axis: they vary more slowly than loads
 
 

@@ -13,9 +13,6 @@ from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# What a table holds: axes, coefficients, flags, and where they come from.
-
 PARITY = np.array([-1.0 if load.inplane else 1.0 for load in LOADS.values()])
 """Signs of the loads across beta = 0 and pi: even along and about the axis, odd across it."""
 

@@ -24,10 +24,6 @@ if TYPE_CHECKING:
     from propmap.model.model import Propeller
 
 
-# -------------------------------------------------------------------------------------------------
-# The arguments of a table's queries: numbers or arrays that broadcast, in any quadrant.
-
-
 def fold(beta: Floats) -> tuple[Floats, Floats]:
     """Bring beta to 0...pi by the loads' mirror symmetry; return the sign of its change too."""
     if ((beta >= 0.0) & (beta <= np.pi)).all():
@@ -107,9 +103,6 @@ for _kind in (TableLoads, Gradient, Deviation, JaxLoads):
     _parts = [cleandoc(_kind.__doc__ or ""), "", "Attributes", "----------", *_LINES]
     _kind.__doc__ = "\n".join(_parts)
 
-
-# -------------------------------------------------------------------------------------------------
-# ``LoadTable``: loads from a table, with NumPy alone.
 
 CHUNK = 1024  # points that are interpolated together, so that what they gather stays in the cache
 SLACK = 1e-9  # share of an axis by which points may lie beyond its end for rounding
