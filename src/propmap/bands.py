@@ -50,8 +50,7 @@ def deviations(rotor: Rotor, at: FlowPoints, loads: Floats) -> dict[str, Floats]
 
 
 def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
-    """Standard deviations (L, N) by source of the loads (L, N) alone, not of the section constants
-    and the blade."""
+    """Standard deviations (L, N) by source of loads (L, N), not of section constants and blade."""
     known = model.uncertainty
     if known is None:
         return {}

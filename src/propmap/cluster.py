@@ -298,8 +298,7 @@ def check_versions(client: Client) -> None:
 
 
 def differences(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield each difference from the client's versions, as ``Client.get_versions`` has ``found``
-    them, and its remedy."""
+    """Yield what in ``found`` differs from the client's versions, and its remedy."""
     own = _versions(found["client"])
     others = {"the scheduler": found["scheduler"]}
     others |= {f"worker {address}": one for address, one in found["workers"].items()}

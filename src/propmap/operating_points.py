@@ -88,8 +88,7 @@ def resolved(
     one: bool = False,
     **further: Unpack[Further],
 ) -> FlowPoints:
-    """Resolve V along the axis and across it, exactly at multiples of pi/2; with ``one`` arrays are
-    refused."""
+    """Resolve V along and across the axis, exactly at multiples of pi/2; ``one`` refuses arrays."""
     more = _given(further)
     alone = None if more else _resolved_alone(omega, speed, beta)
     if alone is not None:

@@ -362,8 +362,7 @@ def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, 
 
 
 def rows(states: SteadyStates, sure: StateChange | None = None) -> list[dict[str, Any]]:
-    """List a mapping per state with the quantities of ``columns``, a number per rotor as rpm_1,
-    rpm_2 ...; None for NaN."""
+    """List a mapping per state of ``columns``, with rpm_1, rpm_2 ... for rotors; None for NaN."""
     flat: dict[str, list[float]] = {}
     for name, column in columns(states, sure).items():
         if column.values.ndim == 1:

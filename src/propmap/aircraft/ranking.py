@@ -263,8 +263,7 @@ class Ranking:
 
 
 def _overlap(vehicle: Vehicle, radius: float) -> str:
-    """Say why disks of this ``radius`` [m] do not fit beside each other, but for rotors on one
-    axis; empty where they do."""
+    """Say why disks of ``radius`` [m], but for coaxial ones, do not fit; empty where they do."""
     place, axis = vehicle.hub_positions, vehicle.rotor_axes
     closest = math.inf
     for k in range(len(place)):
@@ -308,8 +307,7 @@ def beats(better: Judged, worse: Judged) -> float:
 
 
 def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
-    """Number the feasible ones that no other beats in hover power and in top speed, by rising hover
-    power."""
+    """Number the feasible ones not beaten in both hover power and top speed, by hover power."""
     power = np.array([one.hover_power if one.feasible else math.nan for one in judged])
     speed = np.array([one.top_speed if one.feasible else math.nan for one in judged])
     found = [

@@ -412,8 +412,7 @@ def _by_name(rows: Floats, omega: Floats) -> Any:
 
 
 def has_slopes(source: Any) -> bool:
-    """Whether the loads of a ``source`` have exact derivatives by the flow, as those of a rotor and
-    a table."""
+    """Whether the loads of a ``source``, a rotor or a table, have exact derivatives by the flow."""
     return isinstance(source, Rotor | LoadTable)
 
 

@@ -81,8 +81,7 @@ class ExpectedBlade:
 
     @property
     def summary(self) -> str:
-        """Say in one line how the text was read, what the blade rests on, and how far loads may
-        err."""
+        """Say in a line how the text was read, what the blade rests on, how far loads may err."""
         count, of = self.shape.propellers, f"{len(self.shape.families)} families"
         if self.geometry == "family":
             of = f"its family, {self.family}"
@@ -207,8 +206,7 @@ them err less, rms over rms; with the blade of a maker's file as with a measured
 
 
 class ExpectedConstants(NamedTuple):
-    """Constants of a propeller that was not identified, and in one line how far its loads may be
-    off."""
+    """Constants of a propeller that was not identified, and a line on how far loads may be off."""
 
     airfoil: Airfoil
     summary: str
@@ -260,8 +258,7 @@ def expected_prior(
     geometry: str = "measured",
     without: str | None = None,
 ) -> PopulationPrior:
-    """Give the distribution of a propeller's constants without its own data, for
-    ``expected_constants``; ``without`` is what the database calls a propeller that is left out."""
+    """Give the distribution for ``expected_constants``; the propeller ``without`` is left out."""
     members = [one for one in _members(family, geometry) if one.tested != without]
     population = bundled_population(_population_of(geometry))
     prior = family_prior(members, population, size or (MIDDLE[0], MIDDLE[0] * MIDDLE[1]))
@@ -397,8 +394,7 @@ def screw_angle(share: Floats, pitch_ratio: float) -> Floats:
 
 @lru_cache(maxsize=1)
 def measured_shapes() -> tuple[MeasuredShape, ...]:
-    """List the propellers of the catalogue by series and size, but for the table of a maker's: the
-    mean of their blades."""
+    """List means of blades in the catalogue by series and size, but for the table of a maker's."""
     blades_of: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
     for entry in catalogue.entries():
         if entry.name in apc.apc_blades():
@@ -563,8 +559,7 @@ def coordinate_covariance(constants: Floats, covariance: Floats) -> Floats:
 
 
 class Member(NamedTuple):
-    """What one propeller's own data say of its coordinates x, without its prior: exp(pull x - x
-    precision x / 2)."""
+    """What own data, without a prior, say of coordinates x: exp(pull x - x precision x / 2)."""
 
     family: str  # code of its series
     tested: str  # what the source calls it
@@ -665,8 +660,7 @@ def likeness(sizes: Sequence[Size]) -> Floats:
 
 @lru_cache(maxsize=4)
 def bundled_population(geometry: str = "measured") -> Population:
-    """Read the bundled population whose blades are one of ``GEOMETRIES``, or that of all for a
-    "multirotor"."""
+    """Read the bundled population of one of ``GEOMETRIES``, or that of all for a "multirotor"."""
     if geometry == "multirotor":
         of_all = bundled_population("population")
         whole = of_all.between + of_all.within

@@ -123,8 +123,7 @@ def named_without_blade(name: str) -> Identified | None:
 
 
 def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
-    """Keep, of ``entries`` for several blades of one tested propeller, a measured one, and of these
-    the one that fits best."""
+    """Keep, of ``entries`` for one tested propeller, a measured blade's, of these the best fit."""
     best: dict[str, Identified] = {}
     for one in sorted(entries, key=lambda one: (one.geometry != "measured", badness(one))):
         best.setdefault(one.tested, one)

@@ -187,8 +187,7 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
 
 
 def search(text: str) -> list[catalogue.Entry]:
-    """Search as ``catalogue.search``, and among propellers whose loads are known and whose blades
-    are not."""
+    """Search as ``catalogue.search``, and among propellers known by their loads alone."""
     others = map(_without_blade, identified_without_blade())
     return catalogue.matching(text, [*catalogue.entries(), *others])
 
@@ -268,8 +267,7 @@ def own_constants(meant: Entry | ExpectedBlade | None, blades: int) -> Identifie
 
 
 def predicted_constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
-    """Predict the constants of a propeller that was not identified itself; ``meant`` is None for a
-    geometry file."""
+    """Predict constants of a propeller not identified itself; ``meant`` is None for a file's."""
     family = meant.family if meant is not None else None
     return expected_constants(family, size_of(meant, blade), geometry_of(meant, blade))
 

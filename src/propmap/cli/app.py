@@ -95,8 +95,7 @@ def _options(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command by its ``arguments``, or the process's, and return its exit code: 0, 2 for bad
-    input, 130 when interrupted."""
+    """Run ``arguments``, or the process's; return 0, 2 for bad input, 130 when interrupted."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
         # A terminal without the characters of a table shows "?" rather than a traceback.

@@ -140,8 +140,7 @@ def show_prop(
 
 
 def outline(blade: Propeller) -> list[str]:
-    """Draw the blade about mid-chord in half-block characters, twice as high as wide, to scale with
-    the axis at the left."""
+    """Draw the blade to scale about mid-chord in half blocks, twice as high as wide."""
     step = blade.radius / OUTLINE_WIDTH
     middles = (np.arange(OUTLINE_WIDTH) + 0.5) * step
     chord = np.interp(middles, blade.station, blade.chord, left=0.0)

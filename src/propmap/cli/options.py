@@ -178,8 +178,7 @@ def propeller_noted(
     radius: float | None = None,
     root_cutout: float | None = None,
 ) -> Propeller:
-    """Read PROP, with notes on how it was read, on a blade that was not measured and on what is
-    implausible."""
+    """Read PROP, with notes on how, on a blade not measured and on what is implausible."""
     found = propeller(prop, blades, radius, root_cutout)
     note_reading(prop, found, blades)
     note(*blade_warnings(found))
@@ -187,8 +186,7 @@ def propeller_noted(
 
 
 def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
-    """Note how PROP was read, with as many blades as were ``asked`` for, where it is no name of
-    the catalogue; ``found`` is its propeller."""
+    """Note how PROP, no name of the catalogue, was read as ``found`` with ``asked`` blades."""
     meant = meant_by(prop, asked)
     if isinstance(meant, ExpectedBlade):
         note(meant.summary)
@@ -218,8 +216,7 @@ def section_law(
 def with_physics(
     law: Law, model: ModelName | None, added: Sequence[str] | None, *, installed: bool = False
 ) -> Law:
-    """Return the law with the corrections that ``--model`` and ``--correction`` ask for, and
-    ``installed`` or not, as ``corrections_of``."""
+    """Return the law with what ``--model`` and ``--correction`` ask for, see ``corrections_of``."""
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)
     if model is None and not physics and own is not None:
@@ -243,8 +240,7 @@ def constants(name_or_path: str) -> Airfoil:
 def takes_rotor(
     command: Callable[Concatenate[RotorChoice, Others], None], prop: Any = PropArgument
 ) -> Callable[..., None]:
-    """Give a command the parameters of ``RotorChoice`` in place of its first argument; ``prop``
-    makes the propeller an argument or an option."""
+    """Give a command the parameters of ``RotorChoice``; ``prop`` is an argument or an option."""
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
     types = get_type_hints(RotorChoice, include_extras=True)
     shared = [
@@ -455,8 +451,7 @@ def note_not_counted(model: Model) -> None:
 
 
 def note_untested_bands(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
-    """Note where no measurement was compared with the bands of a model by name: in descent and at
-    advance ratios above ``MEASURED_TO``."""
+    """Note where bands were not compared with data: in descent, and above ``MEASURED_TO``."""
     known = model.uncertainty
     if known is None or not known.another_tunnel:
         return

@@ -40,8 +40,7 @@ Yes = Annotated[
 
 
 def check_store(path: Path, *, force: bool) -> None:
-    """Raise ``InputError`` before any work where no store can be made or gone on with; a store of
-    propmap's goes away with ``force``."""
+    """Raise ``InputError`` where no store can be made or gone on with; ``force`` removes ours."""
     if not path.parent.is_dir():
         raise InputError(
             f"there is no folder {str(path.parent)!r}", "make it or choose another", str(path)
@@ -53,8 +52,7 @@ def check_store(path: Path, *, force: bool) -> None:
 
 
 def opened(path: Path, layout: Layout) -> Store:
-    """Make the store or go on, and say so, with what a stopped run has left; ``InputError`` where
-    it is complete or the disk too small."""
+    """Make the store or go on, saying so; ``InputError`` for a complete one or too small a disk."""
     where = str(path)
     if not path.exists():
         free = shutil.disk_usage(path.parent).free

@@ -87,8 +87,7 @@ class Application:
         return shown, {"query": session.query(), "view": view.name}
 
     def live(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        """Draw figures while something moves; none where that takes long, or something is wrong,
-        which is reported once all stands still."""
+        """Draw figures while something moves; none where that is slow or, as told later, wrong."""
         try:
             view, session = self.view(asked.get("view")), self.session(asked.get("search"))
             if view.slow:
@@ -386,8 +385,7 @@ def listen(app: Flask, host: str, port: int | None, first: int) -> BaseWSGIServe
 
 
 def serve(server: BaseWSGIServer, say: Callable[[str], None], *, browser: bool, host: str) -> None:
-    """Answer until Ctrl-C, which ends the process's work at once; ``say`` gets lines for the
-    terminal, ``host`` is as asked for."""
+    """Answer until Ctrl-C, which ends the process at once; ``say`` prints, ``host`` is as given."""
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
     shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
     address = f"http://{f'[{shown}]' if ':' in shown else shown}:{server.port}/"

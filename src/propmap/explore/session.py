@@ -384,8 +384,8 @@ POINT = ("rpm", "speed", "beta")  # what is set of an operating point
 
 
 class Recipe:
-    """How a command and a script name what a session explores, with another ``blade`` or other
-    ``constants`` in its place."""
+    """How a command and a script name a session, perhaps with another ``blade`` or
+    ``constants``."""
 
     def __init__(
         self, session: Session, blade: Propeller | None = None, constants: Airfoil | None = None

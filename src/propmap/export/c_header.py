@@ -94,15 +94,13 @@ def header(table: LoadTable) -> str:
 
 
 def table_bytes(content: interpolation.TableContent, real: int) -> int:
-    """Count the bytes of the header's tables, with numbers of ``real`` bytes, 8 or 4, and
-    coefficients of 4."""
+    """Count bytes of the tables: numbers of ``real`` bytes, 8 or 4, and coefficients of 4."""
     cells = (content.advance.size - 1) + (content.beta.size - 1)
     return content.coefficients.size * 4 + 16 * cells * real + content.cells.size
 
 
 def _weights(content: interpolation.TableContent) -> tuple[Floats, Floats, Floats]:
-    """Return weight polynomials of rows and columns (n - 1, 16), and of odd loads in the first and
-    the last column interval (2, 16)."""
+    """Return weights of rows and columns (n - 1, 16), of odd loads in the end columns (2, 16)."""
     ends = interpolation.on_planes(content.beta)
     even, odd = (
         _folded(content.beta, *(np.array(parity) if on else None for on in ends))
@@ -158,8 +156,7 @@ def singles(blocks: NDArray[np.float32]) -> str:
 
 
 def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
-    """Write the rotor's header, the vehicle's and the note; ``InputError`` for a table of another
-    propeller or air."""
+    """Write both headers and the note; ``InputError`` for a table of another propeller or air."""
     Rotors.of(vehicle, table)
     name, rotor = vehicle_name(vehicle, table), identifier(table)
     twice = ""

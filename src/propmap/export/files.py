@@ -318,8 +318,7 @@ def middle_omega(table: LoadTable) -> float:
 
 
 def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[ErrorSizes, ErrorSizes]:
-    """Measure a model's loads (n,), zero where it lacks one, where simple models are meant and over
-    the envelope."""
+    """Measure a model's loads (n,), absent ones zero, where simple models are meant and overall."""
     shares = [
         (model.get(name, 0.0) - load) / samples.static[name] for name, load in samples.loads.items()
     ]

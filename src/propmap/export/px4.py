@@ -223,8 +223,7 @@ SIH_QUAD = ((1, 1, "ccw"), (-1, -1, "ccw"), (1, -1, "cw"), (-1, 1, "cw"))
 def simulator(
     vehicle: Vehicle, flights: Flights, still: StaticLoads, curve: SignalCurve | None
 ) -> tuple[list[Explained], str]:
-    """Write parameters of the simulator in hardware for level ``flights`` along x and y, or say why
-    there are none."""
+    """Write the simulator's parameters for level ``flights`` along x and y, or say why not."""
     if curve is None:
         return [], "they need the thrust at the full signal, see THR_MDL_FAC"
     places = [in_frd(mount.position) for mount in vehicle.mounts]

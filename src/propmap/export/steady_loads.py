@@ -318,8 +318,7 @@ def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> U
 
 
 def _rotor_errors(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
-    """Find the errors (E, 3, N) by the constants, along the principal axes of their covariance, and
-    by each further source that the model states."""
+    """Find errors (E, 3, N) along the constants' principal axes and by each further source."""
     known = rotor.model.uncertainty
     if known is None:
         return np.zeros((0, len(USED), omega.size))

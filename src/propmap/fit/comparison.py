@@ -73,8 +73,7 @@ from propmap.vehicle.wakes import hub_flow, in_wakes
 
 @dataclass(frozen=True)
 class SpeedErrors:
-    """Errors of one load over all rows, inside and outside the envelope of what was fitted to, and
-    in each band of speed."""
+    """Errors of a load over all rows, in and outside the fit's envelope, and in bands of speed."""
 
     all: ResidualErrors
     by_speed: Mapping[str, ResidualErrors]
@@ -212,8 +211,7 @@ def compare_level(
 def level_forces(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
-    """Vertical forces [N] (n,) by the model of ``flight_forces`` and by the hover model, wherever
-    the accelerometer sits."""
+    """Vertical forces [N] (n,) of model and hover model, wherever the accelerometer sits."""
     values = {name: value for name, value in values.items() if general(name) not in SENSOR}
     here = replace(vehicle, sensor=(0.0, 0.0, 0.0))
     found = flight_forces(here, log, law, values)
@@ -297,8 +295,7 @@ FAR = 2.5  # z-score among propellers from which a constant is worth a remark
 
 
 def unlikely_constants(fitted: Fitted) -> list[str]:
-    """Name the constants of a fit that lie far from those of other propellers, in one sentence;
-    none without a prior over these."""
+    """Name in a sentence a fit's constants far from other propellers'; none without a prior."""
     expected = fitted.choice.expected
     if expected is None:
         return []

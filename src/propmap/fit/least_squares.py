@@ -60,8 +60,7 @@ class Evaluator:
         self.unsolved = 0
 
     def at(self, x: Floats, free: tuple[str, ...] | None = None) -> Evaluation:
-        """Residuals (M,) as shares of their scales, without priors, and derivatives (M, P) by the
-        ``free`` parameters, by default the choice's."""
+        """Residuals (M,) over scales, without priors, and derivatives (M, P) by ``free``."""
         rows = self.rows
         value, slope = rows.model(self.choice.values(x), self.choice.free if free is None else free)
         lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
@@ -337,8 +336,8 @@ class Rows:
 
     @property
     def independent(self) -> Floats:
-        """How many independent numbers the rows of each load (L,) are worth: in flight one for each
-        group, as each manoeuvre meets another flow."""
+        """Independent numbers that each load's rows (L,) are worth: in flight one for each
+        group."""
         parts = [self.of_load(k) for k in range(len(self.names))]
         if self.group is not None:
             return np.array([float(np.unique(self.group[part]).size) for part in parts])

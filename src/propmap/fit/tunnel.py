@@ -248,8 +248,8 @@ def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelDa
 
 
 def tunnel_warnings(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
-    """Say what does not fit this propeller, file by file, with the likely cause; ``InputError``
-    where there can be no such loads or points."""
+    """Say what does not fit the propeller, by file; ``InputError`` for impossible loads or
+    points."""
     found = []
     for item in sources(data):
         part = _read(item, propeller, air)

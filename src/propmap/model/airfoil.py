@@ -584,8 +584,7 @@ class SectionUncertainty:
 
 
 def filed_uncertainty(table: Any) -> SectionUncertainty | None:
-    """Read the table ``[uncertainty]`` of a parameter file, as ``SectionUncertainty.as_dict``
-    writes it."""
+    """Read the table ``[uncertainty]`` of a file, as ``SectionUncertainty.as_dict`` writes it."""
     if table is None:
         return None
     try:
@@ -604,8 +603,7 @@ def filed_uncertainty(table: Any) -> SectionUncertainty | None:
 
 
 def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty | None:
-    """Read from the table ``[fit]`` of a fit's file how well its free parameters ``names`` are
-    known."""
+    """Read from a fit's table ``[fit]`` how well its free parameters ``names`` are known."""
     if not isinstance(table, Mapping):
         return None
     try:
@@ -680,8 +678,7 @@ class SectionCovariance:
 def section_coefficients(
     law: dict[str, Any], alpha: ArrayLike, reynolds: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Compute C_L and C_D [-] of a section at angles [rad] from the chord line and Reynolds
-    numbers."""
+    """Compute C_L and C_D [-] at angles [rad] from the chord line and Reynolds numbers."""
     from propmap import core
 
     at = np.broadcast_arrays(np.asarray(alpha, np.float64), np.asarray(reynolds, np.float64))

@@ -574,8 +574,7 @@ def corrections_of(
 
 
 def as_texts(texts: Any) -> tuple[str, ...] | None:
-    """Check texts of corrections, as they stand in a file; None stays None: nothing is said of
-    them."""
+    """Check texts of corrections of a file; None, where nothing is said of them, stays None."""
     if texts is None:
         return None
     if not isinstance(texts, (list, tuple)) or not all(isinstance(text, str) for text in texts):

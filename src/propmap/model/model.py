@@ -295,8 +295,7 @@ class Model:
         return replace(self, corrections=(*others, mount))
 
     def with_correction(self, value: Correction) -> Model:
-        """Put ``value`` in the place of its own of that name, as if the section law was found with
-        it."""
+        """Put ``value`` in place of its own of that name, as if the law was found with it."""
         corrections = (*(one for one in self.corrections if type(one) is not type(value)), value)
         law: Any = self.airfoil
         if getattr(law, "corrections", None) is not None:

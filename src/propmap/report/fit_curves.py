@@ -160,8 +160,7 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
 
 
 def _angles(fit: FitRecord) -> list[tuple[float, CoveredAngle | None]]:
-    """Pick up to four angles [deg] with the data's points about them, edgewise and axial flow among
-    them where there is room."""
+    """Pick up to four angles [deg], axial and edgewise if there is room, with points about them."""
     groups = fit.covered.main_angles
     betas = np.array([one.typical_beta for one in groups])
     wanted = np.linspace(betas[0], betas[-1], MOST_ANGLES) if betas.size else betas

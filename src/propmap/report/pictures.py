@@ -59,8 +59,7 @@ class MeasuredLoads:
     loads: dict[str, Floats]  # (n,) by name; NaN where not measured
 
     def along(self, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
-        """Find the points within half a degree of ``beta`` [rad], by rising speed, and those at
-        rest if ``at_rest``."""
+        """Find points within half a degree of ``beta`` [rad] by speed, at rest if ``at_rest``."""
         near = np.abs(self.beta - beta) < NEAR_ANGLE
         mine = np.flatnonzero(near | (at_rest & (self.speed == 0.0)))
         return mine[np.argsort(self.speed[mine], kind="stable")]
