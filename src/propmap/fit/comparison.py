@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
+from propmap.fit import parameters
 from propmap.fit.files import DataSource, FitFile
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import (
@@ -38,22 +39,6 @@ from propmap.fit.least_squares import (
     rms,
     rms_known,
     search,
-)
-from propmap.fit.parameters import (
-    BODY,
-    EVERY,
-    FIRST_GUESS,
-    MOUNT,
-    PER_FLIGHT,
-    ROTOR,
-    ROTOR_SPEED,
-    SENSOR,
-    WAKES,
-    Choice,
-    constants_of,
-    described,
-    general,
-    of_flight,
 )
 from propmap.fit.tunnel import TunnelData, model_with, rotor_with
 from propmap.fit.uncertainty import uncertainty
@@ -146,7 +131,7 @@ def flight_forces(
     """
     model = Model(vehicle.propeller, law, vehicle.air)
     logged = hub_flow(vehicle, log)
-    flow = logged._replace(omega=values.get(ROTOR_SPEED, 1.0) * logged.omega)
+    flow = logged._replace(omega=values.get(parameters.ROTOR_SPEED, 1.0) * logged.omega)
     wakes = wakes_with(vehicle, values)
     near = flow if wakes is None else in_wakes(vehicle, wakes, model, flow)
     velocity = np.stack([near.inplane, np.zeros_like(near.inplane), near.axial], axis=-1)
@@ -156,7 +141,7 @@ def flight_forces(
         loads[..., mine] = [getattr(found, name) for name in LOADS]
     none = np.zeros((0, len(log), 6))
     rotors = six_loads(flow, loads)
-    whole = on_vehicle(vehicle, log, logged, rotors, none, {**FIRST_GUESS, **values}, ())
+    whole = on_vehicle(vehicle, log, logged, rotors, none, {**parameters.FIRST_GUESS, **values}, ())
     return FlightForces(whole.loads, hover_loads(HoverModel.of(Rotor(model)), logged))
 
 
@@ -212,7 +197,11 @@ def level_forces(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
     """Vertical forces [N] (n,) of model and hover model, wherever the accelerometer sits."""
-    values = {name: value for name, value in values.items() if general(name) not in SENSOR}
+    values = {
+        name: value
+        for name, value in values.items()
+        if parameters.general(name) not in parameters.SENSOR
+    }
     here = replace(vehicle, sensor=(0.0, 0.0, 0.0))
     found = flight_forces(here, log, law, values)
     model, hover = (np.sum(one[:, :3] * log.up, axis=1) for one in (found.model, found.hover))
@@ -275,7 +264,7 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
 
     def loads(x: Floats, covariance: Floats) -> tuple[Floats, Floats]:
         rotor = rotor_with(model, choice.values(x), setting)
-        names = tuple(name for name in choice.free if name in ROTOR)
+        names = tuple(name for name in choice.free if name in parameters.ROTOR)
         found = rotor.gradients(names, *flow)
         mine = [choice.free.index(name) for name in names]
         part = covariance[np.ix_(mine, mine)]
@@ -329,7 +318,7 @@ BODY_TERMS = ("lift_area", "drag_area_x")
 LEAST_FALL = 0.05  # share by which a term of the body has to lower the residuals to pay
 
 
-def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
+def failing_assumptions(fitted: Fitted, rows_for: Callable[[parameters.Choice], Rows]) -> list[str]:
     """Name the assumptions of the section law that lower the residuals of a poor fit by 30 % or
     more when given up; ``rows_for`` gives its data as rows for another choice."""
     size = rms(fitted.minimum.residual)
@@ -337,7 +326,7 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
         return []
     sentences = []
     for name, assumption in ASSUMPTIONS.items():
-        acts = name not in MOUNT or "drag" in fitted.rows.names
+        acts = name not in parameters.MOUNT or "drag" in fitted.rows.names
         if name in fitted.choice.free or not acts:
             continue
         choice, begin = _with(fitted, name)
@@ -346,12 +335,12 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
         if left < REMARKABLE:
             sentences.append(
                 f"{assumption}, does not hold: with {name} free ({again.x[-1]:.3g} "
-                f"{described(name).unit}) the residuals fall to {100.0 * left:.0f} %"
+                f"{parameters.described(name).unit}) the residuals fall to {100.0 * left:.0f} %"
             )
     return sentences
 
 
-def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
+def body_terms_verdict(fitted: Fitted, rows_for: Callable[[parameters.Choice], Rows]) -> list[str]:
     """Say whether lift and drag of the body pay in a flight fit without them (section III.A): by an
     interval without zero and a fall of the residuals; ``rows_for`` gives its data for another
     choice."""
@@ -376,11 +365,11 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> li
     return sentences
 
 
-def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
+def _with(fitted: Fitted, name: str) -> tuple[parameters.Choice, Floats]:
     """The choice of a fit with one more free parameter, the last, and where to begin."""
     fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
     choice = replace(fitted.choice, free=(*fitted.choice.free, name), fixed=fixed)
-    return choice, np.append(fitted.x, fitted.values.get(name, described(name).start))
+    return choice, np.append(fitted.x, fitted.values.get(name, parameters.described(name).start))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -510,7 +499,7 @@ class Step:
     """A model with one term more than the one before it."""
 
     name: str  # of what is added
-    choice: Choice  # what is free
+    choice: parameters.Choice  # what is free
     vertical: bool = False  # whether the vertical forces alone are fitted
 
 
@@ -615,10 +604,14 @@ def _off(
 ) -> tuple[AxisErrors, AxisErrors]:
     """Errors of a fit's model and of the hover model."""
     found = model_with(Model(vehicle.propeller, base, vehicle.air), values)
-    law = replace(constants_of(found.airfoil), corrections=tuple(found.correction_texts))
-    others = {n: values[n] for n in (BODY | SENSOR | WAKES) if n in values}
+    law = replace(parameters.constants_of(found.airfoil), corrections=tuple(found.correction_texts))
+    others = {
+        n: values[n]
+        for n in (parameters.BODY | parameters.SENSOR | parameters.WAKES)
+        if n in values
+    }
     logs = (flight.passed, flight.raw)
-    forces = [flight_forces(vehicle, log, law, FIRST_GUESS | others) for log in logs]
+    forces = [flight_forces(vehicle, log, law, parameters.FIRST_GUESS | others) for log in logs]
     measured = [vehicle.mass * log.specific_force for log in logs]
     model = (f.model[:, :3] - m for f, m in zip(forces, measured, strict=True))
     hover = (f.hover[:, :3] - m for f, m in zip(forces, measured, strict=True))
@@ -646,13 +639,13 @@ def values_for(
         by_hover, applied = hovers.scales, hovers.remarkable
     for flight, path in zip(log.flights, paths, strict=True):
         name = seen.get(DataSource.of(path).sha256)
-        for one in PER_FLIGHT:
-            here = of_flight(one, flight)
+        for one in parameters.PER_FLIGHT:
+            here = parameters.of_flight(one, flight)
             values.pop(here, None)
             if name is not None:
-                common = values.get(one, EVERY[one].start)
-                values[here] = file.values.get(of_flight(one, name), common)
-        scale = of_flight("thrust_scale", flight)
+                common = values.get(one, parameters.EVERY[one].start)
+                values[here] = file.values.get(parameters.of_flight(one, name), common)
+        scale = parameters.of_flight("thrust_scale", flight)
         if name is None and scale in by_hover:
             values |= {scale: applied[scale]} if scale in applied else {}
             why = "so much is applied" if scale in applied else "too near to 1 to be applied"
