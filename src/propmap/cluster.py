@@ -15,6 +15,7 @@ import uuid
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from importlib.util import find_spec
 from queue import Empty, Queue
 from typing import TYPE_CHECKING, Any
 
@@ -62,7 +63,8 @@ def connected(address: str) -> Iterator[DaskWorkers]:
         started = _local(_number(address, local[1]))
     else:
         raise InputError(f"--cluster {quoted(address)} is no address", REMEDY)
-    _need("distributed")
+    if find_spec("distributed") is None:
+        raise InputError("this needs distributed", "pip install '.[cluster]' in propmap's checkout")
     with started as workers:
         yield workers
 
@@ -77,13 +79,6 @@ def _number(address: str, text: str | None) -> int:
             f"give a number from 1 to {MOST_LOCAL}",
         )
     return int(text)
-
-
-def _need(package: str) -> None:
-    from importlib.util import find_spec
-
-    if find_spec(package) is None:
-        raise InputError(f"this needs {package}", "pip install '.[cluster]' in propmap's checkout")
 
 
 @contextmanager

@@ -256,18 +256,14 @@ class SearchReport:
         )
 
 
-def array_fields() -> list[str]:
-    """Names of the fields of ``Loads`` that are arrays over the operating points."""
-    return [each.name for each in fields(Loads) if each.name != "deviations"]
-
-
 def joined(parts: Sequence[Loads]) -> Loads:
     """Join loads of any shapes to those of all points, each field (n,)."""
 
     def all_points(values: Iterable[Any], name: str) -> Any:
         return np.concatenate([getattr(one, name).ravel() for one in values])
 
-    arrays: Any = {name: all_points(parts, name) for name in array_fields()}
+    names = (each.name for each in fields(Loads) if each.name != "deviations")
+    arrays: Any = {name: all_points(parts, name) for name in names}
     if parts[0].deviations is None:
         return Loads(**arrays)
 

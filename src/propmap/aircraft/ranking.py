@@ -15,7 +15,7 @@ from propmap.aircraft.mission import Mission
 from propmap.aircraft.mission import fly as fly_mission
 from propmap.aircraft.performance import endurance, top_speed
 from propmap.aircraft.trim import STATUSES, Aircraft, SteadyStates
-from propmap.catalogue.identified import all_identified
+from propmap.catalogue.identified import PARAMETERS, all_identified
 from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, propeller
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil, SectionCovariance
@@ -388,7 +388,8 @@ def catalogue_candidates(
         # 10 in are 0.254 m but for rounding in the catalogue.
         if low - 1e-6 <= blade.diameter <= high + 1e-6:
             name = one.propeller if one.blades == 2 else f"{one.propeller}, {one.blades} blades"
-            found.append(Candidate(name, blade, one.airfoil, one.section_covariance, one.verdict))
+            known = SectionCovariance(PARAMETERS, one.covariance)
+            found.append(Candidate(name, blade, one.airfoil, known, one.verdict))
     if not found:
         raise InputError(
             f"no propeller of the catalogue has {low / INCH:.3g} to {high / INCH:.3g} in"

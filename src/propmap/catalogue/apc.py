@@ -93,7 +93,7 @@ class Difference(NamedTuple):
 def difference(family: str | None, without: str = "") -> Difference:
     """Give the difference of a series, or over series where none of it was measured; the propeller
     that the catalogue calls ``without`` is left out."""
-    every = {code: _difference(pairs) for code, pairs in _pairs(without).items()}
+    every = {code: _further(pairs) for code, pairs in _pairs(without).items()}
     if family in every:
         return every[family]
     means = np.stack([one.mean for one in every.values()])
@@ -101,11 +101,7 @@ def difference(family: str | None, without: str = "") -> Difference:
     return _further(means, within)
 
 
-def _difference(pairs: Floats) -> Difference:
-    return _further(pairs, np.zeros((2, 2)))
-
-
-def _further(some: Floats, each: Floats) -> Difference:
+def _further(some: Floats, each: Floats | float = 0.0) -> Difference:
     """Predict one more than the ``some`` (n, 2), which has the covariance ``each`` besides."""
     return Difference(some.mean(axis=0), np.cov(some.T) * (1.0 + 1.0 / len(some)) + each)
 

@@ -71,11 +71,6 @@ def spaced(text: str) -> str:
     return text
 
 
-def maker_of(text: str) -> str:
-    """Name the maker that a designation in lower case names; "" where it is none of these."""
-    return next((maker.name for maker, name in _NAMES.items() if re.search(name, text)), "")
-
-
 def ruled(text: str) -> tuple[str, Rule] | None:
     """Find the rule that a designation in lower case follows, and whose it is. Where no maker is
     named the rule may be anybody's, but for names that stand for a size."""
@@ -190,7 +185,8 @@ def designation(text: str) -> Designation | None:
         raise InputError(f"{quoted(text)} has a pitch of {pitch:.3g} m", remedy)
     if count is not None and not 2 <= count <= MOST_BLADES:
         raise InputError(f"{quoted(text)} has {count} blades", f"give 2 to {MOST_BLADES} blades")
-    maker, counted = maker_of(rest), f"{count} blades"
+    maker = next((maker.name for maker, name in _NAMES.items() if re.search(name, rest)), "")
+    counted = f"{count} blades"
     if count is None and by_rule is not None:
         whose, rule = by_rule
         count = rule.blades

@@ -59,11 +59,6 @@ class Identified:
     key: str  # identifies the data and the settings of the fit
 
     @property
-    def section_covariance(self) -> SectionCovariance:
-        """The covariance with its names, as tables take it."""
-        return SectionCovariance(PARAMETERS, self.covariance)
-
-    @property
     def size(self) -> tuple[float, float]:
         """Labelled diameter and pitch [m]."""
         return self.diameter_m, self.pitch_m

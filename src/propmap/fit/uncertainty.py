@@ -316,20 +316,13 @@ def bounded_intervals(
 MOST_ALONE = 0.9  # share of what is known of a direction that one stretch can give
 
 
-class BlockErrors(NamedTuple):
-    """What G stretches say of P parameters."""
-
-    middle: Floats  # (P, P), covariance of the slopes of half the sum of squares
-    freedom: Floats  # (P,), degrees of freedom of each parameter's variance
-
-
 def block_errors(
     slopes: Floats, residual: Floats, group: NDArray[np.intp], whole: Floats, by_priors: Floats
-) -> BlockErrors:
-    """Cluster-robust errors of slopes (M, P) in stretches ``group``, each with residuals of a fit
-    that left it out (CR3 of Bell and McCaffrey, Survey Methodology 28, 2002, page 169), as few
-    stretches would have too small ones, and Satterthwaite's degrees of freedom. ``whole`` is the
-    information of data and priors, ``by_priors`` what priors add (P, P)."""
+) -> tuple[Floats, Floats]:
+    """Cluster-robust covariance (P, P) of slopes (M, P) of half the squares in stretches ``group``,
+    each with residuals of a fit that left it out (CR3 of Bell and McCaffrey, Survey Methodology 28,
+    2002, page 169), as few stretches would have too small ones, and Satterthwaite's degrees of
+    freedom (P,). ``whole`` is the information of data and priors, ``by_priors`` what priors add."""
     labels, index = np.unique(group, return_inverse=True)
     floor = np.where(np.abs(residual) < NOISE_FLOOR, NOISE_FLOOR * np.sign(residual), residual)
     values, vectors = np.linalg.eigh(whole)
@@ -355,4 +348,4 @@ def block_errors(
     # The variance that priors bring is known.
     both = of_data + of_priors
     unknown = np.where(both > 0.0, of_data / np.where(both > 0.0, both, 1.0), 1.0)
-    return BlockErrors(small * middle, counted / np.maximum(unknown, 1e-3) ** 2)
+    return small * middle, counted / np.maximum(unknown, 1e-3) ** 2

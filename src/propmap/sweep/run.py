@@ -143,19 +143,8 @@ class Evaluation(ABC):
         workers: Workers | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> None:
-        """Compute and file what is missing in a store.
-
-        Parameters
-        ----------
-        store : Store or InMemory
-            A ``Store`` from ``Store.create`` or ``Store.resume``.
-        layout : Layout
-            From ``layout``.
-        workers : Workers, optional
-            Who computes; by default this process.
-        progress : callable, optional
-            Called with the number of tasks done, and that of all.
-        """
+        """Compute and file what a ``store`` lacks of a ``layout``, by ``workers`` or here;
+        ``progress`` gets the number of tasks done, and that of all."""
         total = parts_count(layout.shape, layout.chunk)
         for done in stream(workers or InTurn(), self, store, layout):
             if progress is not None:
