@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.export.files import Files, identifier, note, rendered, vehicle_name, wakes_sentence
+from propmap.export.files import Files, identifier, note, rendered, vehicle_name
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.results import spin_sign
@@ -34,24 +34,7 @@ LINE = 96
 
 def c_files(table: LoadTable) -> Files:
     """Write the header and its note."""
-    name = identifier(table)
-    text = f"""{name}.h holds the table itself; what it offers and needs stands at its top.
-
-        {name}_wrench gives all six loads as force and moment on the hub, for either spin.
-
-        {name}_inflow, {name}_inflow_step and {name}_wrench_in_inflow are for simulators that let
-        the mean inflow lag behind by its own time constant, some milliseconds on a small propeller.
-        All they need is in the table: the inflow by momentum theory from the thrust, and what it
-        does to thrust and torque from their derivatives with the axial velocity. Gradients of the
-        inflow, which are twice as fast, follow at once, and the loads in the disk plane are those
-        of steady flight. Against propmap.DynamicInflow the time constant is up to 15% too long; the
-        change of thrust by a given lack of inflow is up to 40% too small, since in the table every
-        annulus has settled.
-
-        In double precision it agrees with propmap.table to 1e-12 of the static loads, in single
-        precision to 1e-5; next to the border between two cells, single precision may find the
-        status of the other one."""
-    return {f"{name}.h": header(table), "README-c.txt": note("c", text, table)}
+    return {f"{identifier(table)}.h": header(table), "README-c.txt": note("c", table)}
 
 
 def header(table: LoadTable) -> str:
@@ -158,33 +141,10 @@ def singles(blocks: NDArray[np.float32]) -> str:
 def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
     """Write both headers and the note; ``InputError`` for a table of another propeller or air."""
     Rotors.of(vehicle, table)
-    name, rotor = vehicle_name(vehicle, table), identifier(table)
-    twice = ""
-    if vehicle.wakes is not None:
-        twice = """They act by the splines of propmap.VehicleForces, made of the thrust that the
-            table has for each rotor by itself, so that it is asked twice per rotor, without and
-            with the wakes."""
-    text = f"""{name}.h gives force and moment of the air on the whole vehicle:
-        {len(vehicle.mounts)} rotors at the velocities of their hubs, each with its axis and spin,
-        the drag of the body and the lift of the wing, where the vehicle file has them. It includes
-        {rotor}.h, which holds the table of one rotor; what both need stands at their tops.
-
-        {wakes_sentence(vehicle)} {twice}
-
-        Weight and the gyroscopic moments of the rotors are not in it: they are those of the
-        simulator or the flight code around it. The status is the worst of the rotors'; where the
-        table has no loads for one of them, in rotor speed, speed or angle, force and moment are
-        NaN.
-
-        {cost(vehicle, table).sentence}
-
-        It agrees with propmap.VehicleForces on the same table to 1e-10 of the largest force in
-        double precision, with wakes, whose splines are kept in single precision, to 1e-6; in single
-        precision to 2e-5, except next to the border between two cells of the table."""
     return {
-        f"{rotor}.h": header(table),
-        f"{name}.h": vehicle_header(vehicle, table),
-        "README-c.txt": note(f"c, {vehicle.name}", text, table),
+        f"{identifier(table)}.h": header(table),
+        f"{vehicle_name(vehicle, table)}.h": vehicle_header(vehicle, table),
+        "README-c.txt": note("c", table, vehicle=vehicle, cost=cost(vehicle, table).sentence),
     }
 
 

@@ -76,8 +76,15 @@ def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
 
 
 def rendered(template: str, table: LoadTable, **values: Any) -> str:
-    """Render a template with ``values``, functions among which serve as filters, the ``table``, its
-    name ``p`` and ``P`` in capitals, ``loads`` and the ``lines`` of provenance."""
+    """Render a template with ``values``, the ``table``, its name ``p`` and ``P`` in capitals,
+    ``loads`` and the ``lines`` of provenance."""
+    name, lines = identifier(table), provenance(table)
+    common = {"table": table, "loads": LOADS, "p": name, "P": name.upper(), "lines": lines}
+    return filled(template, **common, **values)
+
+
+def filled(template: str, **values: Any) -> str:
+    """Render a template with ``values``, functions among which serve as filters, too."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
@@ -94,10 +101,7 @@ def rendered(template: str, table: LoadTable, **values: Any) -> str:
         "xml_comment": _xml_comment,
         **{name: value for name, value in values.items() if callable(value)},
     }
-    name = identifier(table)
-    common = {"table": table, "loads": LOADS, "p": name, "P": name.upper()}
-    found = environment.get_template(f"{template}.j2")
-    return found.render(**common, lines=provenance(table), **values)
+    return environment.get_template(f"{template}.j2").render(**values)
 
 
 def _c_comment(lines: Sequence[str]) -> str:
@@ -197,8 +201,21 @@ def origin(table: LoadTable) -> list[str]:
 # The note that goes with an export: what the target can represent, and at what cost.
 
 
-def note(title: str, text: str, table: LoadTable, found: Sequence[ErrorSizes] = ()) -> str:
-    """Return a note: paragraphs of ``text``, errors where the target simplifies, provenance."""
+def note(
+    target: str,
+    table: LoadTable,
+    found: Sequence[ErrorSizes] = (),
+    vehicle: Vehicle | None = None,
+    **values: Any,
+) -> str:
+    """Return the note of a ``target``, of a ``vehicle`` or the table alone: the paragraphs of its
+    template with ``values``, errors where the target simplifies, provenance."""
+    title, template = target, f"README-{target}.txt"
+    if vehicle is not None:
+        title, template = f"{target}, {vehicle.name}", f"README-{target}-vehicle.txt"
+        values |= {"v": vehicle_name(vehicle, table), "vehicle": vehicle}
+    rpm = middle_omega(table) / RPM
+    text = rendered(template, table, simple=SIMPLE, hover_rpm=rpm, **values)
     shares = ", ".join(load.share for load in LOADS.values())
     cost = "Nothing is simplified: the errors are those of the table."
     if found:
@@ -214,19 +231,6 @@ def note(title: str, text: str, table: LoadTable, found: Sequence[ErrorSizes] = 
             rows.append(f"  {name:12s}{rms:>10.2%}{worst:>10.2%}")
         parts.append("\n".join(rows))
     return "\n\n".join([*parts, "\n".join(provenance(table))]) + "\n"
-
-
-def wakes_sentence(vehicle: Vehicle) -> str:
-    """Say in a note whether the rotors of a ``vehicle`` act on each other."""
-    if vehicle.wakes is None:
-        return (
-            "The rotors do not act on each other: the vehicle file has no [wakes], or --no-wakes "
-            "was given."
-        )
-    return (
-        "The rotors are in each other's wakes, as [wakes] says. propmap export --no-wakes leaves "
-        "them out."
-    )
 
 
 # -------------------------------------------------------------------------------------------------

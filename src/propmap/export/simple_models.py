@@ -61,25 +61,9 @@ def gazebo_files(table: LoadTable) -> files.Files:
     samples = files.sample(table)
     fitted = fit_motor_model(table, samples)
     found = files.errors(samples, fitted.loads(samples.omega, samples.inplane))
-    text = f"""The multicopter motor model knows thrust = motorConstant omega^2, torque =
-        momentConstant thrust, drag = omega rotorDragCoefficient v, rolling moment = omega
-        rollingMomentCoefficient v, with v the velocity across the axis. Thrust and torque do not
-        change with the flight speed: they are those of hover, at
-        {files.middle_omega(table) / RPM:.0f} rpm. The coefficients of drag and rolling moment are
-        least squares over {files.SIMPLE}.
-
-        The plugin has no side force and no pitching moment: these two loads, which are zero where
-        the inflow does not vary around the disk, are lost, and have the errors of zero below.
-
-        The plugin of PX4's Gazebo Classic multiplies the thrust by 1 - |v_axial|/25 m/s, whatever
-        the propeller, which is not in the errors below.
-
-        PX4's Gazebo Classic plugin turns the rolling moment's sign with turningDirection; gz-sim's
-        MulticopterMotorModel and RotorS do not: for them, negate rollingMomentCoefficient where
-        turningDirection is cw."""
     return {
         f"{files.identifier(table)}_motor.sdf": files.rendered("motor.sdf", table, fitted=fitted),
-        "README-gazebo.txt": files.note("gazebo", text, table, found),
+        "README-gazebo.txt": files.note("gazebo", table, found),
     }
 
 
@@ -135,23 +119,9 @@ def rotorpy_files(table: LoadTable) -> files.Files:
     samples = files.sample(table)
     fitted = fit_rotor(table, samples)
     found = files.errors(samples, fitted.loads(samples.omega, samples.axial, samples.inplane))
-    name = f"{files.identifier(table)}_rotorpy.py"
-    text = f"""RotorPy's rotor knows thrust = k_eta omega^2 + k_h v^2 - k_z omega v_z, torque = k_m
-        omega^2 and drag = k_d omega v, with v the velocity across the axis. k_eta and k_m are those
-        of hover, at {files.middle_omega(table) / RPM:.0f} rpm; the rest are least squares over
-        {files.SIMPLE}. The torque does not change with the flight speed. RotorPy's k_flap omega v
-        is a moment across the velocity: minus the pitching moment.
-
-        RotorPy has neither rolling moment nor side force. The module has a mix-in that adds both,
-        k_roll omega v and k_side omega v, with the sign of each rotor's spin: class
-        Vehicle(HubWrench, Multirotor): pass. Without it they are missing, with the errors of zero.
-
-        {name} holds what the propeller decides. Merge it into a vehicle: quad_params = {{**frame,
-        **rotor_params}}, with mass, inertia, rotor positions and the motor's time constant from the
-        frame. RotorPy clips omega to the range of the table."""
     return {
-        name: files.rendered("rotorpy.py", table, fitted=fitted),
-        "README-rotorpy.txt": files.note("rotorpy", text, table, found),
+        f"{files.identifier(table)}_rotorpy.py": files.rendered("rotorpy.py", table, fitted=fitted),
+        "README-rotorpy.txt": files.note("rotorpy", table, found),
     }
 
 
@@ -177,26 +147,10 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
         directions=[-spin_sign(mount.spin) for mount in vehicle.mounts],
         fitted=fit_rotor(table, files.sample(table)),
     )
-    known, missing = (
-        (" moments of inertia,", "") if vehicle.inertia else ("", " and the moments of inertia")
-    )
-    text = f"""{name}_rotorpy.py has Vehicle, a RotorPy Multirotor whose compute_body_wrench is
-        propmap.VehicleForces.wrench: all six loads of each rotor by the table {rotor}.npz, at the
-        velocity of its hub, with its axis and spin, and the forces of body and wing. It needs
-        propmap beside RotorPy.
-
-        {files.wakes_sentence(vehicle)}
-
-        Make it with quad_params = {{**frame, **vehicle_params}}: mass, rotor positions and
-        directions, the range of rotor speeds of the table,{known} and k_eta and k_m of hover, which
-        controllers use and Vehicle does not. From the frame come the motor's time
-        constant{missing}. RotorPy clips rotor speeds to the range of the table; where the table has
-        no loads in speed or angle, a line says so. RotorPy adds the weight; it knows no gyroscopic
-        moments of rotors."""
     return {
         f"{name}_rotorpy.py": module,
         f"{rotor}.npz": table.save,
-        "README-rotorpy.txt": files.note(f"rotorpy, {vehicle.name}", text, table),
+        "README-rotorpy.txt": files.note("rotorpy", table, vehicle=vehicle),
     }
 
 
@@ -266,26 +220,8 @@ def jsbsim_files(table: LoadTable) -> files.Files:
     across = multinomial_loads(forms, samples, table.content.density)
     by_axis = _axial_loads(table, samples.omega, samples.axial)
     found = files.errors(samples, across | dict(zip(("thrust", "torque"), by_axis, strict=True)))
-    of_thrust, of_torque = axial_error(table)
     advance, thrust, power = coefficients(table)
-    text = f"""JSBSim's fixed-pitch propeller knows thrust and power against J = V/(n D) with the
-        velocity along the axis alone: no in-plane velocity, no Reynolds number. The coefficients
-        are those of axial flight at J from {advance[0]:.3g} to {advance[-1]:.3g}, beyond which
-        JSBSim keeps the last. In axial climb they are within {100 * of_thrust:.2f}% (thrust) and
-        {100 * of_torque:.2f}% (torque) of the table, as shares of the static loads; most of it is
-        the Reynolds number's.
-
-        {name}_reactions.xml has what the propeller of JSBSim lacks, as external reactions: drag and
-        side force, rolling and pitching moment, density times (a omega + b V_axial) times the
-        in-plane velocity, by least squares over {files.SIMPLE}. Name it in the aircraft's file,
-        <external_reactions file="{name}_reactions"/>, and set the location of both forces to the
-        thruster's. It is written for engine 0 with its thrust along the body's x axis and <sense>
-        1, clockwise seen from behind; for -1 set the property propmap/{name}-sense to -1. The
-        velocity is the vehicle's through the air at its centre of mass; its turning is not in it.
-
-        ixx is a placeholder, a uniform rod of 1 g per inch of diameter; put the moment of inertia
-        of the propeller and what turns with it in its place. JSBSim uses the density of its own
-        atmosphere."""
+    worst = axial_error(table)
     per_pound = SLUG_PER_FT3 * FOOT / POUND
     return {
         f"{name}.xml": files.rendered(
@@ -306,7 +242,7 @@ def jsbsim_files(table: LoadTable) -> files.Files:
             rad_s_per_rpm=RPM,
             m_per_ft=FOOT,
         ),
-        "README-jsbsim.txt": files.note("jsbsim", text, table, found),
+        "README-jsbsim.txt": files.note("jsbsim", table, found, advance=advance, axial_error=worst),
     }
 
 
@@ -373,17 +309,10 @@ def multinomial_files(table: LoadTable) -> files.Files:
     forms = fit_multinomial(samples, density)
     found = files.errors(samples, multinomial_loads(forms, samples, density))
     name, values = f"{files.identifier(table)}_multinomial", {"forms": forms, "density": density}
-    text = f"""The multinomial of Gill & D'Andrea, Computationally Efficient Force and Moment Models
-        for Propellers in UAV Forward Flight Applications, Drones 2019, 3(4), 77, fitted to the
-        table by least squares over {files.SIMPLE}. Its form cannot follow the fast descent, the
-        vortex ring state, stall, or the Reynolds number.
-
-        {name}.py is plain arithmetic: numbers, NumPy arrays and CasADi's SX, MX and DM all go
-        through. {name}.h is the same in C99."""
     return {
         f"{name}.py": files.rendered("multinomial.py", table, **values),
         f"{name}.h": files.rendered("multinomial.h", table, **values),
-        "README-multinomial.txt": files.note("multinomial", text, table, found),
+        "README-multinomial.txt": files.note("multinomial", table, found),
     }
 
 
@@ -397,28 +326,20 @@ def _terms(name: str, at: files.Samples) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Targets ``npz``, ``nc`` and ``csv``: the table itself, in other files.
 
-SCALES = """forces are rho pi R^4 omega^2 times the coefficient, moments rho pi R^5 omega^2; in
-    between, the coefficients are linear in omega^(-1/2) and cubic in the advance ratio V/(omega R)
-    and in beta."""
-
 
 def npz_files(table: LoadTable) -> files.Files:
     """Write the table as ``propmap.table.LoadTable`` reads it."""
-    text = "The table itself, for propmap.table.LoadTable.load, which needs NumPy alone."
-    return {
-        f"{files.identifier(table)}.npz": table.save,
-        "README-npz.txt": files.note("npz", text, table),
-    }
+    name = f"{files.identifier(table)}.npz"
+    return {name: table.save, "README-npz.txt": files.note("npz", table)}
 
 
 def nc_files(table: LoadTable) -> files.Files:
     """Write the table as NetCDF."""
     from propmap.table.files import write_netcdf
 
-    text = f"The table's coefficients with units, for xarray and its like: {SCALES}"
     return {
         f"{files.identifier(table)}.nc": lambda path: write_netcdf(table, path),
-        "README-nc.txt": files.note("nc", text, table),
+        "README-nc.txt": files.note("nc", table),
     }
 
 
@@ -435,9 +356,7 @@ def csv_files(table: LoadTable) -> files.Files:
                 values = level[:, i, j].astype(np.float32)
                 shown = ["" if np.isnan(value) else str(value) for value in values]
                 writer.writerow([omega, advance, beta, *shown])
-    about = f"""A row for each knot of the table: {SCALES} Empty where there is no value. Which
-        cells between the knots are vortex ring or unresolved is not in it."""
     return {
         f"{files.identifier(table)}.csv": text.getvalue(),
-        "README-csv.txt": files.note("csv", about, table),
+        "README-csv.txt": files.note("csv", table),
     }
