@@ -263,12 +263,8 @@ def _result(future: Future) -> Any:
         raise GONE from None
 
 
-# -------------------------------------------------------------------------------------------------
-# Preloaded by the workers of this machine: Ctrl-C is for the client, which ends them.
-
-
 def dask_setup(worker: object) -> None:
-    """Let a ``worker`` ignore the interruption that a terminal sends to all processes."""
+    """Let a ``worker``, which preloads this, ignore Ctrl-C: the client hears it and ends them."""
     del worker
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 

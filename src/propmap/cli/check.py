@@ -138,10 +138,6 @@ def _table(
     return out.grid(heads, rows, f"Model minus measurement{physics}")
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap report``: a page on a fit or a table.
-
-
 def report(
     source: Annotated[Path, Argument(metavar="FIT|TABLE", help="Fit (.toml) or table (.npz).")],
     output: out.FolderOutput,

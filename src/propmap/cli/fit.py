@@ -543,8 +543,6 @@ def _like_electrical(fitted: Fitted, files: list[Path]) -> list[str]:
 
 
 def _show_trust(trust: comparison.ForwardTrust) -> None:
-    """Print how far forward flight can be trusted."""
-
     def change(before: float, after: float) -> str:
         if not np.isfinite(after):
             return "-"

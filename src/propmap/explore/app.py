@@ -471,9 +471,6 @@ class Jobs:
             return self._kept.get(name)
 
 
-# -------------------------------------------------------------------------------------------------
-# Which request of a tab is its newest.
-
 MOST_TABS = 1000  # that are remembered
 
 

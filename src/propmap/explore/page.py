@@ -177,7 +177,6 @@ def _settings(controls: Sequence[Control], values: Values) -> list[Any]:
 
 
 def _setting(control: Control, value: Any) -> Any:
-    """Make a control with its label."""
     key = {"control": control.name}
     target = json.dumps(key, separators=(",", ":"))
     if isinstance(control, Slider):

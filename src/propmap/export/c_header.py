@@ -144,7 +144,16 @@ def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
     return {
         f"{identifier(table)}.h": header(table),
         f"{vehicle_name(vehicle, table)}.h": vehicle_header(vehicle, table),
-        "README-c.txt": note("c", table, vehicle=vehicle, cost=cost(vehicle, table).sentence),
+        "README-c.txt": note(
+            "c",
+            table,
+            vehicle=vehicle,
+            cost=cost(vehicle, table),
+            kinds=KINDS,
+            assumed=CYCLES,
+            clocks=CLOCKS,
+            zip=zip,
+        ),
     }
 
 
@@ -205,8 +214,6 @@ Reference Manual, Arm DDI 0439) and no more on a Cortex-M7."""
 
 CLOCKS = {"Cortex-M4F at 168 MHz": 168e6, "Cortex-M7 at 480 MHz": 480e6}
 
-RATE = 1000.0  # calls per second
-
 
 @dataclass(frozen=True)
 class Cost:
@@ -221,25 +228,6 @@ class Cost:
     def cycles(self) -> int:
         """Cycles of the processor, by ``CYCLES``."""
         return int(self.operations @ CYCLES)
-
-    @property
-    def sentence(self) -> str:
-        """Say all of this in words."""
-        counts, most = self.operations.tolist(), int(self.worst.sum())
-        parts = ", ".join(f"{n} {kind}" for kind, n in zip(KINDS, counts, strict=True) if n)
-        worst = f" (at most {most}, in fast descent)" if most != sum(counts) else ""
-        times = " and ".join(
-            f"{self.cycles / clock * 1e3:.2f} ms on a {core}" for core, clock in CLOCKS.items()
-        )
-        share = max(self.cycles / clock * RATE for clock in CLOCKS.values())
-        return (
-            f"A call takes {sum(counts)} operations{worst}: {parts}. It reads {self.read} bytes of "
-            f"tables, which are {self.stored / 1000.0:.0f} kB in all, in single precision. At an "
-            f"assumed {CYCLES[0]} cycles for a sum or a product, {CYCLES[2]} for a "
-            f"division or a root and {CYCLES[4]} for another function, loads and stores "
-            f"included, it is {self.cycles} cycles: {times}, so that {RATE:g} calls a second take "
-            f"at most {share:.0%} of the time. Not measured on such a core."
-        )
 
 
 def cost(vehicle: Vehicle, table: LoadTable) -> Cost:

@@ -197,10 +197,6 @@ def origin(table: LoadTable) -> list[str]:
     return [part for line in clean for part in textwrap.wrap(line, 88, subsequent_indent="  ")]
 
 
-# -------------------------------------------------------------------------------------------------
-# The note that goes with an export: what the target can represent, and at what cost.
-
-
 def note(
     target: str,
     table: LoadTable,
@@ -208,8 +204,8 @@ def note(
     vehicle: Vehicle | None = None,
     **values: Any,
 ) -> str:
-    """Return the note of a ``target``, of a ``vehicle`` or the table alone: the paragraphs of its
-    template with ``values``, errors where the target simplifies, provenance."""
+    """Say what a ``target`` can represent, of a ``vehicle`` or the table alone, and at what cost:
+    its template with ``values``, errors where it simplifies, and provenance."""
     title, template = target, f"README-{target}.txt"
     if vehicle is not None:
         title, template = f"{target}, {vehicle.name}", f"README-{target}-vehicle.txt"

@@ -513,12 +513,12 @@ class AxisErrors:
     @property
     def rms(self) -> Floats:
         """Root mean squares of the low-passed errors, (3,)."""
-        return _rms(self.passed)
+        return np.asarray(np.sqrt(np.nanmean(self.passed**2, axis=0)))
 
     @property
     def raw_rms(self) -> Floats:
         """Root mean squares of the errors as recorded, (3,)."""
-        return _rms(self.raw)
+        return np.asarray(np.sqrt(np.nanmean(self.raw**2, axis=0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -616,11 +616,6 @@ def _off(
     model = (f.model[:, :3] - m for f, m in zip(forces, measured, strict=True))
     hover = (f.hover[:, :3] - m for f, m in zip(forces, measured, strict=True))
     return AxisErrors(*model), AxisErrors(*hover)
-
-
-def _rms(off: Floats) -> Floats:
-    found: Floats = np.sqrt(np.nanmean(off**2, axis=0))
-    return found
 
 
 def values_for(

@@ -74,6 +74,13 @@ class TunnelData:
         across = np.abs(self.speed * np.sin(self.beta))
         return self.omega, self.speed * np.cos(self.beta), across
 
+    def picked(self, which: NDArray[Any]) -> TunnelData:
+        """Keep the rows ``which``, numbers of them or a mask."""
+        loads = {name: values[which] for name, values in self.loads.items()}
+        return TunnelData(
+            self.source, self.omega[which], self.speed[which], self.beta[which], loads
+        )
+
 
 def merged(parts: Sequence[TunnelData]) -> TunnelData:
     """Join several sets to one."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +39,7 @@ if TYPE_CHECKING:
     from propmap.aircraft.ranking import Judged
     from propmap.aircraft.sensitivity import StateChange
     from propmap.aircraft.trim import SteadyStates
+    from propmap.fit.tunnel import TunnelData
     from propmap.model.model import Propeller
     from propmap.results import Inflow
     from propmap.rotor import Rotor
@@ -49,20 +49,11 @@ if TYPE_CHECKING:
 NEAR_ANGLE = np.radians(0.5)
 
 
-@dataclass(frozen=True, eq=False)
-class MeasuredLoads:
-    """Loads measured at one rotational speed, with what the title calls them."""
-
-    label: str
-    speed: Floats  # (n,) [m/s]
-    beta: Floats  # (n,) [rad]
-    loads: dict[str, Floats]  # (n,) by name; NaN where not measured
-
-    def along(self, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
-        """Find points within half a degree of ``beta`` [rad] by speed, at rest if ``at_rest``."""
-        near = np.abs(self.beta - beta) < NEAR_ANGLE
-        mine = np.flatnonzero(near | (at_rest & (self.speed == 0.0)))
-        return mine[np.argsort(self.speed[mine], kind="stable")]
+def along(measured: TunnelData, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
+    """Find points within half a degree of ``beta`` [rad] by speed, those at rest if ``at_rest``."""
+    near = np.abs(measured.beta - beta) < NEAR_ANGLE
+    mine = np.flatnonzero(near | (at_rest & (measured.speed == 0.0)))
+    return mine[np.argsort(measured.speed[mine], kind="stable")]
 
 
 @style()
@@ -71,7 +62,7 @@ def load_curves(
     omega: float,
     speed: Floats,
     betas: Sequence[float],
-    measured: MeasuredLoads | None = None,
+    measured: TunnelData | None = None,
     *,
     band: Rotor | None = None,
     band_label: str = "95 % band of the model",
@@ -99,7 +90,7 @@ def load_curves(
                 ax.fill_between(speed, *ends, color=COLOURS[k], **BAND)
         if measured is not None and load.name in measured.loads:
             for k, beta in enumerate(betas):
-                mine = measured.along(beta, at_rest=k == 0)
+                mine = along(measured, beta, at_rest=k == 0)
                 values = measured.loads[load.name][mine]
                 ax.plot(measured.speed[mine], values, **marked(k), **MEASURED)
         ax.set_ylabel(load.title)
@@ -108,7 +99,7 @@ def load_curves(
         ax.set_xlabel("flight speed V [m/s]")
     model = rotor.model
     title = f"{model.propeller.name}, airfoil {model.law_title}, {omega / RPM:.0f} rpm"
-    figure.suptitle(title if measured is None else f"{title}\npoints: {measured.label}")
+    figure.suptitle(title if measured is None else f"{title}\npoints: {measured.source}")
     keys: list[Any] = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
     keys.append(key("hover model", **HOVER))
     if edges:

@@ -87,10 +87,7 @@ class ConstantsView(view.View):
             return Answer(shown, (), ["Choose or drop measured loads to see errors."], key)
         remarks, tables, part = [], [], data
         if len(data) > MOST:
-            which = np.unique(np.linspace(0, len(data) - 1, MOST).astype(int))
-            loads = {name: each[which] for name, each in data.loads.items()}
-            points = (data.omega[which], data.speed[which], data.beta[which])
-            part = TunnelData(data.source, *points, loads)
+            part = data.picked(np.unique(np.linspace(0, len(data) - 1, MOST).astype(int)))
             remarks.append(f"{len(part)} of {len(data)} points of {data.source}, evenly chosen")
         flow = part.omega, part.speed, part.beta
         now = rotor_of(model_of(session, values)).loads(*flow)
