@@ -202,16 +202,18 @@ def note(
     table: LoadTable,
     found: Sequence[ErrorSizes] = (),
     vehicle: Vehicle | None = None,
+    *,
+    text: str = "",
     **values: Any,
 ) -> str:
     """Say what a ``target`` can represent, of a ``vehicle`` or the table alone, and at what cost:
-    its template with ``values``, errors where it simplifies, and provenance."""
+    its ``text``, or template with ``values``, errors where it simplifies, and provenance."""
     title, template = target, f"README-{target}.txt"
     if vehicle is not None:
         title, template = f"{target}, {vehicle.name}", f"README-{target}-vehicle.txt"
         values |= {"v": vehicle_name(vehicle, table), "vehicle": vehicle}
     rpm = middle_omega(table) / RPM
-    text = rendered(template, table, simple=SIMPLE, hover_rpm=rpm, **values)
+    text = text or rendered(template, table, simple=SIMPLE, hover_rpm=rpm, **values)
     shares = ", ".join(load.share for load in LOADS.values())
     cost = "Nothing is simplified: the errors are those of the table."
     if found:

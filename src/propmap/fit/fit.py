@@ -24,6 +24,7 @@ from propmap.fit.least_squares import (
 )
 from propmap.fit.parameters import LEAST_ERROR, Choice
 from propmap.fit.uncertainty import Uncertainty, residual_errors, uncertainty
+from propmap.model.envelope import Range
 from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -244,7 +245,6 @@ BAND = 15.0  # width of the bands of the angle beta [deg], the first one about 0
 FEW = 0.02  # share of the points in motion below which an angle is hardly covered
 
 HOVER_BELOW, NARROW = 1.0, 2.0  # speed [m/s] below which all hovers; range of one speed
-Range = tuple[float, float]  # least and largest
 
 
 class _CoveredPoints(msgspec.Struct, frozen=True, omit_defaults=True):

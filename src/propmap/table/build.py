@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import propmap
 from propmap.errors import InputError
 from propmap.loads import LOADS, error_scales
+from propmap.model.envelope import Range
 from propmap.table.certificate import (
     POINTS,
     TableErrors,
@@ -42,8 +43,6 @@ from propmap.typing import Floats
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
-
-Range = tuple[float, float]
 
 MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; tolerances begin at twice that
 LARGEST_TOLERANCE = 0.1
