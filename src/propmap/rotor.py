@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +21,7 @@ from propmap.operating_points import (
     Further,
     along_and_across,
     broadcast,
-    rates,
+    rates_of,
     resolved,
     split_velocity,
 )
@@ -38,17 +38,13 @@ from propmap.results import (
     spin_sign,
 )
 from propmap.tasks import cores
-from propmap.typing import Floats
-
-if TYPE_CHECKING:
-    from propmap.typing import CoreRotor
+from propmap.typing import CoreRotor, Floats
 
 ACCURACIES = ("standard", "fine")
 
 _STATUSES = np.asarray(STATUSES)
 
-RADII_TOGETHER = 1000
-"""Radii at which the core gives fields over the disk in one call, at most."""
+RADII_TOGETHER = 1000  # radii at which the core gives fields over the disk in one call, at most
 
 
 def include_folder() -> Path:
@@ -294,7 +290,7 @@ class Rotor:
 
     def hover_inflow(self, omega: ArrayLike) -> Floats:
         """Static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s], from own static thrust."""
-        w = rates(omega)
+        w = rates_of("omega", omega)
         return self._core.hover_inflow(np.ascontiguousarray(w.ravel()), cores()).reshape(w.shape)
 
     def inflow(

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap.rotor import include_folder
 from propmap.export import export_rotor
 from propmap.loads import LOADS
 from propmap.results import STATUSES
+from propmap.rotor import include_folder
 
 from .needed import program
 

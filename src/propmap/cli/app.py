@@ -64,7 +64,7 @@ class Commands(LazyGroup):
         "fit": "fit.fit_app",
         "simulate": "simulate.simulate_app",
         "plot": "plot.plot_app",
-        "vehicle": "vehicle.vehicle_app",
+        "vehicle": "simulate.vehicle_app",
         "props": "listings.props_app",
         "airfoils": "listings.airfoils_app",
     }
@@ -112,10 +112,7 @@ def _options(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command and return its exit code: 0, 2 for bad input, 130 when interrupted.
-
-    The ``arguments``, without the program's name, are by default those of the process.
-    """
+    """Run ``arguments``, or the process's; return 0, 2 for bad input, 130 when interrupted."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
         # A terminal without the characters of a table shows "?" rather than a traceback.

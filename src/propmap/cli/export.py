@@ -53,9 +53,7 @@ def export(
             f"For a vehicle file: {_forms('autopilot')}. For a propeller: {_forms('rotor')}.",
         ),
     ],
-    output: Annotated[
-        Path, Option("--output", "-o", metavar="DIR", help="Write to this folder, made if need be.")
-    ],
+    output: Annotated[Path, out.output_option("Write to this folder, made if need be.", "DIR")],
     prop: Annotated[
         str | None,
         Option(metavar="PROP", help="For a section law: propeller's name or geometry file."),
@@ -105,7 +103,7 @@ def export(
     find_export(to)
     if to in AUTOPILOTS:
         from propmap.export.autopilot import SPEEDS, export_autopilot
-        from propmap.export.inplane_drag import missing_drag
+        from propmap.export.steady_loads import missing_drag
 
         refuse(prop=prop)
         check_folder(output)

@@ -19,40 +19,18 @@ from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.cli.app import LazyGroup
 from propmap.errors import InputError, quoted
-from propmap.fit.comparison import (
-    MODEL_ERROR,
-    ForwardTrust,
-    failing_assumptions,
-    forward_trust,
-    unlikely_constants,
-)
+from propmap.fit import comparison, tunnel
 from propmap.fit.files import fit_text
 from propmap.fit.fit import Fitted, Settings, coverage, fit, range_warnings
 from propmap.fit.least_squares import FlightErrors, Rows, errors
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
-from propmap.fit.tunnel import (
-    TunnelData,
-    first_guess,
-    hover_rows,
-    merged,
-    read_tunnel,
-    rotor_with,
-    sources,
-    tunnel_rows,
-    tunnel_warnings,
-)
 from propmap.io.csv import read_columns, read_lines
 from propmap.io.uiuc import looks_like_uiuc_loads
+from propmap.model import plausibility
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import in_words
 from propmap.model.envelope import Envelope
 from propmap.model.model import Air, Model, Propeller
-from propmap.model.plausibility import (
-    air_warnings,
-    blade_warnings,
-    load_warnings,
-    point_warnings,
-)
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
 
@@ -111,9 +89,8 @@ Bootstrap = Annotated[
     int, Option("--bootstrap", min=0, help="Number of refits to rows drawn with replacement.")
 ]
 Seed = Annotated[int, Option("--seed", help="Seed of the random starts, folds and draws.")]
-Output = Annotated[
-    Path, Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file.")
-]
+WRITTEN = out.output_option("Write the fit to this file.", "FIT.toml")
+Output = Annotated[Path, WRITTEN]
 Picture = Annotated[
     Path | None, Option("--picture", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
 ]
@@ -128,12 +105,9 @@ def choice_of(
     also_fixed: Mapping[str, float] | None = None,
     expected: SectionPrior | None = None,
 ) -> Choice:
-    """Choose the free parameters and what holds the others.
-
-    ``base`` gives the values of what is not free and the first start, ``also_fixed`` values known
-    from elsewhere, as those of a vehicle's wing.  With a prior ``expected`` from other propellers,
-    its constants are free by default, less those that are fixed, and so are any more in ``priors``.
-    """
+    """Choose what is free, by default ``default`` or the constants of a prior ``expected`` from
+    other propellers, less those fixed. What holds the others and starts it is of ``base``, and of
+    ``also_fixed``, as of a vehicle's wing."""
     law = base or (expected.airfoil if expected else None)
     given = {name: getattr(law, name) for name in SECTION} if law else {}
     stated = dict(_pair(text, "--fix") for text in fix or ())
@@ -181,12 +155,9 @@ def _number(text: str, where: str) -> float:
 def section_prior(
     wanted: str | None, prop: str, blade: Propeller | None = None, *, by_default: bool
 ) -> SectionPrior | None:
-    """Predict the constants of a propeller from others, as ``--prior-from`` wants it, or not.
-
-    The ``prop`` may be a name of the catalogue, a designation, or unknown; its ``blade`` tells its
-    size, else it is a middling one.  ``by_default`` says whether there is a prior where none is
-    asked for.  Raises ``InputError`` for an unknown family.
-    """
+    """Predict the constants of ``prop``, known or not, from others as ``--prior-from`` wants it, or
+    not, and then as ``by_default`` says; its ``blade`` gives the size. Raises ``InputError`` for an
+    unknown family."""
     source = (wanted or ("family" if by_default else "none")).strip().lower()
     if source == "none":
         return None
@@ -306,7 +277,7 @@ def _rms(value: float) -> str:
 def _finish_tunnel(
     choice: opt.RotorChoice,
     model: Model,
-    measured: TunnelData,
+    measured: tunnel.TunnelData,
     fitted: Fitted,
     output: Path | None,
     picture: Path | None,
@@ -318,7 +289,7 @@ def _finish_tunnel(
     warnings: Sequence[str],
 ) -> None:
     """Write, draw and print a fit to loads; ``warnings`` on the data are in its file alone."""
-    rotor = rotor_with(model, fitted.values, choice.accuracy)
+    rotor = tunnel.rotor_with(model, fitted.values, choice.accuracy)
     blade = model.propeller
     text = fit_text(
         fitted,
@@ -328,12 +299,12 @@ def _finish_tunnel(
         data=data,
         covered=coverage(measured.omega, measured.speed, measured.folded_beta, blade.radius),
         envelope=Envelope.of(*measured.flow, blade.radius),
-        hover=hover_rows(rotor, measured, fitted.rows),
+        hover=tunnel.hover_rows(rotor, measured, fitted.rows),
         remarks=[
             *note_prior(prior),
             *remarks,
-            *blade_warnings(blade),
-            *air_warnings(model.air),
+            *plausibility.blade_warnings(blade),
+            *plausibility.air_warnings(model.air),
             *warnings,
         ],
         options={"loads": list(fitted.rows.names), "weights": weights},
@@ -343,10 +314,6 @@ def _finish_tunnel(
 
         out.save_picture(tunnel_fit(measured, rotor).figure(), picture)
     finish(fitted, rotor.model, remarks, text, output)
-
-
-# -------------------------------------------------------------------------------------------------
-# ``propmap fit tunnel``: section parameters from loads measured in a tunnel or on a bench.
 
 
 @opt.takes_rotor
@@ -391,10 +358,10 @@ def fit_tunnel(
                 f"--weight {text!r} has no number", "write --weight thrust=2"
             ) from None
     air = choice.medium()
-    measured = read_tunnel(data, blade, air)
-    warnings = tunnel_warnings(data, blade, air)
+    measured = tunnel.read_tunnel(data, blade, air)
+    warnings = tunnel.tunnel_warnings(data, blade, air)
     out.note(*warnings)
-    law = base or (expected.airfoil if expected else first_guess())
+    law = base or (expected.airfoil if expected else tunnel.first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     options: Any = {
         "loads": [name.strip() for name in loads.split(",")] if loads else [],
@@ -403,12 +370,12 @@ def fit_tunnel(
     }
 
     def rows_for(c: Choice) -> Rows:
-        return tunnel_rows(model, measured, c, **options)
+        return tunnel.tunnel_rows(model, measured, c, **options)
 
-    remake = functools.partial(tunnel_rows, model, measured, chosen, **options)
+    remake = functools.partial(tunnel.tunnel_rows, model, measured, chosen, **options)
     with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
-    remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
+    remarks = [*range_warnings(fitted.rows), *comparison.failing_assumptions(fitted, rows_for)]
     _finish_tunnel(
         choice,
         model,
@@ -416,10 +383,10 @@ def fit_tunnel(
         fitted,
         output,
         picture,
-        data=sources(data),
+        data=tunnel.sources(data),
         weights=weights,
         prior=expected,
-        remarks=[*remarks, *unlikely_constants(fitted)],
+        remarks=[*remarks, *comparison.unlikely_constants(fitted)],
         warnings=warnings,
     )
 
@@ -461,10 +428,7 @@ def fit_static(
             "torque_Ncm, torque_mNm or the shaft's power_W where measured; or UIUC files.",
         ),
     ],
-    output: Annotated[
-        Path | None,
-        Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file."),
-    ] = None,
+    output: Annotated[Path | None, WRITTEN] = None,
     free: Free = None,
     fix: Fix = None,
     prior: Priors = None,
@@ -485,20 +449,20 @@ def fit_static(
     for part in parts:
         points = part.omega, part.speed, part.beta
         with out.blamed_on(Path(part.source)):
-            odd = point_warnings(blade, *points)
-            odd += load_warnings(blade, air, *points, part.loads)
+            odd = plausibility.point_warnings(blade, *points)
+            odd += plausibility.load_warnings(blade, air, *points, part.loads)
         warnings += [f"{part.source}: {warning}" for warning in odd]
     out.note(*warnings)
-    measured = merged(parts)
+    measured = tunnel.merged(parts)
     by_default = free is None and base is None
     expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
     chosen = choice_of(free, fix, prior, ("c_l1", "zero_lift_angle"), base, expected=expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
-    law = base or (expected.airfoil if expected else first_guess())
+    law = base or (expected.airfoil if expected else tunnel.first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     setting = choice.accuracy
-    fitted = fit(tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
-    remarks = [*range_warnings(fitted.rows), *unlikely_constants(fitted)]
+    fitted = fit(tunnel.tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
+    remarks = [*range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]
     if expected is not None:
         remarks += _like_electrical(fitted, files)
     _finish_tunnel(
@@ -514,14 +478,12 @@ def fit_static(
         remarks=remarks,
         warnings=warnings,
     )
-    _show_trust(forward_trust(model, fitted, float(np.median(measured.omega)), setting))
+    _show_trust(comparison.forward_trust(model, fitted, float(np.median(measured.omega)), setting))
 
 
-def _read_static(path: Path, propeller: Propeller, air: Air) -> TunnelData:
-    """Read loads at rest; coefficients become loads with this propeller and air.
-
-    Raises ``InputError`` that names the file and what is wrong in it, also where the air moves.
-    """
+def _read_static(path: Path, propeller: Propeller, air: Air) -> tunnel.TunnelData:
+    """Read loads at rest, coefficients with this propeller and air; ``InputError`` names the file
+    and what is wrong in it, also where the air moves."""
 
     def check_rest(speed: Floats) -> None:
         if np.any(speed != 0.0):
@@ -532,7 +494,7 @@ def _read_static(path: Path, propeller: Propeller, air: Air) -> TunnelData:
             )
 
     if path.is_file() and looks_like_uiuc_loads(path):
-        found = read_tunnel([str(path)], propeller, air)
+        found = tunnel.read_tunnel([str(path)], propeller, air)
         check_rest(found.speed)
         return found
     columns = read_columns(path, ("rpm",), (*COLUMNS, SPEED), "CSV file of a static test")
@@ -557,7 +519,7 @@ def _read_static(path: Path, propeller: Propeller, air: Air) -> TunnelData:
             str(path),
         )
     still = np.zeros_like(omega)
-    return TunnelData(path.name, omega, still, still, loads)
+    return tunnel.TunnelData(path.name, omega, still, still, loads)
 
 
 def _like_electrical(fitted: Fitted, files: list[Path]) -> list[str]:
@@ -580,9 +542,7 @@ def _like_electrical(fitted: Fitted, files: list[Path]) -> list[str]:
     ]
 
 
-def _show_trust(trust: ForwardTrust) -> None:
-    """Print how far forward flight can be trusted."""
-
+def _show_trust(trust: comparison.ForwardTrust) -> None:
     def change(before: float, after: float) -> str:
         if not np.isfinite(after):
             return "-"
@@ -604,6 +564,7 @@ def _show_trust(trust: ForwardTrust) -> None:
     out.show(
         None,
         out.grid(heads, rows, title),
-        f"sd: standard deviation of what the constants leave open, and {MODEL_ERROR:.0%} of the "
-        "load at rest for the model; checked in axial flow; stands differ by some per cent besides",
+        "sd: standard deviation of what the constants leave open, and "
+        f"{comparison.MODEL_ERROR:.0%} of the load at rest for the model; checked in axial flow; "
+        "stands differ by some per cent besides",
     )

@@ -101,8 +101,7 @@ ROTOR_TARGETS = _targets("rotor")
 VEHICLE_TARGETS = _targets("vehicle")
 """Targets of a whole vehicle's force and moment, see ``export_vehicle``."""
 
-AUTOPILOTS = _targets("autopilot")
-"""Targets of a vehicle's parameters, see ``propmap.export.autopilot.export_autopilot``."""
+AUTOPILOTS = _targets("autopilot")  # of a vehicle's parameters, see ``export_autopilot``
 
 
 def find_export(target: str, source: str | None = None) -> Export:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.catalogue.lookup import measurement, measurement_names
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.parameters import (
     BODY,
@@ -38,9 +38,6 @@ from propmap.model.plausibility import load_warnings, point_warnings
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import RPM
-
-# -------------------------------------------------------------------------------------------------
-# Loads measured on a bench or in a tunnel, as rows to fit.
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +73,13 @@ class TunnelData:
         """Rotational speed [rad/s], V cos(beta) and V sin(beta) >= 0 [m/s]; (n,) each."""
         across = np.abs(self.speed * np.sin(self.beta))
         return self.omega, self.speed * np.cos(self.beta), across
+
+    def picked(self, which: NDArray[Any]) -> TunnelData:
+        """Keep the rows ``which``, numbers of them or a mask."""
+        loads = {name: values[which] for name, values in self.loads.items()}
+        return TunnelData(
+            self.source, self.omega[which], self.speed[which], self.beta[which], loads
+        )
 
 
 def merged(parts: Sequence[TunnelData]) -> TunnelData:
@@ -251,19 +255,15 @@ def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelDa
 
 
 def tunnel_warnings(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
-    """Say what does not fit this propeller, file by file, with the likely cause.
-
-    Raises ``InputError`` where there can be no such loads or points.
-    """
+    """Say what does not fit the propeller, by file; ``InputError`` for impossible loads or
+    points."""
     found = []
     for item in sources(data):
         part = _read(item, propeller, air)
         points = part.omega, part.speed, part.beta
-        try:
+        with located(part.source):
             warnings = point_warnings(propeller, *points)
             warnings += load_warnings(propeller, air, *points, part.loads)
-        except InputError as error:
-            raise InputError(error.found, error.remedy, part.source) from None
         found += [f"{part.source}: {warning}" for warning in warnings]
     return found
 
