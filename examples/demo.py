@@ -23,6 +23,7 @@ import propmap
 from propmap.catalogue.lookup import Measurement, measurement, propeller
 from propmap.cli.output import grid, json_text, show, write_text
 from propmap.fit.least_squares import errors, rms
+from propmap.fit.tunnel import TunnelData
 from propmap.hover import HoverModel
 from propmap.io.csv import csv_text
 from propmap.loads import LOADS
@@ -30,7 +31,7 @@ from propmap.model.airfoil import parameter_set
 from propmap.model.corrections import TYPICAL_FACTOR, as_text, corrections_of, in_words
 from propmap.model.model import Model
 from propmap.report.html import save
-from propmap.report.pictures import MeasuredLoads, disk_picture, load_curves
+from propmap.report.pictures import disk_picture, load_curves
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -269,8 +270,9 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
     speeds, counts = np.unique(data.omega, return_counts=True)
     omega = float(speeds[np.argmax(counts)])
     mine = data.omega == omega
-    points = MeasuredLoads(
+    points = TunnelData(
         "polynomials, Gill & D'Andrea 2019",
+        data.omega[mine],
         data.speed[mine],
         data.beta[mine],
         {load: values[mine] for load, values in data.loads.items()},

@@ -363,10 +363,10 @@ def identified() -> str:
 def exports() -> str:
     """Write what each export writes, keeps and loses, by the registry of exports."""
     rows = ["| target | writes | keeps | loses |", "|---|---|---|---|"]
-    kinds = {"table": "", "vehicle": " of a vehicle", "autopilot": " of a vehicle"}
-    rows += [
-        f"| `{e.target}`{kinds[e.source]} | {e.writes} | {e.keeps} | {e.loses} |" for e in EXPORTS
-    ]
+    kinds = {"table": "", "rotor": " of a propeller"}
+    for e in EXPORTS:
+        kind = kinds.get(e.source, " of a vehicle")
+        rows.append(f"| `{e.target}`{kind} | {e.writes} | {e.keeps} | {e.loses} |")
     return "\n".join(rows)
 
 

@@ -12,78 +12,48 @@ from typing import TYPE_CHECKING, Any
 import numpy  # noqa: F401 - all that follows needs it, and no first call is to wait for it
 
 if TYPE_CHECKING:
-    from propmap.catalogue.lookup import airfoil, known_model, propeller
-    from propmap.dynamic_inflow import DynamicInflow
-    from propmap.errors import InputError
-    from propmap.hover import HoverModel
-    from propmap.model.airfoil import (
-        Airfoil,
-        SectionCovariance,
-        SectionTable,
-        SectionUncertainty,
-        airfoil_names,
-    )
-    from propmap.model.corrections import correction, corrections_of
-    from propmap.model.model import Air, Model, Propeller
-    from propmap.results import Loads, Wrench
-    from propmap.rotor import Rotor
-    from propmap.vehicle.files import read_vehicle
-    from propmap.vehicle.vehicle import Vehicle
-    from propmap.vehicle.vehicle_forces import VehicleForces, VehicleWrench
+    from propmap.catalogue.lookup import airfoil as airfoil
+    from propmap.catalogue.lookup import known_model as known_model
+    from propmap.catalogue.lookup import propeller as propeller
+    from propmap.dynamic_inflow import DynamicInflow as DynamicInflow
+    from propmap.errors import InputError as InputError
+    from propmap.hover import HoverModel as HoverModel
+    from propmap.model.airfoil import Airfoil as Airfoil
+    from propmap.model.airfoil import SectionCovariance as SectionCovariance
+    from propmap.model.airfoil import SectionTable as SectionTable
+    from propmap.model.airfoil import SectionUncertainty as SectionUncertainty
+    from propmap.model.airfoil import airfoil_names as airfoil_names
+    from propmap.model.corrections import correction as correction
+    from propmap.model.corrections import corrections_of as corrections_of
+    from propmap.model.model import Air as Air
+    from propmap.model.model import Model as Model
+    from propmap.model.model import Propeller as Propeller
+    from propmap.results import Loads as Loads
+    from propmap.results import Wrench as Wrench
+    from propmap.rotor import Rotor as Rotor
+    from propmap.vehicle.files import read_vehicle as read_vehicle
+    from propmap.vehicle.vehicle import Vehicle as Vehicle
+    from propmap.vehicle.vehicle_forces import VehicleForces as VehicleForces
+    from propmap.vehicle.vehicle_forces import VehicleWrench as VehicleWrench
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "Air",
-    "Airfoil",
-    "DynamicInflow",
-    "HoverModel",
-    "InputError",
-    "Loads",
-    "Model",
-    "Propeller",
-    "Rotor",
-    "SectionCovariance",
-    "SectionTable",
-    "SectionUncertainty",
-    "Vehicle",
-    "VehicleForces",
-    "VehicleWrench",
-    "Wrench",
-    "airfoil",
-    "airfoil_names",
-    "correction",
-    "corrections_of",
-    "known_model",
-    "propeller",
-    "read_vehicle",
-]
-
-_PLACES = {
-    "Air": "model.model",
-    "Airfoil": "model.airfoil",
-    "DynamicInflow": "dynamic_inflow",
-    "HoverModel": "hover",
-    "InputError": "errors",
-    "Loads": "results",
-    "Model": "model.model",
-    "Propeller": "model.model",
-    "Rotor": "rotor",
-    "SectionCovariance": "model.airfoil",
-    "SectionTable": "model.airfoil",
-    "SectionUncertainty": "model.airfoil",
-    "Vehicle": "vehicle.vehicle",
-    "VehicleForces": "vehicle.vehicle_forces",
-    "VehicleWrench": "vehicle.vehicle_forces",
-    "Wrench": "results",
-    "airfoil": "catalogue.lookup",
-    "airfoil_names": "model.airfoil",
-    "correction": "model.corrections",
-    "corrections_of": "model.corrections",
-    "known_model": "catalogue.lookup",
-    "propeller": "catalogue.lookup",
-    "read_vehicle": "vehicle.files",
+_PUBLIC = {
+    "catalogue.lookup": "airfoil known_model propeller",
+    "dynamic_inflow": "DynamicInflow",
+    "errors": "InputError",
+    "hover": "HoverModel",
+    "model.airfoil": "Airfoil SectionCovariance SectionTable SectionUncertainty airfoil_names",
+    "model.corrections": "correction corrections_of",
+    "model.model": "Air Model Propeller",
+    "results": "Loads Wrench",
+    "rotor": "Rotor",
+    "vehicle.files": "read_vehicle",
+    "vehicle.vehicle": "Vehicle",
+    "vehicle.vehicle_forces": "VehicleForces VehicleWrench",
 }
+_PLACES = {name: module for module, names in _PUBLIC.items() for name in names.split()}
+__all__ = sorted(_PLACES)
 
 
 def __getattr__(name: str) -> Any:

@@ -25,8 +25,7 @@ SOURCES = ("parameters", "geometry", "discrepancy", "tunnel", "installation")
 
 MEASURED_TO = 0.35  # advance ratio [-] up to which bands were compared with measurements
 
-TUNNEL_GAIN = 0.04
-"""Standard deviation of thrust and torque as shares, of another specimen or in another run [-]."""
+TUNNEL_GAIN = 0.04  # of thrust and torque as shares, of another specimen or in another run [-]
 
 OBLIQUE = {"thrust": 0.8, "torque": 1.0}
 """Standard deviations of what the theory errs by in oblique flow, as shares of the load per advance
@@ -42,10 +41,8 @@ lifting line, of Ribner's fin analogy and of measurements (docs/validation.md)."
 
 
 def deviations(rotor: Rotor, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
-    """Standard deviations (L, N) by source of the loads (L, N) of a ``rotor`` at N points.
-
-    To first order sqrt(g' S g), with g the derivatives by uncertain numbers and S their covariance.
-    """
+    """Standard deviations (L, N) by source of the loads (L, N) of a ``rotor`` at N points, to first
+    order sqrt(g' S g) with derivatives g by uncertain numbers of covariance S."""
     known = rotor.model.uncertainty
     if known is None:
         return {}
@@ -53,8 +50,7 @@ def deviations(rotor: Rotor, at: FlowPoints, loads: Floats) -> dict[str, Floats]
 
 
 def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
-    """Standard deviations (L, N) by source of the loads (L, N) alone, not of the section constants
-    and the blade."""
+    """Standard deviations (L, N) by source of loads (L, N), not of section constants and blade."""
     known = model.uncertainty
     if known is None:
         return {}

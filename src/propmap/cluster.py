@@ -15,6 +15,7 @@ import uuid
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from importlib.util import find_spec
 from queue import Empty, Queue
 from typing import TYPE_CHECKING, Any
 
@@ -28,16 +29,12 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # From ``--cluster local:4`` or ``tcp://host:8786`` to workers.
 
-ANSWER_WITHIN = 5.0
-"""Time that a scheduler has to answer [s]."""
-
-START_WITHIN = 60.0
-"""Time that a worker of this machine has to start [s]."""
+ANSWER_WITHIN = 5.0  # time that a scheduler has to answer [s]
+START_WITHIN = 60.0  # time that a worker of this machine has to start [s]
 
 MOST_LOCAL = 1024
 
-FAILURES = 10
-"""Workers of this machine that one task may lose before it is given up."""
+FAILURES = 10  # workers of this machine that one task may lose before it is given up
 
 REMEDY = "write local, local:4 for four workers on this machine, or tcp://host:8786"
 
@@ -66,7 +63,8 @@ def connected(address: str) -> Iterator[DaskWorkers]:
         started = _local(_number(address, local[1]))
     else:
         raise InputError(f"--cluster {quoted(address)} is no address", REMEDY)
-    _need("distributed")
+    if find_spec("distributed") is None:
+        raise InputError("this needs distributed", "pip install '.[cluster]' in propmap's checkout")
     with started as workers:
         yield workers
 
@@ -81,13 +79,6 @@ def _number(address: str, text: str | None) -> int:
             f"give a number from 1 to {MOST_LOCAL}",
         )
     return int(text)
-
-
-def _need(package: str) -> None:
-    from importlib.util import find_spec
-
-    if find_spec(package) is None:
-        raise InputError(f"this needs {package}", "pip install '.[cluster]' in propmap's checkout")
 
 
 @contextmanager
@@ -144,18 +135,10 @@ def _remote(address: str) -> Iterator[DaskWorkers]:
 # -------------------------------------------------------------------------------------------------
 # The workers of a Dask cluster: tasks sent as they are needed, results taken as they come.
 
-AHEAD = 3
-"""Tasks under way per thread of the workers: one that runs and two that wait for it, so that no
-worker waits for the client.  The client holds no more than these."""
-
-RECOUNT = 2.0
-"""After so long the workers are counted again [s]: some may have joined or left."""
-
-ALONE = 60.0
-"""Time that a run waits for a worker where none is left [s]."""
-
-KEPT = 4
-"""Things shared by tasks, such as rotors, that a worker keeps at a time."""
+AHEAD = 3  # tasks under way per thread of the workers, so that none waits for the client
+RECOUNT = 2.0  # after so long the workers are counted again [s]: some may have joined or left
+ALONE = 60.0  # time that a run waits for a worker where none is left [s]
+KEPT = 4  # things shared by tasks, such as rotors, that a worker keeps at a time
 
 GONE = InputError("the scheduler went away", "start it, and run the command again to go on")
 
@@ -280,12 +263,8 @@ def _result(future: Future) -> Any:
         raise GONE from None
 
 
-# -------------------------------------------------------------------------------------------------
-# Preloaded by the workers of this machine: Ctrl-C is for the client, which ends them.
-
-
 def dask_setup(worker: object) -> None:
-    """Let a ``worker`` ignore the interruption that a terminal sends to all processes."""
+    """Let a ``worker``, which preloads this, ignore Ctrl-C: the client hears it and ends them."""
     del worker
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
@@ -293,8 +272,7 @@ def dask_setup(worker: object) -> None:
 # -------------------------------------------------------------------------------------------------
 # Whether client, scheduler and workers have the same versions.
 
-SAME = ("propmap", "numpy", "python", "distributed")
-"""What must be of one version everywhere: loads, or what is sent, depend on it."""
+SAME = ("propmap", "numpy", "python", "distributed")  # of one version everywhere
 
 
 def check_versions(client: Client) -> None:
@@ -311,10 +289,7 @@ def check_versions(client: Client) -> None:
 
 
 def differences(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield each difference from the client's versions and its remedy.
-
-    ``found`` is what ``Client.get_versions`` gives.
-    """
+    """Yield what in ``found`` differs from the client's versions, and its remedy."""
     own = _versions(found["client"])
     others = {"the scheduler": found["scheduler"]}
     others |= {f"worker {address}": one for address, one in found["workers"].items()}

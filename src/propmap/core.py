@@ -7,6 +7,7 @@ one for each level of x86-64.
 from __future__ import annotations
 
 import importlib
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -28,6 +29,9 @@ def _suitable() -> ModuleType:
 
 
 _build = _suitable()
+
+HEADERS = Path(str(_build.__file__)).with_name("include")
+"""The folder of the core's C++ headers, installed beside its build."""
 
 
 def __getattr__(name: str) -> Any:

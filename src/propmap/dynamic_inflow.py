@@ -198,21 +198,26 @@ class _StatePoints:
         if (time < 0.0).any():
             raise InputError(f"dt is negative ({time.min():g}): give the step's length [s]")
         shapes = {"omega": flow.omega.shape, "state": given.shape[:-1], "dt": time.shape}
+        alike = flow.omega.shape == given.shape[:-1] == time.shape
         try:
-            self.shape = np.broadcast_shapes(*shapes.values())
+            self.shape = time.shape if alike else np.broadcast_shapes(*shapes.values())
         except ValueError:
             found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
             raise InputError(f"shapes do not fit together: {found}; they must broadcast") from None
 
-        def flat(values: Floats) -> Floats:
-            return np.broadcast_to(values, self.shape).ravel()
+        def spread(values: Floats, shape: tuple[int, ...]) -> Floats:
+            # Simulators step one point at a time, which NumPy's function would take half of.
+            return values if values.shape == shape else np.broadcast_to(values, shape)
 
-        self.direction = np.broadcast_to(direction, (*self.shape, 3))
+        def flat(values: Floats) -> Floats:
+            return spread(values, self.shape).ravel()
+
+        self.direction = spread(direction, (*self.shape, 3))
         self.flow = FlowPoints(flat(flow.omega), flat(flow.v_axial), flat(flow.v_inplane))
         self.dt = flat(time)
         self._sign = sign
         self._x, self._y = flat(direction[..., 0]), flat(direction[..., 1])
-        self.state = self._turned(np.broadcast_to(given, self.direction.shape).reshape(-1, 3))
+        self.state = self._turned(spread(given, self.direction.shape).reshape(-1, 3))
 
     def _turned(self, vectors: Floats) -> Floats:
         """Turn mean, x and y to mean, v_s and v_c (N, 3).

@@ -14,8 +14,7 @@ from propmap.loads import LOADS
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
-REFERENCE_TIP_SPEED = 60.0
-"""[m/s] at which the constants are taken by default."""
+REFERENCE_TIP_SPEED = 60.0  # [m/s] at which the constants are taken by default
 
 
 @dataclass(frozen=True)

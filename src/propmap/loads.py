@@ -136,8 +136,7 @@ def error_scales(static: Mapping[str, Any], radius: float) -> dict[str, Any]:
     }
 
 
-FLOW = ("omega", "v_axial", "v_inplane")
-"""Flow quantities with respect to which loads can be differentiated."""
+FLOW = ("omega", "v_axial", "v_inplane")  # which loads can be differentiated by
 
 DRAG_FACTOR, MOUNT_AREA = "drag_factor", "mount_area"
 """How a rotor is installed, where the model says so: the factor on the blades' own drag [-], and

@@ -8,14 +8,13 @@ from typing import Any, NamedTuple, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.errors import InputError
+from propmap.errors import InputError, quoted
 from propmap.typing import Floats
 
 SPIN_REMEDY = "give the spin by its direction, not by a sign [rad/s]"
 """What to do instead of a negative omega."""
 
-FAR = np.array(np.inf)
-"""Height of a rotor far from the ground [m]."""
+FAR = np.array(np.inf)  # height of a rotor far from the ground [m]
 
 
 class Further(TypedDict, total=False):
@@ -41,27 +40,39 @@ class FlowPoints(NamedTuple):
         return found
 
 
-def broadcast(**named: ArrayLike) -> list[Floats]:
-    """Broadcast arguments to arrays of one shape, all finite; ``InputError`` names a fault."""
+def arrays_of(**named: ArrayLike) -> list[Floats]:
+    """Convert arguments to arrays of one shape; ``InputError`` names a fault."""
     arrays = []
     for name, value in named.items():
         try:
-            array = np.asarray(value, dtype=np.float64)
+            arrays.append(np.asarray(value, dtype=np.float64))
         except (TypeError, ValueError):
-            raise InputError(f"{name} is {value!r}: give a number or an array of numbers") from None
-        if not np.isfinite(array).all():
-            raise InputError(f"{name} holds a value that is not finite: remove NaN and infinity")
-        arrays.append(array)
+            found = f"{name} is {quoted(value)}: give a number or an array of numbers"
+            raise InputError(found) from None
+    if len(arrays) == 1:
+        return arrays
     try:
-        return [np.array(a) for a in np.broadcast_arrays(*arrays)]
+        return list(np.broadcast_arrays(*arrays))
     except ValueError:
         shapes = ", ".join(f"{n} {np.shape(a)}" for n, a in zip(named, arrays, strict=True))
         raise InputError(f"shapes do not fit together: {shapes}; they must broadcast") from None
 
 
-def rates(omega: ArrayLike) -> Floats:
-    """Check rotational speeds ``omega`` [rad/s], none of them negative."""
-    return rates_of("omega", omega)
+def broadcast(**named: ArrayLike) -> list[Floats]:
+    """Copy arguments to arrays of one shape, all finite; ``InputError`` names a fault."""
+    arrays = [np.array(values) for values in arrays_of(**named)]
+    for name, values in zip(named, arrays, strict=True):
+        if not np.isfinite(values).all():
+            raise InputError(f"{name} holds a value that is not finite: remove NaN and infinity")
+    return arrays
+
+
+def components(velocity: ArrayLike) -> dict[str, Floats]:
+    """Take x, y and z of a ``velocity`` (..., 3) by name; ``InputError`` for another shape."""
+    (vector,) = arrays_of(velocity=velocity)
+    if vector.ndim == 0 or vector.shape[-1] != 3:
+        raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
+    return {f"v{axis}": vector[..., k] for k, axis in enumerate("xyz")}
 
 
 def rates_of(name: str, values: ArrayLike) -> Floats:
@@ -79,10 +90,7 @@ def resolved(
     one: bool = False,
     **further: Unpack[Further],
 ) -> FlowPoints:
-    """Resolve V along the axis and across it, exactly at multiples of pi/2.
-
-    Arrays are refused where ``one`` is true.
-    """
+    """Resolve V along and across the axis, exactly at multiples of pi/2; ``one`` refuses arrays."""
     more = _given(further)
     alone = None if more else _resolved_alone(omega, speed, beta)
     if alone is not None:
@@ -134,11 +142,7 @@ def split_velocity(
     alone = None if more else _split_alone(omega, velocity)
     if alone is not None:
         return alone
-    (vector,) = broadcast(velocity=velocity)
-    if vector.ndim == 0 or vector.shape[-1] != 3:
-        raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
-    parts = {f"v{axis}": vector[..., k] for k, axis in enumerate("xyz")}
-    w, x, y, z, *rest = broadcast(omega=omega, **parts, **more)
+    w, x, y, z, *rest = broadcast(omega=omega, **components(velocity), **more)
     across = np.hypot(x, y)
     unit = np.where(across > 0.0, across, 1.0)
     direction = np.stack([np.where(across > 0.0, x / unit, 1.0), y / unit, np.zeros_like(x)], -1)

@@ -30,8 +30,7 @@ __all__ = ["ReferenceLoads", "loads"]
 
 Floats = NDArray[Any]
 
-SCAN = 400
-"""Values of v_i at which both sides of (11) are compared at each radius."""
+SCAN = 400  # values of v_i at which both sides of (11) are compared at each radius
 
 WINDMILL_BELOW = -0.95
 """V cos(beta)/v_h of the switch to the windmill branch, within ``vortex_ring``, which hides it."""

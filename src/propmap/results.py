@@ -50,8 +50,7 @@ class LoadValues:
     power: Floats
 
 
-Deviations = Callable[[], Mapping[str, LoadValues]]
-"""Standard deviations of loads by their source; empty where nothing is known of them."""
+Deviations = Callable[[], Mapping[str, LoadValues]]  # by source; empty where nothing is known
 
 
 @dataclass(frozen=True)
@@ -257,18 +256,14 @@ class SearchReport:
         )
 
 
-def array_fields() -> list[str]:
-    """Names of the fields of ``Loads`` that are arrays over the operating points."""
-    return [each.name for each in fields(Loads) if each.name != "deviations"]
-
-
 def joined(parts: Sequence[Loads]) -> Loads:
     """Join loads of any shapes to those of all points, each field (n,)."""
 
     def all_points(values: Iterable[Any], name: str) -> Any:
         return np.concatenate([getattr(one, name).ravel() for one in values])
 
-    arrays: Any = {name: all_points(parts, name) for name in array_fields()}
+    names = (each.name for each in fields(Loads) if each.name != "deviations")
+    arrays: Any = {name: all_points(parts, name) for name in names}
     if parts[0].deviations is None:
         return Loads(**arrays)
 
@@ -310,10 +305,8 @@ def spin_sign(spin: str) -> float:
 
 
 def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
-    """Make vectors of loads (...) in the right-handed rotor frame with z along the thrust.
-
-    ``direction`` (..., 3) is the unit vector of the in-plane velocity, ``sign`` that of the spin.
-    """
+    """Make vectors of loads (...) in the right-handed rotor frame with z along the thrust, for the
+    unit vector ``direction`` (..., 3) of the in-plane velocity and the ``sign`` of the spin."""
     # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.  What is to
     # the left acts along (-y, x).
     x, y = direction[..., 0], direction[..., 1]

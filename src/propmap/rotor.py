@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, Unpack
+from pathlib import Path
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +21,7 @@ from propmap.operating_points import (
     Further,
     along_and_across,
     broadcast,
-    rates,
+    rates_of,
     resolved,
     split_velocity,
 )
@@ -37,17 +38,20 @@ from propmap.results import (
     spin_sign,
 )
 from propmap.tasks import cores
-from propmap.typing import Floats
-
-if TYPE_CHECKING:
-    from propmap.typing import CoreRotor
+from propmap.typing import CoreRotor, Floats
 
 ACCURACIES = ("standard", "fine")
 
 _STATUSES = np.asarray(STATUSES)
 
-RADII_TOGETHER = 1000
-"""Radii at which the core gives fields over the disk in one call, at most."""
+RADII_TOGETHER = 1000  # radii at which the core gives fields over the disk in one call, at most
+
+
+def include_folder() -> Path:
+    """Find the folder of the core's C++ headers."""
+    from propmap.core import HEADERS
+
+    return HEADERS
 
 
 def core_corrections(model: Model) -> dict[str, Any]:
@@ -286,7 +290,7 @@ class Rotor:
 
     def hover_inflow(self, omega: ArrayLike) -> Floats:
         """Static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s], from own static thrust."""
-        w = rates(omega)
+        w = rates_of("omega", omega)
         return self._core.hover_inflow(np.ascontiguousarray(w.ravel()), cores()).reshape(w.shape)
 
     def inflow(

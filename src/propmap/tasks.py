@@ -77,10 +77,8 @@ class InThreads:
 
 
 class InProcesses:
-    """Does ``count`` tasks at a time in processes of one core, for work of which Python does much.
-
-    The processes start with the first tasks, and end with the ``with`` that this is used in.
-    """
+    """Does ``count`` tasks at a time in processes of one core, which end with its ``with``, for
+    work of which Python does much."""
 
     def __init__(self, count: int) -> None:
         from concurrent.futures import ProcessPoolExecutor

@@ -9,5 +9,4 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-CoreRotor: TypeAlias = Any
-"""``propmap.core.Rotor``, which has no annotations."""
+CoreRotor: TypeAlias = Any  # ``propmap.core.Rotor``, which has no annotations

@@ -23,10 +23,10 @@ from propmap.catalogue.expected import (
     mean_blade,
     measured_shapes,
     screw_angle,
-    shapes_without,
 )
 from propmap.catalogue.lookup import designated
 from propmap.model.plausibility import at_share, blade_warnings
+from tools.catalogue.population import shapes_without
 
 RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"
 FAMILIES = sorted({entry.family for entry in catalogue.entries()})
@@ -41,10 +41,8 @@ def invented(name: str, size: float, chord: float, offset: float, begin: int = 0
 
 def test_blades_that_are_alike_are_their_own_mean() -> None:
     found = mean_blade([invented("a", size, 0.2, 0.01) for size in (0.1, 0.2, 0.3)], ["a"])
-    assert np.isnan(found.chord_between).all(), "of one series"
     np.testing.assert_allclose(found.chord, 0.2, rtol=1e-14)
     np.testing.assert_allclose(found.offset, 0.01, rtol=1e-14)
-    np.testing.assert_allclose([found.chord_within, found.offset_within], 0.0, atol=1e-15)
     assert found.propellers == 3
 
 
@@ -53,18 +51,6 @@ def test_a_series_has_one_vote_however_many_its_propellers() -> None:
     found = mean_blade([*many, invented("b", 0.2, 0.1, 0.04)])
     np.testing.assert_allclose(found.chord, 0.15, rtol=1e-14)
     np.testing.assert_allclose(found.offset, 0.02, rtol=1e-14)
-    # Of 0.1 and 0.2.
-    np.testing.assert_allclose(found.chord_between, 0.05 * np.sqrt(2.0), rtol=1e-12)
-
-
-def test_spread_within_series_is_about_their_own_means() -> None:
-    chords = {"a": (0.10, 0.14), "b": (0.30, 0.36, 0.24)}
-    shapes = [
-        invented(f, k + 1.0, c, 0.0) for f, some in chords.items() for k, c in enumerate(some)
-    ]
-    found = mean_blade(shapes, ["a"])
-    squares = sum(len(some) * np.var(some) for some in chords.values())
-    np.testing.assert_allclose(found.chord_within, np.sqrt(squares / (5 - 2)), rtol=1e-12)
 
 
 def test_the_blade_begins_where_most_members_do() -> None:

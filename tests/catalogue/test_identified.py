@@ -2,30 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
-import pytest
 
 import propmap as pm
 from propmap import catalogue
-from propmap.catalogue.identified import (
-    LIFT_LAW,
-    all_identified,
-    as_csv,
-    identified,
-    parse_identified,
-)
+from propmap.catalogue.identified import LIFT_LAW, all_identified, identified
 from propmap.catalogue.lookup import measurement
-from propmap.errors import InputError
-
-FILE = Path(catalogue.__file__).with_name("identified") / "uiuc.csv"
-
-
-def test_the_file_is_small_and_reads_back_the_same() -> None:
-    text = FILE.read_text(encoding="utf-8")
-    assert len(text) < 200_000
-    assert as_csv(parse_identified(text, "here")) == text
 
 
 def test_every_entry_has_a_blade_and_a_covariance_that_is_one() -> None:
@@ -67,12 +49,3 @@ def test_the_8x6e_has_the_measured_loads() -> None:
         told = measured.loads[name]
         error = np.sqrt(np.mean((getattr(found, name) - told) ** 2) / np.mean(told**2))
         assert error < most, name
-
-
-def test_other_files_are_refused() -> None:
-    with pytest.raises(InputError, match="the columns are not those"):
-        parse_identified("a,b\n1,2\n", "here")
-    lines = FILE.read_text(encoding="utf-8").splitlines()[:2]
-    bad = "\n".join([lines[0], lines[1].replace(",2,", ",two,", 1)])
-    with pytest.raises(InputError, match="line 2"):
-        parse_identified(bad, "here")

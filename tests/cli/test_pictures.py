@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.report.pictures import MeasuredLoads
+from propmap.fit.tunnel import TunnelData
+from propmap.report.pictures import along
 
 from .conftest import POINT, ROTOR, Run
 
@@ -53,7 +54,7 @@ def test_disk(run: Run, tmp_path: Path) -> None:
 
 def test_measured_points_lie_along_their_angle() -> None:
     speed, beta = np.array([4.0, 0.0, 2.0, 3.0]), np.radians([90.0, 0.0, 90.4, 60.0])
-    points = MeasuredLoads("", speed, beta, {})
+    points = TunnelData("", np.ones(4), speed, beta)
     quarter = 0.5 * np.pi
-    assert points.along(quarter, at_rest=False).tolist() == [2, 0]
-    assert points.along(quarter, at_rest=True).tolist() == [1, 2, 0]
+    assert along(points, quarter, at_rest=False).tolist() == [2, 0]
+    assert along(points, quarter, at_rest=True).tolist() == [1, 2, 0]

@@ -41,7 +41,7 @@ def test_a_sweep_is_streamed_and_announced(run: Run, tmp_path: Path) -> None:
     done = run("sweep", *ROTOR, *GRID, "-o", path)
     assert done.code == 0
     assert done.out == f"wrote {path}: 8 points\n"
-    assert "8 operating points in 1 task, up to 592 B; about" in done.err
+    assert "8 operating points in 1 task, up to 592 bytes; about" in done.err
     assert run("sweep", *ROTOR, *GRID, "-o", tmp_path / "map.nc").code == 0
     streamed, whole = xarray.open_zarr(path), xarray.open_dataset(tmp_path / "map.nc")
     assert set(streamed.data_vars) == set(whole.data_vars)

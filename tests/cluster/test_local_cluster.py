@@ -16,8 +16,7 @@ import pytest
 
 from propmap.cluster import AHEAD, DaskWorkers, connected
 from propmap.errors import InputError
-from propmap.sweep.run import sweep_to_store
-from propmap.sweep.store import Store
+from propmap.sweep.run import Store, sweep_to_store
 from propmap.tasks import in_order
 from tests.sweep.conftest import whole  # noqa: F401
 from tests.sweep.small_sweep import GRID, POINTS_PER_TASK, contents, rotor, sweep

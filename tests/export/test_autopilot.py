@@ -16,7 +16,7 @@ import propmap
 from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.export.autopilot import autopilot_parameters, export_autopilot
-from propmap.export.inplane_drag import inplane_forces
+from propmap.export.steady_loads import inplane_forces
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import LoadTable
 from propmap.units import RPM

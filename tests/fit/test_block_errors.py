@@ -43,12 +43,12 @@ def test_stretches_count_as_refits_without_them_say() -> None:
     every = line.fitted(measured, np.ones(120, bool))
     residual = line.slopes @ every - measured
     whole = line.slopes.T @ line.slopes
-    found = block_errors(line.slopes, residual, line.group, whole, NONE)
+    middle, freedom = block_errors(line.slopes, residual, line.group, whole, NONE)
     moves = np.array([line.fitted(measured, line.group != k) - every for k in range(24)])
     wanted = 23.0 / 24.0 * moves.T @ moves
     inverse = np.linalg.inv(whole)
-    np.testing.assert_allclose(inverse @ found.middle @ inverse, wanted, rtol=1e-8)
-    assert (found.freedom < 23.0).all() and (found.freedom > 2.0).all()
+    np.testing.assert_allclose(inverse @ middle @ inverse, wanted, rtol=1e-8)
+    assert (freedom < 23.0).all() and (freedom > 2.0).all()
 
 
 def test_even_stretches_have_all_degrees_of_freedom_and_priors_more() -> None:
@@ -56,10 +56,10 @@ def test_even_stretches_have_all_degrees_of_freedom_and_priors_more() -> None:
     group = np.arange(40).repeat(3)
     residual = np.random.default_rng(7).standard_normal(120)
     whole = slopes.T @ slopes
-    found = block_errors(slopes, residual, group, whole, NONE)
-    np.testing.assert_allclose(found.freedom, 39.0)
-    held = block_errors(slopes, residual, group, whole + 1e3 * np.eye(3), 1e3 * np.eye(3))
-    assert (held.freedom > 1000.0).all()
+    _, freedom = block_errors(slopes, residual, group, whole, NONE)
+    np.testing.assert_allclose(freedom, 39.0)
+    _, freedom = block_errors(slopes, residual, group, whole + 1e3 * np.eye(3), 1e3 * np.eye(3))
+    assert (freedom > 1000.0).all()
 
 
 def test_intervals_hold_the_truth_where_independent_rows_would_not() -> None:
@@ -71,9 +71,9 @@ def test_intervals_hold_the_truth_where_independent_rows_would_not() -> None:
         measured = np.sum(alike * line.slopes, axis=1) + 0.3 * rng.standard_normal(120)
         x = line.fitted(measured, np.ones(120, bool))
         residual = line.slopes @ x - measured
-        found = block_errors(line.slopes, residual, line.group, whole, NONE)
-        deviation = np.sqrt(np.diag(inverse @ found.middle @ inverse))
-        inside.append(np.abs(x) <= stdtrit(found.freedom, 0.975) * deviation)
+        middle, freedom = block_errors(line.slopes, residual, line.group, whole, NONE)
+        deviation = np.sqrt(np.diag(inverse @ middle @ inverse))
+        inside.append(np.abs(x) <= stdtrit(freedom, 0.975) * deviation)
         alone = np.sqrt(np.diag(inverse) * (residual @ residual) / 117.0)
         naive.append(np.abs(x) <= 1.98 * alone)
     assert (np.mean(inside, axis=0) > 0.90).all() and (np.mean(inside, axis=0) < 0.99).all()

@@ -15,7 +15,7 @@ from propmap.errors import InputError
 from propmap.rotor import Rotor
 from propmap.study.files import read_study, response_surface
 from propmap.study.run import Study, changed_blade, pitch_of
-from propmap.sweep.store import InMemory, Store
+from propmap.sweep.run import InMemory, Store
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "study" / "around_8x6.toml"
 

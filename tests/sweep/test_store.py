@@ -17,8 +17,7 @@ import propmap
 from propmap.errors import InputError
 from propmap.rotor import Rotor
 from propmap.sweep.points import Grid, PointList, chunk_shape, parts_along
-from propmap.sweep.run import Sweep, stream, sweep_to_store
-from propmap.sweep.store import Layout, Store
+from propmap.sweep.run import Layout, Store, Sweep, stream, sweep_to_store
 from propmap.tasks import InProcesses, InThreads, InTurn, in_order
 
 from .small_sweep import GRID, POINTS_PER_TASK, contents, rotor, sweep

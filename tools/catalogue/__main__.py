@@ -15,13 +15,14 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.catalogue.expected import Population, as_toml, parse_populations
-from propmap.catalogue.identified import PARAMETERS, Identified, as_csv, parse_identified
+from propmap.catalogue.expected import Population, parse_populations
+from propmap.catalogue.identified import PARAMETERS, Identified
 from propmap.cli.options import workers_of
 from propmap.cli.output import check_output, grid, show, write_text
 from propmap.errors import InputError
 from tools.catalogue.database import read_uiuc_database, refiled
 from tools.catalogue.entries import identify_all, identify_without_blade
+from tools.catalogue.files import as_csv, as_toml, parse_identified
 from tools.catalogue.population import populations_of
 from tools.catalogue.verdict import summary
 

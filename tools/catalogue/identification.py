@@ -94,11 +94,16 @@ class Identification(NamedTuple):
     residual: Floats  # (2, n): model minus measurement [-]; NaN where no inflow was found
 
 
+def whitening(prior: PopulationPrior) -> Floats:
+    """W (P, P), with which W (place - mean) of a ``prior`` has independent parts of variance 1."""
+    return np.linalg.inv(np.linalg.cholesky(prior.correlation)) / prior.deviation
+
+
 class _Penalised:
     """The penalised sum of squares of a test; the model is evaluated once at each place."""
 
     def __init__(self, test: AxialTest, prior: PopulationPrior, independent: float) -> None:
-        self.test, self.prior, self.whitening = test, prior, prior.whitening
+        self.test, self.prior, self.whitening = test, prior, whitening(prior)
         self.weight = np.sqrt(min(independent / test.tested.rpm.size, 1.0))
         self._found: dict[bytes, tuple[Floats, Floats]] = {}
 

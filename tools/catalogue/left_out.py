@@ -39,7 +39,6 @@ from propmap.catalogue.expected import (
     on_makers_blade,
     on_mean_blade,
     on_measured_blade,
-    shapes_without,
     slopes_of,
 )
 from propmap.catalogue.identified import (
@@ -62,7 +61,13 @@ from tools.catalogue.database import (
     with_rows,
 )
 from tools.catalogue.identification import AxialTest, identify, updated
-from tools.catalogue.population import all_members, errors_of, population_of, populations_of
+from tools.catalogue.population import (
+    all_members,
+    errors_of,
+    population_of,
+    populations_of,
+    shapes_without,
+)
 
 RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"
 

@@ -13,18 +13,21 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.catalogue.apc import apc_blades
+from propmap.catalogue.designation import designation
 from propmap.catalogue.expected import (
     GEOMETRIES,
     POPULATION,
     MeanBlade,
+    MeasuredShape,
     Member,
     Population,
     covariates,
+    label_size,
     likeness,
     mean_blade,
+    measured_shapes,
     member,
     on_mean_blade,
-    shapes_without,
 )
 from propmap.catalogue.identified import Identified, one_of_each
 from propmap.tasks import InTurn, Workers, in_order
@@ -62,6 +65,13 @@ def all_members(entries: Sequence[Identified]) -> dict[str, list[Member]]:
             found["family"].append(on_mean_blade(one, mean_blade(others, [one.family])))
         found["population"].append(on_mean_blade(one, mean_blade(others)))
     return found
+
+
+def shapes_without(entry: catalogue.Entry) -> list[MeasuredShape]:
+    """Leave the propeller of which ``entry`` is a blade out of ``measured_shapes``."""
+    label = designation(entry.title)
+    own = label and (entry.family, label_size(label))
+    return [one for one in measured_shapes() if (one.family, one.size) != own]
 
 
 def members_on(entries: Sequence[Identified], family: str, shape: MeanBlade) -> list[Member]:

@@ -97,7 +97,7 @@ struct Disk {
 
     // The lanes of a group that are looked at for several roots: every third run of nodes.
     static Mask every_third_run(int group) {
-        Mask chosen;
+        Mask chosen{};
         for (int k = 0; k < width; ++k) chosen[k] = -((group * width + k) / run % 3 == 0);
         return chosen;
     }

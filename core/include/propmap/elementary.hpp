@@ -10,6 +10,11 @@
 #include <cstdint>
 #include <type_traits>
 
+// Lanes are handed from function to function within one program: how others would pass them does not matter.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
 namespace propmap {
 
 #if defined(__AVX512F__)
@@ -29,7 +34,7 @@ inline Lanes broadcast(double x) { return x - Lanes{}; }
 
 // A Lanes whose lane k is `f(k)`.
 template <class F> Lanes each_lane(F f) {
-    Lanes r;
+    Lanes r{};
     for (int k = 0; k < width; ++k) r[k] = f(k);
     return r;
 }

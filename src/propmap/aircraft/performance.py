@@ -16,8 +16,7 @@ from propmap.typing import Floats
 from propmap.units import RPM
 
 TOP = 3  # number of the top speed among the states with a name
-SPEEDS, BETWEEN = 41, 13
-"""Speeds at which power is computed, from rest to the top speed, and about the least of these."""
+SPEEDS, BETWEEN = 41, 13  # from rest to the top speed, and about those of least power
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,8 +230,7 @@ def _lowest(x: Floats, y: Floats) -> float:
 # -------------------------------------------------------------------------------------------------
 # The top speed of an aircraft, and the limit that it meets there.
 
-BEYOND = 1.3
-"""Ratio of the speeds at which the search goes on beyond those that were asked for."""
+BEYOND = 1.3  # ratio of the speeds at which the search goes on beyond those that were asked for
 
 FASTEST = 150.0  # [m/s] up to which a top speed is searched
 STEPS = 40  # steps of a search for the top speed, at most
@@ -240,8 +238,7 @@ CLOSE, NARROW = 2e-3, 0.1
 """The interval with the top speed is narrowed until it is so small a share of it, each time to so
 much about where the share of the limit is likely to reach 1."""
 
-WITHIN = 0.999
-"""Share of the last interval, so that rounding does not put the top speed beyond the limit."""
+WITHIN = 0.999  # share of the last interval, so that rounding does not lead beyond
 
 
 def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
@@ -365,10 +362,7 @@ def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, 
 
 
 def rows(states: SteadyStates, sure: StateChange | None = None) -> list[dict[str, Any]]:
-    """Return one mapping per state, a number per rotor as rpm_1, rpm_2 ...; None for NaN.
-
-    ``states`` and ``sure`` are those of ``columns``.
-    """
+    """List a mapping per state of ``columns``, with rpm_1, rpm_2 ... for rotors; None for NaN."""
     flat: dict[str, list[float]] = {}
     for name, column in columns(states, sure).items():
         if column.values.ndim == 1:

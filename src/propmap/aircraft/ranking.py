@@ -15,7 +15,7 @@ from propmap.aircraft.mission import Mission
 from propmap.aircraft.mission import fly as fly_mission
 from propmap.aircraft.performance import endurance, top_speed
 from propmap.aircraft.trim import STATUSES, Aircraft, SteadyStates
-from propmap.catalogue.identified import all_identified
+from propmap.catalogue.identified import PARAMETERS, all_identified
 from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, propeller
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil, SectionCovariance
@@ -26,8 +26,7 @@ from propmap.tasks import InThreads, Workers, cores, in_order
 from propmap.units import INCH
 from propmap.vehicle.vehicle import Vehicle
 
-COAXIAL = 1e-3
-"""Distance of two axes over the radius below which rotors are one above the other [-]."""
+COAXIAL = 1e-3  # distance of axes over the radius below which rotors are above each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,10 +263,7 @@ class Ranking:
 
 
 def _overlap(vehicle: Vehicle, radius: float) -> str:
-    """Say why disks of this radius do not fit beside each other on a vehicle; empty where they do.
-
-    Rotors one above the other, on one axis, may have any radius.
-    """
+    """Say why disks of ``radius`` [m], but for coaxial ones, do not fit; empty where they do."""
     place, axis = vehicle.hub_positions, vehicle.rotor_axes
     closest = math.inf
     for k in range(len(place)):
@@ -311,10 +307,7 @@ def beats(better: Judged, worse: Judged) -> float:
 
 
 def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
-    """Return numbers of the feasible ones that no other beats in hover power and in top speed.
-
-    They are in the order of rising hover power.
-    """
+    """Number the feasible ones not beaten in both hover power and top speed, by hover power."""
     power = np.array([one.hover_power if one.feasible else math.nan for one in judged])
     speed = np.array([one.top_speed if one.feasible else math.nan for one in judged])
     found = [
@@ -343,11 +336,8 @@ class Candidate:
     verdict: str = "good"  # or what is wrong with the constants
 
     def varied(self) -> list[Candidate]:
-        """Return candidates with constants off by one standard deviation along each principal axis.
-
-        The axes are those of their covariance; where a constant would leave its bounds, it goes to
-        the other side, or not at all.
-        """
+        """List candidates with constants off by one standard deviation along each principal axis of
+        their covariance, to the other side or not at all where one would leave its bounds."""
         if self.covariance is None or not isinstance(self.airfoil, Airfoil):
             return []
         known = self.covariance.determined
@@ -398,7 +388,8 @@ def catalogue_candidates(
         # 10 in are 0.254 m but for rounding in the catalogue.
         if low - 1e-6 <= blade.diameter <= high + 1e-6:
             name = one.propeller if one.blades == 2 else f"{one.propeller}, {one.blades} blades"
-            found.append(Candidate(name, blade, one.airfoil, one.section_covariance, one.verdict))
+            known = SectionCovariance(PARAMETERS, one.covariance)
+            found.append(Candidate(name, blade, one.airfoil, known, one.verdict))
     if not found:
         raise InputError(
             f"no propeller of the catalogue has {low / INCH:.3g} to {high / INCH:.3g} in"
@@ -435,9 +426,6 @@ def file_candidate(path: str | os.PathLike[str], section: Section | None = None)
     return Candidate(os.fspath(path), blade, law, known and known.covariance, verdict)
 
 
-# -------------------------------------------------------------------------------------------------
-# What an aircraft is for, and what propellers are ranked by.
-
 MEASURES = {
     "hover": {"energy": "power in hover", "time": "time in hover on one battery"},
     "cruise": {
@@ -447,13 +435,10 @@ MEASURES = {
     },
     "fast": {"speed": "top speed"},
     "mission": {"energy": "energy of the mission"},
-}
-"""What candidates may be ranked by for each task, the first by default."""
+}  # what candidates may be ranked by for each task, the first by default
 
 UNITS = {"energy": "W", "time": "s", "range": "m", "speed": "m/s"}
-ENERGIES = {"cruise": "J/m", "mission": "J"}
-"""Units of scores, and of the energy of tasks that are not held."""
-
+ENERGIES = {"cruise": "J/m", "mission": "J"}  # units of the energy of tasks that are not held
 SPEED = 10.0  # [m/s] at which propellers are compared besides hover, unless one is given
 
 

@@ -21,20 +21,14 @@ from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.vehicle.vehicle_forces import Rotors, Sources, load_rows
 
-# -------------------------------------------------------------------------------------------------
-# How sure steady states are, and their derivatives by what a designer may choose.
-
 FLIGHT = ("speed", "climb")
 AREAS = ("drag_area_x", "drag_area_y", "drag_area_z")
 VEHICLE = (*FLIGHT, "mass", *AREAS)
 """What steady states can be differentiated by, besides the constants of the section law and
 ``GEOMETRY``: [m/s], [kg], [m^2]."""
 
-DIAMETER, GROWTH = "diameter_scale", 0.01
-"""A common factor on radius and chord, and the step of its differences."""
-
-SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}
-"""Scales of the steps of differences, by parameter; else the constant itself."""
+DIAMETER, GROWTH = "diameter_scale", 0.01  # a common factor on radius and chord, and its step
+SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}  # of steps; else the constant itself
 
 
 class StateChange(NamedTuple):
@@ -257,9 +251,6 @@ def _errors_of(source: Any) -> ChangesAt:
     return at
 
 
-# -------------------------------------------------------------------------------------------------
-# How steady states change, to first order, with what they rest on.
-
 STEP = 1e-2
 """Steps of difference quotients to either side: angles [rad], shares of squared rotor speeds and of
 torques, speeds over 1 m/s.  Loads jump by some 1e-4 of their size at isolated points, which a much
@@ -267,17 +258,13 @@ smaller step would make the most of a quotient."""
 
 SMOOTH_STEP = 1e-5  # instead of ``STEP`` where the loads are linear: what is left is smooth
 
-ChangesAt = Callable[[FlowPoints], Floats]
-"""D changes of the L loads at N operating points, (D, L, N)."""
+ChangesAt = Callable[[FlowPoints], Floats]  # D changes of the L loads at N points, (D, L, N)
 
 
 class Responses:
-    """Steady states, ready to be differentiated.
-
-    What balances the aircraft follows a change by the implicit function theorem: with unknowns x
-    and the unbalanced shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp.  With ``exact``, by the loads'
-    own derivatives by the flow where they have some, see ``has_slopes``; else all are differences.
-    """
+    """Steady states, ready to be differentiated by the implicit function theorem: with unknowns x
+    and unbalanced shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp. With ``exact`` the loads' own
+    derivatives by the flow are taken where there are some, see ``has_slopes``, else differences."""
 
     def __init__(self, aircraft: Aircraft, states: SteadyStates, *, exact: bool = False) -> None:
         self.aircraft, self.count = aircraft, len(states)
@@ -359,11 +346,8 @@ class Responses:
     def _implied(
         self, residual: Floats, torque: Floats | None = None, flown: str | None = None
     ) -> StateChange:
-        """Return the response to a change that, were nothing to follow, leaves ``residual`` (n, u).
-
-        It changed torques by ``torque`` (n, k) [N m]; ``flown`` is what of the flight changes
-        itself.
-        """
+        """Find the response to a change that by itself leaves ``residual`` (n, u) and adds
+        ``torque`` (n, k) [N m]; ``flown`` is what of the flight changes itself."""
         dx = -np.einsum("nur,nr->nu", self._inverse, residual)
         dq = np.einsum("nku,nu->nk", self._torque, dx)
         if torque is not None:
@@ -428,20 +412,14 @@ def _by_name(rows: Floats, omega: Floats) -> Any:
 
 
 def has_slopes(source: Any) -> bool:
-    """Whether the loads of a ``source`` have exact derivatives by the flow.
-
-    A rotor has, by the implicit function theorem, and a table; the hover model has not.
-    """
+    """Whether the loads of a ``source``, a rotor or a table, have exact derivatives by the flow."""
     return isinstance(source, Rotor | LoadTable)
 
 
 class LocalLoads:
-    """Loads that are linear in rotor speed and in the velocity along and across the axis.
-
-    They are linear about the operating points of the first call; a later one is about the nearest
-    of these.  Where there is no velocity across the axis, drag and moments by it grow in whichever
-    direction it does.
-    """
+    """Loads that are linear in rotor speed and velocity about the nearest of the operating points
+    of the first call. Without velocity across the axis, drag and moments by it grow in any
+    direction."""
 
     def __init__(self, source: Any) -> None:
         self._source = source

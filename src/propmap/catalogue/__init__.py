@@ -95,10 +95,8 @@ def entry(name: str) -> Entry:
 
 
 def of_makers_file(title: str, blades: int, diameter_m: float) -> Entry | None:
-    """Make the line of a propeller that an APC file with this ``title`` is of.
-
-    It is that of the catalogue where there is one; None where the title names no series known.
-    """
+    """Make the line, the catalogue's where there is one, of a propeller that an APC file with this
+    ``title`` is of; None where the title names no series known."""
     name = name_of(title)
     if name in _names():
         return entry(name)

@@ -12,9 +12,6 @@ import numpy as np
 from propmap.model.model import Propeller
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# One table of APC's blades, a line each; a process wants one of them.
-
 APC_CITATION = "Landing Products Inc. (APC Propellers), performance data files, 2022"
 FOLDER = Path(__file__).parent / "apc_files"
 BLADES, DIFFERENCES = FOLDER / "blades.csv", FOLDER / "differences.csv"
@@ -25,8 +22,7 @@ SERIES = {
     "SF": ("apcsf", "Slow Flyer"),
     "MR": ("apcmr", "Multi-Rotor"),
     "": ("apcsp", "Sport"),
-}
-"""Code and title of a series by its mark behind the size; other marks name none known here."""
+}  # code and title of a series by its mark behind the size; other marks name none known here
 
 _TITLE = re.compile(r"[\d.]+x[\d.]+([A-Z]*)(?:-\d(?:Blade)?)?")
 
@@ -87,21 +83,17 @@ def apc_blades() -> dict[str, ApcBlade]:
 
 
 class Difference(NamedTuple):
-    """What a blade of a series measures more than in its maker's file, at 0.75 R.
-
-    The logarithm of the ratio of the chords, and the difference of the twists [rad].
-    """
+    """What a blade of a series measures more than in its maker's file, at 0.75 R: the logarithm of
+    the ratio of the chords, and the difference of the twists [rad]."""
 
     mean: Floats  # (2,)
     covariance: Floats  # (2, 2) of a further propeller, with that of the mean
 
 
 def difference(family: str | None, without: str = "") -> Difference:
-    """Give the difference of a series, or over series where none of it was measured.
-
-    The propeller that the catalogue calls ``without`` is left out.
-    """
-    every = {code: _difference(pairs) for code, pairs in _pairs(without).items()}
+    """Give the difference of a series, or over series where none of it was measured; the propeller
+    that the catalogue calls ``without`` is left out."""
+    every = {code: _further(pairs) for code, pairs in _pairs(without).items()}
     if family in every:
         return every[family]
     means = np.stack([one.mean for one in every.values()])
@@ -109,11 +101,7 @@ def difference(family: str | None, without: str = "") -> Difference:
     return _further(means, within)
 
 
-def _difference(pairs: Floats) -> Difference:
-    return _further(pairs, np.zeros((2, 2)))
-
-
-def _further(some: Floats, each: Floats) -> Difference:
+def _further(some: Floats, each: Floats | float = 0.0) -> Difference:
     """Predict one more than the ``some`` (n, 2), which has the covariance ``each`` besides."""
     return Difference(some.mean(axis=0), np.cov(some.T) * (1.0 + 1.0 / len(some)) + each)
 

@@ -11,9 +11,6 @@ from propmap import catalogue
 from propmap.errors import InputError, quoted
 from propmap.units import INCH
 
-# -------------------------------------------------------------------------------------------------
-# How makers of propellers for multirotors designate them: one table of their rules.
-
 
 class Rule(NamedTuple):
     """What a form of designation means with one maker."""
@@ -62,8 +59,7 @@ MAKERS = (
     Maker("Lumenier", "lumenier"),
     Maker("EMAX", "emax|avan"),
     Maker("Azure Power", "azure"),
-)
-"""Makers with the rules that are known of them; shops' and makers' pages agree on these."""
+)  # makers with the rules that are known of them; shops' and makers' pages agree on these
 
 _NAMES = {maker: rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS}
 
@@ -75,17 +71,9 @@ def spaced(text: str) -> str:
     return text
 
 
-def maker_of(text: str) -> str:
-    """Name the maker that a designation in lower case names; "" where it is none of these."""
-    return next((maker.name for maker, name in _NAMES.items() if re.search(name, text)), "")
-
-
 def ruled(text: str) -> tuple[str, Rule] | None:
-    """Find the rule that a designation in lower case follows, and whose it is.
-
-    Where it names none of these makers the rule may be anybody's, but for names that stand for a
-    size.
-    """
+    """Find the rule that a designation in lower case follows, and whose it is. Where no maker is
+    named the rule may be anybody's, but for names that stand for a size."""
     named = [maker for maker, name in _NAMES.items() if re.search(name, text)]
     for maker in named or MAKERS:
         for rule in maker.rules:
@@ -102,10 +90,7 @@ LARGEST_INCHES = 40.0  # diameter above which a bare number is taken for millime
 LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # [m] of any propeller that is meant to be known here
 STEEPEST = 2.5  # largest ratio of pitch to diameter
 MOST_BLADES = 8
-SAME = 0.006
-"""Relative difference up to which two lengths are the same: makers round to a twentieth of an
-inch."""
-
+SAME = 0.006  # relative difference of lengths that are the same, as makers round to 1/20 in
 NO_MAKER = ("mm", "in", "inch", "uiuc")  # units, and where names in the catalogue are from
 
 WITHOUT_BLADE = {
@@ -115,8 +100,7 @@ WITHOUT_BLADE = {
     "kavfk": "Kavon FK",
     "rusp": "Rev Up Special",
     "zin": "Zingali",
-}
-"""Series of which loads were measured and no blade."""
+}  # series of which loads were measured and no blade
 
 _NUMBER = r"(\d{1,3}(?:[.,]\d+)?)"
 _TIMES = "[x\u00d7*]"
@@ -201,7 +185,8 @@ def designation(text: str) -> Designation | None:
         raise InputError(f"{quoted(text)} has a pitch of {pitch:.3g} m", remedy)
     if count is not None and not 2 <= count <= MOST_BLADES:
         raise InputError(f"{quoted(text)} has {count} blades", f"give 2 to {MOST_BLADES} blades")
-    maker, counted = maker_of(rest), f"{count} blades"
+    maker = next((maker.name for maker, name in _NAMES.items() if re.search(name, rest)), "")
+    counted = f"{count} blades"
     if count is None and by_rule is not None:
         whose, rule = by_rule
         count = rule.blades
@@ -226,13 +211,10 @@ def _from_figures(first: str, second: str) -> tuple[list[float], str]:
 
 
 def candidates(wanted: Designation) -> list[catalogue.Entry]:
-    """List the propellers of the catalogue that a designation may mean, one for each series.
-
-    Among several blades of one series and size one with as many blades is given, and of these the
-    first that was measured. Where the words are the whole name of a series or its code, others
-    whose names go on are left out. The number of blades counts only where no maker is named: makers
-    put one blade on hubs for two and more.
-    """
+    """List the propellers of the catalogue that a designation may mean, one for each series: with
+    as many blades if there is such a one, and measured before others. Where the words are a series'
+    whole name or code, longer names are left out; blades count only where no maker is named, as one
+    blade is put on many hubs."""
     found: dict[str, catalogue.Entry] = {}
     named, whole = _series(wanted.words), set()
 
@@ -257,11 +239,8 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
 
 def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
     """Split a designation's ``words`` into codes of the series that they name, and words that name
-    none.
-
-    Words are given up from the last on until the others name a series: "gws hd" stands for all
-    series of GWS. The list is empty where the first word is unknown, or there is none.
-    """
+    none; the last words are given up until the others name a series, so that "gws hd" is any of
+    GWS."""
     for count in range(len(words), 0, -1):
         found = _series(words[:count])
         whole = [family for family in found if _whole(words[:count], family)]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -26,9 +26,6 @@ from propmap.catalogue.identified import (
 from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, SectionUncertainty
 from propmap.model.model import Propeller
 from propmap.typing import Floats
-
-# -------------------------------------------------------------------------------------------------
-# The blade to expect of a propeller that is known by diameter, pitch and blades alone.
 
 ERRORS = {
     "family_blade": ((0.08, 0.08), (0.22, 0.21)),
@@ -84,8 +81,7 @@ class ExpectedBlade:
 
     @property
     def summary(self) -> str:
-        """Say in one line how the text was read, what the blade rests on, and how far loads may
-        err."""
+        """Say in a line how the text was read, what the blade rests on, how far loads may err."""
         count, of = self.shape.propellers, f"{len(self.shape.families)} families"
         if self.geometry == "family":
             of = f"its family, {self.family}"
@@ -172,8 +168,7 @@ CHORD_OF_MORE = 0.711
 """Chord of blades on a propeller with more than two, over that of the mean blade; the logarithm is
 known to 0.03.  Three and four are not told apart."""
 
-LEFT_OUT_ERROR = 0.10
-"""Errors of static thrust of the stand's propellers, each left out, are less."""
+LEFT_OUT_ERROR = 0.10  # errors of static thrust of the stand's propellers, each left out, are less
 
 STAND_DEVIATION = 0.099
 """Standard deviation of the logarithm of static thrust about that of blades with this chord: the
@@ -197,10 +192,7 @@ def left_at_rest(covariance: Floats, deviation: float = STAND_DEVIATION) -> floa
 
 def known_at_rest(covariance: Floats, left: float) -> Floats:
     """Narrow a ``covariance`` (P, P) of the coordinates until the share ``left`` of the variance of
-    static thrust is left.
-
-    What does not change static thrust, drag above all, stays as little known as it is.
-    """
+    static thrust is left; what does not change static thrust stays as little known."""
     along = covariance @ AT_REST
     return covariance - (1.0 - left) * np.outer(along, along) / (AT_REST @ along)
 
@@ -214,8 +206,7 @@ them err less, rms over rms; with the blade of a maker's file as with a measured
 
 
 class ExpectedConstants(NamedTuple):
-    """Constants of a propeller that was not identified, and in one line how far its loads may be
-    off."""
+    """Constants of a propeller that was not identified, and a line on how far loads may be off."""
 
     airfoil: Airfoil
     summary: str
@@ -224,12 +215,9 @@ class ExpectedConstants(NamedTuple):
 def expected_constants(
     family: str | None = None, size: Size | None = None, geometry: str = "measured"
 ) -> ExpectedConstants:
-    """Give the most likely constants of a small propeller.
-
-    Without a ``family``, a code such as "apcsf", those over all; without a ``size``, those of a
-    middling one. ``geometry`` says whether its blade is "measured", of its "maker", or expected by
-    the means of its "family" or of the "population", which may be that of a "multirotor".
-    """
+    """Give the most likely constants of a small propeller of a ``family`` such as "apcsf", or any,
+    and ``size``, or a middling one; its blade's ``geometry`` is "measured", its "maker"'s, or the
+    mean of its "family" or of the "population", perhaps that of a "multirotor"."""
     prior, members = expected_prior(family, size, geometry), _members(family, geometry)
     if members and family is not None:
         own, of = family, f"those of its family, {family}, {len(members)} propellers"
@@ -270,8 +258,7 @@ def expected_prior(
     geometry: str = "measured",
     without: str | None = None,
 ) -> PopulationPrior:
-    """Give the distribution of a propeller's constants without its own data, for
-    ``expected_constants``; ``without`` is what the database calls a propeller that is left out."""
+    """Give the distribution for ``expected_constants``; the propeller ``without`` is left out."""
     members = [one for one in _members(family, geometry) if one.tested != without]
     population = bundled_population(_population_of(geometry))
     prior = family_prior(members, population, size or (MIDDLE[0], MIDDLE[0] * MIDDLE[1]))
@@ -289,11 +276,8 @@ def siblings(family: str | None, without: str | None = None) -> int:
 
 
 def size_of(meant: catalogue.Entry | ExpectedBlade | None, blade: Propeller) -> Size:
-    """Read diameter and pitch [m] from the label of what ``lookup.meant_by`` has found.
-
-    For a file, None, they are the blade's diameter and the pitch of its twist at three quarters of
-    the radius, which is 3 % of the diameter above labels in the mean over those measured.
-    """
+    """Read diameter and pitch [m] from the label of what ``lookup.meant_by`` has found; for a file,
+    None, from the blade, whose pitch at 0.75 R is 3 % of the diameter above labels in the mean."""
     if isinstance(meant, ExpectedBlade):
         return meant.wanted.diameter, meant.wanted.pitch
     label = designation(meant.title) if meant is not None else None
@@ -330,10 +314,8 @@ def on_measured_blade(one: Identified) -> Member:
 def on_makers_blade(
     prior: PopulationPrior, family: str | None, without: str = ""
 ) -> PopulationPrior:
-    """Move the distribution of constants from a measured blade to that of its maker's file.
-
-    ``without`` is the name of a propeller whose measured blade plays no part.
-    """
+    """Move a distribution from a measured blade to that of its maker's file, without the measured
+    blade that the catalogue calls ``without``."""
     shift, spread = _by_difference(apc.difference(family, without))
     return PopulationPrior.of(prior.mean + shift, prior.covariance + spread)
 
@@ -383,21 +365,13 @@ class MeasuredShape(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MeanBlade:
-    """Mean chord and twist (n,) of one series or several, with one vote each, and their spread.
-
-    Standard deviations are over all series, within them and between their means; NaN where there
-    are too few blades.
-    """
+    """Mean chord and twist (n,) of one series or several, with one vote each."""
 
     families: tuple[str, ...]
     propellers: int  # how many were measured
     share: Floats  # radii over the tip radius, from where most members' blades begin
     chord: Floats  # over the tip radius [-]
     offset: Floats  # twist less that of a screw with the labelled pitch [rad]
-    chord_within: Floats
-    offset_within: Floats
-    chord_between: Floats
-    offset_between: Floats
 
     def propeller(self, name: str, diameter: float, pitch: float, blades: int) -> Propeller:
         """Make a propeller of this shape, labelled ``diameter`` and ``pitch`` [m]."""
@@ -418,17 +392,9 @@ def screw_angle(share: Floats, pitch_ratio: float) -> Floats:
     return np.arctan(pitch_ratio / (math.pi * share))
 
 
-def shapes_without(entry: catalogue.Entry) -> list[MeasuredShape]:
-    """Leave the propeller of which ``entry`` is a blade out of ``measured_shapes``."""
-    label = designation(entry.title)
-    own = label and (entry.family, _size(label))
-    return [one for one in measured_shapes() if (one.family, one.size) != own]
-
-
 @lru_cache(maxsize=1)
 def measured_shapes() -> tuple[MeasuredShape, ...]:
-    """List the propellers of the catalogue by series and size, but for the table of a maker's: the
-    mean of their blades."""
+    """List means of blades in the catalogue by series and size, but for the table of a maker's."""
     blades_of: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
     for entry in catalogue.entries():
         if entry.name in apc.apc_blades():
@@ -444,7 +410,7 @@ def measured_shapes() -> tuple[MeasuredShape, ...]:
             for values in (blade.chord / blade.radius, blade.twist)
         )
         offset = twist - screw_angle(SHARES, label.pitch / label.diameter)
-        blades_of.setdefault((entry.family, _size(label)), []).append((chord, offset))
+        blades_of.setdefault((entry.family, label_size(label)), []).append((chord, offset))
     return tuple(
         MeasuredShape(family, size, *np.mean(blades, axis=0))
         for (family, size), blades in blades_of.items()
@@ -463,24 +429,19 @@ def bundled_mean(families: tuple[str, ...] = ()) -> MeanBlade:
 
 
 def mean_blade(shapes: Sequence[MeasuredShape], families: Collection[str] = ()) -> MeanBlade:
-    """Average the ``shapes`` of some ``families``, of all where none is given; the spread is over
-    all."""
+    """Average the ``shapes`` of some ``families``, of all where none is given."""
     by_family: dict[str, list[Floats]] = {}
     for one in shapes:
         by_family.setdefault(one.family, []).append(np.stack([one.chord, one.offset]))
-    means = {family: _mean(np.stack(some)) for family, some in by_family.items()}
     chosen = tuple(families) or tuple(by_family)
+    means = np.stack([_mean(np.stack(by_family[family])) for family in chosen])
     counted = sum(len(by_family[family]) for family in chosen)
-    about = np.stack([one - means[f] for f, some in by_family.items() for one in some])
-    freedom = np.isfinite(about).sum(axis=0) - np.isfinite(list(means.values())).sum(axis=0)
-    within = np.sqrt(np.nansum(about**2, axis=0) / np.where(freedom > 0, freedom, np.nan))
-    between = _deviation(np.stack(list(means.values())))
-    begun = np.mean([np.isfinite(means[family][0]) for family in chosen], axis=0) >= 0.5
-    mean = _mean(np.stack([means[family] for family in chosen])[..., begun])
-    return MeanBlade(chosen, counted, SHARES[begun], *mean, *within[:, begun], *between[:, begun])
+    begun = np.mean(np.isfinite(means[:, 0]), axis=0) >= 0.5
+    return MeanBlade(chosen, counted, SHARES[begun], *_mean(means[..., begun]))
 
 
-def _size(label: Designation) -> tuple[float, float]:
+def label_size(label: Designation) -> tuple[float, float]:
+    """Give the labelled diameter and pitch [m], rounded to be compared."""
     return round(label.diameter, 5), round(label.pitch, 5)
 
 
@@ -490,13 +451,6 @@ def _mean(some: Floats) -> Floats:
     count = known.sum(axis=0)
     total = np.where(known, some, 0.0).sum(axis=0)
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
-
-
-def _deviation(some: Floats) -> Floats:
-    """Take standard deviations over the first axis, NaN where fewer than two are known."""
-    count = np.isfinite(some).sum(axis=0)
-    squares = np.nansum((some - _mean(some)) ** 2, axis=0)
-    return np.sqrt(squares / np.where(count > 1, count - 1, np.nan))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -514,13 +468,9 @@ _ANGLES = np.array([name in ("zero_lift_angle", "drag_angle") for name in PARAME
 
 
 def equivalent(blade: Propeller, other: Propeller) -> Floats:
-    """Say how constants identified on a ``blade`` change on the ``other``, for about the same
-    loads.
-
-    To be added to coordinates (P,) of ``PopulationPrior``: the logarithm of the mean ratio of the
-    chords in those of forces, less the mean difference of the twists [rad] in those of angles.
-    Means are weighed by the square of the radius and the other's chord; both have one radius.
-    """
+    """Say how coordinates (P,) of constants identified on a ``blade`` change on the ``other`` for
+    about the same loads: by the logarithm of the chords' mean ratio, less the twists' mean
+    difference [rad], weighed by radius squared and the other's chord; both have one radius."""
     share = other.station / other.radius
     share = share[share >= INNERMOST]
     own, its = (
@@ -544,12 +494,9 @@ _DRAG_ANGLE, _ZERO_LIFT = PARAMETERS.index("drag_angle"), PARAMETERS.index("zero
 
 @dataclass(frozen=True, eq=False)
 class PopulationPrior:
-    """A normal distribution of coordinates of the P constants in ``PARAMETERS``.
-
-    Coordinates are logarithms where ``CONSTANTS`` says so, else the constants; that of
-    ``drag_angle`` is the angle of least pressure drag from the chord line, with ``zero_lift_angle``
-    added.
-    """
+    """A normal distribution of coordinates of the P constants in ``PARAMETERS``: logarithms where
+    ``CONSTANTS`` says so, and for ``drag_angle`` the angle of least pressure drag from the chord
+    line."""
 
     mean: Floats
     deviation: Floats
@@ -565,11 +512,6 @@ class PopulationPrior:
     def covariance(self) -> Floats:
         """Covariance of the coordinates, (P, P)."""
         return np.outer(self.deviation, self.deviation) * self.correlation
-
-    @property
-    def whitening(self) -> Floats:
-        """W (P, P), with which W (place - ``mean``) has independent parts of variance 1."""
-        return np.linalg.inv(np.linalg.cholesky(self.correlation)) / self.deviation
 
 
 def _population() -> PopulationPrior:
@@ -617,8 +559,7 @@ def coordinate_covariance(constants: Floats, covariance: Floats) -> Floats:
 
 
 class Member(NamedTuple):
-    """What one propeller's own data say of its coordinates x, without its prior: exp(pull x - x
-    precision x / 2)."""
+    """What own data, without a prior, say of coordinates x: exp(pull x - x precision x / 2)."""
 
     family: str  # code of its series
     tested: str  # what the source calls it
@@ -647,12 +588,8 @@ def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:
 
 
 def family_prior(members: Sequence[Member], population: Population, size: Size) -> PopulationPrior:
-    """Predict the distribution of a further propeller of the family of which ``members`` are known.
-
-    It is the normal distribution of its coordinates, given theirs, as ``Population`` puts them
-    together: siblings of a similar size say the most. Without members it is that over all
-    propellers.
-    """
+    """Predict the distribution of a further propeller of a family from its ``members``, by which
+    siblings of a similar size say the most; without members it is that over all propellers."""
     own = population.mean + population.shift(size)
     related = likeness([*(one.size for one in members), size])
     joint = np.kron(np.ones_like(related), population.between) + np.kron(related, population.within)
@@ -687,9 +624,7 @@ likelihood on a grid, over all three populations."""
 
 OWN_SHARE = 0.25  # share of the variance within families in which siblings of one size differ
 
-GEOMETRIES = ("measured", "family", "population")
-"""Which blade the constants of a population belong to, as in ``Identified.geometry``."""
-
+GEOMETRIES = ("measured", "family", "population")  # whose blade, as ``Identified.geometry``
 Size = tuple[float, float]  # labelled diameter and pitch [m]
 
 
@@ -725,8 +660,7 @@ def likeness(sizes: Sequence[Size]) -> Floats:
 
 @lru_cache(maxsize=4)
 def bundled_population(geometry: str = "measured") -> Population:
-    """Read the bundled population whose blades are one of ``GEOMETRIES``, or that of all for a
-    "multirotor"."""
+    """Read the bundled population of one of ``GEOMETRIES``, or that of all for a "multirotor"."""
     if geometry == "multirotor":
         of_all = bundled_population("population")
         whole = of_all.between + of_all.within
@@ -736,24 +670,9 @@ def bundled_population(geometry: str = "measured") -> Population:
     return parse_populations(file.read_text(encoding="utf-8"))[geometry]
 
 
-def as_toml(populations: Mapping[str, Population]) -> str:
-    """Write the text of a file that ``parse_populations`` reads."""
-    lines = ["# Written by `python -m tools.catalogue`; see propmap.catalogue.expected."]
-    for name, one in populations.items():
-        lines += ["", f"[{name}]"]
-        lines += [f"{f.name} = {_listed(getattr(one, f.name))}" for f in fields(one)]
-    return "\n".join(lines) + "\n"
-
-
 def parse_populations(text: str) -> dict[str, Population]:
     """Read the populations of a file's ``text``, by the blade that their constants belong to."""
     return {
         name: Population(**{key: np.array(value) for key, value in table.items()})
         for name, table in tomllib.loads(text).items()
     }
-
-
-def _listed(values: Floats) -> str:
-    if values.ndim == 1:
-        return "[" + ", ".join(f"{value:.8e}" for value in values) + "]"
-    return "[\n" + "".join(f"  {_listed(row)},\n" for row in values) + "]"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -12,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from propmap.errors import InputError
 from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, SectionUncertainty
 from propmap.typing import Floats
 
@@ -28,11 +26,11 @@ MEAN_BLADES = ("family", "population")  # geometries of propellers whose own is 
 
 POOR = (0.0048, 0.0036)  # errors of C_T and C_P [-] that nine propellers in ten stay below
 
-_PAIRS = [(i, j) for i in range(len(PARAMETERS)) for j in range(i, len(PARAMETERS))]
-_TEXTS = ("propeller", "family", "tested", "geometry", "key", "verdict")
-_COUNTS = ("blades", "rows", "static_rows")
-_RANGES = ("diameter_m", "pitch_m", "rpm_low", "rpm_high", "advance_high")
-_ERRORS = ("thrust_rms", "power_rms", "static_thrust_rms", "static_power_rms")
+PAIRS = [(i, j) for i in range(len(PARAMETERS)) for j in range(i, len(PARAMETERS))]
+TEXTS = ("propeller", "family", "tested", "geometry", "key", "verdict")
+COUNTS = ("blades", "rows", "static_rows")
+RANGES = ("diameter_m", "pitch_m", "rpm_low", "rpm_high", "advance_high")
+ERRORS = ("thrust_rms", "power_rms", "static_thrust_rms", "static_power_rms")
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +57,6 @@ class Identified:
     advance_high: float
     verdict: str  # "good", or what is wrong with the data or the fit
     key: str  # identifies the data and the settings of the fit
-
-    @property
-    def section_covariance(self) -> SectionCovariance:
-        """The covariance with its names, as tables take it."""
-        return SectionCovariance(PARAMETERS, self.covariance)
 
     @property
     def size(self) -> tuple[float, float]:
@@ -125,8 +118,7 @@ def named_without_blade(name: str) -> Identified | None:
 
 
 def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
-    """Keep, of ``entries`` for several blades of one tested propeller, a measured one, and of these
-    the one that fits best."""
+    """Keep, of ``entries`` for one tested propeller, a measured blade's, of these the best fit."""
     best: dict[str, Identified] = {}
     for one in sorted(entries, key=lambda one: (one.geometry != "measured", badness(one))):
         best.setdefault(one.tested, one)
@@ -138,46 +130,15 @@ def badness(one: Identified) -> float:
     return max(one.thrust_rms / POOR[0], one.power_rms / POOR[1])
 
 
-def as_csv(entries: Sequence[Identified]) -> str:
-    """Write the text of a file that ``parse_identified`` reads."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(_header())
-    for one in entries:
-        numbers = [
-            *(getattr(one, name) for name in _RANGES),
-            *one.constants,
-            *(one.covariance[pair] for pair in _PAIRS),
-        ]
-        plain = [getattr(one, name) for name in (*_TEXTS, *_COUNTS)]
-        errors = [f"{getattr(one, name):.5f}" for name in _ERRORS]
-        writer.writerow([*plain, *(f"{value:.8g}" for value in numbers), *errors])
-    return text.getvalue()
-
-
-def parse_identified(text: str, where: str) -> list[Identified]:
-    """Read the entries of a file's ``text``; ``InputError`` for what ``as_csv`` has not written."""
-    reader = csv.DictReader(io.StringIO(text))
-    if reader.fieldnames != _header():
-        found = "the columns are not those of identified constants"
-        raise InputError(found, "write the file anew with `python -m tools.catalogue`", where)
-    entries = []
-    for line, row in enumerate(reader, start=2):
-        try:
-            entries.append(_entry(row))
-        except (TypeError, ValueError) as error:
-            raise InputError(f"line {line}: {error}", "correct the row", where) from None
-    return entries
-
-
-def _entry(row: dict[str, str]) -> Identified:
+def entry_of(row: dict[str, str]) -> Identified:
+    """Make the entry of a ``row`` of the file, by column."""
     covariance = np.zeros((len(PARAMETERS), len(PARAMETERS)))
-    for i, j in _PAIRS:
-        covariance[i, j] = covariance[j, i] = float(row[_pair(i, j)])
+    for i, j in PAIRS:
+        covariance[i, j] = covariance[j, i] = float(row[pair_name(i, j)])
     values: Any = {name: float(row[name]) for name in PARAMETERS}
-    texts: Any = {name: row[name] for name in _TEXTS}
-    counts: Any = {name: int(row[name]) for name in _COUNTS}
-    numbers: Any = {name: float(row[name]) for name in (*_RANGES, *_ERRORS)}
+    texts: Any = {name: row[name] for name in TEXTS}
+    counts: Any = {name: int(row[name]) for name in COUNTS}
+    numbers: Any = {name: float(row[name]) for name in (*RANGES, *ERRORS)}
     source = f"identified by propmap from the UIUC Propeller Database, {row['tested']}"
     known = SectionUncertainty(
         SectionCovariance(PARAMETERS, covariance), numbers["thrust_rms"], numbers["power_rms"]
@@ -187,12 +148,8 @@ def _entry(row: dict[str, str]) -> Identified:
     return Identified(airfoil=airfoil, covariance=covariance, **texts, **counts, **numbers)
 
 
-def _header() -> list[str]:
-    pairs = [_pair(i, j) for i, j in _PAIRS]
-    return [*_TEXTS, *_COUNTS, *_RANGES, *PARAMETERS, *pairs, *_ERRORS]
-
-
-def _pair(i: int, j: int) -> str:
+def pair_name(i: int, j: int) -> str:
+    """Name the column of the covariance of parameters number ``i`` and ``j``."""
     return f"cov_{PARAMETERS[i]}_{PARAMETERS[j]}"
 
 
@@ -206,4 +163,4 @@ def _rows() -> dict[tuple[str, int], dict[str, str]]:
 @cache
 def _bundled(key: tuple[str, int]) -> Identified:
     # Made when it is asked for: a process wants one of them, and all take longer than a rotor.
-    return _entry(_rows()[key])
+    return entry_of(_rows()[key])

@@ -48,9 +48,6 @@ from propmap.model.model import Air, Model, Propeller
 from propmap.typing import Floats
 from propmap.units import INCH
 
-# -------------------------------------------------------------------------------------------------
-# Propellers and section laws by their name in the catalogue, or from a file.
-
 _SIZE_AT_END = re.compile(r"\s+\d\S*( mm)?( \(.*\))?$")
 _NAME = re.compile(r"[A-Za-z][^\s-]*(-[^\s-]+)+")
 
@@ -142,14 +139,10 @@ def _of_apc_file(path: Path) -> catalogue.Entry | None:
 
 
 def designated(text: str) -> catalogue.Entry | ExpectedBlade:
-    """Find the propeller of the catalogue that a designation means, else expect its blade.
-
-    The entry has the number of blades that the designation says. A size alone means no maker, even
-    where only one of that size was measured; a maker alone means no blade by his files, nor does a
-    series mean one with three blades. What is written like a name of the catalogue, maker and size
-    joined by hyphens, must be one. ``InputError`` for what is no designation, and where measured
-    propellers of several series have it.
-    """
+    """Find the propeller of the catalogue that a designation means, with the blades that it says,
+    else expect its blade: a size or a maker alone means none, nor a series one with three blades.
+    ``InputError`` for no designation, for what is written like a name of the catalogue and is none,
+    and where several series have it."""
     wanted = designation(text)
     if wanted is None:
         raise catalogue.unknown_name(text)
@@ -204,8 +197,7 @@ def _is_toml(path: Path) -> bool:
 
 
 def search(text: str) -> list[catalogue.Entry]:
-    """Search as ``catalogue.search``, and among propellers whose loads are known and whose blades
-    are not."""
+    """Search as ``catalogue.search``, and among propellers known by their loads alone."""
     others = map(_without_blade, identified_without_blade())
     return catalogue.matching(text, [*catalogue.entries(), *others])
 
@@ -285,8 +277,7 @@ def own_constants(meant: Entry | ExpectedBlade | None, blades: int) -> Identifie
 
 
 def predicted_constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
-    """Predict the constants of a propeller that was not identified itself; ``meant`` is None for a
-    geometry file."""
+    """Predict constants of a propeller not identified itself; ``meant`` is None for a file's."""
     family = meant.family if meant is not None else None
     return expected_constants(family, size_of(meant, blade), geometry_of(meant, blade))
 

@@ -64,7 +64,7 @@ class Commands(LazyGroup):
         "fit": "fit.fit_app",
         "simulate": "simulate.simulate_app",
         "plot": "plot.plot_app",
-        "vehicle": "vehicle.vehicle_app",
+        "vehicle": "simulate.vehicle_app",
         "props": "listings.props_app",
         "airfoils": "listings.airfoils_app",
     }
@@ -85,20 +85,34 @@ def _show_version(wanted: bool) -> None:
         raise typer.Exit
 
 
+def _show_headers(wanted: bool) -> None:
+    if wanted:
+        from propmap.rotor import include_folder
+
+        echo(include_folder())
+        raise typer.Exit
+
+
 @app.callback()
 def _options(
     version: Annotated[
         bool, Option("--version", callback=_show_version, is_eager=True, help="Show the version.")
+    ] = False,
+    include_dir: Annotated[
+        bool,
+        Option(
+            "--include-dir",
+            callback=_show_headers,
+            is_eager=True,
+            help="Show the folder of the core's C++ headers.",
+        ),
     ] = False,
 ) -> None:
     pass
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command and return its exit code: 0, 2 for bad input, 130 when interrupted.
-
-    The ``arguments``, without the program's name, are by default those of the process.
-    """
+    """Run ``arguments``, or the process's; return 0, 2 for bad input, 130 when interrupted."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
         # A terminal without the characters of a table shows "?" rather than a traceback.

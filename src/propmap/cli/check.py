@@ -16,15 +16,7 @@ from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.cli.fit_flight import all_level_tables, read_flights
 from propmap.errors import InputError
-from propmap.fit.comparison import (
-    SpeedErrors,
-    compare_forces,
-    compare_level,
-    compare_tunnel,
-    flight_forces,
-    force_trends,
-    values_for,
-)
+from propmap.fit import comparison
 from propmap.fit.files import DataSource, FitFile, is_fit, read_fit
 from propmap.fit.flight import wing_values
 from propmap.fit.tunnel import read_tunnel, sources, tunnel_warnings
@@ -83,7 +75,7 @@ def check(
 
 def _compare(
     fit: Path, law: Airfoil | SectionTable, data: list[str], vehicle: Path | None, prop: str | None
-) -> Mapping[str, SpeedErrors]:
+) -> Mapping[str, comparison.SpeedErrors]:
     """Compare with tunnel data, or with flights where a vehicle is given."""
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is None:
@@ -103,7 +95,7 @@ def _compare(
         out.note(*blade_warnings(blade), *tunnel_warnings(data, blade, air))
         beyond = fitted.beyond(measured.flow, blade.radius) if fitted else None
         out.note(*(beyond.sentences("rows") if beyond else ()))
-        return compare_tunnel(model, measured, beyond)
+        return comparison.compare_tunnel(model, measured, beyond)
 
     if prop is not None:
         raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
@@ -111,11 +103,13 @@ def _compare(
     flown, paths = file.vehicle, [Path(item) for item in data]
     cutoff = fitted.low_pass if fitted else 0.0
     _, log, remarks = read_flights(paths, file, "balance", low_pass=cutoff)
-    values, more = values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
-    forces = flight_forces(flown, log, law, values)
+    values, more = (
+        comparison.values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
+    )
+    forces = comparison.flight_forces(flown, log, law, values)
     beyond = fitted.beyond(hub_flow(flown, log)[:3], flown.propeller.radius) if fitted else None
     out.note(*remarks, *more, *(beyond.sentences("samples") if beyond else ()))
-    return compare_forces(flown, log, forces, beyond)
+    return comparison.compare_forces(flown, log, forces, beyond)
 
 
 def _numbers(errors: Any) -> dict[str, Any]:
@@ -123,7 +117,7 @@ def _numbers(errors: Any) -> dict[str, Any]:
 
 
 def _table(
-    found: Mapping[str, SpeedErrors], law: Airfoil | SectionTable, besides: str = ""
+    found: Mapping[str, comparison.SpeedErrors], law: Airfoil | SectionTable, besides: str = ""
 ) -> Table:
     rows = [
         (
@@ -142,10 +136,6 @@ def _table(
     physics = f", with {in_words(law.corrections or ())}{besides}"
     heads = "<load|<rows at|rows|rms|relative|bias|worst|hover model's rms"
     return out.grid(heads, rows, f"Model minus measurement{physics}")
-
-
-# -------------------------------------------------------------------------------------------------
-# ``propmap report``: a page on a fit or a table.
 
 
 def report(
@@ -208,7 +198,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     if vehicle is None:
         measured = read_tunnel(data, file.model.propeller, file.model.air)
         beyond = file.beyond(measured.flow, file.model.propeller.radius)
-        found = compare_tunnel(file.model, measured, beyond)
+        found = comparison.compare_tunnel(file.model, measured, beyond)
         named = [DataSource.of(item) for item in sources(data)]
         return GivenData(named, found, tunnel=measured, beyond=beyond)
 
@@ -217,12 +207,12 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     if all_level_tables(paths):
         _, log, _ = read_flights(paths, described, "level")
         beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
-        errors = compare_level(flown, log, file.airfoil, file.values, beyond)
+        errors = comparison.compare_level(flown, log, file.airfoil, file.values, beyond)
         return GivenData(files, errors, level=(flown, log), beyond=beyond)
     _, log, _ = read_flights(paths, described, "balance", low_pass=file.low_pass)
-    values, _ = values_for(file, flown, log, paths)
-    forces = flight_forces(flown, log, file.airfoil, values)
+    values, _ = comparison.values_for(file, flown, log, paths)
+    forces = comparison.flight_forces(flown, log, file.airfoil, values)
     beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
-    errors = compare_forces(flown, log, forces, beyond)
-    trends = force_trends(flown, log, forces)
+    errors = comparison.compare_forces(flown, log, forces, beyond)
+    trends = comparison.force_trends(flown, log, forces)
     return GivenData(files, errors, residuals=trends, beyond=beyond)

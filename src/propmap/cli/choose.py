@@ -168,7 +168,6 @@ def _judged(
 
 
 def _table(task: Task, judged: list[Judged]) -> out.WideGrid:
-    """Make a table of the first propellers of a ranking."""
     unit, size = SHOWN.get(task.unit, (task.unit, 1.0))
     times = any(math.isfinite(one.hover_time) for one in judged)
     cruise = "" if task.speed is None else f"{task.speed:g} m/s"

@@ -15,7 +15,7 @@ from propmap.catalogue.lookup import propeller
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
-from propmap.export import AUTOPILOTS, EXPORTS, VEHICLE_TARGETS, find_export
+from propmap.export import AUTOPILOTS, EXPORTS, ROTOR_TARGETS, VEHICLE_TARGETS, find_export
 from propmap.fit.files import is_fit, read_fit
 from propmap.model.model import Model
 from propmap.rotor import Rotor
@@ -41,8 +41,8 @@ def export(
     source: Annotated[
         Path,
         Argument(
-            metavar="TABLE|FIT|VEHICLE",
-            help="Table (.npz), fit (.toml), any section law, or vehicle file.",
+            metavar="TABLE|FIT|VEHICLE|PROP",
+            help="Table (.npz), fit (.toml), any section law, vehicle file, or propeller.",
         ),
     ],
     to: Annotated[
@@ -50,12 +50,10 @@ def export(
         Option(
             metavar="TARGET",
             help=f"{_forms('table')}. For a vehicle file and --table: {_forms('vehicle')}. "
-            f"For a vehicle file: {_forms('autopilot')}.",
+            f"For a vehicle file: {_forms('autopilot')}. For a propeller: {_forms('rotor')}.",
         ),
     ],
-    output: Annotated[
-        Path, Option("--output", "-o", metavar="DIR", help="Write to this folder, made if need be.")
-    ],
+    output: Annotated[Path, out.output_option("Write to this folder, made if need be.", "DIR")],
     prop: Annotated[
         str | None,
         Option(metavar="PROP", help="For a section law: propeller's name or geometry file."),
@@ -63,7 +61,11 @@ def export(
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
     airfoil: Annotated[
-        str | None, Option(metavar="NAME|FILE", help="For a vehicle: section law, as for predict.")
+        str | None,
+        Option(
+            metavar="NAME|FILE",
+            help="For a vehicle or propeller: section law, as for predict.",
+        ),
     ] = None,
     table: Annotated[
         Path | None, Option(metavar="FILE.npz", help="For a vehicle: take loads from a table.")
@@ -86,7 +88,7 @@ def export(
 
     A note beside the files says what errors the target's form makes.
     """
-    from propmap.export import export_table, export_vehicle
+    from propmap.export import export_rotor, export_table, export_vehicle
     from propmap.export.files import check_folder
     from propmap.table import LoadTable
 
@@ -101,7 +103,7 @@ def export(
     find_export(to)
     if to in AUTOPILOTS:
         from propmap.export.autopilot import SPEEDS, export_autopilot
-        from propmap.export.inplane_drag import missing_drag
+        from propmap.export.steady_loads import missing_drag
 
         refuse(prop=prop)
         check_folder(output)
@@ -121,6 +123,11 @@ def export(
         with out.blamed_on(source):
             paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=force)
         out.note(*missing_drag(craft))
+    elif to in ROTOR_TARGETS:
+        refuse(prop=prop, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None)
+        check_folder(output)
+        asked = opt.RotorChoice(str(source), airfoil=airfoil, model=model, correction=correction)
+        paths = export_rotor(asked.rotor(), to, output, replace=force)
     elif _is_vehicle(source):
         refuse(prop=prop, model=model, correction=correction or None)
         refuse(airfoil=airfoil, speed=speed, charge=charge)

@@ -20,38 +20,16 @@ from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.cli.app import LazyGroup
 from propmap.errors import InputError, quoted
-from propmap.fit.comparison import (
-    MODEL_ERROR,
-    ForwardTrust,
-    failing_assumptions,
-    forward_trust,
-    unlikely_constants,
-)
+from propmap.fit import comparison, tunnel
 from propmap.fit.files import fit_text
 from propmap.fit.fit import Fitted, Settings, coverage, fit, range_warnings
 from propmap.fit.least_squares import FlightErrors, Rows, errors
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
-from propmap.fit.tunnel import (
-    TunnelData,
-    data_warnings,
-    first_guess,
-    hover_rows,
-    measured_loads,
-    merged,
-    read_tunnel,
-    rotor_with,
-    sources,
-    tunnel_rows,
-    tunnel_warnings,
-)
+from propmap.model import plausibility
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import in_words
 from propmap.model.envelope import Envelope
 from propmap.model.model import Air, Model, Propeller
-from propmap.model.plausibility import (
-    air_warnings,
-    blade_warnings,
-)
 from propmap.units import RPM
 
 
@@ -109,9 +87,8 @@ Bootstrap = Annotated[
     int, Option("--bootstrap", min=0, help="Number of refits to rows drawn with replacement.")
 ]
 Seed = Annotated[int, Option("--seed", help="Seed of the random starts, folds and draws.")]
-Output = Annotated[
-    Path, Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file.")
-]
+WRITTEN = out.output_option("Write the fit to this file.", "FIT.toml")
+Output = Annotated[Path, WRITTEN]
 Accept = Annotated[
     bool, Option("--accept", help="Write the fit however much of the loads it leaves unexplained.")
 ]
@@ -129,12 +106,9 @@ def choice_of(
     also_fixed: Mapping[str, float] | None = None,
     expected: SectionPrior | None = None,
 ) -> Choice:
-    """Choose the free parameters and what holds the others.
-
-    ``base`` gives the values of what is not free and the first start, ``also_fixed`` values known
-    from elsewhere, as those of a vehicle's wing.  With a prior ``expected`` from other propellers,
-    its constants are free by default, less those that are fixed, and so are any more in ``priors``.
-    """
+    """Choose what is free, by default ``default`` or the constants of a prior ``expected`` from
+    other propellers, less those fixed. What holds the others and starts it is of ``base``, and of
+    ``also_fixed``, as of a vehicle's wing."""
     law = base or (expected.airfoil if expected else None)
     given = {name: getattr(law, name) for name in SECTION} if law else {}
     stated = dict(_pair(text, "--fix") for text in fix or ())
@@ -182,12 +156,9 @@ def _number(text: str, where: str) -> float:
 def section_prior(
     wanted: str | None, prop: str, blade: Propeller | None = None, *, by_default: bool
 ) -> SectionPrior | None:
-    """Predict the constants of a propeller from others, as ``--prior-from`` wants it, or not.
-
-    The ``prop`` may be a name of the catalogue, a designation, or unknown; its ``blade`` tells its
-    size, else it is a middling one.  ``by_default`` says whether there is a prior where none is
-    asked for.  Raises ``InputError`` for an unknown family.
-    """
+    """Predict the constants of ``prop``, known or not, from others as ``--prior-from`` wants it, or
+    not, and then as ``by_default`` says; its ``blade`` gives the size. Raises ``InputError`` for an
+    unknown family."""
     source = (wanted or ("family" if by_default else "none")).strip().lower()
     if source == "none":
         return None
@@ -323,7 +294,7 @@ def _refuse_poor(fitted: Fitted, warnings: Sequence[str], *, accept: bool) -> No
 def _finish_tunnel(
     choice: opt.RotorChoice,
     model: Model,
-    measured: TunnelData,
+    measured: tunnel.TunnelData,
     fitted: Fitted,
     output: Path | None,
     picture: Path | None,
@@ -335,7 +306,7 @@ def _finish_tunnel(
     warnings: Sequence[str],
 ) -> None:
     """Write, draw and print a fit to loads; ``warnings`` on the data are in its file alone."""
-    rotor = rotor_with(model, fitted.values, choice.accuracy)
+    rotor = tunnel.rotor_with(model, fitted.values, choice.accuracy)
     blade = model.propeller
     text = fit_text(
         fitted,
@@ -345,12 +316,12 @@ def _finish_tunnel(
         data=data,
         covered=coverage(measured.omega, measured.speed, measured.folded_beta, blade.radius),
         envelope=Envelope.of(*measured.flow, blade.radius),
-        hover=hover_rows(rotor, measured, fitted.rows),
+        hover=tunnel.hover_rows(rotor, measured, fitted.rows),
         remarks=[
             *note_prior(prior),
             *remarks,
-            *blade_warnings(blade),
-            *air_warnings(model.air),
+            *plausibility.blade_warnings(blade),
+            *plausibility.air_warnings(model.air),
             *warnings,
         ],
         options={"loads": list(fitted.rows.names), "weights": weights},
@@ -360,10 +331,6 @@ def _finish_tunnel(
 
         out.save_picture(tunnel_fit(measured, rotor).figure(), picture)
     finish(fitted, rotor.model, remarks, text, output)
-
-
-# -------------------------------------------------------------------------------------------------
-# ``propmap fit tunnel``: section parameters from loads measured in a tunnel or on a bench.
 
 
 @opt.takes_rotor
@@ -409,10 +376,10 @@ def fit_tunnel(
                 f"--weight {text!r} has no number", "write --weight thrust=2"
             ) from None
     air = choice.medium()
-    measured = read_tunnel(data, blade, air)
-    warnings = tunnel_warnings(data, blade, air)
+    measured = tunnel.read_tunnel(data, blade, air)
+    warnings = tunnel.tunnel_warnings(data, blade, air)
     out.note(*warnings)
-    law = base or (expected.airfoil if expected else first_guess())
+    law = base or (expected.airfoil if expected else tunnel.first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     options: Any = {
         "loads": [name.strip() for name in loads.split(",")] if loads else [],
@@ -421,13 +388,13 @@ def fit_tunnel(
     }
 
     def rows_for(c: Choice) -> Rows:
-        return tunnel_rows(model, measured, c, **options)
+        return tunnel.tunnel_rows(model, measured, c, **options)
 
-    remake = functools.partial(tunnel_rows, model, measured, chosen, **options)
+    remake = functools.partial(tunnel.tunnel_rows, model, measured, chosen, **options)
     with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
     _refuse_poor(fitted, warnings, accept=accept)
-    remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
+    remarks = [*range_warnings(fitted.rows), *comparison.failing_assumptions(fitted, rows_for)]
     _finish_tunnel(
         choice,
         model,
@@ -435,10 +402,10 @@ def fit_tunnel(
         fitted,
         output,
         picture,
-        data=sources(data),
+        data=tunnel.sources(data),
         weights=weights,
         prior=expected,
-        remarks=[*remarks, *unlikely_constants(fitted)],
+        remarks=[*remarks, *comparison.unlikely_constants(fitted)],
         warnings=warnings,
     )
 
@@ -461,10 +428,7 @@ def fit_static(
             "each with its unit, as thrust_g or 'Torque (N m)'; or UIUC files.",
         ),
     ],
-    output: Annotated[
-        Path | None,
-        Option("--output", "-o", metavar="FIT.toml", help="Write the fit to this file."),
-    ] = None,
+    output: Annotated[Path | None, WRITTEN] = None,
     free: Free = None,
     fix: Fix = None,
     prior: Priors = None,
@@ -482,19 +446,19 @@ def fit_static(
     base = opt.constants(choice.airfoil) if choice.airfoil else None
     blade, air = choice.blade(), choice.medium()
     parts = [_read_static(path, blade, air) for path in files]
-    warnings = [text for part in parts for text in data_warnings(part, blade, air)]
+    warnings = [text for part in parts for text in tunnel.data_warnings(part, blade, air)]
     out.note(*warnings)
-    measured = merged(parts)
+    measured = tunnel.merged(parts)
     by_default = free is None and base is None
     expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
     chosen = choice_of(free, fix, prior, ("c_l1", "zero_lift_angle"), base, expected=expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
-    law = base or (expected.airfoil if expected else first_guess())
+    law = base or (expected.airfoil if expected else tunnel.first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     setting = choice.accuracy
-    fitted = fit(tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
+    fitted = fit(tunnel.tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
     _refuse_poor(fitted, warnings, accept=accept)
-    remarks = [*range_warnings(fitted.rows), *unlikely_constants(fitted)]
+    remarks = [*range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]
     if expected is not None:
         remarks += _like_electrical(fitted, measured)
     _finish_tunnel(
@@ -510,15 +474,15 @@ def fit_static(
         remarks=remarks,
         warnings=warnings,
     )
-    _show_trust(forward_trust(model, fitted, float(np.median(measured.omega)), setting))
+    _show_trust(comparison.forward_trust(model, fitted, float(np.median(measured.omega)), setting))
 
 
-def _read_static(path: Path, propeller: Propeller, air: Air) -> TunnelData:
+def _read_static(path: Path, propeller: Propeller, air: Air) -> tunnel.TunnelData:
     """Read loads at rest; coefficients become loads with this propeller and air.
 
     Raises ``InputError`` that names the file and what is wrong in it, also where the air moves.
     """
-    found = measured_loads(path, at_rest=True)(propeller, air)
+    found = tunnel.measured_loads(path, at_rest=True)(propeller, air)
     if np.any(found.speed > STILL):
         raise InputError(
             f"the air moves in some rows, by up to {np.max(found.speed):g} m/s",
@@ -528,7 +492,7 @@ def _read_static(path: Path, propeller: Propeller, air: Air) -> TunnelData:
     return replace(found, speed=np.zeros_like(found.speed), beta=np.zeros_like(found.speed))
 
 
-def _like_electrical(fitted: Fitted, measured: TunnelData) -> list[str]:
+def _like_electrical(fitted: Fitted, measured: tunnel.TunnelData) -> list[str]:
     """Remark that a power is larger than a shaft's is likely to be."""
     rows = fitted.rows
     if "torque" not in rows.names or not measured.by_power:
@@ -544,9 +508,7 @@ def _like_electrical(fitted: Fitted, measured: TunnelData) -> list[str]:
     ]
 
 
-def _show_trust(trust: ForwardTrust) -> None:
-    """Print how far forward flight can be trusted."""
-
+def _show_trust(trust: comparison.ForwardTrust) -> None:
     def change(before: float, after: float) -> str:
         if not np.isfinite(after):
             return "-"
@@ -568,6 +530,7 @@ def _show_trust(trust: ForwardTrust) -> None:
     out.show(
         None,
         out.grid(heads, rows, title),
-        f"sd: standard deviation of what the constants leave open, and {MODEL_ERROR:.0%} of the "
-        "load at rest for the model; checked in axial flow; stands differ by some per cent besides",
+        "sd: standard deviation of what the constants leave open, and "
+        f"{comparison.MODEL_ERROR:.0%} of the load at rest for the model; checked in axial flow; "
+        "stands differ by some per cent besides",
     )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 import typer
-from typer import Argument, Option, echo
+from typer import Argument, echo
 from typer.core import TyperGroup
 
 from propmap.catalogue import Entry
@@ -18,10 +18,7 @@ from propmap.catalogue.lookup import meant_by, own_constants, predicted_constant
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.model.airfoil import CONSTANTS, airfoil_names, parameter_set
-
-if TYPE_CHECKING:
-    from propmap.model.model import Propeller
-
+from propmap.model.model import Propeller
 
 ENTRY = ("name", "title", "family", "blades", "diameter_m", "source")
 OUTLINE_WIDTH = 72  # characters from the axis to the tip
@@ -112,8 +109,7 @@ def show_prop(
     blades: opt.Blades = None,
     radius: opt.Radius = None,
     output: Annotated[
-        Path | None,
-        Option("--output", "-o", metavar="FILE", help="Draw the blade too: .png, .svg, .pdf."),
+        Path | None, out.output_option("Draw the blade too: .png, .svg, .pdf.")
     ] = None,
 ) -> None:
     """Show a propeller's blade and its section constants."""
@@ -144,10 +140,7 @@ def show_prop(
 
 
 def outline(blade: Propeller) -> list[str]:
-    """Draw the blade about mid-chord in half-block characters, to scale, the axis at the left.
-
-    A character is taken to be twice as high as wide, so a half block is as high as wide.
-    """
+    """Draw the blade to scale about mid-chord in half blocks, twice as high as wide."""
     step = blade.radius / OUTLINE_WIDTH
     middles = (np.arange(OUTLINE_WIDTH) + 0.5) * step
     chord = np.interp(middles, blade.station, blade.chord, left=0.0)

@@ -185,8 +185,7 @@ def propeller_noted(
     radius: float | None = None,
     root_cutout: float | None = None,
 ) -> Propeller:
-    """Read PROP, with notes on how it was read, on a blade that was not measured and on what is
-    implausible."""
+    """Read PROP, with notes on how, on a blade not measured and on what is implausible."""
     found = propeller(prop, blades, radius, root_cutout)
     note_reading(prop, found, blades)
     note(*blade_warnings(found))
@@ -194,8 +193,7 @@ def propeller_noted(
 
 
 def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
-    """Note how PROP was read, with as many blades as were ``asked`` for, where it is no name of
-    the catalogue; ``found`` is its propeller."""
+    """Note how PROP, no name of the catalogue, was read as ``found`` with ``asked`` blades."""
     meant = meant_by(prop, asked)
     if isinstance(meant, ExpectedBlade):
         note(meant.summary)
@@ -212,11 +210,8 @@ def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
 def section_law(
     asked: str | None, prop: str, blade: Propeller, blades: int | None = None
 ) -> Airfoil | SectionTable:
-    """Find the law that ``--airfoil`` asks for, else that identified or predicted for PROP.
-
-    A note says which constants are taken where none are asked for; ``blades`` is the number that
-    was.
-    """
+    """Find the law that ``--airfoil`` asks for, else with a note that identified or predicted for
+    PROP with so many ``blades`` as were asked for."""
     if asked is not None:
         note(*_of_another_propeller(asked, blade))
         return airfoil(asked)
@@ -249,8 +244,7 @@ def _of_another_propeller(asked: str, blade: Propeller) -> list[str]:
 def with_physics(
     law: Law, model: ModelName | None, added: Sequence[str] | None, *, installed: bool = False
 ) -> Law:
-    """Return the law with the corrections that ``--model`` and ``--correction`` ask for, and
-    ``installed`` or not, as ``corrections_of``."""
+    """Return the law with what ``--model`` and ``--correction`` ask for, see ``corrections_of``."""
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)
     if model is None and not physics and own is not None:
@@ -274,10 +268,7 @@ def constants(name_or_path: str) -> Airfoil:
 def takes_rotor(
     command: Callable[Concatenate[RotorChoice, Others], None], prop: Any = PropArgument
 ) -> Callable[..., None]:
-    """Give a command the parameters of ``RotorChoice`` in place of its first argument.
-
-    ``prop`` makes the propeller an argument of the command line or an option.
-    """
+    """Give a command the parameters of ``RotorChoice``; ``prop`` is an argument or an option."""
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
     types = get_type_hints(RotorChoice, include_extras=True)
     shared = [
@@ -409,10 +400,8 @@ def single_point(rpm: float, speed: float, beta: float, **further: float | None)
 
 
 def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:
-    """Read rising values (n,) from "6000", "10,20" or "A:B:N", N values from A to B.
-
-    Messages name the ``option``; ``count`` is the N of "A:B", which is refused without it.
-    """
+    """Read rising values (n,) from "6000", "10,20" or "A:B:N", N values from A to B; ``count`` is
+    the N of "A:B", refused without it, and messages name the ``option``."""
     parts = text.split(":")
     form = "A:B:N" if count is None else "A:B or A:B:N"
     remedy = f"write a number, a list such as 10,20, or {form} (N values from A to B)"
@@ -421,15 +410,14 @@ def parse_axis(option: str, quantity: str, text: str, count: int | None = None) 
             values = np.array([float(part) for part in text.split(",")])
         elif len(parts) == 3 or (len(parts) == 2 and count is not None):
             number = int(parts[2]) if len(parts) == 3 else int(count or 0)
-            if not 2 <= number <= 1_000_000:
-                raise InputError(f"{option} {text}: N is {number}", "use 2 to 1000000 values")
-            values = np.linspace(float(parts[0]), float(parts[1]), number)
+            ends = float(parts[0]), float(parts[1])
+            values = np.linspace(*ends, number) if 2 <= number <= 1_000_000 else np.empty(0)
         else:
             raise ValueError
-    except InputError:
-        raise
     except (ValueError, OverflowError):
         raise InputError(f"{option} {text!r} cannot be read", remedy) from None
+    if not values.size:
+        raise InputError(f"{option} {text}: N is {number}", "use 2 to 1000000 values")
     for value in values.tolist():
         check_value(quantity, value)
     if any(b <= a for a, b in itertools.pairwise(values.tolist())):
@@ -438,11 +426,8 @@ def parse_axis(option: str, quantity: str, text: str, count: int | None = None) 
 
 
 def note_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
-    """Note what is implausible about operating points [rad/s], [m/s], [rad] and how far they are
-    beyond the data of the constants, before any work.
-
-    Raises ``InputError`` where a blade tip is faster than sound.
-    """
+    """Note what is implausible about points [rad/s], [m/s], [rad] and how far they are beyond the
+    constants' data; ``InputError`` where a blade tip is faster than sound."""
     note_reynolds(model, omega, speed, beta)
     note(*point_warnings(model.propeller, omega, speed, beta))
     known = model.uncertainty
@@ -494,8 +479,7 @@ def note_not_counted(model: Model) -> None:
 
 
 def note_untested_bands(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
-    """Note where no measurement was compared with the bands of a model by name: in descent and at
-    advance ratios above ``MEASURED_TO``."""
+    """Note where bands were not compared with data: in descent, and above ``MEASURED_TO``."""
     known = model.uncertainty
     if known is None or not known.another_tunnel:
         return

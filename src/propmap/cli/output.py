@@ -23,6 +23,13 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 PICTURES = (".png", ".svg", ".pdf")
+
+
+def output_option(help_: str, metavar: str = "FILE") -> Any:
+    """Make the option ``--output``, ``-o`` of a command with this help."""
+    return Option("--output", "-o", metavar=metavar, help=help_)
+
+
 WIDTH_ELSEWHERE = 160  # columns of a table that does not go to a terminal, so that nothing is cut
 
 Format = Literal["table", "json", "csv"]
@@ -30,47 +37,31 @@ FormatOption = Annotated[
     Format | None,
     Option("--format", help="Form of the output; by default as the file's ending says."),
 ]
-TextOutput = Annotated[
-    Path | None, Option("--output", "-o", metavar="FILE", help="Write to this file, replacing it.")
-]
-PictureOutput = Annotated[
-    Path, Option("--output", "-o", metavar="FILE", help="Write this picture: .png, .svg or .pdf.")
-]
+TextOutput = Annotated[Path | None, output_option("Write to this file, replacing it.")]
+PictureOutput = Annotated[Path, output_option("Write this picture: .png, .svg or .pdf.")]
 FolderOutput = Annotated[
-    Path,
-    Option(
-        "--output",
-        "-o",
-        metavar="FOLDER",
-        help="Folder for the page: new, empty, or written by this command.",
-    ),
+    Path, output_option("Folder for the page: new, empty, or written by this command.", "FOLDER")
 ]
 Force = Annotated[bool, Option("--force", help="Replace what exists.")]
 
 
 def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool = False) -> None:
-    """Raise ``InputError`` before any work is done if a file cannot be written at the path.
-
-    It must have one of the ``endings``, dots included, where some are given; ``keep_existing``
-    refuses a file that is there already.
-    """
+    """Raise ``InputError`` before any work if no file with one of the ``endings``, if any, can be
+    written at the path, or one is there and ``keep_existing``."""
     where = str(path)
     if endings and path.suffix.lower() not in endings:
         raise InputError(
             f"the file's ending is {path.suffix!r}", f"use {' or '.join(endings)}", where
         )
     try:
-        if path.is_dir():
-            raise InputError("this is a folder", "name a file inside it", where)
-        if not path.parent.is_dir():
-            raise InputError(
-                f"there is no folder {str(path.parent)!r}", "make it or choose another", where
-            )
-        exists = path.exists()
-    except InputError:
-        raise
+        is_folder, in_folder, exists = path.is_dir(), path.parent.is_dir(), path.exists()
     except ValueError as error:
         raise InputError(f"not a path: {error}", "choose another name", where) from None
+    if is_folder:
+        raise InputError("this is a folder", "name a file inside it", where)
+    if not in_folder:
+        found = f"there is no folder {str(path.parent)!r}"
+        raise InputError(found, "make it or choose another", where)
     if not os.access(path.parent, os.W_OK):
         raise InputError("the folder cannot be written to", "choose another", where)
     if exists and keep_existing:
@@ -235,26 +226,19 @@ def show(output: Path | None, *parts: object) -> None:
 @contextmanager
 def progress_bar(what: str) -> Iterator[Callable[..., None]]:
     """Show a progress bar on a terminal, and give the function that sets done, total and words."""
+    from rich import progress
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
 
     console = Console(stderr=True)
     columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left:"),
-        TimeRemainingColumn(),
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
+        progress.TimeElapsedColumn(),
+        progress.TextColumn("left:"),
+        progress.TimeRemainingColumn(),
     )
-    with Progress(
+    with progress.Progress(
         *columns, console=console, disable=not console.is_terminal, transient=True
     ) as bar:
         task = bar.add_task(what, total=None)

@@ -14,12 +14,14 @@ from propmap.catalogue.lookup import looks_like_path
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
-from propmap.io.csv import LOAD_COLUMNS, disk_csv, read_points
+from propmap.io.csv import disk_csv
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from propmap.report.pictures import MeasuredLoads
+    from propmap.fit.tunnel import TunnelData
+    from propmap.rotor import Rotor
 
 SPEEDS_PER_CURVE = 61
 SAME_RPM = 0.01  # measured rows within this share of the picture's rpm are drawn
@@ -55,8 +57,8 @@ def plot_map(
     speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS_PER_CURVE)
     betas = np.radians(opt.parse_axis("--beta", "beta", beta))
     out.check_pictures(output)
-    points = None if measured is None else _measured(measured, rpm)
     rotor = choice.rotor()
+    points = None if measured is None else _measured(measured, rpm, rotor)
     opt.note_points(rotor.model, np.array(omega), speeds[:, None], betas)
 
     from propmap.report.pictures import load_curves
@@ -90,13 +92,7 @@ def plot_disk(
     speed: Annotated[float, Option(help="Flight speed [m/s].")],
     beta: Annotated[float, Option(help="Angle of velocity to axis [deg].")],
     output: Annotated[
-        Path,
-        Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Write this picture (.png, .svg or .pdf) or field (.csv).",
-        ),
+        Path, out.output_option("Write this picture (.png, .svg or .pdf) or field (.csv).")
     ],
 ) -> None:
     """Draw the angle of attack over the disk.
@@ -126,27 +122,17 @@ def _save(figure: Figure, output: Path) -> None:
     echo(output)
 
 
-def _measured(path: Path, rpm: float) -> MeasuredLoads:
-    points, columns, remarks = read_points(path, LOAD_COLUMNS)
-    out.note(*remarks)
-    if not columns:
-        raise InputError(
-            "there is no column of loads", f"name one of {', '.join(LOAD_COLUMNS)}", str(path)
-        )
-    mine = np.abs(points.rpm - rpm) <= SAME_RPM * rpm
+def _measured(path: Path, rpm: float, rotor: Rotor) -> TunnelData:
+    from propmap.fit.tunnel import measured_loads
+
+    found = measured_loads(path)(rotor.model.propeller, rotor.model.air)
+    out.note(*found.remarks)
+    given = found.omega / RPM
+    mine = np.abs(given - rpm) <= SAME_RPM * rpm
     if not mine.any():
-        near = points.rpm[np.argmin(np.abs(points.rpm - rpm))]
+        near = given[np.argmin(np.abs(given - rpm))]
         raise InputError(f"no row is within 1 % of {rpm:g} rpm", f"try --rpm {near:g}", str(path))
-    loads = {LOAD_COLUMNS[name]: values[mine] for name, values in columns.items()}
-
-    from propmap.report.pictures import MeasuredLoads
-
-    beta = np.radians(points.beta_deg[mine])
-    return MeasuredLoads(path.stem, points.speed_mps[mine], beta, loads)
-
-
-# -------------------------------------------------------------------------------------------------
-# ``propmap explore``: the propeller in a browser.
+    return found.picked(mine)
 
 
 def explore(

@@ -1,4 +1,4 @@
-"""``propmap simulate``: the log of a flight before it is flown, and how well a fit would do."""
+"""``propmap simulate`` and ``propmap vehicle``: a log and a vehicle file before any flight."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
-from typer import Option, echo
+from typer import Argument, Option, echo
 
 from propmap.cli import options as opt
 from propmap.cli import output as out
@@ -46,9 +46,7 @@ def simulate_flight(
     speed: Annotated[
         str, Option("--speeds", metavar="A:B:N", help="Flight speeds [m/s], or a list 1,5,9.")
     ],
-    output: Annotated[
-        Path, Option("--output", "-o", metavar="FILE.csv", help="Write the log to this CSV file.")
-    ],
+    output: Annotated[Path, out.output_option("Write the log to this CSV file.", "FILE.csv")],
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
     radius: Annotated[float, Option(help="Radius of the circles [m].")] = 1.7,
@@ -161,3 +159,33 @@ def _expected(expected: Expectation, flights: int) -> Table:
         "each"
     )
     return out.grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)
+
+
+vehicle_app = typer.Typer(
+    name="vehicle", help="Write a vehicle file: vehicle from-log LOG.", rich_markup_mode=None
+)
+
+
+vehicle_app.callback()(_group)
+
+
+@vehicle_app.command("from-log")
+def vehicle_from_log(
+    log: Annotated[Path, Argument(metavar="LOG", help="ULog file of PX4.")],
+    output: out.TextOutput = None,
+    force: out.Force = False,
+) -> None:
+    """Draft a vehicle file from the parameters that a PX4 log holds.
+
+    Rotors have the places, axes and spins of CA_ROTORn_*. What the log does not say is a comment
+    that begins with MISSING, without which commands refuse the file.
+    """
+    if output is not None:
+        out.check_output(output, (".toml",), keep_existing=not force)
+
+    from propmap.vehicle.draft import draft_vehicle, missing_in
+
+    with out.blamed_on(log):
+        text = draft_vehicle(log)
+    out.emit(text, output)
+    out.note(f"fill in what the log does not say: {', '.join(missing_in(text))}")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from rich.filesize import decimal
 from typer import Argument, Option, echo
 
 from propmap.cli import options as opt
@@ -20,8 +21,7 @@ from propmap.results import Loads, joined
 from propmap.study.files import StudyFile, Surface, read_study, response_surface
 from propmap.study.run import VARIABLES, Study
 from propmap.sweep.points import AXES, TEXTS, Grid, parts_count, quantities
-from propmap.sweep.run import Evaluation, Sweep
-from propmap.sweep.store import Filed, InMemory, Layout, Store, begun
+from propmap.sweep.run import Evaluation, Filed, InMemory, Layout, Store, Sweep, begun
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
@@ -40,10 +40,7 @@ Yes = Annotated[
 
 
 def check_store(path: Path, *, force: bool) -> None:
-    """Raise ``InputError`` before any work where no store can be made or gone on with.
-
-    A store of propmap's that is there goes away with ``force``; nothing else does.
-    """
+    """Raise ``InputError`` where no store can be made or gone on with; ``force`` removes ours."""
     if not path.parent.is_dir():
         raise InputError(
             f"there is no folder {str(path.parent)!r}", "make it or choose another", str(path)
@@ -55,16 +52,13 @@ def check_store(path: Path, *, force: bool) -> None:
 
 
 def opened(path: Path, layout: Layout) -> Store:
-    """Make the store or go on with what a stopped run has left, and say which.
-
-    Raises ``InputError`` where the store is complete or the disk too small.
-    """
+    """Make the store or go on, saying so; ``InputError`` for a complete one or too small a disk."""
     where = str(path)
     if not path.exists():
         free = shutil.disk_usage(path.parent).free
         if layout.bytes > free:
             raise InputError(
-                f"this takes up to {size_text(layout.bytes)}, and {size_text(free)} are free",
+                f"this takes up to {decimal(layout.bytes)}, and {decimal(free)} are free",
                 "choose another disk or fewer points",
                 where,
             )
@@ -94,36 +88,27 @@ def run_announced(
     yes: bool,
     what: str,
 ) -> None:
-    """Run with a progress bar, after printing how large the run is and how long it takes.
-
-    Asks first where that is much, unless ``yes``; ``what`` is "operating points" or the like.
-    """
+    """Run with a progress bar, after printing size and time, and asking where these are much unless
+    ``yes``; ``what`` is "operating points" or the like."""
     with opt.workers_of(cluster) as workers:
         seconds = evaluation.seconds_per_point(workers)
         points, parts = math.prod(layout.shape), parts_count(layout.shape, layout.chunk)
         needed = points * (1.0 - float(store.done(layout).mean())) * seconds / workers.count
         echo(
-            f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {size_text(layout.bytes)}; "
+            f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {decimal(layout.bytes)}; "
             f"about {time_text(needed)} ({1e6 * seconds:.0f} us per point and worker)",
             err=True,
         )
         if not yes and (layout.bytes > ASK_ABOVE_BYTES or needed > ASK_ABOVE_SECONDS):
             if not sys.stdin.isatty():
                 raise InputError(
-                    f"a run of {size_text(layout.bytes)} and {time_text(needed)} is not begun "
+                    f"a run of {decimal(layout.bytes)} and {time_text(needed)} is not begun "
                     "unasked",
                     "pass --yes, or ask for fewer points",
                 )
             typer.confirm("begin?", abort=True, err=True)
         with out.progress_bar("tasks") as update:
             evaluation.run(store, layout, workers, update)
-
-
-def size_text(size: float) -> str:
-    """Write a size in bytes as "1.3 GB"."""
-    units = ("B", "kB", "MB", "GB", "TB", "PB")
-    power = min(int(math.log10(max(size, 1.0))) // 3, len(units) - 1)
-    return f"{size / 1000.0**power:.3g} {units[power]}"
 
 
 def time_text(seconds: float) -> str:
@@ -155,12 +140,9 @@ def sweep(
     ],
     output: Annotated[
         Path,
-        Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Write NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr), which is "
-            "written as it is computed, so that a run that was stopped goes on.",
+        out.output_option(
+            "Write NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr), which is "
+            "written as it is computed, so that a run that was stopped goes on."
         ),
     ],
     force: out.Force = False,
@@ -258,12 +240,9 @@ def study(
     ],
     output: Annotated[
         Path,
-        Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Write NetCDF (.nc) or, for studies of any size, Zarr (.zarr), where a run that "
-            "was stopped goes on.",
+        out.output_option(
+            "Write NetCDF (.nc) or, for studies of any size, Zarr (.zarr), where a run that was "
+            "stopped goes on."
         ),
     ],
     picture: Annotated[
@@ -286,10 +265,8 @@ def study(
     if picture is not None and read.surface is None:
         raise InputError("--picture needs two quantities that vary", "vary another", str(file))
     choice = opt.RotorChoice(read.propeller, airfoil=read.airfoil or None, accuracy=accuracy)
-    try:
+    with out.blamed_on(file):
         made = read.study(choice.rotor())
-    except InputError as error:
-        raise InputError(error.found, error.remedy, str(file)) from None
     layout = made.layout(opt.command_line(context))
     points = math.prod(made.shape)
     if not streamed and points > MOST_IN_MEMORY:

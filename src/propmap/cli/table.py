@@ -28,10 +28,7 @@ def table(
     context: typer.Context,
     rpm: Annotated[str, Option(metavar="A:B", help="Rotational speeds [1/min].")],
     speed: Annotated[str, Option(metavar="A:B", help="Flight speeds [m/s].")],
-    output: Annotated[
-        Path,
-        Option("--output", "-o", metavar="FILE", help="Write this table (.npz) or NetCDF (.nc)."),
-    ],
+    output: Annotated[Path, out.output_option("Write this table (.npz) or NetCDF (.nc).")],
     beta: Annotated[
         str, Option(metavar="A:B", help="Angles of velocity to axis [deg], in 0:180.")
     ] = "0:180",

@@ -32,9 +32,6 @@ from propmap.explore.page import INDEX, failed, legend, page, remarks, table, vi
 from propmap.explore.session import KNOWN, MOST_BYTES, Session, Shelf, read_upload
 from propmap.explore.view import View, values_of
 
-# -------------------------------------------------------------------------------------------------
-# The Dash application: what a browser asks, and what it is answered.
-
 send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
 
 LIVE = "/_live"  # where figures are asked for while something moves
@@ -90,10 +87,7 @@ class Application:
         return shown, {"query": session.query(), "view": view.name}
 
     def live(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        """Draw figures while something moves; none where that takes long or something is wrong.
-
-        What is wrong is reported as soon as all stands still.
-        """
+        """Draw figures while something moves; none where that is slow or, as told later, wrong."""
         try:
             view, session = self.view(asked.get("view")), self.session(asked.get("search"))
             if view.slow:
@@ -306,10 +300,8 @@ PORTS_TRIED = 20
 
 
 def guard(server: Flask, names: Iterable[str]) -> None:
-    """Refuse what is too large, and what does not call the server by one of its ``names``.
-
-    A page of another site that has its name point to this machine sends that name in ``Host``.
-    """
+    """Refuse what is too large or does not call the server by one of its ``names``: a page of
+    another site that points its name here sends that name."""
     allowed = {name.lower() for name in names}
     server.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
 
@@ -365,10 +357,8 @@ def is_loopback(host: str) -> bool:
 
 
 def listen(app: Flask, host: str, port: int | None, first: int) -> BaseWSGIServer:
-    """Listen on ``port``, without one on ``first`` or the next that is free.
-
-    ``InputError`` where the port is taken or may not be used, and where there is no such host.
-    """
+    """Listen on ``port``, without one on ``first`` or the next that is free; ``InputError`` where
+    it is taken or not allowed, or there is no such host."""
     tried = [port] if port is not None else list(range(first, first + PORTS_TRIED))
     name, family = host.strip("[]"), socket.AF_INET6 if ":" in host else socket.AF_INET
     for one in tried:
@@ -395,10 +385,7 @@ def listen(app: Flask, host: str, port: int | None, first: int) -> BaseWSGIServe
 
 
 def serve(server: BaseWSGIServer, say: Callable[[str], None], *, browser: bool, host: str) -> None:
-    """Answer until Ctrl-C, which ends the process's work at once.
-
-    ``say`` gets lines for the terminal; ``host`` is as it was asked for.
-    """
+    """Answer until Ctrl-C, which ends the process at once; ``say`` prints, ``host`` is as given."""
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
     shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
     address = f"http://{f'[{shown}]' if ':' in shown else shown}:{server.port}/"
@@ -484,9 +471,6 @@ class Jobs:
             return self._kept.get(name)
 
 
-# -------------------------------------------------------------------------------------------------
-# Which request of a tab is its newest.
-
 MOST_TABS = 1000  # that are remembered
 
 
@@ -514,10 +498,6 @@ class Newest:
 
 def _tab(asked: Mapping[str, Any]) -> str:
     return str(asked.get("tab"))[:40]
-
-
-# -------------------------------------------------------------------------------------------------
-# What the browser does by itself, by functions of assets/explore.js.
 
 
 def register_in_the_browser(app: Dash) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import dash
@@ -34,28 +35,7 @@ KINDS = {
     "data": "measured loads",
 }
 
-# Plotly is asked for at once, not only when the first figure comes.
-INDEX = """<!DOCTYPE html>
-<html lang="en">
-<head>
-{%metas%}
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<title>{%title%}</title>
-<link rel="icon" href="data:,">
-{%css%}
-</head>
-<body>
-{%app_entry%}
-<footer>
-{%config%}
-{%scripts%}
-{%renderer%}
-<script src="/_dash-component-suites/plotly/package_data/plotly.min.js"></script>
-</footer>
-</body>
-</html>
-"""
+INDEX = Path(__file__).with_name("index.html").read_text(encoding="utf-8")
 
 
 def page(views: Sequence[View]) -> Any:
@@ -197,7 +177,6 @@ def _settings(controls: Sequence[Control], values: Values) -> list[Any]:
 
 
 def _setting(control: Control, value: Any) -> Any:
-    """Make a control with its label."""
     key = {"control": control.name}
     target = json.dumps(key, separators=(",", ":"))
     if isinstance(control, Slider):

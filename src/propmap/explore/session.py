@@ -68,10 +68,8 @@ class Session:
 
     @classmethod
     def of(cls, query: Mapping[str, str], first: Session, shelf: Shelf) -> Session:
-        """Read the parameters of an address; the ``first`` session where it has none.
-
-        ``InputError`` for names that mean nothing, and for files that are not on the ``shelf``.
-        """
+        """Read the parameters of an address, the ``first`` session's where it has none;
+        ``InputError`` for names that mean nothing and files not on the ``shelf``."""
         tokens = {
             key.removeprefix(FILE): token for key, token in query.items() if key.startswith(FILE)
         }
@@ -252,12 +250,8 @@ def read_path(path: Path) -> Given:
 
 
 def read_upload(name: str, data: bytes) -> Given:
-    """Read a file that came through the browser from a temporary folder of its own.
-
-    Only the last part of the ``name`` that the browser sends counts, and its ending.
-    ``InputError`` is the reader's with that name alone, or of a file that is too large or of
-    another kind.
-    """
+    """Read a file that came through the browser in a temporary folder, by the last part of its
+    ``name``, which alone the reader's ``InputError`` says."""
     plain = (
         re.sub(r"[^\w.+ -]", "_", Path(name.replace("\\", "/")).name)[-80:].lstrip(".") or "file"
     )
@@ -390,10 +384,8 @@ POINT = ("rpm", "speed", "beta")  # what is set of an operating point
 
 
 class Recipe:
-    """How a command and a script name what a session explores.
-
-    Another ``blade`` or other ``constants`` take the place of the session's.
-    """
+    """How a command and a script name a session, perhaps with another ``blade`` or
+    ``constants``."""
 
     def __init__(
         self, session: Session, blade: Propeller | None = None, constants: Airfoil | None = None

@@ -198,10 +198,8 @@ Control = Slider | Text | OneOf | Several
 
 
 def values_of(controls: Sequence[Control], given: Mapping[str, Any]) -> tuple[Values, list[str]]:
-    """Read what is set, by the names of the controls; what is missing is at its default.
-
-    With it comes a line for each control that was given something it cannot be.
-    """
+    """Read what is set by the controls' names, what is missing at its default, and a line for each
+    that was given what it cannot be."""
     values, remarks = {}, []
     for control in controls:
         own = list(control.default) if isinstance(control, Several) else control.default

@@ -1,4 +1,4 @@
-"""Exports of tables and vehicles to the forms that other programs read, listed in ``EXPORTS``.
+"""Exports to the forms that other programs read, listed in ``EXPORTS``.
 
 Importing this package loads none of the exports: help and documentation are made of the list.
 """
@@ -13,15 +13,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from propmap.errors import InputError, quoted
 
 if TYPE_CHECKING:
+    from propmap.rotor import Rotor
     from propmap.table.query import LoadTable
     from propmap.vehicle.vehicle import Vehicle
 
 __all__ = [
     "AUTOPILOTS",
     "EXPORTS",
+    "ROTOR_TARGETS",
     "TARGETS",
     "VEHICLE_TARGETS",
     "Export",
+    "export_rotor",
     "export_table",
     "export_vehicle",
     "find_export",
@@ -46,6 +49,7 @@ class Export(NamedTuple):
 
 SOURCES = {
     "table": "a table",  # function(table) returns ``propmap.export.files.Files``
+    "rotor": "a propeller",  # function(rotor) returns ``Files``
     "vehicle": "a vehicle and a table",  # function(vehicle, table) returns ``Files``
     "autopilot": "a vehicle",  # function(aircraft, flights) returns ``AutopilotParameters``
 }
@@ -70,6 +74,8 @@ EXPORTS = (
     Export("nc", "table", "simple_models.nc_files", "the table as NetCDF", "everything"),
     Export("csv", "table", "simple_models.csv_files", "the table's knots as rows",
            "everything but the status"),
+    Export("cpp", "rotor", "cpp_rotor.rotor_files", "a C++ header on propmap's own core",
+           "everything"),
     Export("c", "vehicle", "c_header.vehicle_c_files", "the whole vehicle as C99 headers",
            "everything, wakes included"),
     Export("rotorpy", "vehicle", "simple_models.vehicle_rotorpy_files", "a multirotor of RotorPy",
@@ -89,11 +95,13 @@ def _targets(source: str) -> tuple[str, ...]:
 TARGETS = _targets("table")
 """Targets of a table, see ``export_table``."""
 
+ROTOR_TARGETS = _targets("rotor")
+"""Targets of a rotor without a table, see ``export_rotor``."""
+
 VEHICLE_TARGETS = _targets("vehicle")
 """Targets of a whole vehicle's force and moment, see ``export_vehicle``."""
 
-AUTOPILOTS = _targets("autopilot")
-"""Targets of a vehicle's parameters, see ``propmap.export.autopilot.export_autopilot``."""
+AUTOPILOTS = _targets("autopilot")  # of a vehicle's parameters, see ``export_autopilot``
 
 
 def find_export(target: str, source: str | None = None) -> Export:
@@ -138,6 +146,33 @@ def export_table(
         that lacks what the target needs.
     """
     return _write(find_export(target, "table"), folder, replace, table)
+
+
+def export_rotor(
+    rotor: Rotor, target: str, folder: str | os.PathLike[str], *, replace: bool = False
+) -> list[Path]:
+    """Write a rotor for a target, all files or none.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        Its model and accuracy.
+    target : str
+        One of ``ROTOR_TARGETS``.
+    folder, replace
+        As for ``export_table``.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    InputError
+        For another target, a folder that cannot be written to, and files that exist.
+    """
+    return _write(find_export(target, "rotor"), folder, replace, rotor)
 
 
 def export_vehicle(

@@ -11,27 +11,11 @@ from collections.abc import Callable
 import numpy as np
 
 from propmap.aircraft.trim import Aircraft
-from propmap.export.autopilot import (
-    AutopilotParameters,
-    DragFilter,
-    Explained,
-    Flights,
-    NotWritten,
-    ParameterSet,
-    comment_lines,
-    common_remarks,
-)
-from propmap.export.static_loads import (
-    SignalCurve,
-    curve_factor,
-    fitted_factor,
-    known_curve,
-    static_loads,
-)
+from propmap.export import autopilot, steady_loads
 from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
 
-FILTER = DragFilter(
+FILTER = autopilot.DragFilter(
     momentum="EK3_DRAG_MCOEF",
     ballistic="EK3_DRAG_BCOEF_",
     power=1.0,
@@ -59,16 +43,16 @@ REMARKS = [
 ]
 
 
-def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
+def parameters(aircraft: Aircraft, flights: autopilot.Flights) -> autopilot.AutopilotParameters:
     """Find what ArduPilot takes of an aircraft flown along x and y."""
     vehicle = aircraft.vehicle
     kinds, comparisons = FILTER.parameters(flights, vehicle)
     left_out = []
-    curve, why = known_curve(aircraft)
+    curve, why = steady_loads.known_curve(aircraft)
     if curve is None:
-        regulated = fitted_factor(_shares(np.square), EXPO_LIMITS)
+        regulated = steady_loads.fitted_factor(_shares(np.square), EXPO_LIMITS)
         left_out.append(
-            NotWritten(
+            autopilot.NotWritten(
                 "MOT_THST_EXPO",
                 f"{why}. A speed controller that regulates the rotor speed, in proportion to the "
                 f"output, would have {regulated:.2f} between MOT_SPIN_MIN {SPIN_MIN:g} and "
@@ -77,23 +61,27 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
         )
     else:
         kinds.append(_expo(aircraft, flights, curve))
-    sets = [ParameterSet("ardupilot.param", "wind estimation and thrust curve", kinds)]
-    remarks = [*common_remarks(aircraft), *REMARKS]
-    return AutopilotParameters("ArduPilot", sets, left_out, comparisons, remarks, file_text)
+    sets = [autopilot.ParameterSet("ardupilot.param", "wind estimation and thrust curve", kinds)]
+    remarks = [*autopilot.common_remarks(aircraft), *REMARKS]
+    return autopilot.AutopilotParameters(
+        "ArduPilot", sets, left_out, comparisons, remarks, file_text
+    )
 
 
-def file_text(part: ParameterSet, vehicle: Vehicle) -> str:
+def file_text(part: autopilot.ParameterSet, vehicle: Vehicle) -> str:
     """Write a file as Mission Planner saves it: NAME,VALUE, comments in lines of their own."""
-    lines = [f"# {line}" for line in comment_lines(part, vehicle, "ardupilot")]
+    lines = [f"# {line}" for line in autopilot.comment_lines(part, vehicle, "ardupilot")]
     lines += [f"{name},{value:.9g}" for name, value in part.values.items()]
     return "\n".join(lines) + "\n"
 
 
-def _expo(aircraft: Aircraft, flights: Flights, curve: SignalCurve) -> Explained:
-    still = static_loads(aircraft, flights[0].hover_speed)
-    found = curve_factor(aircraft, curve, still, _shares, EXPO_LIMITS)
+def _expo(
+    aircraft: Aircraft, flights: autopilot.Flights, curve: steady_loads.SignalCurve
+) -> autopilot.Explained:
+    still = steady_loads.static_loads(aircraft, flights[0].hover_speed)
+    found = steady_loads.curve_factor(aircraft, curve, still, _shares, EXPO_LIMITS)
     ends = curve.at(np.array([SPIN_MIN, SPIN_MAX]))
-    return Explained(
+    return autopilot.Explained(
         title="MOT_THST_EXPO",
         values={"MOT_THST_EXPO": round(found.factor, 4)},
         unit="-",

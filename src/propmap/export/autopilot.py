@@ -14,8 +14,8 @@ import propmap
 from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
 from propmap.export import find_export
-from propmap.export.files import check_folder, vehicle_identifier, write_files
-from propmap.export.inplane_drag import (
+from propmap.export.files import check_folder, filled, vehicle_identifier, write_files
+from propmap.export.steady_loads import (
     AXES,
     CLOSE,
     DragComparison,
@@ -28,9 +28,6 @@ from propmap.export.inplane_drag import (
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
-
-# -------------------------------------------------------------------------------------------------
-# Parameters of an autopilot with what they mean, how sure they are, and where they hold.
 
 
 @dataclass(frozen=True)
@@ -120,8 +117,7 @@ class AutopilotParameters:
     file_text: Callable[[ParameterSet, Vehicle], str]
 
 
-Flights = tuple[InplaneForces, InplaneForces]
-"""Level flights of a vehicle along x and y."""
+Flights = tuple[InplaneForces, InplaneForces]  # level flights of a vehicle along x and y
 
 SPEEDS = np.linspace(1.0, 15.0, 8)  # level flights by default [m/s]
 
@@ -218,90 +214,29 @@ def common_remarks(aircraft: Aircraft) -> list[str]:
 # -------------------------------------------------------------------------------------------------
 # The note beside an autopilot's parameters, in Markdown: definitions, errors, ranges.
 
-SHOWN = 4  # most numbers in a cell
-
 
 def autopilot_note(found: AutopilotParameters, aircraft: Aircraft) -> str:
     """Return a note on what was ``found`` of an ``aircraft``."""
-    vehicle = aircraft.vehicle
-    lines = [f"# {vehicle.name}: parameters for {found.firmware}", ""]
-    for part in found.sets:
-        lines += [f"## `{part.suffix}`: {part.purpose}", ""]
-        lines += ["| parameter | value | standard deviation | unit |", "|---|---|---|---|"]
-        for kind in part.kinds:
-            values = [f"{value:.5g}" for value in kind.values.values()]
-            shown = ", ".join(values) if len(values) <= SHOWN else "see the file"
-            shown = values[0] if len(set(values)) == 1 else shown
-            std = "-" if kind.std is None or math.isnan(kind.std) else f"{kind.std:.2g}"
-            unit = "" if kind.unit == "-" else kind.unit
-            lines.append(f"| {kind.title} | {shown} | {std} | {unit} |")
-        lines.append("")
-        for kind in part.kinds:
-            lines += [f"**{kind.title}**: {kind.meaning} {kind.holds}".rstrip(), ""]
-            lines += [f"Source: {kind.source}.", ""]
-    lines += ["## The drag model beside the full model", ""]
-    lines += [
-        "Level flight through still air, all forces and moments balanced. Force against the motion "
-        "along the body axis, by the full model with its standard deviation, by the filter's "
-        "equation with the parameters above; the last column is the error that the filter makes "
-        "of the wind. All speeds count the same in the fit, so that slow ones, with little force, "
-        "have the larger share of error. Backwards is taken to be like forward, right like left.",
-        "",
-    ]
-    for comparison in found.comparisons:
-        lines += _table(comparison)
-    if found.left_out:
-        lines += ["## Not written", ""]
-        lines += [f"- {left.name}: {left.why}." for left in found.left_out]
-        lines.append("")
-    lines += ["## To know", "", *(f"- {remark}" for remark in found.remarks), ""]
-    lines += ["## Where the numbers come from", "", *_origin(aircraft), ""]
-    return "\n".join(lines)
-
-
-def _table(comparison: DragComparison) -> list[str]:
-    flight = comparison.flight
-    lines = [f"### Along {flight.axis}, {AXES[flight.axis]}", ""]
-    lines += [
-        "| V [m/s] | lean [deg] | full [N] | std [N] | filter [N] | error [N] | [%] | wind [m/s] |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    full, filtered = comparison.full, comparison.filtered
-    columns = (flight.speed, flight.pitch, full, comparison.std, filtered, comparison.share)
-    rows = zip(*(each.tolist() for each in (*columns, comparison.wind)), strict=True)
-    for v, pitch, by_model, std, by_filter, share, wind in rows:
-        spread = "-" if math.isnan(std) else f"{std:.3f}"
-        lines.append(
-            f"| {v:g} | {math.degrees(pitch):.2f} | {by_model:.3f} | {spread} | {by_filter:.3f} | "
-            f"{by_filter - by_model:+.3f} | {100.0 * share:+.1f} | {wind:+.2f} |"
-        )
-    lines.append("")
-    lines += [f"{v:g} m/s is not flown: {STATUSES[why]}." for v, why in flight.lost]
-    return lines + [""] * bool(flight.lost)
-
-
-def _origin(aircraft: Aircraft) -> list[str]:
     vehicle, loads = aircraft.vehicle, aircraft.loads
-    areas = ", ".join(f"{area:g}" for area in vehicle.body.drag_area)
-    lines = [
-        f"vehicle: {vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x "
-        f"{vehicle.propeller.name}; air {vehicle.air.density:g} kg/m^3; drag areas of the body "
-        f"{areas} m^2, taken as known",
-    ]
     if isinstance(loads, Rotor):
-        lines.append(f"rotors: {loads.model.law_title}")
-        known = loads.model.uncertainty is not None
+        law, known = loads.model.law_title, loads.model.uncertainty is not None
     else:
-        law = (loads.info.get("airfoil") or {}).get("name", "not stated")
-        lines.append(f"rotors: a table of the section law {law}")
-        known = loads.content.deviations is not None
-    lines.append(
-        "standard deviations: constants of the section law, the model itself and another tunnel, "
-        "as `Loads.std`; mass, drag areas and motor are taken as known"
-        if known
-        else "standard deviations: none, as the section law says nothing of its errors"
+        name = (loads.info.get("airfoil") or {}).get("name", "not stated")
+        law, known = f"a table of the section law {name}", loads.content.deviations is not None
+    return filled(
+        "README-autopilot.md",
+        found=found,
+        vehicle=vehicle,
+        law=law,
+        known=known,
+        areas=", ".join(f"{area:g}" for area in vehicle.body.drag_area),
+        axes=AXES,
+        statuses=STATUSES,
+        version=propmap.__version__,
+        shown=lambda value: f"{value:.5g}",
+        degrees=math.degrees,
+        zip=zip,
     )
-    return [f"- {line}" for line in (*lines, f"written by propmap {propmap.__version__}")]
 
 
 # -------------------------------------------------------------------------------------------------
@@ -330,11 +265,8 @@ def where_it_holds(comparisons: list[DragComparison]) -> str:
 
 @dataclass(frozen=True)
 class DragFilter:
-    """The equation of a filter, in flight along one body axis.
-
-    Specific force against the motion = M (rho / 1.225)^power v + 1/2 rho v s / B, where s is the
-    size of the whole velocity or that of its component v along the axis.
-    """
+    """The equation of a filter along a body axis: specific force against the motion = M (rho /
+    1.225)^power v + 1/2 rho v s / B, s being v or the size of the whole velocity."""
 
     momentum: str  # name of M [1/s]
     ballistic: str  # name of B [kg/m^2], but for the axis

@@ -1,4 +1,9 @@
-"""Target ``c``: a table, or with it a whole vehicle, as a C99 header."""
+"""Target ``c``: a table, or with it a whole vehicle, as a C99 header.
+
+The header keeps the coefficients as the file does, in single precision at both ends of omega, and
+extrapolates to no ghost values: their share is in the weights of the outermost intervals.  So a
+point costs the memory of its sixteen knots alone.
+"""
 
 from __future__ import annotations
 
@@ -6,44 +11,21 @@ import itertools
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.export.files import Files, identifier, note, rendered, vehicle_name, wakes_sentence
+from propmap.export.files import Files, identifier, note, rendered, vehicle_name
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.results import spin_sign
-from propmap.table.interpolation import (
-    TableContent,
-    cell_codes,
-    interval_polynomials,
-    on_planes,
-    pad,
-)
+from propmap.table import interpolation
 from propmap.table.query import END_SLACK, SLACK, LoadTable
 from propmap.typing import Floats
+from propmap.vehicle import wakes
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import Rotors
-from propmap.vehicle.wakes import (
-    BEARINGS,
-    LARGEST_INFLOW,
-    LARGEST_UPWASH,
-    SKEWS,
-    SLOW,
-    STEPS,
-    UPWASH,
-    SeenWake,
-    frame_of,
-)
-
-# -------------------------------------------------------------------------------------------------
-# Target ``c``: a C99 header with the table, its query, gradient and inverse.
-#
-# The header keeps the coefficients as the file does, in single precision at both ends of omega, and
-# extrapolates to no ghost values: their share is in the weights of the outermost intervals.  So a
-# point costs the memory of its sixteen knots alone.
 
 MOST_BUCKETS = 1024
 
@@ -52,24 +34,7 @@ LINE = 96
 
 def c_files(table: LoadTable) -> Files:
     """Write the header and its note."""
-    name = identifier(table)
-    text = f"""{name}.h holds the table itself; what it offers and needs stands at its top.
-
-        {name}_wrench gives all six loads as force and moment on the hub, for either spin.
-
-        {name}_inflow, {name}_inflow_step and {name}_wrench_in_inflow are for simulators that let
-        the mean inflow lag behind by its own time constant, some milliseconds on a small propeller.
-        All they need is in the table: the inflow by momentum theory from the thrust, and what it
-        does to thrust and torque from their derivatives with the axial velocity. Gradients of the
-        inflow, which are twice as fast, follow at once, and the loads in the disk plane are those
-        of steady flight. Against propmap.DynamicInflow the time constant is up to 15% too long; the
-        change of thrust by a given lack of inflow is up to 40% too small, since in the table every
-        annulus has settled.
-
-        In double precision it agrees with propmap.table to 1e-12 of the static loads, in single
-        precision to 1e-5; next to the border between two cells, single precision may find the
-        status of the other one."""
-    return {f"{name}.h": header(table), "README-c.txt": note("c", text, table)}
+    return {f"{identifier(table)}.h": header(table), "README-c.txt": note("c", table)}
 
 
 def header(table: LoadTable) -> str:
@@ -99,7 +64,7 @@ def header(table: LoadTable) -> str:
         row_weights=rows,
         column_weights=columns,
         odd_weights=odd,
-        cells=cell_codes(content),
+        cells=interpolation.cell_codes(content),
         # At each knot the loads at the least omega, then at the largest.
         data=content.coefficients.transpose(2, 3, 0, 1)
         .reshape(*content.coefficients.shape[2:], -1)
@@ -111,19 +76,15 @@ def header(table: LoadTable) -> str:
     )
 
 
-def table_bytes(content: TableContent, real: int) -> int:
-    """Count the bytes of the header's tables, where its numbers have ``real`` bytes, 8 or 4.
-
-    Coefficients have 4 in both precisions.
-    """
+def table_bytes(content: interpolation.TableContent, real: int) -> int:
+    """Count bytes of the tables: numbers of ``real`` bytes, 8 or 4, and coefficients of 4."""
     cells = (content.advance.size - 1) + (content.beta.size - 1)
     return content.coefficients.size * 4 + 16 * cells * real + content.cells.size
 
 
-def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
-    """Return weight polynomials of rows and columns (n - 1, 16), and of odd loads in the first and
-    the last column interval (2, 16)."""
-    ends = on_planes(content.beta)
+def _weights(content: interpolation.TableContent) -> tuple[Floats, Floats, Floats]:
+    """Return weights of rows and columns (n - 1, 16), of odd loads in the end columns (2, 16)."""
+    ends = interpolation.on_planes(content.beta)
     even, odd = (
         _folded(content.beta, *(np.array(parity) if on else None for on in ends))
         for parity in (1.0, -1.0)
@@ -132,13 +93,11 @@ def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
 
 
 def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
-    """Return weight polynomials (n - 1, 16), powers first, of the values at the knots alone.
-
-    ``low`` and ``high`` are parities at the ends, as for ``pad``.  A ghost value is a sum over
-    the three knots at its end of the axis; its weight is spread over these.
-    """
-    weights = interval_polynomials(knots)
-    ghosts = pad(knots, np.eye(knots.size), low, high)
+    """Give weight polynomials (n - 1, 16), powers first, of the values at the knots alone: ghosts,
+    by the parities ``low`` and ``high`` as for ``pad``, are spread over the three knots at their
+    end."""
+    weights = interpolation.interval_polynomials(knots)
+    ghosts = interpolation.pad(knots, np.eye(knots.size), low, high)
     weights[0, 1:] += ghosts[0, :3, None] * weights[0, 0]
     weights[-1, :3] += ghosts[-1, -3:, None] * weights[-1, 3]
     weights[0, 0] = weights[-1, 3] = 0.0
@@ -180,38 +139,21 @@ def singles(blocks: NDArray[np.float32]) -> str:
 
 
 def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
-    """Write the rotor's header, the vehicle's, and the note.
-
-    Raise ``InputError`` for a table of another propeller or air, see ``VehicleForces``.
-    """
+    """Write both headers and the note; ``InputError`` for a table of another propeller or air."""
     Rotors.of(vehicle, table)
-    name, rotor = vehicle_name(vehicle, table), identifier(table)
-    twice = ""
-    if vehicle.wakes is not None:
-        twice = """They act by the splines of propmap.VehicleForces, made of the thrust that the
-            table has for each rotor by itself, so that it is asked twice per rotor, without and
-            with the wakes."""
-    text = f"""{name}.h gives force and moment of the air on the whole vehicle:
-        {len(vehicle.mounts)} rotors at the velocities of their hubs, each with its axis and spin,
-        the drag of the body and the lift of the wing, where the vehicle file has them. It includes
-        {rotor}.h, which holds the table of one rotor; what both need stands at their tops.
-
-        {wakes_sentence(vehicle)} {twice}
-
-        Weight and the gyroscopic moments of the rotors are not in it: they are those of the
-        simulator or the flight code around it. The status is the worst of the rotors'; where the
-        table has no loads for one of them, in rotor speed, speed or angle, force and moment are
-        NaN.
-
-        {cost(vehicle, table).sentence}
-
-        It agrees with propmap.VehicleForces on the same table to 1e-10 of the largest force in
-        double precision, with wakes, whose splines are kept in single precision, to 1e-6; in single
-        precision to 2e-5, except next to the border between two cells of the table."""
     return {
-        f"{rotor}.h": header(table),
-        f"{name}.h": vehicle_header(vehicle, table),
-        "README-c.txt": note(f"c, {vehicle.name}", text, table),
+        f"{identifier(table)}.h": header(table),
+        f"{vehicle_name(vehicle, table)}.h": vehicle_header(vehicle, table),
+        "README-c.txt": note(
+            "c",
+            table,
+            vehicle=vehicle,
+            cost=cost(vehicle, table),
+            kinds=KINDS,
+            assumed=CYCLES,
+            clocks=CLOCKS,
+            zip=zip,
+        ),
     }
 
 
@@ -224,11 +166,11 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
             "wakes": vehicle.wakes,
             "wake": wake_geometry(vehicle),
             "disk": vehicle.air.density * np.pi * vehicle.propeller.radius**2,
-            "steps": STEPS,
-            "largest": LARGEST_INFLOW,
-            "slow": SLOW,
-            "upwash": UPWASH,
-            "largest_upwash": LARGEST_UPWASH,
+            "steps": wakes.STEPS,
+            "largest": wakes.LARGEST_INFLOW,
+            "slow": wakes.SLOW,
+            "upwash": wakes.UPWASH,
+            "largest_upwash": wakes.LARGEST_UPWASH,
         }
     return rendered(
         "vehicle.h",
@@ -253,104 +195,61 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
 # ``tests/export/test_vehicle_export.py`` holds them to a run with numbers that count.
 
 
-class Operations(NamedTuple):
-    """Counts of operations; comparisons and changes of sign are sums."""
-
-    sums: int = 0
-    products: int = 0
-    divisions: int = 0
-    roots: int = 0
-    functions: int = 0  # of the C library, but the square root
-
-    def __add__(self, other: object) -> Self:
-        if not isinstance(other, Operations):
-            return NotImplemented
-        return type(self)(*(a + b for a, b in zip(self, other, strict=True)))
-
-    def times(self, count: int) -> Operations:
-        """Multiply all by ``count``."""
-        return Operations(*(count * each for each in self))
-
-    @property
-    def total(self) -> int:
-        """Sum of all kinds."""
-        return sum(self)
-
-
-BODY = Operations(12, 15)  # air's velocity, drag and download
-LIFT, WING = Operations(4, 10, 0, 1, 3), Operations(9, 9, 2, 0, 5)
-INDUCED = Operations(2, 8)  # drag, where a wing has a span
-FLOW, FORCE = Operations(14, 18, 1, 1), Operations(28, 35)  # at a hub, and of a rotor there
-QUERY = Operations(321, 307, 2, 2, 1)  # of the table, with the angle and the speed asked for
-SOURCE = Operations(35, 30, 1, 2, 2)  # a rotor's wake without its inflow
-STEP = Operations(10, 4, 2, 1)  # of Newton's method for that inflow
-PAIR = Operations(40, 52, 0, 0, 2)  # a wake at another rotor
+# Comparisons and changes of sign are sums; functions are those of the C library, but the root.
+KINDS = ("sums", "products", "divisions", "roots", "functions")
+BODY = np.array([12, 15, 0, 0, 0])  # air's velocity, drag and download
+LIFT, WING = np.array([4, 10, 0, 1, 3]), np.array([9, 9, 2, 0, 5])
+INDUCED = np.array([2, 8, 0, 0, 0])  # drag, where a wing has a span
+FLOW, FORCE = np.array([14, 18, 1, 1, 0]), np.array([28, 35, 0, 0, 0])  # at a hub, of a rotor there
+QUERY = np.array([321, 307, 2, 2, 1])  # of the table, with the angle and the speed asked for
+SOURCE = np.array([35, 30, 1, 2, 2])  # a rotor's wake without its inflow
+STEP = np.array([10, 4, 2, 1, 0])  # of Newton's method for that inflow
+PAIR = np.array([40, 52, 0, 0, 2])  # a wake at another rotor
 
 USUAL_STEPS = 6  # of Newton's method, outside of descent; it ends after ``STEPS``
-CYCLES = Operations(3, 3, 16, 16, 150)
+CYCLES = np.array([3, 3, 16, 16, 150])
 """Assumed of a core with a floating-point unit for single precision, loads, stores and loops
 included: sums and products take 1 cycle, divisions and roots 14 on an Arm Cortex-M4F (Technical
 Reference Manual, Arm DDI 0439) and no more on a Cortex-M7."""
 
 CLOCKS = {"Cortex-M4F at 168 MHz": 168e6, "Cortex-M7 at 480 MHz": 480e6}
 
-RATE = 1000.0  # calls per second
-
 
 @dataclass(frozen=True)
 class Cost:
     """What one call takes, in single precision."""
 
-    operations: Operations  # outside of descent
-    worst: Operations  # where Newton's method takes all its steps
+    operations: NDArray[np.int_]  # by ``KINDS``, outside of descent (5,)
+    worst: NDArray[np.int_]  # where Newton's method takes all its steps
     read: int  # bytes of tables, each as often as it is used
     stored: int  # bytes of all tables, the rotor's included
 
     @property
     def cycles(self) -> int:
         """Cycles of the processor, by ``CYCLES``."""
-        return sum(a * b for a, b in zip(self.operations, CYCLES, strict=True))
-
-    @property
-    def sentence(self) -> str:
-        """Say all of this in words."""
-        done = self.operations
-        parts = ", ".join(f"{count} {kind}" for kind, count in done._asdict().items() if count)
-        worst = f" (at most {self.worst.total}, in fast descent)" if self.worst != done else ""
-        times = " and ".join(
-            f"{self.cycles / clock * 1e3:.2f} ms on a {core}" for core, clock in CLOCKS.items()
-        )
-        share = max(self.cycles / clock * RATE for clock in CLOCKS.values())
-        return (
-            f"A call takes {done.total} operations{worst}: {parts}. It reads {self.read} bytes of "
-            f"tables, which are {self.stored / 1000.0:.0f} kB in all, in single precision. At an "
-            f"assumed {CYCLES.sums} cycles for a sum or a product, {CYCLES.divisions} for a "
-            f"division or a root and {CYCLES.functions} for another function, loads and stores "
-            f"included, it is {self.cycles} cycles: {times}, so that {RATE:g} calls a second take "
-            f"at most {share:.0%} of the time. Not measured on such a core."
-        )
+        return int(self.operations @ CYCLES)
 
 
 def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
     """Count what a call for a ``vehicle`` takes."""
     rotors = len(vehicle.mounts)
     pairs = rotors * (rotors - 1) if vehicle.wakes is not None else 0
-    done = BODY + (FLOW + QUERY + FORCE).times(rotors)
+    done = BODY + rotors * (FLOW + QUERY + FORCE)
     if vehicle.body.lift_area or vehicle.wing is not None:
-        done += LIFT
+        done = done + LIFT
     if vehicle.wing is not None:
-        done += WING
+        done = done + WING
         if vehicle.wing.span is not None:
-            done += INDUCED
+            done = done + INDUCED
     # Sixteen knots with both ends of each load, three polynomials of weights, knots and scales.
     query = 16 * 2 * len(LOADS) * 4 + (3 * 16 + len(LOADS) + 12) * 4
     read = (query + 7 * 4) * rotors
     stored = table_bytes(table.content, 4) + (7 * rotors + 6) * 4
     worst = done
     if pairs:
-        without = done + (SOURCE + QUERY).times(rotors) + PAIR.times(pairs)
-        done = without + STEP.times(USUAL_STEPS * rotors)
-        worst = without + STEP.times(STEPS * rotors)
+        without = done + rotors * (SOURCE + QUERY) + pairs * PAIR
+        done = without + USUAL_STEPS * rotors * STEP
+        worst = without + wakes.STEPS * rotors * STEP
         wake = wake_geometry(vehicle)
         polynomials = wake.skew.weights.size + wake.around.weights.size
         read += query * rotors + (pairs * (16 + 16 + 5) + rotors * (16 + 9)) * 4
@@ -391,14 +290,14 @@ def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
     """Tabulate the wakes of the rotors of a ``vehicle``, two or more."""
     mounts, radius = vehicle.mounts, vehicle.propeller.radius
     k = len(mounts)
-    frames = np.stack([frame_of(mount.axis) for mount in mounts])
+    frames = np.stack([wakes.frame_of(mount.axis) for mount in mounts])
     kind, bearing, towards = np.zeros((k, k), int), np.zeros((k, k)), np.zeros((k, k, 3))
     splines: list[object] = []
     for t, target in enumerate(mounts):
         for s, source in enumerate(mounts):
             if t == s:
                 continue
-            seen = SeenWake(source, target, radius)
+            seen = wakes.SeenWake(source, target, radius)
             # Pairs with the same geometry share a spline.
             same = [n for n, spline in enumerate(splines) if spline is seen.spline]
             if not same:
@@ -410,8 +309,8 @@ def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
             length = np.linalg.norm(beside)
             towards[t, s] = beside / (length if length > 1e-9 else 1.0)
     knots = splines[0].tck[:2]  # type: ignore[attr-defined]
-    skew = _axis(knots[0], np.linspace(0.0, np.pi, SKEWS))
-    around = _axis(knots[1], np.linspace(0.0, 2.0 * np.pi, BEARINGS + 1))
+    skew = _axis(knots[0], np.linspace(0.0, np.pi, wakes.SKEWS))
+    around = _axis(knots[1], np.linspace(0.0, 2.0 * np.pi, wakes.BEARINGS + 1))
     used = slice(around.first[0], around.first[-1] + 4)
     tables = [
         spline.get_coeffs().reshape(len(knots[0]) - 4, -1)[:, used]  # type: ignore[attr-defined]

@@ -24,11 +24,7 @@ from propmap.typing import Floats
 from propmap.units import DEGREE, RPM
 from propmap.vehicle.vehicle import Vehicle
 
-# -------------------------------------------------------------------------------------------------
-# Several files at once, all of them or none.
-
-Files = Mapping[str, str | Callable[[Path], None]]
-"""What to write: by name, a text or a function that writes to the path that it is given."""
+Files = Mapping[str, str | Callable[[Path], None]]  # by name, a text or what writes to the path
 
 
 def check_folder(folder: Path) -> None:
@@ -48,10 +44,8 @@ def check_folder(folder: Path) -> None:
 
 
 def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
-    """Write files into a folder, made if need be, complete before the first gets its name.
-
-    Without ``replace``, files that are there already raise ``InputError``.
-    """
+    """Write files into a folder, made if need be, all complete before the first gets its name;
+    ``InputError`` for one that is there, unless ``replace``."""
     check_folder(folder)
     paths = [folder / name for name in files]
     for path in paths:
@@ -81,11 +75,15 @@ def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
 
 
 def rendered(template: str, table: LoadTable, **values: Any) -> str:
-    """Return the text of a template; ``values`` that are functions serve as filters.
+    """Render a template with ``values``, the ``table``, its name ``p`` and ``P`` in capitals,
+    ``loads`` and the ``lines`` of provenance."""
+    name, lines = identifier(table), provenance(table)
+    common = {"table": table, "loads": LOADS, "p": name, "P": name.upper(), "lines": lines}
+    return filled(template, **common, **values)
 
-    Every template knows the table, the registry's ``loads``, the name ``p`` of the propeller and
-    that name in capitals, ``P``, and the ``lines`` of the provenance.
-    """
+
+def filled(template: str, **values: Any) -> str:
+    """Render a template with ``values``, functions among which serve as filters, too."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
@@ -102,10 +100,7 @@ def rendered(template: str, table: LoadTable, **values: Any) -> str:
         "xml_comment": _xml_comment,
         **{name: value for name, value in values.items() if callable(value)},
     }
-    name = identifier(table)
-    common = {"table": table, "loads": LOADS, "p": name, "P": name.upper()}
-    found = environment.get_template(f"{template}.j2")
-    return found.render(**common, lines=provenance(table), **values)
+    return environment.get_template(f"{template}.j2").render(**values)
 
 
 def _c_comment(lines: Sequence[str]) -> str:
@@ -192,12 +187,23 @@ def origin(table: LoadTable) -> list[str]:
     return [part for line in clean for part in textwrap.wrap(line, 88, subsequent_indent="  ")]
 
 
-# -------------------------------------------------------------------------------------------------
-# The note that goes with an export: what the target can represent, and at what cost.
-
-
-def note(title: str, text: str, table: LoadTable, found: Sequence[ErrorSizes] = ()) -> str:
-    """Return a note: paragraphs of ``text``, errors where the target simplifies, provenance."""
+def note(
+    target: str,
+    table: LoadTable,
+    found: Sequence[ErrorSizes] = (),
+    vehicle: Vehicle | None = None,
+    *,
+    text: str = "",
+    **values: Any,
+) -> str:
+    """Say what a ``target`` can represent, of a ``vehicle`` or the table alone, and at what cost:
+    its ``text``, or template with ``values``, errors where it simplifies, and provenance."""
+    title, template = target, f"README-{target}.txt"
+    if vehicle is not None:
+        title, template = f"{target}, {vehicle.name}", f"README-{target}-vehicle.txt"
+        values |= {"v": vehicle_name(vehicle, table), "vehicle": vehicle}
+    rpm = middle_omega(table) / RPM
+    text = text or rendered(template, table, simple=SIMPLE, hover_rpm=rpm, **values)
     shares = ", ".join(load.share for load in LOADS.values())
     cost = "Nothing is simplified: the errors are those of the table."
     if found:
@@ -213,19 +219,6 @@ def note(title: str, text: str, table: LoadTable, found: Sequence[ErrorSizes] = 
             rows.append(f"  {name:12s}{rms:>10.2%}{worst:>10.2%}")
         parts.append("\n".join(rows))
     return "\n\n".join([*parts, "\n".join(provenance(table))]) + "\n"
-
-
-def wakes_sentence(vehicle: Vehicle) -> str:
-    """Say in a note whether the rotors of a ``vehicle`` act on each other."""
-    if vehicle.wakes is None:
-        return (
-            "The rotors do not act on each other: the vehicle file has no [wakes], or --no-wakes "
-            "was given."
-        )
-    return (
-        "The rotors are in each other's wakes, as [wakes] says. propmap export --no-wakes leaves "
-        "them out."
-    )
 
 
 # -------------------------------------------------------------------------------------------------
@@ -271,11 +264,8 @@ class ErrorSizes:
 
 
 def sample(table: LoadTable) -> Samples:
-    """Return loads at points of the envelope that have any.
-
-    Raise ``InputError`` for a table without hover, which has no static loads, and for one without
-    points for simple models.
-    """
+    """Take loads at points of the envelope that have any; ``InputError`` for a table without hover,
+    or without points for simple models."""
     omega, speed, beta = evenly(table)
     found = table.loads(omega, speed, beta)
     loads = {name: getattr(found, name) for name in LOADS}
@@ -320,10 +310,7 @@ def middle_omega(table: LoadTable) -> float:
 
 
 def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[ErrorSizes, ErrorSizes]:
-    """Measure a model's loads (n,) where simple models are meant, and over the envelope.
-
-    Loads that ``model`` lacks count as zero.
-    """
+    """Measure a model's loads (n,), absent ones zero, where simple models are meant and overall."""
     shares = [
         (model.get(name, 0.0) - load) / samples.static[name] for name, load in samples.loads.items()
     ]

@@ -1,4 +1,8 @@
-"""Parameters of PX4: of its control allocation, its estimator and its simulator."""
+"""Parameters of PX4: of its control allocation, its estimator and its simulator.
+
+Each definition was read in PX4's source, whose files the parameters name; the file format is that
+of QGroundControl.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +22,7 @@ from propmap.export.autopilot import (
     comment_lines,
     common_remarks,
 )
-from propmap.export.static_loads import (
+from propmap.export.steady_loads import (
     SignalCurve,
     StaticLoads,
     curve_factor,
@@ -28,12 +32,6 @@ from propmap.export.static_loads import (
 from propmap.typing import Floats
 from propmap.units import GRAVITY
 from propmap.vehicle.vehicle import Vector, Vehicle
-
-# -------------------------------------------------------------------------------------------------
-# Target ``px4``: parameters of PX4's Kalman filter, control allocation and simulator.
-#
-# Each definition was read in PX4's source, whose files the parameters name; the file format is that
-# of QGroundControl.
 
 FILTER = DragFilter(
     momentum="EKF2_MCOEF",
@@ -216,9 +214,6 @@ def thrust_coefficient(vehicle: Vehicle, still: StaticLoads, curve: SignalCurve)
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Parameters of PX4's simulator in hardware (SIH): linear rotors and linear drag.
-
 SIH = "PX4-Autopilot src/modules/simulation/simulator_sih/sih.cpp, generate_force_and_torques"
 
 SIH_QUAD = ((1, 1, "ccw"), (-1, -1, "ccw"), (1, -1, "cw"), (-1, 1, "cw"))
@@ -228,8 +223,7 @@ SIH_QUAD = ((1, 1, "ccw"), (-1, -1, "ccw"), (1, -1, "cw"), (-1, 1, "cw"))
 def simulator(
     vehicle: Vehicle, flights: Flights, still: StaticLoads, curve: SignalCurve | None
 ) -> tuple[list[Explained], str]:
-    """Write parameters of the simulator in hardware for level ``flights`` along x and y, or say why
-    there are none."""
+    """Write the simulator's parameters for level ``flights`` along x and y, or say why not."""
     if curve is None:
         return [], "they need the thrust at the full signal, see THR_MDL_FAC"
     places = [in_frd(mount.position) for mount in vehicle.mounts]

@@ -14,21 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.export.files import (
-    SIMPLE,
-    Files,
-    Samples,
-    errors,
-    identifier,
-    middle_omega,
-    note,
-    rendered,
-    sample,
-    slope,
-    static_loads,
-    vehicle_name,
-    wakes_sentence,
-)
+from propmap.export import files
 from propmap.loads import LOADS
 from propmap.results import spin_sign
 from propmap.table.query import LoadTable
@@ -61,38 +47,23 @@ class MotorModel(NamedTuple):
         }
 
 
-def fit_motor_model(table: LoadTable, samples: Samples) -> MotorModel:
+def fit_motor_model(table: LoadTable, samples: files.Samples) -> MotorModel:
     """Take static thrust and torque as they are; fit drag and roll moment by least squares."""
-    omega = middle_omega(table)
-    static = static_loads(table, np.array([omega]))
+    omega = files.middle_omega(table)
+    static = files.static_loads(table, np.array([omega]))
     thrust, torque = float(static["thrust"][0]), float(static["torque"][0])
-    drag, roll = slope(samples, "drag"), slope(samples, "roll_moment")
+    drag, roll = files.slope(samples, "drag"), files.slope(samples, "roll_moment")
     return MotorModel(thrust / omega**2, torque / thrust, drag, roll)
 
 
-def gazebo_files(table: LoadTable) -> Files:
+def gazebo_files(table: LoadTable) -> files.Files:
     """Write the SDF elements and the note."""
-    samples = sample(table)
+    samples = files.sample(table)
     fitted = fit_motor_model(table, samples)
-    found = errors(samples, fitted.loads(samples.omega, samples.inplane))
-    text = f"""The multicopter motor model knows thrust = motorConstant omega^2, torque =
-        momentConstant thrust, drag = omega rotorDragCoefficient v, rolling moment = omega
-        rollingMomentCoefficient v, with v the velocity across the axis. Thrust and torque do not
-        change with the flight speed: they are those of hover, at {middle_omega(table) / RPM:.0f}
-        rpm. The coefficients of drag and rolling moment are least squares over {SIMPLE}.
-
-        The plugin has no side force and no pitching moment: these two loads, which are zero where
-        the inflow does not vary around the disk, are lost, and have the errors of zero below.
-
-        The plugin of PX4's Gazebo Classic multiplies the thrust by 1 - |v_axial|/25 m/s, whatever
-        the propeller, which is not in the errors below.
-
-        PX4's Gazebo Classic plugin turns the rolling moment's sign with turningDirection; gz-sim's
-        MulticopterMotorModel and RotorS do not: for them, negate rollingMomentCoefficient where
-        turningDirection is cw."""
+    found = files.errors(samples, fitted.loads(samples.omega, samples.inplane))
     return {
-        f"{identifier(table)}_motor.sdf": rendered("motor.sdf", table, fitted=fitted),
-        "README-gazebo.txt": note("gazebo", text, table, found),
+        f"{files.identifier(table)}_motor.sdf": files.rendered("motor.sdf", table, fitted=fitted),
+        "README-gazebo.txt": files.note("gazebo", table, found),
     }
 
 
@@ -126,10 +97,10 @@ class RotorPyRotor(NamedTuple):
         }
 
 
-def fit_rotor(table: LoadTable, samples: Samples) -> RotorPyRotor:
+def fit_rotor(table: LoadTable, samples: files.Samples) -> RotorPyRotor:
     """Take static thrust and torque as they are; fit the rest by least squares."""
-    middle = middle_omega(table)
-    static = static_loads(table, np.array([middle]))
+    middle = files.middle_omega(table)
+    static = files.static_loads(table, np.array([middle]))
     k_eta, k_m = (float(static[load][0]) / middle**2 for load in ("thrust", "torque"))
     chosen = samples.simple
     omega, axial, inplane = (x[chosen] for x in (samples.omega, samples.axial, samples.inplane))
@@ -138,88 +109,54 @@ def fit_rotor(table: LoadTable, samples: Samples) -> RotorPyRotor:
     rest = (samples.loads["thrust"][chosen] - k_eta * omega**2) / scale
     k_z, k_h = np.linalg.lstsq(matrix, rest, rcond=None)[0].tolist()
     k_d, pitch, k_roll, k_side = (
-        slope(samples, load) for load in ("drag", "pitch_moment", "roll_moment", "side_force")
+        files.slope(samples, load) for load in ("drag", "pitch_moment", "roll_moment", "side_force")
     )
     return RotorPyRotor(k_eta, k_m, k_d, k_z, k_h, -pitch, k_roll, k_side)
 
 
-def rotorpy_files(table: LoadTable) -> Files:
+def rotorpy_files(table: LoadTable) -> files.Files:
     """Write the parameters as a Python module, and the note."""
-    samples = sample(table)
+    samples = files.sample(table)
     fitted = fit_rotor(table, samples)
-    found = errors(samples, fitted.loads(samples.omega, samples.axial, samples.inplane))
-    name = f"{identifier(table)}_rotorpy.py"
-    text = f"""RotorPy's rotor knows thrust = k_eta omega^2 + k_h v^2 - k_z omega v_z, torque = k_m
-        omega^2 and drag = k_d omega v, with v the velocity across the axis. k_eta and k_m are those
-        of hover, at {middle_omega(table) / RPM:.0f} rpm; the rest are least squares over {SIMPLE}.
-        The torque does not change with the flight speed. RotorPy's k_flap omega v is a moment
-        across the velocity: minus the pitching moment.
-
-        RotorPy has neither rolling moment nor side force. The module has a mix-in that adds both,
-        k_roll omega v and k_side omega v, with the sign of each rotor's spin: class
-        Vehicle(HubWrench, Multirotor): pass. Without it they are missing, with the errors of zero.
-
-        {name} holds what the propeller decides. Merge it into a vehicle: quad_params = {{**frame,
-        **rotor_params}}, with mass, inertia, rotor positions and the motor's time constant from the
-        frame. RotorPy clips omega to the range of the table."""
+    found = files.errors(samples, fitted.loads(samples.omega, samples.axial, samples.inplane))
     return {
-        name: rendered("rotorpy.py", table, fitted=fitted),
-        "README-rotorpy.txt": note("rotorpy", text, table, found),
+        f"{files.identifier(table)}_rotorpy.py": files.rendered("rotorpy.py", table, fitted=fitted),
+        "README-rotorpy.txt": files.note("rotorpy", table, found),
     }
 
 
 ROTORS = 4  # RotorPy's Multirotor inverts the matrix from its rotors' thrusts to thrust and moments
 
 
-def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> Files:
-    """Write a module that asks ``VehicleForces``, the table beside it, and the note.
-
-    Raise ``InputError`` for another number of rotors, and a table of another propeller or air.
-    """
+def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
+    """Write a module that asks ``VehicleForces``, the table and the note; ``InputError`` for other
+    than four rotors and a table of another propeller or air."""
     if len(vehicle.mounts) != ROTORS:
         raise InputError(
             f"the vehicle has {len(vehicle.mounts)} rotors, RotorPy's Multirotor {ROTORS}",
             "write a multirotor of your own around propmap.VehicleForces",
         )
     Rotors.of(vehicle, table)
-    name, rotor = vehicle_name(vehicle, table), identifier(table)
-    module = rendered(
+    name, rotor = files.vehicle_name(vehicle, table), files.identifier(table)
+    module = files.rendered(
         "rotorpy_vehicle.py",
         table,
         v=name,
         vehicle=vehicle,
         made=literal(dataclasses.replace(vehicle, powertrain=Powertrain())),
         directions=[-spin_sign(mount.spin) for mount in vehicle.mounts],
-        fitted=fit_rotor(table, sample(table)),
+        fitted=fit_rotor(table, files.sample(table)),
     )
-    known, missing = (
-        (" moments of inertia,", "") if vehicle.inertia else ("", " and the moments of inertia")
-    )
-    text = f"""{name}_rotorpy.py has Vehicle, a RotorPy Multirotor whose compute_body_wrench is
-        propmap.VehicleForces.wrench: all six loads of each rotor by the table {rotor}.npz, at the
-        velocity of its hub, with its axis and spin, and the forces of body and wing. It needs
-        propmap beside RotorPy.
-
-        {wakes_sentence(vehicle)}
-
-        Make it with quad_params = {{**frame, **vehicle_params}}: mass, rotor positions and
-        directions, the range of rotor speeds of the table,{known} and k_eta and k_m of hover, which
-        controllers use and Vehicle does not. From the frame come the motor's time
-        constant{missing}. RotorPy clips rotor speeds to the range of the table; where the table has
-        no loads in speed or angle, a line says so. RotorPy adds the weight; it knows no gyroscopic
-        moments of rotors."""
     return {
         f"{name}_rotorpy.py": module,
         f"{rotor}.npz": table.save,
-        "README-rotorpy.txt": note(f"rotorpy, {vehicle.name}", text, table),
+        "README-rotorpy.txt": files.note("rotorpy", table, vehicle=vehicle),
     }
 
 
 def literal(value: Any) -> str:
-    """Return the Python expression of a dataclass, tuple, array or number, fields by default out.
-
-    Classes stand by their names alone.
-    """
+    """Write the Python expression of a dataclass, tuple, array or number, classes by their names
+    alone, fields by default left out."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         parts = []
         for field in dataclasses.fields(value):
@@ -244,11 +181,8 @@ JSBSIM_POINTS = 121  # linear in between: 1e-4 of the static coefficient
 
 
 def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
-    """Tabulate C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) over rising J, (k,) each.
-
-    With descent, J < 0, down to where the table has no values.  Each is taken at the middle omega,
-    or at the largest that reaches that J within the envelope.
-    """
+    """Tabulate C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) over rising J, (k,) each, with
+    descent as far as there are values, at the middle omega or the largest that reaches J."""
     low, high = table.envelope["beta"]
     if low > 1e-9:
         raise InputError(
@@ -264,7 +198,7 @@ def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
         ratio = advance[:0:-1] if sign < 0.0 else advance
         reach = fastest / (np.maximum(ratio, 1e-12) * radius)
         # The largest advance ratio is met at one omega only, to rounding.
-        omega = np.maximum(np.minimum(middle_omega(table), reach), table.envelope["omega"][0])
+        omega = np.maximum(np.minimum(files.middle_omega(table), reach), table.envelope["omega"][0])
         found = table.loads(omega, np.minimum(ratio * omega * radius, fastest), beta)
         turns, diameter = omega / (2.0 * np.pi), 2.0 * radius
         force = table.content.density * turns**2 * diameter**4
@@ -279,36 +213,18 @@ def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
     return each[0], each[1], each[2]
 
 
-def jsbsim_files(table: LoadTable) -> Files:
+def jsbsim_files(table: LoadTable) -> files.Files:
     """Write the propeller's XML, that of the reactions across its axis, and the note."""
-    samples, name = sample(table), identifier(table)
+    samples, name = files.sample(table), files.identifier(table)
     forms = fit_multinomial(samples, table.content.density)
     across = multinomial_loads(forms, samples, table.content.density)
     by_axis = _axial_loads(table, samples.omega, samples.axial)
-    found = errors(samples, across | dict(zip(("thrust", "torque"), by_axis, strict=True)))
-    of_thrust, of_torque = axial_error(table)
+    found = files.errors(samples, across | dict(zip(("thrust", "torque"), by_axis, strict=True)))
     advance, thrust, power = coefficients(table)
-    text = f"""JSBSim's fixed-pitch propeller knows thrust and power against J = V/(n D) with the
-        velocity along the axis alone: no in-plane velocity, no Reynolds number. The coefficients
-        are those of axial flight at J from {advance[0]:.3g} to {advance[-1]:.3g}, beyond which
-        JSBSim keeps the last. In axial climb they are within {100 * of_thrust:.2f}% (thrust) and
-        {100 * of_torque:.2f}% (torque) of the table, as shares of the static loads; most of it is
-        the Reynolds number's.
-
-        {name}_reactions.xml has what the propeller of JSBSim lacks, as external reactions: drag and
-        side force, rolling and pitching moment, density times (a omega + b V_axial) times the
-        in-plane velocity, by least squares over {SIMPLE}. Name it in the aircraft's file,
-        <external_reactions file="{name}_reactions"/>, and set the location of both forces to the
-        thruster's. It is written for engine 0 with its thrust along the body's x axis and <sense>
-        1, clockwise seen from behind; for -1 set the property propmap/{name}-sense to -1. The
-        velocity is the vehicle's through the air at its centre of mass; its turning is not in it.
-
-        ixx is a placeholder, a uniform rod of 1 g per inch of diameter; put the moment of inertia
-        of the propeller and what turns with it in its place. JSBSim uses the density of its own
-        atmosphere."""
+    worst = axial_error(table)
     per_pound = SLUG_PER_FT3 * FOOT / POUND
     return {
-        f"{name}.xml": rendered(
+        f"{name}.xml": files.rendered(
             "jsbsim.xml",
             table,
             inches=2.0 * table.content.radius / INCH,
@@ -316,7 +232,7 @@ def jsbsim_files(table: LoadTable) -> Files:
             thrust=thrust,
             power=power,
         ),
-        f"{name}_reactions.xml": rendered(
+        f"{name}_reactions.xml": files.rendered(
             "jsbsim_reactions.xml",
             table,
             forms=forms,
@@ -326,7 +242,7 @@ def jsbsim_files(table: LoadTable) -> Files:
             rad_s_per_rpm=RPM,
             m_per_ft=FOOT,
         ),
-        "README-jsbsim.txt": note("jsbsim", text, table, found),
+        "README-jsbsim.txt": files.note("jsbsim", table, found, advance=advance, axial_error=worst),
     }
 
 
@@ -368,12 +284,12 @@ velocity, of Omega r and z r; z along the axis, r in the disk plane.  [m^4], [m^
 moments times [m]."""
 
 
-def multinomial_loads(forms: Forms, samples: Samples, density: float) -> dict[str, Floats]:
+def multinomial_loads(forms: Forms, samples: files.Samples, density: float) -> dict[str, Floats]:
     """Return loads (n,) [N], [N m] at the samples' points, in air of a density [kg/m^3]."""
     return {name: density * _terms(name, samples) @ forms[name] for name in LOADS}
 
 
-def fit_multinomial(samples: Samples, density: float) -> Forms:
+def fit_multinomial(samples: files.Samples, density: float) -> Forms:
     """Fit the errors as shares of static loads by least squares, where simple models are meant."""
     chosen, found = samples.simple, {}
     for name in LOADS:
@@ -387,27 +303,20 @@ def fit_multinomial(samples: Samples, density: float) -> Forms:
     return found
 
 
-def multinomial_files(table: LoadTable) -> Files:
+def multinomial_files(table: LoadTable) -> files.Files:
     """Write the expressions in Python and C, and the note."""
-    samples, density = sample(table), table.content.density
+    samples, density = files.sample(table), table.content.density
     forms = fit_multinomial(samples, density)
-    found = errors(samples, multinomial_loads(forms, samples, density))
-    name, values = f"{identifier(table)}_multinomial", {"forms": forms, "density": density}
-    text = f"""The multinomial of Gill & D'Andrea, Computationally Efficient Force and Moment Models
-        for Propellers in UAV Forward Flight Applications, Drones 2019, 3(4), 77, fitted to the
-        table by least squares over {SIMPLE}. Its form cannot follow the fast descent, the vortex
-        ring state, stall, or the Reynolds number.
-
-        {name}.py is plain arithmetic: numbers, NumPy arrays and CasADi's SX, MX and DM all go
-        through. {name}.h is the same in C99."""
+    found = files.errors(samples, multinomial_loads(forms, samples, density))
+    name, values = f"{files.identifier(table)}_multinomial", {"forms": forms, "density": density}
     return {
-        f"{name}.py": rendered("multinomial.py", table, **values),
-        f"{name}.h": rendered("multinomial.h", table, **values),
-        "README-multinomial.txt": note("multinomial", text, table, found),
+        f"{name}.py": files.rendered("multinomial.py", table, **values),
+        f"{name}.h": files.rendered("multinomial.h", table, **values),
+        "README-multinomial.txt": files.note("multinomial", table, found),
     }
 
 
-def _terms(name: str, at: Samples) -> Floats:
+def _terms(name: str, at: files.Samples) -> Floats:
     """Return what the factors of a load's form multiply, (n, 4) or (n, 2)."""
     if LOADS[name].inplane:
         return np.stack([at.omega * at.inplane, at.axial * at.inplane], axis=-1)
@@ -417,29 +326,24 @@ def _terms(name: str, at: Samples) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Targets ``npz``, ``nc`` and ``csv``: the table itself, in other files.
 
-SCALES = """forces are rho pi R^4 omega^2 times the coefficient, moments rho pi R^5 omega^2; in
-    between, the coefficients are linear in omega^(-1/2) and cubic in the advance ratio V/(omega R)
-    and in beta."""
 
-
-def npz_files(table: LoadTable) -> Files:
+def npz_files(table: LoadTable) -> files.Files:
     """Write the table as ``propmap.table.LoadTable`` reads it."""
-    text = "The table itself, for propmap.table.LoadTable.load, which needs NumPy alone."
-    return {f"{identifier(table)}.npz": table.save, "README-npz.txt": note("npz", text, table)}
+    name = f"{files.identifier(table)}.npz"
+    return {name: table.save, "README-npz.txt": files.note("npz", table)}
 
 
-def nc_files(table: LoadTable) -> Files:
+def nc_files(table: LoadTable) -> files.Files:
     """Write the table as NetCDF."""
     from propmap.table.files import write_netcdf
 
-    text = f"The table's coefficients with units, for xarray and its like: {SCALES}"
     return {
-        f"{identifier(table)}.nc": lambda path: write_netcdf(table, path),
-        "README-nc.txt": note("nc", text, table),
+        f"{files.identifier(table)}.nc": lambda path: write_netcdf(table, path),
+        "README-nc.txt": files.note("nc", table),
     }
 
 
-def csv_files(table: LoadTable) -> Files:
+def csv_files(table: LoadTable) -> files.Files:
     """Write the table's knots as rows of numbers, empty where there is no value."""
     content, text = table.content, io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -452,9 +356,7 @@ def csv_files(table: LoadTable) -> Files:
                 values = level[:, i, j].astype(np.float32)
                 shown = ["" if np.isnan(value) else str(value) for value in values]
                 writer.writerow([omega, advance, beta, *shown])
-    about = f"""A row for each knot of the table: {SCALES} Empty where there is no value. Which
-        cells between the knots are vortex ring or unresolved is not in it."""
     return {
-        f"{identifier(table)}.csv": text.getvalue(),
-        "README-csv.txt": note("csv", about, table),
+        f"{files.identifier(table)}.csv": text.getvalue(),
+        "README-csv.txt": files.note("csv", table),
     }

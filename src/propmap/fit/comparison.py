@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
+from propmap.fit import parameters
 from propmap.fit.files import DataSource, FitFile
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import (
@@ -39,22 +40,6 @@ from propmap.fit.least_squares import (
     rms_known,
     search,
 )
-from propmap.fit.parameters import (
-    BODY,
-    EVERY,
-    FIRST_GUESS,
-    MOUNT,
-    PER_FLIGHT,
-    ROTOR,
-    ROTOR_SPEED,
-    SENSOR,
-    WAKES,
-    Choice,
-    constants_of,
-    described,
-    general,
-    of_flight,
-)
 from propmap.fit.tunnel import TunnelData, model_with, rotor_with
 from propmap.fit.uncertainty import uncertainty
 from propmap.hover import HoverModel
@@ -70,14 +55,10 @@ from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import mounted_rotors
 from propmap.vehicle.wakes import hub_flow, in_wakes
 
-# -------------------------------------------------------------------------------------------------
-# A parameter set against measurements, beside the hover model of the same rotor.
-
 
 @dataclass(frozen=True)
 class SpeedErrors:
-    """Errors of one load over all rows, inside and outside the envelope of what was fitted to, and
-    in each band of speed."""
+    """Errors of a load over all rows, in and outside the fit's envelope, and in bands of speed."""
 
     all: ResidualErrors
     by_speed: Mapping[str, ResidualErrors]
@@ -126,11 +107,8 @@ def compare_tunnel(
 
 @dataclass(frozen=True, eq=False)
 class FlightForces:
-    """All forces but gravity on a vehicle at n samples, by a model and by the hover model.
-
-    Forces [N] are as an accelerometer feels them where it sits, moments [N m] about the centre of
-    mass, in the vehicle's frame.
-    """
+    """All forces but gravity on a vehicle at n samples, felt where the accelerometer sits [N], and
+    moments about the centre of mass [N m], in the vehicle's frame."""
 
     model: Floats  # (n, 6)
     hover: Floats  # (n, 6)
@@ -153,7 +131,7 @@ def flight_forces(
     """
     model = Model(vehicle.propeller, law, vehicle.air)
     logged = hub_flow(vehicle, log)
-    flow = logged._replace(omega=values.get(ROTOR_SPEED, 1.0) * logged.omega)
+    flow = logged._replace(omega=values.get(parameters.ROTOR_SPEED, 1.0) * logged.omega)
     wakes = wakes_with(vehicle, values)
     near = flow if wakes is None else in_wakes(vehicle, wakes, model, flow)
     velocity = np.stack([near.inplane, np.zeros_like(near.inplane), near.axial], axis=-1)
@@ -163,19 +141,16 @@ def flight_forces(
         loads[..., mine] = [getattr(found, name) for name in LOADS]
     none = np.zeros((0, len(log), 6))
     rotors = six_loads(flow, loads)
-    whole = on_vehicle(vehicle, log, logged, rotors, none, {**FIRST_GUESS, **values}, ())
+    whole = on_vehicle(vehicle, log, logged, rotors, none, {**parameters.FIRST_GUESS, **values}, ())
     return FlightForces(whole.loads, hover_loads(HoverModel.of(Rotor(model)), logged))
 
 
 def compare_forces(
     vehicle: Vehicle, log: FlightLog, forces: FlightForces, beyond: Beyond | None = None
 ) -> dict[str, SpeedErrors]:
-    """Errors of forces and moments along the vehicle's axes, by name with unit.
-
-    Forces are held against mass times specific force, and moments, where the vehicle file has
-    moments of inertia, against what turns the vehicle. ``beyond`` says how far the samples leave
-    the envelope of the fit. Raises ``InputError`` without specific force.
-    """
+    """Errors of forces against mass times specific force, and of moments where inertia is known, by
+    name with unit; ``beyond`` says how far samples leave the fit's envelope. ``InputError`` without
+    specific force."""
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
     )
@@ -211,10 +186,8 @@ def compare_level(
     values: Mapping[str, float],
     beyond: Beyond | None = None,
 ) -> dict[str, SpeedErrors]:
-    """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17).
-
-    Arguments are those of ``flight_forces`` and ``compare_forces``; no specific force is needed.
-    """
+    """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17),
+    arguments as of ``flight_forces`` and ``compare_forces``."""
     model, hover = level_forces(vehicle, log, law, values)
     weight = np.full(len(log), vehicle.mass * GRAVITY)
     return {"vertical_force_N": compared(model, weight, log.speed, hover, beyond)}
@@ -223,11 +196,12 @@ def compare_level(
 def level_forces(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
-    """Vertical forces [N] (n,) by the model of ``flight_forces`` and by the hover model.
-
-    Where the accelerometer sits plays no part.
-    """
-    values = {name: value for name, value in values.items() if general(name) not in SENSOR}
+    """Vertical forces [N] (n,) of model and hover model, wherever the accelerometer sits."""
+    values = {
+        name: value
+        for name, value in values.items()
+        if parameters.general(name) not in parameters.SENSOR
+    }
     here = replace(vehicle, sensor=(0.0, 0.0, 0.0))
     found = flight_forces(here, log, law, values)
     model, hover = (np.sum(one[:, :3] * log.up, axis=1) for one in (found.model, found.hover))
@@ -251,11 +225,8 @@ def compared(
 # -------------------------------------------------------------------------------------------------
 # How far forward flight is known: relative uncertainty of thrust and torque, before and after.
 
-ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)
-"""J = V / (n D) of the points looked at [-]."""
-
-BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])
-"""Their angles to the axis [rad]."""
+ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)  # J = V / (n D) of the points looked at [-]
+BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])  # their angles to the axis [rad]
 
 JUDGED = ("thrust", "torque")
 
@@ -263,8 +234,7 @@ MODEL_ERROR = 0.03
 """Error of the model with the best constants, as a share of the load at rest; so much makes
 the intervals hold after a fit to static rows: ``python -m tools.after_static``."""
 
-SMALL = 0.1
-"""Share of the load at rest below which a relative uncertainty of a load means nothing."""
+SMALL = 0.1  # share of the load at rest below which a relative uncertainty of a load means nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,12 +252,8 @@ class ForwardTrust:
 
 
 def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> ForwardTrust:
-    """Uncertainty that a fit of a ``model`` leaves at rest, in axial and in edgewise flow.
-
-    To first order, sqrt(g' S g) with g the derivatives by the free constants: before the fit at the
-    most likely ones with their covariance, after it at those found with that of the fit; and
-    ``MODEL_ERROR`` beside it.
-    """
+    """Uncertainty that a fit of a ``model`` leaves at rest, in axial and in edgewise flow: to first
+    order sqrt(g' S g) by the free constants, before and after, and ``MODEL_ERROR`` beside it."""
     choice = fitted.choice
     by_prior = choice.prior_residuals(choice.first)[1]
     before = np.asarray(np.linalg.pinv(by_prior.T @ by_prior), np.float64)
@@ -298,7 +264,7 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
 
     def loads(x: Floats, covariance: Floats) -> tuple[Floats, Floats]:
         rotor = rotor_with(model, choice.values(x), setting)
-        names = tuple(name for name in choice.free if name in ROTOR)
+        names = tuple(name for name in choice.free if name in parameters.ROTOR)
         found = rotor.gradients(names, *flow)
         mine = [choice.free.index(name) for name in names]
         part = covariance[np.ix_(mine, mine)]
@@ -314,18 +280,11 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
     return ForwardTrust(omega, np.array(ADVANCE), BETA, load, was, now)
 
 
-# -------------------------------------------------------------------------------------------------
-# Whether the constants that a fit found are unlikely beside those of other propellers.
-
-FAR = 2.5
-"""z-score among propellers from which a constant is worth a remark."""
+FAR = 2.5  # z-score among propellers from which a constant is worth a remark
 
 
 def unlikely_constants(fitted: Fitted) -> list[str]:
-    """Name the constants of a fit that lie far from those of other propellers, in one sentence.
-
-    There is none where nothing is far, or no prior over propellers was used.
-    """
+    """Name in a sentence a fit's constants far from other propellers'; none without a prior."""
     expected = fitted.choice.expected
     if expected is None:
         return []
@@ -345,37 +304,29 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
 # -------------------------------------------------------------------------------------------------
 # What one more free parameter changes in a fit: assumptions that fail, terms of the body.
 
-REMARKABLE = 0.7
-"""Share of the residuals' size below which giving up an assumption is worth a remark."""
-
-POOR = 0.03
-"""Relative residual from which a fit is looked into."""
+REMARKABLE = 0.7  # share of the residuals' size below which an assumption is worth a remark
+POOR = 0.03  # relative residual from which a fit is looked into
 
 ASSUMPTIONS = {
     "zero_lift_angle": "C_L(0) = 0, an uncambered section",
     "c_d0": "c_d0 = 0.01, the constant drag",
     "mount_area": "the rotor drag without more in the slipstream",
-}
-"""What holds as long as the parameter is not free."""
+}  # what holds as long as the parameter is not free
 
 BODY_TERMS = ("lift_area", "drag_area_x")
 
-LEAST_FALL = 0.05
-"""Share by which a term of the body has to lower the residuals to pay."""
+LEAST_FALL = 0.05  # share by which a term of the body has to lower the residuals to pay
 
 
-def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
-    """Name the assumptions of the section law that a poor fit points at, a sentence each.
-
-    They are those that lower the residuals by 30 % or more when given up. ``rows_for`` gives the
-    same data as rows for another choice of free parameters.
-    """
+def failing_assumptions(fitted: Fitted, rows_for: Callable[[parameters.Choice], Rows]) -> list[str]:
+    """Name the assumptions of the section law that lower the residuals of a poor fit by 30 % or
+    more when given up; ``rows_for`` gives its data as rows for another choice."""
     size = rms(fitted.minimum.residual)
     if size < POOR:
         return []
     sentences = []
     for name, assumption in ASSUMPTIONS.items():
-        acts = name not in MOUNT or "drag" in fitted.rows.names
+        acts = name not in parameters.MOUNT or "drag" in fitted.rows.names
         if name in fitted.choice.free or not acts:
             continue
         choice, begin = _with(fitted, name)
@@ -384,17 +335,15 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
         if left < REMARKABLE:
             sentences.append(
                 f"{assumption}, does not hold: with {name} free ({again.x[-1]:.3g} "
-                f"{described(name).unit}) the residuals fall to {100.0 * left:.0f} %"
+                f"{parameters.described(name).unit}) the residuals fall to {100.0 * left:.0f} %"
             )
     return sentences
 
 
-def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
-    """Say whether lift and drag of the body pay in a flight fit without them (section III.A).
-
-    A term does if its 95 % interval leaves out zero and the residuals fall by more than 5 %.
-    ``rows_for`` gives the same data as rows for another choice of free parameters.
-    """
+def body_terms_verdict(fitted: Fitted, rows_for: Callable[[parameters.Choice], Rows]) -> list[str]:
+    """Say whether lift and drag of the body pay in a flight fit without them (section III.A): by an
+    interval without zero and a fall of the residuals; ``rows_for`` gives its data for another
+    choice."""
     sentences = []
     size = rms(fitted.minimum.residual)
     for name in BODY_TERMS:
@@ -416,24 +365,19 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> li
     return sentences
 
 
-def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
+def _with(fitted: Fitted, name: str) -> tuple[parameters.Choice, Floats]:
     """The choice of a fit with one more free parameter, the last, and where to begin."""
     fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
     choice = replace(fitted.choice, free=(*fitted.choice.free, name), fixed=fixed)
-    return choice, np.append(fitted.x, fitted.values.get(name, described(name).start))
+    return choice, np.append(fitted.x, fitted.values.get(name, parameters.described(name).start))
 
 
 # -------------------------------------------------------------------------------------------------
 # Which variables the residuals of a flight fit still depend on, in words.
 
-LEAST_SHARE = 0.05
-"""Share of the residuals' variance from which a variable is worth a sentence."""
-
-CERTAIN = 3.0
-"""Slope over its block-wise standard error from which it is significant."""
-
-MOST = 2
-"""Sentences per load."""
+LEAST_SHARE = 0.05  # share of the residuals' variance from which a variable is worth a sentence
+CERTAIN = 3.0  # slope over its block-wise standard error from which it is significant
+MOST = 2  # sentences per load
 
 
 def candidates(log: FlightLog) -> dict[str, Floats]:
@@ -492,11 +436,8 @@ class Trend:
 def trends(
     log: FlightLog, load: str, unit: str, residual: Floats, block: NDArray[np.intp]
 ) -> list[Trend]:
-    """Fit the residual of a load to every candidate, the strongest first.
-
-    ``residual`` (n,) is model minus measurement; what is not finite is left out. Errors may be
-    correlated within a ``block`` (n,).
-    """
+    """Fit the ``residual`` (n,) of a load, model minus measurement, to every candidate, the
+    strongest first; errors may be correlated within a ``block`` (n,)."""
     known = np.isfinite(residual)
     off, stretch, found = residual[known], block[known], []
     for name, variable in candidates(log).items():
@@ -506,10 +447,8 @@ def trends(
 
 
 def residual_trends(fitted: Fitted, log: FlightLog) -> list[str]:
-    """Say what the residuals of a fit to the samples of ``log`` still depend on.
-
-    The strongest dependence comes first, with two sentences per load at most.
-    """
+    """Say what the residuals of a fit to the samples of ``log`` still depend on, the strongest
+    first, two sentences per load at most."""
     rows, sentences = fitted.rows, []
     if rows.group is None:
         return []
@@ -540,17 +479,13 @@ def _slope(
 # -------------------------------------------------------------------------------------------------
 # What each term of a whole-flight fit is worth, on flights that the fit has not seen.
 
-SURE = 2.0
-"""Standard errors by which a term has to change the mean square error to be said to pay."""
+SURE = 2.0  # standard errors by which a term has to change the mean square error to be said to pay
 
 
 @dataclass(frozen=True, eq=False)
 class RecordedFlight:
-    """One flight, its signals low-passed and as they were recorded.
-
-    A prediction is of forces [N] by something else, (n, 3) at the samples of ``passed`` and
-    low-passed like these, and (m, 3) at those of ``raw``; None where there is none.
-    """
+    """One flight, its signals low-passed and as recorded, with another's prediction of its forces
+    [N], (n, 3) at the samples of either, where there is one."""
 
     name: str
     passed: FlightLog  # low-passed
@@ -564,7 +499,7 @@ class Step:
     """A model with one term more than the one before it."""
 
     name: str  # of what is added
-    choice: Choice  # what is free
+    choice: parameters.Choice  # what is free
     vertical: bool = False  # whether the vertical forces alone are fitted
 
 
@@ -578,12 +513,12 @@ class AxisErrors:
     @property
     def rms(self) -> Floats:
         """Root mean squares of the low-passed errors, (3,)."""
-        return _rms(self.passed)
+        return np.asarray(np.sqrt(np.nanmean(self.passed**2, axis=0)))
 
     @property
     def raw_rms(self) -> Floats:
         """Root mean squares of the errors as recorded, (3,)."""
-        return _rms(self.raw)
+        return np.asarray(np.sqrt(np.nanmean(self.raw**2, axis=0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -606,12 +541,9 @@ def fit_terms(
     samples: int,
     tell: Callable[[str], None] | None = None,
 ) -> list[FittedStep]:
-    """Fit all steps, each flight in turn left out and the others joined.
-
-    The section ``law`` gives what no step frees; of the flights that are fitted to, ``samples`` are
-    taken at most. After each fit ``tell`` is called with a line of text. The results are in the
-    order of the steps, then of the flights left out.
-    """
+    """Fit all steps, each flight in turn left out and at most ``samples`` of the others, with the
+    ``law`` for what no step frees, in the order of steps, then flights left out; ``tell`` gets a
+    line after each."""
     found = []
     for step in steps:
         for left_out in range(len(flights)) if len(flights) > 1 else (None,):
@@ -633,10 +565,8 @@ def fit_terms(
 def gain(
     old: Sequence[AxisErrors], new: Sequence[AxisErrors], flights: Sequence[RecordedFlight]
 ) -> tuple[float, float]:
-    """Fall of the mean square of the force error from one model to another [N^2]; its deviation.
-
-    Errors within a second of each other count as one, as they are correlated.
-    """
+    """Fall of the mean square of the force error from one model to another and its deviation [N^2];
+    errors within a second count as one, as they are correlated."""
     means = []
     for a, b, flight in zip(old, new, flights, strict=True):
         fall = np.sum(a.passed**2 - b.passed**2, axis=1)
@@ -674,34 +604,26 @@ def _off(
 ) -> tuple[AxisErrors, AxisErrors]:
     """Errors of a fit's model and of the hover model."""
     found = model_with(Model(vehicle.propeller, base, vehicle.air), values)
-    law = replace(constants_of(found.airfoil), corrections=tuple(found.correction_texts))
-    others = {n: values[n] for n in (BODY | SENSOR | WAKES) if n in values}
+    law = replace(parameters.constants_of(found.airfoil), corrections=tuple(found.correction_texts))
+    others = {
+        n: values[n]
+        for n in (parameters.BODY | parameters.SENSOR | parameters.WAKES)
+        if n in values
+    }
     logs = (flight.passed, flight.raw)
-    forces = [flight_forces(vehicle, log, law, FIRST_GUESS | others) for log in logs]
+    forces = [flight_forces(vehicle, log, law, parameters.FIRST_GUESS | others) for log in logs]
     measured = [vehicle.mass * log.specific_force for log in logs]
     model = (f.model[:, :3] - m for f, m in zip(forces, measured, strict=True))
     hover = (f.hover[:, :3] - m for f, m in zip(forces, measured, strict=True))
     return AxisErrors(*model), AxisErrors(*hover)
 
 
-def _rms(off: Floats) -> Floats:
-    found: Floats = np.sqrt(np.nanmean(off**2, axis=0))
-    return found
-
-
-# -------------------------------------------------------------------------------------------------
-# What a fit's parameters are for flights, of which it may have seen some.
-
-
 def values_for(
     file: FitFile, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
 ) -> tuple[dict[str, float], list[str]]:
-    """Choose parameters for the flights of a ``log`` from ``paths``; return remarks on them too.
-
-    A flight of the fit keeps its own. For any other the thrust scale is what its own hover has
-    beside the hover of the fit's flights, where that is sure; else it is the mean of the fit's
-    flights, as its clock is.
-    """
+    """Choose parameters for the flights of a ``log`` from ``paths``, and remarks: a flight of the
+    fit keeps its own, another has the mean's, and the thrust scale of its own hover where that is
+    sure."""
     logs = file.record.data[:-1]  # The vehicle's file is the last.
     names = flight_names([source.file for source in logs])
     seen = {source.sha256: name for source, name in zip(logs, names, strict=True)}
@@ -712,13 +634,13 @@ def values_for(
         by_hover, applied = hovers.scales, hovers.remarkable
     for flight, path in zip(log.flights, paths, strict=True):
         name = seen.get(DataSource.of(path).sha256)
-        for one in PER_FLIGHT:
-            here = of_flight(one, flight)
+        for one in parameters.PER_FLIGHT:
+            here = parameters.of_flight(one, flight)
             values.pop(here, None)
             if name is not None:
-                common = values.get(one, EVERY[one].start)
-                values[here] = file.values.get(of_flight(one, name), common)
-        scale = of_flight("thrust_scale", flight)
+                common = values.get(one, parameters.EVERY[one].start)
+                values[here] = file.values.get(parameters.of_flight(one, name), common)
+        scale = parameters.of_flight("thrust_scale", flight)
         if name is None and scale in by_hover:
             values |= {scale: applied[scale]} if scale in applied else {}
             why = "so much is applied" if scale in applied else "too near to 1 to be applied"
@@ -727,10 +649,6 @@ def values_for(
                 f"fit's flights at the same rotor speeds: {why}"
             )
     return values, remarks
-
-
-# -------------------------------------------------------------------------------------------------
-# Errors of a fit to several flights, flight by flight.
 
 
 def by_flight(fitted: Fitted, log: FlightLog) -> dict[str, dict[str, FlightErrors]]:

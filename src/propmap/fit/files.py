@@ -38,11 +38,7 @@ from propmap.model.model import Air, Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# Fit files: TOML that describes a fit, suffices to repeat it, and is a parameter set itself.
-
-BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT
-"""What the table ``[fit.body]`` has; the rest is the section law, its corrections and the wing."""
+BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT  # the table ``[fit.body]``
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,8 +254,7 @@ def _load(
 # -------------------------------------------------------------------------------------------------
 # The table ``[fit]`` of a fit file: one description for writing and for reading.
 
-BY_NAME = ("parameters", "residuals")
-"""In the file these are tables by name, in a record lists whose entries hold their name."""
+BY_NAME = ("parameters", "residuals")  # tables by name in the file, lists in a record
 
 
 class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -420,19 +415,14 @@ def _listed(tables: Any) -> Any:
     return [{"name": k, **t} if isinstance(t, Mapping) else t for k, t in tables.items()]
 
 
-# -------------------------------------------------------------------------------------------------
-# What a fit could not explain, as errors of thrust and power coefficients.
-
 OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
 """Rows whose errors, over what the hover model says of them, are shares of a static load."""
 
 
 def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]:
-    """Standard deviations of C_T and C_P that a fit leaves, by name of ``DISCREPANCIES``.
-
-    ``found`` is the model with the fitted parameters, ``hover`` (M,) what the hover model says of
-    the rows. A load that was not fitted is taken to err by as large a share as the other.
-    """
+    """Standard deviations of C_T and C_P that a fit leaves, by name of ``DISCREPANCIES``, with the
+    model ``found`` and the hover model's rows ``hover`` (M,); a load not fitted errs by as large a
+    share."""
     shares = {}
     for kind, names in (("thrust", OF_THRUST), ("torque", OF_TORQUE)):
         for k, name in enumerate(fitted.rows.names):

@@ -24,15 +24,12 @@ from propmap.fit.least_squares import (
 )
 from propmap.fit.parameters import LEAST_ERROR, Choice
 from propmap.fit.uncertainty import Uncertainty, residual_errors, uncertainty
+from propmap.model.envelope import Range
 from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats
 from propmap.units import RPM
 
-# -------------------------------------------------------------------------------------------------
-# A whole identification: search, uncertainty, residuals, cross-validation, bootstrap.
-
-MEDIAN_TO_DEVIATION = 1.4826
-"""Standard deviation over median size, of normal errors."""
+MEDIAN_TO_DEVIATION = 1.4826  # standard deviation over median size, of normal errors
 
 
 @dataclass(frozen=True)
@@ -243,20 +240,11 @@ def _refit_to(refit: _Refit, drawn: NDArray[np.intp]) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Which operating points the data of a fit cover, and what these cannot determine.
 
-AT_REST = 0.1
-"""Speed [m/s] below which the direction of the flow means nothing."""
+AT_REST = 0.1  # speed [m/s] below which the direction of the flow means nothing
+BAND = 15.0  # width of the bands of the angle beta [deg], the first one about 0
+FEW = 0.02  # share of the points in motion below which an angle is hardly covered
 
-BAND = 15.0
-"""Width of the bands of the angle beta [deg], the first one about 0."""
-
-FEW = 0.02
-"""Share of the points in motion below which an angle is hardly covered."""
-
-HOVER_BELOW, NARROW = 1.0, 2.0
-"""Speeds [m/s]: below the first everything hovers; a range below the second is one speed."""
-
-Range = tuple[float, float]
-"""Least and largest."""
+HOVER_BELOW, NARROW = 1.0, 2.0  # speed [m/s] below which all hovers; range of one speed
 
 
 class _CoveredPoints(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -287,11 +275,8 @@ class CoveredAngle(Covered, frozen=True):
 
 
 class Coverage(_CoveredPoints, frozen=True):
-    """All operating points of a fit's data: their ranges, and those at rest and by angle.
-
-    Points where the propeller stands still do not count.  ``angles`` has an entry for each band of
-    beta that holds points in motion, by rising angle.
-    """
+    """All operating points of a fit's data where the propeller turns: ranges, and those at rest and
+    in each band of beta that holds points in motion, by rising angle."""
 
     angles: list[CoveredAngle]
     at_rest: Covered | None = None
@@ -304,11 +289,8 @@ class Coverage(_CoveredPoints, frozen=True):
 
 
 def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Coverage:
-    """Ranges of n operating points, at rest and by angle; beta is in 0...pi [rad], radius is R [m].
-
-    Loads over Omega^2 depend on the advance ratio and the angle, and on little else. Raises
-    ``InputError`` where the propeller turns at none of the points.
-    """
+    """Ranges of n operating points, at rest and by angle, with beta in 0...pi [rad] and R [m];
+    ``InputError`` where the propeller turns at none."""
     turning = omega > 0.0
     if not turning.any():
         raise InputError("the propeller stands still at all points", "give rpm above 0")

@@ -18,40 +18,17 @@ from propmap.errors import InputError
 from propmap.fit.parameters import Choice
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# Bounded nonlinear least squares from several starts; eq. (18).
+NOISE_FLOOR = 1e-3  # least deviation of a residual over its scale, that of the computed loads
+SAME_MINIMUM = 1e-3  # distance of two ends of one minimum, in spreads
+DIFFERENCE = 1e-5  # step of difference quotients, in spreads
 
-NOISE_FLOOR = 1e-3
-"""Smallest standard deviation assumed for a residual, relative to its scale: the accuracy of the
-computed loads."""
-
-SAME_MINIMUM = 1e-3
-"""Distance, in units of the parameters' spreads, within which two ends are one minimum."""
-
-DIFFERENCE = 1e-5
-"""Step of difference quotients, in spreads."""
-
-ON_BOUND = 1e-9
-"""Distance from a bound, in spreads, that is no distance: the search stays inside the bounds."""
-
-EVALUATIONS, FINAL_EVALUATIONS = 20, 30
-"""Evaluations of the model at most: from each start, and to polish the best end."""
-
-FINE = 1e-6, 1e-8
-"""Steps and gains, relative, with which the polishing ends.  Smaller steps are within the errors of
-the derivatives, and are all refused."""
-
-REFIT_EVALUATIONS = 6
-"""Evaluations at most where a known minimum is only followed, as in cross-validation."""
-
-FAR = 1.5
-"""Standard deviations of a prior within which searches start."""
-
-MOST_UNSOLVED = 0.05
-"""Share of the rows that may have no solution in the model."""
-
-ONE_OF_FEW = 0.2
-"""Share of few rows that may have none where they are of one operating point."""
+ON_BOUND = 1e-9  # distance from a bound, in spreads, that is none: searches stay inside
+EVALUATIONS, FINAL_EVALUATIONS = 20, 30  # at most, from each start and to polish
+FINE = 1e-6, 1e-8  # last relative steps and gains, above the derivatives' errors
+REFIT_EVALUATIONS = 6  # at most where a known minimum is followed, as in cross-validation
+FAR = 1.5  # standard deviations of a prior within which searches start
+MOST_UNSOLVED = 0.05  # share of the rows that may have no solution in the model
+ONE_OF_FEW = 0.2  # share of few rows that may have none where they are of one operating point
 
 
 class End(msgspec.Struct, frozen=True):
@@ -83,10 +60,7 @@ class Evaluator:
         self.unsolved = 0
 
     def at(self, x: Floats, free: tuple[str, ...] | None = None) -> Evaluation:
-        """Residuals (M,) as shares of their scales and derivatives (M, P), without priors.
-
-        The derivatives are by the ``free`` parameters, by default those of the choice.
-        """
+        """Residuals (M,) over scales, without priors, and derivatives (M, P) by ``free``."""
         rows = self.rows
         value, slope = rows.model(self.choice.values(x), self.choice.free if free is None else free)
         lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
@@ -108,11 +82,8 @@ class Evaluator:
         return np.concatenate([self.at(x, ())[0], self.weight * self.choice.prior_residuals(x)[0]])
 
     def difference_quotients(self, x: Floats) -> Floats:
-        """Difference quotients of ``computed``, its Jacobian (M + K, P).
-
-        Where inflow rises steeply it differs from ``jacobian`` by up to some per cent; see
-        docs/theory.md, known limits.
-        """
+        """Difference quotients (M + K, P) of ``computed``; where inflow rises steeply they differ
+        from ``jacobian`` by some per cent, see docs/theory.md, known limits."""
         from scipy.optimize import approx_fprime
 
         step = DIFFERENCE * self.choice.column("spread")
@@ -121,22 +92,17 @@ class Evaluator:
 
 
 def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
-    """Factor on the residuals of priors beside those of rows.
-
-    It is the standard deviation ``error`` of a residual where every row is a number of its own;
-    whole flights, and rows beside what is known of propellers in general, are worth
-    ``rows.independent``.
-    """
+    """Factor on the residuals of priors beside those of rows: the standard deviation ``error`` of a
+    residual where each row is a number of its own; whole flights, and rows beside what propellers
+    have in common, are worth ``rows.independent``."""
     if choice.expected is None and rows.group is None:
         return error
     return error * float(np.sqrt(rows.counts.sum() / max(float(rows.independent.sum()), 1.0)))
 
 
 def starts(choice: Choice, count: int, seed: int) -> list[Floats]:
-    """The first guess, and ``count`` - 1 starts at random within three spreads of it.
-
-    None is further than ``FAR`` standard deviations from the mean of other propellers.
-    """
+    """The first guess, and ``count`` - 1 random starts within three spreads of it and ``FAR``
+    standard deviations from the mean of other propellers."""
     away = np.random.default_rng(seed).uniform(-3.0, 3.0, (count - 1, len(choice.free)))
     away = away * choice.column("spread")
     if choice.expected is not None:
@@ -159,15 +125,10 @@ def search(
     follow: bool = False,
     polish: bool = True,
 ) -> Minimum:
-    """Find the best minimum over all starts.
-
-    ``loss`` is "linear", or "soft_l1" so that a few outliers do not decide. ``error`` is the
-    standard deviation of a residual as a share of its scale: priors are weighed against it, and
-    twice it is an outlier. With ``follow`` the start is a minimum of much the same data, so that
-    few steps do; without it the best end is followed to the last digit, unless ``polish`` is false.
-    Raises ``InputError`` for fewer numbers than parameters, and where the model has no solution for
-    more than one row in twenty, or of few rows for more than those of one operating point.
-    """
+    """Find the best minimum over all starts, by ``loss`` "linear" or "soft_l1"; priors are weighed
+    against the ``error`` of a residual, twice it is an outlier. ``follow`` takes few steps from a
+    known minimum, else ``polish`` follows the best end to the last digit. ``InputError`` for too
+    few numbers and too many rows without solution."""
     from scipy.optimize import least_squares
 
     used = int(np.count_nonzero(rows.weight))
@@ -254,9 +215,6 @@ def minima(ends: list[End], spread: Floats) -> tuple[End, ...]:
     return tuple(found)
 
 
-# -------------------------------------------------------------------------------------------------
-# What every fit sees: numbers measured, and a model of them with its derivatives.
-
 Evaluation = tuple[Floats, Floats]
 RowModel = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
 
@@ -264,11 +222,8 @@ INDEPENDENT = 10.0
 """Independent numbers that the rows of one load are worth at most, beside what is known of
 propellers in general: what a model or a stand gets wrong, neighbouring rows have in common."""
 
-INDEPENDENT_AT_REST = 4.0
-"""Independent numbers in rows that are all at rest, which differ in rotational speed alone."""
-
-REMEMBERED = 16
-"""Evaluations that are kept: more than one refit takes."""
+INDEPENDENT_AT_REST = 4.0  # at rest, where rows differ in rotational speed alone
+REMEMBERED = 16  # evaluations that are kept: more than one refit takes
 
 
 @dataclass(frozen=True, eq=False)
@@ -322,12 +277,9 @@ class Rows:
         table: Callable[[NDArray[np.intp]], RowModel],
         group: NDArray[np.intp] | None = None,
     ) -> Rows:
-        """Make a row of each finite number in a table of L loads at n operating points.
-
-        ``names`` and ``units`` are of the loads, ``measured`` and ``scale`` (n, L), ``speed`` and
-        ``group`` (n,). From the indices of m points ``table`` gives a model of them: values (m, L)
-        and derivatives (m, L, P).
-        """
+        """Make a row of each finite number in tables ``measured`` and ``scale`` (n, L) of loads
+        with these ``names`` and ``units`` at n points of ``speed`` and ``group`` (n,). From indices
+        of m points ``table`` gives a model: values (m, L) and derivatives (m, L, P)."""
         point, load = np.nonzero(np.isfinite(measured))
         # A search is polished where it ended, and refits of parts of the data begin there.
         whole: dict[Any, Evaluation] = {}
@@ -384,10 +336,8 @@ class Rows:
 
     @property
     def independent(self) -> Floats:
-        """How many independent numbers the rows of each load (L,) are worth.
-
-        In flight that is one for each group; each manoeuvre meets another flow.
-        """
+        """Independent numbers that each load's rows (L,) are worth: in flight one for each
+        group."""
         parts = [self.of_load(k) for k in range(len(self.names))]
         if self.group is not None:
             return np.array([float(np.unique(self.group[part]).size) for part in parts])
@@ -412,8 +362,7 @@ class Rows:
 # -------------------------------------------------------------------------------------------------
 # How far a model is from measurements: over all rows and by speed.
 
-BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)
-"""Edges of the bands of speed [m/s]."""
+BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)  # edges of the bands of speed [m/s]
 
 
 class ResidualErrors(msgspec.Struct, frozen=True):
@@ -478,17 +427,10 @@ def by_band(
     return found
 
 
-# -------------------------------------------------------------------------------------------------
-# Rows in other processes: they are made there again, since their models cannot be sent.
-
-
 @dataclass(eq=False)
 class RowsElsewhere:
-    """``rows`` and what goes with them, to be sent to workers, who make the rows again.
-
-    Models of rows cannot be sent; ``remake`` can, and gives the rows. It is None where no other
-    process works.
-    """
+    """``rows`` and what goes with them, to be sent to workers, where ``remake`` gives the rows
+    again as models cannot be sent; None where no other process works."""
 
     rows: Rows
     remake: Callable[[], Rows] | None

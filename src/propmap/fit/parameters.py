@@ -16,9 +16,6 @@ from propmap.model.airfoil import CONSTANTS, PAPER_FOUR, Airfoil
 from propmap.model.model import Section
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# What a fit may vary: names, bounds, first guesses, and what the user chose.
-
 
 @dataclass(frozen=True)
 class Parameter:
@@ -38,8 +35,7 @@ SECTION = {
     name: Parameter(constant.unit, *constant.fit, constant.meaning)
     for name, constant in CONSTANTS.items()
     if constant.fit is not None
-}
-"""Parameters of the section law; x0 of (18) is that of the first four."""
+}  # parameters of the section law; x0 of (18) is that of the first four
 
 MOUNT = {"mount_area": Parameter("m^2", 0.0, 0.0, 0.1, 5e-4, "what is mounted in the slipstream")}
 """What stands in the slipstream of the correction ``installed``, see ``INSTALLED``."""
@@ -49,11 +45,9 @@ INSTALLED = {"drag_factor": Parameter("-", 1.0, 0.0, 10.0, 0.5, "on the blades' 
 
 FLEX = {
     "untwist": Parameter("rad", 0.0, -0.05, 0.15, 0.01, "twist lost at the tip at 100 m/s there")
-}
-"""The correction ``blade-untwist``, the model's own where it is neither free nor fixed."""
+}  # the correction ``blade-untwist``, the model's own where it is neither free nor fixed
 
-ROTOR = SECTION | FLEX | INSTALLED
-"""What changes the loads of a rotor at a given flow."""
+ROTOR = SECTION | FLEX | INSTALLED  # what changes the loads of a rotor at a given flow
 
 BODY = {
     "drag_area_x": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along x"),
@@ -62,15 +56,13 @@ BODY = {
     "lift_area": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "lift of the body"),
     "download_area_x": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "download of flow along x"),
     "download_area_y": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "download of flow along y"),
-}
-"""Terms of section III.A, and what flow along the body presses it down."""
+}  # terms of section III.A, and what flow along the body presses it down
 
 WING = {
     "wing_c_l1": Parameter("1/rad", 5.0, 0.5, 12.0, 1.0, "slope of the wing's attached lift"),
     "wing_c_l2": Parameter("-", 1.0, 0.0, 6.0, 0.5, "the wing's lift after stall"),
     "wing_alpha_0": Parameter("rad", 0.3, 0.1, 0.9, 0.06, "the wing's angle of stall"),
-}
-"""The wing of footnote 4, whose lift has the form (3)."""
+}  # the wing of footnote 4, whose lift has the form (3)
 
 SENSOR = {
     "sensor_x": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, forward"),
@@ -82,42 +74,36 @@ SENSOR = {
     "sensor_bias_x": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along x"),
     "sensor_bias_y": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along y"),
     "sensor_bias_z": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along z"),
-}
-"""The accelerometer, from the centre of mass; its place adds to the vehicle file's."""
+}  # the accelerometer, from the centre of mass; its place adds to the vehicle file's
 
 TURNING = {
     "centre_x": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, forward"),
     "centre_y": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, left"),
     "centre_z": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, up"),
     "rotor_inertia": Parameter("kg m^2", 0.0, 0.0, 0.1, 1e-6, "inertia of a rotor with its motor"),
-}
-"""Parameters of the balance of moments, which add to the vehicle file's."""
+}  # parameters of the balance of moments, which add to the vehicle file's
 
 WAKES = {
     "wake_ahead": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash ahead of a wake"),
     "wake_beside": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash beside a wake"),
     "wake_downwash": Parameter("-", 1.0, 0.0, 12.0, 1.0, "downwash of a wake"),
     "wake_share": Parameter("-", 1.0, 0.0, 2.0, 0.5, "share of the inflow that skews a wake"),
-}
-"""See ``propmap.vehicle.wakes``; what is neither free nor fixed is the vehicle file's."""
+}  # see ``propmap.vehicle.wakes``; what is neither free nor fixed is the vehicle file's
 
 ROTOR_SPEED = "rotor_speed_scale"
 
 FLIGHT = {
     "thrust_scale": Parameter("-", 1.0, 0.8, 1.25, 0.02, "thrust over that of the rotors' model"),
     ROTOR_SPEED: Parameter("-", 1.0, 0.9, 1.1, 0.01, "rotor speeds over those logged"),
-}
-"""Battery and mass of a flight, and what a motor controller takes for its motor's speed."""
+}  # battery and mass of a flight, and what a motor controller takes for its motor's speed
 
-PER_FLIGHT = ("thrust_scale", "clock_offset")
-"""What may differ from flight to flight: then named as ``thrust_scale[FLIGHT]``."""
+PER_FLIGHT = ("thrust_scale", "clock_offset")  # named as ``thrust_scale[FLIGHT]``
 
 EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT
 FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | INSTALLED | WAKES}
 
 
-LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")
-"""Forces and moments are linear in these, the others given."""
+LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")  # forces are linear in these
 
 
 def constants_of(section: Section) -> Airfoil:
@@ -268,11 +254,7 @@ def known(name: str) -> str:
     return name
 
 
-# -------------------------------------------------------------------------------------------------
-# The prior, from propellers in general, of the section constants of one that is being fitted.
-
-SMALLEST = 1e-6
-"""Taken for a constant at its bound of 0, which is infinitely far in coordinates that are logs."""
+SMALLEST = 1e-6  # for a constant at its bound of 0, whose logarithm is infinitely far
 
 LEAST_ERROR = 0.03
 """Standard deviation of residuals at least, as a share of their scale, where such a prior is
@@ -303,10 +285,8 @@ class SectionPrior:
     source: str
 
     def z_scores(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """Standard deviations (P,) between coordinates and means, in the order of ``PARAMETERS``.
-
-        The constants ``values`` are by name; the derivatives by them are (P, P).
-        """
+        """Standard deviations (P,) between coordinates and means of constants ``values`` by name,
+        in the order of ``PARAMETERS``, and derivatives (P, P)."""
         constants = np.array([values[name] for name in PARAMETERS])
         inside = np.where(LOGARITHMIC, np.maximum(constants, SMALLEST), constants)
         place = coordinates(inside)
@@ -315,11 +295,8 @@ class SectionPrior:
         return (place - self.distribution.mean) / deviation, slopes
 
     def penalty(self, values: Mapping[str, float], kept: Sequence[int]) -> tuple[Floats, Floats]:
-        """Numbers (K,) that are independent and of variance 1 beforehand; their slopes (K, 7).
-
-        They are of the K coordinates ``kept``, which are known beforehand by this prior, at the
-        constants ``values`` by name.
-        """
+        """Numbers (K,) independent and of variance 1 beforehand, of the coordinates ``kept`` at the
+        constants ``values`` by name; their slopes (K, 7)."""
         scores, slopes = self.z_scores(values)
         own = list(kept)
         root = np.linalg.cholesky(self.distribution.correlation[np.ix_(own, own)])

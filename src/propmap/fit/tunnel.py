@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.catalogue.lookup import measurement, measurement_names
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.parameters import (
     BODY,
@@ -38,9 +38,6 @@ from propmap.model.plausibility import load_warnings, point_warnings
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import RPM
-
-# -------------------------------------------------------------------------------------------------
-# Loads measured on a bench or in a tunnel, as rows to fit.
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +79,13 @@ class TunnelData:
         """Rotational speed [rad/s], V cos(beta) and V sin(beta) >= 0 [m/s]; (n,) each."""
         across = np.abs(self.speed * np.sin(self.beta))
         return self.omega, self.speed * np.cos(self.beta), across
+
+    def picked(self, which: NDArray[Any]) -> TunnelData:
+        """Keep the rows ``which``, numbers of them or a mask."""
+        loads = {name: values[which] for name, values in self.loads.items()}
+        return TunnelData(
+            self.source, self.omega[which], self.speed[which], self.beta[which], loads
+        )
 
 
 def merged(parts: Sequence[TunnelData]) -> TunnelData:
@@ -263,10 +267,8 @@ def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelDa
 
 
 def tunnel_warnings(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
-    """Say how files were read and what does not fit this propeller, with the likely cause.
-
-    Raises ``InputError`` where there can be no such loads or points.
-    """
+    """Say how files were read and what does not fit the propeller; ``InputError`` for impossible
+    loads or points."""
     parts = [_read(item, propeller, air) for item in sources(data)]
     return [text for part in parts for text in data_warnings(part, propeller, air)]
 
@@ -274,11 +276,9 @@ def tunnel_warnings(data: Sequence[str], propeller: Propeller, air: Air) -> list
 def data_warnings(data: TunnelData, propeller: Propeller, air: Air) -> list[str]:
     """Say of one file what ``tunnel_warnings`` says of all."""
     points = data.omega, data.speed, data.beta
-    try:
+    with located(data.source):
         warnings = point_warnings(propeller, *points)
         warnings += load_warnings(propeller, air, *points, data.loads, by_power=data.by_power)
-    except InputError as error:
-        raise InputError(error.found, error.remedy, data.source) from None
     return [f"{data.source}: {text}" for text in (*data.remarks, *warnings)]
 
 

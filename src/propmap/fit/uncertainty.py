@@ -12,17 +12,10 @@ from propmap.fit.least_squares import NOISE_FLOOR, Evaluator, Minimum, Rows, wei
 from propmap.fit.parameters import LEAST_ERROR, LINEAR, Choice, described, general
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# How well a fit determines its parameters, from the residuals and their derivatives.
+AT_BOUND = 1e-6  # distance from a bound, in spreads, within which the bound holds a parameter
 
-AT_BOUND = 1e-6
-"""Distance from a bound, in spreads, within which the bound holds a parameter."""
-
-HELD_BY_PRIOR = 0.7
-"""Share of the deviation beforehand above which a prior says more of a parameter than the data."""
-
-LARGEST_STRETCH = 4.0
-"""Stretch of an interval, at most, where the model is not linear: it identifies nothing then."""
+HELD_BY_PRIOR = 0.7  # share of the prior deviation above which it says more than the data
+LARGEST_STRETCH = 4.0  # of an interval at most, which identifies nothing then
 
 NEGLIGIBLE = 1e-6
 """Singular value, relative to the largest, below which data say nothing of a direction: its
@@ -68,14 +61,9 @@ class Uncertainty:
 def uncertainty(
     rows: Rows, choice: Choice, found: Minimum, error: float = NOISE_FLOOR
 ) -> Uncertainty:
-    """Gauss-Newton covariance, with errors of the size that the residuals of each load have.
-
-    Where ``rows.group`` has stretches within which errors are correlated, ``block_errors`` of
-    stretches take the place of those of rows, or correlated samples would count as independent
-    ones. Where other propellers tell what to expect, the rows of each load err together as far as
-    ``rows.independent`` says, by ``LEAST_ERROR`` at least; ``error`` is that of a residual, as in
-    the ``search``, and counts there alone.
-    """
+    """Gauss-Newton covariance, with errors as large as the residuals of each load. Stretches of
+    correlated errors count as one by ``block_errors``; beside a prior from other propellers rows
+    err together, by ``LEAST_ERROR`` at least, and ``error`` is that of the ``search``."""
     from scipy.special import stdtrit  # scipy.stats takes half a second to import
 
     x = found.x
@@ -183,13 +171,9 @@ def _stretched(
     found: Minimum,
     weight: float,
 ) -> Floats:
-    """Move ends (2, P) of intervals, in spreads, outwards where the model is not linear.
-
-    At an end, with the other parameters where the linear model has the least sum of squares, the
-    model is evaluated and made linear anew. If its least sum of squares there exceeds the minimum's
-    by less than the first linear model had it, the end is too near. Only the ends of the parameters
-    with the indices ``narrow`` are looked at.
-    """
+    """Move ends (2, P) of intervals, in spreads, of the parameters ``narrow`` outwards where the
+    model is not linear: where, linear anew at the end, its least sum of squares rises by less than
+    foreseen."""
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     evaluator = Evaluator(rows, choice, NOISE_FLOOR)
 
@@ -228,11 +212,9 @@ def _standard_error(residual: Floats, share: float) -> float:
 
 
 def _sandwich(information: Floats, middle: Floats) -> tuple[Floats, Floats, Floats]:
-    """inverse(information) middle inverse(information) of parameters in spreads.
-
-    It is infinite where there is none.  Beside it are the inverse of the information, zero along
-    what the data do not see, and W (R, P) of ``bounded_intervals``.
-    """
+    """inverse(information) middle inverse(information) of parameters in spreads, infinite where
+    there is none; beside it that inverse, zero along what data do not see, and W (R, P) of
+    ``bounded_intervals``."""
     values, vectors = np.linalg.eigh(information)
     seen = values > NEGLIGIBLE**2 * max(float(values[-1]), 1e-300)
     values, blind, vectors = values[seen], vectors[:, ~seen], vectors[:, seen]
@@ -305,15 +287,10 @@ class Quadratic(NamedTuple):
 def bounded_intervals(
     centre: Floats, root: Floats, lower: Floats, upper: Floats, quantile: Floats | float
 ) -> tuple[Floats, Floats]:
-    """Ends (P,) of the profile intervals of the sum of squares |W (x - centre)|^2 within bounds.
-
-    A value of one parameter belongs to its interval if some values of the others, within their
-    bounds, make the sum of squares exceed its least value within the bounds by no more than
-    ``quantile``, of Student's t, squared. So the bounds of one parameter narrow the intervals of
-    those that it is correlated with; far from all bounds the ends are centre +- quantile *
-    deviation. The ``root`` W is (R, P), R <= P; W^T W is the inverse of the covariance, where there
-    is one. Parameters are in units in which they are of like size.
-    """
+    """Ends (P,) of the profile intervals of |W (x - centre)|^2 within bounds, W the ``root`` (R,
+    P): values for which some of the others, within their bounds, exceed the least sum of squares by
+    ``quantile``, of Student's t, squared at most. Far from bounds that is centre +- quantile *
+    deviation."""
     from scipy.optimize import brentq, lsq_linear
 
     squares = Quadratic(root, root @ centre, lower, upper)
@@ -336,32 +313,16 @@ def bounded_intervals(
 # -------------------------------------------------------------------------------------------------
 # Errors of parameters from residuals that are correlated within stretches of the data.
 
-MOST_ALONE = 0.9
-"""Share of what is known of a direction that one stretch is taken to give, at most: what a single
-stretch alone determines has no error that the others could show."""
-
-
-class BlockErrors(NamedTuple):
-    """What G stretches say of P parameters."""
-
-    middle: Floats  # (P, P), covariance of the slopes of half the sum of squares
-    freedom: Floats  # (P,), degrees of freedom of each parameter's variance
+MOST_ALONE = 0.9  # share of what is known of a direction that one stretch can give
 
 
 def block_errors(
     slopes: Floats, residual: Floats, group: NDArray[np.intp], whole: Floats, by_priors: Floats
-) -> BlockErrors:
-    """Cluster-robust errors, each stretch's residuals being those of a fit that left it out.
-
-    Residuals of few stretches and many parameters are too small, most in the stretches that decide.
-    Left out by the linear model they are not (the jackknife, CR3 of Bell and McCaffrey, Survey
-    Methodology 28, 2002, page 169); degrees of freedom are Satterthwaite's, by how evenly the
-    stretches share in each parameter.
-
-    Rows with weight have slopes (M, P), a residual and a group (M,). ``whole`` (P, P) is the
-    information of data and priors, ``by_priors`` (P, P) the covariance of what priors add to the
-    slopes of half the sum of squares.
-    """
+) -> tuple[Floats, Floats]:
+    """Cluster-robust covariance (P, P) of slopes (M, P) of half the squares in stretches ``group``,
+    each with residuals of a fit that left it out (CR3 of Bell and McCaffrey, Survey Methodology 28,
+    2002, page 169), as few stretches would have too small ones, and Satterthwaite's degrees of
+    freedom (P,). ``whole`` is the information of data and priors, ``by_priors`` what priors add."""
     labels, index = np.unique(group, return_inverse=True)
     floor = np.where(np.abs(residual) < NOISE_FLOOR, NOISE_FLOOR * np.sign(residual), residual)
     values, vectors = np.linalg.eigh(whole)
@@ -387,4 +348,4 @@ def block_errors(
     # The variance that priors bring is known.
     both = of_data + of_priors
     unknown = np.where(both > 0.0, of_data / np.where(both > 0.0, both, 1.0), 1.0)
-    return BlockErrors(small * middle, counted / np.maximum(unknown, 1e-3) ** 2)
+    return small * middle, counted / np.maximum(unknown, 1e-3) ** 2

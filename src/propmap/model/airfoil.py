@@ -18,9 +18,6 @@ from propmap.model.corrections import agreed, as_texts
 from propmap.model.envelope import Envelope
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# The section law's constants: named sets, files, and checks.
-
 SCHEMA = 1
 SETS = Path(__file__).parents[1] / "catalogue" / "airfoils"
 LIFT_LAWS = ("blended", "plate", "simplified")
@@ -221,8 +218,7 @@ class Airfoil:
         return "\n".join(lines) + "\n"
 
 
-FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")
-"""Fields of ``Airfoil`` that a parameter file has."""
+FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")  # in files
 
 
 def parameter_set(name_or_path: str | Path) -> Airfoil:
@@ -283,9 +279,6 @@ def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
         known = known or filed_uncertainty(table.get("uncertainty"))
         return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
 
-
-# -------------------------------------------------------------------------------------------------
-# A section law given as a table of C_L and C_D.
 
 LARGEST = 10.0  # coefficients beyond are taken for an error of the file [-]
 CLOSEST = 0.999 * math.radians(0.01)  # least distance of two angles [rad]
@@ -528,8 +521,7 @@ class SectionTable:
 # -------------------------------------------------------------------------------------------------
 # How far loads computed with a set of constants may err, and by what.
 
-DISCREPANCIES = ("thrust_coefficient", "power_coefficient")
-"""Loads of an axial test, as coefficients, and fields of ``SectionUncertainty``."""
+DISCREPANCIES = ("thrust_coefficient", "power_coefficient")  # of an axial test
 
 
 @dataclass(frozen=True, eq=False)
@@ -593,8 +585,7 @@ class SectionUncertainty:
 
 
 def filed_uncertainty(table: Any) -> SectionUncertainty | None:
-    """Read the table ``[uncertainty]`` of a parameter file, as ``SectionUncertainty.as_dict``
-    writes it."""
+    """Read the table ``[uncertainty]`` of a file, as ``SectionUncertainty.as_dict`` writes it."""
     if table is None:
         return None
     try:
@@ -613,8 +604,7 @@ def filed_uncertainty(table: Any) -> SectionUncertainty | None:
 
 
 def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty | None:
-    """Read from the table ``[fit]`` of a fit's file how well its free parameters ``names`` are
-    known."""
+    """Read from a fit's table ``[fit]`` how well its free parameters ``names`` are known."""
     if not isinstance(table, Mapping):
         return None
     try:
@@ -630,10 +620,6 @@ def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty
         raise InputError(found, "write it again with propmap fit") from None
     kept_of = every.of(kept)
     return SectionUncertainty(kept_of, **shares, another_tunnel=False, envelope=covered)
-
-
-# -------------------------------------------------------------------------------------------------
-# How uncertain the parameters of a section law are, as a fit has found.
 
 
 LARGEST_VARIANCE = 1e30  # beyond it deviations of loads overflow
@@ -697,15 +683,10 @@ class SectionCovariance:
         return {"names": list(self.names), "matrix": rows}
 
 
-# -------------------------------------------------------------------------------------------------
-# A section by itself in the compiled core.
-
-
 def section_coefficients(
     law: dict[str, Any], alpha: ArrayLike, reynolds: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Compute C_L and C_D [-] of a section at angles [rad] from the chord line and Reynolds
-    numbers."""
+    """Compute C_L and C_D [-] at angles [rad] from the chord line and Reynolds numbers."""
     from propmap import core
 
     at = np.broadcast_arrays(np.asarray(alpha, np.float64), np.asarray(reynolds, np.float64))

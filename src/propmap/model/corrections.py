@@ -21,12 +21,8 @@ from propmap.units import SPEED_OF_SOUND
 if TYPE_CHECKING:
     from propmap.model.model import Model, Propeller
 
-HUB_SHARE = 0.08
-"""Radius of a hub whose size is not given, over that of the tip [-]: 16 mm across on an 8-inch
-propeller."""
-
-LARGEST_UNTWIST = 0.2
-"""Largest loss of the tip's twist [rad]; a blade that gives way further is no propeller's."""
+HUB_SHARE = 0.08  # hub's radius over R where it is not given: 16 mm across on 8 inches
+LARGEST_UNTWIST = 0.2  # of the tip [rad]; a propeller's blade gives way no further
 
 TYPICAL_FACTOR, TYPICAL_AREA = (1.9, 0.6), (0.1, 0.1)
 """Mean and standard deviation of how rotors on motors are installed: the factor on the blades' own
@@ -578,8 +574,7 @@ def corrections_of(
 
 
 def as_texts(texts: Any) -> tuple[str, ...] | None:
-    """Check texts of corrections, as they stand in a file; None stays None: nothing is said of
-    them."""
+    """Check texts of corrections of a file; None, where nothing is said of them, stays None."""
     if texts is None:
         return None
     if not isinstance(texts, (list, tuple)) or not all(isinstance(text, str) for text in texts):
@@ -588,11 +583,9 @@ def as_texts(texts: Any) -> tuple[str, ...] | None:
 
 
 def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tuple[str, ...]:
-    """Give the corrections for a section law that was found with its ``own``, None if unknown.
-
-    What is mounted may differ from where the constants were found: ``given``, it replaces its own.
-    ``InputError`` where others than its own are given to the law called ``section``.
-    """
+    """Give the corrections for a section law that was found with its ``own``, None if unknown, the
+    mount as ``given``; ``InputError`` where others than its own are given to the law called
+    ``section``."""
     wanted, mount = split_mount(as_texts(given) or ())
     if own is None:
         return *wanted, *mount

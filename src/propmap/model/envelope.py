@@ -11,25 +11,19 @@ from numpy.typing import NDArray
 from propmap.typing import Floats
 from propmap.units import RPM
 
-Range = tuple[float, float]
-"""Least and largest."""
+Range = tuple[float, float]  # least and largest
 
 QUANTITIES = {
     "edgewise_ratio": "V sin(beta)/(Omega R)",
     "advance_ratio": "V/(Omega R)",
     "climb_ratio": "V cos(beta)/(Omega R)",
     "rpm": "rotor speed",
-}
-"""What an envelope has ranges of, in words."""
+}  # what an envelope has ranges of, in words
 
-MARGIN = 0.01
-"""By how much a ratio may leave its range and count as inside [-]."""
+MARGIN = 0.01  # by how much a ratio may leave its range and count as inside [-]
 
-RPM_MARGIN = 0.2
-"""The share for the rotor speed, which acts on loads over Omega^2 by the Reynolds number alone."""
-
-MAIN_PART = (1.0, 99.0)
-"""Percentiles that are the ends in whole flights, where single samples would widen the ranges."""
+RPM_MARGIN = 0.2  # share of the rotor speed, which acts by the Reynolds number alone
+MAIN_PART = (1.0, 99.0)  # percentiles that are the ends in flights, where samples stray
 
 
 @dataclass(frozen=True)

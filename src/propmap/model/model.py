@@ -26,9 +26,6 @@ from propmap.model.corrections import (
 from propmap.model.plausibility import check_blade, check_blades, check_root_cutout
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# The geometry of a propeller: chord and twist along the blade.
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Propeller:
@@ -139,9 +136,6 @@ def _frozen_array(values: Any, field: str) -> Floats:
     array.flags.writeable = False
     return array
 
-
-# -------------------------------------------------------------------------------------------------
-# The air: density and viscosity.
 
 PAPER_DENSITY = 1.225
 PAPER_VISCOSITY = 1.983e-5
@@ -301,8 +295,7 @@ class Model:
         return replace(self, corrections=(*others, mount))
 
     def with_correction(self, value: Correction) -> Model:
-        """Put ``value`` in the place of its own of that name, as if the section law was found with
-        it."""
+        """Put ``value`` in place of its own of that name, as if the law was found with it."""
         corrections = (*(one for one in self.corrections if type(one) is not type(value)), value)
         law: Any = self.airfoil
         if getattr(law, "corrections", None) is not None:

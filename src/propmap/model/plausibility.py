@@ -114,8 +114,7 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
         "rad/s, converted from degrees twice": math.pi / 180.0,
     },
     "specific force": {"units of g": 1.0 / GRAVITY},
-}
-"""What a figure of some quantity looks like, and the factor by which it is then wrong."""
+}  # what a figure of some quantity looks like, and the factor by which it is then wrong
 
 ELECTRICAL_RPM, ROTORS = "electrical rpm of {pairs} pole pairs", "that of {rotors} rotors together"
 """Names of errors whose size follows from the loads."""
@@ -131,11 +130,9 @@ LOAD_UNIT_ERRORS = (
     *((ELECTRICAL_RPM, (pairs**-2.0, pairs**-2.0)) for pairs in (3, 4, 6, 7, 11, 14)),
     *((ROTORS, (count, count)) for count in (2, 3, 4, 6, 8)),
     ("coefficients over rho A (Omega R)^2", (4.0 / math.pi**3, 4.0 / math.pi**4)),
-)
-"""Errors of thrust and torque together, over estimates that go with rpm^2, and R^4 and R^5."""
+)  # errors of thrust and torque together, over estimates that go with rpm^2, and R^4 and R^5
 
-CLOSE_FACTOR = 2.3
-"""Factor below which two unit errors cannot be distinguished: loads of similar blades differ so."""
+CLOSE_FACTOR = 2.3  # of loads of similar blades: closer unit errors look alike
 
 
 def unit_errors(value: float, usual: Range, errors: Mapping[str, float]) -> list[str]:
@@ -146,11 +143,8 @@ def unit_errors(value: float, usual: Range, errors: Mapping[str, float]) -> list
 def common_errors(
     figures: Sequence[float], usual: Range, errors: Iterable[tuple[str, Sequence[float]]]
 ) -> list[str]:
-    """List the unit errors that bring all ``figures`` into a usual range, likeliest first.
-
-    Likely are those that leave the figures less than ``CLOSE_FACTOR`` times as far from the middle
-    of the range as the likeliest does.  There are none for a figure that is not above 0.
-    """
+    """List the unit errors that bring all ``figures`` into a usual range, likeliest first, up to
+    ``CLOSE_FACTOR`` times as far from its middle; none for a figure that is not above 0."""
     if not all(0.0 < value < math.inf for value in figures):
         return []
     far: dict[str, float] = {}
@@ -218,9 +212,7 @@ MOST_FOR_THRUST, LEAST_FOR_THRUST = (1.4, 1.95), 0.7
 """Torque over its estimate, over the same of thrust: the 134 sets have 0.81 to 1.85. The first
 limit is for power; two of the sets have more."""
 
-FAST_TIP_MACH = 0.75
-"""Above it the drag of thick sections rises steeply, which no section law here has."""
-
+FAST_TIP_MACH = 0.75  # above it the drag of thick sections rises, which no law here has
 PITCH_STATION = 0.75  # share of the radius at which chord and twist stand for the blade
 PULLING, WINDMILLING = 1.6, 2.0
 """Axial speed over that of a screw with the blade's pitch, up to which a propeller pulls (measured
@@ -279,11 +271,8 @@ def air_warnings(air: Air) -> list[str]:
 
 
 def point_warnings(propeller: Propeller, omega: Floats, speed: Floats, beta: Floats) -> list[str]:
-    """Warn of operating points [rad/s], [m/s], [rad] unlike those of small propellers.
-
-    Shapes broadcast to (n,).  Raises ``InputError`` where a blade tip moves faster than sound:
-    neither the momentum theory nor any section law here holds, and there is no number to give.
-    """
+    """Warn of operating points [rad/s], [m/s], [rad] that broadcast to (n,), unlike small
+    propellers'; ``InputError`` where a tip is faster than sound, as nothing here holds then."""
     w, v, b = (np.ravel(values) for values in np.broadcast_arrays(omega, speed, beta))
     tip = w * propeller.radius
     fast = _fast_tip(tip, v)
@@ -388,23 +377,14 @@ def _beta_in_radians(beta: Floats) -> list[str]:
 # Chord and twist at 0.75 of the radius give thrust and torque in axial flow within a factor of two,
 # so that a load out by more is in other units.
 
-SLOW = 0.6
-"""Axial speed over the blade's pitch speed, up to which an estimate of the loads is any good."""
-
-AXIAL, EDGEWISE = 0.9, 0.3
-"""|cos(beta)| above which flow counts as axial, and below which as edgewise."""
+SLOW = 0.6  # axial over pitch speed, up to which an estimate of the loads is any good
+AXIAL, EDGEWISE = 0.9, 0.3  # |cos(beta)| above which flow is axial, and below, edgewise
 
 LIFT_SLOPE, ZERO_LIFT, DRAG = 5.5, math.radians(-4.0), 0.03
 INDUCED = 1.25
-SMALL_BLADES = 0.68
-"""Measured loads over the estimate without this factor: the median of 134 propellers."""
-
-IMPOSSIBLE_COEFFICIENT = 0.75
-"""C_T and C_P thrice the largest that have been measured (0.25 of four blades)."""
-
-ENERGY_MARGIN = 1.15
-"""Ideal power over shaft power, above which no error of measurement explains it."""
-
+SMALL_BLADES = 0.68  # measured loads over the estimate otherwise, median of 134 propellers
+IMPOSSIBLE_COEFFICIENT = 0.75  # C_T and C_P thrice the largest measured
+ENERGY_MARGIN = 1.15  # ideal power over shaft power that no error of measurement explains
 WEAK = 0.25  # share of the slow thrust below which rows do not say how far a propeller pulls
 DRAG_SHARE = 0.02  # drag over thrust that no axial flow has
 AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5
@@ -422,13 +402,9 @@ def load_warnings(
     *,
     by_power: bool = False,
 ) -> list[str]:
-    """Warn of measured ``loads`` [N], [N m] that do not fit the blade; NaN is not measured.
-
-    All arrays are (n,); ``by_power`` says that the torque was measured as power.  Raises
-    ``InputError`` where loads cannot be, with more power in the slipstream than on the shaft or a
-    coefficient three times the largest that has been measured: constants fitted to such loads mean
-    nothing.
-    """
+    """Warn of measured ``loads`` (n,) [N], [N m] that do not fit the blade; NaN is not measured.
+    ``by_power`` says that the torque was measured as power; ``InputError`` where there can be no
+    such loads: constants fitted to them mean nothing."""
     turning = omega > 0.0
     w, v, b = omega[turning], speed[turning], beta[turning]
     known = {n: loads[n][turning] for n in loads if np.isfinite(loads[n][turning]).any()}
@@ -461,12 +437,9 @@ def load_warnings(
 def estimated_loads(
     propeller: Propeller, air: Air, omega: Floats, axial: Floats
 ) -> dict[str, Floats]:
-    """Estimate thrust [N] and torque [N m] of a blade in axial flow (n,) within a factor of two.
-
-    Momentum and blade element at 0.75 of the radius, with a linear lift (J. G. Leishman,
-    Principles of Helicopter Aerodynamics, 2nd ed., Cambridge 2006, section 3.3), scaled to small
-    propellers; V cos(beta), ``axial`` [m/s], may not be above the blade's pitch speed.
-    """
+    """Estimate thrust [N] and torque [N m] of a blade in axial flow (n,) up to its pitch speed
+    within a factor of two, by momentum and blade element at 0.75 R (J. G. Leishman, Principles of
+    Helicopter Aerodynamics, 2nd ed., Cambridge 2006, section 3.3), scaled to small propellers."""
     radius = propeller.radius
     chord, twist = at_share(propeller, PITCH_STATION)
     solidity = propeller.blades * chord / (math.pi * radius)
@@ -670,10 +643,8 @@ MAX_TWIST = 1.6  # [rad]; no blade is set at 92 degrees to its disk: a larger fi
 
 
 def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[str] = ()) -> None:
-    """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip.
-
-    Messages name the stations by their ``labels``, such as "line 7".
-    """
+    """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip;
+    messages name stations by ``labels``, such as "line 7"."""
 
     def refuse(found: str, remedy: str) -> NoReturn:
         raise InputError(found, remedy)
@@ -772,11 +743,8 @@ def check_root_cutout(root_cutout: Any, station: Floats) -> float:
 
 
 def twist_from_degrees(degrees: Floats) -> Floats:
-    """Return twist [rad] of a column in degrees, refused where its figures look like radians.
-
-    A blade whose steepest section stands at less than 1.6 degrees makes no propeller, so such a
-    column of ``degrees`` (n,) is taken for radians under the wrong name.
-    """
+    """Convert ``degrees`` (n,) to radians, refusing figures below 1.6, which as degrees would make
+    no propeller and look like radians."""
     steepest = float(np.nanmax(np.abs(degrees), initial=0.0))
     if degrees.size and steepest < MAX_TWIST:
         raise InputError(

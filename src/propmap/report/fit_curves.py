@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -18,7 +18,7 @@ from propmap.fit.parameters import EVERY, ROTOR
 from propmap.fit.tunnel import TunnelData
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
-from propmap.model.model import Model
+from propmap.model.model import Model, Section
 from propmap.report.html import (
     COLOURS,
     HOVER,
@@ -37,15 +37,8 @@ from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
 from propmap.vehicle.log import FlightLog
+from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wakes import hub_flow, rotor_forces
-
-if TYPE_CHECKING:
-    from propmap.model.model import Section
-    from propmap.vehicle.vehicle import Vehicle
-
-
-# -------------------------------------------------------------------------------------------------
-# Loads of the fitted propeller over speed, and what the parameters' uncertainty does to them.
 
 SPEEDS, MOST_ANGLES = 26, 4
 BEYOND = 1.25  # how far the curves go, in units of the data's largest advance ratio
@@ -59,12 +52,9 @@ POINTS: dict[str, Any] = {**MEASURED, "color": COLOURS[1], "marker": "o"}
 
 
 def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord, dict[str, Any]]:
-    """Record loads of the fitted rotor at the data's typical rpm, past the speeds of the data.
-
-    The picture has a row per load and a column per angle, with the measured points if there are
-    any. With it come the page's facts: ``rpm``, how many ``draws`` make the bands, and a sentence
-    on what a ``motor`` would add, "" where the model has what is mounted.
-    """
+    """Record loads of the fitted rotor at the data's typical rpm past their speeds, a row per load
+    and a column per angle; with facts ``rpm``, how many ``draws`` make bands, and a sentence on the
+    ``motor``."""
     fit = file.record
     omega = fit.covered.typical_rpm * RPM
     tip = omega * file.model.propeller.radius
@@ -170,10 +160,7 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
 
 
 def _angles(fit: FitRecord) -> list[tuple[float, CoveredAngle | None]]:
-    """Pick up to four angles [deg] with the data's points about them.
-
-    Edgewise and axial flow are among them where there were points at one angle at most.
-    """
+    """Pick up to four angles [deg], axial and edgewise if there is room, with points about them."""
     groups = fit.covered.main_angles
     betas = np.array([one.typical_beta for one in groups])
     wanted = np.linspace(betas[0], betas[-1], MOST_ANGLES) if betas.size else betas
@@ -196,13 +183,9 @@ SHADE: dict[str, Any] = {"color": COLOURS[4], "alpha": 0.25, "linewidth": 0.0}  
 
 @style()
 def level_flight(vehicle: Vehicle, points: FlightLog, airfoil: Section) -> Figure:
-    """Draw the paper's figure 6: loads, vertical force error and pitch angle against flight speed.
-
-    Loads are sums over the rotors, computed at the rotor speeds and the flow of each point; the
-    error is the vertical force of rotors, body and wing, less the weight. What an accelerometer
-    read is drawn as measured thrust and drag: it includes the body's share, and leaves out what
-    acts across the flight.
-    """
+    """Draw the paper's figure 6 against flight speed: sums of loads over the rotors, the vertical
+    force of rotors, body and wing less the weight, and pitch. Thrust and drag by the accelerometer
+    include the body's share along the flight."""
     points = points.picked(np.argsort(points.speed, kind="stable"))
     rotor, flow = Rotor(Model(vehicle.propeller, airfoil, vehicle.air)), hub_flow(vehicle, points)
     velocity = np.stack([flow.inplane, 0.0 * flow.inplane, flow.axial], axis=-1)
@@ -265,11 +248,8 @@ def level_flight(vehicle: Vehicle, points: FlightLog, airfoil: Section) -> Figur
 
 
 def tunnel_fit(data: TunnelData, rotor: Rotor) -> FigureRecord:
-    """Record measured and predicted loads; a panel per load, the hover model's values dashed.
-
-    The hover model knows the rotational speed alone: rows of one speed have one prediction.
-    Raises ``InputError`` without a measured load.
-    """
+    """Record measured and predicted loads, a panel per load, the hover model's dashed, one for all
+    rows of a rotational speed; ``InputError`` without a measured load."""
     measured = {n: v for n, v in data.loads.items() if n in LOADS and np.isfinite(v).any()}
     if not measured:
         raise InputError("there is no load to draw", f"give {', '.join(LOADS)}", data.source)
@@ -374,12 +354,9 @@ SEED = 2017
 
 
 def drawn_changes(fit: FitRecord) -> tuple[tuple[str, ...], Floats]:
-    """Draw P parameters of section and mount from the normal distribution of the fit.
-
-    All parameters are drawn together, draws with any of them outside its bounds are thrown away,
-    and parameters of infinite variance keep their value. Gives names, and by how much the draws
-    differ from the fit, (``DRAWS``, P); (0, P) where almost no draw is within the bounds.
-    """
+    """Draw P parameters of section and mount together from the fit's normal distribution within all
+    bounds, keeping those of infinite variance; gives names and changes (``DRAWS``, P), (0, P) where
+    almost none is within."""
     known = [k for k in range(len(fit.parameters)) if np.isfinite(fit.covariance[k, k])]
     chosen = [fit.parameters[k] for k in known]
     section = [k for k, p in enumerate(chosen) if p.name in ROTOR]

@@ -130,11 +130,9 @@ def fit_pages(
 
 
 def _check(fit: FitRecord, given: GivenData) -> dict[str, Any]:
-    """Judge a fit on the data given: level, rows, each load's errors, names new and known, and what
-    of them is beyond the fit's data.
-
-    ResidualErrors are shares of what was measured; those of forces in flight, of the largest force.
-    """
+    """Judge a fit on the data given: level, rows, each load's errors as shares of what was
+    measured, or in flight of the largest force, names new and known, and what is beyond the fit's
+    data."""
     found = {name: one.all for name, one in given.errors.items() if one.all.rows}
     sizes = {name: e.rms / e.relative_rms for name, e in found.items()}
     if given.tunnel is None:
@@ -214,11 +212,8 @@ def overall(fit: FitRecord) -> str:
 
 
 def judged(fit: FitRecord) -> list[JudgedLoad]:
-    """Judge every fitted load by its cross-validated error where there is one.
-
-    Forces on a vehicle are compared with the largest of them, which is about the weight: across
-    the flight there is next to nothing to compare with.
-    """
+    """Judge every fitted load by its cross-validated error where there is one; forces on a vehicle
+    beside the largest of them, about the weight, as across the flight there is next to nothing."""
     sizes = [one.measured_rms for one in fit.loads]
     if fit.kind != "tunnel":
         sizes = len(sizes) * [max(filter(math.isfinite, sizes), default=math.nan)]
@@ -410,10 +405,6 @@ def angles_without_data(fit: FitRecord) -> str:
     return " and ".join(spans)
 
 
-# -------------------------------------------------------------------------------------------------
-# ResidualErrors by load and band of speed, beside the hover model's.
-
-
 def band_errors(
     name: str, bands: Mapping[tuple[str, str], Mapping[str, ResidualErrors]]
 ) -> FigureRecord:
@@ -543,10 +534,8 @@ def strong_pairs(fit: FitRecord) -> list[str]:
 
 
 def binned(trend: Trend) -> dict[str, Floats]:
-    """Bin a ``trend`` into the columns (bins,) of its record; see the heads.
-
-    ResidualErrors within a stretch of time count as one in the standard error of a bin's mean.
-    """
+    """Bin a ``trend`` into the columns (bins,) of its record, see the heads; errors within a
+    stretch of time count as one in the error of a mean."""
     ends = np.unique(np.percentile(trend.at, np.linspace(0.0, 100.0, BINS + 1)))
     place = np.clip(np.searchsorted(ends, trend.at, side="right") - 1, 0, max(ends.size - 2, 0))
     rows = []

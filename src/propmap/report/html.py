@@ -84,11 +84,8 @@ def report_files(
     folder: Path = Path(__file__).parents[1],
     **values: Any,
 ) -> dict[str, str | bytes]:
-    """Make all files of a report by name: the page, ``.svg`` of figures, ``.csv`` of sheets.
-
-    ``template`` is the page's template, a path in ``folder``, by default the package, where what it
-    extends is found too; ``values`` are what it uses.
-    """
+    """Make all files of a report by name, the page from a ``template`` in ``folder`` or the package
+    with ``values``, ``.svg`` of figures and ``.csv`` of sheets."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     images = {name: as_svg(figure) for name, figure in figures.items()}
@@ -165,10 +162,8 @@ def _field(value: Any) -> Any:
 
 
 def _columns(heads: str, rows: Iterable[Sequence[Any]]) -> list[tuple[str, str, bool, list[str]]]:
-    """Split a table into columns: name, unit, whether it holds numbers, and cells.
-
-    ``heads`` are such as "load | rms error [N]"; numbers become texts of three digits.
-    """
+    """Split a table with ``heads`` such as "load | rms error [N]" into columns: name, unit, whether
+    it holds numbers, and cells of three digits."""
 
     def is_number(text: str) -> bool:
         bare = re.sub(f"[{MINUS}{MISSING}% ]", "", text)
@@ -201,8 +196,7 @@ REPORT_FILES = file_names(
     + [f"fit-residuals-{k}" for k in range(1, MOST_LOADS + 1)]
     + [f"table-{name}" for name in ("cells", "loads", "maps", "hover")],
     ["fit-correlations", "table-certificate"],
-)
-"""What ``propmap report`` may write."""
+)  # what ``propmap report`` may write
 
 TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values", "fit-terms-worth"])
 """What ``propmap fit terms`` may write."""
@@ -210,20 +204,18 @@ TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values", "fit-terms-worth"])
 
 def check_folder(folder: Path, names: Collection[str]) -> None:
     """Raise ``InputError`` unless the folder is new or holds no files but those of ``names``."""
-    where = str(folder)
+    where, parent = str(folder), folder.absolute().parent
     try:
-        parent = folder.absolute().parent
-        if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-            raise InputError("this is not a folder", "name a folder to write into", where)
-        if not parent.is_dir():
-            missing = f"there is no folder {str(parent)!r}"
-            raise InputError(missing, "make it or choose another", where)
-        held = folder.iterdir() if folder.exists() else ()
-        others = sorted(p.name for p in held if p.name not in names or p.is_dir())
-    except InputError:
-        raise
+        exists, in_folder = folder.exists(), parent.is_dir()
     except ValueError as error:
         raise InputError(f"not a path: {error}", "choose another name", where) from None
+    if folder.is_symlink() or (exists and not folder.is_dir()):
+        raise InputError("this is not a folder", "name a folder to write into", where)
+    if not in_folder:
+        missing = f"there is no folder {str(parent)!r}"
+        raise InputError(missing, "make it or choose another", where)
+    held = folder.iterdir() if exists else ()
+    others = sorted(p.name for p in held if p.name not in names or p.is_dir())
     if others:
         raise InputError(
             f"the folder holds {others[0]!r}, which this command does not write",
@@ -237,10 +229,8 @@ def check_folder(folder: Path, names: Collection[str]) -> None:
 def write_folder(
     folder: Path, files: Mapping[str, str | bytes], names: Collection[str] = ()
 ) -> None:
-    """Make a folder of ``files`` by name, or replace one that holds no others but ``names``.
-
-    They are written into a folder beside it, which is renamed when all are there.
-    """
+    """Make a folder of ``files`` by name, or replace one with no others but ``names``, by a folder
+    beside it that is renamed when all are there."""
     check_folder(folder, {*files, *names})
     place = folder.absolute()
     part, old = (

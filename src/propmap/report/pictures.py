@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
@@ -40,35 +39,21 @@ if TYPE_CHECKING:
     from propmap.aircraft.ranking import Judged
     from propmap.aircraft.sensitivity import StateChange
     from propmap.aircraft.trim import SteadyStates
+    from propmap.fit.tunnel import TunnelData
     from propmap.model.model import Propeller
     from propmap.results import Inflow
     from propmap.rotor import Rotor
     from propmap.study.files import ResponseSurface
 
 
-# -------------------------------------------------------------------------------------------------
-# Loads against flight speed for several angles, as in the paper's figure 7.
-
 NEAR_ANGLE = np.radians(0.5)
 
 
-@dataclass(frozen=True, eq=False)
-class MeasuredLoads:
-    """Loads measured at one rotational speed, with what the title calls them."""
-
-    label: str
-    speed: Floats  # (n,) [m/s]
-    beta: Floats  # (n,) [rad]
-    loads: dict[str, Floats]  # (n,) by name; NaN where not measured
-
-    def along(self, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
-        """Find the points within half a degree of ``beta`` [rad], in the order of their speed.
-
-        Those at rest are among them, at any angle, if ``at_rest``.
-        """
-        near = np.abs(self.beta - beta) < NEAR_ANGLE
-        mine = np.flatnonzero(near | (at_rest & (self.speed == 0.0)))
-        return mine[np.argsort(self.speed[mine], kind="stable")]
+def along(measured: TunnelData, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
+    """Find points within half a degree of ``beta`` [rad] by speed, those at rest if ``at_rest``."""
+    near = np.abs(measured.beta - beta) < NEAR_ANGLE
+    mine = np.flatnonzero(near | (at_rest & (measured.speed == 0.0)))
+    return mine[np.argsort(measured.speed[mine], kind="stable")]
 
 
 @style()
@@ -77,17 +62,14 @@ def load_curves(
     omega: float,
     speed: Floats,
     betas: Sequence[float],
-    measured: MeasuredLoads | None = None,
+    measured: TunnelData | None = None,
     *,
     band: Rotor | None = None,
     band_label: str = "95 % band of the model",
 ) -> Figure:
-    """Draw every load over ``speed`` (n,) [m/s], a curve for each of up to 7 angles [rad].
-
-    The hover model is dashed. Measured points at rest belong to every curve and are drawn with the
-    first. The band that holds the loads of the rotor ``band`` with a probability of 95 % is shaded
-    where it says how well it is known.
-    """
+    """Draw every load over ``speed`` (n,) [m/s], a curve for each of up to 7 angles [rad], the
+    hover model dashed, measured points at rest with the first; the 95 % band of the rotor ``band``
+    is shaded."""
     if len(betas) > len(COLOURS):
         raise InputError(
             f"{len(betas)} angles make an unreadable picture", f"give at most {len(COLOURS)}"
@@ -108,7 +90,7 @@ def load_curves(
                 ax.fill_between(speed, *ends, color=COLOURS[k], **BAND)
         if measured is not None and load.name in measured.loads:
             for k, beta in enumerate(betas):
-                mine = measured.along(beta, at_rest=k == 0)
+                mine = along(measured, beta, at_rest=k == 0)
                 values = measured.loads[load.name][mine]
                 ax.plot(measured.speed[mine], values, **marked(k), **MEASURED)
         ax.set_ylabel(load.title)
@@ -117,7 +99,7 @@ def load_curves(
         ax.set_xlabel("flight speed V [m/s]")
     model = rotor.model
     title = f"{model.propeller.name}, airfoil {model.law_title}, {omega / RPM:.0f} rpm"
-    figure.suptitle(title if measured is None else f"{title}\npoints: {measured.label}")
+    figure.suptitle(title if measured is None else f"{title}\npoints: {measured.source}")
     keys: list[Any] = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
     keys.append(key("hover model", **HOVER))
     if edges:
@@ -126,9 +108,6 @@ def load_curves(
     return figure
 
 
-# -------------------------------------------------------------------------------------------------
-# The angle of attack over the disk, with inflow and thrust along the blade.
-
 STALL: dict[str, Any] = {"color": COLOURS[1], "linewidth": 1.6, "linestyle": "solid"}
 REVERSE: dict[str, Any] = {"color": "white", "linewidth": 1.6, "linestyle": "dashed"}
 ARROW: dict[str, Any] = {"arrowstyle": "-|>", "color": "0.2", "mutation_scale": 12.0}
@@ -136,11 +115,9 @@ ARROW: dict[str, Any] = {"arrowstyle": "-|>", "color": "0.2", "mutation_scale": 
 
 @style()
 def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figure:
-    """Draw the angle of attack over the disk seen from above, flight towards the top of the page.
-
-    The operating point is in [rad/s], [m/s], [rad]; ``InputError`` where the inflow did not
-    converge everywhere. A counter-clockwise propeller is shown; the other is its mirror image.
-    """
+    """Draw the angle of attack at a point [rad/s], [m/s], [rad] over a disk that turns
+    counter-clockwise, seen from above, flight upwards; ``InputError`` where the inflow did not
+    converge everywhere."""
     blade = rotor.model.propeller
     radius = np.linspace(*rotor.model.span, 160)
     azimuth = np.radians(np.linspace(0.0, 360.0, 361))
@@ -236,9 +213,6 @@ def _directions(ax: Any, tip: float, *, oblique: bool) -> None:
         ax.text(0.53, 1.12, "flight", transform=ax.transAxes, va="center")
 
 
-# -------------------------------------------------------------------------------------------------
-# A blade: its outline, chord and twist.
-
 WIDTH = 7.2  # of the figure [inches]
 
 
@@ -276,9 +250,6 @@ def planform(propeller: Propeller) -> Figure:
     return figure
 
 
-# -------------------------------------------------------------------------------------------------
-# Power, attitude, rotor speeds and thrust margin of an aircraft against its speed.
-
 WIDE = NormalDist().inv_cdf(0.975)  # standard deviations on either side of a 95 % band
 
 
@@ -290,12 +261,9 @@ def power_curves(
     found: Performance | None = None,
     sure: Sequence[StateChange | None] = (),
 ) -> Figure:
-    """Draw power, pitch, rotor speeds and thrust margin over speed, a curve for each climb rate.
-
-    ``flown`` and ``hover`` are up to 7 states of the aircraft and of the same with the hover model,
-    which is dashed; ``sure`` has the deviations of ``flown`` that make bands of 95 %, None where
-    nothing is known. States of ``found`` that have a name are marked.
-    """
+    """Draw power, pitch, rotor speeds and thrust margin over speed for up to 7 climb rates of
+    ``flown``, the ``hover`` model's dashed, with bands of 95 % where ``sure`` knows, and marks on
+    the states of ``found``."""
     if len(flown) > len(COLOURS):
         raise InputError(
             f"{len(flown)} climb rates make an unreadable picture", f"give at most {len(COLOURS)}"
@@ -369,18 +337,13 @@ def power_curves(
     return figure
 
 
-# -------------------------------------------------------------------------------------------------
-# Hover power against top speed of the propellers that an aircraft may have.
-
 NAMED = 3  # of the ranking's best that are named beside those of the front
 
 
 @style()
 def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int]) -> Figure:
-    """Draw a point for each feasible propeller of a ranking, best first.
-
-    The numbers in ``front``, by rising hover power, are joined: no other beats them in both.
-    """
+    """Draw a point for each feasible propeller of a ranking, best first, and join those in
+    ``front``, that no other beats in hover power and top speed."""
     figure = new_figure(8.6, 5.6)
     ax = figure.subplots()
     drawn = [k for k, one in enumerate(judged) if one.feasible and np.isfinite(one.top_speed)]
@@ -425,10 +388,6 @@ def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int])
     return figure
 
 
-# -------------------------------------------------------------------------------------------------
-# A mission over time: speed, power, and the battery's charge and voltage.
-
-
 @style()
 def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
     """Draw speed, power, charge and voltage over time; shaded where the mission cannot go on."""
@@ -466,9 +425,6 @@ def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
     return figure
 
 
-# -------------------------------------------------------------------------------------------------
-# A response surface, with the designs that it was fitted to.
-
 GRID = 80  # values along each axis
 
 
@@ -482,12 +438,9 @@ def response_picture(
     rows: dict[str, Floats],
     values: Floats,
 ) -> Figure:
-    """Draw contours of a quantity over two variables, the others at the middle of their ranges.
-
-    Dots are all designs (``rows`` of variables, (n,) each), wherever the others are. Beside it
-    what the surface says of each design, against the computed ``values`` (n,). ``label`` and
-    ``labels`` are words with units, of the quantity and of the ``axes``.
-    """
+    """Draw contours of a quantity called ``label`` over two ``axes``, the others at the middle,
+    with dots of all designs ``rows`` (n,); beside it the surface against the computed ``values``
+    (n,)."""
     figure = new_figure(9.6, 4.6)
     ax, check = figure.subplots(1, 2, width_ratios=(1.35, 1.0))
     ends = [(rows[name].min(), rows[name].max()) for name in axes]

@@ -15,22 +15,7 @@ from numpy.typing import NDArray
 from propmap.export.files import evenly
 from propmap.fit.least_squares import rms
 from propmap.loads import LOADS
-from propmap.report.html import (
-    COLOURS,
-    DASHED,
-    HOVER,
-    MODEL,
-    FigureRecord,
-    angle_keys,
-    columns_of,
-    key,
-    legend_below,
-    load_panels,
-    marked,
-    new_figure,
-    number,
-    record_files,
-)
+from propmap.report import html
 from propmap.report.words import PLACE, TITLES, claims, largest_at, parameter_claims
 from propmap.table.interpolation import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING, cell_codes
 from propmap.table.query import LoadTable
@@ -83,7 +68,7 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
             "error_heads": heads,
         }
     constant = (f"{name} {value:.4g}" for name, value in law.items() if isinstance(value, float))
-    return record_files(
+    return html.record_files(
         "report/table_page.html.j2",
         records,
         name=info["propeller"].get("name") or "a propeller",
@@ -116,11 +101,11 @@ def _by_angle(beta: Floats, code: NDArray[np.uint8]) -> list[tuple[str, ...]]:
         if mine.any():
             ends = f"{max(low, degrees.min()):.0f}° to {min(high, degrees.max()):.0f}°"
             shares = _shares(code[mine]).values()
-            rows.append((ends, name, *(number(100.0 * share) for share in shares)))
+            rows.append((ends, name, *(html.number(100.0 * share) for share in shares)))
     return rows
 
 
-def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[FigureRecord, str]:
+def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[html.FigureRecord, str]:
     """Record errors by load as shares of static loads, and where they are largest; with heads."""
     errors = {"largest": found["max_error"], "rms": found["rms_error"]}
     if found["unresolved_cells"]:
@@ -136,12 +121,12 @@ def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[Figu
     for load, title in TITLES.items():
         shares, place = [float(one[load]) for one in errors.values()], places.get(load) or nowhere
         rows.append((load, *shares, *place))
-        shown = [number(100.0 * share, 2) for share in shares]
-        cells.append((title, *shown, *(number(value, 4) for value in place)))
+        shown = [html.number(100.0 * share, 2) for share in shares]
+        cells.append((title, *shown, *(html.number(value, 4) for value in place)))
     heads = ["error, as a share of", *(f"{name} [%]" for name in errors)]
     heads += [f"largest at [{unit}]" for unit in PLACE.values() if places]
-    columns = columns_of(" ".join(["load", *slugs, *at]), rows)
-    return FigureRecord("table-certificate", columns, cells=cells), "|".join(heads)
+    columns = html.columns_of(" ".join(["load", *slugs, *at]), rows)
+    return html.FigureRecord("table-certificate", columns, cells=cells), "|".join(heads)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -149,20 +134,20 @@ def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[Figu
 
 KINDS = {
     OK: ("certified", "#e8eef2"),
-    VORTEX_RING: ("vortex ring: certified, but the theory is not valid there", COLOURS[5]),
-    UNRESOLVED: ("unresolved: the loads jump", COLOURS[1]),
+    VORTEX_RING: ("vortex ring: certified, but the theory is not valid there", html.COLOURS[5]),
+    UNRESOLVED: ("unresolved: the loads jump", html.COLOURS[1]),
     NO_VALUE: ("no value", "0.55"),
 }
 
 
-def table_cells(table: LoadTable) -> FigureRecord:
+def table_cells(table: LoadTable) -> html.FigureRecord:
     """Record the cells that are not certified; the picture has all, coloured by their status."""
     content, (rank, codes) = table.content, cell_ranks(table)
     beta = np.degrees(content.beta)
 
     def draw() -> Figure:
         (w0, w1), (_, fastest), _ = table.envelope.values()
-        figure = new_figure(8.6, 5.0)
+        figure = html.new_figure(8.6, 5.0)
         ax = figure.subplots()
         ax.grid(visible=False)
         ax.pcolormesh(
@@ -188,7 +173,7 @@ def table_cells(table: LoadTable) -> FigureRecord:
             for code, (label, colour) in KINDS.items()
             if (codes == code).any()
         ]
-        legend_below(figure, handles, columns=2)
+        html.legend_below(figure, handles, columns=2)
         return figure
 
     i, j = np.nonzero(codes != OK)
@@ -199,14 +184,12 @@ def table_cells(table: LoadTable) -> FigureRecord:
         "beta_to_deg": beta[j + 1],
         "status": NAMES[codes[i, j]],
     }
-    return FigureRecord("table-cells", [columns], draw)
+    return html.FigureRecord("table-cells", [columns], draw)
 
 
 def cell_ranks(table: LoadTable) -> tuple[np.ndarray, np.ndarray]:
-    """Give each cell's place in ``KINDS`` and its status, ``NO_VALUE`` where a corner has none.
-
-    Both (n - 1, m - 1), by advance ratio and angle.
-    """
+    """Give each cell's place in ``KINDS`` and its status, ``NO_VALUE`` where a corner has none; (n
+    - 1, m - 1) by advance ratio and angle."""
     lost: Any = np.isnan(table.content.coefficients).any(axis=(0, 1))
     corners = lost[:-1, :-1] | lost[1:, :-1] | lost[:-1, 1:] | lost[1:, 1:]
     codes = np.where(corners, np.uint8(NO_VALUE), cell_codes(table.content))
@@ -217,7 +200,7 @@ def cell_ranks(table: LoadTable) -> tuple[np.ndarray, np.ndarray]:
 # Loads of a table as curves over speed and as maps over speed and angle.
 
 
-def load_lines(table: LoadTable, omega: float, still: dict[str, float]) -> FigureRecord:
+def load_lines(table: LoadTable, omega: float, still: dict[str, float]) -> html.FigureRecord:
     """Record loads over speed at ``omega`` [rad/s], a curve per angle, beside the hover model's."""
     _, ends, (low, high) = table.envelope.values()
     speed = np.linspace(*ends, SPEEDS)
@@ -239,34 +222,34 @@ def load_lines(table: LoadTable, omega: float, still: dict[str, float]) -> Figur
         )
 
     def draw() -> Figure:
-        figure, axes = load_panels(3.3, sharex=True)
+        figure, axes = html.load_panels(3.3, sharex=True)
         for ax, load in zip(axes.ravel(), LOADS.values(), strict=True):
             if np.isfinite(still["thrust"]):
-                ax.axhline(still[load.name], **HOVER)
+                ax.axhline(still[load.name], **html.HOVER)
             for k, one in enumerate(groups):
                 ring, values = one["status"] == NAMES[VORTEX_RING], one[load.column]
                 solid, dotted = np.where(ring, np.nan, values), np.where(ring, values, np.nan)
-                ax.plot(speed, solid, color=COLOURS[k], **MODEL)
-                ax.plot(speed, dotted, color=COLOURS[k], linestyle=":", linewidth=1.1)
+                ax.plot(speed, solid, color=html.COLOURS[k], **html.MODEL)
+                ax.plot(speed, dotted, color=html.COLOURS[k], linestyle=":", linewidth=1.1)
                 _mark(ax, k, speed, values)
             ax.set_ylabel(load.title)
             ax.margins(x=0.02)
         for ax in axes[-1]:
             ax.set_xlabel("flight speed V [m/s]")
-        keys = angle_keys(betas, markersize=4.0, **MODEL)
-        legend_below(figure, [*keys, key("hover model", **HOVER)])
+        keys = html.angle_keys(betas, markersize=4.0, **html.MODEL)
+        html.legend_below(figure, [*keys, html.key("hover model", **html.HOVER)])
         return figure
 
-    return FigureRecord("table-loads", groups, draw)
+    return html.FigureRecord("table-loads", groups, draw)
 
 
 def _mark(ax: Axes, k: int, speed: Floats, values: Floats) -> None:
     """Put some markers on curve ``k``: the curves of axial flow lie on each other."""
     every = slice(6 + 3 * k, None, 24)
-    ax.plot(speed[every], values[every], markersize=4.0, linestyle="none", **marked(k))
+    ax.plot(speed[every], values[every], markersize=4.0, linestyle="none", **html.marked(k))
 
 
-def load_maps(table: LoadTable, omega: float) -> FigureRecord:
+def load_maps(table: LoadTable, omega: float) -> html.FigureRecord:
     """Record loads over speed and angle at ``omega`` [rad/s]; the vortex ring is hatched."""
     _, speeds, betas = table.envelope.values()
     speed, beta = np.linspace(*speeds, SPEEDS), np.linspace(*betas, ANGLES)
@@ -275,7 +258,7 @@ def load_maps(table: LoadTable, omega: float) -> FigureRecord:
 
     def draw() -> Figure:
         ring, loose = (np.where(code == each, 1.0, 0.0).T for each in (VORTEX_RING, UNRESOLVED))
-        figure, axes = load_panels(3.4, sharex=True, sharey=True)
+        figure, axes = html.load_panels(3.4, sharex=True, sharey=True)
         for ax, load in zip(axes.ravel(), LOADS.values(), strict=True):
             values = getattr(found, load.name).T
             ax.grid(visible=False)
@@ -300,25 +283,18 @@ def load_maps(table: LoadTable, omega: float) -> FigureRecord:
         "status": NAMES[code],
         **{load.column: getattr(found, name) for name, load in LOADS.items()},
     }
-    return FigureRecord("table-maps", [columns], draw)
-
-
-# -------------------------------------------------------------------------------------------------
-# What the hover model would miss in a table's envelope.
+    return html.FigureRecord("table-maps", [columns], draw)
 
 
 def hover_errors(
-    lines: FigureRecord,
+    lines: html.FigureRecord,
     points: tuple[Floats, Floats, Floats],
     found: Any,
     constants: Mapping[str, float],
-) -> tuple[FigureRecord, dict[str, Any]]:
-    """Record the hover model less the table along ``lines``, and judge it all over the envelope.
-
-    ``found`` are the table's loads at ``points`` of the envelope; the hover model's are its
-    ``constants`` times Omega^2. The table of the page has a row per band of speed, with errors as
-    shares of the static load (of the drag, which the hover model lacks, of the static thrust).
-    """
+) -> tuple[html.FigureRecord, dict[str, Any]]:
+    """Record the hover model, ``constants`` times Omega^2, less the table along ``lines``, and
+    judge it by the loads ``found`` at ``points``, a row per band of speed in shares of the static
+    load, the drag's of the thrust."""
     groups: list[dict[str, Any]] = []
     for one in lines.groups:
         groups.append({name: one[name] for name in ("beta_deg", "speed_mps", "rpm")})
@@ -327,19 +303,19 @@ def hover_errors(
             groups[-1][f"{name}_error_share"] = (still - one[LOADS[name].column]) / still
 
     def draw() -> Figure:
-        look: dict[str, Any] = {**DASHED, "linewidth": 1.5}
-        figure = new_figure(8.6, 3.8)
+        look: dict[str, Any] = {**html.DASHED, "linewidth": 1.5}
+        figure = html.new_figure(8.6, 3.8)
         for ax, name in zip(figure.subplots(1, 2), HOVER_LOADS, strict=True):
             ax.axhline(0.0, color="0.4", linewidth=0.8)
             for k, one in enumerate(groups):
                 off = 100.0 * one[f"{name}_error_share"]
-                ax.plot(one["speed_mps"], off, color=COLOURS[k], **look)
+                ax.plot(one["speed_mps"], off, color=html.COLOURS[k], **look)
                 _mark(ax, k, one["speed_mps"], off)
             ax.set_ylabel(f"hover model less table, {name} [% of static]")
             ax.set_xlabel("flight speed V [m/s]")
             ax.margins(x=0.02)
         betas = np.radians([one["beta_deg"] for one in groups])
-        legend_below(figure, angle_keys(betas, markersize=4.0, **look))
+        html.legend_below(figure, html.angle_keys(betas, markersize=4.0, **look))
         return figure
 
     omega, speed, _ = points
@@ -355,8 +331,8 @@ def hover_errors(
         off = [float(np.mean(np.abs(shares[0][mine]) > limit)) for limit in OFF]
         cells.append(
             (
-                f"{number(low, 2)} to {number(high, 2)}",
-                *(number(100.0 * rms(share[mine]), 2) for share in shares),
+                f"{html.number(low, 2)} to {html.number(high, 2)}",
+                *(html.number(100.0 * rms(share[mine]), 2) for share in shares),
                 *(f"{100.0 * share:.0f}" for share in off),
             )
         )
@@ -369,4 +345,4 @@ def hover_errors(
     judgement = {"level": level, "word": word, "off": float(np.average(beyond, weights=sizes))}
     if level == "caution":
         judgement["speed"] = good[-1]
-    return FigureRecord("table-hover", groups, draw, cells), judgement
+    return html.FigureRecord("table-hover", groups, draw, cells), judgement

@@ -9,19 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from propmap.fit.comparison import FittedStep, RecordedFlight, gain, judged, measured_off
-from propmap.report.html import (
-    COLOURS,
-    DASHED,
-    HOVER,
-    FigureRecord,
-    columns_of,
-    key,
-    legend_below,
-    marked,
-    new_figure,
-    number,
-    record_files,
-)
+from propmap.report import html
 from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
 
@@ -41,10 +29,8 @@ def terms_pages(
     samples: int,
     remarks: Sequence[str],
 ) -> dict[str, str | bytes]:
-    """Make all files of the page by name, from what ``fit_terms`` found.
-
-    Signals were low-passed at ``low_pass`` [Hz]; each fit took at most so many ``samples``.
-    """
+    """Make all files of the page by name from what ``fit_terms`` found of signals below
+    ``low_pass`` [Hz], ``samples`` at most in a fit."""
     off, worths = step_errors(vehicle, flights, found), worth(flights, found)
     alone, steps = len(flights) == 1, steps_of(found)
     names = [f.name for f in flights]
@@ -56,7 +42,7 @@ def terms_pages(
         for model in models:
             unseen, seen = (off.get((model, flight, raw, fitted)) for fitted in (False, True))
             each = [seen if unseen is None else unseen] if alone else [unseen, seen]
-            shown = [3 * [""] if e is None else [number(x) for x in e] for e in each]
+            shown = [3 * [""] if e is None else [html.number(x) for x in e] for e in each]
             rows.append((model, *itertools.chain(*shown)))
         return rows
 
@@ -65,13 +51,13 @@ def terms_pages(
         own = off.get((PREDICTION, flight, False, False), np.full(3, np.nan))
         if axes := [axis for axis, one in zip(AXES, errors <= own, strict=True) if one]:
             below.append(f"{flight} along {' and '.join(axes)}")
-    return record_files(
+    return html.record_files(
         "report/terms_page.html.j2",
         [
             errors_by_step(off, names, steps),
-            FigureRecord(
+            html.FigureRecord(
                 "fit-terms-values",
-                columns_of(
+                html.columns_of(
                     "step left_out parameter value",
                     [
                         (f.step, "" if f.left_out is None else names[f.left_out], name, value)
@@ -80,10 +66,12 @@ def terms_pages(
                     ],
                 ),
             ),
-            FigureRecord(
+            html.FigureRecord(
                 "fit-terms-worth",
-                columns_of("step verdict fall_N2 standard_deviation_N2", worths),
-                cells=[(step, word, number(a), number(b, 2)) for step, word, a, b in worths],
+                html.columns_of("step verdict fall_N2 standard_deviation_N2", worths),
+                cells=[
+                    (step, word, html.number(a), html.number(b, 2)) for step, word, a, b in worths
+                ],
             ),
         ],
         name=vehicle.name,
@@ -95,7 +83,7 @@ def terms_pages(
         pays=[step for step, word, *_ in worths if word == "pays"],
         worse=[step for step, word, *_ in worths if word == "makes it worse"],
         unsure=[step for step, word, *_ in worths if word == "no sure gain"],
-        final=[(flight, *(number(x, 2) for x in errors)) for flight, errors in final.items()],
+        final=[(flight, *(html.number(x, 2) for x in errors)) for flight, errors in final.items()],
         below=below,
         predicted=PREDICTION in models,
         low_pass=low_pass,
@@ -104,18 +92,20 @@ def terms_pages(
     )
 
 
-def errors_by_step(off: StepErrors, flights: Sequence[str], steps: Sequence[str]) -> FigureRecord:
+def errors_by_step(
+    off: StepErrors, flights: Sequence[str], steps: Sequence[str]
+) -> html.FigureRecord:
     """Record the errors along each axis as terms are added: the filled ones were not fitted."""
     several = len(flights) > 1
     predicted = any(model == PREDICTION for model, *_ in off)
 
     def draw() -> Figure:
-        figure = new_figure(9.0, 1.6 + 0.34 * len(steps))
+        figure = html.new_figure(9.0, 1.6 + 0.34 * len(steps))
         panels = figure.subplots(1, 3, sharey=True)
         place = np.arange(len(steps))
         for axis, ax in enumerate(panels):
             for k, flight in enumerate(flights):
-                look = marked(k % len(COLOURS))
+                look = html.marked(k % len(html.COLOURS))
                 kept = [off[step, flight, False, not several][axis] for step in steps]
                 ax.plot(kept, place, linewidth=1.4, markersize=5.0, **look)
                 if several:
@@ -123,22 +113,22 @@ def errors_by_step(off: StepErrors, flights: Sequence[str], steps: Sequence[str]
                     hollow = {**look, "markerfacecolor": "white"}
                     ax.plot(seen, place, linestyle=":", linewidth=0.9, markersize=4.0, **hollow)
                 if (own := off.get((PREDICTION, flight, False, False))) is not None:
-                    ax.axvline(own[axis], **{**DASHED, "color": look["color"]})
+                    ax.axvline(own[axis], **{**html.DASHED, "color": look["color"]})
             ax.set_xlim(left=0.0)
             ax.set_xlabel("rms error [N]")
             ax.set_title(f"force along {AXES[axis]}")
         panels[0].set_yticks(place, steps)
         panels[0].invert_yaxis()
         keys = [
-            key(flight, linewidth=1.4, **marked(k % len(COLOURS)))
+            html.key(flight, linewidth=1.4, **html.marked(k % len(html.COLOURS)))
             for k, flight in enumerate(flights)
         ]
         if several:
             hollow = {"color": "0.35", "marker": "o", "markerfacecolor": "white"}
-            keys.append(key("fitted to it", linestyle=":", **hollow))
+            keys.append(html.key("fitted to it", linestyle=":", **hollow))
         if predicted:
-            keys.append(key(PREDICTION, **HOVER))
-        legend_below(figure, keys)
+            keys.append(html.key(PREDICTION, **html.HOVER))
+        html.legend_below(figure, keys)
         return figure
 
     rows = [
@@ -146,7 +136,7 @@ def errors_by_step(off: StepErrors, flights: Sequence[str], steps: Sequence[str]
         for (model, flight, raw, fitted), errors in off.items()
     ]
     heads = "model flight signals fitted_to_it x_rms_N y_rms_N z_rms_N"
-    return FigureRecord("fit-terms", columns_of(heads, rows), draw)
+    return html.FigureRecord("fit-terms", html.columns_of(heads, rows), draw)
 
 
 def step_errors(
@@ -178,11 +168,8 @@ def step_errors(
 def worth(
     flights: Sequence[RecordedFlight], found: Sequence[FittedStep]
 ) -> list[tuple[str, str, float, float]]:
-    """Judge each step but the first on flights that its fits have not seen, or on the only one.
-
-    Gives the step, the verdict, the fall of the mean square of the force's error and its standard
-    deviation [N^2].
-    """
+    """Judge each step but the first on flights that its fits have not seen, or on the only one:
+    name, verdict, fall of the force's mean square error and its deviation [N^2]."""
     unseen = {
         step: [f.off[f.left_out or 0] for f in found if f.step == step] for step in steps_of(found)
     }

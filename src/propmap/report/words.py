@@ -12,18 +12,13 @@ from propmap.units import DEGREE, RPM
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
-# -------------------------------------------------------------------------------------------------
-# A table's certificate in words.
-
 TITLES = {name: load.share for name, load in LOADS.items()}  # what errors are shares of
 PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}  # coordinates in the envelope, with units
 
 
 def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
-    """Find the place in the envelope, as in ``PLACE``, of a certificate's largest errors, by load.
-
-    Empty for a certificate of earlier versions, which does not say; None for a load without errors.
-    """
+    """Find where, as in ``PLACE``, a certificate's largest errors are by load, None without errors;
+    empty for one of earlier versions."""
     if not found.get("max_omega"):
         return {}
     units = {"max_omega": 1.0 / RPM, "max_speed": 1.0, "max_beta": 1.0 / DEGREE}
@@ -68,10 +63,6 @@ def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
     if found["not_counted"]:
         names = ", ".join(found["not_counted"])
         yield f"not counted, as the fit's data do not determine them: {names}"
-
-
-# -------------------------------------------------------------------------------------------------
-# By how much a motor in the slipstream raises the rotor drag of a model that has none.
 
 
 def installation_note(rotor: Rotor) -> str:

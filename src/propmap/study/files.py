@@ -21,9 +21,6 @@ from propmap.sweep.points import TEXTS
 from propmap.typing import Floats
 from propmap.units import INCH
 
-# -------------------------------------------------------------------------------------------------
-# Files that say what a study varies.
-
 SCHEMA = 1
 
 KEYS = {
@@ -32,8 +29,7 @@ KEYS = {
     "pitch_m": ("pitch", 1.0),
     "pitch_in": ("pitch", INCH),
     **{name: (name, 1.0) for name in ("chord_scale", "twist_scale", "blades", *OPERATION)},
-}
-"""What may stand in [vary], its name in ``VARIABLES`` and what to multiply it by."""
+}  # what may stand in [vary], its name in ``VARIABLES`` and what to multiply it by
 
 
 Values = Annotated[Number | list[Number], "a number, or [...]"]

@@ -18,11 +18,8 @@ from propmap.sweep.points import AXES, Part, Place
 from propmap.sweep.run import Evaluation, Values
 from propmap.typing import Floats
 
-POINTS_PER_TASK = 8192
-"""Operating points of a task, of all its designs: one to some seconds of one core."""
-
-SAMPLE = 4
-"""Designs by which the time of a study is predicted."""
+POINTS_PER_TASK = 8192  # of all its designs: one to some seconds of one core
+SAMPLE = 4  # designs by which the time of a study is predicted
 
 GEOMETRY = {
     "diameter": ("m", "of the propeller"),
@@ -30,8 +27,7 @@ GEOMETRY = {
     "chord_scale": ("1", "chords over those of the blade that the study begins with"),
     "twist_scale": ("1", "differences of twist over those of the blade that the study begins with"),
     "blades": ("1", "number of blades"),
-}
-"""What may vary of a propeller: unit and meaning."""
+}  # what may vary of a propeller: unit and meaning
 
 OPERATION = {name: (unit, meaning) for name, unit, meaning in AXES.values()}
 """Unit and meaning of what may vary of an operating point."""
@@ -222,8 +218,7 @@ def _check_values(name: str, values: Floats) -> None:
 # -------------------------------------------------------------------------------------------------
 # Blades made from another: of another size, pitch, width or twist.
 
-PITCH_AT = 0.75
-"""Share of the radius at which a blade's pitch is taken."""
+PITCH_AT = 0.75  # share of the radius at which a blade's pitch is taken
 
 
 def pitch_of(blade: Propeller) -> float:

@@ -5,34 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.results import STATUSES
+from propmap.results import STATUSES, Loads
 from propmap.typing import Floats
 from propmap.units import RPM
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from propmap.results import Loads
-
-
-# -------------------------------------------------------------------------------------------------
-# Operating points of a sweep, and the parts that tasks evaluate.
-
-Place = tuple[int, ...]
-"""A task's number along each dimension."""
+Place = tuple[int, ...]  # a task's number along each dimension
 
 AXES = {
     "rpm": ("rpm", "1/min", "rotational speed"),
     "speed": ("speed_mps", "m/s", "speed of the hub through the air"),
     "beta": ("beta_deg", "degree", "angle from the axis to the velocity, 0 in axial climb"),
-}
-"""Coordinate, unit and meaning by dimension of a grid."""
+}  # coordinate, unit and meaning by dimension of a grid
 
 
 class Part(NamedTuple):
@@ -133,11 +123,8 @@ def _check(points: Points) -> None:
 
 
 def chunk_shape(shape: Sequence[int], most: int) -> tuple[int, ...]:
-    """Cut a ``shape`` into parts of ``most`` points at most, as equal as may be, last axis first.
-
-    The parts follow each other in C order.  They follow from the shape alone, so that loads do not
-    depend, to the last digit, on who does the tasks.
-    """
+    """Cut a ``shape`` into parts of ``most`` points at most in C order, as equal as may be, by the
+    shape alone, so that loads do not depend to the last digit on who does them."""
     left, chunk = most, []
     for length in reversed(shape):
         parts = -(-length // max(left, 1))
@@ -169,16 +156,12 @@ TEXTS = {
     "mean_inflow": ("m/s", "induced velocity averaged over the disk"),
     "reverse_flow": ("1", "share of the blades' disk that the air meets from behind"),
     "roots": ("1", "largest number of solutions of the inflow equation along the blade"),
-}
-"""Unit and meaning of each quantity that is no standard deviation."""
+}  # unit and meaning of each quantity that is no standard deviation
 
 
 def quantities(loads: Loads, *, bands: bool, by_source: bool) -> dict[str, NDArray[Any]]:
-    """Name the arrays to file, "thrust_std" and "thrust_std_tunnel" included; the status is last.
-
-    ``bands`` and ``by_source`` say whether standard deviations are among them, where the loads have
-    any, and whether those of each source are as well.
-    """
+    """Name the arrays to file, with ``bands`` standard deviations as "thrust_std" where there are
+    any, ``by_source`` those as "thrust_std_tunnel" too; the status is last."""
     found: dict[str, NDArray[Any]] = {name: getattr(loads, name) for name in TEXTS}
     if bands and loads.std_by_source:
         deviations = {"std": loads.std}

@@ -8,27 +8,18 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from propmap.table.interpolation import STATUSES
-from propmap.table.query import Gradient, Inverse, LoadTable, TableLoads
+from propmap.table.interpolation import STATUSES as STATUSES
+from propmap.table.query import Gradient as Gradient
+from propmap.table.query import Inverse as Inverse
+from propmap.table.query import LoadTable as LoadTable
+from propmap.table.query import TableLoads as TableLoads
 
 if TYPE_CHECKING:
-    from propmap.table.build import build_table
-    from propmap.table.certificate import Certificate, certify
-    from propmap.table.files import write_netcdf
-    from propmap.table.jax_query import JaxTable
-
-__all__ = [
-    "STATUSES",
-    "Certificate",
-    "Gradient",
-    "Inverse",
-    "JaxTable",
-    "LoadTable",
-    "TableLoads",
-    "build_table",
-    "certify",
-    "write_netcdf",
-]
+    from propmap.table.build import build_table as build_table
+    from propmap.table.certificate import Certificate as Certificate
+    from propmap.table.certificate import certify as certify
+    from propmap.table.files import write_netcdf as write_netcdf
+    from propmap.table.jax_query import JaxTable as JaxTable
 
 _LAZY = {
     "Certificate": "certificate",
@@ -37,6 +28,7 @@ _LAZY = {
     "certify": "certificate",
     "write_netcdf": "files",
 }
+__all__ = sorted(["STATUSES", "Gradient", "Inverse", "LoadTable", "TableLoads", *_LAZY])
 
 
 def __getattr__(name: str) -> Any:

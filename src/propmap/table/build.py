@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import propmap
 from propmap.errors import InputError
 from propmap.loads import LOADS, error_scales
+from propmap.model.envelope import Range
 from propmap.table.certificate import (
     POINTS,
     TableErrors,
@@ -43,15 +44,11 @@ if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
 
-Range = tuple[float, float]
-
 MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; tolerances begin at twice that
 LARGEST_TOLERANCE = 0.1
 
 MOST_UNRESOLVED = 0.05  # share of the envelope above which a table is refused
-NARROW_ABOVE = 0.02
-"""Share of the envelope above which unresolved cells are halved: a thin feature of the loads that
-fell between the middles of wide cells takes little of the envelope once they are narrow."""
+NARROW_ABOVE = 0.02  # share of the envelope above which unresolved cells are halved
 
 NARROWINGS = 6
 
@@ -262,9 +259,6 @@ def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
     }
 
 
-# -------------------------------------------------------------------------------------------------
-# Standard deviations of a table's loads, from the model at some of the knots.
-
 MOST_DEVIATIONS = 20  # along each axis: they vary more slowly than loads
 
 
@@ -364,11 +358,8 @@ def starting_axes(
 
 
 def refine(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> Refined:
-    """Insert knots until lines and cells, tested at their middles, are within the tolerance.
-
-    Where the loads jump it cannot be met; knots end at the axes' finest distance, and the cells
-    are marked.  Raise ``InputError`` where more than ``MOST_KNOTS`` knots would be needed.
-    """
+    """Insert knots until lines and cells, tested at their middles, are within the tolerance; cells
+    that at the finest distance are not are marked. ``InputError`` for more than ``MOST_KNOTS``."""
     model.stage = "placing knots"
     for _ in range(ROUNDS):
         _refine_lines(model, advance, beta, tolerance)
@@ -447,12 +438,9 @@ GLANCES = 4  # points per cell as small as cells become; such cells are where ju
 def find_jumps(
     content: TableContent, model: CachedModel, limit: float, suspects: NDArray[np.bool_]
 ) -> TableContent:
-    """Mark further cells in which the table's error exceeds ``limit``.
-
-    The ``suspects`` (n - 1, m - 1), cells as small as cells become, are searched first.  A jump
-    is seldom alone: then the cells around those marked are searched, and those around what is
-    found, always at random points.
-    """
+    """Mark further cells in which the table's error exceeds ``limit`` at random points: first of
+    the ``suspects`` (n - 1, m - 1), small as cells become, then around those marked, as a jump is
+    seldom alone."""
     model.stage = "looking for jumps"
     rng, table = np.random.default_rng(PATROL_POINTS), LoadTable(content)
     points = quasi_random(table, PATROL_POINTS, seed=PATROL_POINTS)
@@ -517,17 +505,13 @@ def with_marks_of(old: TableContent, new: TableContent) -> TableContent:
 # -------------------------------------------------------------------------------------------------
 # The model as the builder of a table sees it: coefficients at (J, beta), each asked for once.
 
-Progress = Callable[[str, int], None]
-"""Receives what is being done and the number of operating points evaluated so far."""
-
+Progress = Callable[[str, int], None]  # what is done, and points evaluated so far
 BATCH = 4096  # operating points between two reports of progress: some tenths of a second
 
 
 class CachedModel:
-    """Loads of a rotor, and relative to its static ones at two rotational speeds (2,) [rad/s].
-
-    Raise ``InputError`` unless static thrust and torque are positive.
-    """
+    """Loads of a rotor, and relative to its static ones at two rotational speeds (2,) [rad/s];
+    ``InputError`` unless these are positive."""
 
     def __init__(
         self,

@@ -9,17 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.loads import LOADS
-from propmap.table.interpolation import (
-    NO_VALUE,
-    UNRESOLVED,
-    UNRESOLVED_BIT,
-    VORTEX_RING,
-    TableContent,
-    locate,
-    most_position,
-    points_at,
-    positions_of,
-)
+from propmap.table import interpolation
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
@@ -131,12 +121,12 @@ def certify(
         max_error=most,
         rms_error=_rms(sound.errors),
         unresolved=loose.omega.size,
-        unresolved_cells=int(np.count_nonzero(table.content.cells & UNRESOLVED_BIT)),
+        unresolved_cells=int(np.count_nonzero(table.content.cells & interpolation.UNRESOLVED_BIT)),
         unresolved_volume=volume,
         unresolved_points=all_loose.omega.size,
         unresolved_max_error=loose_most,
         unresolved_rms_error=_rms(all_loose.errors),
-        vortex_ring=int((sample.code == VORTEX_RING).sum()),
+        vortex_ring=int((sample.code == interpolation.VORTEX_RING).sum()),
         no_value=int(sample.lost.sum()),
         search_points=searched.omega.size,
         max_omega=omega,
@@ -156,19 +146,22 @@ def _unresolved(
 ) -> tuple[float, tuple[Floats, Floats, Floats]]:
     """Estimate the share of the envelope of unresolved cells, and find points inside them (n,)."""
     content = table.content
-    if not (content.cells & UNRESOLVED_BIT).any():
+    if not (content.cells & interpolation.UNRESOLVED_BIT).any():
         none = np.empty(0)
         return 0.0, (none, none, none)
     omega, speed, beta = quasi_random(table, CANDIDATES * points, seed)
-    row = locate(content.advance, speed / (omega * content.radius))[0]
-    inside = (content.cells[row, locate(content.beta, beta)[0]] & UNRESOLVED_BIT) > 0
+    row = interpolation.locate(content.advance, speed / (omega * content.radius))[0]
+    inside = (
+        content.cells[row, interpolation.locate(content.beta, beta)[0]]
+        & interpolation.UNRESOLVED_BIT
+    ) > 0
     kept = np.flatnonzero(inside)[: points // MOST_INSIDE]
     return float(inside.mean()), (omega[kept], speed[kept], beta[kept])
 
 
 def _kinds(found: TableErrors) -> tuple[TableErrors, TableErrors]:
     """Part the points with loads into those in resolved cells, and those in the others."""
-    loose = found.code == UNRESOLVED
+    loose = found.code == interpolation.UNRESOLVED
     return found.where(~found.lost & ~loose), found.where(~found.lost & loose)
 
 
@@ -210,7 +203,7 @@ class TableErrors:
     @property
     def lost(self) -> NDArray[np.bool_]:
         """Where there are no loads, of the table or of the model (n,)."""
-        return np.asarray(np.isnan(self.errors).any(axis=1) | (self.code == NO_VALUE))
+        return np.asarray(np.isnan(self.errors).any(axis=1) | (self.code == interpolation.NO_VALUE))
 
     def where(self, chosen: NDArray[np.bool_]) -> Self:
         """Keep the points ``chosen`` (n,)."""
@@ -232,6 +225,13 @@ def compare(
     errors = (values - expected) / static_loads(model, omega)
     advance = speed / (omega * table.content.radius)
     return TableErrors(errors, found.code, omega, speed, beta, advance)
+
+
+def sobol(count: int, seed: int) -> Floats:
+    """Give the first points (n, 3) of Sobol's sequence in the unit cube, scrambled by ``seed``."""
+    from scipy.stats import qmc  # takes half a second to import
+
+    return np.asarray(qmc.Sobol(3, rng=np.random.default_rng(seed)).random(count))
 
 
 def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floats, Floats]:
@@ -274,23 +274,21 @@ GOALS = 2 * len(LOADS)  # each load in resolved cells, then each in the others
 def largest_errors(
     table: LoadTable, model: CachedModel, sampled: TableErrors, seed: int
 ) -> TableErrors:
-    """Search for the largest errors by load from points ``sampled``; return all points met.
-
-    Errors inside unresolved cells are climbed separately.  The ``seed`` is of the random steps.
-    """
+    """Search by random steps of this ``seed`` for the largest errors by load from points
+    ``sampled``, inside unresolved cells separately, and return all points met."""
     rng = np.random.default_rng(seed)
     content = table.content
     points = sampled.omega.size
-    most = most_position(content)
+    most = interpolation.most_position(content)
     unit = sobol(2 ** int(np.log2(max(points // 2, 1))), seed)
     over_cells = np.clip(unit * (most + 2.0 * OVERHANG) - OVERHANG, 0.0, most)
-    found = compare(table, model, *points_at(content, over_cells))
+    found = compare(table, model, *interpolation.points_at(content, over_cells))
     known = sampled.and_also(found)
     climbs = _Climbs(content, known, max(FEWEST_CLIMBS, CLIMBS * points // 32_768))
     for halving in range(HALVINGS):
         for _ in range(ROUNDS):
             position = climbs.steps(TRIES * 2**halving, rng, most)
-            tried = compare(table, model, *points_at(content, position))
+            tried = compare(table, model, *interpolation.points_at(content, position))
             found = found.and_also(tried)
             climbs.take(position, tried)
         climbs.halve()
@@ -300,8 +298,8 @@ def largest_errors(
 class _Climbs:
     """Walks to larger errors, from the worst ``most`` points of each goal, no two in a cell."""
 
-    def __init__(self, content: TableContent, known: TableErrors, most: int) -> None:
-        position = positions_of(content, known.omega, known.advance, known.beta)
+    def __init__(self, content: interpolation.TableContent, known: TableErrors, most: int) -> None:
+        position = interpolation.positions_of(content, known.omega, known.advance, known.beta)
         cell = np.floor(position[:, 0]) * content.beta.size + np.floor(position[:, 1])
         sizes = _sizes(known)
         starts, goals = [], []
@@ -349,7 +347,7 @@ class _Climbs:
 def _sizes(found: TableErrors) -> Floats:
     """Sizes (n, ``GOALS``) of the errors; zero where the cell is of the other kind."""
     size = np.where(found.lost[:, None], 0.0, np.abs(found.errors))
-    loose = (found.code == UNRESOLVED)[:, None]
+    loose = (found.code == interpolation.UNRESOLVED)[:, None]
     return np.concatenate([np.where(loose, 0.0, size), np.where(loose, size, 0.0)], axis=1)
 
 
@@ -363,11 +361,8 @@ SEED = 20_170
 def parameter_uncertainty(
     table: LoadTable, model: CachedModel, covariance: SectionCovariance
 ) -> dict[str, Any]:
-    """Measure what the covariance means for the loads over the envelope; plain data.
-
-    Standard deviations, to first order, are shares of the static loads as in the certificate.
-    Beside these the table's own errors matter or they do not.
-    """
+    """Measure what the covariance means for the loads over the envelope as plain data: standard
+    deviations, to first order, as shares of the static loads."""
     model.stage = "uncertainty of the parameters"
     known = covariance.determined
     omega, speed, beta = quasi_random(table, UNCERTAINTY_POINTS, SEED)
@@ -392,43 +387,3 @@ def load_deviations(
     )
     variance = np.einsum("lpn,pq,lqn->nl", found.slopes, covariance.matrix, found.slopes)
     return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
-
-
-# -------------------------------------------------------------------------------------------------
-# Points that fill a box evenly: Sobol's sequence in three dimensions, scrambled.
-
-BITS = 30  # bits of each coordinate
-
-
-def sobol(count: int, seed: int) -> Floats:
-    """Return the first points (n, 3) of the sequence in the unit cube, scrambled by ``seed``.
-
-    They are those of ``scipy.stats.qmc.Sobol``, which takes longer to import than a small table to
-    build: direction numbers by Joe and Kuo, scrambled by a lower triangular matrix and a shift.
-    """
-    rng = np.random.default_rng(seed)
-    place = np.arange(BITS, dtype=np.uint32)
-    shift = rng.integers(2, size=(3, BITS), dtype=np.uint32) @ (np.uint32(1) << place)
-    mixing = np.tril(rng.integers(2, size=(3, BITS, BITS), dtype=np.uint32), -1)
-    mixing += np.eye(BITS, dtype=np.uint32)
-    # The highest bit first.
-    bits = (_directions()[:, None] >> place[::-1, None]) & 1
-    directions = (np.uint32(1) << place[::-1]) @ (mixing @ bits % 2)
-    found = shift[None]
-    for direction in directions.T:
-        if len(found) >= count:
-            break
-        # In Gray code the numbers with a further bit are those without it, backwards.
-        found = np.concatenate([found, found[::-1] ^ direction])
-    return found[:count] / 2.0**BITS
-
-
-def _directions() -> NDArray[np.uint32]:
-    """Direction numbers (3, ``BITS``): of no polynomial, of x + 1 and of x^2 + x + 1."""
-    found = np.ones((3, BITS), np.uint32)
-    found[2, 1] = 3
-    for k in range(1, BITS):
-        found[1, k] = 2 * found[1, k - 1] ^ found[1, k - 1]
-    for k in range(2, BITS):
-        found[2, k] = 2 * found[2, k - 1] ^ 4 * found[2, k - 2] ^ found[2, k - 2]
-    return found << np.arange(BITS, dtype=np.uint32)[::-1]

@@ -153,10 +153,6 @@ def _states(certificate: Any, field: Field[Any]) -> bool:
     return all(isinstance(n, (int, float)) and not isinstance(n, bool) for n in numbers)
 
 
-# -------------------------------------------------------------------------------------------------
-# A table as a NetCDF file, for people and their tools.
-
-
 def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
     """Write what a ``table`` holds to ``path``, with units and provenance, whole or not at all.
 

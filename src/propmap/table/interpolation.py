@@ -14,9 +14,6 @@ from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.typing import Floats
 
-# -------------------------------------------------------------------------------------------------
-# What a table holds: axes, coefficients, flags, and where they come from.
-
 PARITY = np.array([-1.0 if load.inplane else 1.0 for load in LOADS.values()])
 """Signs of the loads across beta = 0 and pi: even along and about the axis, odd across it."""
 
@@ -136,8 +133,7 @@ STATUSES = ("ok", "vortex_ring", "unresolved", "clamped", "no_value", "outside")
 
 OK, VORTEX_RING, UNRESOLVED, CLAMPED, NO_VALUE, OUTSIDE = range(len(STATUSES))
 
-WIDTH = 2 * len(LOADS)
-"""Values per knot: each load over Omega^2, and their slopes with Omega^(-1/2)."""
+WIDTH = 2 * len(LOADS)  # values per knot: loads over Omega^2, and slopes with Omega^(-1/2)
 
 
 def cell_codes(content: TableContent) -> NDArray[np.uint8]:
@@ -238,10 +234,8 @@ class Lookup:
 
 
 def bilinear(x: Floats, y: Floats, values: Floats, at_x: Floats, at_y: Floats) -> Floats:
-    """Interpolate values (..., n, m) at knots x (n,), y (m,) linearly within them.
-
-    ``at_x`` and ``at_y`` broadcast to a shape, that of the result's last axes.
-    """
+    """Interpolate values (..., n, m) at knots x (n,), y (m,) linearly at ``at_x`` and ``at_y``,
+    which broadcast to the result's last axes."""
     i, t = locate(x, at_x)
     j, u = locate(y, at_y)
     low = values[..., i, j] * (1.0 - t) + values[..., i + 1, j] * t
@@ -258,11 +252,8 @@ def bilinear(x: Floats, y: Floats, values: Floats, at_x: Floats, at_y: Floats) -
 
 
 def interval_polynomials(knots: Floats) -> Floats:
-    """Polynomials (n - 1, 4, 4) of the four weights in each interval between n >= 3 knots.
-
-    The weight of the k-th of the four values in interval i, at the share t of its width, is the
-    sum over m of coefficients[i, k, m] t^m.
-    """
+    """Polynomials (n - 1, 4, 4) between n >= 3 knots: the weight of the k-th of the four values in
+    interval i, at the share t of its width, is the sum over m of coefficients[i, k, m] t^m."""
     wide = with_ghosts(knots)
     before, width, after = wide[1:-2] - wide[:-3], wide[2:-1] - wide[1:-2], wide[3:] - wide[2:-1]
     zero = np.zeros_like(width)
@@ -290,11 +281,8 @@ def on_planes(beta: Floats) -> tuple[bool, bool]:
 
 
 def pad(knots: Floats, values: Floats, low: Floats | None, high: Floats | None) -> Floats:
-    """Add a ghost value on either side of values (n, ...); (n + 2, ...).
-
-    Where the axis ends on a plane of symmetry, ``low`` and ``high`` are the parity of the values,
-    1 for even and -1 for odd; where they are None the ghost is on the parabola of the last three.
-    """
+    """Add a ghost value on either side of values (n, ...): by the parity ``low`` or ``high``, 1 or
+    -1, on a plane of symmetry, and where it is None on the parabola of the last three."""
     wide = with_ghosts(knots)
     ghosts = []
     for parity, ends, ghost in ((low, slice(0, 3), wide[0]), (high, slice(-1, -4, -1), wide[-1])):

@@ -13,52 +13,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError
 from propmap.loads import LOADS
+from propmap.operating_points import arrays_of, components
+from propmap.table import interpolation
 from propmap.table.files import read_table, write_table
-from propmap.table.interpolation import (
-    CLAMPED,
-    NO_VALUE,
-    OUTSIDE,
-    STATUSES,
-    Lookup,
-    TableContent,
-    bilinear,
-)
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.model.model import Propeller
-
-
-# -------------------------------------------------------------------------------------------------
-# The arguments of a table's queries: numbers or arrays that broadcast, in any quadrant.
-
-
-def broadcast(**named: ArrayLike) -> list[Floats]:
-    """Turn arguments into arrays of one shape; ``InputError`` where they are no numbers."""
-    arrays = []
-    for name, value in named.items():
-        try:
-            arrays.append(np.asarray(value, dtype=np.float64))
-        except (TypeError, ValueError):
-            raise InputError(
-                f"{name} is {quoted(value)}: give a number or an array of numbers"
-            ) from None
-    try:
-        return list(np.broadcast_arrays(*arrays))
-    except ValueError:
-        shapes = ", ".join(f"{n} {a.shape}" for n, a in zip(named, arrays, strict=True))
-        raise InputError(f"shapes do not fit together: {shapes}; they must broadcast") from None
-
-
-def split_velocity(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return omega and the velocity's x, y, z as arrays of one shape."""
-    (vector,) = broadcast(velocity=velocity)
-    if vector.ndim == 0 or vector.shape[-1] != 3:
-        raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
-    w, x, y, z = broadcast(omega=omega, vx=vector[..., 0], vy=vector[..., 1], vz=vector[..., 2])
-    return w, x, y, z
 
 
 def fold(beta: Floats) -> tuple[Floats, Floats]:
@@ -101,13 +64,13 @@ class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
         "no_value": the model found no loads nearby, or they were left out; NaN.  "outside":
         outside the envelope; NaN.
         """
-        words = np.asarray(STATUSES)[self.code]
+        words = np.asarray(interpolation.STATUSES)[self.code]
         return str(words) if words.ndim == 0 else words
 
     @property
     def inside(self) -> Any:
         """Whether the point asked for is inside the envelope."""
-        return (self.code != OUTSIDE) & (self.code != CLAMPED)
+        return (self.code != interpolation.OUTSIDE) & (self.code != interpolation.CLAMPED)
 
 
 class Gradient(_every_load("power")):  # type: ignore[misc]
@@ -141,16 +104,10 @@ for _kind in (TableLoads, Gradient, Deviation, JaxLoads):
     _kind.__doc__ = "\n".join(_parts)
 
 
-# -------------------------------------------------------------------------------------------------
-# ``LoadTable``: loads from a table, with NumPy alone.
-
 CHUNK = 1024  # points that are interpolated together, so that what they gather stays in the cache
-SLACK = 1e-9
-"""Share of an axis by which a point may lie beyond its end for rounding: 10000 rpm is not the
-same number however it is converted."""
-
+SLACK = 1e-9  # share of an axis by which points may lie beyond its end for rounding
 HALF = len(LOADS)  # values per knot that are loads; as many slopes with Omega^(-1/2) follow
-_NOWHERE = TableLoads(*(HALF + 1) * [math.nan], OUTSIDE)
+_NOWHERE = TableLoads(*(HALF + 1) * [math.nan], interpolation.OUTSIDE)
 
 
 class LoadTable:
@@ -165,9 +122,9 @@ class LoadTable:
         What the table holds.
     """
 
-    def __init__(self, content: TableContent) -> None:
+    def __init__(self, content: interpolation.TableContent) -> None:
         self.content = content
-        self._lookup = Lookup(content)
+        self._lookup = interpolation.Lookup(content)
         ends = (content.omega, content.speed, content.beta[[0, -1]])
         self._box = tuple((float(low), float(high)) for low, high in ends)
         self._slack = tuple(SLACK * (high - low) for low, high in self._box)
@@ -246,7 +203,7 @@ class LoadTable:
             and isinstance(beta, (float, int))
         ):
             return self._point(omega, speed, beta, clamp)
-        w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+        w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         if w.ndim == 0:
             return self._point(float(w), float(v), float(b), clamp)
         return self._points(w, v, b, clamp)
@@ -269,7 +226,7 @@ class LoadTable:
             x, y, z = map(float, velocity)
             across = math.hypot(x, y)
             return self._point(omega, math.hypot(across, z), math.atan2(across, z), clamp)
-        w, x, y, z = split_velocity(omega, velocity)
+        w, x, y, z = arrays_of(omega=omega, **components(velocity))
         across = np.hypot(x, y)
         return self.loads(w, np.hypot(across, z), np.arctan2(across, z), clamp=clamp)
 
@@ -295,12 +252,12 @@ class LoadTable:
                 "the table says nothing of its model's errors",
                 "build it of constants identified or expected by name, or of a fit's file",
             )
-        w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+        w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         rate, speeds, folded, _ = self._bounded(w, v, fold(b)[0], clamp=False)
         lost = np.isnan(rate)
         advance = speeds / (np.where(lost, content.omega[0], rate) * content.radius)
         at = np.clip(advance, content.advance[0], content.advance[-1])
-        ends = bilinear(content.advance, content.beta, content.deviations, at, folded)
+        ends = interpolation.bilinear(content.advance, content.beta, content.deviations, at, folded)
         roots = content.omega**-0.5
         share = (rate**-0.5 - roots[0]) / (roots[1] - roots[0])
         scale = content.scale.reshape(-1, *w.ndim * (1,)) * rate**2
@@ -312,7 +269,7 @@ class LoadTable:
 
         Arguments are those of ``loads``.
         """
-        w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+        w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         folded, sign = fold(b)
         w, v, folded, _ = self._bounded(w, v, folded, clamp=False)
         return self._by_chunks(self._polar_gradient, w, v, folded, sign)
@@ -323,7 +280,7 @@ class LoadTable:
         Arguments are those of ``loads_at_velocity``.  Without in-plane velocity, where loads by
         it point nowhere, the derivatives are those for one that begins to grow along x.
         """
-        w, x, y, z = split_velocity(omega, velocity)
+        w, x, y, z = arrays_of(omega=omega, **components(velocity))
         across = np.hypot(x, y)
         speed, beta = np.hypot(across, z), np.arctan2(across, z)
         w, speed, beta, _ = self._bounded(w, speed, beta, clamp=False)
@@ -342,7 +299,7 @@ class LoadTable:
             Its value, V [m/s] and beta [rad], broadcast.
         """
 
-        wanted, v, b = broadcast(value=value, speed=speed, beta=beta)
+        wanted, v, b = arrays_of(value=value, speed=speed, beta=beta)
         return solve(self, quantity, wanted, v, fold(b)[0])
 
     def _point(self, omega: float, speed: float, beta: float, clamp: bool) -> TableLoads:
@@ -361,9 +318,9 @@ class LoadTable:
         friction = square * (omega**-0.5 - self._root)
         loads, code = self._lookup.point(speed / (omega * self._radius), beta, square, friction)
         if loads[0] != loads[0]:
-            code = NO_VALUE
+            code = interpolation.NO_VALUE
         elif clamped:
-            code = CLAMPED
+            code = interpolation.CLAMPED
         return TableLoads(*loads, loads[TORQUE] * omega, code)
 
     def _points(self, omega: Floats, speed: Floats, beta: Floats, clamp: bool) -> TableLoads:
@@ -380,9 +337,9 @@ class LoadTable:
             total = values[:, :HALF] + values[:, HALF:]
             total *= (rate * rate)[:, None]
             loads[:, cut] = total.T
-        code[outside] = CLAMPED
-        code[np.isnan(loads[0])] = NO_VALUE
-        code[np.isnan(w)] = OUTSIDE
+        code[outside] = interpolation.CLAMPED
+        code[np.isnan(loads[0])] = interpolation.NO_VALUE
+        code[np.isnan(w)] = interpolation.OUTSIDE
         fields = (*loads, loads[TORQUE] * w, code)
         return TableLoads(*(field.reshape(shape) for field in fields))
 
@@ -447,18 +404,15 @@ class LoadTable:
 # -------------------------------------------------------------------------------------------------
 # Derivatives of a table's loads, by the chain rule through J, beta and Omega^(-1/2).
 
-HARDLY_MOVING = 1e-7
-"""Advance ratio below which d/dbeta over J, 0/0 at rest, is taken from its limit."""
+HARDLY_MOVING = 1e-7  # advance ratio below which d/dbeta over J is taken from its limit
 
 
 def chain_rule(
     found: Any, omega: Any, advance: Any, tip_speed: Any, root: Any, where: Callable[..., Any]
 ) -> tuple[Any, Any, Any, Any]:
-    """Return loads, and their derivatives by omega, speed, and beta over the speed, (..., L).
-
-    ``found`` is as from ``Lookup.slopes``, of points with omega [rad/s], J [-] and Omega R [m/s];
-    ``root`` is Omega^(-1/2) less that at the least omega; ``where`` is NumPy's or JAX's.
-    """
+    """Find loads and their derivatives by omega, speed, and beta over the speed, (..., L), of what
+    ``Lookup.slopes`` ``found`` at omega [rad/s], J [-] and Omega R [m/s]; ``root`` is Omega^(-1/2)
+    above the least, ``where`` NumPy's or JAX's."""
     both = found[..., :HALF] + root[..., None, None, None] * found[..., HALF:]
     value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
     by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]
@@ -491,9 +445,7 @@ def _with_power(loads: Floats, omega: Floats, each: Floats) -> Floats:
 
 QUANTITIES = ("thrust", "torque", "power")
 
-END_SLACK = 1e-11
-"""How far, relatively, a request may lie beyond the load at an end of the envelope for rounding;
-the answer is that end."""
+END_SLACK = 1e-11  # share beyond the load at an end of the envelope that is mere rounding
 
 
 class Inverse(NamedTuple):
@@ -516,11 +468,8 @@ class Inverse(NamedTuple):
 
 
 def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: Floats) -> Inverse:
-    """Find every omega of the envelope at which a load has a value; arguments of one shape.
-
-    A point outside the envelope, or where the table has no values, has none.  Where the blades
-    windmill at low omega, the same thrust often occurs twice: "several".
-    """
+    """Find every omega of the envelope at which a load has a value, arguments of one shape; none
+    outside, and "several" where blades windmill at low omega."""
     if quantity not in QUANTITIES:
         raise InputError(f"quantity is {quantity!r}: it must be one of {', '.join(QUANTITIES)}")
     shape = value.shape

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap.catalogue.identified import identified, parse_identified
+from propmap.catalogue.identified import identified
 from tools.catalogue.__main__ import main
+from tools.catalogue.files import parse_identified
 
 HEADER = "PropName,BladeName,Family,B,D,P,J,N,CT,CP,eta,volume\n"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from dash import ALL, Input, Output, State, html, no_update, set_props
@@ -12,7 +12,7 @@ from dash.exceptions import PreventUpdate
 
 from propmap.errors import InputError
 from propmap.explore import view
-from propmap.explore.app import Job
+from propmap.explore.app import Application, Job
 from propmap.explore.session import CONSTANTS_FILE, Recipe, Session, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, Several, Slider, Table, Values
 from propmap.fit.least_squares import Rows
@@ -25,9 +25,6 @@ from propmap.model.model import Model
 from propmap.report.html import COLOURS
 from propmap.typing import Floats
 from propmap.units import RPM
-
-if TYPE_CHECKING:
-    from propmap.explore.app import Application
 
 SET = tuple(SECTION)  # constants that have a slider
 FREE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle")
@@ -90,10 +87,7 @@ class ConstantsView(view.View):
             return Answer(shown, (), ["Choose or drop measured loads to see errors."], key)
         remarks, tables, part = [], [], data
         if len(data) > MOST:
-            which = np.unique(np.linspace(0, len(data) - 1, MOST).astype(int))
-            loads = {name: each[which] for name, each in data.loads.items()}
-            points = (data.omega[which], data.speed[which], data.beta[which])
-            part = TunnelData(data.source, *points, loads)
+            part = data.picked(np.unique(np.linspace(0, len(data) - 1, MOST).astype(int)))
             remarks.append(f"{len(part)} of {len(data)} points of {data.source}, evenly chosen")
         flow = part.omega, part.speed, part.beta
         now = rotor_of(model_of(session, values)).loads(*flow)

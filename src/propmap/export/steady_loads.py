@@ -1,4 +1,4 @@
-"""The force across the rotors' axes in level flight, and the constants of drag that fit it best."""
+"""A vehicle's loads in level flight and at rest, and the constants that autopilots make of them."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from propmap.model.corrections import INSTALLED
 from propmap.operating_points import split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.units import GRAVITY
+from propmap.units import GRAVITY, RPM
 from propmap.vehicle.log import in_vehicle_frame
+from propmap.vehicle.powertrain import Motor
 from propmap.vehicle.vehicle import Body, Vector, Vehicle
 from propmap.vehicle.vehicle_forces import mounted_rotors
 
@@ -29,9 +30,7 @@ if TYPE_CHECKING:
 # The specific force along a body axis in level flight along it: what drag models are fitted to.
 
 AXES = {"x": "forward", "y": "sideways"}  # body axes, and how the vehicle flies along them
-AT_REST = 0.1
-"""Specific force along x or y at rest [m/s^2] up to which the thrust counts as along z; so much
-is read as some 0.5 m/s of wind."""
+AT_REST = 0.1  # specific force along x or y at rest [m/s^2] of thrust along z; 0.5 m/s of wind
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +51,8 @@ class InplaneForces:
 
 
 def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForces:
-    """Trim an aircraft in level flight along a body axis at ``speeds`` (n,) above 0 [m/s].
-
-    Along y it flies to the left; a symmetric one flies to the right the same way.  Raise
-    ``InputError`` where it cannot hover, where its thrust is not along z at rest, and where fewer
-    than two of the speeds are flown.
-    """
+    """Trim an aircraft in level flight forward or to the left at ``speeds`` (n,) above 0 [m/s];
+    ``InputError`` where it cannot hover, with thrust along z, or flies fewer than two."""
     turned = aircraft if axis == "x" else _turned(aircraft)
     states = turned.steady(np.concatenate([[0.0], speeds]), margin=False)
     if not states.found[0]:
@@ -126,11 +121,8 @@ def _turned(aircraft: Aircraft) -> Aircraft:
 
 
 def _errors(aircraft: Aircraft, velocity: Floats, omega: Floats) -> Floats:
-    """Find the errors (E, n) of the specific force against the motion along x.
-
-    A cause that changes the thrust changes the speed of all rotors so that they carry as much as
-    before; the attitude and the flow are those of the flight without it.
-    """
+    """Find the errors (E, n) of the specific force against the motion along x; rotors change speed
+    so that they carry as much as before, in the attitude and the flow of before."""
     vehicle = aircraft.vehicle
     axes = np.array([mount.axis for mount in vehicle.mounts])
     forward, upward, turning = [], [], []
@@ -225,11 +217,8 @@ def fit_drag(
     density: float,
     least: float,
 ) -> tuple[Floats, Floats]:
-    """Fit m [1/s], b along x and b along y [m^2/kg] to all flights, none below zero.
-
-    The ``square`` of n flights is q [m^2/s^2]; below ``least`` the filter has no b, and it is 0.
-    Return the constants (3,) and what each of E independent causes adds to them (E, 3).
-    """
+    """Fit m [1/s], b along x and b along y [m^2/kg], none below zero, 0 below ``least``, to all
+    flights, whose ``square`` is q [m^2/s^2]; with what each of E causes adds to them (E, 3)."""
     from scipy.optimize import nnls
 
     rows = []
@@ -287,9 +276,7 @@ class DragComparison:
 # Loads of a rotor with their independent errors, for what is computed from several of them.
 
 USED = ("thrust", "drag", "torque")  # loads that are looked at, in this order
-FASTER = 0.02
-"""Share by which a rotor speed is changed up and down in a difference quotient: large beside what
-loads jump by where their nodes change with the speed."""
+FASTER = 0.02  # share of rotor speed in difference quotients, large beside jumps of the loads
 
 
 class UncertainLoads(NamedTuple):
@@ -310,11 +297,8 @@ def rotor_sources(
 
 
 def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> UncertainLoads:
-    """Return loads with their independent errors at omega (N,) [rad/s] and velocity (N, 3) [m/s].
-
-    The velocity is in the rotor frame, z along the thrust.  It is not known which errors of a
-    table its loads have in common: each load has its own.
-    """
+    """Find loads with their independent errors at omega (N,) [rad/s] and velocity (N, 3) [m/s] in
+    the rotor frame; each load of a table has errors of its own."""
     # Points that differ: half the rotors see what the others see.
     once, where = np.unique(
         np.column_stack([omega, velocity]).round(9), axis=0, return_inverse=True
@@ -334,8 +318,7 @@ def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> U
 
 
 def _rotor_errors(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
-    """Find the errors (E, 3, N) by the constants, along the principal axes of their covariance, and
-    by each further source that the model states."""
+    """Find errors (E, 3, N) along the constants' principal axes and by each further source."""
     known = rotor.model.uncertainty
     if known is None:
         return np.zeros((0, len(USED), omega.size))
@@ -374,3 +357,198 @@ def _stacked(loads: object) -> Floats:
 def _one_cause_each(deviations: Floats) -> Floats:
     """Turn deviations (3, N) into those of one cause for each load (3, 3, N)."""
     return np.eye(len(USED))[:, :, None] * deviations
+
+
+# -------------------------------------------------------------------------------------------------
+# A vehicle's rotors at rest, with the errors of their loads.
+
+
+@dataclass(frozen=True, eq=False)
+class StaticLoads:
+    """Thrust and torque of the mean rotor at rest."""
+
+    thrust: float  # [N]
+    torque: float  # [N m]
+    errors: Floats  # what each of E independent causes adds to them at one deviation (E, 2)
+
+    def std_of(self, by_thrust: float, by_torque: float) -> float | None:
+        """Return the deviation of what has these derivatives; None where none is known."""
+        if not self.errors.size:
+            return None
+        return float(np.linalg.norm(self.errors @ [by_thrust, by_torque]))
+
+
+def static_loads(aircraft: Aircraft, omega: float) -> StaticLoads:
+    """Average the loads at rest of an ``aircraft``'s rotors at ``omega`` [rad/s]."""
+    count, parts = len(aircraft.vehicle.mounts), []
+    for source, mine in rotor_sources(aircraft.vehicle, aircraft.loads):
+        found = load_errors(source, np.array([omega]), np.zeros((1, 3)))
+        share = mine.size / count
+        parts.append((share * found.loads[[0, 2], 0], share * found.errors[:, [0, 2], 0]))
+    loads, errors = (np.sum(each, axis=0) for each in zip(*parts, strict=True))
+    return StaticLoads(float(loads[0]), float(loads[1]), errors)
+
+
+# -------------------------------------------------------------------------------------------------
+# Static thrust by the signal to the speed controller, from motor, controller and battery.
+#
+# The signal is the share of the battery's voltage that the controller passes on, as in
+# ``propmap.vehicle.powertrain``; all rotors get the same, and the battery sags under all of them.
+
+KNOTS = 12  # rotor speeds at which loads at rest over their square are computed; they vary slowly
+SPEEDS = 2000  # rotor speeds at which the signal is computed
+
+
+@dataclass(frozen=True, eq=False)
+class SignalCurve:
+    """Thrust of a rotor at rest by the signal, rising from 0 to 1."""
+
+    signal: Floats  # (n,)
+    thrust: Floats  # the mean of the rotors (n,) [N]
+    full_thrust: float  # at the signal 1 [N]
+    full_torque: float  # [N m]
+    full_speed: float  # [rad/s]
+    full_current: float  # of a motor [A]
+
+    def at(self, signal: Floats) -> Floats:
+        """Return the thrust [N] at ``signal``."""
+        return np.asarray(np.interp(signal, self.signal, self.thrust))
+
+    def full_signal(self, motor: Motor | None) -> str:
+        """Say what the full signal asks of a ``motor``."""
+        rpm = self.full_speed / RPM
+        words = f"At rest, full signal: {rpm:.0f} rpm, {self.full_current:.3g} A per motor."
+        if motor is not None and self.full_current > motor.maximum_current:
+            words += f" That is above the motor's {motor.maximum_current:g} A."
+        if motor is not None and self.full_speed > motor.maximum_speed:
+            words += f" That is above the motor's {motor.maximum_speed / RPM:.0f} rpm."
+        return words
+
+
+def known_curve(aircraft: Aircraft) -> tuple[SignalCurve | None, str]:
+    """Return the curve of an ``aircraft`` at its state of charge, or why there is none."""
+    powertrain = aircraft.vehicle.powertrain
+    missing = [
+        name
+        for name, part in (("[motor]", powertrain.motor), ("[battery]", powertrain.battery))
+        if part is None
+    ]
+    if missing:
+        return None, f"the vehicle file has no {' and no '.join(missing)}"
+    curve = thrust_curve(aircraft, aircraft.charge)
+    if curve is None:
+        return None, "the battery cannot deliver the power of full throttle"
+    if not isinstance(aircraft.loads, Rotor):
+        fastest = aircraft.loads.envelope["omega"][1]
+        if curve.full_speed > fastest:
+            return None, (
+                f"the table ends at {fastest / RPM:.0f} rpm, and full throttle is "
+                f"{curve.full_speed / RPM:.0f}"
+            )
+    return curve, ""
+
+
+def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) -> SignalCurve | None:
+    """Find the curve of a vehicle with motor and battery at a ``charge`` 0 to 1, None where it does
+    not reach signal 1; ``more_torque`` is a share added to the model's."""
+    powertrain, count = aircraft.vehicle.powertrain, len(aircraft.vehicle.mounts)
+    motor, battery = powertrain.motor, powertrain.battery
+    assert motor is not None and battery is not None
+    unloaded = motor.speed_constant * float(battery.open_circuit_voltage(np.array(charge)))
+    knots, thrust, torque = _over_square(aircraft, unloaded)
+    omega = np.linspace(0.0, unloaded, SPEEDS)
+    lift = np.interp(omega, knots, thrust) * omega**2
+    turn = np.interp(omega, knots, torque) * omega**2 * (1.0 + more_torque)
+    each = np.repeat(turn[:, None], count, axis=1), np.repeat(omega[:, None], count, axis=1)
+    state = powertrain.driven(*each, charge)
+    signal = state.controller_voltage[:, 0] / state.battery_voltage
+    beyond = np.flatnonzero(~(signal < 1.0))
+    if not beyond.size or np.isnan(signal[beyond[0]]):
+        return None
+    upto = slice(0, int(beyond[0]) + 1)
+    full = (
+        float(np.interp(1.0, signal[upto], values[upto]))
+        for values in (lift, turn, omega, state.motor_current[:, 0])
+    )
+    # Below the signal that overcomes the motor's own friction there is no thrust.
+    rising, lifting = (np.concatenate([[0.0], values[upto]]) for values in (signal, lift))
+    return SignalCurve(rising, lifting, *full)
+
+
+def _over_square(aircraft: Aircraft, fastest: float) -> tuple[Floats, Floats, Floats]:
+    """Return rotor speeds, and mean thrust and torque at rest over their square there."""
+    omega = np.linspace(0.1, 1.0, KNOTS) * fastest
+    if not isinstance(aircraft.loads, Rotor):
+        low, high = aircraft.loads.envelope["omega"]
+        omega = np.linspace(low, min(high, fastest), KNOTS)
+    thrust, torque = np.zeros(KNOTS), np.zeros(KNOTS)
+    for source, mine in rotor_sources(aircraft.vehicle, aircraft.loads):
+        found = source.loads(omega, 0.0, 0.0)
+        thrust += mine.size * found.thrust
+        torque += mine.size * found.torque
+    count = len(aircraft.vehicle.mounts)
+    return omega, thrust / omega**2 / count, torque / omega**2 / count
+
+
+# -------------------------------------------------------------------------------------------------
+# The one number by which an autopilot describes a thrust curve, and how sure it is.
+
+DISCHARGED = 0.3  # state of charge besides the given one for which factors are stated
+
+Shares = Callable[[Callable[[Floats], Floats]], Floats]
+"""Makes of a curve, thrust by signal, its thrust over the largest at equally spaced x (n,)."""
+
+
+@dataclass(frozen=True)
+class CurveFactor:
+    """A curve as f x^2 + (1 - f) x, thrust over the largest and x from 0 to 1."""
+
+    factor: float  # f [-]
+    worst: float  # largest difference from the curve, over the largest thrust [-]
+    std: float | None  # deviation of f by that of the torque [-]; None where it is not known
+    charge: float  # state of charge of the battery
+    discharged: float  # f at the charge ``DISCHARGED``; NaN where there is no full throttle then
+
+    @property
+    def holds(self) -> str:
+        """Say what it is good for."""
+        here = (
+            f"At rest, battery at {self.charge:.0%}: within {self.worst:.1%} of the largest thrust."
+        )
+        if np.isfinite(self.discharged):
+            return f"{here} At {DISCHARGED:.0%} it would be {self.discharged:.3f}."
+        return f"{here} At {DISCHARGED:.0%} the battery does not deliver full throttle."
+
+
+def curve_factor(
+    aircraft: Aircraft,
+    curve: SignalCurve,
+    still: StaticLoads,
+    shares: Shares,
+    limits: tuple[float, float],
+) -> CurveFactor:
+    """Fit f, within ``limits``, to the ``curve`` of an aircraft, whose loads at rest are ``still``;
+    ``shares`` are what the autopilot takes as x."""
+    charge = aircraft.charge
+
+    def factor(found: SignalCurve | None) -> float:
+        return float("nan") if found is None else fitted_factor(shares(found.at), limits)
+
+    here, share = factor(curve), shares(curve.at)
+    spread = still.std_of(0.0, 1.0 / still.torque)
+    more = None if spread is None else factor(thrust_curve(aircraft, charge, spread))
+    x = np.linspace(0.0, 1.0, share.size)
+    return CurveFactor(
+        factor=here,
+        worst=float(np.abs(x + here * (x**2 - x) - share).max()),
+        std=None if more is None else abs(more - here),
+        charge=charge,
+        discharged=factor(thrust_curve(aircraft, DISCHARGED)),
+    )
+
+
+def fitted_factor(share: Floats, limits: tuple[float, float]) -> float:
+    """Fit f within its ``limits`` to thrusts over the largest, ``share`` (n,)."""
+    x = np.linspace(0.0, 1.0, share.size)
+    bent = x**2 - x
+    return float(np.clip(np.sum((share - x) * bent) / np.sum(bent**2), *limits))

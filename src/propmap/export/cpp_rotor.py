@@ -1,0 +1,89 @@
+"""A rotor as a C++ header on the core's own: the loads that propmap computes, without Python."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+import propmap
+from propmap.export.files import Files
+from propmap.rotor import Rotor, core_corrections
+
+FIELDS = {
+    "tip-loss": "rotor.tip_loss = true",
+    "hub-loss": "rotor.hub_radius = {}",
+    "radial-friction": "rotor.radial_friction = true",
+    "blade-untwist": "rotor.change.untwist = {}",
+    "installed": "rotor.installed = true; rotor.drag_factor = {}",
+    "mount-area": "rotor.mount_area = {}",
+    "mount-wake": "rotor.mount_wake = {}",
+    "stall-delay": "rotor.law.stall_delay = {}",
+    "prandtl-glauert": "rotor.law.speed_of_sound = {}",
+}
+"""How the core's corrections are switched on, by their names in ``core_corrections``."""
+
+HEADER = """\
+// {title}
+// Written by propmap {version}.  Compile as C++20 with `-I $(propmap --include-dir)`; link nothing.
+#pragma once
+
+#include <propmap/laws.hpp>
+#include <propmap/rotor.hpp>
+
+// A solver for any operating point: `solve({{omega, v_axial, v_inplane}}, solution)`, rad/s, m/s,
+// leaves loads [N], [N m] and a status in `solution.result`.
+inline propmap::RotorSolver<propmap::{law}> make_{name}() {{
+    static const propmap::BladeShape blade = {blade};
+    propmap::Rotor<double, propmap::{law}> rotor;
+    rotor.blade = &blade;
+    {statements}
+    return {{rotor, propmap::{accuracy}_accuracy}};
+}}
+"""
+
+
+def rotor_files(rotor: Rotor) -> Files:
+    """Write a ``rotor`` as one header whose function makes its solver."""
+    blade, air = rotor.model.propeller, rotor.model.air
+    name = re.sub(r"[^0-9a-z]+", "_", blade.name.lower()).strip("_") or "rotor"
+    name = name if name[0].isalpha() else f"prop_{name}"
+    corrections = core_corrections(rotor.model)
+    shape = ", ".join(_list(row) for row in (blade.station, blade.chord, blade.twist))
+    made = f"propmap::make_blade({shape}, {blade.blades}, {float(blade.root)!r})"
+    if hub := corrections.pop("blade-to-hub", None):
+        made = f"propmap::continued_to({made}, {hub!r})"
+    law, statements = _law(rotor.model.airfoil.core_law())
+    statements += [f"rotor.density = {air.density!r}", f"rotor.viscosity = {air.viscosity!r}"]
+    if inflow := corrections.pop("inflow", None):
+        statements.append(f"rotor.inflow_shape = propmap::InflowShape::{inflow.replace('-', '_')}")
+    statements += [FIELDS[key].format(repr(float(value))) for key, value in corrections.items()]
+    title = " ".join(f"{blade.name}, {rotor.model.law_title}".replace("\\", "/").split())
+    text = HEADER.format(
+        title=title,
+        version=propmap.__version__,
+        law=law,
+        name=name,
+        blade=made,
+        statements="\n    ".join(f"{line};" for line in statements),
+        accuracy=rotor.accuracy,
+    )
+    return {f"{name}.hpp": text}
+
+
+def _law(numbers: dict[str, Any]) -> tuple[str, list[str]]:
+    """Name the core's law and write the statements that give it its numbers."""
+    kind = numbers.pop("kind")
+    if kind == "tabulated":
+        figures = ", ".join(_list(numbers[k]) for k in ("angle", "reynolds", "lift", "drag"))
+        made = f"std::make_shared<propmap::SectionTable>(propmap::make_section_table({figures}))"
+        angle = "rotor.law.zero_lift_angle = rotor.law.table->zero_lift_angle"
+        return "TabulatedLaw", [f"rotor.law.table = {made}", angle]
+    given = [f"rotor.law.{key} = {float(value)!r}" for key, value in numbers.items()]
+    return "BlendedLaw", [*given, "rotor.law.complete()"]
+
+
+def _list(values: Iterable[float]) -> str:
+    return f"{{{', '.join(map(repr, np.asarray(values, np.float64).tolist()))}}}"
