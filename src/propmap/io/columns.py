@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from propmap.errors import InputError, quoted
 from propmap.loads import LOADS
-from propmap.units import DEGREE, FOOT, GRAVITY, INCH, KMH, MPH, POUND, RPM
+from propmap.units import DEGREE, FOOT, GRAVITY, HORSEPOWER, INCH, KMH, KNOT, MPH, POUND, RPM
 
 # -------------------------------------------------------------------------------------------------
 # Units as they are written, in small letters and without what stands between them.
@@ -20,7 +20,6 @@ def _units(factors: Mapping[str, float]) -> dict[str, float]:
     return {spelling: factor for several, factor in factors.items() for spelling in several.split()}
 
 
-KNOT, HORSEPOWER = 1852.0 / 3600.0, 745.69987
 SPIN = _units({"rpm 1min min1 rmin revmin upm": 1.0, "rads radsec rads1 radps": 1.0 / RPM})
 SPIN |= _units({"rps hz revs 1s s1": 60.0, "krpm": 1e3})
 SPEED = _units({"mps ms ms1 msec": 1.0, "cms": 0.01, "kmh kph kmph": KMH, "mph": MPH})
@@ -69,7 +68,7 @@ QUANTITIES = {
     ),
     "beta_deg": Quantity("beta", ("beta",), ANGLE),
     "height_m": Quantity("the height", ("height( above ground)?",), LENGTH),
-    "thrust_N": Quantity("thrust", ("thrust( force)?|t|lift|pull|schub", "force|load|fz"), FORCE),
+    "thrust_N": Quantity("thrust", ("thrust( force)?|t|lift|pull|schub", "force|load|fz|f"), FORCE),
     "torque_Nm": Quantity("torque", ("((shaft|motor|reaction) )?torque|q|moment|mz",), MOMENT),
     **{
         load.column: Quantity(
@@ -155,22 +154,14 @@ def _parted(name: str) -> Iterator[tuple[str, str, str]]:
 
 
 class Header:
-    """The columns of a header by what they are taken for.
-
-    Attributes
-    ----------
-    taken : mapping of str to list of Taken
-        By column of ``QUANTITIES``, the likeliest first.
-    unclear : mapping of str to str
-        The name of a column without a unit that is known, by what it may be.
-    """
+    """The columns of a header by what they are taken for."""
 
     def __init__(
         self, names: Sequence[str], wanted: Collection[str], blank: Collection[int] = ()
     ) -> None:
         self.names, self.blank = names, blank  # places of columns without a value
-        self.taken: dict[str, list[Taken]] = {}
-        self.unclear: dict[str, str] = {}
+        self.taken: dict[str, list[Taken]] = {}  # by column of ``QUANTITIES``, the likeliest first
+        self.unclear: dict[str, str] = {}  # names without a unit that is known, by what they may be
         for place, name in enumerate(names):
             unclear: dict[str, str] = {}
             if place not in blank and not self._take(place, name, wanted, unclear):
@@ -208,11 +199,9 @@ class Header:
         two do just as well, and where the only one is in no unit that is known."""
         found = sorted(taken for column in columns for taken in self.taken.get(column, ()))
         if len(found) > 1 and found[0].rank == found[1].rank:
-            names = [quoted(taken.name) for taken in found[:2]]
-            if names[0] == names[1]:
-                raise InputError(f"column {names[0]} occurs twice", "keep one of them")
+            names = " and ".join(quoted(taken.name) for taken in found[:2])
             words = QUANTITIES[columns[0]].words
-            raise InputError(f"{' and '.join(names)} both give {words}", "keep one of them")
+            raise InputError(f"{names} both give {words}", "keep one of them")
         if not found:
             self._refuse_unclear(*columns)
         return found[0] if found else None

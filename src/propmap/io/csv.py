@@ -491,7 +491,7 @@ def read_columns(
             )
         }
         header = Header(names, wanted, blank if rows else ())
-        with located("line 1"):
+        with located(f"line {file.line if file else 1}"):
             found: dict[str, Taken] = {}
             for name in wanted:
                 # A power needs no unit where there is a torque.

@@ -75,11 +75,7 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
         "feet per second": 1.0 / FOOT,
     },
     "fine speed": {"cm/s": 1e2, "mm/s": 1e3},
-    "slow rotation": {
-        "rad/s": RPM,
-        "revolutions per second": 1.0 / 60.0,
-        "thousands of rpm": 1e-3,
-    },
+    "slow rotation": {"rad/s": RPM, "revolutions per second": 1.0 / 60.0, "thousands of rpm": 1e-3},
     "fast rotation": {
         "rpm converted from rad/s twice": 1.0 / RPM,
         "electrical rpm, of 7 pole pairs for example": 7.0,
@@ -102,11 +98,7 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
         "ounce-inches": 16.0 / (POUND * INCH),
         "pound-inches": 1.0 / (POUND * INCH),
     },
-    "power": {
-        "kilowatts": 1e-3,
-        "milliwatts": 1e3,
-        "horsepower": 1.0 / 745.69987,
-    },
+    "power": {"kilowatts": 1e-3, "milliwatts": 1e3, "horsepower": 1.0 / 745.69987},
     "mass": {"grams": 1e3},
     # Signals of a log, compared with each other instead of with a usual range.
     "angular rate": {
@@ -116,9 +108,8 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
     "specific force": {"units of g": 1.0 / GRAVITY},
 }  # what a figure of some quantity looks like, and the factor by which it is then wrong
 
+# Names of errors whose size follows from the loads.
 ELECTRICAL_RPM, ROTORS = "electrical rpm of {pairs} pole pairs", "that of {rotors} rotors together"
-"""Names of errors whose size follows from the loads."""
-
 ELECTRICAL_POWER = "electrical power, with the losses of motor and controller"
 LOAD_UNIT_ERRORS = (
     ("rpm in rad/s", (RPM**-2, RPM**-2)),

@@ -29,7 +29,7 @@ ARRAYS = ("advance", "beta", "omega", "speed", "coefficients", "cells")
 
 SINGLE = ("coefficients", "deviations")  # in single precision; the second may lack
 MOST_BYTES = 200_000_000
-MOST_UNPACKED = 1_000_000_000  # bytes that the arrays of a file may announce
+MOST_UNPACKED = 400_000_000  # bytes that the arrays of a file may announce
 
 _REMEDY = "give a file that `propmap table` wrote"
 

@@ -79,10 +79,10 @@ class TableContent:
         """Hash of the numbers, little-endian: axes, envelope, coefficients, cells, deviations."""
         axes = (self.advance, self.beta, self.omega, self.speed)
         digest = hashlib.sha256(np.concatenate(axes).astype("<f8").tobytes())
-        digest.update(self.coefficients.astype("<f4").tobytes())
-        digest.update(self.cells.tobytes())
+        digest.update(np.ascontiguousarray(self.coefficients, "<f4").data)
+        digest.update(np.ascontiguousarray(self.cells).data)
         if self.deviations is not None:
-            digest.update(self.deviations.astype("<f4").tobytes())
+            digest.update(np.ascontiguousarray(self.deviations, "<f4").data)
         return digest.hexdigest()
 
     @property
