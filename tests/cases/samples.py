@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 BLADE = [
@@ -81,6 +83,13 @@ PERFILE = """
         0.0        0.0000      0.0000      0.1000      0.0480      0.043       0.450      0.430
        15.0        0.3300      0.5000      0.0860      0.0490      0.043       0.450      0.370
 """
+_NEW = "PWR         Torque      Thrust      THR/PWR        Mach        Reyn        FOM"
+PERFILE_OF_2022 = re.sub(
+    r"^(\s+\d+\.0 .*)$",
+    r"\1  10.0   0.02   0.8   8.0   0.12   5.0E+04   -NaN",
+    PERFILE.replace("Thrust\n", f"Thrust      {_NEW}\n").replace("(Adv Ratio)", "(Adv_Ratio)"),
+    flags=re.MULTILINE,
+)
 POLAR = [
     *((-8, -0.5, 0.05), (-4, -0.2, 0.02), (0, 0.3, 0.02), (4, 0.7, 0.02)),
     *((8, 1.0, 0.03), (12, 1.2, 0.05), (16, 1.0, 0.15), (20, 0.9, 0.25)),

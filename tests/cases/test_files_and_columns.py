@@ -266,13 +266,15 @@ def test_polars_of_other_programs(run: Run, name: str) -> None:
 
 
 @pytest.mark.usefixtures("brief")
-def test_computed_loads_are_called_computed(run: Run) -> None:
-    Path("PER3_8x6E.dat").write_text(samples.PERFILE)
+@pytest.mark.parametrize("text", [samples.PERFILE, samples.PERFILE_OF_2022])
+def test_computed_loads_are_called_computed(run: Run, text: str) -> None:
+    Path("PER3_8x6E.dat").write_text(text)
     quick = ["--free", "c_l1,zero_lift_angle", "--starts", "1", "--folds", "0"]
     done = run("fit", "tunnel", "apc-8x6e", "PER3_8x6E.dat", *quick, "-o", "fit.toml")
     assert done.code == 0
     says = "PER3_8x6E.dat: computed by APC, not measured"
     assert says in done.err and says in fit_record(Path("fit.toml"))["remarks"]
+    assert fit_record(Path("fit.toml"))["rows"] == 10
     assert says in run("check", "fit.toml", "PER3_8x6E.dat").err
 
 
