@@ -63,6 +63,11 @@ STANDS = {
         ),
         "2 of 10 rows have no rpm: left out",
     ),
+    "units beneath": (
+        stand_csv("Drehzahl,Thrust,Q_avg\n1/min,N,N m", 0, 1, 2),
+        "'Q_avg [N m]' is torque in N m",
+    ),
+    "averages": (stand_csv("RPM_avg,Thrust (N) ,Torque_mean (N-m)", 0, 1, 2), "'RPM_avg' is the"),
     "a title above": (
         "T-Motor F80,,\n" + stand_csv("RPM,Thrust (N),Torque (Nm)", 0, 1, 2),
         "'RPM' is",

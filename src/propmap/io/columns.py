@@ -48,18 +48,19 @@ class Quantity(NamedTuple):
     bare: str = ""  # a pattern of the names that say the unit themselves
 
 
-_SPIN = "(rotational|rotation|rotor|motor|prop|propeller|shaft|optical|motor optical) speed"
+_TURNS = "(rotor|motor|prop|propeller|shaft|optical|motor optical)"
+_SPIN = f"(rotational|rotation|{_TURNS}) speed"
 _ELECTRIC_SPEED = "(motor )?electrical speed"
 
 QUANTITIES = {
     "rpm": Quantity(
         "the rotational speed",
         (
-            f"rpm|omega|n|w|speed|rot|rotation|{_SPIN}|(rotor|motor|prop|propeller|optical) rpm",
+            f"rpm|omega|n|w|speed|rot|rotation|drehzahl|{_SPIN}|{_TURNS} rpm",
             _ELECTRIC_SPEED,
         ),
         SPIN,
-        "(rotor |motor |prop |propeller |optical )?rpm( [1-9])?",
+        f"({_TURNS} )?rpm",
     ),
     "speed_mps": Quantity(
         "the flight speed",
@@ -69,7 +70,9 @@ QUANTITIES = {
     "beta_deg": Quantity("beta", ("beta",), ANGLE),
     "height_m": Quantity("the height", ("height( above ground)?",), LENGTH),
     "thrust_N": Quantity("thrust", ("thrust( force)?|t|lift|pull|schub", "force|load|fz|f"), FORCE),
-    "torque_Nm": Quantity("torque", ("((shaft|motor|reaction) )?torque|q|moment|mz",), MOMENT),
+    "torque_Nm": Quantity(
+        "torque", ("((shaft|motor|reaction) )?torque|q|moment|mz|drehmoment",), MOMENT
+    ),
     **{
         load.column: Quantity(
             load.label,
@@ -181,9 +184,15 @@ class Header:
                 return True
             for words, unit, written in _parted(name):
                 for rank, names in enumerate(quantity.names):
-                    if not re.fullmatch(f"({AROUND} )?({names})( ({AROUND}|[1-9]))?", words):
+                    core = f"({AROUND} )?(?P<core>{names})( ({AROUND}|[1-9]))?"
+                    found = re.fullmatch(core, words)
+                    if found is None:
                         continue
-                    if unit in quantity.units if unit else re.fullmatch(quantity.bare, words):
+                    if (
+                        unit in quantity.units
+                        if unit
+                        else re.fullmatch(quantity.bare, found["core"])
+                    ):
                         # Names such as thrust_g are propmap's own in all but the unit.
                         place_in_order = -1 if name == f"{own}_{written}" else rank
                         factor = quantity.units.get(unit, 1.0)
