@@ -23,7 +23,7 @@ from propmap.export.simple_models import literal
 from propmap.model.corrections import Installed
 from propmap.table import LoadTable
 from propmap.table.interpolation import STATUSES
-from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
+from propmap.vehicle.vehicle import SLIPSTREAMS, Body, Mount, Vehicle, Wakes, Wing
 
 from .compiled import FLAGS
 from .conftest import RADIUS, invented_content
@@ -64,6 +64,7 @@ VEHICLES = {
     ),
     "askew in wakes": replace(PLAIN, mounts=ASKEW, wakes=WAKES),
 }
+VEHICLES["slipstreams"] = replace(VEHICLES["coaxial"], wakes=SLIPSTREAMS)
 
 CALLER = """
 #include "{v}.h"

@@ -291,12 +291,12 @@ Charge = Annotated[
     float, Option("--charge", help="State of charge at which limits hold, 1 when full.")
 ]
 NoWakes = Annotated[
-    bool, Option("--no-wakes", help="Leave out [wakes], the rotors' wakes on each other.")
+    bool, Option("--no-wakes", help="Leave out what the rotors' wakes do to each other.")
 ]
 
 
 def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
-    """Read a vehicle; with ``no_wakes`` as if its file had no table ``[wakes]``."""
+    """Read a vehicle; with ``no_wakes`` its rotors do not act on each other."""
     from propmap.vehicle.files import read_vehicle
 
     found = read_vehicle(path).vehicle

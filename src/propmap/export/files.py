@@ -232,10 +232,12 @@ def wakes_sentence(vehicle: Vehicle) -> str:
             "The rotors do not act on each other: the vehicle file has no [wakes], or --no-wakes "
             "was given."
         )
-    return (
-        "The rotors are in each other's wakes, as [wakes] says. propmap export --no-wakes leaves "
-        "them out."
+    which = (
+        "Rotors are in the slipstreams of those above them"
+        if vehicle.wakes.slipstreams_alone
+        else "The rotors are in each other's wakes, as [wakes] says"
     )
+    return f"{which}. propmap export --no-wakes leaves them out."
 
 
 # -------------------------------------------------------------------------------------------------

@@ -166,11 +166,6 @@ def check_vehicle(vehicle: Vehicle) -> None:
             "the vehicle has a wing, whose lift the drag model of a multirotor does not have",
             "remove [wing], or leave these parameters to the flights of the autopilot's own guide",
         )
-    if vehicle.wakes is not None:
-        raise InputError(
-            "[wakes] is given, and the models of autopilots know no wakes of rotors on each other",
-            "leave them out with --no-wakes, or remove [wakes]",
-        )
     for k, mount in enumerate(vehicle.mounts, start=1):
         if mount.axis[2] < 0.5:
             raise InputError(
@@ -186,6 +181,11 @@ def check_vehicle(vehicle: Vehicle) -> None:
                     "one's wake does to the other is not in the loads",
                     "describe each pair as one rotor with a table of its own",
                 )
+    if vehicle.wakes is not None:
+        raise InputError(
+            "[wakes] is given, and the models of autopilots know no wakes of rotors on each other",
+            "leave them out with --no-wakes, or remove [wakes]",
+        )
 
 
 def missing_drag(aircraft: Aircraft) -> list[str]:
