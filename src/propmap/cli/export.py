@@ -86,6 +86,7 @@ def export(
 
     A note beside the files says what errors the target's form makes.
     """
+    from propmap.aircraft.assumptions import assumption_lines, assumptions
     from propmap.export import export_table, export_vehicle
     from propmap.export.files import check_folder
     from propmap.table import LoadTable
@@ -101,7 +102,6 @@ def export(
     find_export(to)
     if to in AUTOPILOTS:
         from propmap.export.autopilot import SPEEDS, export_autopilot
-        from propmap.export.inplane_drag import missing_drag
 
         refuse(prop=prop)
         check_folder(output)
@@ -120,7 +120,7 @@ def export(
         )
         with out.blamed_on(source):
             paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=force)
-        out.note(*missing_drag(craft))
+        out.note(*assumption_lines(assumptions(craft.vehicle, craft.loads)))
     elif _is_vehicle(source):
         refuse(prop=prop, model=model, correction=correction or None)
         refuse(airfoil=airfoil, speed=speed, charge=charge)
@@ -140,6 +140,7 @@ def export(
         vehicle, loads = opt.vehicle_of(source, no_wakes=no_wakes), LoadTable.load(table)
         with out.blamed_on(source):
             paths = export_vehicle(vehicle, loads, to, output, replace=force)
+        out.note(*assumption_lines(assumptions(vehicle, loads)))
     else:
         refuse(airfoil=airfoil, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None)
         check_folder(output)

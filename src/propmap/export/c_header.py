@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.export.files import Files, identifier, note, rendered, vehicle_name, wakes_sentence
+from propmap.export.files import Files, identifier, note, rendered, rests_on, vehicle_name
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.results import spin_sign
@@ -197,7 +197,7 @@ def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
         the drag of the body and the lift of the wing, where the vehicle file has them. It includes
         {rotor}.h, which holds the table of one rotor; what both need stands at their tops.
 
-        {wakes_sentence(vehicle)} {twice}
+        {rests_on(vehicle, table)} {twice}
 
         Weight and the gyroscopic moments of the rotors are not in it: they are those of the
         simulator or the flight code around it. The status is the worst of the rotors'; where the

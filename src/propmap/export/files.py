@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import propmap
+from propmap.aircraft.assumptions import assumption_lines, assumptions
 from propmap.errors import InputError
 from propmap.io.csv import replacing
 from propmap.loads import LOADS, error_scales
@@ -225,19 +226,11 @@ def note(title: str, text: str, table: LoadTable, found: Sequence[ErrorSizes] = 
     return "\n\n".join([*parts, "\n".join(provenance(table))]) + "\n"
 
 
-def wakes_sentence(vehicle: Vehicle) -> str:
-    """Say in a note whether the rotors of a ``vehicle`` act on each other."""
-    if vehicle.wakes is None:
-        return (
-            "The rotors do not act on each other: the vehicle file has no [wakes], or --no-wakes "
-            "was given."
-        )
-    which = (
-        "Rotors are in the slipstreams of those above them"
-        if vehicle.wakes.slipstreams_alone
-        else "The rotors are in each other's wakes, as [wakes] says"
-    )
-    return f"{which}. propmap export --no-wakes leaves them out."
+def rests_on(vehicle: Vehicle, table: LoadTable) -> str:
+    """Say in a note what the forces of a ``vehicle`` rest on."""
+    lines = assumption_lines(assumptions(vehicle, table))
+    more = "" if vehicle.wakes is None else " --no-wakes leaves out what rotors do to each other."
+    return f"{lines[0][:1].upper()}{lines[0][1:]}; {lines[1]}.{more}"
 
 
 # -------------------------------------------------------------------------------------------------

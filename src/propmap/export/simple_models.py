@@ -23,11 +23,11 @@ from propmap.export.files import (
     middle_omega,
     note,
     rendered,
+    rests_on,
     sample,
     slope,
     static_loads,
     vehicle_name,
-    wakes_sentence,
 )
 from propmap.loads import LOADS
 from propmap.results import spin_sign
@@ -200,7 +200,7 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> Files:
         velocity of its hub, with its axis and spin, and the forces of body and wing. It needs
         propmap beside RotorPy.
 
-        {wakes_sentence(vehicle)}
+        {rests_on(vehicle, table)}
 
         Make it with quad_params = {{**frame, **vehicle_params}}: mass, rotor positions and
         directions, the range of rotor speeds of the table,{known} and k_eta and k_m of hover, which
