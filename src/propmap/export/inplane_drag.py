@@ -177,8 +177,8 @@ def check_vehicle(vehicle: Vehicle) -> None:
             beside = float(np.hypot(arm[0], arm[1]))
             if beside < vehicle.propeller.radius:
                 raise InputError(
-                    f"rotors {j} and {k} are above each other ({beside:g} m apart), and what "
-                    "one's wake does to the other is not in the loads",
+                    f"rotors {j} and {k} are above each other ({beside:g} m apart), and the models "
+                    "of autopilots know no wakes of rotors on each other",
                     "describe each pair as one rotor with a table of its own",
                 )
     if vehicle.wakes is not None:
