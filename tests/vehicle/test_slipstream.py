@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,9 +10,10 @@ import numpy as np
 import pytest
 
 from benchmarks import coaxial
-from propmap import Model, Rotor, read_vehicle
-from propmap.aircraft.trim import Aircraft
+from propmap import read_vehicle
+from propmap.cli import main
 from propmap.errors import InputError
+from propmap.fit.parameters import SECTION
 from propmap.vehicle.vehicle import SLIPSTREAMS, Mount, Vehicle, Wakes
 from propmap.vehicle.wakes import (
     above_each_other,
@@ -165,22 +167,33 @@ def octocopter(height: float, frame: str = "flu") -> str:
     return COAXIAL.format(rotors=rotors).replace('"flu"', f'"{frame}"')
 
 
-def test_hover_of_four_pairs_from_a_file(tmp_path: Path) -> None:
-    path = tmp_path / "coax.toml"
-    path.write_text(octocopter(coaxial.APART))
-    read = read_vehicle(path).vehicle
-    assert read.wakes == SLIPSTREAMS
-    made = replace(read, propeller=coaxial.PROPELLER)
-    rotor = Rotor(Model(coaxial.PROPELLER, coaxial.CONSTANTS, made.air))
-    states = Aircraft(made, rotor).steady([0.0, 4.0, 12.0])
-    assert states.status.tolist() == ["ok"] * 3
-    assert states.shaft_power[0] / 4.0 == pytest.approx(353.2, rel=0.05)
-    upper, lower = states.thrust[0, 0::2], states.thrust[0, 1::2]
-    np.testing.assert_allclose(upper, 25.1, rtol=0.05)
-    np.testing.assert_allclose(lower, 15.0, rtol=0.05)
-    alone = Aircraft(replace(made, wakes=None), rotor).steady([0.0, 4.0, 12.0])
-    excess = states.shaft_power / alone.shaft_power - 1.0
-    assert excess[0] > 0.25 and 0.0 < excess[2] < 0.05
+def test_hover_of_four_pairs_by_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    blade = coaxial.PROPELLER
+    rows = zip(blade.station, blade.chord, np.degrees(blade.twist), strict=True)
+    lines = ["# name: tmotor-28", "# blades: 2", "radius_m,chord_m,twist_deg"]
+    Path("blade.csv").write_text("\n".join([*lines, *("{},{},{}".format(*row) for row in rows)]))
+    law = {name: getattr(coaxial.CONSTANTS, name) for name in SECTION}
+    known = "\n".join(f"{name} = {float(value)!r}" for name, value in law.items())
+    Path("law.toml").write_text(f'schema = 1\nname = "t"\ncorrections = ["pitt-peters"]\n{known}\n')
+    text = octocopter(coaxial.APART).replace("apc-8x6e", "blade.csv")
+    Path("coax.toml").write_text(text)
+
+    def states(*more: str) -> list[dict[str, float]]:
+        asked = ["trim", "coax.toml", "--airfoil", "law.toml", "--speed", "0,4,12", "--no-bands"]
+        assert main([*asked, "--format", "json", *more]) == 0
+        found: list[dict[str, float]] = json.loads(capsys.readouterr().out)["states"]
+        return found
+
+    found, alone = states(), states("--no-wakes")
+    assert [one["status"] for one in found] == ["ok"] * 3
+    assert found[0]["shaft_power_W"] / 4.0 == pytest.approx(353.2, rel=0.05)
+    for k in range(1, 9):
+        assert found[0][f"thrust_{k}_N"] == pytest.approx(25.1 if k % 2 else 15.0, rel=0.05)
+    excess = [a["shaft_power_W"] / b["shaft_power_W"] for a, b in zip(found, alone, strict=True)]
+    assert excess[0] > 1.25 and 1.0 < excess[2] < 1.05
 
 
 def test_which_rotor_is_the_upper_one_in_either_frame(tmp_path: Path) -> None:
