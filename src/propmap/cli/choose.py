@@ -111,7 +111,11 @@ def choose(
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
     with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:
         judged = _judged(ranking, candidates, top, workers)
-    title = f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors"
+    unknown = f", {WITHOUT_BODY_DRAG}" if lacks_body_drag(read) else ""
+    title = (
+        f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
+        f"rho = {read.air.density:.4g} kg/m^3{unknown}"
+    )
     if form == "table":
         fit = [one for one in judged if one.feasible]
         shown = fit if all_ else fit[:top]

@@ -229,7 +229,11 @@ def plain(state: NamedState | None) -> dict[str, float | None] | None:
 
 def _title(craft: Aircraft) -> str:
     vehicle = craft.vehicle
-    return f"{vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x {vehicle.propeller.name}"
+    unknown = f", {WITHOUT_BODY_DRAG}" if lacks_body_drag(vehicle) else ""
+    return (
+        f"{vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x {vehicle.propeller.name}"
+        f"; rho = {vehicle.air.density:.4g} kg/m^3{unknown}"
+    )
 
 
 def _lines(craft: Aircraft) -> list[str]:

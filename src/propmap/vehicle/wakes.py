@@ -513,11 +513,19 @@ def downwash_gains(vehicle: Vehicle, wakes: Wakes) -> Floats:
 
 
 def slipstream(depth: float, aside: float, skew: Floats, bearing: Floats) -> Floats:
-    """Return the velocity in a contracted slipstream, averaged over a disk below its rotor's [-].
+    """Return the velocity in a contracted slipstream, averaged over a disk below its rotor.
 
-    It is per density of circulation, as in ``axial_velocity``; ``depth`` and ``aside`` are in
-    radii, the ``skew`` (...) of the wake from straight down and its ``bearing`` (...) from the
-    disk in rad.
+    Parameters
+    ----------
+    depth, aside : float
+        Where the disk is, in radii.
+    skew, bearing : ndarray, shape (...)
+        Of the wake: from straight down, to pi / 2, and from the direction of the disk [rad].
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Per density of circulation, as in ``axial_velocity`` [-]: 1/2 on the axis, with no skew.
     """
     tangent = np.tan(np.minimum(skew, 0.5 * np.pi - 1e-6))
     path = depth * np.hypot(1.0, tangent)
