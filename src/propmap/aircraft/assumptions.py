@@ -16,12 +16,10 @@ if TYPE_CHECKING:
     from propmap.table.query import LoadTable
     from propmap.vehicle.vehicle import Vehicle
 
-WITHOUT_BODY_DRAG = "without body drag"
 
-
-def lacks_body_drag(vehicle: Vehicle) -> bool:
-    """Say whether nothing is known of the drag of a vehicle's body."""
-    return not any(vehicle.body.drag_area)
+def without_body_drag(vehicle: Vehicle) -> str:
+    """Return what to say beside figures of flight where the drag of a body is not known, or ""."""
+    return "" if any(vehicle.body.drag_area) else ", without body drag"
 
 
 def assumptions(
@@ -71,7 +69,7 @@ def assumption_lines(found: dict[str, str]) -> list[str]:
 
 
 def _body_drag(vehicle: Vehicle) -> str:
-    if lacks_body_drag(vehicle):
+    if without_body_drag(vehicle):
         return "no body drag (no [body] drag_area): too little power at speed, top speed too fast"
     ahead, _, above = vehicle.body.drag_area
     return f"body drag {ahead:g} m^2 ahead, {above:g} m^2 above, as given"
@@ -90,7 +88,7 @@ def _rotors(vehicle: Vehicle, corrections: Sequence[str]) -> str:
     if any(mount.drag is not None for mount in vehicle.mounts):
         return "rotors with the drag of [mount]"
     mounted = [text for text in corrections if text.startswith(INSTALLED)]
-    return f"installed rotors ({mounted[0]})" if mounted else "bare rotors, of half the drag"
+    return f"installed rotors ({mounted[0]})" if mounted else "bare rotors, with half the drag"
 
 
 def _wakes(vehicle: Vehicle) -> str:

@@ -10,12 +10,7 @@ from typing import Annotated, Any, Literal
 
 from typer import Option
 
-from propmap.aircraft.assumptions import (
-    WITHOUT_BODY_DRAG,
-    assumption_lines,
-    assumptions,
-    lacks_body_drag,
-)
+from propmap.aircraft.assumptions import assumption_lines, assumptions, without_body_drag
 from propmap.aircraft.mission import Mission, read_mission
 from propmap.aircraft.ranking import (
     MEASURES,
@@ -111,15 +106,14 @@ def choose(
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
     with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:
         judged = _judged(ranking, candidates, top, workers)
-    unknown = f", {WITHOUT_BODY_DRAG}" if lacks_body_drag(read) else ""
     title = (
         f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
-        f"rho = {read.air.density:.4g} kg/m^3{unknown}"
+        f"rho = {read.air.density:.4g} kg/m^3{without_body_drag(read)}"
     )
     if form == "table":
         fit = [one for one in judged if one.feasible]
         shown = fit if all_ else fit[:top]
-        ranked = [_table(wanted, shown, lacks_body_drag(read))] if shown else []
+        ranked = [_table(wanted, shown, without_body_drag(read))] if shown else []
         lines = assumption_lines(rests_on)
         out.show(output, title, *lines, *ranked, *_remarks(judged, top, all_=all_))
     else:
@@ -178,7 +172,7 @@ def _judged(
 # A ranking as `propmap choose` shows it: a table, what it leaves open, and rows for files.
 
 
-def _table(task: Task, judged: list[Judged], no_body_drag: bool) -> out.WideGrid:
+def _table(task: Task, judged: list[Judged], caution: str) -> out.WideGrid:
     """Make a table of the first propellers of a ranking."""
     unit, size = SHOWN.get(task.unit, (task.unit, 1.0))
     times = any(math.isfinite(one.hover_time) for one in judged)
@@ -212,10 +206,9 @@ def _table(task: Task, judged: list[Judged], no_body_drag: bool) -> out.WideGrid
         "same; margin: thrust at the first limit over weight, in hover; doubtful constants: why, "
         "by --format csv"
     )
-    if no_body_drag:
-        caption += f"; all but hover is {WITHOUT_BODY_DRAG}"
     spare = ("hover [min]", f"{cruise} [min]", "margin", "top [m/s]", "1 beats it", f"{cruise} [W]")
-    title, body = f"ranked by {task.words} [{unit}]", [list(cells.values()) for cells in rows]
+    title = f"ranked by {task.words} [{unit}]{caution}"
+    body = [list(cells.values()) for cells in rows]
     return out.WideGrid("|".join(rows[0]), body, title, caption, spare)
 
 

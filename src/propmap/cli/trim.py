@@ -12,12 +12,7 @@ import typer
 from typer import Option, echo
 
 import propmap
-from propmap.aircraft.assumptions import (
-    WITHOUT_BODY_DRAG,
-    assumption_lines,
-    assumptions,
-    lacks_body_drag,
-)
+from propmap.aircraft.assumptions import assumption_lines, assumptions, without_body_drag
 from propmap.aircraft.mission import Mission, fly, read_mission
 from propmap.aircraft.performance import (
     FASTEST,
@@ -116,7 +111,7 @@ def trim(
     if form == "csv":
         out.note(*assumption_lines(rests_on))
     if legs is not None:
-        _fly(craft, legs, form, output, picture)
+        _fly(craft, legs, rests_on, form, output, picture)
         return
     if bank and speeds[0] == 0.0:
         speeds = speeds[1:]
@@ -145,7 +140,8 @@ def trim(
         echo(f"wrote {netcdf}", err=True)
     elif form == "table":
         tables = (_table(*both, found) for both in zip(flown, sure, strict=True))
-        out.show(output, _title(craft), *_lines(craft), *tables, *_named_lines(craft, found))
+        lines = assumption_lines(rests_on)
+        out.show(output, _title(craft), *lines, *tables, *_named_lines(craft, found))
     else:
         listed = [row for both in zip(flown, sure, strict=True) for row in rows(*both)]
         if found is not None:
@@ -229,15 +225,10 @@ def plain(state: NamedState | None) -> dict[str, float | None] | None:
 
 def _title(craft: Aircraft) -> str:
     vehicle = craft.vehicle
-    unknown = f", {WITHOUT_BODY_DRAG}" if lacks_body_drag(vehicle) else ""
     return (
         f"{vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x {vehicle.propeller.name}"
-        f"; rho = {vehicle.air.density:.4g} kg/m^3{unknown}"
+        f"; rho = {vehicle.air.density:.4g} kg/m^3{without_body_drag(vehicle)}"
     )
-
-
-def _lines(craft: Aircraft) -> list[str]:
-    return assumption_lines(assumptions(craft.vehicle, craft.loads))
 
 
 def _digits(value: float) -> str:
@@ -351,9 +342,8 @@ def _named_lines(craft: Aircraft, found: Performance | None) -> list[str]:
             if name == "best_range":
                 way, std = state.distance / 1000.0, abs(state.ground_speed) * std * 0.06
                 parts.append(f"{way:.3g}{_give_or_take(std)} km")
-        if name != "hover" and lacks_body_drag(craft.vehicle):
-            parts.append(WITHOUT_BODY_DRAG)
-        lines.append(f"{words}: {', '.join(parts)}")
+        caution = without_body_drag(craft.vehicle) if name != "hover" else ""
+        lines.append(f"{words}: {', '.join(parts)}{caution}")
     return lines
 
 
@@ -415,7 +405,12 @@ def _dataset(
 
 
 def _fly(
-    craft: Aircraft, legs: Mission, form: out.Format, output: Path | None, picture: Path | None
+    craft: Aircraft,
+    legs: Mission,
+    rests_on: dict[str, str],
+    form: out.Format,
+    output: Path | None,
+    picture: Path | None,
 ) -> None:
     """Fly a mission, and show it leg by leg or draw it over time."""
     flown = fly(craft, legs)
@@ -446,7 +441,7 @@ def _fly(
         if lost.any():
             leg = int(np.argmax(lost))
             outcome = f"leg {leg + 1} cannot be flown to its end: {flown.status_in_words(leg)}"
-        out.show(output, _title(craft), *_lines(craft), body, outcome)
+        out.show(output, _title(craft), *assumption_lines(rests_on), body, outcome)
     else:
         numbers = [[out.number_or_none(v) for v in each.tolist()] for each in columns.values()]
         names = [*columns, "status"]
@@ -456,8 +451,8 @@ def _fly(
             name: [out.number_or_none(v) for v in each.ravel().tolist()]
             for name, each in shown.items()
         }
-        whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "legs": listed}
-        whole |= {"assumptions": assumptions(craft.vehicle, craft.loads), "over_time": over_time}
+        whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "assumptions": rests_on}
+        whole |= {"legs": listed, "over_time": over_time}
         out.emit_rows(names, listed, form, output, whole=whole)
     if picture is not None:
         from propmap.report.pictures import mission_course

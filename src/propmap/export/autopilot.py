@@ -24,7 +24,6 @@ from propmap.export.inplane_drag import (
     check_vehicle,
     fit_drag,
     inplane_forces,
-    missing_drag,
 )
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -208,7 +207,6 @@ def comment_lines(part: ParameterSet, vehicle: Vehicle, target: str) -> list[str
 def common_remarks(aircraft: Aircraft) -> list[str]:
     """Say what the drag coefficients of an ``aircraft`` have in them and what not."""
     words = assumption_lines(assumptions(aircraft.vehicle, aircraft.loads))
-    words += missing_drag(aircraft)
     remarks = [f"{each[:1].upper()}{each[1:]}." for each in words]
     if any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts):
         remarks.append(

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.model.corrections import INSTALLED
 from propmap.operating_points import split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -186,27 +185,6 @@ def check_vehicle(vehicle: Vehicle) -> None:
             "[wakes] is given, and the models of autopilots know no wakes of rotors on each other",
             "leave them out with --no-wakes, or remove [wakes]",
         )
-
-
-def missing_drag(aircraft: Aircraft) -> list[str]:
-    """Say what an ``aircraft`` lacks of its drag, in sentences without their full stops."""
-    vehicle, loads = aircraft.vehicle, aircraft.loads
-    found = []
-    if not any(vehicle.body.drag_area[:2]):
-        found.append("the vehicle file has no [body] drag_area: the coefficients have no body drag")
-    texts = (
-        loads.model.correction_texts
-        if isinstance(loads, Rotor)
-        else loads.info.get("corrections") or []
-    )
-    mounted = any(mount.drag is not None for mount in vehicle.mounts)
-    if not mounted and not any(text.startswith(INSTALLED) for text in texts):
-        found.append(
-            "rotor drag is that of bare blades, as there is neither [mount] nor the correction "
-            f"{INSTALLED}: installed rotors were measured to have about twice that; "
-            "fit it to a flight"
-        )
-    return found
 
 
 # -------------------------------------------------------------------------------------------------

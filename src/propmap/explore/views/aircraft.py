@@ -9,12 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.aircraft.assumptions import (
-    WITHOUT_BODY_DRAG,
-    assumption_lines,
-    assumptions,
-    lacks_body_drag,
-)
+from propmap.aircraft.assumptions import assumption_lines, assumptions, without_body_drag
 from propmap.aircraft.performance import Performance, performance
 from propmap.aircraft.performance import rows as state_rows
 from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft, SteadyStates
@@ -82,7 +77,7 @@ class AircraftView(view.View):
         tables = []
         if settled:
             found = performance(craft, states, climb=values["climb"], wind=values["wind"])
-            tables = [_named(found, f", {WITHOUT_BODY_DRAG}" * lacks_body_drag(craft.vehicle))]
+            tables = [_named(found, without_body_drag(craft.vehicle))]
         lost = sorted(set(states.status.tolist()) - {"ok"})
         remarks = assumption_lines(assumptions(craft.vehicle, craft.loads))
         remarks += [f"{name}: {STATUSES.get(name, name)}" for name in lost]
