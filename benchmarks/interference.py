@@ -3,7 +3,6 @@
 Writes results/interference.json: processor time with and without the wakes, by turns in one run,
 for a quadrotor in random motions.  One pair is the force model that a fit of whole flights steps
 through, loads with their derivatives by all its parameters; the other the forces and moments alone.
-Beside them, the ideal power of two coaxial rotors in hover.
 """
 
 from __future__ import annotations
@@ -24,13 +23,11 @@ from propmap.fit.parameters import BODY, FIRST_GUESS, FLEX, MOUNT, SECTION, WAKE
 from propmap.typing import Floats
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog
-from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
-from propmap.vehicle.wakes import added_flow, glauert_inflow, hub_flow_at
+from propmap.vehicle.vehicle import Vehicle
 
 VEHICLE = Path(__file__).parent.parent / "examples" / "neurobem" / "vehicle.toml"
 SAMPLES = {"fit": 300, "forces": 2048}
 REPEATS = 9
-HEIGHTS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0)
 FREE = (*BLADE, *MOUNT, *FLEX, *BODY)
 STIFF = {"mount_area": 4e-4, "untwist": 0.01}
 GAINS = {"wake_ahead": 2.0, "wake_beside": 1.0, "wake_downwash": 0.5, "wake_share": 1.0}
@@ -86,30 +83,8 @@ def main() -> None:
         added = _rms_added(*(jobs[key]() for key in ("with", "without")))
         rows.append({"what": name, "samples": SAMPLES[name], **seconds, "ratio": ratio})
         print(f"{name}: {ratio:.2f} times without; the wakes change z by {added:.2f} N rms")
-    heights = [
-        {"height": h, "cylinder": coaxial_power(h, 1.0), "halved": coaxial_power(h, 0.5)}
-        for h in HEIGHTS
-    ]
-    for row in heights:
-        print("two coaxial rotors, ideal power over two apart:", row)
-    told = {"rows": rows, "coaxial": heights, "machine": machine()}
+    told = {"rows": rows, "machine": machine()}
     print(write_results("interference.json", told))
-
-
-def coaxial_power(height: float, downwash: float) -> float:
-    """Ideal power of two equal thrusts in hover, one above the other, over that of two apart.
-
-    ``height`` is in radii, ``downwash`` the gain of that name.
-    """
-    propeller, still = read_vehicle(VEHICLE).vehicle.propeller, np.zeros((1, 2))
-    above = Mount((0.0, 0.0, height * propeller.radius))
-    pair = Vehicle("pair", 1.0, propeller, (above, Mount((0.0, 0.0, 0.0), spin="cw")))
-    disk = pair.air.density * np.pi * propeller.radius**2
-    thrust, none = np.ones((1, 2)), np.zeros((1, 3))
-    flow = hub_flow_at(pair, still, none, none)
-    added = added_flow(pair, Wakes(downwash=downwash), flow, thrust)
-    own, alone = (glauert_inflow(thrust, w, still, disk)[0] for w in (added, still))
-    return float(np.sum(added + own) / np.sum(alone))
 
 
 def _rms_added(with_wakes: Any, without: Any) -> float:

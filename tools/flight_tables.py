@@ -49,11 +49,22 @@ def wakes_cost(found: dict[str, Any]) -> str:
 
 
 def coaxial(found: dict[str, Any]) -> str:
-    """Ideal power of two coaxial rotors over that of two apart, by separation."""
-    lines = ["| separation, radii | gain 1 | gain 0.5 |", "|---:|---:|---:|"]
-    for row in found["coaxial"]:
-        lines.append(f"| {row['height']:g} | {row['cylinder']:.3f} | {row['halved']:.3f} |")
+    """Thrust and power of a coaxial pair, measured and computed, by rotor speed."""
+    heads = "rpm|thrust, measured [N]|computed|power, measured [W]|computed|upper's share|computed"
+    lines = [f"| {heads.replace('|', ' | ')} |", "|---:|" + "---:|" * 6]
+    for row in found["rows"]:
+        rpm, upper, upper_power, _, lower, lower_power = row["measured"]
+        thrust, power = upper + lower, upper_power + lower_power
+        lines.append(
+            f"| {rpm:.0f} | {thrust:.1f} | {_beside(sum(row['thrust']), thrust)} | {power:.0f} "
+            f"| {_beside(sum(row['power']), power)} | {upper / thrust:.3f} "
+            f"| {row['thrust'][0] / sum(row['thrust']):.3f} |"
+        )
     return "\n".join(lines)
+
+
+def _beside(value: float, measured: float) -> str:
+    return f"{value / measured - 1.0:+.1%}".replace("%", " %")
 
 
 def _errors(found: dict[str, Any], model: str, flight: str, signals: str, fitted: str) -> str:

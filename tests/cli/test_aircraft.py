@@ -101,7 +101,7 @@ def test_a_power_curve(run: Run) -> None:
 @pytest.mark.slow
 def test_what_is_missing_is_said(run: Run) -> None:
     done = run("trim", "bare.toml", "--airfoil", "apc-8x6e-2019", "--speed", "5", "--format", "csv")
-    assert "shaft power: the vehicle file has no [motor]" in done.err
+    assert "shaft power (no [motor])" in done.err
     (row,) = csv.DictReader(io.StringIO(done.out))
     assert float(row["shaft_power_W"]) > 50.0 and row["electrical_power_W"] == ""
 
@@ -135,10 +135,11 @@ def test_choosing(run: Run) -> None:
     assert rows and all(float(row["energy_J"]) > 0.0 for row in rows)
     assert float(rows[1]["probability_first_beats"]) >= 0.5
     longest = run(*chosen[:2], *chosen[4:], "--task", "hover", "--by", "time", "--format", "json")
-    times = [row["time_s"] for row in json.loads(longest.out)]
+    rows = json.loads(longest.out)["propellers"]
+    times = [row["time_s"] for row in rows]
     assert times == sorted(times, reverse=True)
-    assert [row["hover_time_s"] for row in json.loads(longest.out)] == times
-    assert all(row["cruise_power_W"] is None for row in json.loads(longest.out))
+    assert [row["hover_time_s"] for row in rows] == times
+    assert all(row["cruise_power_W"] is None for row in rows)
 
 
 BAD = {

@@ -206,3 +206,12 @@ def test_an_interrupted_build_leaves_nothing(
     monkeypatch.setattr(propmap.Rotor, "loads", stop)
     assert run("table", *ROTOR, *SMALL, "-o", "map.npz").code == 130
     assert list(tmp_path.iterdir()) == []
+
+
+def test_rotor_speeds_too_far_apart_are_one_line(run: Run) -> None:
+    wide = ["--rpm", "1000:9000", "--speed", "0:12", "--beta", "0:120", "--tolerance", "1%"]
+    done = run("table", "10x4.5", *wide, "-o", "t.npz")
+    assert done.code != 0 and not Path("t.npz").exists()
+    told = done.err.splitlines()[-1]
+    for words in ("error: from 1000 to 9000 rpm", "of the envelope, mostly at beta", "--rpm "):
+        assert words in told

@@ -22,7 +22,7 @@ from propmap import hover, reference
 from propmap.fit import comparison, fit, flight
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.vehicle import wakes
-from propmap.vehicle.vehicle import Wakes, Wing
+from propmap.vehicle.vehicle import SLIPSTREAMS, Wakes, Wing
 from tests.docs.test_equations import functions, rows
 from tests.fit import test_paper_equations as paper
 
@@ -175,7 +175,14 @@ def whole_flights() -> Any:
     )
     model = flight.ForceModel(vehicle, log, paper.LAW)
     rows = flight.balance_rows(model, paper.TWO)
-    return model.at(paper.VALUES, ()).loads, rows.measured
+    mounts = tuple(
+        dataclasses.replace(one, position=(0.2, 0.1, 0.1 * k))
+        for k, one in enumerate(vehicle.mounts[:2])
+    )
+    coaxial = dataclasses.replace(vehicle, mounts=mounts, inertia=None, wakes=SLIPSTREAMS)
+    rotor = pm.Rotor(pm.Model(coaxial.propeller, paper.LAW, coaxial.air))
+    above = coaxial.wrench([600.0, 600.0], (2.0, 0.0, 1.0), loads=rotor)
+    return model.at(paper.VALUES, ()).loads, rows.measured, above.force
 
 
 def all_flights() -> Any:
@@ -222,7 +229,10 @@ def unbroken(probe: Callable[[], Any]) -> np.ndarray:
 @pytest.fixture(autouse=True)
 def _no_tables_kept() -> Iterator[None]:
     """Leave out the wakes' velocity, which would hide that what they are made of is broken."""
-    kept = (wakes._table, wakes.seen_wake, wakes.frame_of)
+    kept = (
+        *(wakes._table, wakes._slipstream_table, wakes.seen_wake, wakes.frame_of),
+        wakes._above_each_other,
+    )
     for one in kept:
         one.cache_clear()
     yield

@@ -66,6 +66,21 @@ def test_every_view_answers_with_figures_that_plotly_takes(
     compile(view.python(session, values), "copied", "exec")
 
 
+@pytest.mark.slow
+def test_an_aircraft_says_what_it_rests_on(shelf: Shelf, tmp_path: Path) -> None:
+    text = (EXAMPLES / "aircraft" / "delivery.toml").read_text(encoding="utf-8")
+    for drag, words in (("[0.030", "body drag 0.03 m^2 ahead"), ("[0.0", "no body drag")):
+        given = text.replace("drag_area = [0.030, 0.035, 0.06]", f"drag_area = {drag}, 0.0, 0.0]")
+        (tmp_path / "x.toml").write_text(given, encoding="utf-8")
+        file = read_path(tmp_path / "x.toml")
+        _, found = _answer(Session().with_file(file, shelf.put(file)), BY_NAME["aircraft"])
+        assert words in found.remarks[0] and "air 1.19" in found.remarks[1]
+        labels = [row[0] for row in found.tables[0].rows[:4]]
+        assert ["without body drag" in label for label in labels] == [
+            False, *3 * ["no body" in words]
+        ]  # fmt: skip
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_every_control_changes_something(sessions: dict[str, Session], name: str) -> None:
     """Figures, numbers, remarks or what is copied."""

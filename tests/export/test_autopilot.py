@@ -277,7 +277,7 @@ def test_what_is_not_known_is_left_out_and_said(tmp_path: Path) -> None:
     export_autopilot(craft, "px4", tmp_path, speeds=speeds)
     export_autopilot(craft, "ardupilot", tmp_path, speeds=speeds)
     for note in tmp_path.glob("README*"):
-        assert "Rotor drag is that of bare blades" in note.read_text()
+        assert "bare rotors, with half the drag" in note.read_text()
         assert "no body drag" not in note.read_text()
     names = {path.name for path in tmp_path.iterdir()}
     assert "quadcopter_px4_sih.params" not in names

@@ -23,7 +23,7 @@ from propmap.export.simple_models import literal
 from propmap.model.corrections import Installed
 from propmap.table import LoadTable
 from propmap.table.interpolation import STATUSES
-from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
+from propmap.vehicle.vehicle import SLIPSTREAMS, Body, Mount, Vehicle, Wakes, Wing
 
 from .compiled import FLAGS
 from .conftest import RADIUS, invented_content
@@ -64,6 +64,7 @@ VEHICLES = {
     ),
     "askew in wakes": replace(PLAIN, mounts=ASKEW, wakes=WAKES),
 }
+VEHICLES["slipstreams"] = replace(VEHICLES["coaxial"], wakes=SLIPSTREAMS)
 
 CALLER = """
 #include "{v}.h"
@@ -359,11 +360,12 @@ def test_by_command(
         return code, told.out, told.err
 
     code, out, err = run("quad.toml", "--table", "map.npz", "--to", "c", "-o", "c")
-    assert (code, err) == (0, "") and "wrote c/vehicle_2_inch_test.h" in out
+    assert code == 0 and "wrote c/vehicle_2_inch_test.h" in out
+    assert err.count("\n") == 2 and "rotors in each other's wakes" in err
     assert "vehicle_2_inch_test_wakes(" in Path("c/vehicle_2_inch_test.h").read_text()
     run("quad.toml", "--table", "map.npz", "--to", "c", "-o", "still", "--no-wakes")
     assert "_wakes(" not in Path("still/vehicle_2_inch_test.h").read_text()
-    assert "--no-wakes was given" in " ".join(Path("still/README-c.txt").read_text().split())
+    assert "; no wakes." in " ".join(Path("still/README-c.txt").read_text().split())
     for arguments, message in (
         (("--to", "c"), "give it as --table FILE.npz"),
         (("--to", "gazebo", "--table", "map.npz"), "gazebo is written of a table alone"),

@@ -150,6 +150,7 @@ def test_an_envelope_with_more_unresolved_than_allowed_is_refused(
 ) -> None:
     """As no envelope of this rotor has that many jumps, none at all are allowed to it."""
     monkeypatch.setattr("propmap.table.build.MOST_UNRESOLVED", -1.0)
+    monkeypatch.setattr("propmap.table.build.check_between_speeds", lambda *_: None)
     told: list[int] = []
     with pytest.raises(propmap.InputError, match=r"tolerance of 0\.50% is not met"):
         build_table(
@@ -211,3 +212,49 @@ def test_the_whole_envelope_at_half_a_percent(rotor: propmap.Rotor, tmp_path: Pa
     told = table.certificate
     assert told["unresolved_volume"] == pytest.approx((status == "unresolved").mean(), abs=0.002)
     assert np.abs(errors).max() <= 1.05 * max(told["unresolved_max_error"].values())
+
+
+@pytest.fixture(scope="module")
+def by_designation() -> propmap.Rotor:
+    """Whose loads change with the Reynolds number."""
+    return propmap.Rotor(propmap.known_model("10x4.5"))
+
+
+RPM = np.pi / 30.0
+WIDE = {"speed": (0.0, 12.0), "beta": (0.0, np.radians(120.0))}
+
+
+def test_what_two_rotor_speeds_cannot_tell_is_said_at_once(by_designation: propmap.Rotor) -> None:
+    """With the nearest envelope and tolerance that can be had."""
+    evaluated: list[int] = []
+    with pytest.raises(propmap.InputError) as error:
+        build_table(
+            by_designation,
+            omega=(2000.0 * RPM, 9000.0 * RPM),
+            tolerance=0.01,
+            progress=lambda _, done: evaluated.append(done),
+            **WIDE,
+        )
+    text = str(error.value)
+    for words in ("from 2000 to 9000 rpm", "Reynolds number", "mostly at beta", "--tolerance 2."):
+        assert words in text
+    assert evaluated[-1] < 100_000
+    least = float(text.partition("--rpm ")[2].partition(":")[0])
+    assert 2500.0 < least < 5000.0
+    narrower = build_table(
+        by_designation,
+        omega=(least * RPM, 9000.0 * RPM),
+        tolerance=0.01,
+        certificate_points=1024,
+        **WIDE,
+    )
+    assert narrower.certificate["unresolved_volume"] < 0.05
+
+
+@pytest.mark.slow
+def test_wide_speeds_that_can_be_had_are(by_designation: propmap.Rotor) -> None:
+    """Points in cells may show nine tenths of the tolerance: few cells are lost to rotor speed."""
+    table = build_table(by_designation, omega=(2000.0 * RPM, 9000.0 * RPM), tolerance=0.03, **WIDE)
+    assert table.certificate["holds"] and table.certificate["unresolved_volume"] < 0.05
+    errors, status = _errors(table, by_designation, 3000, seed=11)
+    assert np.abs(errors[status == "ok"]).max() <= 0.03

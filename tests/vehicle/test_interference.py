@@ -105,58 +105,6 @@ def test_what_is_far_away_fades_as_the_inverse_square(velocity: tuple[float, flo
     assert seen[1] == pytest.approx(seen[0] / 4.0, rel=0.06)
 
 
-def test_a_rotor_just_below_another_meets_its_inflow_once_and_gives_it_back() -> None:
-    pair = vehicle((0.0, 0.0, 0.06 * RADIUS), (0.0, 0.0, 0.0))
-    check_apart(pair)
-    upper, lower = wake_flow(pair, ONE, flow_of(pair, (0.0, 0.0, 0.0)), thrusts(pair, 1)).added[0]
-    hover = np.sqrt(2.0 / (2.0 * DISK))
-    # On the axis it is 1 -+ 0.06; the sheet's core takes some of it near the rim.
-    assert upper == pytest.approx(0.94 * hover, rel=0.12)
-    assert lower == pytest.approx(1.06 * hover, rel=0.12)
-    assert lower > hover > upper
-
-
-def test_a_rotor_below_meets_more_the_further_down_it_is_the_upper_less() -> None:
-    lowers, uppers = [], []
-    for height in (0.1, 0.3, 1.0, 3.0, 10.0):
-        pair = vehicle((0.0, 0.0, height * RADIUS), (0.0, 0.0, 0.0))
-        found = wake_flow(pair, ONE, flow_of(pair, (0.0, 0.0, 0.0)), thrusts(pair, 1)).added[0]
-        uppers.append(found[0])
-        lowers.append(found[1])
-    assert np.all(np.diff(lowers) > 0.0) and np.all(np.diff(uppers) < 0.0) and min(uppers) > 0.0
-
-
-def coaxial_power(height: float, downwash: float) -> float:
-    """Ideal power of two equal thrusts in hover, one above the other, over that of two apart."""
-    pair, thrust = vehicle((0.0, 0.0, height * RADIUS), (0.0, 0.0, 0.0)), np.full((1, 2), 2.0)
-    still = np.zeros((1, 2))
-    added = added_flow(pair, Wakes(downwash=downwash), flow_of(pair, (0.0, 0.0, 0.0)), thrust)
-    own, alone = (glauert_inflow(thrust, w, still, DISK)[0] for w in (added, still))
-    return float(np.sum(added + own) / np.sum(alone))
-
-
-def test_coaxial_power_beside_the_momentum_theory_of_coaxial_rotors() -> None:
-    """J. G. Leishman, M. Syal, J. Am. Helicopter Soc. 53, 2008, doi 10.4050/JAHS.53.290.
-
-    Two equal thrusts in one plane are one rotor of twice the disk loading: sqrt(2).  With the
-    lower rotor in the contracted wake, half the disk at twice the inflow, momentum and energy give
-    s^2 + s - 4 = 0 for the flow s through the lower rotor over the inflow of the upper.
-    """
-    in_one_plane = np.sqrt(2.0)
-    far_below = 0.5 * (1.0 + 0.5 * (np.sqrt(17.0) - 1.0))
-    assert far_below == pytest.approx(1.281, abs=5e-4)
-    # The cylinder does not contract, so that the whole lower disk meets twice the inflow: too much.
-    assert coaxial_power(0.05, 1.0) == pytest.approx(0.5 * (1.0 + np.sqrt(5.0)), rel=0.03)
-    assert coaxial_power(15.0, 1.0) == pytest.approx(0.5 * (1.0 + 1.0 + np.sqrt(2.0)), rel=0.03)
-    assert coaxial_power(0.05, 1.0) > 1.1 * in_one_plane
-    assert coaxial_power(15.0, 1.0) > 1.25 * far_below
-    # Through a wake that contracts goes the same volume at every depth: half of what the cylinder
-    # brings to a disk far below.
-    assert coaxial_power(15.0, 0.5) == pytest.approx(far_below, rel=0.02)
-    for height in (0.1, 0.3, 1.0, 3.0):
-        assert far_below - 0.03 < coaxial_power(height, 0.5) < in_one_plane
-
-
 def test_mirror_images_exchanged_rotors_and_spins() -> None:
     places = ((0.2, 0.1, 0.0), (-0.15, 0.2, 0.05), (0.0, -0.25, -0.02))
     velocity, thrust = np.array([6.0, 2.0, 1.0]), np.array([[2.0, 3.0, 1.5]])
@@ -229,16 +177,6 @@ def test_smooth_as_a_wake_sweeps_over_the_other_disks() -> None:
         assert np.max(np.abs(np.diff(added, axis=0))) < 0.03
         # A jump would not shrink with the step: between steps the slope changes by little.
         assert np.max(np.abs(np.diff(slope, axis=0))) < 0.03 * np.max(np.abs(slope))
-
-
-def test_a_rotor_far_below_another_meets_twice_its_inflow_the_upper_nothing() -> None:
-    pair = vehicle((0.0, 0.0, 15.0 * RADIUS), (0.0, 0.0, 0.0))
-    found = wake_flow(pair, ONE, flow_of(pair, (0.0, 0.0, 0.0)), thrusts(pair, 1))
-    hover = np.sqrt(2.0 / (2.0 * DISK))
-    upper, lower = found.added[0]
-    # The sheet's core takes some of it from the points near the rim.
-    assert lower == pytest.approx(2.0 * hover, rel=0.06)
-    assert abs(upper) < 0.01 * hover
 
 
 def test_front_rotors_in_upwash_rear_ones_in_downwash() -> None:

@@ -194,7 +194,7 @@ def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[StateCh
     if DIAMETER in names and responses.aircraft.vehicle.wakes is not None:
         raise InputError(
             f"there is no derivative by {DIAMETER!r} where rotors are in each other's wakes",
-            "leave [wakes] out for it: Vehicle(..., wakes=None)",
+            "leave them out for it: --no-wakes, or Vehicle(..., wakes=None)",
         )
     changes = []
     for source, which in responses.aircraft.rotors.sources:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from typer import Option
 
+from propmap.aircraft.assumptions import assumption_lines, assumptions, without_body_drag
 from propmap.aircraft.mission import Mission, read_mission
 from propmap.aircraft.ranking import (
     MEASURES,
@@ -27,7 +28,7 @@ from propmap.catalogue.lookup import airfoil as section_law
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError, quoted
-from propmap.model.corrections import corrections_of
+from propmap.model.corrections import as_text, corrections_of
 from propmap.tasks import InProcesses, Workers, cores
 from propmap.units import INCH
 
@@ -101,22 +102,26 @@ def choose(
     others = catalogue_candidates(sizes, blades)
     candidates = [*own, *(one for one in others if one.name not in there)]
     corrections = corrections_of(model or "recommended", correction or (), installed=law is None)
-    opt.note_missing(read)
+    rests_on = assumptions(read, None, [as_text(value) for value in corrections])
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
     with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:
         judged = _judged(ranking, candidates, top, workers)
     title = (
         f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
-        f"rho = {read.air.density:.4g} kg/m^3"
+        f"rho = {read.air.density:.4g} kg/m^3{without_body_drag(read)}"
     )
     if form == "table":
         fit = [one for one in judged if one.feasible]
         shown = fit if all_ else fit[:top]
-        ranked = [_table(wanted, shown)] if shown else []
-        out.show(output, title, *ranked, *_remarks(judged, top, all_=all_))
+        ranked = [_table(wanted, shown, without_body_drag(read))] if shown else []
+        lines = assumption_lines(rests_on)
+        out.show(output, title, *lines, *ranked, *_remarks(judged, top, all_=all_))
     else:
         rows = _rows(wanted, judged)
-        out.emit_rows(list(rows[0]), rows, form, output)
+        whole = {"vehicle": read.name, "assumptions": rests_on, "propellers": rows}
+        out.emit_rows(list(rows[0]), rows, form, output, whole=whole)
+        if form == "csv":
+            out.note(*assumption_lines(rests_on))
     if picture is not None:
         from propmap.report.pictures import propeller_choice
 
@@ -167,7 +172,7 @@ def _judged(
 # A ranking as `propmap choose` shows it: a table, what it leaves open, and rows for files.
 
 
-def _table(task: Task, judged: list[Judged]) -> out.WideGrid:
+def _table(task: Task, judged: list[Judged], caution: str) -> out.WideGrid:
     unit, size = SHOWN.get(task.unit, (task.unit, 1.0))
     times = any(math.isfinite(one.hover_time) for one in judged)
     cruise = "" if task.speed is None else f"{task.speed:g} m/s"
@@ -201,7 +206,8 @@ def _table(task: Task, judged: list[Judged]) -> out.WideGrid:
         "by --format csv"
     )
     spare = ("hover [min]", f"{cruise} [min]", "margin", "top [m/s]", "1 beats it", f"{cruise} [W]")
-    title, body = f"ranked by {task.words} [{unit}]", [list(cells.values()) for cells in rows]
+    title = f"ranked by {task.words} [{unit}]{caution}"
+    body = [list(cells.values()) for cells in rows]
     return out.WideGrid("|".join(rows[0]), body, title, caption, spare)
 
 

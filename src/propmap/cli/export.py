@@ -88,6 +88,7 @@ def export(
 
     A note beside the files says what errors the target's form makes.
     """
+    from propmap.aircraft.assumptions import assumption_lines, assumptions
     from propmap.export import export_rotor, export_table, export_vehicle
     from propmap.export.files import check_folder
     from propmap.table import LoadTable
@@ -103,7 +104,6 @@ def export(
     find_export(to)
     if to in AUTOPILOTS:
         from propmap.export.autopilot import SPEEDS, export_autopilot
-        from propmap.export.steady_loads import missing_drag
 
         refuse(prop=prop)
         check_folder(output)
@@ -122,7 +122,7 @@ def export(
         )
         with out.blamed_on(source):
             paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=force)
-        out.note(*missing_drag(craft))
+        out.note(*assumption_lines(assumptions(craft.vehicle, craft.loads)))
     elif to in ROTOR_TARGETS:
         refuse(prop=prop, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None)
         check_folder(output)
@@ -147,6 +147,7 @@ def export(
         vehicle, loads = opt.vehicle_of(source, no_wakes=no_wakes), LoadTable.load(table)
         with out.blamed_on(source):
             paths = export_vehicle(vehicle, loads, to, output, replace=force)
+        out.note(*assumption_lines(assumptions(vehicle, loads)))
     else:
         refuse(airfoil=airfoil, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None)
         check_folder(output)

@@ -310,12 +310,12 @@ Charge = Annotated[
     float, Option("--charge", help="State of charge at which limits hold, 1 when full.")
 ]
 NoWakes = Annotated[
-    bool, Option("--no-wakes", help="Leave out [wakes], the rotors' wakes on each other.")
+    bool, Option("--no-wakes", help="Leave out what the rotors' wakes do to each other.")
 ]
 
 
 def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
-    """Read a vehicle; with ``no_wakes`` as if its file had no table ``[wakes]``."""
+    """Read a vehicle; with ``no_wakes`` its rotors do not act on each other."""
     from propmap.vehicle.files import read_vehicle
 
     found = read_vehicle(path).vehicle
@@ -345,7 +345,6 @@ def aircraft_of(
         from propmap.table.query import LoadTable
 
         found = LoadTable.load(table)
-        note_missing(vehicle)
         return Aircraft(vehicle, found, **limits)
     blade = vehicle.propeller
     # A name that is not in the catalogue is of a file, written so that it is taken for one.
@@ -353,7 +352,6 @@ def aircraft_of(
     law = with_physics(
         section_law(airfoil, name, blade), model, correction, installed=airfoil is None
     )
-    note_missing(vehicle)
 
     from propmap.aircraft.trim import Aircraft
     from propmap.rotor import Rotor
@@ -369,18 +367,6 @@ def checked_rpm(maximum: float | None) -> float:
     if not 0.0 < maximum < math.inf:
         raise InputError(f"--max-rpm is {maximum:g}", "give revolutions per minute, above 0")
     return maximum * RPM
-
-
-def note_missing(vehicle: Vehicle) -> None:
-    """Note which tables of the powertrain the vehicle file does not have."""
-    power = vehicle.powertrain
-    if power.motor is None:
-        note("power is shaft power: the vehicle file has no [motor]")
-        return
-    if power.controller is None:
-        note("nothing is lost in the speed controllers: the vehicle file has no [esc]")
-    if power.battery is None:
-        note("no times and no voltage limit: the vehicle file has no [battery]")
 
 
 # -------------------------------------------------------------------------------------------------

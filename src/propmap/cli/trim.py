@@ -12,6 +12,7 @@ import typer
 from typer import Option, echo
 
 import propmap
+from propmap.aircraft.assumptions import assumption_lines, assumptions, without_body_drag
 from propmap.aircraft.mission import Mission, fly, read_mission
 from propmap.aircraft.performance import (
     FASTEST,
@@ -106,8 +107,11 @@ def trim(
         maximum_rpm=max_rpm,
         charge=charge,
     )
+    rests_on = assumptions(read, craft.loads)
+    if form == "csv":
+        out.note(*assumption_lines(rests_on))
     if legs is not None:
-        _fly(craft, legs, form, output, picture)
+        _fly(craft, legs, rests_on, form, output, picture)
         return
     if bank and speeds[0] == 0.0:
         speeds = speeds[1:]
@@ -131,18 +135,21 @@ def trim(
             opt.note_not_counted(craft.loads.model)
         sure = [spread(craft, states) for states in flown]
     if netcdf is not None:
-        write_dataset(_dataset(craft, flown, sure, opt.command_line(context)), netcdf)
+        data = _dataset(craft, flown, sure, opt.command_line(context))
+        write_dataset(data.assign_attrs({f"assumed_{k}": v for k, v in rests_on.items()}), netcdf)
         echo(f"wrote {netcdf}", err=True)
     elif form == "table":
         tables = (_table(*both, found) for both in zip(flown, sure, strict=True))
-        out.show(output, _title(craft), *tables, *_named_lines(found))
+        lines = assumption_lines(rests_on)
+        out.show(output, _title(craft), *lines, *tables, *_named_lines(craft, found))
     else:
         listed = [row for both in zip(flown, sure, strict=True) for row in rows(*both)]
         if found is not None:
             for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
                 row["endurance_s"] = out.number_or_none(time)
                 row["distance_m"] = out.number_or_none(way)
-        whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "states": listed}
+        whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "assumptions": rests_on}
+        whole["states"] = listed
         if found is not None:
             whole["performance"] = {name: plain(state) for name, _, state in _named(found)}
             whole["performance"]["top_speed_limit"] = found.limit or None
@@ -218,10 +225,9 @@ def plain(state: NamedState | None) -> dict[str, float | None] | None:
 
 def _title(craft: Aircraft) -> str:
     vehicle = craft.vehicle
-    wakes = ", in each other's wakes" if vehicle.wakes is not None else ""
     return (
         f"{vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x {vehicle.propeller.name}"
-        f"{wakes}; rho = {vehicle.air.density:.4g} kg/m^3"
+        f"; rho = {vehicle.air.density:.4g} kg/m^3{without_body_drag(vehicle)}"
     )
 
 
@@ -302,7 +308,7 @@ def _named(found: Performance) -> list[tuple[str, str, NamedState | None]]:
     ]
 
 
-def _named_lines(found: Performance | None) -> list[str]:
+def _named_lines(craft: Aircraft, found: Performance | None) -> list[str]:
     if found is None:
         return []
     lines = []
@@ -336,7 +342,8 @@ def _named_lines(found: Performance | None) -> list[str]:
             if name == "best_range":
                 way, std = state.distance / 1000.0, abs(state.ground_speed) * std * 0.06
                 parts.append(f"{way:.3g}{_give_or_take(std)} km")
-        lines.append(f"{words}: {', '.join(parts)}")
+        caution = without_body_drag(craft.vehicle) if name != "hover" else ""
+        lines.append(f"{words}: {', '.join(parts)}{caution}")
     return lines
 
 
@@ -398,7 +405,12 @@ def _dataset(
 
 
 def _fly(
-    craft: Aircraft, legs: Mission, form: out.Format, output: Path | None, picture: Path | None
+    craft: Aircraft,
+    legs: Mission,
+    rests_on: dict[str, str],
+    form: out.Format,
+    output: Path | None,
+    picture: Path | None,
 ) -> None:
     """Fly a mission, and show it leg by leg or draw it over time."""
     flown = fly(craft, legs)
@@ -429,7 +441,7 @@ def _fly(
         if lost.any():
             leg = int(np.argmax(lost))
             outcome = f"leg {leg + 1} cannot be flown to its end: {flown.status_in_words(leg)}"
-        out.show(output, _title(craft), body, outcome)
+        out.show(output, _title(craft), *assumption_lines(rests_on), body, outcome)
     else:
         numbers = [[out.number_or_none(v) for v in each.tolist()] for each in columns.values()]
         names = [*columns, "status"]
@@ -439,7 +451,8 @@ def _fly(
             name: [out.number_or_none(v) for v in each.ravel().tolist()]
             for name, each in shown.items()
         }
-        whole = {"vehicle": craft.vehicle.name, "legs": listed, "over_time": over_time}
+        whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "assumptions": rests_on}
+        whole |= {"legs": listed, "over_time": over_time}
         out.emit_rows(names, listed, form, output, whole=whole)
     if picture is not None:
         from propmap.report.pictures import mission_course

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import propmap
+from propmap.aircraft.assumptions import assumption_lines, assumptions
 from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
 from propmap.export import find_export
@@ -23,7 +24,6 @@ from propmap.export.steady_loads import (
     check_vehicle,
     fit_drag,
     inplane_forces,
-    missing_drag,
 )
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -202,7 +202,8 @@ def comment_lines(part: ParameterSet, vehicle: Vehicle, target: str) -> list[str
 
 def common_remarks(aircraft: Aircraft) -> list[str]:
     """Say what the drag coefficients of an ``aircraft`` have in them and what not."""
-    remarks = [f"{words[:1].upper()}{words[1:]}." for words in missing_drag(aircraft)]
+    words = assumption_lines(assumptions(aircraft.vehicle, aircraft.loads))
+    remarks = [f"{each[:1].upper()}{each[1:]}." for each in words]
     if any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts):
         remarks.append(
             "Rotors are tilted: what their thrust adds along x and y in forward flight is part of "

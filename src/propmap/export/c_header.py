@@ -24,7 +24,7 @@ from propmap.table import interpolation
 from propmap.table.query import END_SLACK, SLACK, LoadTable
 from propmap.typing import Floats
 from propmap.vehicle import wakes
-from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.vehicle import Vehicle, Wakes
 from propmap.vehicle.vehicle_forces import Rotors
 
 MOST_BUCKETS = 1024
@@ -160,11 +160,12 @@ def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
 def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
     """Return the text of the vehicle's header."""
     name = vehicle_name(vehicle, table)
-    values: dict[str, Any] = {"pairs": vehicle.wakes is not None and len(vehicle.mounts) > 1}
-    if values["pairs"]:
+    values: dict[str, Any] = {"pairs": False}
+    if vehicle.wakes is not None and len(vehicle.mounts) > 1:
         values |= {
+            "pairs": True,
             "wakes": vehicle.wakes,
-            "wake": wake_geometry(vehicle),
+            "wake": wake_geometry(vehicle, vehicle.wakes),
             "disk": vehicle.air.density * np.pi * vehicle.propeller.radius**2,
             "steps": wakes.STEPS,
             "largest": wakes.LARGEST_INFLOW,
@@ -246,11 +247,11 @@ def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
     read = (query + 7 * 4) * rotors
     stored = table_bytes(table.content, 4) + (7 * rotors + 6) * 4
     worst = done
-    if pairs:
+    if pairs and vehicle.wakes is not None:
         without = done + rotors * (SOURCE + QUERY) + pairs * PAIR
         done = without + USUAL_STEPS * rotors * STEP
         worst = without + wakes.STEPS * rotors * STEP
-        wake = wake_geometry(vehicle)
+        wake = wake_geometry(vehicle, vehicle.wakes)
         polynomials = wake.skew.weights.size + wake.around.weights.size
         read += query * rotors + (pairs * (16 + 16 + 5) + rotors * (16 + 9)) * 4
         stored += (wake.coefficients.size + polynomials + pairs * 5 + rotors * 9) * 4
@@ -281,13 +282,14 @@ class WakeGeometry(NamedTuple):
     kind: NDArray[np.intp]  # which of the K kinds of pairs each target and source are (k, k)
     bearing: Floats  # of the target in the source's frame [rad] (k, k)
     towards: Floats  # unit vector from source to target in the source's disk plane (k, k, 3)
+    downwash: Floats  # gain of the downwash (k, k)
     coefficients: NDArray[np.float32]  # of the splines (K, a, b)
     skew: SplineAxis  # from straight down to straight up
     around: SplineAxis
 
 
-def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
-    """Tabulate the wakes of the rotors of a ``vehicle``, two or more."""
+def wake_geometry(vehicle: Vehicle, given: Wakes) -> WakeGeometry:
+    """Tabulate the wakes ``given`` to the rotors of a ``vehicle``, two or more."""
     mounts, radius = vehicle.mounts, vehicle.propeller.radius
     k = len(mounts)
     frames = np.stack([wakes.frame_of(mount.axis) for mount in mounts])
@@ -297,7 +299,7 @@ def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
         for s, source in enumerate(mounts):
             if t == s:
                 continue
-            seen = wakes.SeenWake(source, target, radius)
+            seen = wakes.seen_wake(source, target, radius, given.slipstreams_alone)
             # Pairs with the same geometry share a spline.
             same = [n for n, spline in enumerate(splines) if spline is seen.spline]
             if not same:
@@ -317,9 +319,8 @@ def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
         for spline in splines
     ]
     around.first[:] -= used.start
-    return WakeGeometry(
-        frames, kind, bearing, towards, np.stack(tables).astype(np.float32), skew, around
-    )
+    gains, coefficients = wakes.downwash_gains(vehicle, given), np.stack(tables).astype(np.float32)
+    return WakeGeometry(frames, kind, bearing, towards, gains, coefficients, skew, around)
 
 
 def _axis(knots: Floats, breaks: Floats) -> SplineAxis:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import propmap
+from propmap.aircraft.assumptions import assumption_lines, assumptions
 from propmap.errors import InputError
 from propmap.io.csv import replacing
 from propmap.loads import LOADS, error_scales
@@ -202,6 +203,7 @@ def note(
     if vehicle is not None:
         title, template = f"{target}, {vehicle.name}", f"README-{target}-vehicle.txt"
         values |= {"v": vehicle_name(vehicle, table), "vehicle": vehicle}
+        values["rests_on"] = rests_on(vehicle, table)
     rpm = middle_omega(table) / RPM
     text = text or rendered(template, table, simple=SIMPLE, hover_rpm=rpm, **values)
     shares = ", ".join(load.share for load in LOADS.values())
@@ -219,6 +221,13 @@ def note(
             rows.append(f"  {name:12s}{rms:>10.2%}{worst:>10.2%}")
         parts.append("\n".join(rows))
     return "\n\n".join([*parts, "\n".join(provenance(table))]) + "\n"
+
+
+def rests_on(vehicle: Vehicle, table: LoadTable) -> str:
+    """Say in a note what the forces of a ``vehicle`` rest on."""
+    lines = assumption_lines(assumptions(vehicle, table))
+    more = "" if vehicle.wakes is None else " --no-wakes leaves out what rotors do to each other."
+    return f"{lines[0][:1].upper()}{lines[0][1:]}; {lines[1]}.{more}"
 
 
 # -------------------------------------------------------------------------------------------------

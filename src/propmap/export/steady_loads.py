@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.model.corrections import INSTALLED
 from propmap.operating_points import split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -158,11 +157,6 @@ def check_vehicle(vehicle: Vehicle) -> None:
             "the vehicle has a wing, whose lift the drag model of a multirotor does not have",
             "remove [wing], or leave these parameters to the flights of the autopilot's own guide",
         )
-    if vehicle.wakes is not None:
-        raise InputError(
-            "[wakes] is given, and the models of autopilots know no wakes of rotors on each other",
-            "leave them out with --no-wakes, or remove [wakes]",
-        )
     for k, mount in enumerate(vehicle.mounts, start=1):
         if mount.axis[2] < 0.5:
             raise InputError(
@@ -174,31 +168,15 @@ def check_vehicle(vehicle: Vehicle) -> None:
             beside = float(np.hypot(arm[0], arm[1]))
             if beside < vehicle.propeller.radius:
                 raise InputError(
-                    f"rotors {j} and {k} are above each other ({beside:g} m apart), and what "
-                    "one's wake does to the other is not in the loads",
+                    f"rotors {j} and {k} are above each other ({beside:g} m apart), and the models "
+                    "of autopilots know no wakes of rotors on each other",
                     "describe each pair as one rotor with a table of its own",
                 )
-
-
-def missing_drag(aircraft: Aircraft) -> list[str]:
-    """Say what an ``aircraft`` lacks of its drag, in sentences without their full stops."""
-    vehicle, loads = aircraft.vehicle, aircraft.loads
-    found = []
-    if not any(vehicle.body.drag_area[:2]):
-        found.append("the vehicle file has no [body] drag_area: the coefficients have no body drag")
-    texts = (
-        loads.model.correction_texts
-        if isinstance(loads, Rotor)
-        else loads.info.get("corrections") or []
-    )
-    mounted = any(mount.drag is not None for mount in vehicle.mounts)
-    if not mounted and not any(text.startswith(INSTALLED) for text in texts):
-        found.append(
-            "rotor drag is that of bare blades, as there is neither [mount] nor the correction "
-            f"{INSTALLED}: installed rotors were measured to have about twice that; "
-            "fit it to a flight"
+    if vehicle.wakes is not None:
+        raise InputError(
+            "[wakes] is given, and the models of autopilots know no wakes of rotors on each other",
+            "leave them out with --no-wakes, or remove [wakes]",
         )
-    return found
 
 
 # -------------------------------------------------------------------------------------------------

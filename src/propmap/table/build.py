@@ -21,6 +21,7 @@ from propmap.table.certificate import (
     compare,
     parameter_uncertainty,
     quasi_random,
+    sobol,
     unresolved_share,
 )
 from propmap.table.interpolation import (
@@ -39,6 +40,7 @@ from propmap.table.interpolation import (
 from propmap.table.query import LoadTable
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
@@ -51,6 +53,7 @@ MOST_UNRESOLVED = 0.05  # share of the envelope above which a table is refused
 NARROW_ABOVE = 0.02  # share of the envelope above which unresolved cells are halved
 
 NARROWINGS = 6
+WORTH = 0.9  # of the share before: what narrower cells must bring it below to be narrowed again
 
 ATTEMPTS = 8  # to certify
 REFINEMENTS = 3  # attempts after which cells with too large an error are halved, not marked
@@ -109,14 +112,16 @@ def build_table(
     )
     radius = rotor.model.propeller.radius
     advance = (ends[1][0] / (ends[0][1] * radius), ends[1][1] / (ends[0][0] * radius))
+    check_between_speeds(model, ends, tolerance)
     axes = starting_axes(model, advance, (float(ends[2][0]), float(ends[2][1])))
-    info = _provenance(rotor, leave_out_vortex_ring)
-    for _ in range(NARROWINGS):
+    info, left = _provenance(rotor, leave_out_vortex_ring), 1.0
+    for narrowing in range(NARROWINGS + 1):
         refined = refine(model, *axes, tolerance)
         content = _content(model, refined, ends, info)
         narrow = ~refined.advance.divisible[:, None] & ~refined.beta.divisible[None, :]
-        content = find_jumps(content, model, CELL_SHARE * tolerance, narrow)
-        if unresolved_share(LoadTable(content)) <= NARROW_ABOVE:
+        content = find_jumps(content, model, POINT_SHARE * tolerance, narrow)
+        before, left = left, unresolved_share(LoadTable(content))
+        if left <= NARROW_ABOVE or left > WORTH * before or narrowing == NARROWINGS:
             break
         if not _halved((content.cells & UNRESOLVED_BIT) > 0, refined):
             break
@@ -137,9 +142,12 @@ def build_table(
     unresolved = certificate.unresolved_volume
     if not certificate.holds or unresolved > MOST_UNRESOLVED:
         worst = max(certificate.max_error.values())
+        where = (content.cells & UNRESOLVED_BIT) > 0
+        rows, columns = (k[:-1] + 0.5 * np.diff(k) for k in (content.advance, content.beta))
+        place = _place(rows[np.nonzero(where)[0]], columns[np.nonzero(where)[1]])
         raise InputError(
             f"the tolerance of {tolerance:.2%} is not met: errors up to {worst:.2%}, and "
-            f"{unresolved:.1%} of the envelope unresolved",
+            f"{unresolved:.1%} of the envelope unresolved{place}",
             "allow more, or make the envelope smaller",
         )
     filed: dict[str, Any] = {"certificate": certificate.as_dict()}
@@ -259,6 +267,79 @@ def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
     }
 
 
+# -------------------------------------------------------------------------------------------------
+# What no knots mend: loads between the least and the largest omega, which are interpolated.
+
+PROBED = sobol(1024, 1).T  # places in the envelope
+BETWEEN = np.array([0.25, 0.5, 0.75])  # of the way from end to end
+NARROWER = np.linspace(0.1, 0.9, 9)  # of the way, in the logarithm of omega, the least is raised
+
+
+def check_between_speeds(
+    model: CachedModel, ends: tuple[Floats, Floats, Floats], tolerance: float
+) -> None:
+    """Raise ``InputError`` where two rotor speeds tell too little of those between.
+
+    Loads of small propellers change with the Reynolds number by more than the interpolation knows.
+    """
+    error, advance, beta = _errors_between(model, ends)
+    limit = POINT_SHARE * tolerance
+    lost = error > limit
+    if lost.mean() <= MOST_UNRESOLVED:
+        return
+    (slow, fast), remedies = ends[0], []
+    for share in NARROWER:
+        least = slow ** (1.0 - share) * fast**share
+        narrower = (np.array([least, fast]), *ends[1:])
+        if np.mean(_errors_between(model, narrower)[0] > limit) <= 0.5 * MOST_UNRESOLVED:
+            remedies = [f"--rpm {np.ceil(least / RPM / 10.0) * 10.0:.0f}:{fast / RPM:.0f}"]
+            break
+    wider = float(np.quantile(error, 1.0 - 0.5 * MOST_UNRESOLVED)) / POINT_SHARE
+    if wider < LARGEST_TOLERANCE:
+        remedies.append(f"--tolerance {1.01 * wider:.2%}")
+    raise InputError(
+        f"from {slow / RPM:.0f} to {fast / RPM:.0f} rpm the loads change with the Reynolds number "
+        f"by more than {tolerance:.2%} beyond what a table knows of both ends, in "
+        f"{lost.mean():.0%} of the envelope{_place(advance[lost], beta[lost])}",
+        f"what is near and can be had: {' or '.join(remedies) or 'a smaller envelope'}",
+    )
+
+
+def _place(advance: Floats, beta: Floats) -> str:
+    """Say where nine in ten of points (n,) are."""
+    if not advance.size:
+        return ""
+    (low, high), (first, last) = (np.quantile(x, [0.05, 0.95]) for x in (advance, beta))
+    return (
+        f", mostly at beta {np.degrees(first):.0f} to {np.degrees(last):.0f} deg and V/(Omega R) "
+        f"{low:.2g} to {high:.2g}"
+    )
+
+
+def _errors_between(
+    model: CachedModel, ends: tuple[Floats, Floats, Floats]
+) -> tuple[Floats, Floats, Floats]:
+    """Return the largest errors (n,) of interpolation by omega alone, and their J and beta."""
+    omega, speed, beta = (
+        low + (high - low) * u for (low, high), u in zip(ends, PROBED, strict=True)
+    )
+    radius, roots = model.rotor.model.propeller.radius, ends[0] ** -0.5
+    advance = speed / (omega * radius)
+    share = np.concatenate([[0.0], BETWEEN, [1.0]])[:, None]
+    turning = (roots[0] + share * (roots[1] - roots[0])) ** -2.0
+    every, j, b = (x.ravel() for x in np.broadcast_arrays(turning, advance, beta))
+    values = model.loads(every, j * every * radius, b)[0].reshape(len(share), advance.size, -1)
+    static = model.static_loads(turning[:, 0])[:, None]
+    relative, square = values / turning[..., None] ** 2, turning[..., None] ** 2
+    expected = relative[0] + share[..., None] * (relative[-1] - relative[0])
+    error = np.abs(expected - relative) * square / static
+    flown = (j * every * radius).reshape(error.shape[:2]) <= ends[1][1]
+    return _largest(np.where(flown[..., None], error, 0.0), (0, 2)), advance, beta
+
+
+# -------------------------------------------------------------------------------------------------
+# Standard deviations of a table's loads, from the model at some of the knots.
+
 MOST_DEVIATIONS = 20  # along each axis: they vary more slowly than loads
 
 
@@ -286,6 +367,7 @@ FIRST_KNOTS = 13
 
 LINE_SHARE = 0.35  # share of the tolerance that interpolation along one axis may take; both add up
 CELL_SHARE = 0.6  # and a cell's centre may show; the rest is for corners and the Reynolds term
+POINT_SHARE = 0.9  # and random points in a cell, at all omegas; the rest is for what they miss
 FINEST_INFLOW = 300  # most knots per hover inflow ratio, sqrt(C_T/2), where loads jump
 FINEST_ANGLE = np.pi / 512  # least distance between knots [rad], likewise
 MOST_KNOTS = 400_000  # knots of a table at most; 32 bytes each in its file, before compression

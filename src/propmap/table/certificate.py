@@ -227,13 +227,6 @@ def compare(
     return TableErrors(errors, found.code, omega, speed, beta, advance)
 
 
-def sobol(count: int, seed: int) -> Floats:
-    """Give the first points (n, 3) of Sobol's sequence in the unit cube, scrambled by ``seed``."""
-    from scipy.stats import qmc  # takes half a second to import
-
-    return np.asarray(qmc.Sobol(3, rng=np.random.default_rng(seed)).random(count))
-
-
 def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floats, Floats]:
     """Return omega, speed and beta (n,) of points that fill the envelope evenly."""
     low, high = np.array(list(table.envelope.values())).T
@@ -387,3 +380,43 @@ def load_deviations(
     )
     variance = np.einsum("lpn,pq,lqn->nl", found.slopes, covariance.matrix, found.slopes)
     return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
+
+
+# -------------------------------------------------------------------------------------------------
+# Points that fill a box evenly: Sobol's sequence in three dimensions, scrambled.
+
+BITS = 30  # bits of each coordinate
+
+
+def sobol(count: int, seed: int) -> Floats:
+    """Return the first points (n, 3) of the sequence in the unit cube, scrambled by ``seed``.
+
+    They are those of ``scipy.stats.qmc.Sobol``, which takes longer to import than a small table to
+    build: direction numbers by Joe and Kuo, scrambled by a lower triangular matrix and a shift.
+    """
+    rng = np.random.default_rng(seed)
+    place = np.arange(BITS, dtype=np.uint32)
+    shift = rng.integers(2, size=(3, BITS), dtype=np.uint32) @ (np.uint32(1) << place)
+    mixing = np.tril(rng.integers(2, size=(3, BITS, BITS), dtype=np.uint32), -1)
+    mixing += np.eye(BITS, dtype=np.uint32)
+    # The highest bit first.
+    bits = (_directions()[:, None] >> place[::-1, None]) & 1
+    directions = (np.uint32(1) << place[::-1]) @ (mixing @ bits % 2)
+    found = shift[None]
+    for direction in directions.T:
+        if len(found) >= count:
+            break
+        # In Gray code the numbers with a further bit are those without it, backwards.
+        found = np.concatenate([found, found[::-1] ^ direction])
+    return found[:count] / 2.0**BITS
+
+
+def _directions() -> NDArray[np.uint32]:
+    """Direction numbers (3, ``BITS``): of no polynomial, of x + 1 and of x^2 + x + 1."""
+    found = np.ones((3, BITS), np.uint32)
+    found[2, 1] = 3
+    for k in range(1, BITS):
+        found[1, k] = 2 * found[1, k - 1] ^ found[1, k - 1]
+    for k in range(2, BITS):
+        found[2, k] = 2 * found[2, k - 1] ^ 4 * found[2, k - 2] ^ found[2, k - 2]
+    return found << np.arange(BITS, dtype=np.uint32)[::-1]

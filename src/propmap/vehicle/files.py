@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Literal, get_type_hints
 
@@ -21,7 +21,8 @@ from propmap.model.corrections import Installed
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Propeller
 from propmap.units import RPM
 from propmap.vehicle.powertrain import COLD, Battery, Motor, Powertrain, SpeedController
-from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
+from propmap.vehicle.vehicle import SLIPSTREAMS, Body, Mount, Vehicle, Wakes, Wing
+from propmap.vehicle.wakes import above_each_other
 
 # -------------------------------------------------------------------------------------------------
 # What a vehicle file may say, table by table; the texts are what to write where an entry is bad.
@@ -232,7 +233,8 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     ``resistance`` [ohm] of the pack, ``usable_share``, ``maximum_current`` [A],
     ``auxiliary_power`` [W];
     ``[wakes]``, the rotors' wakes on each other, see
-    ``Wakes``: ``ahead``, ``beside``, ``downwash``, ``share`` (each by default 1); ``[sensor]``
+    ``Wakes``: ``ahead``, ``beside``, ``downwash``, ``share`` (each by default 1; rotors above each
+    other act on those below them without this table, too); ``[sensor]``
     ``position`` [m] of the accelerometer, from the centre of mass; ``[log]``, see ``LogMap``.
 
     Parameters
@@ -272,11 +274,13 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
             body=Body(**asdict(file.body)),
             wing=None if file.wing is None else Wing(**asdict(file.wing)),
             powertrain=powertrain,
-            wakes=None if file.wakes is None else Wakes(**asdict(file.wakes)),
+            wakes=SLIPSTREAMS if file.wakes is None else Wakes(**asdict(file.wakes)),
             sensor=_flu(file.sensor.position, flip),
             inertia=file.inertia,
             rotor_inertia=file.rotor_inertia,
         )
+        if file.wakes is None and not above_each_other(vehicle).any():
+            vehicle = replace(vehicle, wakes=None)
     return VehicleFile(vehicle, _log_map(file.log, len(file.rotors), where))
 
 

@@ -95,6 +95,9 @@ class Wing:
 class Wakes:
     """How the rotors' wakes act on each other, see ``propmap.vehicle.wakes``.
 
+    Where rotors are above each other, the slipstreams of the upper ones act on the lower ones, and
+    no gain counts.
+
     Attributes
     ----------
     ahead, beside, downwash : float
@@ -110,6 +113,15 @@ class Wakes:
     beside: float = 1.0
     downwash: float = 1.0
     share: float = 1.0
+
+    @property
+    def slipstreams_alone(self) -> bool:
+        """Whether no wake acts but the slipstreams of rotors on those below them."""
+        return self == SLIPSTREAMS
+
+
+SLIPSTREAMS = Wakes(ahead=0.0, beside=0.0, downwash=0.0)
+"""What acts in a vehicle whose file has no [wakes]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +145,8 @@ class Vehicle:
     powertrain : Powertrain
         What turns the rotors, as far as it is known.
     wakes : Wakes or None
-        How the rotors' wakes act on each other; None for not at all, as in the paper.
+        How the rotors' wakes act on each other; None for not at all, as in the paper.  A file
+        without [wakes] has ``SLIPSTREAMS`` where rotors are above each other.
     sensor : tuple of 3 float
         Where the accelerometer of its logs is, from the centre of mass [m].
     inertia : tuple of 3 float, or None

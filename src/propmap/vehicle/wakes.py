@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 # Each rotor's wake is a skewed vortex cylinder (below) that carries twice the inflow of Glauert's
 # momentum theory (10).  Its velocity along the axis of each other rotor, averaged over that disk,
 # times a gain, adds to V cos(beta) there.  The gains stand for what the cylinder leaves out, as
-# rolled-up tip vortices and the wake's contraction; they are one where the cylinder is right.
+# rolled-up tip vortices; they are one where the cylinder is right.  Rotors above each other have
+# the contracted slipstream (further below) in place of cylinders, without a gain.
 
 LARGEST_INFLOW = 2.0
 """Inflow over that of the same thrust in hover [-], at most: about what is measured in the vortex
@@ -109,11 +110,11 @@ def added_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) ->
     derivatives as well and takes twice the time.
     """
     inflow, _ = _inflow(vehicle, flow, thrust)
-    seen, _ = _seen(vehicle, flow, inflow, wakes.share)
+    seen, _ = _seen(vehicle, wakes, flow, inflow)
     along = _along(vehicle, flow.velocity)
     upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
     rising, _ = _rising(seen)
-    gained = wakes.downwash * (seen - rising) + _limited(upwash * rising)[0]
+    gained = downwash_gains(vehicle, wakes) * (seen - rising) + _limited(upwash * rising)[0]
     found: Floats = np.sum(2.0 * inflow[:, None, :] * gained, axis=2)
     return found
 
@@ -133,13 +134,14 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
         Thrust of each rotor [N], without its neighbours.
     """
     inflow, by_thrust = _inflow(vehicle, flow, thrust)
-    seen, by_share = _seen(vehicle, flow, inflow, wakes.share, slope=True)
+    seen, by_share = _seen(vehicle, wakes, flow, inflow, slope=True)
     rising, slope = _rising(seen)
     along = _along(vehicle, flow.velocity)
     upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
     lifted, share = _limited(upwash * rising)
-    gained = wakes.downwash * (seen - rising) + lifted
-    steeper = wakes.downwash * (1.0 - slope) + share * upwash * slope
+    down = downwash_gains(vehicle, wakes)
+    gained = down * (seen - rising) + lifted
+    steeper = down * (1.0 - slope) + share * upwash * slope
     twice = 2.0 * inflow[:, None, :]
     # A wake goes as 2 v K(share v): its strength and its direction change with the inflow.
     by_inflow = 2.0 * (gained + wakes.share * steeper * by_share)
@@ -148,7 +150,7 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
         by_gain={
             "ahead": np.sum(twice * along * share * rising, axis=2),
             "beside": np.sum(twice * (1.0 - along) * share * rising, axis=2),
-            "downwash": np.sum(twice * (seen - rising), axis=2),
+            "downwash": np.sum(twice * (seen - rising) * ~above_each_other(vehicle), axis=2),
             "share": np.sum(twice * steeper * by_share, axis=2),
         },
         by_thrust=by_inflow * by_thrust[:, None, :],
@@ -192,14 +194,15 @@ def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
 
 
 def _seen(
-    vehicle: Vehicle, flow: HubFlow, inflow: Floats, share: float, *, slope: bool = False
+    vehicle: Vehicle, wakes: Wakes, flow: HubFlow, inflow: Floats, *, slope: bool = False
 ) -> tuple[Floats, Floats]:
     """Return the downward velocity (n, target, source) at each rotor by the wake of each [-].
 
     It is per density of the wake's circulation.  With ``slope``, also its derivative by the share
     of the inflow that skews a wake, else zeros.
     """
-    mounts, radius = vehicle.mounts, vehicle.propeller.radius
+    mounts, radius, share = vehicle.mounts, vehicle.propeller.radius, wakes.share
+    alone = wakes.slipstreams_alone
     found = np.zeros((inflow.shape[0], len(mounts), len(mounts)))
     by_share = np.zeros_like(found)
     for source, mount in enumerate(mounts):
@@ -210,8 +213,7 @@ def _seen(
         length2 = np.sum(away**2, axis=1)
         straighter = -np.hypot(away[:, 0], away[:, 1]) * inflow[:, source] / length2
         for target, other in enumerate(mounts):
-            if target != source:
-                wake = seen_wake(mount, other, radius)
+            if target != source and (wake := seen_wake(mount, other, radius, alone)).acts:
                 found[:, target, source] = wake.at(away)
                 if slope:
                     by_share[:, target, source] = wake.at(away, skewing=True) * straighter
@@ -226,7 +228,7 @@ def check_apart(vehicle: Vehicle) -> None:
             if distance < 0.05 * vehicle.propeller.radius:
                 raise InputError(
                     f"rotors {j + 1} and {k + 1} are {distance:g} m apart",
-                    "give each hub its own position, or remove [wakes]",
+                    "give each hub its own position",
                 )
 
 
@@ -353,16 +355,22 @@ TABLE_AZIMUTHS = 64
 
 RINGS, SPOKES = 4, 8  # nodes over a disk: Gauss's radii for equal areas, and angles
 _BEYOND = 4  # bearings by which the table goes on past a full turn, so that splines close
+_SKEW = np.linspace(0.0, np.pi, SKEWS)
+_AROUND = 2.0 * np.pi * np.arange(BEARINGS) / BEARINGS
 
 
 class SeenWake:
     """The wake of the rotor ``source`` as seen by the disk of ``target``, with one ``radius`` [m].
 
     ``towards`` is the bearing of the target in the source's frame [rad], from which those of the
-    ``spline`` over skew and bearing [rad] count; similar pairs share one spline.
+    ``spline`` over skew and bearing [rad] count; similar pairs share one spline.  It is zero
+    where a wake does not act: on a rotor above its own that this overlaps and, with
+    ``slipstreams_alone``, on all that are not overlapped.
     """
 
-    def __init__(self, source: Mount, target: Mount, radius: float) -> None:
+    def __init__(
+        self, source: Mount, target: Mount, radius: float, slipstreams_alone: bool = False
+    ) -> None:
         frame = frame_of(source.axis)
         offset = frame @ (np.subtract(target.position, source.position) / radius)
         towards = float(np.arctan2(offset[1], offset[0])) if np.hypot(*offset[:2]) > 1e-9 else 0.0
@@ -371,7 +379,14 @@ class SeenWake:
         self.towards = towards
         place, axis = turn @ offset, turn @ frame @ np.array(target.axis)
         # Equal but for rounding: one table for all such pairs.
-        self.spline = _table(*(float(x) for x in np.round([*place, *axis], 9) + 0.0))
+        where = tuple(float(x) for x in np.round([*place, *axis], 9) + 0.0)
+        depth = depth_below(source, target, radius)
+        self.acts = depth > 0.0 or not (depth or slipstreams_alone)
+        if self.acts and not depth:
+            self.spline = _table(*where)
+        else:
+            below = (round(depth, 9), where[0], where[5]) if self.acts else (0.0, 0.0, 0.0)
+            self.spline = _slipstream_table(*below)
 
     def at(self, direction: Floats, *, skewing: bool = False) -> Floats:
         """Return the velocity against the target's axis per density of circulation [-], (n,).
@@ -386,9 +401,11 @@ class SeenWake:
 
 
 @functools.lru_cache(maxsize=1024)
-def seen_wake(source: Mount, target: Mount, radius: float) -> SeenWake:
+def seen_wake(
+    source: Mount, target: Mount, radius: float, slipstreams_alone: bool = False
+) -> SeenWake:
     """Make each ``SeenWake`` once: a flight asks for it at every step."""
-    return SeenWake(source, target, radius)
+    return SeenWake(source, target, radius, slipstreams_alone)
 
 
 @functools.lru_cache(maxsize=256)
@@ -406,22 +423,25 @@ def frame_of(axis: tuple[float, float, float]) -> Floats:
 @functools.lru_cache(maxsize=256)
 def _table(x: float, y: float, z: float, along_x: float, along_y: float, along_z: float) -> Any:
     """Fit a spline over skew and bearing for a target at (x, y, z) radii with such an axis."""
-    from scipy.interpolate import RectBivariateSpline
-
     rim, weights = _disk()
     axis = (along_x, along_y, along_z)
     points = np.array([x, y, z]) + rim @ frame_of(axis)
-    skew = np.linspace(0.0, np.pi, SKEWS)
-    bearing = 2.0 * np.pi * np.arange(-_BEYOND, BEARINGS + _BEYOND + 1) / BEARINGS
     seen = np.empty((SKEWS, BEARINGS))
-    around = bearing[_BEYOND : _BEYOND + BEARINGS]
-    for row, chi in enumerate(skew):
-        side = np.sin(chi) * np.stack([np.cos(around), np.sin(around), 0.0 * around], axis=1)
+    for row, chi in enumerate(_SKEW):
+        side = np.sin(chi) * np.stack([np.cos(_AROUND), np.sin(_AROUND), 0.0 * _AROUND], axis=1)
         way = side - [0.0, 0.0, np.cos(chi)]
         found = axial_velocity(points[None], way[:, None], azimuths=TABLE_AZIMUTHS)
         seen[row] = along_z * (found @ weights)
+    return _spline(seen)
+
+
+def _spline(seen: Floats) -> Any:
+    """Fit a spline to velocities (SKEWS, BEARINGS)."""
+    from scipy.interpolate import RectBivariateSpline
+
+    bearing = 2.0 * np.pi * np.arange(-_BEYOND, BEARINGS + _BEYOND + 1) / BEARINGS
     closed = np.concatenate([seen[:, -_BEYOND:], seen, seen[:, : _BEYOND + 1]], axis=1)
-    return RectBivariateSpline(skew, bearing, closed)
+    return RectBivariateSpline(_SKEW, bearing, closed)
 
 
 def _disk() -> tuple[Floats, Floats]:
@@ -434,6 +454,97 @@ def _disk() -> tuple[Floats, Floats]:
     flat = radius[:, None] * np.stack([np.cos(turned), np.sin(turned)])
     points = np.concatenate([flat, np.zeros((1, RINGS, SPOKES))]).reshape(3, -1).T
     return points, np.repeat(weight / (2.0 * SPOKES), SPOKES)
+
+
+# -------------------------------------------------------------------------------------------------
+# The slipstream of a rotor at the disk of one below that it overlaps, as of a coaxial pair.
+#
+# At the distance s radii along the wake the inflow v has grown to v (1 + s/sqrt(1 + s^2)), as on
+# the axis of the vortex cylinder, and the slipstream has contracted so that as much air goes
+# through it as through the disk.  Its area on the lower disk, times the velocity, over that disk is
+# what the lower rotor meets: v in hover, at any depth, where it is wholly on the disk.  How much
+# it contracts is taken of level flight with the same skew; fast climb brings up to twice v.
+#
+# The upper rotor does not feel the lower one, as in the theory of coaxial rotors of Leishman and
+# Ananthan; with that, equal thrusts in hover take 1.309 times the induced power of two rotors
+# apart, where momentum theory has 1.281 for a lower rotor far below and 1.414 for one in the same
+# plane, which no coaxial pair can be.  A third rotor below has the slipstreams of both.
+#
+# References
+# ----------
+# J. G. Leishman, S. Ananthan, "Aerodynamic Optimization of a Coaxial Proprotor", American
+# Helicopter Society 62nd Annual Forum, 2006.
+# J. G. Leishman, M. Syal, J. Am. Helicopter Soc. 53, 2008, doi 10.4050/JAHS.53.290.
+
+IN_ONE_PLANE = 0.05
+"""Height over radius up to which overlapping disks count as in one plane: not modelled."""
+
+PARALLEL = 0.9  # least cosine between the axes of rotors that count as above each other
+
+
+def depth_below(source: Mount, target: Mount, radius: float) -> float:
+    """Return how far a rotor is below another that overlaps it, in radii; negative: above.
+
+    It is 0 where they do not overlap as seen along the axis of the ``source``, where their axes
+    are not parallel, and where they are in one plane.
+    """
+    frame = frame_of(source.axis)
+    x, y, height = frame @ (np.subtract(target.position, source.position) / radius)
+    apart = np.hypot(x, y) >= 2.0 - 1e-9 or abs(height) < IN_ONE_PLANE
+    return 0.0 if apart or np.dot(source.axis, target.axis) < PARALLEL else float(-height)
+
+
+def above_each_other(vehicle: Vehicle) -> NDArray[np.bool_]:
+    """Say which rotors of a ``vehicle`` are above or below one another and overlap, (m, m)."""
+    return _above_each_other(vehicle.mounts, vehicle.propeller.radius)
+
+
+@functools.lru_cache(maxsize=64)
+def _above_each_other(mounts: tuple[Mount, ...], radius: float) -> NDArray[np.bool_]:
+    depths = [[depth_below(source, target, radius) for source in mounts] for target in mounts]
+    found: NDArray[np.bool_] = np.array(depths) != 0.0
+    found.flags.writeable = False
+    return found
+
+
+def downwash_gains(vehicle: Vehicle, wakes: Wakes) -> Floats:
+    """Return the gain of the downwash at each rotor by each (m, m): 1 in slipstreams."""
+    return np.where(above_each_other(vehicle), 1.0, wakes.downwash)
+
+
+def slipstream(depth: float, aside: float, skew: Floats, bearing: Floats) -> Floats:
+    """Return the velocity in a contracted slipstream, averaged over a disk below its rotor.
+
+    Parameters
+    ----------
+    depth, aside : float
+        Where the disk is, in radii.
+    skew, bearing : ndarray, shape (...)
+        Of the wake: from straight down, to pi / 2, and from the direction of the disk [rad].
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Per density of circulation, as in ``axial_velocity`` [-]: 1/2 on the axis, with no skew.
+    """
+    tangent = np.tan(np.minimum(skew, 0.5 * np.pi - 1e-6))
+    path = depth * np.hypot(1.0, tangent)
+    grown = 1.0 + path / np.hypot(1.0, path)
+    radius = np.sqrt(np.hypot(1.0, tangent) / np.hypot(grown, tangent))
+    off = np.hypot(depth * tangent * np.cos(bearing) - aside, depth * tangent * np.sin(bearing))
+    # The area that circles of this radius and of 1 have in common, by their sectors.
+    off = np.clip(off, 1.0 - radius + 1e-12, 1.0 + radius)
+    inner = np.arccos(np.clip((off**2 + radius**2 - 1.0) / (2.0 * off * radius), -1.0, 1.0))
+    outer = np.arccos(np.clip((off**2 + 1.0 - radius**2) / (2.0 * off), -1.0, 1.0))
+    share = (radius**2 * inner + outer - off * np.sin(outer)) / np.pi
+    return np.asarray(0.5 * grown * share)
+
+
+@functools.lru_cache(maxsize=256)
+def _slipstream_table(depth: float, aside: float, along: float) -> Any:
+    """Fit a spline to a ``slipstream``; ``along`` is the cosine between the axes."""
+    falls = along * (np.cos(_SKEW) > 0.0)[:, None]
+    return _spline(falls * slipstream(depth, aside, _SKEW[:, None], _AROUND))
 
 
 # -------------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from propmap.aircraft.assumptions import assumption_lines, assumptions, without_body_drag
 from propmap.aircraft.performance import Performance, performance
 from propmap.aircraft.performance import rows as state_rows
 from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft, SteadyStates
@@ -75,11 +76,11 @@ class AircraftView(view.View):
         }
         tables = []
         if settled:
-            tables = [
-                _named(performance(craft, states, climb=values["climb"], wind=values["wind"]))
-            ]
+            found = performance(craft, states, climb=values["climb"], wind=values["wind"])
+            tables = [_named(found, without_body_drag(craft.vehicle))]
         lost = sorted(set(states.status.tolist()) - {"ok"})
-        remarks = [f"{name}: {STATUSES.get(name, name)}" for name in lost]
+        remarks = assumption_lines(assumptions(craft.vehicle, craft.loads))
+        remarks += [f"{name}: {STATUSES.get(name, name)}" for name in lost]
         key = [("this model", COLOURS[0]), ("hover model", f"-{view.GREY}")]
         return Answer(shown, tables, remarks, key)
 
@@ -135,7 +136,7 @@ def _states(session: Session, values: Values) -> tuple[Aircraft, SteadyStates]:
     return craft, craft.steady(np.linspace(0.0, values["top"], ALONG), values["climb"])
 
 
-def _named(found: Performance) -> Table:
+def _named(found: Performance, caution: str) -> Table:
     why = LIMITS.get(found.limit, found.limit)
     rows = []
     for label, state in (
@@ -151,7 +152,7 @@ def _named(found: Performance) -> Table:
             continue
         power = state.electrical_power if math.isfinite(state.electrical_power) else state.power
         numbers = (state.speed, power, state.endurance / 60.0, state.distance / 1e3)
-        rows.append([label, *map(digits, numbers)])
+        rows.append([label + caution * (label != "hover"), *map(digits, numbers)])
     if found.limit:
         rows.append(["what ends it", why, "", "", ""])
     heads = ("", "speed [m/s]", "power [W]", "time [min]", "distance [km]")

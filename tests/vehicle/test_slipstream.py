@@ -1,0 +1,221 @@
+"""Rotors in the slipstreams of those above them: limits of the theory, and a measured pair."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks import coaxial
+from propmap import read_vehicle
+from propmap.cli import main
+from propmap.errors import InputError
+from propmap.fit.parameters import SECTION
+from propmap.vehicle.vehicle import SLIPSTREAMS, Mount, Vehicle, Wakes
+from propmap.vehicle.wakes import (
+    above_each_other,
+    added_flow,
+    check_apart,
+    glauert_inflow,
+    hub_flow_at,
+    wake_flow,
+)
+
+RADIUS = coaxial.PROPELLER.radius
+THRUST = np.array([[30.0, 20.0]])
+
+
+def pair(height: float, aside: float = 0.0, wakes: Wakes = SLIPSTREAMS) -> Vehicle:
+    """The upper rotor first; both in radii."""
+    made = coaxial.pair(height * RADIUS)
+    moved = replace(made.mounts[1], position=(0.0, aside * RADIUS, 0.0))
+    return replace(made, mounts=(made.mounts[0], moved), wakes=wakes)
+
+
+def added(vehicle: Vehicle, velocity: object = (0.0, 0.0, 0.0)) -> np.ndarray:
+    """Over the inflow of the upper rotor."""
+    moving = np.atleast_2d(np.array(velocity, float))
+    flow = hub_flow_at(vehicle, np.ones((len(moving), 2)), moving, 0.0 * moving)
+    thrust = np.repeat(THRUST, len(moving), axis=0)
+    assert vehicle.wakes is not None
+    disk = vehicle.air.density * np.pi * RADIUS**2
+    inflow, _ = glauert_inflow(thrust, flow.axial, flow.inplane, disk)
+    return added_flow(vehicle, vehicle.wakes, flow, thrust) / inflow[:, :1]
+
+
+@pytest.mark.parametrize("height", [0.1, 0.3, 1.0, 3.0, 10.0])
+def test_in_hover_the_lower_meets_the_inflow_of_the_upper_at_any_depth(height: float) -> None:
+    """As much air goes through the contracted slipstream as through the upper disk."""
+    np.testing.assert_allclose(added(pair(height)), [[0.0, 1.0]], atol=1e-9)
+
+
+def test_equal_thrusts_between_the_limits_of_momentum_theory() -> None:
+    """Leishman and Syal, J. Am. Helicopter Soc. 53, 2008: one plane, and far below.
+
+    Two equal thrusts in one plane are one rotor of twice the disk loading: sqrt(2).  With the
+    lower rotor in the contracted wake, half the disk at twice the inflow, momentum and energy give
+    s^2 + s - 4 = 0 for the flow s through the lower rotor over the inflow of the upper.
+    """
+    far_below = 0.5 * (1.0 + 0.5 * (np.sqrt(17.0) - 1.0))
+    assert far_below == pytest.approx(1.281, abs=5e-4)
+    for height in coaxial.HEIGHTS:
+        # v (v + 1) = 1: the golden section.
+        assert coaxial.ideal_power(height) == pytest.approx(0.25 * (3.0 + np.sqrt(5.0)), rel=1e-6)
+        assert far_below < coaxial.ideal_power(height) < 1.03 * far_below < np.sqrt(2.0)
+
+
+@pytest.mark.parametrize("aside", [0.4, 1.0, 1.6])
+@pytest.mark.parametrize("speed", [0.0, 3.0, 8.0])
+def test_partly_overlapped_disks_by_counting_points(aside: float, speed: float) -> None:
+    made, depth = pair(0.5, aside), 0.5
+    disk = made.air.density * np.pi * RADIUS**2
+    inflow = float(glauert_inflow(THRUST[0, 0], np.zeros(1), np.array([speed]), disk)[0][0])
+    tangent = speed / inflow
+    path = depth * np.hypot(1.0, tangent)
+    grown = 1.0 + path / np.hypot(1.0, path)
+    # Continuity, of level flight: the upper disk's speed over that in the slipstream.
+    radius2 = np.hypot(speed, inflow) / np.hypot(speed, grown * inflow)
+    x, y = np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 1201)])
+    own = x**2 + y**2 <= 1.0
+    covered = (x + depth * tangent) ** 2 + (y + aside) ** 2 <= radius2
+    share = (own & covered).sum() / own.sum()
+    found = added(made, (speed, 0.0, 0.0))[0]
+    assert found[0] == 0.0
+    assert found[1] == pytest.approx(grown * share, abs=4e-3)
+
+
+def test_flight_sweeps_the_slipstream_off_the_lower_rotor() -> None:
+    speeds = np.linspace(0.0, 60.0, 121)
+    found = added(pair(0.5), speeds[:, None] * [1.0, 0.0, 0.0])[:, 1]
+    assert np.all(np.diff(found) < 0.02) and np.max(np.abs(np.diff(found))) < 0.1
+    assert found[0] == pytest.approx(1.0) and abs(found[-1]) < 1e-3
+    sideways = added(pair(0.5), speeds[:, None] * [0.0, -1.0, 0.0])[:, 1]
+    np.testing.assert_allclose(sideways, found, atol=2e-3)
+
+
+def test_gains_count_for_cylinders_alone() -> None:
+    for wakes in (Wakes(), Wakes(3.0, 2.0, 0.5)):
+        np.testing.assert_allclose(added(pair(0.3, wakes=wakes)), added(pair(0.3)), rtol=1e-12)
+    made = pair(0.3, wakes=Wakes())
+    flow = hub_flow_at(made, np.ones((1, 2)), np.zeros((1, 3)), np.zeros((1, 3)))
+    by_gain = wake_flow(made, Wakes(), flow, THRUST).by_gain
+    assert all(not by_gain[name].any() for name in ("ahead", "beside", "downwash"))
+
+
+def test_derivatives_against_differences() -> None:
+    made, h = pair(0.4, 0.5), 1e-4
+    moving = np.random.default_rng(1).normal([0.0, 0.0, 4.0], 3.0, (30, 3))
+    flow = hub_flow_at(made, np.ones((30, 2)), moving, 0.0 * moving)
+    thrust = np.repeat(THRUST, 30, axis=0)
+    found = wake_flow(made, SLIPSTREAMS, flow, thrust)
+    np.testing.assert_array_equal(found.added, added_flow(made, SLIPSTREAMS, flow, thrust))
+    step = np.array([h, 0.0])
+    more, less = (added_flow(made, SLIPSTREAMS, flow, thrust + d) for d in (step, -step))
+    slope = (more - less) / (2.0 * h)
+    np.testing.assert_allclose(found.by_thrust[:, :, 0], slope, atol=1e-3 * np.abs(slope).max())
+
+
+def test_who_is_above_whom() -> None:
+    together = np.array([[False, True], [True, False]])
+    for made, expected in (
+        (pair(0.3), together),
+        (pair(5.0, 1.9), together),
+        (pair(0.3, 2.0), ~together & together),  # side by side
+        (pair(0.02, 1.0), ~together & together),  # in one plane
+    ):
+        np.testing.assert_array_equal(above_each_other(made), expected)
+    across = replace(pair(0.5).mounts[1], axis=(1.0, 0.0, 0.0))
+    assert not above_each_other(replace(pair(0.5), mounts=(pair(0.5).mounts[0], across))).any()
+    with pytest.raises(InputError, match="apart"):
+        check_apart(pair(0.01))
+
+
+def test_the_measured_pair_at_all_speeds() -> None:
+    """Within 5 % in total thrust and power and 8 % in the split; nothing is fitted to the pair."""
+    thrust, power = coaxial.computed(coaxial.pair(coaxial.APART))
+    upper, lower = coaxial.MEASURED[:, 1:3], coaxial.MEASURED[:, 4:]
+    measured = np.stack([upper, lower], axis=1)
+    np.testing.assert_allclose(thrust.sum(axis=1), measured[..., 0].sum(axis=1), rtol=0.05)
+    np.testing.assert_allclose(power.sum(axis=1), measured[..., 1].sum(axis=1), rtol=0.05)
+    share = measured[:, 0, 0] / measured[..., 0].sum(axis=1)
+    np.testing.assert_allclose(thrust[:, 0] / thrust.sum(axis=1), share, rtol=0.08)
+    np.testing.assert_allclose(thrust, measured[..., 0], rtol=0.09)
+    # Without the slipstream it is another machine.
+    alone, _ = coaxial.computed(replace(coaxial.pair(coaxial.APART), wakes=None))
+    assert np.all(alone.sum(axis=1) > 1.2 * measured[..., 0].sum(axis=1))
+
+
+COAXIAL = """schema = 1
+name = "coax"
+frame = "flu"
+mass = 16.36
+propeller = "apc-8x6e"
+{rotors}
+"""
+ROTOR = "[[rotors]]\nposition = [{}, {}, {}]\nspin = '{}'\n"
+
+
+def octocopter(height: float, frame: str = "flu") -> str:
+    """Four pairs; the measured one's thrust, 40.1 N, is a quarter of the weight."""
+    spins, rotors = ("cw", "ccw"), ""
+    for k, (x, y) in enumerate([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]):
+        for level in (0, 1):
+            rotors += ROTOR.format(x, y, height * (0.5 - level), spins[(k + level) % 2])
+    return COAXIAL.format(rotors=rotors).replace('"flu"', f'"{frame}"')
+
+
+def test_hover_of_four_pairs_by_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    blade = coaxial.PROPELLER
+    rows = zip(blade.station, blade.chord, np.degrees(blade.twist), strict=True)
+    lines = ["# name: tmotor-28", "# blades: 2", "radius_m,chord_m,twist_deg"]
+    Path("blade.csv").write_text("\n".join([*lines, *("{},{},{}".format(*row) for row in rows)]))
+    law = {name: getattr(coaxial.CONSTANTS, name) for name in SECTION}
+    known = "\n".join(f"{name} = {float(value)!r}" for name, value in law.items())
+    Path("law.toml").write_text(f'schema = 1\nname = "t"\ncorrections = ["pitt-peters"]\n{known}\n')
+    text = octocopter(coaxial.APART).replace("apc-8x6e", "blade.csv")
+    Path("coax.toml").write_text(text)
+
+    def states(*more: str) -> list[dict[str, float]]:
+        asked = ["trim", "coax.toml", "--airfoil", "law.toml", "--speed", "0,4,12", "--no-bands"]
+        assert main([*asked, "--format", "json", *more]) == 0
+        found: list[dict[str, float]] = json.loads(capsys.readouterr().out)["states"]
+        return found
+
+    found, alone = states(), states("--no-wakes")
+    assert [one["status"] for one in found] == ["ok"] * 3
+    assert found[0]["shaft_power_W"] / 4.0 == pytest.approx(353.2, rel=0.05)
+    for k in range(1, 9):
+        assert found[0][f"thrust_{k}_N"] == pytest.approx(25.1 if k % 2 else 15.0, rel=0.05)
+    excess = [a["shaft_power_W"] / b["shaft_power_W"] for a, b in zip(found, alone, strict=True)]
+    assert excess[0] > 1.25 and 1.0 < excess[2] < 1.05
+
+
+def test_which_rotor_is_the_upper_one_in_either_frame(tmp_path: Path) -> None:
+    for frame, height in (("flu", 0.1), ("frd", -0.1)):
+        (tmp_path / "x.toml").write_text(octocopter(height, frame))
+        made = read_vehicle(tmp_path / "x.toml").vehicle
+        assert made.mounts[0].position[2] > made.mounts[1].position[2]
+
+
+def test_rotors_side_by_side_have_no_wakes_unless_asked(tmp_path: Path) -> None:
+    rotors = "".join(
+        ROTOR.format(x, y, z, spin)
+        for x, y, z, spin in [(0.2, 0.2, 0.0, "cw"), (-0.2, 0.2, 0.1, "ccw"),
+                              (-0.2, -0.2, 0.0, "cw"), (0.2, -0.2, 0.0, "ccw")]
+    )  # fmt: skip
+    (tmp_path / "quad.toml").write_text(COAXIAL.format(rotors=rotors))
+    assert read_vehicle(tmp_path / "quad.toml").vehicle.wakes is None
+
+
+def test_a_rotor_behind_another_on_one_axis_is_in_its_slipstream() -> None:
+    """Push and pull: what is above along the thrust is ahead."""
+    forward = (1.0, 0.0, 0.0)
+    mounts = (Mount((0.5, 0.0, 0.0), forward), Mount((-0.5, 0.0, 0.0), forward, "cw"))
+    found = added(replace(pair(0.5), mounts=mounts), (3.0, 0.0, 0.0))
+    assert found[0, 0] == 0.0 and found[0, 1] == pytest.approx(1.0, abs=1e-6)
