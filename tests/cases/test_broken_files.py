@@ -65,14 +65,6 @@ def test_a_damaged_table(run: Run, table: Path, case: str) -> None:
     refused(run("show", table), "map.npz", says)
 
 
-def test_missing_loads_beside_a_certificate_that_has_them(run: Run, table: Path) -> None:
-    content = invented_content()
-    content.coefficients[:, :, 3, 3] = np.nan
-    content.info["certificate"] = {"no_value": 0}
-    LoadTable(content).save(table)
-    refused(run("show", table), "map.npz")
-
-
 def test_a_table_that_unpacks_to_gigabytes(
     run: Run, table: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -40,7 +40,7 @@ from propmap.errors import InputError, located, quoted
 from propmap.io.csv import read_lines
 from propmap.io.formats import PE0, format_of
 from propmap.io.geometry import check_radius, read_geometry_file
-from propmap.io.sections import looks_like_section_table, read_section_table
+from propmap.io.sections import read_section_table
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
 from propmap.model.corrections import Correction, corrections_of
@@ -182,18 +182,9 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
     text = os.fspath(name_or_path)
     path = Path(text)
     named = text.lower() in airfoil_names() or path.suffix.lower() == ".toml"
-    if not named and path.exists() and (looks_like_section_table(path) or not _is_toml(path)):
+    if not named and path.exists():
         return read_section_table(path)
     return parameter_set(text)
-
-
-def _is_toml(path: Path) -> bool:
-    """Whether the file at ``path`` is TOML, of whatever it is."""
-    try:
-        tomllib.loads("\n".join(read_lines(path, "TOML file")))
-    except (ValueError, RecursionError):
-        return False
-    return True
 
 
 def search(text: str) -> list[catalogue.Entry]:

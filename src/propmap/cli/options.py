@@ -44,13 +44,7 @@ from propmap.io.geometry import blades_in_title, how_read
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
-from propmap.model.plausibility import (
-    PITCH_STATION,
-    air_warnings,
-    at_share,
-    blade_warnings,
-    point_warnings,
-)
+from propmap.model.plausibility import air_warnings, blade_warnings, point_warnings
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -233,9 +227,8 @@ def _of_another_propeller(asked: str, blade: Propeller) -> list[str]:
     if not is_fit(path):
         return []
     fitted = read_fit(path).record.propeller.propeller()
-    chords = [at_share(one, PITCH_STATION)[0] for one in (fitted, blade)]
-    pairs = [(fitted.radius, blade.radius), (fitted.blades, blade.blades), chords]
-    if all(math.isclose(one, other, rel_tol=SAME_BLADE) for one, other in pairs):
+    own, mine = ((one.radius, one.blades, one.chord.max()) for one in (fitted, blade))
+    if np.allclose(own, mine, rtol=SAME_BLADE):
         return []
     whose = f"{fitted.name}, {fitted.blades} blades, R = {fitted.radius:.4g} m"
     return [f"the constants of {asked} were fitted to another propeller: {whose}"]

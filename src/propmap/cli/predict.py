@@ -27,14 +27,10 @@ if TYPE_CHECKING:
 def predict(
     choice: opt.RotorChoice,
     rpm: Annotated[float | None, Option(help="Rotational speed [1/min].")] = None,
-    speed: Annotated[
-        float | None, Option(help="Speed through the air [m/s], by default 0: hover.")
-    ] = None,
+    speed: Annotated[float | None, Option(help="Speed through the air [m/s], else 0.")] = None,
     beta: Annotated[
         float | None,
-        Option(
-            help="Angle of velocity to axis [deg], by default 0: 0 climb, 90 edgewise, 180 descent."
-        ),
+        Option(help="Angle of velocity to axis [deg]: 0 climb, 90 edgewise, 180 descent; else 0."),
     ] = None,
     height: Annotated[
         float | None,
@@ -108,9 +104,7 @@ def _points(
         out.note(*remarks)
         return found
     if rpm is None:
-        raise InputError(
-            "--rpm is missing", "give --rpm, and in flight --speed and --beta, or --points"
-        )
+        raise InputError("--rpm is missing", "give --rpm, --speed and --beta, or --points")
     return opt.single_point(rpm, speed or 0.0, beta or 0.0, **further)
 
 

@@ -294,10 +294,7 @@ SAME_POWER = 0.03  # share within which a power is that of voltage and current
 
 
 def measured_loads(path: Path, *, at_rest: bool = False) -> Callable[[Propeller, Air], TunnelData]:
-    """Read the loads in a CSV file or one of coefficients now; these take propeller and air later.
-
-    A CSV file of a test ``at_rest`` needs no angle.
-    """
+    """Read loads now, of a test ``at_rest`` or not; coefficients take propeller and air later."""
     if looks_like_coefficients(path):
         return functools.partial(_of_coefficients, path.name, read_coefficients(path))
     further = (*LOAD_COLUMNS, "power_W", "voltage_V", "current_A")

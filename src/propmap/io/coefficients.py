@@ -35,11 +35,8 @@ def looks_like_coefficients(path: Path) -> bool:
 
 
 def read_coefficients(path: Path) -> Coefficients:
-    """Read rows under ``J CT CP [eta]`` (one rotational speed) or ``RPM CT CP`` (static), separated
-    by blanks or commas, or all of a PERFILE.
-
-    The name of a file with J ends with the rotational speed, as in apcsf_10x7_kt0828_3008.txt.
-    """
+    """Read rows under ``J CT CP [eta]`` (one rotational speed, by the file's name) or ``RPM CT CP``
+    (static), separated by blanks or commas, or all of a PERFILE."""
     lines = read_lines(path, "load file")
     with located(str(path)):
         return _perfile(lines) if format_of(lines) is PERFILES else _uiuc(path, lines)
@@ -47,7 +44,9 @@ def read_coefficients(path: Path) -> Coefficients:
 
 def _uiuc(path: Path, lines: list[str]) -> Coefficients:
     body = [(n, text) for n, text in enumerate(lines, start=1) if text.strip()]
-    (first, names), *rows = [(n, _cells(text)) for n, text in body if not is_comment(text)]
+    (first, names), *rows = [
+        (n, text.replace(",", " ").split()) for n, text in body if not is_comment(text)
+    ]
     header = tuple(name.upper() for name in names[:3])
     if header not in (FLIGHT, STATIC):
         found = f"line {first}: found {quoted(' '.join(names))}"
@@ -89,7 +88,3 @@ def _perfile(lines: list[str]) -> Coefficients:
         raise InputError("there is no row of loads", "give the file as APC publishes it")
     speed, advance, thrust, power = np.array(rows).T
     return Coefficients(speed, advance, thrust, power, ("computed by APC, not measured",))
-
-
-def _cells(line: str) -> list[str]:
-    return line.replace(",", " ").split()

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from propmap.errors import InputError, quoted
-from propmap.loads import LOADS
+from propmap.loads import LOADS, Load
 from propmap.units import DEGREE, FOOT, GRAVITY, HORSEPOWER, INCH, KMH, KNOT, MPH, POUND, RPM
 
 # -------------------------------------------------------------------------------------------------
@@ -48,6 +48,11 @@ class Quantity(NamedTuple):
     bare: str = ""  # a pattern of the names that say the unit themselves
 
 
+def _quantity(load: Load) -> Quantity:
+    names = (f"{load.name}|{load.label}".replace("_", " "),)
+    return Quantity(load.label, names, MOMENT if load.moment else FORCE)
+
+
 _TURNS = "(rotor|motor|prop|propeller|shaft|optical|motor optical)"
 _SPIN = f"(rotational|rotation|{_TURNS}) speed"
 _ELECTRIC_SPEED = "(motor )?electrical speed"
@@ -55,10 +60,7 @@ _ELECTRIC_SPEED = "(motor )?electrical speed"
 QUANTITIES = {
     "rpm": Quantity(
         "the rotational speed",
-        (
-            f"rpm|omega|n|w|speed|rot|rotation|drehzahl|{_SPIN}|{_TURNS} rpm",
-            _ELECTRIC_SPEED,
-        ),
+        (f"rpm|omega|n|w|speed|rot|rotation|drehzahl|{_SPIN}|{_TURNS} rpm", _ELECTRIC_SPEED),
         SPIN,
         f"({_TURNS} )?rpm",
     ),
@@ -73,18 +75,10 @@ QUANTITIES = {
     "torque_Nm": Quantity(
         "torque", ("((shaft|motor|reaction) )?torque|q|moment|mz|drehmoment",), MOMENT
     ),
-    **{
-        load.column: Quantity(
-            load.label,
-            (f"{load.name}|{load.label}".replace("_", " "),),
-            MOMENT if load.moment else FORCE,
-        )
-        for load in LOADS.values()
-        if load.name not in ("thrust", "torque")
-    },
+    **{load.column: _quantity(load) for load in LOADS.values() if load.inplane},
     "power_W": Quantity(
         "the shaft's power",
-        ("((shaft|mech|mechanical|brake|propeller) )?power|p( (shaft|mech))?|pshaft|pmech",),
+        ("((shaft|mech|mechanical|brake) )?power|p( (shaft|mech))?|pshaft|pmech",),
         POWER,
     ),
     "voltage_V": Quantity("the voltage", ("((battery|input|esc) )?voltage|u|v",), VOLT),
@@ -114,9 +108,7 @@ NOT_TAKEN = {
 }
 """What looks like a quantity and is another, and why."""
 
-AROUND = (
-    "([ab]|powertrain|rotor|propeller|prop|mean|average|avg|measured|test|filtered|raw) ?[1-9]?"
-)
+AROUND = "([ab]|powertrain|rotor|propeller|prop|mean|average|avg|measured|filtered|raw) ?[1-9]?"
 
 
 # -------------------------------------------------------------------------------------------------
@@ -133,13 +125,12 @@ class Taken(NamedTuple):
     factor: float  # to the unit of the quantity's column
 
 
-GREEK = ("omega", "beta", "alpha", "theta")
+GREEK = str.maketrans({"\u03c9": "omega", "\u03b2": "beta", "\u03b1": "alpha", "\u03b8": "theta"})
 LONGEST = 80  # characters of a name that are looked at
 
 
 def _words(text: str) -> str:
-    for letter, name in zip("\u03c9\u03b2\u03b1\u03b8", GREEK, strict=True):
-        text = text.replace(letter, name)
+    text = text.translate(GREEK)
     return re.sub(r"([a-z])([1-9])\b", r"\1 \2", re.sub(r"[^a-z0-9]+", " ", text).strip())
 
 
@@ -211,30 +202,24 @@ class Header:
             names = " and ".join(quoted(taken.name) for taken in found[:2])
             words = QUANTITIES[columns[0]].words
             raise InputError(f"{names} both give {words}", "keep one of them")
-        if not found:
-            self._refuse_unclear(*columns)
-        return found[0] if found else None
-
-    def _refuse_unclear(self, *columns: str) -> None:
-        """Raise ``InputError`` for a column without a unit, or with an electrical speed alone."""
-        for column in columns:
-            if column in self.unclear:
-                known = " or ".join(columns)
+        for column in columns if not found else ():
+            # A power needs no unit where there is a torque.
+            if column in self.unclear and not (column == "power_W" and "torque_Nm" in self.taken):
                 raise InputError(
                     f"column {quoted(self.unclear[column])} is in no unit that is known",
-                    f"name it {known}, after its unit, or leave it out",
+                    f"name it {' or '.join(columns)}, after its unit, or leave it out",
                 )
-        for name in self.names if "rpm" in columns else ():
+        for name in self.names if "rpm" in columns and not found else ():
             if "pole pairs" in (why := self.not_taken(name)):
                 raise InputError(f"column {quoted(name)} is {why}", "and name it rpm")
+        return found[0] if found else None
 
     @staticmethod
     def not_taken(name: str) -> str:
         """Say why a column is not taken for what it looks like; empty for any other."""
         words = [words for words, *_ in _parted(name)]
-        return next(
-            (why for names, why in NOT_TAKEN.items() for w in words if re.fullmatch(names, w)), ""
-        )
+        found = (why for names, why in NOT_TAKEN.items() for w in words if re.fullmatch(names, w))
+        return next(found, "")
 
     def told(self, used: Mapping[str, Taken]) -> list[str]:
         """Say in one sentence what was taken for what, and what was not; none where names are

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 import math
 import os
 import re
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from propmap.errors import InputError, located, quoted
-from propmap.io.columns import Header, Taken
+from propmap.io.columns import Header
 from propmap.loads import LOADS
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -434,10 +435,9 @@ def read_points(
     """Read operating points from a CSV file, what it has of the ``further`` columns (n,), and
     remarks on what its columns were taken for.
 
-    The file has columns rpm, speed_mps and beta_deg, and height_m if there is ground, as
-    ``propmap.io.columns`` knows them, in any order and any dialect of spreadsheets; without speed
-    and beta it is at rest, and one that is known to be ``at_rest`` needs no beta.  An empty field
-    of a further column is NaN.
+    Columns are those that ``propmap.io.columns`` knows, in any dialect of spreadsheets; without
+    speed and beta all is at rest, and what is known to be ``at_rest`` needs no beta.  An empty
+    field of a further column is NaN.
     """
     wanted = (*OF_POINTS, *further)
     columns, remarks = read_columns(path, ("rpm",), wanted[1:], "list of operating points")
@@ -464,16 +464,13 @@ def read_columns(
     """Read columns (n,) of a CSV file as ``propmap.io.columns`` knows them: those ``needed``, and
     of the ``further`` ones what it has, in the units of these names; and remarks on them.
 
-    An empty field is NaN unless it is of an operating point. ``InputError`` names the file, which
-    should be ``what``, the line and the column.
+    An empty field is NaN unless it is of an operating point; the file should be ``what``.
     """
     wanted, lines = (*needed, *further), read_lines(path, what, latin=True)
     with located(str(path)):
         # Some programs put a title above the names of the columns.
-        known = [
-            0 if is_comment(line) else len(columns_in(line, wanted)) for line in lines[:TITLED]
-        ]
-        start = next((k for k, count in enumerate(known) if count > 1), 0)
+        head = ["" if is_comment(line) else line for line in lines[:TITLED]]
+        start = next((k for k, line in enumerate(head) if len(columns_in(line, wanted)) > 1), 0)
         lines = [line if is_comment(line) else "" for line in lines[:start]] + lines[start:]
         first = next((text for text in lines if text.strip(" \t;,") and not is_comment(text)), "")
         file = read_csv_table(lines, columns_in(first, wanted), comments=True)
@@ -483,25 +480,18 @@ def read_columns(
             units = rows.pop(0)[1]
             names = [f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)]
         # Of several speeds that a stand writes, those that it did not measure are zero.
+        filled = itertools.zip_longest(*(row for _, row in rows), fillvalue="")
         blank = {
             place
-            for place, name in enumerate(names)
+            for place, (name, cells) in enumerate(zip(names, filled, strict=False))
             if name not in OF_POINTS
-            and not any(
-                row[place].strip("0." if "rpm" in name.lower() else "")
-                for _, row in rows
-                if place < len(row)
-            )
+            and not "".join(cells).strip("0." if "rpm" in name.lower() else "")
         }
-        header = Header(names, wanted, blank if rows else ())
+        header = Header(names, wanted, blank)
         with located(f"line {file.line if file else 1}"):
-            found: dict[str, Taken] = {}
-            for name in wanted:
-                # A power needs no unit where there is a torque.
-                if not (name == "power_W" and "torque_Nm" in found) and (
-                    one := header.one_of(name)
-                ):
-                    found[name] = one
+            found = {name: one for name in wanted if (one := header.one_of(name)) is not None}
+        if "torque_Nm" in found:
+            found.pop("power_W", None)
         absent = [name for name in needed if name not in found]
         if absent:
             raise missing(absent[0], needed)

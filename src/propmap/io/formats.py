@@ -21,13 +21,12 @@ class Format(NamedTuple):
 
 BLADE = "give it where a command wants PROP"
 POLAR = "give it by --airfoil"
+AS_CSV = "write radius_m,chord_m,twist_deg as CSV"
 LOADS = "give it to propmap fit or propmap check"
 
 PE0 = Format("an APC PE0 file", r"\s*STATION\s+CHORD\b|.*AIRFOIL SUMMARY DATA", BLADE)
 UIUC_GEOMETRY = Format("a UIUC geometry file", r"\s*r/R[\s,;]+c/R[\s,;]+beta\s*$", BLADE)
-QPROP = Format(
-    "a QPROP propeller", r".*!\s*(Nblades|Rfac|CL0)\b|\s*[#!]\s*r\s+chord\s+beta\b", BLADE
-)
+QPROP = Format("a QPROP propeller", r".*!\s*(Nblades|Rfac|CL0)\b|\s*[#!]\s*r\s+chord\s", BLADE)
 XROTOR = Format("an XROTOR file", r"\s*XROTOR\s+VERSION", BLADE)
 BEM = Format("an OpenVSP .bem file", r"\.*\s*BEM Propeller", BLADE)
 TOML = Format("a TOML file of propmap", r"\s*schema\s*=", "name it .toml")
@@ -42,19 +41,11 @@ FORMATS = (
     *(PE0, UIUC_GEOMETRY, QPROP, XROTOR, BEM, AERODYN_15, AERODYN, XFOIL, CACTUS, UIUC_LOADS),
     PERFILES,
     TOML,
-    Format(
-        "an AeroDyn blade file",
-        r"\s*BlSpn\s+BlCrvAC",
-        "it has no tip radius; write radius_m,chord_m,twist_deg as CSV",
-    ),
-    Format("a DFDC case", r"\s*DFDC\s+VERSION", "ducts are not modelled; write the blade as CSV"),
+    Format("an AeroDyn blade file", r"\s*BlSpn\s+BlCrvAC", f"it has no tip radius; {AS_CSV}"),
+    Format("a DFDC case", r"\s*DFDC\s+VERSION", f"ducts are not modelled; {AS_CSV}"),
     Format("a QBlade or JBLADE project", r".*(QBlade|JBLADE)", "export blade and polars as text"),
-    Format("an STL surface", r"\s*solid\b", "write radius_m,chord_m,twist_deg as CSV"),
-    Format(
-        "coordinates of an airfoil",
-        r"\s*1\.0*\s+-?0?\.0\d*\s*$",
-        "compute its polar past stall with XFOIL and give that",
-    ),
+    Format("an STL surface", r"\s*solid\b", AS_CSV),
+    Format("coordinates of an airfoil", r"\s*1\.0*\s+-?0?\.0\d*\s*$", "give its polar past stall"),
 )
 """The likelier ones first, where a file has the signs of several."""
 

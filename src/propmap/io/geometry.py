@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,11 +17,7 @@ from propmap.io.columns import QUANTITIES, Header, Taken
 from propmap.io.csv import columns_in, is_comment, read_csv_table, read_lines
 from propmap.io.formats import Format, format_of, not_read
 from propmap.model.model import Propeller
-from propmap.model.plausibility import (
-    check_blade,
-    check_blades,
-    twist_from_degrees,
-)
+from propmap.model.plausibility import check_blade, check_blades, twist_from_degrees
 from propmap.typing import Floats
 from propmap.units import INCH
 
@@ -327,9 +324,8 @@ def read_uiuc_geometry(
 
 def _of_database(file: Path, lines: Sequence[str]) -> bool:
     """Whether name or comments say that a geometry is of the UIUC database, or as one of it."""
-    return bool(
-        re.search(r"uiuc|_geom\b|\d+x\d", "\n".join([file.name, *lines[:_HEAD]]), re.IGNORECASE)
-    )
+    head = "\n".join([file.name, *lines[:_HEAD]])
+    return bool(re.search(r"uiuc|_geom\b|\d+x\d", head, re.IGNORECASE))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -415,64 +411,80 @@ LAW_NOT_READ = "its section law is not read: constants as for any other blade, o
 Numbered = list[tuple[int, list[float]]]  # rows of numbers, with the number of their line
 
 
-def read_qprop(
+class Written(NamedTuple):
+    """A blade as a program writes it, in [m] and [deg]."""
+
+    title: str
+    blades: float
+    rows: Numbered  # station, chord and twist
+    tip: float | None
+
+
+def _qprop(lines: Sequence[str]) -> Written:
+    """Read rows of r, chord, beta, with their factors and offsets."""
+    first = next((k for k, line in enumerate(lines) if line.strip()[:1] not in ("", "!", "#")), 0)
+    rows = _numbers(lines[first + 1 :], first + 2)
+    # Nblades [R], CL0 CL_a, CLmin CLmax, CD0 CD2u CD2l CLCD0, REref REexp, factors, offsets
+    head, body = rows[:7], rows[7:]
+    if not body or any(len(row) < 3 for _, row in (*head[5:], *body)):
+        found = "found no 7 lines of parameters above rows of r, chord, beta"
+        raise InputError(found, "give the file as QPROP reads it")
+    count, factor, offset = head[0][1], np.array(head[5][1][:3]), np.array(head[6][1][:3])
+    table = [(n, (np.array(row[:3]) * factor + offset).tolist()) for n, row in body]
+    # Some write the radius in metres, others in the unit of the rows.
+    tips = [count[1] * factor[0] + offset[0], count[1]] if len(count) > 1 else [None]
+    last = table[-1][1][0]
+    tip = next((one for one in tips if one and NEAR_TIP * one < last <= one * 1.001), tips[0])
+    return Written(lines[first].strip(), count[0], table, tip)
+
+
+def _xrotor(lines: Sequence[str]) -> Written:
+    """Read rows of r/R, C/R, Beta0deg, and the radius."""
+    tip = _below(lines, r"!\s*Rad\s+Vel", "the radius")[0][1][0]
+    (_, counts), *rows = _below(lines, r"!.*(stations|Nblds)", "the stations")
+    return Written(lines[1].strip(), counts[-1], _scaled(rows, counts[0], tip), tip)
+
+
+def _bem(lines: Sequence[str]) -> Written:
+    """Read rows of radius/R, chord/R, twist, and the diameter, which is taken to be in metres."""
+    stated: dict[str, float] = {}
+    for number, line in enumerate(lines, start=1):
+        key, colon, value = line.partition(":")
+        key = key.strip().replace("Num_Blades", "Num_Blade")  # as scripts write it
+        if colon and key in ("Num_Sections", "Num_Blade", "Diameter"):
+            stated[key] = parse_number(value, key, f"line {number}")
+    rows = _below(lines, r"\s*Radius/R\s*,\s*Chord/R\s*,\s*Twist \(deg\)", "the stations")
+    if len(stated) < 3:
+        found = "Num_Sections, Num_Blade and Diameter are not all there"
+        raise InputError(found, "give the file as OpenVSP writes it")
+    sections, count, diameter = (stated[k] for k in ("Num_Sections", "Num_Blade", "Diameter"))
+    return Written("", count, _scaled(rows, sections, 0.5 * diameter), 0.5 * diameter)
+
+
+PROGRAMS = {formats.QPROP: _qprop, formats.XROTOR: _xrotor, formats.BEM: _bem}
+
+
+def read_of_program(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """Read a propeller from a QPROP file: rows of r, chord, beta, with its factors and offsets."""
-    lines = read_lines(path)
+    """Read a propeller from a file of QPROP, XROTOR or OpenVSP, continued to the tip where its rows
+    end just before it."""
+    lines, file = read_lines(path), Path(path)
     with located(os.fspath(path)):
-        title = next((line for line in lines if line.strip() and line.lstrip()[0] not in "!#"), "")
-        rows = _numbers(lines[lines.index(title) + 1 :] if title else [], lines.index(title) + 2)
-        # Nblades [R], CL0 CL_a, CLmin CLmax, CD0 CD2u CD2l CLCD0, REref REexp, factors, offsets
-        head, body = rows[:7], rows[7:]
-        if len(head) < 7 or any(len(row) < 3 for _, row in (*head[5:], *body)):
-            found = "found no 7 lines of parameters above rows of r, chord, beta"
-            raise InputError(found, "give the file as QPROP reads it")
-        count, factor, offset = head[0][1], head[5][1], head[6][1]
-        table = [
-            (n, [v * f + a for v, f, a in zip(row, factor, offset, strict=False)])
-            for n, row in body
-        ]
-        # Some write the radius in metres, others in the unit of the rows.
-        tips = [count[1] * factor[0] + offset[0], count[1]] if len(count) > 1 else [None]
-        last = table[-1][1][0] if table else 0.0
-        tip = next((one for one in tips if one and NEAR_TIP * one < last <= one * 1.001), tips[0])
-        own = (title.strip(), _whole(count[0]) if blades is None else blades)
-        return _in_metres(path, "QPROP", own, table, tip, radius)
-
-
-def read_xrotor(
-    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
-) -> Propeller:
-    """Read a propeller from an XROTOR file: rows of r/R, C/R, Beta0deg, and the radius."""
-    lines = read_lines(path)
-    with located(os.fspath(path)):
-        tip = _below(lines, r"!\s*Rad\s+Vel", "the radius")[0][1][0]
-        (_, counts), *rows = _below(lines, r"!.*(stations|Nblds)", "the stations")
-        own = lines[1].strip(), _whole(counts[-1]) if blades is None else blades
-        return _in_metres(path, "XROTOR", own, _scaled(rows, counts[0], tip), tip, radius)
-
-
-def read_bem(
-    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
-) -> Propeller:
-    """Read a propeller from an OpenVSP .bem file, whose diameter is taken to be in metres."""
-    lines, wanted = read_lines(path), ("Num_Sections", "Num_Blade", "Diameter")
-    with located(os.fspath(path)):
-        stated: dict[str, float] = {}
-        for number, line in enumerate(lines, start=1):
-            key, colon, value = line.partition(":")
-            key = key.strip().replace("Num_Blades", "Num_Blade")  # as scripts write it
-            if colon and key in wanted:
-                stated[key] = parse_number(value, key, f"line {number}")
-        for key in wanted:
-            if key not in stated:
-                raise InputError(f"found no {key}", "give the file as OpenVSP writes it")
-        tip = 0.5 * stated["Diameter"]
-        rows = _below(lines, r"\s*Radius/R\s*,\s*Chord/R\s*,\s*Twist \(deg\)", "the stations")
-        own = "", _whole(stated["Num_Blade"]) if blades is None else blades
-        table = _scaled(rows, stated["Num_Sections"], tip)
-        return _in_metres(path, "OpenVSP", own, table, tip, radius)
+        title, count, rows, tip = PROGRAMS[format_of(lines)](lines)  # type: ignore[index]
+        labels, table = [f"line {n}" for n, _ in rows], np.array([row for _, row in rows])
+        last = table[-1, 0]
+        if tip is not None and len(table) > 1 and NEAR_TIP * tip < last < tip * (1.0 - 1e-6):
+            share = (tip - table[-2, 0]) / (last - table[-2, 0])
+            added = np.maximum(table[-2] + share * (table[-1] - table[-2]), (0.0, 0.0, -90.0))
+            labels, table = [*labels, "the tip"], np.vstack([table, added])
+        if tip is not None:
+            check_radius(float(table[-1, 0]), tip)
+        blade = table[:, 0], table[:, 1], twist_from_degrees(table[:, 2])
+        own = (int(count) if count.is_integer() else count) if blades is None else blades
+        made = build_propeller(labels, title or file.stem, own, blade, f"file {file.name}")  # type: ignore[arg-type]
+        check_radius(made.radius, radius)
+        return made
 
 
 def _numbers(lines: Sequence[str], first: int) -> Numbered:
@@ -506,37 +518,6 @@ def _scaled(rows: Numbered, count: float, tip: float) -> Numbered:
     return table[: int(count)]
 
 
-def _whole(value: float) -> int:
-    return check_blades(int(value) if value.is_integer() else value)
-
-
-def _in_metres(
-    path: str | os.PathLike[str],
-    program: str,
-    own: tuple[str, int],
-    rows: Numbered,
-    tip: float | None,
-    radius: float | None,
-) -> Propeller:
-    """Make the propeller of rows of station [m], chord [m] and twist [deg], continued to the tip
-    where they end just before it; ``own`` are title and number of blades."""
-    if not rows:
-        raise InputError("found no row of the blade", "give the whole file")
-    labels, table = [f"line {n}" for n, _ in rows], np.array([row[:3] for _, row in rows])
-    if tip is not None and len(table) > 1 and NEAR_TIP * tip < table[-1, 0] < tip * (1.0 - 1e-6):
-        share = (tip - table[-2, 0]) / (table[-1, 0] - table[-2, 0])
-        last = np.maximum(table[-2] + share * (table[-1] - table[-2]), (0.0, 0.0, -90.0))
-        labels, table = [*labels, "the tip"], np.vstack([table, last])
-    if tip is not None:
-        check_radius(float(table[-1, 0]), tip)
-    station, chord, twist = table.T
-    blade = station, chord, twist_from_degrees(twist)
-    source = f"{program} file {Path(path).name}"
-    result = build_propeller(labels, own[0] or Path(path).stem, own[1], blade, source)
-    check_radius(result.radius, radius)
-    return result
-
-
 # -------------------------------------------------------------------------------------------------
 # Any geometry file: which format it is in, read from its content.
 
@@ -544,9 +525,7 @@ def _in_metres(
 READERS: dict[Format | None, Callable[..., Propeller]] = {
     formats.PE0: read_apc_pe0,
     formats.UIUC_GEOMETRY: read_uiuc_geometry,
-    formats.QPROP: read_qprop,
-    formats.XROTOR: read_xrotor,
-    formats.BEM: read_bem,
+    **dict.fromkeys(PROGRAMS, read_of_program),
     formats.TOML: read_propeller_toml,
     None: read_propeller_csv,
 }
@@ -575,7 +554,7 @@ def how_read(file: str | os.PathLike[str], blades: int | None) -> list[str]:
     that was asked for."""
     lines = read_lines(file)
     kind = format_of(lines)
-    if kind in (formats.QPROP, formats.XROTOR, formats.BEM):
+    if kind in PROGRAMS:
         metres = "; its diameter is taken to be in metres" if kind is formats.BEM else ""
         return [f"this is {kind.name}: {LAW_NOT_READ}{metres}"]
     told = _stated_blades(lines) or blades_in_title(file, lines)

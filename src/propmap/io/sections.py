@@ -34,9 +34,7 @@ def section_format(lines: Lines) -> Format | None:
     """Recognise the format of a file's lines, one of ``READERS``, or None."""
     texts = [line for _, line in lines]
     found = format_of(texts)
-    if found is formats.XFOIL and _csv_header(lines) is not None and "," in texts[0]:
-        found = None
-    if found is None:
+    if found in (None, formats.XFOIL) and (_csv_header(lines) is not None or found is None):
         found = CSV if _csv_header(lines) is not None else CCBLADE if _is_ccblade(texts) else None
     return found if found in READERS else None
 

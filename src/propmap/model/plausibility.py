@@ -481,15 +481,14 @@ def _wrong_size(ratios: Mapping[str, float], usual: Range, *, by_power: bool) ->
     odd = [name for name, ratio in ratios.items() if ratio not in usual]
     if not odd:
         return []
-    words = {"torque": "power"} if by_power else {}
+    names = {name: "power" if by_power and name == "torque" else name for name in ratios}
     sizes = " and ".join(
-        f"{words.get(name, name)} is {ratio:.3g} times what such a blade gives"
+        f"{names[name]} is {ratio:.3g} times what such a blade gives"
         for name, ratio in ratios.items()
     )
     each = (
-        looks_like(_sized(_errors_of(words.get(name, name), ratios[name]), ratios[name]), word)
+        looks_like(_sized(_errors_of(names[name], ratios[name]), ratios[name]), names[name])
         for name in odd
-        for word in (words.get(name, name),)
     )
     causes = [like for like in each if like]
     measured = [name in ratios for name in ("thrust", "torque")]
