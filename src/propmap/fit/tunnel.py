@@ -96,14 +96,11 @@ def merged(parts: Sequence[TunnelData]) -> TunnelData:
         return part.loads.get(name, np.full(len(part), np.nan))
 
     loads = {n: np.concatenate([column(part, n) for part in parts]) for n in names}
-    flow = {a: np.concatenate([getattr(p, a) for p in parts]) for a in ("omega", "speed", "beta")}
-    return TunnelData(
-        source=", ".join(p.source for p in parts),
-        loads=loads,
-        remarks=tuple(remark for part in parts for remark in part.remarks),
-        by_power=any(part.by_power for part in parts),
-        **flow,
+    omega, speed, beta = (
+        np.concatenate([getattr(p, axis) for p in parts]) for axis in ("omega", "speed", "beta")
     )
+    source, power = ", ".join(p.source for p in parts), any(part.by_power for part in parts)
+    return TunnelData(source, omega, speed, beta, loads, by_power=power)
 
 
 def first_guess() -> Airfoil:

@@ -35,7 +35,6 @@ MOMENT |= _units({"lbft lbfft ftlb ftlbf": POUND * FOOT, "inlbf": POUND * INCH})
 POWER = _units({"w watt watts": 1.0, "kw": 1e3, "mw": 1e-3, "hp": HORSEPOWER})
 VOLT, AMPERE = _units({"v volt volts": 1.0, "mv": 1e-3}), _units({"a amp amps": 1.0, "ma": 1e-3})
 SHARE = {"": 1.0, "percent": 0.01, "%": 0.01}
-PURE = {"": 1.0}
 OTHERS = {"%", "percent", "s", "v", "a", "us", "c", "gw"}  # units of what is none of these
 
 
@@ -95,9 +94,9 @@ QUANTITIES = {
     ),
     # Of a section's polar.
     "alpha_deg": Quantity("the angle", ("alpha|aoa|angle( of attack)?",), ANGLE, ".*"),
-    "re": Quantity("Re", ("re|reynolds( number)?",), PURE, ".*"),
-    "cl": Quantity("C_L", ("cl|c l|lift coefficient",), PURE, ".*"),
-    "cd": Quantity("C_D", ("cd|c d|drag coefficient",), PURE, ".*"),
+    "re": Quantity("Re", ("re|reynolds( number)?",), SHARE, ".*"),
+    "cl": Quantity("C_L", ("cl|c l|lift coefficient",), SHARE, ".*"),
+    "cd": Quantity("C_D", ("cd|c d|drag coefficient",), SHARE, ".*"),
 }
 """By the column that propmap writes, whose name ends with its unit."""
 

@@ -476,7 +476,7 @@ def read_columns(
         file = read_csv_table(lines, columns_in(first, wanted), comments=True)
         names = file.header if file else []
         rows = file.rows if file else []
-        if rows and not any(map(_is_number, rows[0][1])):  # units beneath the names
+        if rows and not any(map(_MARKED.fullmatch, rows[0][1])):  # units beneath the names
             units = rows.pop(0)[1]
             names = [f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)]
         # Of several speeds that a stand writes, those that it did not measure are zero.
@@ -508,10 +508,6 @@ def read_columns(
             ]
             columns[name] = np.array(values) * one.factor
     return columns, remarks
-
-
-def _is_number(cell: str) -> bool:
-    return bool(_MARKED.fullmatch(cell))
 
 
 def _turning(

@@ -38,9 +38,8 @@ UIUC_LOADS = Format("UIUC loads", r"\s*(J|RPM)[\s,]+CT[\s,]+CP\b", LOADS)
 PERFILES = Format("a PERFILE of APC, with computed loads", r"\s*PROP\s+RPM\s*=", LOADS)
 
 FORMATS = (
-    *(PE0, UIUC_GEOMETRY, QPROP, XROTOR, BEM, AERODYN_15, AERODYN, XFOIL, CACTUS, UIUC_LOADS),
-    PERFILES,
-    TOML,
+    *(PE0, UIUC_GEOMETRY, QPROP, XROTOR, BEM, AERODYN_15, AERODYN, XFOIL, CACTUS),
+    *(UIUC_LOADS, PERFILES, TOML),
     Format("an AeroDyn blade file", r"\s*BlSpn\s+BlCrvAC", f"it has no tip radius; {AS_CSV}"),
     Format("a DFDC case", r"\s*DFDC\s+VERSION", f"ducts are not modelled; {AS_CSV}"),
     Format("a QBlade or JBLADE project", r".*(QBlade|JBLADE)", "export blade and polars as text"),

@@ -7,7 +7,6 @@ import os
 import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -316,16 +315,11 @@ def read_uiuc_geometry(
         check_fractions(table[:, 0], labels)
         blade = table[:, 0] * tip, table[:, 1] * tip, twist_from_degrees(table[:, 2])
         told = _stated_blades(lines) or blades_in_title(file, lines)
-        told = told or (2 if _of_database(file, lines) else None)
-        count = told if blades is None else blades
+        # By name or comments of the database, or named as its files are.
+        like = re.search(r"uiuc|_geom\b|\d+x\d", "\n".join([file.name, *lines[:_HEAD]]), re.I)
+        count = (told or (2 if like else None)) if blades is None else blades
         source = f"UIUC geometry file {file.name}"
         return build_propeller(labels, file.stem, count, blade, source, UIUC_CITATION)
-
-
-def _of_database(file: Path, lines: Sequence[str]) -> bool:
-    """Whether name or comments say that a geometry is of the UIUC database, or as one of it."""
-    head = "\n".join([file.name, *lines[:_HEAD]])
-    return bool(re.search(r"uiuc|_geom\b|\d+x\d", head, re.IGNORECASE))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -409,15 +403,7 @@ def _is_header(line: str) -> bool:
 NEAR_TIP = 0.97  # share of the radius from which a blade may be continued to its tip, linearly
 LAW_NOT_READ = "its section law is not read: constants as for any other blade, or by --airfoil"
 Numbered = list[tuple[int, list[float]]]  # rows of numbers, with the number of their line
-
-
-class Written(NamedTuple):
-    """A blade as a program writes it, in [m] and [deg]."""
-
-    title: str
-    blades: float
-    rows: Numbered  # station, chord and twist
-    tip: float | None
+Written = tuple[str, float, Numbered, float | None]  # title, blades, rows and tip, in [m] and [deg]
 
 
 def _qprop(lines: Sequence[str]) -> Written:
@@ -435,14 +421,14 @@ def _qprop(lines: Sequence[str]) -> Written:
     tips = [count[1] * factor[0] + offset[0], count[1]] if len(count) > 1 else [None]
     last = table[-1][1][0]
     tip = next((one for one in tips if one and NEAR_TIP * one < last <= one * 1.001), tips[0])
-    return Written(lines[first].strip(), count[0], table, tip)
+    return lines[first].strip(), count[0], table, tip
 
 
 def _xrotor(lines: Sequence[str]) -> Written:
     """Read rows of r/R, C/R, Beta0deg, and the radius."""
     tip = _below(lines, r"!\s*Rad\s+Vel", "the radius")[0][1][0]
     (_, counts), *rows = _below(lines, r"!.*(stations|Nblds)", "the stations")
-    return Written(lines[1].strip(), counts[-1], _scaled(rows, counts[0], tip), tip)
+    return lines[1].strip(), counts[-1], _scaled(rows, counts[0], tip), tip
 
 
 def _bem(lines: Sequence[str]) -> Written:
@@ -458,7 +444,7 @@ def _bem(lines: Sequence[str]) -> Written:
         found = "Num_Sections, Num_Blade and Diameter are not all there"
         raise InputError(found, "give the file as OpenVSP writes it")
     sections, count, diameter = (stated[k] for k in ("Num_Sections", "Num_Blade", "Diameter"))
-    return Written("", count, _scaled(rows, sections, 0.5 * diameter), 0.5 * diameter)
+    return "", count, _scaled(rows, sections, 0.5 * diameter), 0.5 * diameter
 
 
 PROGRAMS = {formats.QPROP: _qprop, formats.XROTOR: _xrotor, formats.BEM: _bem}
