@@ -22,7 +22,6 @@ from propmap.fit.flight import (
     HoverScale,
     balance_rows,
     hover_loads,
-    measured_moment,
     of_others,
     on_vehicle,
     six_loads,
@@ -39,6 +38,7 @@ from propmap.fit.least_squares import (
     rms_known,
     search,
 )
+from propmap.fit.moments import measured_moment
 from propmap.fit.parameters import (
     BODY,
     EVERY,
