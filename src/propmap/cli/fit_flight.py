@@ -47,6 +47,7 @@ from propmap.fit.files import fit_text
 from propmap.fit.fit import fit, range_warnings
 from propmap.fit.flight import (
     BIAS,
+    CLOCK_DEVIATION,
     OFFSET,
     OVER_FLIGHTS,
     TILT,
@@ -245,7 +246,6 @@ WAKE_PRIORS = {
 the disk (1) or far below it (2) or by less, as air at the rim is slower."""
 # Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
 UNTWIST = Prior(0.02, 0.02)
-CLOCK = Prior(0.0, 0.01)  # [s]; filters of sensors delay them by some milliseconds
 TURNED, BIASED = Prior(0.0, 0.02), Prior(0.0, 0.1)  # [rad], [m/s^2], as boards are mounted
 # In flow the air's own moments, which controllers balance, leave little of the rotors' to be seen.
 MOMENT_FACTOR = Prior(1.0, 1.0)
@@ -285,7 +285,9 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
         **dict.fromkeys(OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
         **dict.fromkeys(TILT, TURNED),
         **dict.fromkeys(BIAS, BIASED),
-        **dict.fromkeys(("clock_offset", *of_each("clock_offset", log)), CLOCK),
+        **dict.fromkeys(
+            ("clock_offset", *of_each("clock_offset", log)), Prior(0.0, CLOCK_DEVIATION)
+        ),
         **dict.fromkeys(CENTRE, Prior(0.0, CENTRE_SHARE * arm)),
         "rotor_inertia": Prior(0.0, heavy),
         **dict.fromkeys(FACTORS, MOMENT_FACTOR),

@@ -131,7 +131,7 @@ def _rows(
     """Make a row per load ``measured`` (n, L).
 
     Units are the weight, and for moments that at the hubs' mean distance from the centre of mass,
-    or at a radius where that is none.
+    or at a radius where that is none and about the vertical.
     """
     free, given = choice.free, (*choice.free, *choice.fixed)
 
@@ -169,7 +169,9 @@ def _rows(
     weight = model.vehicle.mass * GRAVITY
     places = np.array([mount.position for mount in model.vehicle.mounts])
     arm = float(np.mean(np.linalg.norm(places, axis=1))) or model.vehicle.propeller.radius
-    each = np.array([weight * (arm if name in MOMENTS else 1.0) for name in names])
+    # Torques go as the rotors' radius, and are a small part of the moments by their arms.
+    levers = dict(zip(MOMENTS, (arm, arm, model.vehicle.propeller.radius), strict=True))
+    each = np.array([weight * levers.get(name, 1.0) for name in names])
     scale = np.broadcast_to(each, measured.shape)
     units = tuple(UNITS[name] for name in names)
     return Rows.of_points(names, units, measured, scale, model.log.speed, table, group)
@@ -448,6 +450,7 @@ def _force(vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]) -> Flo
 
 OFFSET = ("sensor_x", "sensor_y", "sensor_z")
 CLOCK = "clock_offset"
+CLOCK_DEVIATION = 0.01  # [s] beforehand; filters of sensors delay them by some milliseconds
 TILT = ("sensor_tilt_x", "sensor_tilt_y")
 BIAS = ("sensor_bias_x", "sensor_bias_y", "sensor_bias_z")
 
