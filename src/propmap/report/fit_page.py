@@ -141,39 +141,33 @@ def _check(fit: FitRecord, given: GivenData) -> dict[str, Any]:
     """
     found = {name: one.all for name, one in given.errors.items() if one.all.rows}
     sizes = {name: e.rms / e.relative_rms for name, e in found.items()}
+    loads = {name: _load_and_unit(name)[0] for name in found}
     if given.tunnel is None:
-        sizes = _beside_largest(sizes, {name: _load_and_unit(name)[0] for name in found})
+        sizes = _beside_largest(sizes, loads)
     errors = [
-        (label_of(_load_and_unit(name)[0]), e.rms / sizes[name], e.hover_rms / sizes[name])
+        (label_of(loads[name]), e.rms / sizes[name], e.hover_rms / sizes[name])
         for name, e in found.items()
     ]
-    forces = {name: e for name, e in given.errors.items() if _load_and_unit(name)[0] not in MOMENTS}
+    forces = [name for name, load in loads.items() if load not in MOMENTS]
     seen = {one.sha256 or one.name for one in fit.data}
     names: tuple[list[str], list[str]] = ([], [])
     for one in given.sources:
         names[(one.sha256 or one.name) in seen].append(one.name)
-    levels = [level_of(found[name].rms / sizes[name]) for name in found if name in forces] or [
-        "bad"
-    ]
+    levels = [level_of(found[name].rms / sizes[name]) for name in forces] or ["bad"]
     beyond = []
     if given.beyond is not None and np.mean(given.beyond.samples) > ASKED:
         outside = {n: one for n, one in given.errors.items() if one.by_envelope[OUTSIDE].rows}
         beyond = [*given.beyond.sentences("rows"), *_errors_beyond(outside)]
         levels.append("caution")
-        levels += [
-            level_of(one.by_envelope[OUTSIDE].rms / sizes[name])
-            for name, one in outside.items()
-            if name in forces
-        ]
+        far = {name: outside[name].by_envelope[OUTSIDE].rms for name in forces if name in outside}
+        levels += [level_of(one / sizes[name]) for name, one in far.items()]
     return {
         "level": worst_of(levels),
         "beyond": beyond,
         "rows": max((e.rows for e in found.values()), default=0),
         "errors": errors,
         "useless": [
-            text
-            for name, e in found.items()
-            for text in useless(_load_and_unit(name)[0], e.relative_rms)
+            text for name, e in found.items() for text in useless(loads[name], e.relative_rms)
         ],
         "new": names[0],
         "known": names[1],
