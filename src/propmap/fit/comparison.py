@@ -185,8 +185,9 @@ def force_deviations(
     """Standard deviations (n, 6) of forces [N] and moments [N m] by a fit of whole flights.
 
     They are from the joint covariance of all that was free, throttle and drag among it, from what
-    differs from flight to flight, and from what the fit left on rows that it had not seen. NaN
-    where a load was not fitted; None for a fit of other data.
+    differs from flight to flight, and from what the fit left on rows that it had not seen, which
+    grows with the force on the vehicle as errors of loads do. NaN where a load was not fitted; None
+    for a fit of other data.
     """
     record = file.record
     if record.kind != "flight":
@@ -198,15 +199,20 @@ def force_deviations(
     own = {name: getattr(law, name) for name in SECTION}
     whole = {**FIRST_GUESS, **own, **record.fixed, **found, **values}
     more = tuple(PER_FLIGHT_DEVIATION)
-    slopes = ForceModel(vehicle, log, law).at(whole, (*known.names, *more)).slopes
+    loads, slopes = ForceModel(vehicle, log, law).at(whole, (*known.names, *more))
     count = len(known.names)
     variance = np.einsum("pnl,pq,qnl->nl", slopes[:count], known.matrix, slopes[:count])
     for slope, deviation in zip(slopes[count:], PER_FLIGHT_DEVIATION.values(), strict=True):
         variance += (deviation * slope) ** 2
-    left = {one.name: (one.cross_validated, one.rms) for one in record.loads}
+    fitted = {one.name: one for one in record.loads}
+    trained = sum(fitted[name].measured_rms ** 2 for name in AXES)
+    share = np.sum(loads[:, :3] ** 2, axis=1) / trained
     for k, name in enumerate((*AXES, *MOMENTS)):
-        crossed, own_rms = left.get(name, (np.nan, np.nan))
-        variance[:, k] += (crossed if np.isfinite(crossed) else own_rms) ** 2
+        left = np.nan
+        if name in fitted:
+            left = fitted[name].cross_validated
+            left = left if np.isfinite(left) else fitted[name].rms
+        variance[:, k] += share * left**2
     return np.asarray(np.sqrt(variance))
 
 
