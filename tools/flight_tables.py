@@ -1,4 +1,4 @@
-"""Tables of the documentation on flights: terms of a fit, and the rotors' wakes."""
+"""Tables of the documentation on flights: terms of a fit, flights unseen, the rotors' wakes."""
 
 from __future__ import annotations
 
@@ -36,6 +36,53 @@ def terms_as_recorded(found: dict[str, Any]) -> str:
     for model in dict.fromkeys(row["model"] for row in found["errors"]):
         cells = [_errors(found, model, flight, "as recorded", "no") for flight in flights]
         lines.append(f"| {model} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def unseen_moments(found: dict[str, Any]) -> str:
+    """Errors of moments on flights that were not fitted, beside simpler models and none."""
+    lines = [
+        "| fitted, predicted | axis | measured | propmap | arms, thrust | linear | in the band |",
+        "|---|---|---:|---:|---:|---:|---:|",
+    ]
+    for row in (one for one in found["rows"] if one["linear"] is not None):
+        # Three models and none, which errs by all that was measured.
+        models = [1e3 * row[key] for key in ("measured", "propmap", "hover_model", "linear")]
+        cells = [f"**{x:.2f}**" if x == min(models) else f"{x:.2f}" for x in models]
+        lines.append(
+            f"| {_short(row['fitted'])}, {_short(row['unseen'])} | {row['load'][-1]} | "
+            f"{' | '.join(cells)} | {100.0 * row['in_band']:.0f} % |"
+        )
+    return "\n".join(lines)
+
+
+def unseen_forces(found: dict[str, Any]) -> str:
+    """Errors of forces on flights that were not fitted, and the share in the stated band."""
+    lines = [
+        "| fitted, predicted | axis | measured | propmap | in the band |",
+        "|---|---|---:|---:|---:|",
+    ]
+    for row in (one for one in found["rows"] if one["linear"] is None):
+        lines.append(
+            f"| {_short(row['fitted'])}, {_short(row['unseen'])} | {row['load'][-1]} | "
+            f"{row['measured']:.2f} | {row['propmap']:.3f} | {100.0 * row['in_band']:.0f} % |"
+        )
+    return "\n".join(lines)
+
+
+def responses(found: dict[str, Any]) -> str:
+    """How a difference of thrust turns a vehicle, by frequency."""
+    rows = found["responses"]
+    columns = list(dict.fromkeys((row["flight"], row["axis"]) for row in rows))
+    heads = " | ".join(f"{_short(flight)}, {axis}" for flight, axis in columns)
+    lines = [f"| frequency [Hz] | {heads} |", f"|---|{len(columns) * '---|'}"]
+    for band in dict.fromkeys((row["from_Hz"], row["to_Hz"]) for row in rows):
+        cells = [
+            f"{row['gain']:.2f}, {row['lag_deg']:.0f}°, {row['coherence']:.2f}"
+            for row in rows
+            if (row["from_Hz"], row["to_Hz"]) == band
+        ]
+        lines.append(f"| {band[0]:g} to {band[1]:g} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 

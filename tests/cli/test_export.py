@@ -153,3 +153,12 @@ def test_what_cannot_be_is_told_in_one_line(
     assert message in done.err
     assert done.err.count("\n") == 1
     assert not (tmp_path / "to").exists()
+
+
+def test_a_propeller_goes_to_cpp_and_nothing_else_does(run: Run, tmp_path: Path) -> None:
+    done = run("export", "APC 8x6E", "--to", "cpp", "-o", "cpp", "--model", "paper")
+    assert done.code == 0 and (tmp_path / "cpp" / "apc_8x6e.hpp").exists()
+    for source, what in (("map.npz", "a table"), (str(DELIVERY), "a vehicle and a table")):
+        done = run("export", source, "--to", "cpp", "-o", "no")
+        assert done.code == 2 and f"cpp is not made from {what}, but from a propeller" in done.err
+    assert not (tmp_path / "no").exists()

@@ -149,7 +149,7 @@ def test_check_as_json(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> None:
     assert found["corrections"] == ["pitt-peters", "radial-friction"] and found["rows"] == 14
     assert set(found["loads"]) == {"thrust_N", "torque_Nm"}
     for name, load in found["loads"].items():
-        assert set(load) == CHECKED | {"by_speed", "by_envelope"}
+        assert set(load) == CHECKED | {"by_speed", "by_envelope", "in_band"}
         # Nothing of its own data is beyond them.
         assert load["by_envelope"] == {INSIDE: {key: load[key] for key in CHECKED}}
         assert sum(band["rows"] for band in load["by_speed"].values()) == 14

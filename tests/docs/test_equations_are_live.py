@@ -212,6 +212,7 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.vehicle": flights,
     "propmap.vehicle.wakes": all_flights,
     "propmap.fit.flight": all_flights,
+    "propmap.fit.moments": all_flights,
     "propmap.fit": made_up_fit,
 }
 """What must change, by the longest of these with which a module's name begins."""

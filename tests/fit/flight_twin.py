@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import propmap
-from propmap.fit.flight import OVER_FLIGHTS, ForceModel, balance_rows, measured_moment
+from propmap.fit.flight import OVER_FLIGHTS, ForceModel, balance_rows
 from propmap.fit.least_squares import Rows
+from propmap.fit.moments import measured_moment
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice, Prior
 from propmap.model.airfoil import parameter_set
 from propmap.typing import Floats
@@ -43,6 +44,8 @@ TRUTH: dict[str, float] = {
     "centre_y": -0.003,
     "centre_z": 0.006,
     "rotor_inertia": 1e-5,
+    "moment_scale_xy": 0.7,
+    "moment_scale_z": 0.8,
     "wake_ahead": 1.8,
     "wake_beside": 0.6,
     "wake_downwash": 0.7,
@@ -58,6 +61,8 @@ BEFOREHAND: dict[str, float] = {
     "drag_area_z": 0.02,
     "mount_area": 0.005,
     "rotor_inertia": 1e-5,
+    "moment_scale_xy": 0.3,
+    "moment_scale_z": 0.3,
     **dict.fromkeys(("sensor_x", "sensor_y", "sensor_z"), 0.05),
     **dict.fromkeys(("centre_x", "centre_y", "centre_z"), 0.01),
     **dict.fromkeys(("clock_offset[1]", "clock_offset[2]"), 0.01),

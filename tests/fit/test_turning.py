@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.fit.flight import ForceModel, added_moment, balance_rows, measured_moment
-from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
+from propmap.fit.fit import Settings, fit
+from propmap.fit.flight import ForceModel, balance_rows
+from propmap.fit.moments import FACTORS, measured_moment, moment_of_all
+from propmap.fit.parameters import FIRST_GUESS, SECTION, TURNING, Choice, Prior
 from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wakes import hub_flow
+from tests.fit.flight_twin import BEFOREHAND, FIXED, TRUTH, Noise, Twin
 from tests.fit.test_flight_balance import LAW, LAW_VALUES, VEHICLE, manoeuvre
 
 BODY = replace(VEHICLE, inertia=(4e-3, 5e-3, 8e-3), rotor_inertia=2e-5)
@@ -42,25 +47,91 @@ def test_free_rotation_needs_no_moment() -> None:
         rotor_speed=speeds,
         rotor_acceleration=np.zeros_like(speeds),
     )
-    none = np.zeros((0, len(log), 3))
-    force = np.zeros((len(log), 3))
-    reaction, _ = added_moment(BODY, free, hub_flow(BODY, free), force, none, {}, ())
+    none = np.zeros((0, len(log), 6))
+    still = np.zeros((len(log), 6))
+    reaction, _ = moment_of_all(BODY, free, hub_flow(BODY, free), still, none, {}, ())
     np.testing.assert_allclose(measured_moment(BODY, free), reaction, atol=1e-9)
     assert np.abs(reaction).max() > 1e-2
 
 
 def test_a_shifted_centre_and_a_spun_up_rotor() -> None:
     log = replace(manoeuvre(0, 5), rotor_acceleration=np.full((5, 4), 1000.0))
-    flow, up = hub_flow(BODY, log), np.tile([0.0, 0.0, 8.0], (5, 1))
+    flow, up = hub_flow(BODY, log), np.tile([0.0, 0.0, 8.0, 0.0, 0.0, 0.0], (5, 1))
     names = ("centre_x", "centre_y", "rotor_inertia")
-    zero = np.zeros((3, 5, 3))
+    zero = np.zeros((3, 5, 6))
     values = {"centre_x": 0.01, "centre_y": -0.02}
-    base, _ = added_moment(BODY, log, flow, up, zero, {}, names)
-    moved, slopes = added_moment(BODY, log, flow, up, zero, values, names)
+    base, _ = moment_of_all(BODY, log, flow, up, zero, {}, names)
+    moved, slopes = moment_of_all(BODY, log, flow, up, zero, values, names)
     # Lift behind the centre of mass turns the nose down: about y, to the left, it is positive.
     np.testing.assert_allclose(moved - base, np.tile([0.02 * 8.0, 0.01 * 8.0, 0.0], (5, 1)))
     np.testing.assert_allclose(slopes[0], np.tile([0.0, 8.0, 0.0], (5, 1)))
     np.testing.assert_allclose(base, BODY.rotor_inertia * slopes[2])
+    scaled, by_scale = moment_of_all(
+        BODY, log, flow, up, zero[:2], values | {"moment_scale_xy": 0.3}, tuple(FACTORS)
+    )
+    np.testing.assert_allclose(scaled, moved * [0.3, 0.3, 1.0])
+    np.testing.assert_allclose(by_scale.sum(axis=0), moved)
+
+
+HOVER = replace(
+    manoeuvre(0, 1),
+    velocity=np.zeros((1, 3)),
+    rates=np.zeros((1, 3)),
+    rotor_speed=np.full((1, 4), 560.0),
+    rotor_acceleration=np.zeros((1, 4)),
+)
+
+
+def test_a_symmetric_vehicle_in_hover_has_no_moment() -> None:
+    moment = ForceModel(BODY, HOVER, LAW).at(FIRST_GUESS | LAW_VALUES, ()).moment
+    np.testing.assert_allclose(moment, 0.0, atol=1e-12)
+
+
+def test_a_rotor_that_spins_up_turns_the_vehicle_against_its_spin() -> None:
+    for k, mount in enumerate(BODY.mounts):
+        faster = replace(HOVER, rotor_acceleration=1000.0 * np.eye(4)[[k]])
+        moment = ForceModel(BODY, faster, LAW).at(FIRST_GUESS | LAW_VALUES, ()).moment
+        # "ccw" from above is positive about z, which points up.
+        sign = -1.0 if mount.spin == "ccw" else 1.0
+        np.testing.assert_allclose(moment[0], [0.0, 0.0, sign * 1000.0 * 2e-5], atol=1e-12)
+
+
+@pytest.mark.parametrize("frame", ["flu", "frd"])
+def test_rotors_behind_a_centre_that_lies_forward_turn_the_nose_down(
+    tmp_path: Path, frame: str
+) -> None:
+    """The centre of mass 1 cm ahead of the hubs, in the file or as a parameter."""
+    side = 1.0 if frame == "flu" else -1.0
+
+    def vehicle(ahead: float) -> Vehicle:
+        rotors = [
+            f'[[rotors]]\nposition = [{x - ahead}, {side * y}, 0.0]\nspin = "{spin}"\n'
+            for x, y, spin in ((1, 1, "cw"), (1, -1, "ccw"), (-1, 1, "ccw"), (-1, -1, "cw"))
+        ]
+        path = tmp_path / "vehicle.toml"
+        text = TEXT.partition("{}")[0].replace('"flu"', f'"{frame}"')
+        path.write_text(text + "\n".join(rotors))
+        return read_vehicle(path).vehicle
+
+    values = FIRST_GUESS | LAW_VALUES
+    hubs_behind = ForceModel(vehicle(0.01), HOVER, LAW).at(values, ())
+    centre_ahead = ForceModel(vehicle(0.0), HOVER, LAW).at(values | {"centre_x": 0.01}, ())
+    thrust = float(hubs_behind.force[0, 2])
+    assert thrust > 1.0
+    for found in (hubs_behind, centre_ahead):
+        # About y to the left, a positive moment turns the nose down; logs and moments are in FLU.
+        np.testing.assert_allclose(found.moment[0], [0.0, 0.01 * thrust, 0.0], atol=1e-9)
+
+
+def test_forces_do_not_depend_on_what_turns_the_vehicle() -> None:
+    log = manoeuvre(0, 20)
+    values = FIRST_GUESS | LAW_VALUES
+    turned = values | {name: 0.5 * one.upper for name, one in TURNING.items()}
+    forces = [ForceModel(VEHICLE, log, LAW).at(one, ()).force for one in (values, turned)]
+    np.testing.assert_allclose(*forces, rtol=1e-12)
+    choice = Choice(("c_l1",), {n: v for n, v in LAW_VALUES.items() if n != "c_l1"})
+    rows = balance_rows(ForceModel(VEHICLE, log, LAW), choice)
+    assert rows.names == ("force_x", "force_y", "force_z")
 
 
 def test_rows_of_moments_where_inertia_is_known() -> None:
@@ -76,7 +147,9 @@ def test_rows_of_moments_where_inertia_is_known() -> None:
 def test_slopes_of_moments_against_differences() -> None:
     model = ForceModel(BODY, manoeuvre(0, 20), LAW)
     free = ("c_l1", "untwist", "centre_z", "rotor_inertia", "wake_ahead", "download_area_y")
+    free = (*free, *FACTORS)
     values = FIRST_GUESS | LAW_VALUES | {"untwist": 0.02, "wake_ahead": 2.0}
+    values |= {"moment_scale_xy": 0.7, "moment_scale_z": 0.4}
     found = model.at(values, free)
     steps = dict.fromkeys(free, 1e-4) | {"rotor_inertia": 1e-6}
     for k, name in enumerate(free):
@@ -121,3 +194,18 @@ def test_bad_inertia_and_areas(tmp_path, line: str, told: str) -> None:  # type:
 
 def test_values_that_no_choice_of_section_has_are_left_to_the_model() -> None:
     assert not {"untwist", "mount_area"} & set(FIRST_GUESS) and set(SECTION) <= set(FIRST_GUESS)
+
+
+def test_known_terms_are_found_within_their_intervals() -> None:
+    twin, free = Twin(samples=40), ("centre_x", "centre_y", "centre_z", "rotor_inertia", *FACTORS)
+    priors = {name: Prior(FIRST_GUESS[name], 5.0 * BEFOREHAND[name]) for name in free}
+    choice = Choice(free, FIXED | {n: v for n, v in TRUTH.items() if n not in free}, priors)
+    noise = twin.noise(np.random.default_rng(3), Noise())
+    rows = replace(twin.rows, measured=twin.measured(TRUTH) + noise)
+    found = fit(rows, choice, Settings(starts=1, folds=0))
+    sure, truth = found.uncertainty, np.array([TRUTH[name] for name in free])
+    width = sure.high - sure.low
+    assert (np.abs(found.x - truth) < 0.75 * width).all()
+    assert (sure.low <= truth).sum() + (truth <= sure.high).sum() >= 2 * len(free) - 1
+    # The noise about z, a hundredth of the weight at the hubs, is as large as the torques there.
+    assert width[free.index("moment_scale_xy")] < 0.3

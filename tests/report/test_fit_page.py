@@ -122,6 +122,25 @@ def test_forces_are_compared_with_the_largest() -> None:
     assert overall(found) == "good"
 
 
+def test_a_moment_no_better_than_none_is_not_to_be_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    useful = load("moment_x", 0.7, 3.0)
+    found = record(kind="flight", loads=[load("force_z", 0.02, 0.3), useful])
+    # Moments are no share of the weight, and no answer for the forces.
+    assert overall(found) == "good"
+    assert "moment about x within 70 % (hover model 300 %)" in told(found, monkeypatch)
+    useless = load("moment_z", 0.9, 3.0, 1.1)
+    found = record(kind="flight", loads=[load("force_z", 0.02, 0.3), useful, useless])
+    assert overall(found) == "caution"
+    given = {
+        "force_z_N": compared(np.ones(4), np.ones(4) + 0.01, np.ones(4), np.zeros(4), None),
+        "moment_z_Nm": compared(np.ones(4), -np.ones(4), np.ones(4), np.zeros(4), None),
+    }
+    text = told(found, monkeypatch, fit_page.GivenData([], given))
+    assert "Moment_z: the error is 110 % of what was measured" in text
+    assert "Moment_z: the error is 200 % of what was measured" in text
+    assert text.count("do not use it") == 2 and "Moment_x: the error" not in text
+
+
 def test_angles_without_data_are_extrapolation(monkeypatch: pytest.MonkeyPatch) -> None:
     sparse = covered(150.0, 0.2, points=0)
     fit = record(angles=[covered(0.0, 0.2), covered(90.0, 0.25), sparse])

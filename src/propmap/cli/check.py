@@ -58,6 +58,7 @@ def check(
         name: _numbers(c.all)
         | {
             "by_speed": {band: _numbers(e) for band, e in c.by_speed.items()},
+            "in_band": None if np.isnan(c.in_band) else c.in_band,
             "by_envelope": {band: _numbers(e) for band, e in c.by_envelope.items()},
         }
         for name, c in found.items()
@@ -107,9 +108,13 @@ def _compare(
         comparison.values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
     )
     forces = comparison.flight_forces(flown, log, law, values)
+    sure = comparison.force_deviations(fitted, flown, log, values) if fitted else None
     beyond = fitted.beyond(hub_flow(flown, log)[:3], flown.propeller.radius) if fitted else None
     out.note(*remarks, *more, *(beyond.sentences("samples") if beyond else ()))
-    return comparison.compare_forces(flown, log, forces, beyond)
+    found = comparison.compare_forces(flown, log, forces, beyond, sure)
+    for name, errors in found.items():
+        out.note(*comparison.useless(name.rpartition("_")[0], errors.all.relative_rms))
+    return found
 
 
 def _numbers(errors: Any) -> dict[str, Any]:
@@ -129,12 +134,13 @@ def _table(
             f"{e.bias:+.3g}",
             f"{e.worst:+.3g}",
             f"{e.hover_rms:.4g}",
+            "" if band != "all" or np.isnan(c.in_band) else f"{100.0 * c.in_band:.0f} %",
         )
         for name, c in found.items()
         for band, e in c.bands.items()
     ]
     physics = f", with {in_words(law.corrections or ())}{besides}"
-    heads = "<load|<rows at|rows|rms|relative|bias|worst|hover model's rms"
+    heads = "<load|<rows at|rows|rms|relative|bias|worst|hover model's rms|in 95 % band"
     return out.grid(heads, rows, f"Model minus measurement{physics}")
 
 

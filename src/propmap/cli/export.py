@@ -31,6 +31,8 @@ SPEED = (0.0, 20.0)
 BETA = (0.0, math.pi)
 TOLERANCE = 0.005
 
+TABLES = (".npz", ".nc")  # endings of tables
+
 
 def _forms(source: str) -> str:
     """List the targets of a ``source`` and what is written for them, for the help."""
@@ -125,6 +127,8 @@ def export(
         out.note(*assumption_lines(assumptions(craft.vehicle, craft.loads)))
     elif to in ROTOR_TARGETS:
         refuse(prop=prop, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None)
+        if source.suffix.lower() in TABLES or _is_vehicle(source):
+            find_export(to, "table" if source.suffix.lower() in TABLES else "vehicle")
         check_folder(output)
         asked = opt.RotorChoice(str(source), airfoil=airfoil, model=model, correction=correction)
         paths = export_rotor(asked.rotor(), to, output, replace=force)
@@ -174,7 +178,7 @@ def _table_of(
     """Load a table, or build one of a section law over what suits most multirotors."""
     from propmap.table import LoadTable, build_table
 
-    if source.suffix.lower() in (".npz", ".nc") or (prop is None and source.suffix != ".toml"):
+    if source.suffix.lower() in TABLES or (prop is None and source.suffix != ".toml"):
         given = {"--prop": prop, "--model": physics, "--correction": corrections}
         for option, value in given.items():
             if value:

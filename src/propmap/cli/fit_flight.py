@@ -47,7 +47,7 @@ from propmap.fit.files import fit_text
 from propmap.fit.fit import fit, range_warnings
 from propmap.fit.flight import (
     BIAS,
-    CENTRE,
+    CLOCK_DEVIATION,
     OFFSET,
     OVER_FLIGHTS,
     TILT,
@@ -59,6 +59,7 @@ from propmap.fit.flight import (
     of_each,
     wing_values,
 )
+from propmap.fit.moments import CENTRE, FACTORS
 from propmap.fit.parameters import (
     BODY,
     FLEX,
@@ -245,8 +246,9 @@ WAKE_PRIORS = {
 the disk (1) or far below it (2) or by less, as air at the rim is slower."""
 # Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
 UNTWIST = Prior(0.02, 0.02)
-CLOCK = Prior(0.0, 0.01)  # [s]; filters of sensors delay them by some milliseconds
 TURNED, BIASED = Prior(0.0, 0.02), Prior(0.0, 0.1)  # [rad], [m/s^2], as boards are mounted
+# In flow the air's own moments, which controllers balance, leave little of the rotors' to be seen.
+MOMENT_FACTOR = Prior(1.0, 1.0)
 # What motor controllers report is right within a hundredth: a clock's error, and rounding.
 ROTOR_SPEEDS = Prior(1.0, 0.01)
 # In oblique flow blades stall later than in the axial tests that other propellers' constants are
@@ -283,9 +285,12 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
         **dict.fromkeys(OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
         **dict.fromkeys(TILT, TURNED),
         **dict.fromkeys(BIAS, BIASED),
-        **dict.fromkeys(("clock_offset", *of_each("clock_offset", log)), CLOCK),
+        **dict.fromkeys(
+            ("clock_offset", *of_each("clock_offset", log)), Prior(0.0, CLOCK_DEVIATION)
+        ),
         **dict.fromkeys(CENTRE, Prior(0.0, CENTRE_SHARE * arm)),
         "rotor_inertia": Prior(0.0, heavy),
+        **dict.fromkeys(FACTORS, MOMENT_FACTOR),
         **WAKE_PRIORS,
         "rotor_speed_scale": ROTOR_SPEEDS,
         "thrust_scale": Prior(1.0, OVER_FLIGHTS),

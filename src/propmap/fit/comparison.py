@@ -16,14 +16,16 @@ from propmap.fit.files import DataSource, FitFile
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import (
     AXES,
+    CLOCK,
+    CLOCK_DEVIATION,
     CORRELATED,
     MOMENTS,
+    OVER_FLIGHTS,
     UNITS,
     ForceModel,
     HoverScale,
     balance_rows,
     hover_loads,
-    measured_moment,
     of_others,
     on_vehicle,
     six_loads,
@@ -40,11 +42,12 @@ from propmap.fit.least_squares import (
     rms_known,
     search,
 )
+from propmap.fit.moments import measured_moment
 from propmap.fit.tunnel import TunnelData, model_with, rotor_with
 from propmap.fit.uncertainty import uncertainty
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
-from propmap.model.airfoil import Airfoil
+from propmap.model.airfoil import Airfoil, SectionCovariance
 from propmap.model.envelope import Beyond
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
@@ -64,6 +67,7 @@ class SpeedErrors:
     by_speed: Mapping[str, ResidualErrors]
     # By ``INSIDE`` and ``OUTSIDE``, where there are rows; empty where no envelope is known.
     by_envelope: Mapping[str, ResidualErrors] = field(default_factory=dict)
+    in_band: float = np.nan  # share of the rows in the 95 % band; NaN where none is known
 
     @property
     def bands(self) -> dict[str, ResidualErrors]:
@@ -145,24 +149,96 @@ def flight_forces(
     return FlightForces(whole.loads, hover_loads(HoverModel.of(Rotor(model)), logged))
 
 
+PER_FLIGHT_DEVIATION = {"thrust_scale": OVER_FLIGHTS, CLOCK: CLOCK_DEVIATION}
+"""Standard deviations of what flights have of their own, before one of them is known."""
+
+BAND = 1.96
+"""Half the width of a band that holds 95 %, in standard deviations."""
+
+
+def force_deviations(
+    file: FitFile, vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]
+) -> Floats | None:
+    """Standard deviations (n, 6) of forces [N] and moments [N m] by a fit of whole flights.
+
+    They are from the joint covariance of all that was free, throttle and drag among it, from what
+    differs from flight to flight, and from what the fit left on rows that it had not seen, which
+    grows with the force on the vehicle as errors of loads do. NaN where a load was not fitted; None
+    for a fit of other data.
+    """
+    record = file.record
+    if record.kind != "flight":
+        return None
+    known = SectionCovariance(tuple(record.free), record.covariance).determined
+    known = known.of(
+        [name for name in known.names if parameters.general(name) not in parameters.PER_FLIGHT]
+    )
+    law = parameters.constants_of(file.airfoil)
+    found = {p.name: p.value for p in record.parameters}
+    own = {name: getattr(law, name) for name in parameters.SECTION}
+    whole = {**parameters.FIRST_GUESS, **own, **record.fixed, **found, **values}
+    more = tuple(PER_FLIGHT_DEVIATION)
+    loads, slopes = ForceModel(vehicle, log, law).at(whole, (*known.names, *more))
+    count = len(known.names)
+    variance = np.einsum("pnl,pq,qnl->nl", slopes[:count], known.matrix, slopes[:count])
+    for slope, deviation in zip(slopes[count:], PER_FLIGHT_DEVIATION.values(), strict=True):
+        variance += (deviation * slope) ** 2
+    fitted = {one.name: one for one in record.loads}
+    trained = sum(fitted[name].measured_rms ** 2 for name in AXES)
+    share = np.sum(loads[:, :3] ** 2, axis=1) / trained
+    for k, name in enumerate((*AXES, *MOMENTS)):
+        left = np.nan
+        if name in fitted:
+            left = fitted[name].cross_validated
+            left = left if np.isfinite(left) else fitted[name].rms
+        variance[:, k] += share * left**2
+    return np.asarray(np.sqrt(variance))
+
+
 def compare_forces(
-    vehicle: Vehicle, log: FlightLog, forces: FlightForces, beyond: Beyond | None = None
+    vehicle: Vehicle,
+    log: FlightLog,
+    forces: FlightForces,
+    beyond: Beyond | None = None,
+    deviations: Floats | None = None,
 ) -> dict[str, SpeedErrors]:
-    """Errors of forces against mass times specific force, and of moments where inertia is known, by
-    name with unit; ``beyond`` says how far samples leave the fit's envelope. ``InputError`` without
-    specific force."""
+    """Errors of forces against mass times specific force, and of moments against what turns the
+    vehicle where its inertia is known, by name with unit.
+
+    ``beyond`` says how far samples leave the fit's envelope, ``deviations`` (n, 6) how far forces
+    and moments may err. ``InputError`` without specific force.
+    """
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
     )
     if not np.isfinite(measured[:, :3]).any():
         raise InputError("there is no specific force to compare with", "log it", log.source)
     names = (*AXES, *MOMENTS) if np.isfinite(measured[:, 3:]).any() else AXES
-    return {
-        f"{name}_{UNITS[name].replace(' ', '')}": compared(
-            forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k], beyond
-        )
-        for k, name in enumerate(names)
-    }
+    found = {}
+    for k, name in enumerate(names):
+        both = forces.model[:, k], measured[:, k]
+        one = compared(*both, log.speed, forces.hover[:, k], beyond)
+        if deviations is not None:
+            off = np.abs(both[0] - both[1])
+            known = np.isfinite(off) & np.isfinite(deviations[:, k])
+            if known.any():
+                inside = (off <= BAND * deviations[:, k])[known]
+                one = replace(one, in_band=float(np.mean(inside)))
+        found[f"{name}_{UNITS[name].replace(' ', '')}"] = one
+    return found
+
+
+def useless(load: str, share: float) -> list[str]:
+    """Say so where a moment's error is as large a ``share`` of what was measured as that of none.
+
+    Forces next to nothing across a flight are no fault of a model; moments are all of that size.
+    """
+    if load not in MOMENTS or not share >= 1.0:
+        return []
+    return [
+        f"{load}: the error is {100.0 * share:.0f} % of what was measured, no better than "
+        "predicting none: do not use it"
+    ]
 
 
 def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list[list[Trend]]:

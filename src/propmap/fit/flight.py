@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from propmap.errors import InputError, quoted
 from propmap.fit.fit import Coverage, coverage
 from propmap.fit.least_squares import Evaluation, RowModel, Rows
+from propmap.fit.moments import measured_moment, moment_of_all
 from propmap.fit.parameters import (
     EVERY,
     MOUNT,
@@ -130,7 +131,7 @@ def _rows(
     """Make a row per load ``measured`` (n, L).
 
     Units are the weight, and for moments that at the hubs' mean distance from the centre of mass,
-    or at a radius where that is none.
+    or at a radius where that is none and about the vertical.
     """
     free, given = choice.free, (*choice.free, *choice.fixed)
 
@@ -168,7 +169,9 @@ def _rows(
     weight = model.vehicle.mass * GRAVITY
     places = np.array([mount.position for mount in model.vehicle.mounts])
     arm = float(np.mean(np.linalg.norm(places, axis=1))) or model.vehicle.propeller.radius
-    each = np.array([weight * (arm if name in MOMENTS else 1.0) for name in names])
+    # Torques go as the rotors' radius, and are a small part of the moments by their arms.
+    levers = dict(zip(MOMENTS, (arm, arm, model.vehicle.propeller.radius), strict=True))
+    each = np.array([weight * levers.get(name, 1.0) for name in names])
     scale = np.broadcast_to(each, measured.shape)
     units = tuple(UNITS[name] for name in names)
     return Rows.of_points(names, units, measured, scale, model.log.speed, table, group)
@@ -372,11 +375,13 @@ def on_vehicle(
     loads = scale * loads
     body, by_body = body_force(vehicle, log, values, free)
     force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body
-    more, by_more = added_moment(vehicle, log, flow, force, by_force, values, free)
+    loads = np.concatenate([force, loads[:, 3:]], axis=-1)
+    slopes = np.concatenate([by_force, slopes[..., 3:]], axis=-1)
+    moment, by_moment = moment_of_all(vehicle, log, flow, loads, slopes, values, free)
     sensed, by_sensor = sensor_force(vehicle, log, values, free)
     return VehicleLoads(
-        np.concatenate([force + sensed, loads[:, 3:] + more], axis=-1),
-        np.concatenate([by_force + by_sensor, slopes[..., 3:] + by_more], axis=-1),
+        np.concatenate([force + sensed, moment], axis=-1),
+        np.concatenate([by_force + by_sensor, by_moment], axis=-1),
     )
 
 
@@ -445,6 +450,7 @@ def _force(vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]) -> Flo
 
 OFFSET = ("sensor_x", "sensor_y", "sensor_z")
 CLOCK = "clock_offset"
+CLOCK_DEVIATION = 0.01  # [s] beforehand; filters of sensors delay them by some milliseconds
 TILT = ("sensor_tilt_x", "sensor_tilt_y")
 BIAS = ("sensor_bias_x", "sensor_bias_y", "sensor_bias_z")
 
@@ -491,61 +497,6 @@ def sensor_force(
         elif general(name) == CLOCK:
             slopes[row] = by_clock * samples_of(name, values, log)[:, None]
     return force, slopes
-
-
-# -------------------------------------------------------------------------------------------------
-# What turns a vehicle, beside the air's moment on its rotors, and what that amounts to.
-#
-# About a vehicle's centre of mass, with its inertia J and with rotors of inertia I_r and spin s_i
-# about axes a_i, the air's moment is
-#
-#     M = J dw/dt + w x J w + I_r sum_i s_i (dOmega_i/dt a_i + Omega_i w x a_i) .
-#
-# A force F acts on a centre of mass that is at c in the vehicle file's frame with M - c x F.
-
-CENTRE = ("centre_x", "centre_y", "centre_z")
-ROTOR_INERTIA = "rotor_inertia"
-
-
-def measured_moment(vehicle: Vehicle, log: FlightLog) -> Floats:
-    """Moment that turns the frame, J dw/dt + w x J w [N m]; (n, 3), NaN where it is not known.
-
-    It takes moments of inertia and the log's time derivatives.
-    """
-    if vehicle.inertia is None:
-        return np.full_like(log.rates, np.nan)
-    inertia = np.array(vehicle.inertia)
-    turning = np.cross(log.rates, inertia * log.rates)
-    return np.asarray(inertia * log.angular_acceleration + turning)
-
-
-def added_moment(
-    vehicle: Vehicle,
-    log: FlightLog,
-    flow: HubFlow,
-    force: Floats,
-    slopes: Floats,
-    values: Mapping[str, float],
-    free: tuple[str, ...],
-) -> tuple[Floats, Floats]:
-    """Moment (n, 3) [N m] of a shifted centre of mass and of the spinning rotors; slopes (P, n, 3).
-
-    The parameters of ``TURNING`` among ``values`` add to the vehicle file's. ``force`` (n, 3) [N]
-    is that of the air on the vehicle, ``slopes`` (P, n, 3) its derivatives.
-    """
-    centre = np.array([values.get(name, 0.0) for name in CENTRE])
-    spun = flow.spin[:, None] * flow.axis
-    momentum = flow.omega @ spun
-    reaction = -(np.nan_to_num(log.rotor_acceleration) @ spun + np.cross(log.rates, momentum))
-    heavy = vehicle.rotor_inertia + values.get(ROTOR_INERTIA, 0.0)
-    moment = heavy * reaction - np.cross(centre, force)
-    by = -np.cross(centre, slopes)
-    for row, name in enumerate(free):
-        if name in CENTRE:
-            by[row] -= np.cross(np.eye(3)[CENTRE.index(name)], force)
-        elif name == ROTOR_INERTIA:
-            by[row] += reaction
-    return moment, by
 
 
 # -------------------------------------------------------------------------------------------------

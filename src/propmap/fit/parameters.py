@@ -81,7 +81,9 @@ TURNING = {
     "centre_y": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, left"),
     "centre_z": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, up"),
     "rotor_inertia": Parameter("kg m^2", 0.0, 0.0, 0.1, 1e-6, "inertia of a rotor with its motor"),
-}  # parameters of the balance of moments, which add to the vehicle file's
+    "moment_scale_xy": Parameter("-", 1.0, 0.0, 3.0, 0.1, "moment about x and y over the model's"),
+    "moment_scale_z": Parameter("-", 1.0, 0.0, 3.0, 0.1, "moment about z over the model's"),
+}  # parameters of the balance of moments, which add to the vehicle file's; see ``moments.py``
 
 WAKES = {
     "wake_ahead": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash ahead of a wake"),

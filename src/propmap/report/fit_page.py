@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.fit.comparison import INSIDE, OUTSIDE, SpeedErrors, Trend, level_forces
+from propmap.fit.comparison import INSIDE, OUTSIDE, SpeedErrors, Trend, level_forces, useless
 from propmap.fit.files import DataSource, FitFile, FitRecord, FittedLoad
 from propmap.fit.fit import CoveredAngle
+from propmap.fit.flight import MOMENTS
 from propmap.fit.least_squares import ResidualErrors
 from propmap.fit.parameters import EVERY, general
 from propmap.fit.tunnel import TunnelData
@@ -48,6 +49,9 @@ FORCES = {
     "force_x": "force forward",
     "force_y": "force to the side",
     "force_z": "force up",
+    "moment_x": "moment about x",
+    "moment_y": "moment about y",
+    "moment_z": "moment about z",
 }  # what is fitted in flight, in words
 NARROW = 2.0  # range of speeds [m/s] below which the data are from one speed
 OVERFITTED = 1.5  # cross-validated error over the error left, above which a fit follows the noise
@@ -135,29 +139,34 @@ def _check(fit: FitRecord, given: GivenData) -> dict[str, Any]:
     data."""
     found = {name: one.all for name, one in given.errors.items() if one.all.rows}
     sizes = {name: e.rms / e.relative_rms for name, e in found.items()}
+    loads = {name: _load_and_unit(name)[0] for name in found}
     if given.tunnel is None:
-        largest = max(filter(math.isfinite, sizes.values()), default=math.nan)
-        sizes = dict.fromkeys(found, largest)
+        sizes = _beside_largest(sizes, loads)
     errors = [
-        (label_of(_load_and_unit(name)[0]), e.rms / sizes[name], e.hover_rms / sizes[name])
+        (label_of(loads[name]), e.rms / sizes[name], e.hover_rms / sizes[name])
         for name, e in found.items()
     ]
+    forces = [name for name, load in loads.items() if load not in MOMENTS]
     seen = {one.sha256 or one.name for one in fit.data}
     names: tuple[list[str], list[str]] = ([], [])
     for one in given.sources:
         names[(one.sha256 or one.name) in seen].append(one.name)
-    levels = [level_of(own) for _, own, _ in errors] or ["bad"]
+    levels = [level_of(found[name].rms / sizes[name]) for name in forces] or ["bad"]
     beyond = []
     if given.beyond is not None and np.mean(given.beyond.samples) > ASKED:
         outside = {n: one for n, one in given.errors.items() if one.by_envelope[OUTSIDE].rows}
         beyond = [*given.beyond.sentences("rows"), *_errors_beyond(outside)]
         levels.append("caution")
-        levels += [level_of(one.by_envelope[OUTSIDE].rms / sizes[n]) for n, one in outside.items()]
+        far = {name: outside[name].by_envelope[OUTSIDE].rms for name in forces if name in outside}
+        levels += [level_of(one / sizes[name]) for name, one in far.items()]
     return {
         "level": worst_of(levels),
         "beyond": beyond,
         "rows": max((e.rows for e in found.values()), default=0),
         "errors": errors,
+        "useless": [
+            text for name, e in found.items() for text in useless(loads[name], e.relative_rms)
+        ],
         "new": names[0],
         "known": names[1],
     }
@@ -207,21 +216,30 @@ class JudgedLoad:
 
 def overall(fit: FitRecord) -> str:
     """Give the level of trust in a fit, one of ``WORDS``, by the errors on its data."""
-    levels = [one.level for one in judged(fit)]
+    levels = [one.level for one in judged(fit) if one.load.name not in MOMENTS]
     return worst_of([*levels, "caution"] if warnings(fit) else levels)
 
 
 def judged(fit: FitRecord) -> list[JudgedLoad]:
     """Judge every fitted load by its cross-validated error where there is one; forces on a vehicle
     beside the largest of them, about the weight, as across the flight there is next to nothing."""
-    sizes = [one.measured_rms for one in fit.loads]
+    sizes = {one.name: one.measured_rms for one in fit.loads}
     if fit.kind != "tunnel":
-        sizes = len(sizes) * [max(filter(math.isfinite, sizes), default=math.nan)]
+        sizes = _beside_largest(sizes, {name: name for name in sizes})
     found = []
-    for one, size in zip(fit.loads, sizes, strict=True):
-        error = one.cross_validated if math.isfinite(one.cross_validated) else one.rms
+    for one in fit.loads:
+        error, size = one.rms, sizes[one.name]
+        if math.isfinite(one.cross_validated):
+            error = one.cross_validated
         found.append(JudgedLoad(one, size, error / size, one.hover_rms / size))
     return found
+
+
+def _beside_largest(sizes: Mapping[str, float], loads: Mapping[str, str]) -> dict[str, float]:
+    """Give all forces the largest of their ``sizes``, and moments about an axis their own."""
+    own = {key: size for key, size in sizes.items() if loads[key] in MOMENTS}
+    forces = [size for key, size in sizes.items() if key not in own and math.isfinite(size)]
+    return dict.fromkeys(sizes, max(forces, default=math.nan)) | own
 
 
 def label_of(name: str) -> str:
@@ -272,7 +290,11 @@ def speed_rows(fit: FitRecord) -> list[tuple[str, ...]]:
             else ""
             for one, e in pairs
         ]
-        level = worst_of(level_of(e.rms / one.reference) for one, e in pairs if e)
+        level = worst_of(
+            level_of(e.rms / one.reference)
+            for one, e in pairs
+            if e and one.load.name not in MOMENTS
+        )
         count = max(e.rows for _, e in pairs if e)
         rows.append((_shown_band(band), str(count), *cells, WORDS[level]))
     return rows
@@ -298,6 +320,7 @@ def warnings(fit: FitRecord) -> list[str]:
     if fit.covered.speed[1] - fit.covered.speed[0] < NARROW:
         found.append("the data are from one speed: the fit has hardly been tested against speed")
     for one in judged(fit):
+        found += useless(one.load.name, one.error)
         if not one.error < one.hover:
             found.append(f"{one.label}: the hover model is no worse")
         ratio = one.load.cross_validated / one.load.rms if one.load.rms > 0.0 else math.nan

@@ -1,0 +1,133 @@
+"""File how well flights are predicted that a fit has not seen: forces, moments and their bands.
+
+Usage: python -m tools.flight_held_out VEHICLE.toml FLIGHT.csv FLIGHT.csv
+
+Fits each flight by `propmap fit flight` and checks the other by `propmap check`, with a linear
+model of the moments beside it; and says by frequency how a difference of the rotors' thrusts turns
+the vehicle.  Writes benchmarks/results/flight_held_out.json.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.signal import csd
+
+from propmap.cli.fit_flight import read_flights
+from propmap.fit.files import read_fit
+from propmap.fit.flight import HoverScale
+from propmap.fit.least_squares import rms
+from propmap.fit.moments import FACTORS, measured_moment
+from propmap.io.csv import replacing
+from propmap.typing import Floats
+from propmap.vehicle.files import VehicleFile, read_vehicle
+from propmap.vehicle.log import DERIVATIVE_CUTOFF, FlightLog
+from propmap.vehicle.wakes import hub_flow
+
+RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "flight_held_out.json"
+EDGES = (0.0, 0.5, 1.0, 3.0, 14.0)  # of bands of frequency [Hz]
+
+
+def main(vehicle: str, *flights: str) -> None:
+    """Fit and check both ways, and write what came out."""
+    file, rows, factors = read_vehicle(vehicle), [], []
+    for seen, unseen in (flights, flights[::-1]):
+        with tempfile.TemporaryDirectory() as folder:
+            fit = str(Path(folder) / "fit.toml")
+            told("fit", "flight", seen, "--vehicle", vehicle, "-o", fit)
+            text = told("check", fit, unseen, "--vehicle", vehicle, "--format", "json")
+            known = read_fit(Path(fit)).values
+        factors.append({"fitted": Path(seen).stem} | {name: known[name] for name in FACTORS})
+        linear = linear_errors(file, low_passed(seen, file), low_passed(unseen, file))
+        for name, one in json.loads(text)["loads"].items():
+            load, _, unit = name.rpartition("_")
+            rows.append(
+                {
+                    "fitted": Path(seen).stem,
+                    "unseen": Path(unseen).stem,
+                    "load": load,
+                    "unit": unit.replace("Nm", "N m"),
+                    "measured": one["rms"] / one["relative_rms"],
+                    "propmap": one["rms"],
+                    "hover_model": one["hover_rms"],
+                    "linear": linear.get(load),
+                    "in_band": one["in_band"],
+                }
+            )
+    with replacing(RESULTS) as place:
+        turned = [one for path in flights for one in responses(path, file)]
+        found = {"rows": rows, "factors": factors, "responses": turned}
+        place.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    print(RESULTS)
+
+
+def told(*command: str) -> str:
+    """What a command of propmap prints."""
+    every = [sys.executable, "-m", "propmap", *command]
+    return subprocess.run(every, check=True, capture_output=True, text=True).stdout
+
+
+def low_passed(path: str, file: VehicleFile, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
+    """The samples in flight, as fits and checks have them."""
+    return read_flights([Path(path)], file, "balance", low_pass=cutoff).log
+
+
+def responses(path: str, file: VehicleFile) -> Iterator[dict[str, Any]]:
+    """What turns a vehicle about x and y over the rotors' thrusts times arms, by frequency.
+
+    Thrusts are as the squares of the rotor speeds in hover; the coherence is 1 where these explain
+    all.
+    """
+    log, vehicle = low_passed(path, file, 0.0), file.vehicle
+    flow, per_square = hub_flow(vehicle, log), HoverScale.of(vehicle, log).reference
+    assert per_square is not None
+    arms = per_square * np.square(flow.omega) @ np.cross(flow.position, flow.axis)
+    moment, rate = measured_moment(vehicle, log), 1.0 / float(np.median(np.diff(log.time)))
+    for k, axis in enumerate("xy"):
+        pair = (arms[:, k], arms[:, k]), (arms[:, k], moment[:, k]), (moment[:, k], moment[:, k])
+        (at, own), (_, both), (_, turning) = (csd(*one, rate, nperseg=256) for one in pair)
+        for low, high in itertools.pairwise(EDGES):
+            inside = (at >= low) & (at < high)
+            a, b, c = (one[inside].sum() for one in (own, both, turning))
+            yield {
+                "flight": Path(path).stem,
+                "axis": axis,
+                "from_Hz": low,
+                "to_Hz": high,
+                "gain": float(abs(b / a)),
+                "lag_deg": -float(np.degrees(np.angle(b))),
+                "coherence": float(abs(b) ** 2 / (a * c).real),
+            }
+
+
+def linear_errors(file: VehicleFile, seen: FlightLog, unseen: FlightLog) -> dict[str, float]:
+    """Rms errors [N m] on one flight of a linear model of moments by another."""
+    known, wanted = (measured_moment(file.vehicle, log) for log in (seen, unseen))
+    found = {}
+    for k, axis in enumerate("xyz"):
+        by, _, _, _ = np.linalg.lstsq(terms(file, seen)[k], known[:, k], rcond=None)
+        found[f"moment_{axis}"] = rms(terms(file, unseen)[k] @ by - wanted[:, k])
+    return found
+
+
+def terms(file: VehicleFile, log: FlightLog) -> Floats:
+    """What each moment is linear in, (3, n, 5): squared speeds by arm, or by spin about z; their
+    sum; and the sum of the speeds times the velocity."""
+    flow = hub_flow(file.vehicle, log)
+    squares = np.square(flow.omega)
+    arms = np.cross(flow.position, flow.axis) - flow.spin[:, None] * flow.axis
+    speeds = flow.omega.sum(axis=1, keepdims=True)
+    common = [squares.sum(axis=1, keepdims=True), speeds * log.velocity]
+    return np.stack([np.hstack([(squares @ arms)[:, [k]], *common]) for k in range(3)])
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
