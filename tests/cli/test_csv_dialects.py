@@ -46,7 +46,7 @@ def geometry(path: Path) -> Values:
 
 
 def points(path: Path) -> Values:
-    found, columns = read_points(path, LOAD_COLUMNS)
+    found, columns, _ = read_points(path, LOAD_COLUMNS)
     return [*found.si, columns["thrust_N"]]
 
 

@@ -80,7 +80,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*TUNNEL, "nowhere.csv", *TO], "neither a file nor a measurement of the catalogue"),
     ([*TUNNEL, "uiuc-8x6", *TO], "uiuc-8x6e"),
     ([*TUNNEL, "no_load.csv", *TO], "there is no column with a load; add one of thrust_N"),
-    ([*TUNNEL, "empty_load.csv", *TO], "empty_load.csv has no thrust"),
+    ([*TUNNEL, "empty_load.csv", *TO], "not used: 'thrust_N' (blank)"),
     ([*TUNNEL, "two.csv", *TO, *NO_PRIOR], "2 measured numbers for 5 free parameters"),
     ([*TUNNEL, "negative.csv", *TO], "line 3, column rpm: -5000 is negative"),
     ([*TUNNEL, "nan.csv", *TO], "line 3, column speed_mps: nan is not a finite"),

@@ -106,14 +106,20 @@ def test_the_battery_s_power_is_pointed_out(run: Run) -> None:
     ("text", "says"),
     [
         ("speed_mps,thrust_N\n0,1\n", "line 1: column rpm is missing"),
-        ("rpm,weight\n5000,1\n", "there is no column with a load; add one of thrust_N"),
-        ("rpm,thrust_N,thrust_g\n5000,1,100\n", "thrust is given twice"),
-        ("rpm,Thrust,torque_Nm\n5000,1,0.03\n", "name it thrust_N or thrust_g or thrust_kg"),
-        ("rpm,thrust_N,torque (kg cm)\n5000,2,0.4\n", "'torque (kg cm)' is in no unit"),
+        (
+            "rpm,weight\n5000,1\n",
+            "no column with a load; columns: not used: 'weight'; add one of thrust_N",
+        ),
+        ("rpm,thrust_N,thrust_g\n5000,1,100\n", "'thrust_N' and 'thrust_g' both give thrust"),
+        (
+            "rpm,Thrust,torque_Nm\n5000,1,0.03\n",
+            "'Thrust' is in no unit that is known; name it thrust_N",
+        ),
+        ("rpm,thrust_N,torque (stone)\n5000,2,0.4\n", "'torque (stone)' is in no unit"),
         ("rpm,speed_mps,thrust_N\n5000,4,1\n", "fit such data with propmap fit tunnel"),
         ("rpm,thrust_N\n5000,much\n", "line 2, column thrust_N"),
         ("rpm,thrust_N\n", "there is no row below the header"),
-        ("rpm,thrust_N\n5000,\n6000,\n", "no thrust"),
+        ("rpm,thrust_N\n5000,\n6000,\n", "'thrust_N' (blank)"),
         ("rpm,thrust_N\n5000,300\n6000,440\n", "thrust looks like grams"),
     ],
 )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from propmap.catalogue.lookup import propeller
+from propmap.errors import InputError
 from propmap.io.geometry import (
     read_apc_pe0,
     read_geometry_file,
@@ -71,9 +72,12 @@ def test_a_uiuc_file_is_named_after_its_blades(tmp_path: Path, name: str, blades
     assert read_uiuc_geometry(path, radius=0.0635).blades == blades
 
 
-def test_uiuc_scales_with_radius_and_has_two_blades_by_default(written: Writer) -> None:
-    blade = read_uiuc_geometry(written(samples.UIUC), radius=0.15)
-    assert blade.blades == 2
+def test_uiuc_scales_with_radius_and_asks_for_its_blades(written: Writer) -> None:
+    with pytest.raises(InputError, match="no number of blades; pass --blades"):
+        read_uiuc_geometry(written(samples.UIUC), radius=0.15)
+    told = written("# blades: 3\n" + samples.UIUC)
+    assert read_uiuc_geometry(told, radius=0.15).blades == 3
+    blade = read_uiuc_geometry(written(samples.UIUC), blades=2, radius=0.15)
     np.testing.assert_allclose(blade.station, np.array([0.2, 0.4, 0.6, 0.8, 1.0]) * 0.15)
     np.testing.assert_allclose(blade.chord, np.array([0.15, 0.21, 0.22, 0.17, 0.04]) * 0.15)
     np.testing.assert_allclose(np.rad2deg(blade.twist), [38.0, 30.0, 21.0, 15.0, 10.0])

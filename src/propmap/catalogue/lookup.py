@@ -38,8 +38,9 @@ from propmap.catalogue.identified import (
 )
 from propmap.errors import InputError, located, quoted
 from propmap.io.csv import read_lines
-from propmap.io.geometry import check_radius, read_geometry_file, recognise
-from propmap.io.sections import looks_like_section_table, read_section_table
+from propmap.io.formats import PE0, format_of
+from propmap.io.geometry import check_radius, read_geometry_file
+from propmap.io.sections import read_section_table
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
 from propmap.model.corrections import Correction, corrections_of
@@ -127,7 +128,7 @@ def _named(
 def _of_apc_file(path: Path) -> catalogue.Entry | None:
     """Find the propeller whose blade an APC file has, by its title; None for another file."""
     lines = read_lines(path) if path.is_file() else []
-    if not lines or recognise(lines, os.fspath(path)) != "apc-pe0":
+    if not lines or format_of(lines) is not PE0:
         return None
     title = next(iter(lines[0].split()), "")
     try:
@@ -181,7 +182,7 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
     text = os.fspath(name_or_path)
     path = Path(text)
     named = text.lower() in airfoil_names() or path.suffix.lower() == ".toml"
-    if not named and path.exists() and looks_like_section_table(path):
+    if not named and path.exists():
         return read_section_table(path)
     return parameter_set(text)
 

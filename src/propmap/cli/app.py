@@ -127,6 +127,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         context = getattr(error, "ctx", None)
         command_path = context.command_path if context else "propmap"
         return _fail(f"{error.format_message().rstrip('.')}; see {command_path} --help")
+    except UnicodeError:
+        return _fail("a name holds bytes that are not UTF-8; rename the file or the folder")
     except BrokenPipeError:
         # The reader, such as `head`, has seen enough; what is left must not fail at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -168,7 +168,7 @@ def _is_vehicle(path: Path) -> bool:
         return False
     try:
         return "rotors" in tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return False
 
 

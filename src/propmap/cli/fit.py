@@ -5,8 +5,9 @@ from __future__ import annotations
 import difflib
 import functools
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import typer
@@ -24,15 +25,12 @@ from propmap.fit.files import fit_text
 from propmap.fit.fit import Fitted, Settings, coverage, fit, range_warnings
 from propmap.fit.least_squares import FlightErrors, Rows, errors
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
-from propmap.io.csv import read_columns, read_lines
-from propmap.io.uiuc import looks_like_uiuc_loads
 from propmap.model import plausibility
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import in_words
 from propmap.model.envelope import Envelope
 from propmap.model.model import Air, Model, Propeller
-from propmap.typing import Floats
-from propmap.units import GRAVITY, RPM
+from propmap.units import RPM
 
 
 class FitCommands(LazyGroup):
@@ -91,6 +89,9 @@ Bootstrap = Annotated[
 Seed = Annotated[int, Option("--seed", help="Seed of the random starts, folds and draws.")]
 WRITTEN = out.output_option("Write the fit to this file.", "FIT.toml")
 Output = Annotated[Path, WRITTEN]
+Accept = Annotated[
+    bool, Option("--accept", help="Write the fit however much of the loads it leaves unexplained.")
+]
 Picture = Annotated[
     Path | None, Option("--picture", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
 ]
@@ -274,6 +275,22 @@ def _rms(value: float) -> str:
     return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
+MOST_LEFT = 0.5  # rms error over what was measured, beyond which no fit is of any use
+
+
+def _refuse_poor(fitted: Fitted, warnings: Sequence[str], *, accept: bool) -> None:
+    """Raise ``InputError`` for a fit that leaves most of thrust or torque, unless that is accepted,
+    with what is doubtful about the data."""
+    for k, name in enumerate(fitted.rows.names):
+        left = errors(*fitted.compared(k)).relative_rms
+        if name in ("thrust", "torque") and left > MOST_LEFT and not accept:
+            found = f"the fit leaves {left:.0%} of the {name} (rms) and is not written"
+            odd = [text for text in warnings if ": columns: " not in text]
+            doubts = "; ".join(odd) or "neither units nor signs of the data stand out"
+            remedy = "correct the data or the propeller, or write it all the same by --accept"
+            raise InputError(f"{found}; {doubts}", remedy)
+
+
 def _finish_tunnel(
     choice: opt.RotorChoice,
     model: Model,
@@ -336,6 +353,7 @@ def fit_tunnel(
     folds: Folds = 5,
     bootstrap: Bootstrap = 0,
     seed: Seed = 2017,
+    accept: Accept = False,
     picture: Picture = None,
     cluster: opt.Cluster = None,
 ) -> None:
@@ -375,6 +393,7 @@ def fit_tunnel(
     remake = functools.partial(tunnel.tunnel_rows, model, measured, chosen, **options)
     with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
+    _refuse_poor(fitted, warnings, accept=accept)
     remarks = [*range_warnings(fitted.rows), *comparison.failing_assumptions(fitted, rows_for)]
     _finish_tunnel(
         choice,
@@ -395,26 +414,7 @@ def fit_tunnel(
 # ``propmap fit static``: a thrust stand's rows, and what they say of forward flight.
 
 LIKE_ELECTRICAL = 1.2  # measured power over what the prior predicts; from there the battery's?
-SPEED = "speed_mps"
-
-
-class Column(NamedTuple):
-    """What a column holds: a load, and its size in N or N m; a power is torque times Omega."""
-
-    load: str
-    unit: float
-    is_power: bool = False
-
-
-COLUMNS = {
-    "thrust_N": Column("thrust", 1.0),
-    "thrust_g": Column("thrust", 1e-3 * GRAVITY),
-    "thrust_kg": Column("thrust", GRAVITY),
-    "torque_Nm": Column("torque", 1.0),
-    "torque_Ncm": Column("torque", 0.01),
-    "torque_mNm": Column("torque", 0.001),
-    "power_W": Column("torque", 1.0, is_power=True),  # of the shaft
-}
+STILL = 0.5  # [m/s], what an anemometer at rest may show
 
 
 @functools.partial(opt.takes_rotor, prop=opt.PropOption)
@@ -424,8 +424,8 @@ def fit_static(
         list[Path],
         Argument(
             metavar="FILE...",
-            help="CSV with the columns rpm and thrust_N, thrust_g or thrust_kg, and torque_Nm, "
-            "torque_Ncm, torque_mNm or the shaft's power_W where measured; or UIUC files.",
+            help="CSV with columns of rpm, thrust, and torque or the shaft's power where measured, "
+            "each with its unit, as thrust_g or 'Torque (N m)'; or UIUC files.",
         ),
     ],
     output: Annotated[Path | None, WRITTEN] = None,
@@ -438,6 +438,7 @@ def fit_static(
     folds: Folds = 0,
     bootstrap: Bootstrap = 0,
     seed: Seed = 2017,
+    accept: Accept = False,
     picture: Picture = None,
 ) -> None:
     """Fit a static test, and predict forward flight."""
@@ -445,13 +446,7 @@ def fit_static(
     base = opt.constants(choice.airfoil) if choice.airfoil else None
     blade, air = choice.blade(), choice.medium()
     parts = [_read_static(path, blade, air) for path in files]
-    warnings = []
-    for part in parts:
-        points = part.omega, part.speed, part.beta
-        with out.blamed_on(Path(part.source)):
-            odd = plausibility.point_warnings(blade, *points)
-            odd += plausibility.load_warnings(blade, air, *points, part.loads)
-        warnings += [f"{part.source}: {warning}" for warning in odd]
+    warnings = [text for part in parts for text in tunnel.data_warnings(part, blade, air)]
     out.note(*warnings)
     measured = tunnel.merged(parts)
     by_default = free is None and base is None
@@ -462,9 +457,10 @@ def fit_static(
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     setting = choice.accuracy
     fitted = fit(tunnel.tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
+    _refuse_poor(fitted, warnings, accept=accept)
     remarks = [*range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]
     if expected is not None:
-        remarks += _like_electrical(fitted, files)
+        remarks += _like_electrical(fitted, measured)
     _finish_tunnel(
         choice,
         model,
@@ -482,54 +478,24 @@ def fit_static(
 
 
 def _read_static(path: Path, propeller: Propeller, air: Air) -> tunnel.TunnelData:
-    """Read loads at rest, coefficients with this propeller and air; ``InputError`` names the file
-    and what is wrong in it, also where the air moves."""
+    """Read loads at rest; coefficients become loads with this propeller and air.
 
-    def check_rest(speed: Floats) -> None:
-        if np.any(speed != 0.0):
-            raise InputError(
-                f"the air moves in some rows, by up to {np.max(speed):g} m/s",
-                "fit such data with propmap fit tunnel",
-                str(path),
-            )
-
-    if path.is_file() and looks_like_uiuc_loads(path):
-        found = tunnel.read_tunnel([str(path)], propeller, air)
-        check_rest(found.speed)
-        return found
-    columns = read_columns(path, ("rpm",), (*COLUMNS, SPEED), "CSV file of a static test")
-    check_rest(np.nan_to_num(columns.pop(SPEED, np.zeros(1))))
-    omega = columns.pop("rpm") * RPM
-    loads: dict[str, Floats] = {}
-    for name, values in columns.items():
-        column = COLUMNS[name]
-        if column.load in loads:
-            raise InputError(
-                f"line 1: {column.load} is given twice, the second time as {name}",
-                "keep one of the columns",
-                str(path),
-            )
-        if column.is_power:
-            values = np.divide(values, omega, out=np.full_like(omega, np.nan), where=omega > 0.0)
-        loads[column.load] = values * column.unit
-    if not loads:
+    Raises ``InputError`` that names the file and what is wrong in it, also where the air moves.
+    """
+    found = tunnel.measured_loads(path, at_rest=True)(propeller, air)
+    if np.any(found.speed > STILL):
         raise InputError(
-            "line 1: there is no column with a load",
-            f"add one of {', '.join(COLUMNS)}; power is that of the shaft",
+            f"the air moves in some rows, by up to {np.max(found.speed):g} m/s",
+            "fit such data with propmap fit tunnel",
             str(path),
         )
-    still = np.zeros_like(omega)
-    return tunnel.TunnelData(path.name, omega, still, still, loads)
+    return replace(found, speed=np.zeros_like(found.speed), beta=np.zeros_like(found.speed))
 
 
-def _like_electrical(fitted: Fitted, files: list[Path]) -> list[str]:
+def _like_electrical(fitted: Fitted, measured: tunnel.TunnelData) -> list[str]:
     """Remark that a power is larger than a shaft's is likely to be."""
     rows = fitted.rows
-    has_power = any(
-        not looks_like_uiuc_loads(path) and "power_W" in "".join(read_lines(path, "CSV file"))
-        for path in files
-    )
-    if "torque" not in rows.names or not has_power:
+    if "torque" not in rows.names or not measured.by_power:
         return []
     mine = rows.of_load(rows.names.index("torque"))
     value, _ = rows.model(fitted.choice.values(fitted.choice.first), fitted.choice.free)
@@ -537,7 +503,7 @@ def _like_electrical(fitted: Fitted, files: list[Path]) -> list[str]:
     if ratio < LIKE_ELECTRICAL:
         return []
     return [
-        f"power_W is {ratio:.2f} times what other propellers predict; if it is that of the "
+        f"the power is {ratio:.2f} times what other propellers predict; if it is that of the "
         "battery, with the losses of motor and controller, leave it out"
     ]
 

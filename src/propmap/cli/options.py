@@ -40,7 +40,7 @@ from propmap.catalogue.lookup import (
 from propmap.cli.output import note
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_value, read_lines
-from propmap.io.geometry import blades_in_title
+from propmap.io.geometry import blades_in_title, how_read
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
@@ -59,6 +59,7 @@ if TYPE_CHECKING:
 # PROP and the options that choose a rotor.
 
 Others = ParamSpec("Others")
+SAME_BLADE = 0.02  # share within which radius and chord are those of one blade
 Law = TypeVar("Law", bound=Airfoil | SectionTable)
 
 PROP_HELP = "Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file."
@@ -190,6 +191,8 @@ def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
     meant = meant_by(prop, asked)
     if isinstance(meant, ExpectedBlade):
         note(meant.summary)
+    elif meant is None:
+        note(*how_read(prop, asked))
     in_title = blades_in_title(prop, read_lines(prop)) if meant is None else None
     if in_title not in (None, found.blades):
         whose = "the file has" if asked is None else "--blades says"
@@ -204,6 +207,7 @@ def section_law(
     """Find the law that ``--airfoil`` asks for, else with a note that identified or predicted for
     PROP with so many ``blades`` as were asked for."""
     if asked is not None:
+        note(*_of_another_propeller(asked, blade))
         return airfoil(asked)
     meant = meant_by(prop, blades)
     found = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
@@ -211,6 +215,23 @@ def section_law(
         # Else the note on the blade has said what the constants rest on too.
         note(f"{found.summary}; another law by --airfoil")
     return found.airfoil
+
+
+def _of_another_propeller(asked: str, blade: Propeller) -> list[str]:
+    """Remark that ``--airfoil`` asks for a fit to another propeller than the ``blade``."""
+    path = Path(asked)
+    if path.suffix.lower() != ".toml" or not path.is_file():
+        return []
+    from propmap.fit.files import is_fit, read_fit
+
+    if not is_fit(path):
+        return []
+    fitted = read_fit(path).record.propeller.propeller()
+    own, mine = ((one.radius, one.blades, one.chord.max()) for one in (fitted, blade))
+    if np.allclose(own, mine, rtol=SAME_BLADE):
+        return []
+    whose = f"{fitted.name}, {fitted.blades} blades, R = {fitted.radius:.4g} m"
+    return [f"the constants of {asked} were fitted to another propeller: {whose}"]
 
 
 def with_physics(

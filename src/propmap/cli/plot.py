@@ -126,6 +126,7 @@ def _measured(path: Path, rpm: float, rotor: Rotor) -> TunnelData:
     from propmap.fit.tunnel import measured_loads
 
     found = measured_loads(path)(rotor.model.propeller, rotor.model.air)
+    out.note(*found.remarks)
     given = found.omega / RPM
     mine = np.abs(given - rpm) <= SAME_RPM * rpm
     if not mine.any():

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 from typer import Option
 
 from propmap.bands import SOURCES
@@ -26,10 +27,10 @@ if TYPE_CHECKING:
 def predict(
     choice: opt.RotorChoice,
     rpm: Annotated[float | None, Option(help="Rotational speed [1/min].")] = None,
-    speed: Annotated[float | None, Option(help="Speed through the air [m/s].")] = None,
+    speed: Annotated[float | None, Option(help="Speed through the air [m/s], else 0.")] = None,
     beta: Annotated[
         float | None,
-        Option(help="Angle of velocity to axis [deg]: 0 climb, 90 edgewise, 180 descent."),
+        Option(help="Angle of velocity to axis [deg]: 0 climb, 90 edgewise, 180 descent; else 0."),
     ] = None,
     height: Annotated[
         float | None,
@@ -54,6 +55,11 @@ def predict(
     omega, speeds, angles = where.si
     opt.note_points(rotor.model, omega, speeds, angles)
     loads = rotor.loads(omega, speeds, angles, **where.further)
+    if count := int(np.count_nonzero(loads.roots > 1)):
+        out.note(
+            f"multiple_roots in {count} of {omega.size} points: near stall the momentum balance "
+            "has several solutions; the largest, of attached flow, is used"
+        )
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
         opt.note_not_counted(rotor.model)
@@ -94,11 +100,12 @@ def _points(
         both = [option for option, value in (given | more).items() if value is not None]
         if both:
             raise InputError(f"both --points and {both[0]} are given", "give one or the other")
-        return read_points(file)[0]
-    if rpm is None or speed is None or beta is None:
-        missing = next(option for option, value in given.items() if value is None)
-        raise InputError(f"{missing} is missing", "give --rpm, --speed and --beta, or --points")
-    return opt.single_point(rpm, speed, beta, **further)
+        found, _, remarks = read_points(file)
+        out.note(*remarks)
+        return found
+    if rpm is None:
+        raise InputError("--rpm is missing", "give --rpm, --speed and --beta, or --points")
+    return opt.single_point(rpm, speed or 0.0, beta or 0.0, **further)
 
 
 def _one_point(
@@ -164,4 +171,4 @@ def _many_points(
 
 
 def _digits(value: float) -> str:
-    return f"{value:.4g}"
+    return f"{value + 0.0:.4g}"  # without the sign of a zero

@@ -187,7 +187,7 @@ def sweep(
         out.write_text(loads_csv(points, loads, spread), output)
     else:
         values = quantities(loads, bands=bands, by_source=std_by_source)
-        write_dataset(evaluation.layout(command).dataset(values), output)
+        write_dataset(evaluation.layout(command).dataset(values), output, new=not force)
     lost = int((loads.status == "not_converged").sum())
     remark = f", {lost} of them not converged" if lost else ""
     echo(f"wrote {output}: {count} points{remark}")
@@ -278,7 +278,7 @@ def study(
     run_announced(made, store, layout, cluster, yes=yes, what="points")
     if isinstance(store, InMemory):
         found = store.dataset()
-        write_dataset(found, output)
+        write_dataset(found, output, new=not force)
     else:
         import xarray
 

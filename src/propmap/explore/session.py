@@ -33,9 +33,9 @@ from propmap.fit.files import is_fit, read_fit
 from propmap.fit.parameters import constants_of
 from propmap.fit.tunnel import TunnelData, measured_in_catalogue, measured_loads
 from propmap.hover import HoverModel
-from propmap.io.csv import LOAD_COLUMNS, read_lines
+from propmap.io.coefficients import looks_like_coefficients
+from propmap.io.csv import LOAD_COLUMNS, columns_in, read_lines
 from propmap.io.geometry import propeller_toml, read_geometry_file
-from propmap.io.uiuc import looks_like_uiuc_loads
 from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set, read_airfoil
 from propmap.model.corrections import as_text, corrections_of
 from propmap.model.model import Air, Model, Propeller
@@ -227,7 +227,7 @@ Kind = Literal["geometry", "constants", "fit", "table", "vehicle", "data"]
 
 MOST_BYTES = 5_000_000  # of a file that comes through the browser
 MOST_FILES = 200  # kept at a time, of all tabs; the one not used for longest goes first
-ENDINGS = (".toml", ".npz", ".csv", ".txt", ".dat")
+ENDINGS = (".toml", ".npz", ".csv", ".txt", ".dat", ".pe0", ".prop", ".xrotor", ".bem")
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,10 +288,10 @@ def _read(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
         return "table", LoadTable.load(path)
     if ending == ".toml":
         return _read_toml(path, trusted=trusted)
-    first = ""
-    if ending == ".csv":
-        first = next((line for line in read_lines(path, "CSV file") if line.strip()), "")
-    if looks_like_uiuc_loads(path) or any(name in first for name in LOAD_COLUMNS):
+    lines = read_lines(path, "file")
+    first = next((line for line in lines if line.strip()), "")
+    loads = ending == ".csv" and columns_in(first, ("rpm", *LOAD_COLUMNS))
+    if looks_like_coefficients(path) or loads:
         # Read once now, so that what is wrong is reported at once.
         return "data", measured_loads(path)
     return "geometry", read_geometry_file(str(path))
@@ -301,7 +301,7 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
     text = "\n".join(read_lines(path, "TOML file"))
     try:
         fields = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"not valid TOML ({error})", "correct the file", str(path)) from None
     if "rotors" in fields or "mass" in fields:
         from propmap.vehicle.files import read_vehicle

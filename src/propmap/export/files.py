@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 import textwrap
@@ -106,7 +105,8 @@ def filled(template: str, **values: Any) -> str:
 
 
 def _c_comment(lines: Sequence[str]) -> str:
-    return "\n".join(f" * {line.replace('*/', '* /')}".rstrip() for line in lines)
+    safe = (line.replace("*/", "* /").replace("/*", "/ *") for line in lines)
+    return "\n".join(f" * {line}".rstrip() for line in safe)
 
 
 def _hash_comment(lines: Sequence[str]) -> str:
@@ -141,16 +141,6 @@ def vehicle_name(vehicle: Vehicle, table: LoadTable) -> str:
     name = vehicle_identifier(vehicle)
     name = name if name[0].isalpha() else f"vehicle_{name}"
     return f"{name}_vehicle" if name == identifier(table) else name
-
-
-def table_sha256(table: LoadTable) -> str:
-    """Hash the table's numbers: axes, envelope, coefficients and cells, little-endian."""
-    content = table.content
-    axes = (content.advance, content.beta, content.omega, content.speed)
-    digest = hashlib.sha256(np.concatenate(axes).astype("<f8").tobytes())
-    digest.update(content.coefficients.astype("<f4").tobytes())
-    digest.update(content.cells.tobytes())
-    return digest.hexdigest()
 
 
 def provenance(table: LoadTable) -> list[str]:
@@ -192,7 +182,7 @@ def origin(table: LoadTable) -> list[str]:
     version = info.get("propmap_version", ABSENT)
     lines += [
         f"table built: {info.get('created', ABSENT)}, propmap {version}",
-        f"table's SHA-256: {table_sha256(table)}",
+        f"table's SHA-256: {table.content.sha256}",
     ]
     clean = ("".join(c if c.isprintable() else "?" for c in line) for line in lines)
     return [part for line in clean for part in textwrap.wrap(line, 88, subsequent_indent="  ")]

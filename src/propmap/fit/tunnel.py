@@ -28,8 +28,8 @@ from propmap.fit.parameters import (
     general,
 )
 from propmap.hover import HoverModel
+from propmap.io.coefficients import Coefficients, looks_like_coefficients, read_coefficients
 from propmap.io.csv import LOAD_COLUMNS, read_points
-from propmap.io.uiuc import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import BladeUntwist, Installed
@@ -52,6 +52,10 @@ class TunnelData:
         Rotational speed [rad/s], flight speed [m/s], angle to the axis [rad].
     loads : mapping of str to ndarray, shape (n,)
         By their names in ``propmap.loads.LOADS`` [N], [N m]; NaN where not measured.
+    remarks : tuple of str
+        What was taken for what, and what are no measurements.
+    by_power : bool
+        Whether the torque is that of a power.
     """
 
     source: str
@@ -59,6 +63,8 @@ class TunnelData:
     speed: Floats
     beta: Floats
     loads: Mapping[str, Floats] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+    by_power: bool = False
 
     def __len__(self) -> int:
         return int(self.omega.size)
@@ -90,8 +96,11 @@ def merged(parts: Sequence[TunnelData]) -> TunnelData:
         return part.loads.get(name, np.full(len(part), np.nan))
 
     loads = {n: np.concatenate([column(part, n) for part in parts]) for n in names}
-    flow = {a: np.concatenate([getattr(p, a) for p in parts]) for a in ("omega", "speed", "beta")}
-    return TunnelData(source=", ".join(p.source for p in parts), loads=loads, **flow)
+    omega, speed, beta = (
+        np.concatenate([getattr(p, axis) for p in parts]) for axis in ("omega", "speed", "beta")
+    )
+    source, power = ", ".join(p.source for p in parts), any(part.by_power for part in parts)
+    return TunnelData(source, omega, speed, beta, loads, by_power=power)
 
 
 def first_guess() -> Airfoil:
@@ -255,17 +264,19 @@ def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelDa
 
 
 def tunnel_warnings(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
-    """Say what does not fit the propeller, by file; ``InputError`` for impossible loads or
-    points."""
-    found = []
-    for item in sources(data):
-        part = _read(item, propeller, air)
-        points = part.omega, part.speed, part.beta
-        with located(part.source):
-            warnings = point_warnings(propeller, *points)
-            warnings += load_warnings(propeller, air, *points, part.loads)
-        found += [f"{part.source}: {warning}" for warning in warnings]
-    return found
+    """Say how files were read and what does not fit the propeller; ``InputError`` for impossible
+    loads or points."""
+    parts = [_read(item, propeller, air) for item in sources(data)]
+    return [text for part in parts for text in data_warnings(part, propeller, air)]
+
+
+def data_warnings(data: TunnelData, propeller: Propeller, air: Air) -> list[str]:
+    """Say of one file what ``tunnel_warnings`` says of all."""
+    points = data.omega, data.speed, data.beta
+    with located(data.source):
+        warnings = point_warnings(propeller, *points)
+        warnings += load_warnings(propeller, air, *points, data.loads, by_power=data.by_power)
+    return [f"{data.source}: {text}" for text in (*data.remarks, *warnings)]
 
 
 def measured_in_catalogue(name: str, air: Air) -> TunnelData:
@@ -276,23 +287,35 @@ def measured_in_catalogue(name: str, air: Air) -> TunnelData:
     return TunnelData(name, m.omega, m.speed, m.beta, loads)
 
 
-def measured_loads(path: Path) -> Callable[[Propeller, Air], TunnelData]:
-    """Read the loads in a CSV or UIUC file now; coefficients take propeller and air later."""
-    if looks_like_uiuc_loads(path):
-        return functools.partial(_of_coefficients, path.name, read_uiuc_loads(path))
-    points, columns = read_points(path, LOAD_COLUMNS)
-    if not columns:
-        raise InputError(
-            "there is no column with a load", f"add one of {', '.join(LOAD_COLUMNS)}", str(path)
-        )
-    found = TunnelData(
-        path.name,
-        points.rpm * RPM,
-        points.speed_mps,
-        np.radians(points.beta_deg),
-        {LOAD_COLUMNS[name]: values for name, values in columns.items()},
+SAME_POWER = 0.03  # share within which a power is that of voltage and current
+
+
+def measured_loads(path: Path, *, at_rest: bool = False) -> Callable[[Propeller, Air], TunnelData]:
+    """Read loads now, of a test ``at_rest`` or not; coefficients take propeller and air later."""
+    if looks_like_coefficients(path):
+        return functools.partial(_of_coefficients, path.name, read_coefficients(path))
+    further = (*LOAD_COLUMNS, "power_W", "voltage_V", "current_A")
+    points, columns, remarks = read_points(path, further, at_rest=at_rest)
+    electrical = columns.pop("voltage_V", np.nan) * columns.pop("current_A", np.nan)
+    power, omega = columns.pop("power_W", None), points.rpm * RPM
+    if power is not None and np.mean(np.isclose(power, electrical, rtol=SAME_POWER)) > 0.5:
+        remarks.append("power is voltage times current, electrical and not of the shaft: not used")
+        power = None
+    loads = {LOAD_COLUMNS[name]: values for name, values in columns.items()}
+    if power is not None:
+        remarks.append("power is taken to be the shaft's, not the battery's")
+        unknown = np.full_like(omega, np.nan)
+        loads["torque"] = np.divide(power, omega, out=unknown, where=omega > 0.0)
+    if not loads:
+        known = ", ".join((*LOAD_COLUMNS, "power_W"))
+        remedy = f"add one of {known}; power is that of the shaft"
+        found = "; ".join(("there is no column with a load", *remarks))
+        raise InputError(found, remedy, str(path))
+    beta = np.radians(points.beta_deg)
+    data = TunnelData(
+        path.name, omega, points.speed_mps, beta, loads, tuple(remarks), by_power=power is not None
     )
-    return lambda _propeller, _air: found
+    return lambda _propeller, _air: data
 
 
 def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:
@@ -311,4 +334,5 @@ def _of_coefficients(name: str, c: Coefficients, propeller: Propeller, air: Air)
         c.advance * turns * diameter,
         np.zeros_like(c.rpm),
         {"thrust": c.thrust * force, "torque": torque},
+        c.remarks,
     )

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 import math
 import os
 import re
 import stat
+import uuid
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -17,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from propmap.errors import InputError, located, quoted
+from propmap.io.columns import Header
 from propmap.loads import LOADS
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -99,6 +102,13 @@ def separator_of(header: str, columns: Collection[str]) -> str:
         sniffed = ","  # one column
     wanted = {name.lower() for name in columns}
     return max((sniffed, *SEPARATORS), key=lambda mark: len(wanted & set(_names(header, mark))))
+
+
+def columns_in(header: str, known: Collection[str]) -> list[str]:
+    """List the names in a header line, in lower case, that may be one of the ``known`` columns of
+    ``propmap.io.columns``, whatever separates them."""
+    every = {name for mark in SEPARATORS for name in _names(header, mark)}
+    return [name for name in sorted(every) if Header([name], known).taken]
 
 
 def header_names(header: str, columns: Collection[str]) -> list[str]:
@@ -208,11 +218,14 @@ def loads_csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats
 MAX_BYTES = 5_000_000
 
 
-def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[str]:
+def read_lines(
+    path: str | os.PathLike[str], content: str = "geometry", *, latin: bool = False
+) -> list[str]:
     """Read the lines of the UTF-8 text file at ``path``, without their line ends.
 
     ``InputError``, in which the file is one with ``content``, for a missing file, a directory, a
-    file above 5 MB, and a file that is empty, binary or in another encoding.
+    file above 5 MB, and a file that is empty, binary or in another encoding, unless that may be
+    ``latin``, as that of instruments which write "\u00b5s".
     """
     where = os.fspath(path)
     try:
@@ -244,6 +257,8 @@ def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[
         try:
             text = data.decode("utf-8-sig")
         except UnicodeDecodeError as error:
+            if latin:
+                return data.decode("latin-1").splitlines()
             line = data.count(b"\n", 0, error.start) + 1
             found = f"line {line}: byte 0x{data[error.start]:02x} is not UTF-8 text"
             raise InputError(found, "save the file as UTF-8") from None
@@ -259,16 +274,23 @@ def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, *, new: bool = False) -> Iterator[Path]:
     """Yield a path in the same folder to write to; renamed to ``path`` if the block succeeds.
 
     Whatever ends the block otherwise, an interruption included, leaves ``path`` as it was and
-    nothing beside it. An ``OSError``, of a full disk say, names ``path``.
+    nothing beside it. An ``OSError``, of a full disk say, names ``path``; ``InputError`` for one
+    that should be ``new`` and that another process has made meanwhile.
     """
-    part = path.with_name(f".{path.name[:100]}.{os.getpid()}.part")
+    part = path.with_name(f".{path.name[:30]}.{uuid.uuid4().hex}.part")
     try:
         yield part
-        part.replace(path)
+        if new:
+            os.link(part, path)
+        else:
+            part.replace(path)
+    except FileExistsError:
+        found = "another run has written it meanwhile"
+        raise InputError(found, "choose another name, or pass --force", str(path)) from None
     except OSError as error:
         if error.filename is not None and str(error.filename) != str(part):
             raise
@@ -279,12 +301,12 @@ def replacing(path: Path) -> Iterator[Path]:
             part.unlink(missing_ok=True)
 
 
-def write_dataset(dataset: xarray.Dataset, path: Path) -> None:
-    """Write a dataset as NetCDF, whole or not at all.
+def write_dataset(dataset: xarray.Dataset, path: Path, *, new: bool = False) -> None:
+    """Write a dataset as NetCDF, whole or not at all, and if ``new`` where no file is.
 
     It is made in memory first: where a disk is full, the HDF5 library ends the process.
     """
-    with replacing(path) as part:
+    with replacing(path, new=new) as part:
         part.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
 
 
@@ -312,6 +334,7 @@ FURTHER = {"height": "height_m"}
 """Columns of what an operating point may have beside these, see ``operating_points.Further``."""
 
 SIGNED = ("beta", "climb")  # quantities that may be negative
+MOST_BETA = 360.0  # [deg], whatever the sign
 
 
 @dataclass(frozen=True)
@@ -374,6 +397,8 @@ def check_value(quantity: str, value: float) -> float:
         raise InputError(f"{quantity} is {value}, which is no finite number", REMEDIES[quantity])
     if value < 0.0 and quantity not in SIGNED:
         raise InputError(f"{quantity} is negative ({value:g})", REMEDIES[quantity])
+    if quantity == "beta" and abs(value) > MOST_BETA:
+        raise InputError(f"beta is {value:g}, more than a turn", REMEDIES[quantity])
     return value
 
 
@@ -391,81 +416,112 @@ def std_columns(loads: Loads, *, by_source: bool) -> dict[str, Floats]:
 
 
 def _number(value: float) -> float | None:
-    return value if np.isfinite(value) else None
+    return value + 0.0 if np.isfinite(value) else None  # without the sign of a zero
 
 
 # -------------------------------------------------------------------------------------------------
 # CSV files with a column per quantity: operating points and measured loads.
 
 POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
-QUANTITIES = POINT_COLUMNS | {column: name for name, column in FURTHER.items()}
+OF_POINTS = POINT_COLUMNS | {column: name for name, column in FURTHER.items()}
 LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}  # names of loads by their column
+TITLED = 10  # lines of a file among which its header is
+AT_REST = "columns of speed and beta are missing: all rows are taken to be at rest"
 
 
 def read_points(
-    path: Path, further: Iterable[str] = ()
-) -> tuple[OperatingPoints, dict[str, Floats]]:
-    """Read operating points from a CSV file, and what it has of the ``further`` columns (n,).
+    path: Path, further: Iterable[str] = (), *, at_rest: bool = False
+) -> tuple[OperatingPoints, dict[str, Floats], list[str]]:
+    """Read operating points from a CSV file, what it has of the ``further`` columns (n,), and
+    remarks on what its columns were taken for.
 
-    The file has columns rpm, speed_mps and beta_deg, and height_m if there is ground, in any order
-    and any dialect of spreadsheets.  An empty field of a further column is NaN.
+    Columns are those that ``propmap.io.columns`` knows, in any dialect of spreadsheets; without
+    speed and beta all is at rest, and what is known to be ``at_rest`` needs no beta.  An empty
+    field of a further column is NaN.
     """
-    wanted = (*FURTHER.values(), *further)
-    columns = read_columns(path, POINT_COLUMNS, wanted, "list of operating points")
+    wanted = (*OF_POINTS, *further)
+    columns, remarks = read_columns(path, ("rpm",), wanted[1:], "list of operating points")
+    absent = [name for name in POINT_COLUMNS if name not in columns]
+    if len(absent) == 2 or (at_rest and absent == ["beta_deg"]):
+        columns |= dict.fromkeys(absent, np.zeros_like(columns["rpm"]))
+        remarks += [] if at_rest else [AT_REST]
+    elif absent:
+        raise missing(absent[0], POINT_COLUMNS, str(path))
     rpm, speed, beta = (columns.pop(name) for name in POINT_COLUMNS)
     more = {name: columns.pop(column) for name, column in FURTHER.items() if column in columns}
-    return OperatingPoints(rpm, speed, beta, more), columns
+    return OperatingPoints(rpm, speed, beta, more), columns, remarks
+
+
+def missing(column: str, needed: Iterable[str], where: str = "") -> InputError:
+    """Make the error for a ``column`` that is not there."""
+    remedy = f"the first line must name {', '.join(needed)}"
+    return InputError(f"line 1: column {column} is missing", remedy, where)
 
 
 def read_columns(
     path: Path, needed: Collection[str], further: Iterable[str], what: str
-) -> dict[str, Floats]:
-    """Read columns (n,) of a CSV file by name: those ``needed``, and of the ``further`` ones what
-    it has.
+) -> tuple[dict[str, Floats], list[str]]:
+    """Read columns (n,) of a CSV file as ``propmap.io.columns`` knows them: those ``needed``, and
+    of the ``further`` ones what it has, in the units of these names; and remarks on them.
 
-    An empty field is NaN unless it is of an operating point. ``InputError`` names the file, which
-    should be ``what``, the line and the column.
+    An empty field is NaN unless it is of an operating point; the file should be ``what``.
     """
-    further, lines = tuple(further), read_lines(path, what)
+    wanted, lines = (*needed, *further), read_lines(path, what, latin=True)
     with located(str(path)):
-        file = read_csv_table(lines, [*needed, *further])
-        header = file.header if file else []
-        missing = [name for name in needed if name not in header]
-        if missing:
-            remedy = f"the first line must name {', '.join(needed)}"
-            raise InputError(f"line 1: column {missing[0]} is missing", remedy)
-        if file is None or not file.rows:
+        # Some programs put a title above the names of the columns.
+        head = ["" if is_comment(line) else line for line in lines[:TITLED]]
+        start = next((k for k, line in enumerate(head) if len(columns_in(line, wanted)) > 1), 0)
+        lines = [line if is_comment(line) else "" for line in lines[:start]] + lines[start:]
+        first = next((text for text in lines if text.strip(" \t;,") and not is_comment(text)), "")
+        file = read_csv_table(lines, columns_in(first, wanted), comments=True)
+        names = file.header if file else []
+        rows = file.rows if file else []
+        if rows and not any(map(_MARKED.fullmatch, rows[0][1])):  # units beneath the names
+            units = rows.pop(0)[1]
+            names = [f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)]
+        # Of several speeds that a stand writes, those that it did not measure are zero.
+        filled = itertools.zip_longest(*(row for _, row in rows), fillvalue="")
+        blank = {
+            place
+            for place, (name, cells) in enumerate(zip(names, filled, strict=False))
+            if name not in OF_POINTS
+            and not "".join(cells).strip("0." if "rpm" in name.lower() else "")
+        }
+        header = Header(names, wanted, blank)
+        with located(f"line {file.line if file else 1}"):
+            found = {name: one for name in wanted if (one := header.one_of(name)) is not None}
+        if "torque_Nm" in found:
+            found.pop("power_W", None)
+        absent = [name for name in needed if name not in found]
+        if absent:
+            raise missing(absent[0], needed)
+        if not rows:
             raise InputError("there is no row below the header", "add a row per point")
-        _check_units(header, further)
-        wanted = [*needed, *(name for name in further if name in header)]
-        repeated = [name for name in wanted if header.count(name) > 1]
-        if repeated:
-            raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them")
-        columns: dict[str, list[float]] = {name: [] for name in wanted}
-        places = {name: header.index(name) for name in wanted}
-        for line, row in file.rows:
-            for name, place in places.items():
-                cell = row[place] if place < len(row) else ""
-                columns[name].append(_value(cell, name, f"line {line}, column {name}"))
-    return {name: np.array(values) for name, values in columns.items()}
+        remarks = header.told(found)
+        if "thrust_N" in further and "rpm" in found:
+            rows = _turning(rows, found["rpm"].place, remarks)
+        columns: dict[str, Floats] = {}
+        for name, one in found.items():
+            values = [
+                _value(row[one.place] if one.place < len(row) else "", name, line, one.name)
+                for line, row in rows
+            ]
+            columns[name] = np.array(values) * one.factor
+    return columns, remarks
 
 
-def _check_units(header: Collection[str], columns: Collection[str]) -> None:
-    """Raise ``InputError`` for a load that is there, but in none of the units of ``columns``."""
-    for load in LOADS:
-        same = [name for name in columns if name.rpartition("_")[0] == load]
-        if not same or set(same) & set(header):
-            continue
-        for name in header:
-            if name.lower().replace(" ", "_").startswith(load):
-                raise InputError(
-                    f"line 1: column {quoted(name)} is in no unit that is known",
-                    f"name it {' or '.join(same)}, after its unit, or leave it out",
-                )
+def _turning(
+    rows: list[tuple[int, list[str]]], place: int, remarks: list[str]
+) -> list[tuple[int, list[str]]]:
+    """Leave out rows of measurements whose rotor stands still, with a remark."""
+    kept = [row for row in rows if len(row[1]) > place and row[1][place].strip("0.")]
+    if kept and len(kept) < len(rows):
+        remarks.append(f"{len(rows) - len(kept)} of {len(rows)} rows have no rpm: left out")
+    return kept or rows
 
 
-def _value(cell: str, column: str, where: str) -> float:
-    quantity = QUANTITIES.get(column)
+def _value(cell: str, column: str, line: int, name: str) -> float:
+    quantity, where = OF_POINTS.get(column), f"line {line}, column {name}"
     if quantity is None and not cell:
         return math.nan
     remedy = REMEDIES[quantity] if quantity else "give a finite number or leave the field empty"
@@ -478,7 +534,8 @@ def _value(cell: str, column: str, where: str) -> float:
         raise InputError(f"{cell} is not a finite number", remedy, where)
     if value < 0.0 and quantity in ("rpm", "speed", *FURTHER):
         raise InputError(f"{cell} is negative", remedy, where)
-    return value
+    with located(where):
+        return check_value("beta", value) if quantity == "beta" else value
 
 
 # -------------------------------------------------------------------------------------------------

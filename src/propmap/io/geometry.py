@@ -1,4 +1,4 @@
-"""Blade geometry from files in CSV, TOML, the UIUC database's format and APC's."""
+"""Blade geometry from files in CSV, TOML, and the formats of UIUC, APC, QPROP, XROTOR, OpenVSP."""
 
 from __future__ import annotations
 
@@ -11,13 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from propmap.errors import InputError, located, quoted
-from propmap.io.csv import header_names, is_comment, read_csv_table, read_lines
+from propmap.io import formats
+from propmap.io.columns import QUANTITIES, Header, Taken
+from propmap.io.csv import columns_in, is_comment, read_csv_table, read_lines
+from propmap.io.formats import Format, format_of, not_read
 from propmap.model.model import Propeller
-from propmap.model.plausibility import (
-    check_blade,
-    check_blades,
-    twist_from_degrees,
-)
+from propmap.model.plausibility import check_blade, check_blades, twist_from_degrees
 from propmap.typing import Floats
 from propmap.units import INCH
 
@@ -52,8 +51,11 @@ def parse_blades(text: str) -> int:
     return check_blades(count)
 
 
+_COUNTS = {"two": 2, "tri": 3, "three": 3, "quad": 4, "four": 4, "five": 5, "six": 6}
 _TOLD = re.compile(
-    r"\d *[x\u00d7*] *\d[\d.,]* *[x\u00d7*] *([2-9])(?!\.?\d)|(?<!\d)([2-9])[ _-]?blade"
+    r"\d *[x\u00d7*] *\d[\d.,]* *[x\u00d7*] *([2-9])(?!\.?\d)"
+    r"|(?<![\d.])([2-9])[ _-]?(?:blade|b(?![a-z0-9]))"
+    rf"|\b({'|'.join(_COUNTS)})[ _-]?blade"
 )
 _HEAD = 10  # lines of a file among which its title is
 
@@ -61,8 +63,16 @@ _HEAD = 10  # lines of a file among which its title is
 def blades_in_title(file: str | os.PathLike[str], lines: Sequence[str]) -> int | None:
     """Read the number of blades that a file's name, or a title in its ``lines``, tells, such as
     "HQ 5x4.3x3"; None where neither does."""
-    found = _TOLD.search("\n".join([Path(file).name, *lines[:_HEAD]]).lower())
-    return int(found[1] or found[2]) if found else None
+    found = _TOLD.search("\n".join([Path(file).name.replace("_", " "), *lines[:_HEAD]]).lower())
+    told = next(filter(None, found.groups()), None) if found else None
+    return None if told is None else _COUNTS.get(told) or int(told)
+
+
+def _stated_blades(lines: Sequence[str]) -> int | None:
+    """Read the number of blades in a comment such as "# blades: 3"."""
+    sign = re.compile(r"\s*#\s*(?:number of )?blades?\s*[:=]\s*(\d+)\s*$", re.IGNORECASE)
+    found = next(filter(None, map(sign.match, lines[:_HEAD])), None)
+    return check_blades(int(found[1])) if found else None
 
 
 def parse_rows(
@@ -180,12 +190,9 @@ def propeller_toml(blade: Propeller) -> str:
 # -------------------------------------------------------------------------------------------------
 # Blade geometry as CSV with the unit in each column's name.
 
-LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "in": INCH}
-STATION_COLUMNS = ("radius_m", "radius_mm", "radius_in", "r_over_R")
-CHORD_COLUMNS = ("chord_m", "chord_mm", "chord_in", "c_over_R")
-TWIST_COLUMNS = ("twist_deg", "twist_rad")
-QUANTITIES = {"station": STATION_COLUMNS, "chord": CHORD_COLUMNS, "twist": TWIST_COLUMNS}
-KNOWN = [name for several in QUANTITIES.values() for name in several]
+STATION, CHORD = ("radius_m", "r_over_R"), ("chord_m", "c_over_R")
+TWIST = ("twist_deg",)
+KNOWN = (*STATION, *CHORD, *TWIST)
 COMMENT_KEYS = ("name", "blades", "radius_m", "source", "citation")
 
 
@@ -194,14 +201,14 @@ def read_propeller_csv(
 ) -> Propeller:
     """Read a propeller from a CSV file with one row per station, from root to tip.
 
-    One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in or
-    c_over_R; twist_deg or twist_rad; in any dialect of ``propmap.io.csv``. Lines that start with #
-    are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``, ``# source:`` and ``#
-    citation:`` count. A title such as "HQ 5x4.3x3" tells the number of blades where nothing else
-    does.
+    One column each of radius_m or r_over_R, chord_m or c_over_R, and twist_deg, in any unit and
+    spelling of ``propmap.io.columns`` and any dialect of ``propmap.io.csv``; others are not used.
+    Lines that start with # are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``#
+    name:``, ``# source:`` and ``# citation:`` count. A title such as "HQ 5x4.3x3" tells the number
+    of blades where nothing else does.
     """
     where, lines = os.fspath(path), read_lines(path)
-    file = read_csv_table(lines, KNOWN, where, comments=True)
+    file = read_csv_table(lines, _columns_in(lines), where, comments=True)
     with located(where):
         if file is None:
             remedy = "name the columns, for example radius_m,chord_m,twist_deg"
@@ -212,20 +219,16 @@ def read_propeller_csv(
             if key.strip().lower() in COMMENT_KEYS and value.strip():
                 stated.setdefault(key.strip().lower(), value.strip())
         with located(f"line {file.line}"):
-            columns = _choose_columns(file.header)
-        labels, table = parse_rows(file.rows, file.header, tuple(columns.values()))
+            columns = _choose_columns(Header(file.header, KNOWN))
+        labels, table = parse_rows(file.rows, file.header, [one.name for one in columns.values()])
         if "radius_m" in stated:
             with located("# radius_m"):
                 in_file = usable_radius(parse_number(stated["radius_m"], "the radius"))
                 check_radius(in_file, radius)
                 radius = in_file
-        station, chord = _lengths(columns, table, radius, labels)
+        station, chord, twist = _in_si(columns, table, radius, labels)
         with located(labels[-1]):
             check_radius(float(station[-1]), radius)
-        twist = table[:, 2]
-        if columns["twist"] == "twist_deg":
-            with located("twist_deg"):
-                twist = twist_from_degrees(twist)
         if blades is None and "blades" in stated:
             with located("# blades"):
                 blades = parse_blades(stated["blades"])
@@ -236,40 +239,41 @@ def read_propeller_csv(
         return build_propeller(labels, name, blades, (station, chord, twist), *texts)
 
 
-def _choose_columns(header: Sequence[str]) -> dict[str, str]:
-    """Choose the columns that give station, chord and twist."""
-    for cell in header:
-        if cell not in KNOWN:
-            found = f"found column {quoted(cell)}, expected one of {', '.join(KNOWN)}"
-            raise InputError(found, "rename, comment or remove it")
-    chosen: dict[str, str] = {}
-    for quantity, names in QUANTITIES.items():
-        given = [cell for cell in header if cell in names]
-        if not given:
-            remedy = f"add {', '.join(names[:-1])} or {names[-1]}"
-            raise InputError(f"no column gives the {quantity}", remedy)
-        if len(given) > 1:
-            raise InputError(f"{' and '.join(given)} both give the {quantity}", "keep one of them")
-        chosen[quantity] = given[0]
+def _columns_in(lines: Sequence[str]) -> list[str]:
+    """List the names of columns in a header that give something of a blade."""
+    first = next((line for line in lines if line.strip() and not is_comment(line)), "")
+    return columns_in(first, KNOWN)
+
+
+def _choose_columns(header: Header) -> dict[str, Taken]:
+    """Choose the columns that give station, chord and twist, by column of ``KNOWN``."""
+    found = {columns: header.one_of(*columns) for columns in (STATION, CHORD, TWIST)}
+    chosen: dict[str, Taken] = {}
+    for columns, one in found.items():
+        if one is None:
+            missing = f"no column gives {QUANTITIES[columns[0]].words}"
+            raise InputError(missing, f"add {' or '.join(columns)}")
+        chosen[next(name for name in columns if one in header.taken.get(name, ()))] = one
     return chosen
 
 
-def _lengths(
-    columns: dict[str, str], table: Floats, radius: float | None, labels: Sequence[str]
-) -> tuple[Floats, Floats]:
-    """Convert the columns of station and chord to m."""
-    if columns["station"] == "r_over_R":
-        tip = usable_radius(radius)
-        check_fractions(table[:, 0], labels)
-        station = table[:, 0] * tip
-    else:
-        station = table[:, 0] * LENGTH_UNITS[columns["station"].removeprefix("radius_")]
-        tip = float(station[-1])
-    if columns["chord"] == "c_over_R":
-        # A figure too large for a float becomes inf, which the check of the blade reports.
-        with np.errstate(over="ignore"):
-            return station, table[:, 1] * tip
-    return station, table[:, 1] * LENGTH_UNITS[columns["chord"].removeprefix("chord_")]
+def _in_si(
+    columns: dict[str, Taken], table: Floats, radius: float | None, labels: Sequence[str]
+) -> tuple[Floats, Floats, Floats]:
+    """Convert station, chord and twist (n,) to [m], [m], [rad]."""
+    # A figure too large for a float becomes inf, which the check of the blade reports.
+    with np.errstate(over="ignore"):
+        station, chord, twist = table.T * [[one.factor] for one in columns.values()]
+        if "r_over_R" in columns:
+            tip = usable_radius(radius)
+            check_fractions(station, labels)
+            station = station * tip
+        if "c_over_R" in columns:
+            chord = chord * station[-1]
+    if columns["twist_deg"].factor != 1.0:
+        return station, chord, table[:, 2]
+    with located(columns["twist_deg"].name):
+        return station, chord, twist_from_degrees(twist)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -289,24 +293,31 @@ def read_uiuc_geometry(
     """Read a propeller from a UIUC geometry file: r/R, c/R and beta in degrees.
 
     The files hold neither radius nor blades, which are 2 for nearly all of that database, unless
-    the file's name tells another number. Nothing is extended: the last row must be the tip,
-    r/R = 1.
+    the file's name tells another number; a file that does not look as if it was of the database
+    must be given with its number.  Blanks or commas part the columns, lines that start with # are
+    comments. Nothing is extended: the last row must be the tip, r/R = 1.
     """
     lines, file = read_lines(path), Path(path)
     with located(os.fspath(path)):
-        start = next(i for i, line in enumerate(lines) if line.strip())
-        if lines[start].split() != HEADER:
+        body = [
+            (number, re.sub("[,;]", " ", line).split())
+            for number, line in enumerate(lines, start=1)
+            if line.strip() and not is_comment(line)
+        ]
+        if not body or body[0][1] != HEADER:
+            number, found = body[0] if body else (1, [])
             raise InputError(
-                f"line {start + 1}: the header is {quoted(lines[start].strip())}, "
-                "expected 'r/R c/R beta'",
+                f"line {number}: the header is {quoted(' '.join(found))}, expected 'r/R c/R beta'",
                 "give the *_geom.txt file of the database",
             )
-        tip, below = usable_radius(radius), enumerate(lines[start + 1 :], start + 2)
-        rows = [(number, line.split()) for number, line in below if line.strip()]
+        tip, rows = usable_radius(radius), body[1:]
         labels, table = parse_rows(rows, HEADER, HEADER)
         check_fractions(table[:, 0], labels)
         blade = table[:, 0] * tip, table[:, 1] * tip, twist_from_degrees(table[:, 2])
-        count = (blades_in_title(file, lines) or 2) if blades is None else blades
+        told = _stated_blades(lines) or blades_in_title(file, lines)
+        # By name or comments of the database, or named as its files are.
+        like = re.search(r"uiuc|_geom\b|\d+x\d", "\n".join([file.name, *lines[:_HEAD]]), re.I)
+        count = (told or (2 if like else None)) if blades is None else blades
         source = f"UIUC geometry file {file.name}"
         return build_propeller(labels, file.stem, count, blade, source, UIUC_CITATION)
 
@@ -387,14 +398,122 @@ def _is_header(line: str) -> bool:
 
 
 # -------------------------------------------------------------------------------------------------
+# Blades of other programs: QPROP, XROTOR and OpenVSP. Their section laws are not read.
+
+NEAR_TIP = 0.97  # share of the radius from which a blade may be continued to its tip, linearly
+LAW_NOT_READ = "its section law is not read: constants as for any other blade, or by --airfoil"
+Numbered = list[tuple[int, list[float]]]  # rows of numbers, with the number of their line
+Written = tuple[str, float, Numbered, float | None]  # title, blades, rows and tip, in [m] and [deg]
+
+
+def _qprop(lines: Sequence[str]) -> Written:
+    """Read rows of r, chord, beta, with their factors and offsets."""
+    first = next((k for k, line in enumerate(lines) if line.strip()[:1] not in ("", "!", "#")), 0)
+    rows = _numbers(lines[first + 1 :], first + 2)
+    # Nblades [R], CL0 CL_a, CLmin CLmax, CD0 CD2u CD2l CLCD0, REref REexp, factors, offsets
+    head, body = rows[:7], rows[7:]
+    if not body or any(len(row) < 3 for _, row in (*head[5:], *body)):
+        found = "found no 7 lines of parameters above rows of r, chord, beta"
+        raise InputError(found, "give the file as QPROP reads it")
+    count, factor, offset = head[0][1], np.array(head[5][1][:3]), np.array(head[6][1][:3])
+    table = [(n, (np.array(row[:3]) * factor + offset).tolist()) for n, row in body]
+    # Some write the radius in metres, others in the unit of the rows.
+    tips = [count[1] * factor[0] + offset[0], count[1]] if len(count) > 1 else [None]
+    last = table[-1][1][0]
+    tip = next((one for one in tips if one and NEAR_TIP * one < last <= one * 1.001), tips[0])
+    return lines[first].strip(), count[0], table, tip
+
+
+def _xrotor(lines: Sequence[str]) -> Written:
+    """Read rows of r/R, C/R, Beta0deg, and the radius."""
+    tip = _below(lines, r"!\s*Rad\s+Vel", "the radius")[0][1][0]
+    (_, counts), *rows = _below(lines, r"!.*(stations|Nblds)", "the stations")
+    return lines[1].strip(), counts[-1], _scaled(rows, counts[0], tip), tip
+
+
+def _bem(lines: Sequence[str]) -> Written:
+    """Read rows of radius/R, chord/R, twist, and the diameter, which is taken to be in metres."""
+    stated: dict[str, float] = {}
+    for number, line in enumerate(lines, start=1):
+        key, colon, value = line.partition(":")
+        key = key.strip().replace("Num_Blades", "Num_Blade")  # as scripts write it
+        if colon and key in ("Num_Sections", "Num_Blade", "Diameter"):
+            stated[key] = parse_number(value, key, f"line {number}")
+    rows = _below(lines, r"\s*Radius/R\s*,\s*Chord/R\s*,\s*Twist \(deg\)", "the stations")
+    if len(stated) < 3:
+        found = "Num_Sections, Num_Blade and Diameter are not all there"
+        raise InputError(found, "give the file as OpenVSP writes it")
+    sections, count, diameter = (stated[k] for k in ("Num_Sections", "Num_Blade", "Diameter"))
+    return "", count, _scaled(rows, sections, 0.5 * diameter), 0.5 * diameter
+
+
+PROGRAMS = {formats.QPROP: _qprop, formats.XROTOR: _xrotor, formats.BEM: _bem}
+
+
+def read_of_program(
+    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
+) -> Propeller:
+    """Read a propeller from a file of QPROP, XROTOR or OpenVSP, continued to the tip where its rows
+    end just before it."""
+    lines, file = read_lines(path), Path(path)
+    with located(os.fspath(path)):
+        title, count, rows, tip = PROGRAMS[format_of(lines)](lines)  # type: ignore[index]
+        labels, table = [f"line {n}" for n, _ in rows], np.array([row for _, row in rows])
+        last = table[-1, 0]
+        if tip is not None and len(table) > 1 and NEAR_TIP * tip < last < tip * (1.0 - 1e-6):
+            share = (tip - table[-2, 0]) / (last - table[-2, 0])
+            added = np.maximum(table[-2] + share * (table[-1] - table[-2]), (0.0, 0.0, -90.0))
+            labels, table = [*labels, "the tip"], np.vstack([table, added])
+        if tip is not None:
+            check_radius(float(table[-1, 0]), tip)
+        blade = table[:, 0], table[:, 1], twist_from_degrees(table[:, 2])
+        own = (int(count) if count.is_integer() else count) if blades is None else blades
+        made = build_propeller(labels, title or file.stem, own, blade, f"file {file.name}")  # type: ignore[arg-type]
+        check_radius(made.radius, radius)
+        return made
+
+
+def _numbers(lines: Sequence[str], first: int) -> Numbered:
+    """Read lines of numbers, parted by blanks or commas, up to one that has others."""
+    rows: Numbered = []
+    for number, line in enumerate(lines, start=first):
+        cells = re.split("[!#]", line)[0].replace(",", " ").split()
+        if cells:
+            try:
+                rows.append((number, [parse_number(cell, "a figure") for cell in cells]))
+            except InputError:
+                break
+    return rows
+
+
+def _below(lines: Sequence[str], sign: str, what: str) -> Numbered:
+    """Read the rows of numbers below the line that matches a ``sign``."""
+    for k, line in enumerate(lines):
+        rows = _numbers(lines[k + 1 :], k + 2) if re.match(sign, line, re.IGNORECASE) else []
+        if rows:
+            return rows
+    raise InputError(f"found no {what}", "give the whole file")
+
+
+def _scaled(rows: Numbered, count: float, tip: float) -> Numbered:
+    """Give ``count`` rows, of station and chord over the radius, in metres: that of the ``tip``."""
+    table = [(n, [row[0] * tip, row[1] * tip, row[2]]) for n, row in rows if len(row) > 2]
+    if not 0 < count <= len(table):
+        found = f"found {len(table)} stations, expected {count:g}"
+        raise InputError(found, "give the whole file")
+    return table[: int(count)]
+
+
+# -------------------------------------------------------------------------------------------------
 # Any geometry file: which format it is in, read from its content.
 
 
-READERS: dict[str, Callable[..., Propeller]] = {
-    "apc-pe0": read_apc_pe0,
-    "uiuc": read_uiuc_geometry,
-    "csv": read_propeller_csv,
-    "toml": read_propeller_toml,
+READERS: dict[Format | None, Callable[..., Propeller]] = {
+    formats.PE0: read_apc_pe0,
+    formats.UIUC_GEOMETRY: read_uiuc_geometry,
+    **dict.fromkeys(PROGRAMS, read_of_program),
+    formats.TOML: read_propeller_toml,
+    None: read_propeller_csv,
 }
 
 
@@ -402,29 +521,32 @@ def read_geometry_file(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
     """Read a propeller from a file in any format that propmap knows, by its content."""
-    where = os.fspath(path)
-    kind = recognise(read_lines(path), where)
+    where, lines = os.fspath(path), read_lines(path)
+    kind = format_of(lines)
+    if kind not in READERS or (kind is None and len(_columns_in(lines)) < 1):
+        raise not_read(
+            lines,
+            "propeller geometry that propmap knows",
+            "give an APC PE0 file, a UIUC geometry file (r/R c/R beta), one of QPROP, XROTOR or "
+            "OpenVSP (.bem), a catalogue TOML file, or a CSV file with columns such as "
+            "radius_m,chord_m,twist_deg",
+            where,
+        )
     return READERS[kind](path, blades=blades, radius=radius)
 
 
-def recognise(lines: Sequence[str], where: str) -> str:
-    """Recognise the format of a file, one of ``READERS``, from its lines."""
-    body = [line for line in lines if line.strip() and not is_comment(line)]
-    first = body[0] if body else ""
-    if any(_is_header(line) or "AIRFOIL SUMMARY DATA" in line for line in body):
-        return "apc-pe0"
-    if first.split()[:2] == HEADER[:2]:
-        return "uiuc"
-    if any(line.partition("=")[0].strip() == "schema" for line in body):
-        return "toml"
-    # A column may be named after a blade quantity with a unit that is wrong.
-    stems = {name.split("_")[0].lower() for name in KNOWN}
-    cells = header_names(first, KNOWN)
-    if len(cells) > 1 and any(cell.split("_")[0] in stems for cell in cells):
-        return "csv"
-    raise InputError(
-        f"begins with {quoted(first.strip())}, which is no propeller geometry that propmap knows",
-        "give an APC PE0 file, a UIUC geometry file (r/R c/R beta), a catalogue TOML file, "
-        "or a CSV file with columns such as radius_m,chord_m,twist_deg",
-        where,
-    )
+def how_read(file: str | os.PathLike[str], blades: int | None) -> list[str]:
+    """Remark on what of a geometry file was taken for what, and left out; ``blades`` is the number
+    that was asked for."""
+    lines = read_lines(file)
+    kind = format_of(lines)
+    if kind in PROGRAMS:
+        metres = "; its diameter is taken to be in metres" if kind is formats.BEM else ""
+        return [f"this is {kind.name}: {LAW_NOT_READ}{metres}"]
+    told = _stated_blades(lines) or blades_in_title(file, lines)
+    if kind is formats.UIUC_GEOMETRY and blades is None and not told:
+        return ["2 blades, as nearly all of the UIUC database have; another number by --blades"]
+    if kind is None and (table := read_csv_table(lines, _columns_in(lines), comments=True)):
+        header = Header(table.header, KNOWN)
+        return header.told(_choose_columns(header))
+    return []

@@ -11,34 +11,32 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.errors import InputError, located, quoted
-from propmap.io.csv import header_names, read_csv_table, read_lines
+from propmap.io import formats
+from propmap.io.columns import Header
+from propmap.io.csv import SEPARATORS, columns_in, is_comment, read_csv_table, read_lines
+from propmap.io.formats import Format, format_of, not_read
 from propmap.io.geometry import parse_number
 from propmap.model.airfoil import SectionTable
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
-# Formats of section tables, recognised by their content: AeroDyn, XFOIL, CACTUS, and CSV.
+# Formats of section tables: AeroDyn, XFOIL, CACTUS, CCBlade and CSV.
 
 Lines = list[tuple[int, str]]  # lines that are not empty, with their numbers from 1
 Row = tuple[int, float, float, float]  # line number, angle of attack [deg], C_L, C_D
 
 CSV_COLUMNS = ("alpha_deg", "re", "cl", "cd")
+CSV = Format("CSV", "", formats.POLAR)
+CCBLADE = Format("CCBlade", "", formats.POLAR)
 
 
-def section_format(lines: Lines) -> str | None:
+def section_format(lines: Lines) -> Format | None:
     """Recognise the format of a file's lines, one of ``READERS``, or None."""
-    head = [line for _, line in lines[:40]]
-    if any("number of airfoil tables in this file" in line.lower() for line in head):
-        return "AeroDyn v15" if _value_of(head, "NumTabs") is not None else "AeroDyn"
-    if _value_of(head, "NumTabs") is not None:
-        return "AeroDyn v15"
-    if any(re.match(r"\s*alpha\s+CL\s+CD\b", line) for line in head):
-        return "XFOIL"
-    if any(line.lower().startswith("reynolds number:") for line in head):
-        return "CACTUS"
-    if head and set(CSV_COLUMNS) <= set(header_names(head[0], CSV_COLUMNS)):
-        return "CSV"
-    return None
+    texts = [line for _, line in lines]
+    found = format_of(texts)
+    if found in (None, formats.XFOIL) and (_csv_header(lines) is not None or found is None):
+        found = CSV if _csv_header(lines) is not None else CCBLADE if _is_ccblade(texts) else None
+    return found if found in READERS else None
 
 
 def _aerodyn(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
@@ -87,13 +85,19 @@ def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 
 def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read one polar; rows in any order, as they were computed."""
-    head = next(k for k, (_, line) in enumerate(lines) if re.match(r"\s*alpha\s+CL\s+CD\b", line))
-    above = "\n".join(line for _, line in lines[:head])
-    found = re.search(r"Re\s*=\s*([\d.]+)\s*e\s*([+-]?\d+)", above)
-    if found is None:
-        raise InputError("no Reynolds number above the rows", "keep the line with Re = 0.100 e 6")
+    sign = re.compile(formats.XFOIL.sign, re.IGNORECASE)
+    head = next(k for k, (_, line) in enumerate(lines) if sign.match(line))
     rows = [line for line in lines[head + 1 :] if set(line[1].strip()) - set("- ")]
-    yield float(found[1]) * 10.0 ** int(found[2]), [_row(line) for line in rows]
+    yield _reynolds(lines[:head]), [_row(line) for line in rows]
+
+
+def _reynolds(lines: Lines) -> float:
+    """Read the Reynolds number above the rows of a polar; 0 where none is stated."""
+    text = "\n".join(line for _, line in lines)
+    if found := re.search(r"\bRe\s*=\s*(\d[\d.]*)(?:\s*e\s*([+-]?\d{1,2})\b)?", text):
+        return parse_number(found[1], "Re") * 10.0 ** int(found[2] or 0)
+    found = re.search(r"reynolds number\W+(\d[\d.e+]*)", text, re.IGNORECASE)
+    return parse_number(found[1], "Reynolds number") if found else 0.0
 
 
 def _cactus(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
@@ -106,33 +110,62 @@ def _cactus(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
         yield reynolds, [_row(one) for one in body if one[1][:1] not in "Aa"]
 
 
+def _csv_header(lines: Lines) -> int | None:
+    """Find the place of the line that names columns of angle, C_L and C_D, below what airfoiltools
+    puts above them."""
+    for k, (_, line) in enumerate(lines[: formats.HEAD]):
+        if not is_comment(line) and any(mark in line for mark in SEPARATORS):
+            taken = Header(columns_in(line, CSV_COLUMNS), CSV_COLUMNS).taken
+            if {"alpha_deg", "cl", "cd"} <= set(taken):
+                return k
+    return None
+
+
 def _csv(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read columns by name; rows of one Reynolds number are a table."""
-    numbered = dict(lines)
+    start = _csv_header(lines)
+    assert start is not None  # it gave the format
+    numbered = dict(lines[start:])
     every = [numbered.get(n, "") for n in range(1, lines[-1][0] + 1)]
-    file = read_csv_table(every, CSV_COLUMNS)
-    assert file is not None  # its header gave the format
-    header = [name.lower() for name in file.header]
-    places = [header.index(name) for name in CSV_COLUMNS]
+    file = read_csv_table(every, columns_in(lines[start][1], CSV_COLUMNS), comments=True)
+    assert file is not None
+    found = Header(file.header, CSV_COLUMNS)
+    taken = {name: one for name in CSV_COLUMNS if (one := found.one_of(name)) is not None}
+    above = _reynolds(lines[:start])
     tables: dict[float, list[Row]] = {}
     for number, cells in file.rows:
         place = f"line {number}"
-        if len(cells) < len(header):
-            found = f"found {len(cells)} fields, expected {len(header)}"
-            raise InputError(found, "complete the row", place)
-        angle, reynolds, lift, drag = (
-            parse_number(cells[k], name, place) for k, name in zip(places, CSV_COLUMNS, strict=True)
+        if len(cells) < len(file.header):
+            count = f"found {len(cells)} fields, expected {len(file.header)}"
+            raise InputError(count, "complete the row", place)
+        row = {n: parse_number(cells[t.place], n, place) * t.factor for n, t in taken.items()}
+        tables.setdefault(row.get("re", above), []).append(
+            (number, row["alpha_deg"], row["cl"], row["cd"])
         )
-        tables.setdefault(reynolds, []).append((number, angle, lift, drag))
     yield from tables.items()
 
 
-READERS: dict[str, Callable[[Lines], Iterator[tuple[float, list[Row]]]]] = {
-    "AeroDyn": _aerodyn,
-    "AeroDyn v15": _aerodyn_15,
-    "XFOIL": _xfoil,
-    "CACTUS": _cactus,
-    "CSV": _csv,
+def _is_ccblade(texts: Sequence[str]) -> bool:
+    """Whether a line of text, a Reynolds and a Mach number stand above rows of three numbers."""
+    counts = [len(text.split()) for text in texts[1:5]]
+    return counts in ([1, 1, 3, 3], [1, 1, 4, 4]) and all(map(_is_row, texts[3:5]))
+
+
+def _ccblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
+    """Read one polar whose angles are in radians, or in degrees where they are too large."""
+    rows = [_row(line) for line in lines[3:]]
+    turn = 1.0 if max(abs(row[1]) for row in rows) > 2.0 * np.pi else np.degrees(1.0)
+    reynolds = parse_number(lines[1][1], "Re", f"line {lines[1][0]}")
+    yield reynolds, [(n, angle * turn, lift, drag) for n, angle, lift, drag in rows]
+
+
+READERS: dict[Format, Callable[[Lines], Iterator[tuple[float, list[Row]]]]] = {
+    formats.AERODYN: _aerodyn,
+    formats.AERODYN_15: _aerodyn_15,
+    formats.XFOIL: _xfoil,
+    formats.CACTUS: _cactus,
+    CCBLADE: _ccblade,
+    CSV: _csv,
 }
 """By format, what gives the Reynolds number and the rows of every table."""
 
@@ -166,19 +199,14 @@ def _whole(line: tuple[int, str]) -> int:
     return int(word)
 
 
-def _value_of(lines: Sequence[str], keyword: str) -> str | None:
-    """Find the value in front of an AeroDyn v15 keyword."""
-    pairs = (line.partition("!")[0].split() for line in lines)
-    return next((words[0] for words in pairs if words[1:2] == [keyword]), None)
-
-
 # -------------------------------------------------------------------------------------------------
 # Section tables from files of other programs, and what makes one table of their polars.
 
 FORMATS = (
     "give an AeroDyn airfoil file, a polar of XFOIL or a folder of them, a CACTUS table, "
-    f"or CSV with the columns {','.join(CSV_COLUMNS)}"
+    "a polar of CCBlade or airfoiltools, or CSV with the columns alpha_deg,cl,cd and re"
 )
+ONE_POLAR = (formats.XFOIL, CCBLADE)  # formats of which a folder holds a file per Reynolds number
 ASSUMED_REYNOLDS = 1e6  # of a file with one table that states none; loads do not depend on it
 SAME_LIFT = 0.01  # difference of C_L up to which a repeated angle, as XFOIL writes it, is one row
 
@@ -193,7 +221,8 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
     ----------
     path : str or path
         AeroDyn airfoil file (v13 to v15, all its tables), XFOIL polar or folder, CACTUS table as of
-        Sheldahl and Klimas, or CSV with the columns alpha_deg, re, cl, cd.
+        Sheldahl and Klimas, a polar of CCBlade (angles in radians) or airfoiltools, or CSV with the
+        columns alpha_deg, cl, cd and possibly re.
 
     Raises
     ------
@@ -206,10 +235,11 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
     for file in files:
         lines = lines_of(file)
         kind = section_format(lines)
-        if kind is None or (place.is_dir() and kind != "XFOIL"):
+        if kind is None or (place.is_dir() and kind not in ONE_POLAR):
             wanted = "give polars of XFOIL alone in a folder" if place.is_dir() else FORMATS
-            raise InputError("the file is no section table that propmap reads", wanted, str(file))
-        kinds.add(kind)
+            texts = [line for _, line in lines]
+            raise not_read(texts, "section table that propmap reads", wanted, str(file))
+        kinds.add(kind.name)
         with located(str(file)):
             polars += [(str(file), reynolds, rows) for reynolds, rows in READERS[kind](lines)]
     if not polars:

@@ -256,7 +256,8 @@ def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
             raise InputError(f"cannot be read ({error.strerror})", "give a .toml file") from None
         except UnicodeDecodeError:
             raise InputError("not a text file", "give a parameter set in TOML") from None
-        except tomllib.TOMLDecodeError as error:
+        # A number of thousands of digits is a plain ValueError, deep nesting a RecursionError.
+        except (ValueError, RecursionError) as error:
             remedy = "`propmap airfoils show paper-apc` prints an example"
             raise InputError(f"not valid TOML ({error})", remedy) from None
         schema = table.pop("schema", SCHEMA)
@@ -621,6 +622,9 @@ def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty
     return SectionUncertainty(kept_of, **shares, another_tunnel=False, envelope=covered)
 
 
+LARGEST_VARIANCE = 1e30  # beyond it deviations of loads overflow
+
+
 @dataclass(frozen=True, eq=False)
 class SectionCovariance:
     """The covariance of P parameters of ``Airfoil``.
@@ -652,6 +656,10 @@ class SectionCovariance:
             return
         if not np.isfinite(known).all() or np.linalg.eigvalsh(known)[0] < -1e-6 * known.max():
             raise InputError("the covariance has a negative variance", "fit again")
+        if np.abs(known).max() > LARGEST_VARIANCE:
+            raise InputError(f"a variance is {np.abs(known).max():.3g}", "fit again")
+        if not np.allclose(known, known.T, rtol=1e-6, atol=1e-9 * np.abs(known).max()):
+            raise InputError("the covariance is not symmetric", "fit again")
 
     @property
     def unknown(self) -> tuple[str, ...]:

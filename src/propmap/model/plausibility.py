@@ -14,7 +14,7 @@ import numpy as np
 
 from propmap.errors import InputError, quoted
 from propmap.typing import Floats
-from propmap.units import GRAVITY, INCH, KMH, MPH, POUND, RPM, SLUG_PER_FT3, SPEED_OF_SOUND
+from propmap.units import FOOT, GRAVITY, INCH, KMH, MPH, POUND, RPM, SLUG_PER_FT3, SPEED_OF_SOUND
 
 if TYPE_CHECKING:
     from propmap.model.model import Air, Propeller
@@ -68,12 +68,18 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
         "lb/ft^3": 1.0 / 16.01846,
     },
     "viscosity": {"microPa s": 1e6, "mPa s, or centipoise": 1e3, "poise": 10.0},
-    "speed": {"km/h": 1.0 / KMH, "miles an hour": 1.0 / MPH},
+    "speed": {
+        "km/h": 1.0 / KMH,
+        "miles an hour": 1.0 / MPH,
+        "knots": 3600.0 / 1852.0,
+        "feet per second": 1.0 / FOOT,
+    },
     "fine speed": {"cm/s": 1e2, "mm/s": 1e3},
-    "slow rotation": {"rad/s": RPM, "revolutions per second": 1.0 / 60.0},
+    "slow rotation": {"rad/s": RPM, "revolutions per second": 1.0 / 60.0, "thousands of rpm": 1e-3},
     "fast rotation": {
         "rpm converted from rad/s twice": 1.0 / RPM,
         "electrical rpm, of 7 pole pairs for example": 7.0,
+        "electrical rpm, of 12 pole pairs for example": 12.0,
         "rpm times 60": 60.0,
     },
     "thrust": {
@@ -92,6 +98,7 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
         "ounce-inches": 16.0 / (POUND * INCH),
         "pound-inches": 1.0 / (POUND * INCH),
     },
+    "power": {"kilowatts": 1e-3, "milliwatts": 1e3, "horsepower": 1.0 / 745.69987},
     "mass": {"grams": 1e3},
     # Signals of a log, compared with each other instead of with a usual range.
     "angular rate": {
@@ -101,13 +108,18 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
     "specific force": {"units of g": 1.0 / GRAVITY},
 }  # what a figure of some quantity looks like, and the factor by which it is then wrong
 
+# Names of errors whose size follows from the loads.
+ELECTRICAL_RPM, ROTORS = "electrical rpm of {pairs} pole pairs", "that of {rotors} rotors together"
+ELECTRICAL_POWER = "electrical power, with the losses of motor and controller"
 LOAD_UNIT_ERRORS = (
     ("rpm in rad/s", (RPM**-2, RPM**-2)),
     ("rpm in revolutions per second", (3600.0, 3600.0)),
+    ("rpm in thousands", (1e6, 1e6)),
     ("rpm converted from rad/s twice", (RPM**2, RPM**2)),
     ("a diameter taken for the radius", (1.0 / 16.0, 1.0 / 32.0)),
     ("a radius taken for the diameter", (16.0, 32.0)),
-    *(("electrical rpm", (pairs**-2.0, pairs**-2.0)) for pairs in (4, 6, 7, 11)),
+    *((ELECTRICAL_RPM, (pairs**-2.0, pairs**-2.0)) for pairs in (3, 4, 6, 7, 11, 14)),
+    *((ROTORS, (count, count)) for count in (2, 3, 4, 6, 8)),
     ("coefficients over rho A (Omega R)^2", (4.0 / math.pi**3, 4.0 / math.pi**4)),
 )  # errors of thrust and torque together, over estimates that go with rpm^2, and R^4 and R^5
 
@@ -185,6 +197,11 @@ LOAD_RATIO = Range(1.0 / 2.3, 2.3)
 """A measured load over the estimate from chord and twist; medians of sets are 0.6 to 1.6 for thrust
 and 0.55 to 2.0 for torque."""
 WRONG_LOAD_RATIO = Range(1.0 / 1.5, 1.5)  # the same where loads are known to be wrong
+WIDE_LOAD_RATIO = Range(1.0 / 3.5, 3.5)  # and where nothing else explains them
+
+MOST_FOR_THRUST, LEAST_FOR_THRUST = (1.4, 1.95), 0.7
+"""Torque over its estimate, over the same of thrust: the 134 sets have 0.81 to 1.85. The first
+limit is for power; two of the sets have more."""
 
 FAST_TIP_MACH = 0.75  # above it the drag of thick sections rises, which no law here has
 PITCH_STATION = 0.75  # share of the radius at which chord and twist stand for the blade
@@ -373,9 +390,12 @@ def load_warnings(
     speed: Floats,
     beta: Floats,
     loads: Mapping[str, Floats],
+    *,
+    by_power: bool = False,
 ) -> list[str]:
     """Warn of measured ``loads`` (n,) [N], [N m] that do not fit the blade; NaN is not measured.
-    ``InputError`` where there can be no such loads: constants fitted to them mean nothing."""
+    ``by_power`` says that the torque was measured as power; ``InputError`` where there can be no
+    such loads: constants fitted to them mean nothing."""
     turning = omega > 0.0
     w, v, b = omega[turning], speed[turning], beta[turning]
     known = {n: loads[n][turning] for n in loads if np.isfinite(loads[n][turning]).any()}
@@ -385,14 +405,22 @@ def load_warnings(
     backwards = [name for name in ratios if ratios[name] < 0.0]
     if backwards:
         return [f"{name} is negative near rest; its sign looks reversed" for name in backwards]
-    found = _wrong_size(ratios, LOAD_RATIO) or [
+    found = _wrong_size(ratios, LOAD_RATIO, by_power=by_power)
+    proportion = _out_of_proportion(ratios, by_power=by_power)
+    if found and by_power and ELECTRICAL_POWER not in found[0]:
+        found += [text for text in proportion if ELECTRICAL_POWER in text]
+    found = found or [
         *_negative_at_rest(v, known),
-        *_pulls_too_fast(propeller, air, w, v, b, known),
-        *_beta_from_the_disk(propeller, w, v, b, known),
+        *proportion,
+        # One mistake is likelier than two.
+        *(
+            _pulls_too_fast(propeller, air, w, v, b, known)
+            or _beta_from_the_disk(propeller, w, v, b, known)
+        ),
     ]
     impossible = _impossible(propeller, air, w, v, b, known)
     if impossible:
-        found = found or _wrong_size(ratios, WRONG_LOAD_RATIO)
+        found = found or _wrong_size(ratios, WRONG_LOAD_RATIO, by_power=by_power)
         raise InputError("; ".join([impossible, *found]), "convert what is in another unit")
     return found
 
@@ -448,25 +476,72 @@ def _negative_at_rest(speed: Floats, known: Mapping[str, Floats]) -> list[str]:
     return found
 
 
-def _wrong_size(ratios: Mapping[str, float], usual: Range) -> list[str]:
-    """Warn, in one text, of ratios to the estimates out of a range, with the likely unit errors."""
+def _wrong_size(ratios: Mapping[str, float], usual: Range, *, by_power: bool) -> list[str]:
+    """Warn, in one text, of ratios to the estimates out of a range, with the likely errors."""
     odd = [name for name, ratio in ratios.items() if ratio not in usual]
     if not odd:
         return []
+    names = {name: "power" if by_power and name == "torque" else name for name in ratios}
     sizes = " and ".join(
-        f"{name} is {ratio:.3g} times what such a blade gives" for name, ratio in ratios.items()
+        f"{names[name]} is {ratio:.3g} times what such a blade gives"
+        for name, ratio in ratios.items()
     )
     each = (
-        looks_like(unit_errors(ratios[name], LOAD_RATIO, UNIT_ERRORS[name]), name) for name in odd
+        looks_like(_sized(_errors_of(names[name], ratios[name]), ratios[name]), names[name])
+        for name in odd
     )
     causes = [like for like in each if like]
     measured = [name in ratios for name in ("thrust", "torque")]
-    common = ((name, [*itertools.compress(each, measured)]) for name, each in LOAD_UNIT_ERRORS)
-    shared = looks_like(common_errors([*ratios.values()], LOAD_RATIO, common))
+    common = [
+        (name, [*itertools.compress(each, measured)])
+        for name, each in LOAD_UNIT_ERRORS
+        if all(measured) or name != ROTORS
+    ]
+    middle = math.exp(sum(math.log(max(r, 1e-9)) for r in ratios.values()) / len(ratios))
+    likely = common_errors([*ratios.values()], LOAD_RATIO, common)
+    if len(causes) < len(odd):
+        likely = likely or common_errors([*ratios.values()], WIDE_LOAD_RATIO, common)
+    shared = looks_like(_sized(likely, middle))
     # One mistake is likelier than two; with one load measured, both kinds explain it.
     if shared and (len(odd) > 1 or len(ratios) == 1 or not causes):
         causes = [*causes, shared] if len(ratios) == 1 else [shared]
     return [f"{sizes}; {', or '.join(causes) or 'check units, radius and rpm'}"]
+
+
+def _out_of_proportion(ratios: Mapping[str, float], *, by_power: bool) -> list[str]:
+    """Warn of thrust and torque that are each possible, but not with each other."""
+    if not {"thrust", "torque"} <= set(ratios):
+        return []
+    share = ratios["torque"] / ratios["thrust"]
+    if share > MOST_FOR_THRUST[not by_power]:
+        name = "power" if by_power else "torque"
+        causes = [ELECTRICAL_POWER] if by_power else [ROTORS, ELECTRICAL_POWER]
+    elif share < LEAST_FOR_THRUST:
+        name, share, causes = "thrust", 1.0 / share, [ROTORS]
+    else:
+        return []
+    other = "torque" if name == "thrust" else "thrust"
+    times = f"{name} is {share:.3g} times what such a blade has at its {other}"
+    return [f"{times}; it may be {' or '.join(_sized(causes, share))}"]
+
+
+def _errors_of(quantity: str, ratio: float) -> list[str]:
+    """List what is wrong with one load, likeliest first: its unit, how many rotors it is of, or
+    what power it is."""
+    errors: list[tuple[str, Sequence[float]]] = [
+        (name, (factor,)) for name, factor in UNIT_ERRORS[quantity].items()
+    ]
+    errors += [(ROTORS, (float(count),)) for count in (2, 3, 4, 6, 8)]
+    if quantity != "thrust":
+        errors += [(ELECTRICAL_POWER, (factor,)) for factor in (1.5, 2.0, 3.0, 5.0, 8.0)]
+    return common_errors((ratio,), LOAD_RATIO, errors)
+
+
+def _sized(errors: Iterable[str], ratio: float) -> list[str]:
+    """Put into names of errors the number that a ``ratio`` to the estimate tells."""
+    rotors = min((2, 3, 4, 6, 8), key=lambda count: abs(math.log(max(ratio, 1e-9) / count)))
+    pairs = max(2, round(max(ratio, 1e-9) ** -0.5))
+    return [name.format(rotors=f"about {rotors}", pairs=f"about {pairs}") for name in errors]
 
 
 def _impossible(

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from propmap.export.files import evenly, table_sha256
+from propmap.export.files import evenly
 from propmap.fit.least_squares import rms
 from propmap.loads import LOADS
 from propmap.report import html
@@ -77,7 +77,7 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
         airfoil=law,
         constants=", ".join(constant),
         content=table.content,
-        sha256=table_sha256(table),
+        sha256=table.content.sha256,
         rpm=f"{omega / RPM:.0f} rpm",
         shares=_shares(everywhere.code),
         by_angle=_by_angle(points[2], everywhere.code),

@@ -396,9 +396,8 @@ class Store:
     def create(cls, path: Path, layout: Layout) -> Store:
         """Make a new store at a ``path`` where nothing is yet; it appears whole or not at all."""
         zarr = _zarr()
-        part = path.with_name(f".{path.name}.part")
-        shutil.rmtree(part, ignore_errors=True)
         run = uuid.uuid4().hex
+        part = path.with_name(f".{run}.part")
         # What are coordinates though they are not named as a dimension, as CF has it.
         others = " ".join(name for name in layout.coordinates if name not in layout.sizes)
         about = {**layout.attributes, "coordinates": others}
@@ -427,7 +426,13 @@ class Store:
                 # Readers ask for it and warn where it is not there; so does zarr where it is made.
                 warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")
                 zarr.consolidate_metadata(str(part))
-            part.replace(path)
+            try:
+                part.replace(path)
+            except OSError as error:
+                if not path.exists():
+                    raise
+                found = f"another run has made it meanwhile ({error.strerror})"
+                raise InputError(found, "choose another name", str(path)) from None
         except BaseException:
             shutil.rmtree(part, ignore_errors=True)
             raise

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
 import zlib
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile, ZipFile, is_zipfile
 
 import numpy as np
 
@@ -29,18 +29,19 @@ ARRAYS = ("advance", "beta", "omega", "speed", "coefficients", "cells")
 
 SINGLE = ("coefficients", "deviations")  # in single precision; the second may lack
 MOST_BYTES = 200_000_000
+MOST_UNPACKED = 400_000_000  # bytes that the arrays of a file may announce
 
 _REMEDY = "give a file that `propmap table` wrote"
 
 
 def write_table(content: TableContent, path: str | os.PathLike[str]) -> None:
     """Write a table to a .npz file, whole or not at all, with ``info`` as JSON text."""
-    head = {"format": FORMAT, "format_version": FORMAT_VERSION, **content.info}
+    about = {"format": FORMAT, "format_version": FORMAT_VERSION, "sha256": content.sha256}
     arrays: dict[str, Any] = {name: getattr(content, name) for name in ARRAYS}
     for name in SINGLE:
         if getattr(content, name) is not None:
             arrays[name] = getattr(content, name).astype(np.float32)
-    text = np.array(json.dumps(head, allow_nan=False, ensure_ascii=False))
+    text = np.array(json.dumps({**content.info, **about}, allow_nan=False, ensure_ascii=False))
     with replacing(Path(path)) as part, part.open("xb") as file:
         np.savez_compressed(file, info=text, **arrays)
 
@@ -53,12 +54,18 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
             raise InputError(f"more than {MOST_BYTES / 1e6:g} MB is no table", _REMEDY, where)
         # Opened here, since NumPy leaves a file open that it cannot make sense of.
         with Path(where).open("rb") as stream:
+            if is_zipfile(stream):
+                announced = sum(part.file_size for part in ZipFile(stream).infolist())
+                if announced > MOST_UNPACKED:
+                    size = f"it unpacks to {announced / 1e9:.1f} GB, more than a table has"
+                    raise InputError(size, _REMEDY, where)
+            stream.seek(0)
             file = np.load(stream, allow_pickle=False)
             if not isinstance(file, np.lib.npyio.NpzFile):
                 raise InputError("this is a single array, no table", _REMEDY, where)
             known = (*ARRAYS, *SINGLE, "info")
             with file:
-                found = {name: file[name] for name in file.files if name in known}
+                read = {name: file[name] for name in file.files if name in known}
     except InputError:
         raise
     except FileNotFoundError:
@@ -68,19 +75,23 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
         raise InputError(
             f"cannot read it: {reason}", "check the path and the file", where
         ) from None
-    except (ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error, NotImplementedError):
-        # What NumPy and zipfile raise for files cut short, altered, pickled or of another kind.
+    except (ValueError, EOFError, KeyError, BadZipFile, zlib.error, RuntimeError, MemoryError):
+        # What NumPy and zipfile raise for files cut short, altered, pickled, locked, or foreign.
         raise InputError("this is no table, or a damaged one", _REMEDY, where) from None
-    info = _info(found, where)
+    info = _info(read, where)
+    stated = info.pop("sha256", None)
     try:
         arrays: dict[str, Any] = {}
         for name in dict.fromkeys((*ARRAYS, *SINGLE)):
-            if name not in found:
+            if name not in read:
                 continue
-            if found[name].dtype.kind != ("u" if name == "cells" else "f"):
-                raise InputError(f"{name} holds values of another kind ({found[name].dtype})")
-            arrays[name] = found[name].astype(np.uint8 if name == "cells" else np.float64)
-        return TableContent(**arrays, info=info)
+            if read[name].dtype.kind != ("u" if name == "cells" else "f"):
+                raise InputError(f"{name} holds values of another kind ({read[name].dtype})")
+            arrays[name] = read[name].astype(np.uint8 if name == "cells" else np.float64)
+        content = TableContent(**arrays, info=info)
+        if stated != content.sha256:
+            raise InputError("its numbers are not those of its checksum")
+        return content
     except InputError as error:
         raise InputError(error.found, "the file is damaged; build the table again", where) from None
 

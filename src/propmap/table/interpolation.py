@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from bisect import bisect_right
 from dataclasses import dataclass
 from typing import Any
@@ -67,9 +68,22 @@ class TableContent:
             raise InputError("beta must lie between 0 and pi")
         if np.isinf(self.coefficients).any():
             raise InputError("a coefficient is infinite")
+        if (self.cells > VORTEX_RING_BIT + UNRESOLVED_BIT).any():
+            raise InputError(f"a cell has the flags {self.cells.max()}, expected 0 to 3")
         for name, value in (("radius", self.radius), ("density", self.density)):
             if isinstance(value, bool) or not (isinstance(value, float) and 0.0 < value < np.inf):
                 raise InputError(f"{name} is {value!r}, expected a positive number")
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the numbers, little-endian: axes, envelope, coefficients, cells, deviations."""
+        axes = (self.advance, self.beta, self.omega, self.speed)
+        digest = hashlib.sha256(np.concatenate(axes).astype("<f8").tobytes())
+        digest.update(np.ascontiguousarray(self.coefficients, "<f4").data)
+        digest.update(np.ascontiguousarray(self.cells).data)
+        if self.deviations is not None:
+            digest.update(np.ascontiguousarray(self.deviations, "<f4").data)
+        return digest.hexdigest()
 
     @property
     def radius(self) -> float:

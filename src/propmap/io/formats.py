@@ -1,0 +1,68 @@
+"""The formats of files, recognised by content: those that are read, and others by name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from propmap.errors import InputError, quoted
+
+HEAD = 60  # lines of a file by which its format is known
+
+
+class Format(NamedTuple):
+    """A format of text files."""
+
+    name: str
+    sign: str  # a pattern that one of the first lines matches
+    use: str  # where to give such a file, or what it lacks
+
+
+BLADE = "give it where a command wants PROP"
+POLAR = "give it by --airfoil"
+AS_CSV = "write radius_m,chord_m,twist_deg as CSV"
+LOADS = "give it to propmap fit or propmap check"
+
+PE0 = Format("an APC PE0 file", r"\s*STATION\s+CHORD\b|.*AIRFOIL SUMMARY DATA", BLADE)
+UIUC_GEOMETRY = Format("a UIUC geometry file", r"\s*r/R[\s,;]+c/R[\s,;]+beta\s*$", BLADE)
+QPROP = Format("a QPROP propeller", r".*!\s*(Nblades|Rfac|CL0)\b|\s*[#!]\s*r\s+chord\s", BLADE)
+XROTOR = Format("an XROTOR file", r"\s*XROTOR\s+VERSION", BLADE)
+BEM = Format("an OpenVSP .bem file", r"\.*\s*BEM Propeller", BLADE)
+TOML = Format("a TOML file of propmap", r"\s*schema\s*=", "name it .toml")
+AERODYN_15 = Format("AeroDyn v15", r"[^!]*\S\s+NumTabs\b", POLAR)
+AERODYN = Format("AeroDyn", r".*number of airfoil tables in this file", POLAR)
+XFOIL = Format("XFOIL", r"\s*(alpha|aoa)\s+CL\s+CD\b", POLAR)
+CACTUS = Format("CACTUS", r"reynolds number:", POLAR)
+UIUC_LOADS = Format("UIUC loads", r"\s*(J|RPM)[\s,]+CT[\s,]+CP\b", LOADS)
+PERFILES = Format("a PERFILE of APC, with computed loads", r"\s*PROP\s+RPM\s*=", LOADS)
+
+FORMATS = (
+    *(PE0, UIUC_GEOMETRY, QPROP, XROTOR, BEM, AERODYN_15, AERODYN, XFOIL, CACTUS),
+    *(UIUC_LOADS, PERFILES, TOML),
+    Format("an AeroDyn blade file", r"\s*BlSpn\s+BlCrvAC", f"it has no tip radius; {AS_CSV}"),
+    Format("a DFDC case", r"\s*DFDC\s+VERSION", f"ducts are not modelled; {AS_CSV}"),
+    Format("a QBlade or JBLADE project", r".*(QBlade|JBLADE)", "export blade and polars as text"),
+    Format("an STL surface", r"\s*solid\b", AS_CSV),
+    Format("coordinates of an airfoil", r"\s*1\.0*\s+-?0?\.0\d*\s*$", "give its polar past stall"),
+)
+"""The likelier ones first, where a file has the signs of several."""
+
+
+def format_of(lines: Sequence[str]) -> Format | None:
+    """Recognise the format of a file's lines; None for CSV by columns and what is not known."""
+    head = [line for line in lines if line.strip()][:HEAD]
+    for one in FORMATS:
+        sign = re.compile(one.sign, re.IGNORECASE)
+        if any(sign.match(line) for line in head):
+            return one
+    return None
+
+
+def not_read(lines: Sequence[str], what: str, wanted: str, where: str) -> InputError:
+    """Make the error for a file that is no ``what``: names its format, and what to do with it."""
+    found = format_of(lines)
+    if found is not None:
+        return InputError(f"this is {found.name}, no {what}", found.use, where)
+    first = next((line for line in lines if line.strip()), "")
+    return InputError(f"begins with {quoted(first.strip())}, which is no {what}", wanted, where)

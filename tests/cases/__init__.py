@@ -1,0 +1,1 @@
+"""Cases of users, re-made small, by the commands that they type."""
