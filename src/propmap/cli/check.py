@@ -22,6 +22,7 @@ from propmap.fit.comparison import (
     compare_level,
     compare_tunnel,
     flight_forces,
+    force_deviations,
     force_trends,
     values_for,
 )
@@ -66,6 +67,7 @@ def check(
         name: _numbers(c.all)
         | {
             "by_speed": {band: _numbers(e) for band, e in c.by_speed.items()},
+            "in_band": None if np.isnan(c.in_band) else c.in_band,
             "by_envelope": {band: _numbers(e) for band, e in c.by_envelope.items()},
         }
         for name, c in found.items()
@@ -110,12 +112,14 @@ def _compare(
     file = read_vehicle(vehicle)
     flown, paths = file.vehicle, [Path(item) for item in data]
     cutoff = fitted.low_pass if fitted else 0.0
-    _, log, remarks = read_flights(paths, file, "balance", low_pass=cutoff)
+    curve = fitted.curve if fitted else {}
+    _, log, remarks, _ = read_flights(paths, file, "balance", low_pass=cutoff, curve=curve)
     values, more = values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
     forces = flight_forces(flown, log, law, values)
+    sure = force_deviations(fitted, flown, log, values) if fitted else None
     beyond = fitted.beyond(hub_flow(flown, log)[:3], flown.propeller.radius) if fitted else None
     out.note(*remarks, *more, *(beyond.sentences("samples") if beyond else ()))
-    return compare_forces(flown, log, forces, beyond)
+    return compare_forces(flown, log, forces, beyond, sure)
 
 
 def _numbers(errors: Any) -> dict[str, Any]:
@@ -215,11 +219,13 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]
     flown, files = described.vehicle, [DataSource.of(path) for path in paths]
     if all_level_tables(paths):
-        _, log, _ = read_flights(paths, described, "level")
+        log = read_flights(paths, described, "level").log
         beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
         errors = compare_level(flown, log, file.airfoil, file.values, beyond)
         return GivenData(files, errors, level=(flown, log), beyond=beyond)
-    _, log, _ = read_flights(paths, described, "balance", low_pass=file.low_pass)
+    log = read_flights(
+        paths, described, "balance", low_pass=file.low_pass, curve=file.curve
+    ).log
     values, _ = values_for(file, flown, log, paths)
     forces = flight_forces(flown, log, file.airfoil, values)
     beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)

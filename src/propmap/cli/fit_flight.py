@@ -48,6 +48,7 @@ from propmap.fit.fit import fit, range_warnings
 from propmap.fit.flight import (
     BIAS,
     CENTRE,
+    CLOCK_DEVIATION,
     OFFSET,
     OVER_FLIGHTS,
     TILT,
@@ -71,7 +72,12 @@ from propmap.fit.parameters import (
     SectionPrior,
 )
 from propmap.fit.tunnel import first_guess, model_with, section_with
-from propmap.flight.checks import check_rotor_order, check_rotor_speed, mixed_vehicles
+from propmap.flight.checks import (
+    check_rotor_order,
+    check_rotor_speed,
+    drive_in_hover,
+    mixed_vehicles,
+)
 from propmap.flight.steady import (
     airborne,
     is_level_table,
@@ -98,12 +104,21 @@ from propmap.vehicle.log import (
 )
 from propmap.vehicle.log_checks import check_recording
 from propmap.vehicle.log_readers import read_recording
+from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, ThrottleCurve
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
 # Logs of flight fits and checks, as samples or as operating points.
 
 ENOUGH_STRETCHES = 4
+FROM_THROTTLE = (
+    "rotor speeds are from throttle, by a curve that is fitted with the rest: thrust and drag are "
+    "known less well than from measured speeds, torque and power hardly"
+)
+UNKNOWN_BATTERY = (
+    "there is no voltage of the battery beside the throttle, and thrust drifts as it empties: name "
+    "battery_voltage or hover_throttle in [log.columns], or log it"
+)
 
 
 class Flights(NamedTuple):
@@ -112,6 +127,7 @@ class Flights(NamedTuple):
     level: bool
     log: FlightLog
     remarks: tuple[str, ...]
+    curve: Mapping[str, float] = {}  # noqa: RUF012  # constants of a ``ThrottleCurve``
 
 
 def read_flights(
@@ -123,12 +139,14 @@ def read_flights(
     samples: int = 2**31,
     low_pass: float = 0.0,
     picture: Path | None = None,
+    curve: Mapping[str, float] | None = None,
 ) -> Flights:
     """Read logs, or tables of operating points, for the method "level", "balance" or "auto".
 
     Steady stretches last ``seconds`` at least, and are drawn as a ``picture``. Whole flights
     have so many ``samples`` at most, as neighbours err alike, with all signals passed below
-    ``low_pass`` [Hz], 0 for none.
+    ``low_pass`` [Hz], 0 for none.  Rotor speeds from throttle are by the constants of a ``curve``,
+    by default the usual ones and the logs' own hover.
     """
     names = flight_names([str(path) for path in paths])
     if all_level_tables(paths):
@@ -145,8 +163,14 @@ def read_flights(
                 remedy = "give rpm_1, rpm_2 ... in revolutions per minute of the propeller"
                 raise InputError(error.found, remedy, table.source) from None
         return Flights(True, joined(tables, names), tuple(found))
-    logs, remarks = _recorded(paths, file)
-    if method != "balance":
+    logs, remarks, curve = _recorded(paths, file, curve or {})
+    if method == "level" and any(log.commanded for log in logs):
+        raise InputError(
+            "steady stretches with throttle in place of rotor speeds say nothing of the blade: "
+            "they carry the weight at any",
+            "use --method balance, or log rotor speeds",
+        )
+    if method != "balance" and not any(log.commanded for log in logs):
         points = _points(logs, seconds, picture, needed=method == "level")
         if points is not None:
             return Flights(True, points, tuple(remarks))
@@ -163,26 +187,44 @@ def read_flights(
                 f"{low_pass:g} Hz, which takes {needed:g}, and are fitted as they are: log the "
                 f"slowest signal faster, or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
             )
-    logs = [low_passed(log, low_pass) for log in logs]
+    logs = _turning([low_passed(log, low_pass) for log in logs], file.vehicle, curve)
     flying = joined([log.picked(airborne(log)) for log in logs], names)
     picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))
-    return Flights(False, flying.picked(picked), tuple(remarks))
+    return Flights(False, flying.picked(picked), tuple(remarks), curve)
 
 
-def _recorded(paths: Sequence[Path], file: VehicleFile) -> tuple[list[FlightLog], list[str]]:
-    """Read logs, with warnings on what they may not be."""
-    logs, remarks = [], []
+def _recorded(
+    paths: Sequence[Path], file: VehicleFile, curve: Mapping[str, float]
+) -> tuple[list[FlightLog], list[str], Mapping[str, float]]:
+    """Read logs, with warnings on what they may not be, and the curve from throttle to speeds."""
+    logs, remarks = list[FlightLog](), list[str]()
     for path in paths:
         recording = read_recording(path, file)
         remarks += check_recording(recording)
         logs.append(flight_log(recording, file))
         if logs[-1].source != recording.source:
             remarks.append(logs[-1].source)
+        if recording.commanded and recording.supply is None:
+            remarks.append(f"{recording.source}: {UNKNOWN_BATTERY}")
+    if any(log.commanded for log in logs):
+        remarks.append(FROM_THROTTLE)
+        curve = {HOVER_DRIVE: drive_in_hover(logs), **curve}
+    logs = _turning(logs, file.vehicle, curve)
+    for log in logs:
         # Where it need not be stated, it is rpm.
         unit = file.log.rotor_unit or "rpm"
-        remarks += check_rotor_speed(logs[-1], _nominal_rotor(file), file.vehicle, unit)
-        check_rotor_order(logs[-1], file.vehicle)
-    return logs, [*remarks, *mixed_vehicles(logs, file.vehicle)]
+        remarks += check_rotor_speed(log, _nominal_rotor(file), file.vehicle, unit)
+        check_rotor_order(log, file.vehicle)
+    return logs, [*remarks, *mixed_vehicles(logs, file.vehicle)], curve
+
+
+def _turning(
+    logs: list[FlightLog], vehicle: Vehicle, curve: Mapping[str, float]
+) -> list[FlightLog]:
+    """Give the logs rotor speeds by a ``curve`` where they have throttle."""
+    if not any(log.commanded for log in logs):
+        return logs
+    return [log.with_curve(ThrottleCurve.of(vehicle, curve)) for log in logs]
 
 
 def _points(
@@ -245,7 +287,6 @@ WAKE_PRIORS = {
 the disk (1) or far below it (2) or by less, as air at the rim is slower."""
 # Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
 UNTWIST = Prior(0.02, 0.02)
-CLOCK = Prior(0.0, 0.01)  # [s]; filters of sensors delay them by some milliseconds
 TURNED, BIASED = Prior(0.0, 0.02), Prior(0.0, 0.1)  # [rad], [m/s^2], as boards are mounted
 # What motor controllers report is right within a hundredth: a clock's error, and rounding.
 ROTOR_SPEEDS = Prior(1.0, 0.01)
@@ -259,6 +300,15 @@ STALL_IN_FLIGHT = Prior(0.36, 0.08)
 BODY_SHARE, MOUNT_SHARE = 0.4, 0.5
 SENSOR_SHARE, CENTRE_SHARE = 0.5, 0.1
 ROTOR_SHARE = 0.01
+
+
+# Which share of the throttle is the square's, what the blade makes of the weight's rotor speed, and
+# how fast motors of 5 to 15 in propellers are.
+THROTTLE_PRIORS = {
+    "throttle_speed": Prior(1.0, 0.25),
+    "throttle_expo": Prior(0.5, 0.25),
+    "motor_lag": Prior(0.05, 0.03),
+}
 
 
 def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, Prior]:
@@ -283,11 +333,12 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
         **dict.fromkeys(OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
         **dict.fromkeys(TILT, TURNED),
         **dict.fromkeys(BIAS, BIASED),
-        **dict.fromkeys(("clock_offset", *of_each("clock_offset", log)), CLOCK),
+        **dict.fromkeys(("clock_offset", *of_each("clock_offset", log)), Prior(0.0, CLOCK_DEVIATION)),
         **dict.fromkeys(CENTRE, Prior(0.0, CENTRE_SHARE * arm)),
         "rotor_inertia": Prior(0.0, heavy),
         **WAKE_PRIORS,
         "rotor_speed_scale": ROTOR_SPEEDS,
+        **THROTTLE_PRIORS,
         "thrust_scale": Prior(1.0, OVER_FLIGHTS),
         **scale.priors,
     }
@@ -307,7 +358,8 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(INSTALLED)
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
     scales = of_each("thrust_scale", log) if len(log.flights) > 1 else ()
-    own = (*of_each("clock_offset", log), *scales)
+    driven = (*CURVE, *TILT) if log.commanded else ()
+    own = (*of_each("clock_offset", log), *scales, *driven)
     return (*BLADE, *FLEX, *mount, *BODY_ALONG_Z, *OFFSET, *turning, *wakes, *own)
 
 
@@ -408,6 +460,7 @@ def fit_flight(
         held = {text.partition("=")[0].strip() for text in fix or ()}
         free = ",".join(name for name in default if name not in held)
     chosen = choice_of(free, fix, prior, default, base, wing, expected)
+    chosen = replace(chosen, fixed={**flights.curve, **chosen.fixed})
     if not flights.level:
         known = flight_priors(file.vehicle, flights.log, hover=hover_scale)
         if expected is None:
@@ -425,6 +478,9 @@ def fit_flight(
     remake = functools.partial(make, model, chosen)
     with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, fewer, workers=workers, remake=remake)
+    if flights.curve:
+        (turning,) = _turning([flights.log], file.vehicle, fitted.values)
+        model = ForceModel(file.vehicle, turning, law)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
     remarks += residual_trends(fitted, model.log)
     remarks += unlikely_constants(fitted)
@@ -432,7 +488,7 @@ def fit_flight(
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     flown = by_flight(fitted, flights.log)
     wanted = hover_scale and not flights.level
-    hovers = HoverScale.of(file.vehicle, flights.log) if wanted else None
+    hovers = HoverScale.of(file.vehicle, model.log) if wanted else None
     text = fit_text(
         fitted,
         kind="level flight" if flights.level else "flight",

@@ -15,8 +15,11 @@ from propmap.fit.files import DataSource, FitFile
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import (
     AXES,
+    CLOCK,
+    CLOCK_DEVIATION,
     CORRELATED,
     MOMENTS,
+    OVER_FLIGHTS,
     UNITS,
     ForceModel,
     HoverScale,
@@ -47,6 +50,7 @@ from propmap.fit.parameters import (
     PER_FLIGHT,
     ROTOR,
     ROTOR_SPEED,
+    SECTION,
     SENSOR,
     WAKES,
     Choice,
@@ -59,7 +63,7 @@ from propmap.fit.tunnel import TunnelData, model_with, rotor_with
 from propmap.fit.uncertainty import uncertainty
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
-from propmap.model.airfoil import Airfoil
+from propmap.model.airfoil import Airfoil, SectionCovariance
 from propmap.model.envelope import Beyond
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
@@ -83,6 +87,7 @@ class SpeedErrors:
     by_speed: Mapping[str, ResidualErrors]
     # By ``INSIDE`` and ``OUTSIDE``, where there are rows; empty where no envelope is known.
     by_envelope: Mapping[str, ResidualErrors] = field(default_factory=dict)
+    in_band: float = np.nan  # share of the rows in the 95 % band; NaN where none is known
 
     @property
     def bands(self) -> dict[str, ResidualErrors]:
@@ -167,14 +172,57 @@ def flight_forces(
     return FlightForces(whole.loads, hover_loads(HoverModel.of(Rotor(model)), logged))
 
 
+PER_FLIGHT_DEVIATION = {"thrust_scale": OVER_FLIGHTS, CLOCK: CLOCK_DEVIATION}
+"""Standard deviations of what flights have of their own, before one of them is known."""
+
+BAND = 1.96
+"""Half the width of a band that holds 95 %, in standard deviations."""
+
+
+def force_deviations(
+    file: FitFile, vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]
+) -> Floats | None:
+    """Standard deviations (n, 6) of forces [N] and moments [N m] by a fit of whole flights.
+
+    They are from the joint covariance of all that was free, throttle and drag among it, from what
+    differs from flight to flight, and from what the fit left on rows that it had not seen. NaN
+    where a load was not fitted; None for a fit of other data.
+    """
+    record = file.record
+    if record.kind != "flight":
+        return None
+    known = SectionCovariance(tuple(record.free), record.covariance).determined
+    known = known.of([name for name in known.names if general(name) not in PER_FLIGHT])
+    law = constants_of(file.airfoil)
+    found = {p.name: p.value for p in record.parameters}
+    own = {name: getattr(law, name) for name in SECTION}
+    whole = {**FIRST_GUESS, **own, **record.fixed, **found, **values}
+    more = tuple(PER_FLIGHT_DEVIATION)
+    slopes = ForceModel(vehicle, log, law).at(whole, (*known.names, *more)).slopes
+    count = len(known.names)
+    variance = np.einsum("pnl,pq,qnl->nl", slopes[:count], known.matrix, slopes[:count])
+    for slope, deviation in zip(slopes[count:], PER_FLIGHT_DEVIATION.values(), strict=True):
+        variance += (deviation * slope) ** 2
+    left = {one.name: (one.cross_validated, one.rms) for one in record.loads}
+    for k, name in enumerate((*AXES, *MOMENTS)):
+        crossed, own_rms = left.get(name, (np.nan, np.nan))
+        variance[:, k] += (crossed if np.isfinite(crossed) else own_rms) ** 2
+    return np.asarray(np.sqrt(variance))
+
+
 def compare_forces(
-    vehicle: Vehicle, log: FlightLog, forces: FlightForces, beyond: Beyond | None = None
+    vehicle: Vehicle,
+    log: FlightLog,
+    forces: FlightForces,
+    beyond: Beyond | None = None,
+    deviations: Floats | None = None,
 ) -> dict[str, SpeedErrors]:
     """Errors of forces and moments along the vehicle's axes, by name with unit.
 
     Forces are held against mass times specific force, and moments, where the vehicle file has
     moments of inertia, against what turns the vehicle. ``beyond`` says how far the samples leave
-    the envelope of the fit. Raises ``InputError`` without specific force.
+    the envelope of the fit, ``deviations`` (n, 6) how far the forces may err. Raises
+    ``InputError`` without specific force.
     """
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
@@ -182,12 +230,15 @@ def compare_forces(
     if not np.isfinite(measured[:, :3]).any():
         raise InputError("there is no specific force to compare with", "log it", log.source)
     names = (*AXES, *MOMENTS) if np.isfinite(measured[:, 3:]).any() else AXES
-    return {
-        f"{name}_{UNITS[name].replace(' ', '')}": compared(
-            forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k], beyond
-        )
-        for k, name in enumerate(names)
-    }
+    found = {}
+    for k, name in enumerate(names):
+        both = forces.model[:, k], measured[:, k]
+        one = compared(*both, log.speed, forces.hover[:, k], beyond)
+        if deviations is not None:
+            off = np.abs(both[0] - both[1]) / deviations[:, k]
+            one = replace(one, in_band=float(np.mean(off[np.isfinite(off)] <= BAND)))
+        found[f"{name}_{UNITS[name].replace(' ', '')}"] = one
+    return found
 
 
 def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list[list[Trend]]:

@@ -23,6 +23,7 @@ from propmap.fit.parameters import (
     FLIGHT,
     ROTOR,
     SENSOR,
+    THROTTLE,
     TURNING,
     WAKES,
     WING,
@@ -41,7 +42,7 @@ from propmap.typing import Floats
 # -------------------------------------------------------------------------------------------------
 # Fit files: TOML that describes a fit, suffices to repeat it, and is a parameter set itself.
 
-BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT
+BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
 """What the table ``[fit.body]`` has; the rest is the section law, its corrections and the wing."""
 
 
@@ -73,6 +74,11 @@ class FitFile:
     def values(self) -> dict[str, float]:
         """The parameters of body, wing, sensor, wakes and flights by name."""
         return self.record.body | self.record.wing
+
+    @property
+    def curve(self) -> dict[str, float]:
+        """Constants of the ``ThrottleCurve``; none where rotor speeds were measured."""
+        return {name: self.values[name] for name in THROTTLE if name in self.values}
 
     @property
     def low_pass(self) -> float:

@@ -109,11 +109,20 @@ FLIGHT = {
 }
 """Battery and mass of a flight, and what a motor controller takes for its motor's speed."""
 
+THROTTLE = {
+    "throttle_speed": Parameter("-", 1.0, 0.3, 3.0, 0.1, "rotor speed at the throttle of hover"),
+    "throttle_expo": Parameter("-", 0.5, -0.5, 2.0, 0.2, "share of the throttle's square"),
+    "motor_lag": Parameter("s", 0.05, 0.0, 0.2, 0.02, "time in which a motor follows its throttle"),
+    "hover_drive": Parameter("-", 1.0, 1e-6, 1e6, 1.0, "throttle in hover, times voltage"),
+}
+"""See ``propmap.vehicle.throttle``: where a log has throttle and no rotor speeds."""
+
 PER_FLIGHT = ("thrust_scale", "clock_offset")
 """What may differ from flight to flight: then named as ``thrust_scale[FLIGHT]``."""
 
-EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT
-FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | INSTALLED | WAKES}
+EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
+_NOT_ALWAYS = FLEX | INSTALLED | WAKES | THROTTLE
+FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in _NOT_ALWAYS}
 
 
 LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")

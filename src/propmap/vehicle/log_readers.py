@@ -9,6 +9,7 @@ import io
 import itertools
 import os
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,13 +29,19 @@ from propmap.vehicle.log import (
     motor_slots,
     quaternion_of_angles,
 )
+from propmap.vehicle.throttle import PULSES, share_of_full, worth_of_throttle
 
 # -------------------------------------------------------------------------------------------------
 # Flight logs as CSV or Parquet, whose columns the vehicle file names.
 
 MOST_SHOWN = 30  # columns of a file that a message lists
-QUANTITIES = ("time", "velocity", "rates", "rotor_speed", "specific_force")
-OPTIONAL = ("specific_force",)
+QUANTITIES = ("time", "velocity", "rates")
+SUPPLY = ("battery_voltage", "hover_throttle")
+OPTIONAL = ("specific_force", *SUPPLY)
+BLACKBOX, BLACKBOX_VOLTAGE = "motor[", "vbatLatest (V)"
+"""How the commands to the motors, and the voltage, are called in tables of blackbox_decode."""
+
+DSHOT = (48.0, 2047.0)  # Betaflight's commands at rest and at full throttle, but for old ESCs
 
 
 def read_csv_log(path: Path, log: LogMap) -> Recording:
@@ -43,14 +50,18 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     The ``log`` map must state the frames and units and name the columns: ``time`` [s], ``velocity``
     [m/s], ``rates`` [rad/s] and the optional ``specific_force`` [m/s^2] (3 each), ``rotor_speed``,
     and either ``qw, qx, qy, qz`` or ``roll, pitch, yaw`` [rad] (yaw about z, then pitch about y,
-    then roll about x of the stated body frame). Any dialect of ``propmap.io.csv`` is read.  Empty
+    then roll about x of the stated body frame).  In place of ``rotor_speed`` there may be
+    ``throttle``, with ``throttle_range`` stated and ``battery_voltage`` [V] or ``hover_throttle``
+    where the log has one; columns as of blackbox_decode are found without being named.  Any dialect of ``propmap.io.csv`` is read.  Empty
     cells are samples that are not finite; text is refused.  Raises ``InputError``.
     """
     where = str(path)
     stated: dict[str, Any] = {
         key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")
     }
-    factor = log.rotor_factor(log.stated("rotor_unit"))
+    log = _with_blackbox(path, log)
+    turning = "throttle" if "throttle" in log.columns else "rotor_speed"
+    factor = 1.0 if turning == "throttle" else log.rotor_factor(log.stated("rotor_unit"))
     angles, quaternion = (
         bool(set(names) & set(log.columns)) for names in (EULER_COLUMNS, QUATERNION_COLUMNS)
     )
@@ -61,7 +72,7 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
             f"{log.file}: [log.columns]",
         )
     attitude = EULER_COLUMNS if angles else QUATERNION_COLUMNS
-    wanted = [*QUANTITIES, *attitude]
+    wanted = [*QUANTITIES, turning, *OPTIONAL, *attitude]
     unnamed = [key for key in wanted if key not in log.columns and key not in OPTIONAL]
     if unnamed:
         raise InputError(
@@ -82,15 +93,50 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
         return Signal(f"{key} ({', '.join(names.get(key, attitude))})", time, array)
 
     force = values.get("specific_force")
+    supply = None
+    if turning == "throttle":
+        turned = as_share(signal(turning, values[turning]), log.stated("throttle_range"))
+        supply = next((as_supply(signal(key, values[key])) for key in SUPPLY if key in values), None)
+    else:
+        turned = signal(turning, values[turning] * factor)
     return Recording(
         source=where,
         attitude=signal("attitude", _quaternions([values[key][:, 0] for key in attitude], where)),
         velocity=signal("velocity", values["velocity"]),
         rates=signal("rates", values["rates"]),
-        rotor_speed=signal("rotor_speed", values["rotor_speed"] * factor),
+        rotor_speed=turned,
         specific_force=None if force is None else signal("specific_force", force),
+        commanded=turning == "throttle",
+        supply=supply,
         **stated,
     )
+
+
+def _with_blackbox(path: Path, log: LogMap) -> LogMap:
+    """Name the columns of commands and voltage where they are those of blackbox_decode."""
+    if {"rotor_speed", "throttle"} & {*log.columns} or path.suffix.lower() != ".csv":
+        return log
+    with path.open(encoding="utf-8-sig", errors="replace") as lines:
+        heads = [head.strip().strip('"') for head in lines.readline().split(",")]
+    found = {"throttle": tuple(head for head in heads if head.startswith(BLACKBOX))}
+    found["battery_voltage"] = tuple(head for head in heads if head == BLACKBOX_VOLTAGE)
+    if not found["throttle"]:
+        return log
+    more = {key: names for key, names in found.items() if names}
+    return replace(
+        log, columns={**more, **log.columns}, throttle_range=log.throttle_range or DSHOT
+    )
+
+
+def as_share(signal: Signal, limits: tuple[float, float]) -> Signal:
+    """Return commands to motors as shares of full throttle, see ``share_of_full``."""
+    return replace(signal, values=share_of_full(signal.values, limits, signal.name))
+
+
+def as_supply(signal: Signal) -> Signal:
+    """Return what throttle is worth by a voltage, or by the throttle in hover."""
+    inverse = signal.name.startswith("hover_throttle")
+    return replace(signal, values=worth_of_throttle(signal.values, signal.name, inverse=inverse))
 
 
 def _quaternions(columns: list[Floats], where: str) -> Floats:
