@@ -145,7 +145,10 @@ def _table(
     ]
     physics = f", with {in_words(law.corrections or ())}{besides}"
     heads = "<load|<rows at|rows|rms|relative|bias|worst|hover model's rms"
-    return out.grid(heads, rows, f"Model minus measurement{physics}")
+    known = {name: c.in_band for name, c in found.items() if not np.isnan(c.in_band)}
+    shares = ", ".join(f"{name} {100.0 * share:.0f} %" for name, share in known.items())
+    caption = f"in the 95 % bands: {shares}" if known else ""
+    return out.grid(heads, rows, f"Model minus measurement{physics}", caption)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -223,9 +226,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
         errors = compare_level(flown, log, file.airfoil, file.values, beyond)
         return GivenData(files, errors, level=(flown, log), beyond=beyond)
-    log = read_flights(
-        paths, described, "balance", low_pass=file.low_pass, curve=file.curve
-    ).log
+    log = read_flights(paths, described, "balance", low_pass=file.low_pass, curve=file.curve).log
     values, _ = values_for(file, flown, log, paths)
     forces = flight_forces(flown, log, file.airfoil, values)
     beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)

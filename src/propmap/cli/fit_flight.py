@@ -127,7 +127,7 @@ class Flights(NamedTuple):
     level: bool
     log: FlightLog
     remarks: tuple[str, ...]
-    curve: Mapping[str, float] = {}  # noqa: RUF012  # constants of a ``ThrottleCurve``
+    curve: Mapping[str, float] = {}  # constants of a ``ThrottleCurve``
 
 
 def read_flights(
@@ -287,6 +287,7 @@ WAKE_PRIORS = {
 the disk (1) or far below it (2) or by less, as air at the rim is slower."""
 # Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
 UNTWIST = Prior(0.02, 0.02)
+CLOCK = Prior(0.0, CLOCK_DEVIATION)
 TURNED, BIASED = Prior(0.0, 0.02), Prior(0.0, 0.1)  # [rad], [m/s^2], as boards are mounted
 # What motor controllers report is right within a hundredth: a clock's error, and rounding.
 ROTOR_SPEEDS = Prior(1.0, 0.01)
@@ -333,7 +334,9 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
         **dict.fromkeys(OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
         **dict.fromkeys(TILT, TURNED),
         **dict.fromkeys(BIAS, BIASED),
-        **dict.fromkeys(("clock_offset", *of_each("clock_offset", log)), Prior(0.0, CLOCK_DEVIATION)),
+        **dict.fromkeys(
+            ("clock_offset", *of_each("clock_offset", log)), Prior(0.0, CLOCK_DEVIATION)
+        ),
         **dict.fromkeys(CENTRE, Prior(0.0, CENTRE_SHARE * arm)),
         "rotor_inertia": Prior(0.0, heavy),
         **WAKE_PRIORS,

@@ -20,6 +20,7 @@ from propmap.fit.flight import (
     CORRELATED,
     MOMENTS,
     OVER_FLIGHTS,
+    TILT,
     UNITS,
     ForceModel,
     HoverScale,
@@ -172,7 +173,11 @@ def flight_forces(
     return FlightForces(whole.loads, hover_loads(HoverModel.of(Rotor(model)), logged))
 
 
-PER_FLIGHT_DEVIATION = {"thrust_scale": OVER_FLIGHTS, CLOCK: CLOCK_DEVIATION}
+PER_FLIGHT_DEVIATION = {
+    "thrust_scale": OVER_FLIGHTS,
+    CLOCK: CLOCK_DEVIATION,
+    **dict.fromkeys(TILT, 0.01),  # [rad], as attitudes are trimmed, and frames of markers set
+}
 """Standard deviations of what flights have of their own, before one of them is known."""
 
 BAND = 1.96

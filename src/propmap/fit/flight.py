@@ -344,7 +344,9 @@ class ForceModel:
         slopes = np.empty((len(LOADS), len(names), *shape))
         for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
             rotor = Rotor(model, accuracy=self.setting)
-            found = rotor.gradients(tuple(asked), *(a[:, mine] for a in (omega, axial, flow.inplane)))
+            found = rotor.gradients(
+                tuple(asked), *(a[:, mine] for a in (omega, axial, flow.inplane))
+            )
             loads[..., mine] = found.loads
             slopes[..., mine] = found.slopes[:, place]
         for row, name in enumerate(names):

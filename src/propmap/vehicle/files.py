@@ -178,8 +178,7 @@ class _Log(TomlTable):
     pole_pairs: PolePairs | None = None
     rotor_order: Annotated[tuple[int, ...], "[2, 1, ...]"] | None = None
     throttle_range: (
-        Annotated[tuple[Number, Number], "[1000, 2000], commands at rest and at full throttle"]
-        | None
+        Annotated[tuple[Number, Number], "[1000, 2000], those at rest and at full throttle"] | None
     ) = None
     wind: Annotated[Vector, "[east, north, up]"] = (0.0, 0.0, 0.0)
     columns: _Columns = msgspec.field(default_factory=_Columns)
@@ -417,7 +416,7 @@ class LogMap:
         """What is stated of a ``key`` of ``STATED``; ``InputError`` if nothing is."""
         value = getattr(self, key)
         if value is None:
-            listed = example(get_type_hints(_Log)[key])
+            listed = example(get_type_hints(_Log, include_extras=True)[key])
             raise InputError(f"no {key}", f"add {key} = {listed}, as it is in the log", self.where)
         return value
 

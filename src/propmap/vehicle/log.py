@@ -532,7 +532,7 @@ def flight_log(
         return interpolated(signal, time)[:, place]
 
     rotor_speed = np.abs(by_rotor(recording.rotor_speed))
-    driven = {}
+    driven: Any = {}
     if by_lag is not None:
         driven = {"throttle": rotor_speed, "throttle_by_lag": by_rotor(by_lag)}
     result = FlightLog(

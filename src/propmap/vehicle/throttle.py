@@ -47,7 +47,7 @@ def share_of_full(commands: Floats, limits: tuple[float, float], name: str) -> F
     if not np.ptp(share, axis=0).any():
         raise InputError(
             f"{name} never changes ({commands.flat[0]:.4g})",
-            "name the commands to the motors, not their limits or the trim",
+            "give a flight in which the motors were armed, and name the commands to them",
         )
     return np.clip(share, 0.0, 1.0)
 
@@ -61,7 +61,7 @@ def worth_of_throttle(values: Floats, name: str, *, inverse: bool) -> Floats:
     if np.mean(known) < 1.0 - MOST_BEYOND:
         raise InputError(
             f"{name} is above 0 in {100.0 * np.mean(known):.0f} % of its samples",
-            "name the column of the voltage, or leave it out: the battery is then taken as constant",
+            "name the column of the voltage, or leave it out, as if the battery were always full",
         )
     found = np.where(known, values, np.nan)
     return 1.0 / found if inverse else found
