@@ -88,7 +88,8 @@ def test_without_steady_stretches_all_forces_are_fitted(run: Run, tmp_path: Path
     checked = json.loads(run("check", "out.toml", log, *vehicle, "--format", "json").out)
     assert set(checked) == {"corrections", "rows", "loads"} and checked["rows"] == 200
     assert set(checked["loads"]) == {"force_x_N", "force_y_N", "force_z_N"}
-    assert set(checked["loads"]["force_z_N"]) == CHECKED | {"by_speed", "by_envelope"}
+    more = {"by_speed", "by_envelope", "in_band"}
+    assert set(checked["loads"]["force_z_N"]) == CHECKED | more
     # Of whole flights the main part is the envelope.
     assert found["envelope"]["percentiles"] == [1.0, 99.0]
     apart = checked["loads"]["force_z_N"]["by_envelope"]

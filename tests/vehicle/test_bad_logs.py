@@ -77,7 +77,7 @@ def test_all_that_is_missing_is_named_at_once(tmp_path: Path) -> None:
     log = write_ulog(LOG, path, VEHICLE, leave_out=(*missing, "sensor_combined"))
     message = message_of(path, vehicle_with(log, tmp_path))
     rates = "no vehicle_angular_velocity or sensor_combined"
-    assert f"no topic vehicle_attitude, {rates}, no esc_status; found" in message
+    assert f"no topic vehicle_attitude, {rates}, no esc_status or actuator_motors" in message
     assert "vehicle_local_position" in message.partition("found")[2]
     log = write_bag(LOG, tmp_path / "bag", VEHICLE)
     log = log.replace('"/imu"', '"/imu_raw"').replace('"/odometry"', '"/odom"')

@@ -10,6 +10,8 @@ import pytest
 
 from propmap.vehicle.log_checks import check_recording
 from propmap.vehicle.log_readers import read_flight_log, read_recording
+from propmap.vehicle.throttle import lagged
+from tests.flight.commands import commands
 from tests.flight.synthetic import vehicle_with
 
 from .refusals import LOG, message_of
@@ -40,6 +42,17 @@ def test_speeds_of_rpm_sensors_are_read(tmp_path: Path) -> None:
     here = vehicle_with(write_dataflash(LOG, path, speeds="RPM"), tmp_path)
     read = read_flight_log(path, here)
     np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed, rtol=1e-6)
+
+
+def test_commands_are_read_where_there_are_no_speeds(tmp_path: Path) -> None:
+    """The second battery is off, and pulses are whole microseconds."""
+    path, driven = tmp_path / "a.bin", commands(LOG)
+    outputs = {1: None, 2: 3, 3: 1, 4: None, 5: 4, 6: 2}
+    table = write_dataflash(LOG, path, leave_out=("ESC",), outputs=outputs, driven=driven)
+    read = read_flight_log(path, vehicle_with(table, tmp_path))
+    expected, _ = lagged(driven.share * driven.voltage[:, None], 0.02)
+    assert read.commanded
+    np.testing.assert_allclose(read.throttle, expected, rtol=2e-3)
 
 
 def test_electrical_rpm_are_divided_by_the_pole_pairs(tmp_path: Path) -> None:

@@ -79,7 +79,7 @@ TOPICS = {
     "battery_status": _fields(
         "u8 timestamp;f4 voltage_v;f4 current_a;f4 current_average_a;f4 discharged_mah;"
         "f4 remaining;f4 scale;f4 time_remaining_s;f4 temperature;u1 cell_count;u1 source;"
-        "? connected;u1 _padding0"
+        "? connected"
     ),
 }
 LATE = 700

@@ -67,7 +67,7 @@ def check(
         name: _numbers(c.all)
         | {
             "by_speed": {band: _numbers(e) for band, e in c.by_speed.items()},
-            "in_band": None if np.isnan(c.in_band) else c.in_band,
+            **({} if np.isnan(c.in_band) else {"in_band": c.in_band}),
             "by_envelope": {band: _numbers(e) for band, e in c.by_envelope.items()},
         }
         for name, c in found.items()

@@ -289,6 +289,10 @@ weighed against them: no stand and no model is better, however well few rows are
 after a fit to static rows, a propeller's rows in flight lie within their intervals as often as they
 should: ``python -m tools.after_static``."""
 
+LEAST_IN_FLIGHT = 0.01
+"""That of the forces in whole flights, as a share of the weight: across the flight they are a few
+hundredths of it themselves, and stretches of a second already count what samples have in common."""
+
 
 @dataclass(frozen=True, eq=False)
 class SectionPrior:
