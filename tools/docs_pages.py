@@ -80,6 +80,7 @@ def write(folder: Path) -> None:
             "peers",
             "speed",
             "table",
+            "throttle",
         )
     }
     parts = {
@@ -95,6 +96,8 @@ def write(folder: Path) -> None:
         "by-angle": by_angle(found["demo"]),
         "flight-terms": flight_tables.terms(found["flight_steps"]),
         "flight-terms-recorded": flight_tables.terms_as_recorded(found["flight_steps"]),
+        "flight-throttle": flight_tables.throttle(found["throttle"]),
+        "throttle-twins": flight_tables.throttle_twins(found["throttle"]),
         "wakes-cost": flight_tables.wakes_cost(found["interference"]),
         "wakes-coaxial": flight_tables.coaxial(found["interference"]),
         "measured-power": aircraft_tables.measured_power(found["aircraft"]["power"]),

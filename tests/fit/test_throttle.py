@@ -2,33 +2,21 @@
 
 from __future__ import annotations
 
-import csv
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from propmap.cli import main
-from propmap.cli.fit_flight import FROM_THROTTLE, read_flights
-from propmap.fit.comparison import flight_forces, force_deviations, values_for
-from propmap.fit.files import FitFile, read_fit
+from propmap.cli.fit_flight import FROM_THROTTLE
+from propmap.fit.files import read_fit
 from propmap.fit.flight import ForceModel
 from propmap.fit.parameters import FIRST_GUESS, THROTTLE
-from propmap.flight.simulate import SensorNoise, fly, log_csv, log_table, trim
-from propmap.model.airfoil import parameter_set
-from propmap.typing import Floats
-from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, LAG, USUAL, ThrottleCurve, lagged
-from tests.flight.commands import Commands, commands
-from tests.flight.synthetic import NEUROBEM, vehicle_text
+from tests.flight.commands import LAG as MOTORS_LAG
 
-VEHICLE = read_vehicle(NEUROBEM).vehicle
-LAW = parameter_set("paper-apc").with_corrections(["pitt-peters", "installed:factor=1.9"])
-SPEEDS = np.array([0.5, 3.0, 6.0, 9.0])
-FREE = "c_l1,zero_lift_angle,c_d0,drag_factor,mount_area,drag_area_z"
-RATE = 50.0
+from .throttle_twin import LAW, VEHICLE, differences, fit_both, predicted
 
 
 def test_the_lag_is_that_of_a_motor() -> None:
@@ -78,82 +66,23 @@ def test_measured_speeds_stay() -> None:
     assert all(not slope.any() for slope in slopes.values())
 
 
-# -------------------------------------------------------------------------------------------------
-# Twins: a flight with rotor speeds, and the same with commands to the motors in place of them.
-
-
-def _write(log: FlightLog, driven: Commands | None, folder: Path, name: str) -> Path:
-    path = folder / f"{name}.csv"
-    lines = list(csv.reader(log_csv(log).splitlines()))
-    if driven is not None:
-        pulses = 1000.0 + 1000.0 * driven.share
-        more = np.column_stack([pulses, driven.voltage])
-        heads = [*(f"pwm_{k}" for k in range(1, 5)), "volts"]
-        kept = len(lines[0]) - 4
-        cells = [heads, *([f"{x:.6f}" for x in row] for row in more)]
-        lines = [[*row[:kept], *new] for row, new in zip(lines, cells, strict=True)]
-    path.write_text("\n".join(",".join(row) for row in lines) + "\n")
-    return path
-
-
-def _flown(seed: int) -> tuple[FlightLog, Commands]:
-    """Circles with the noise of sensors, but for what commands are made from."""
-    points = trim(VEHICLE, LAW, SPEEDS, radius=12.0, tether=False)
-    noise = SensorNoise(rotor_speed=0.0)
-    smooth = fly(points, dwell=5.0, rate=RATE, noise=noise, seed=seed)
-    rng = np.random.default_rng(seed)
-    noisy = 1.0 + SensorNoise().rotor_speed * rng.standard_normal(smooth.rotor_speed.shape)
-    return replace(smooth, rotor_speed=smooth.rotor_speed * noisy), commands(smooth, 0.01)
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Vehicle files, logs of two flights with each kind of columns, and a fit of the first."""
+    """Twins, and a fit of each."""
     here = tmp_path_factory.mktemp("twins")
-    table = log_table(4)
-    named, _, speeds = table.partition("rotor_speed")
-    driven = "throttle" + speeds.replace("rotor_", "pwm_").replace("_radps", "")
-    limits = named.replace("[log]", "[log]\nthrottle_range = [1000, 2000]")
-    texts = {"speeds": table, "throttle": f'{limits}{driven}battery_voltage = "volts"\n'}
-    for kind, text in texts.items():
-        (here / f"{kind}.toml").write_text(vehicle_text(text))
-    for seed, name in ((1, "seen"), (2, "unseen")):
-        log, motors = _flown(seed)
-        _write(log, None, here, f"{name}_speeds")
-        _write(log, motors, here, f"{name}_throttle")
-    for kind, more in (("speeds", ""), ("throttle", f",{','.join(CURVE)}")):
-        log, vehicle, fit = (
-            here / n for n in (f"seen_{kind}.csv", f"{kind}.toml", f"{kind}_fit.toml")
-        )
-        options = ["--vehicle", str(vehicle), "--method", "balance", "--prior-from", "population"]
-        few = ["--free", FREE + more, "--starts", "1", "--folds", "3", "--samples", "150"]
-        assert main(["fit", "flight", str(log), *options, *few, "-o", str(fit)]) == 0
+    fit_both(here)
     return here
 
 
-def _predicted(folder: Path, kind: str) -> tuple[FitFile, Floats, Floats]:
-    """Forces (n, 3) [N] on the flight that was not fitted, and their deviations."""
-    file, path = read_fit(folder / f"{kind}_fit.toml"), folder / f"unseen_{kind}.csv"
-    vehicle = read_vehicle(folder / f"{kind}.toml")
-    log = read_flights([path], vehicle, "balance", low_pass=6.0, curve=file.curve).log
-    values, _ = values_for(file, vehicle.vehicle, log, [path])
-    deviations = force_deviations(file, vehicle.vehicle, log, values)
-    assert deviations is not None
-    forces = flight_forces(vehicle.vehicle, log, file.airfoil, values).model
-    return file, forces[:, :3], deviations[:, :3]
-
-
 def test_forces_from_throttle_are_those_from_rotor_speeds(folder: Path) -> None:
-    _, by_speed, band = _predicted(folder, "speeds")
-    file, by_throttle, wider = _predicted(folder, "throttle")
-    # The curve is another one than that of the motors, and its lag is found.
-    lag = next(p for p in file.record.parameters if p.name == LAG)
-    assert lag.low < 0.04 < lag.high
-    size = np.sqrt(np.mean(np.sum(by_speed**2, axis=1)))
-    off = by_throttle - by_speed
-    assert np.sqrt(np.mean(np.sum(off**2, axis=1))) < 0.1 * size
-    assert np.mean(np.abs(off) < 1.96 * wider, axis=0) == pytest.approx(1.0, abs=0.12)
-    assert np.sqrt(np.mean(wider**2)) < 1.1 * np.sqrt(np.mean(band**2))
+    found = differences(folder)
+    assert found["force"] < 0.1
+    assert 0.9 < found["band"] < 1.1
+    assert found["inside"] > 0.9
+    # The curve is another one than that of the motors, but their lag is found.
+    parameters = predicted(folder, "throttle").fit.record.parameters
+    lag = next(p for p in parameters if p.name == LAG)
+    assert lag.low < MOTORS_LAG < lag.high
 
 
 def test_the_fit_file_and_check_say_so(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -171,3 +100,10 @@ def test_steady_stretches_need_rotor_speeds(
     way = ["--method", "level", "-o", str(folder / "none.toml")]
     assert main(["fit", "flight", log, "--vehicle", vehicle, *way]) == 2
     assert "say nothing of the blade" in capsys.readouterr().err
+
+
+def test_terms_need_rotor_speeds(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    logs = [str(folder / f"{name}_throttle.csv") for name in ("seen", "unseen")]
+    way = ["--vehicle", str(folder / "throttle.toml"), "-o", str(folder / "terms")]
+    assert main(["fit", "terms", *logs, *way]) == 2
+    assert "commands to the motors in place of rotor speeds" in capsys.readouterr().err

@@ -515,7 +515,7 @@ def fit_flight(
         from propmap.report.fit_curves import level_flight
 
         drawn = section_with(model.model.airfoil, fitted.values)
-        out.save_picture(level_flight(file.vehicle, flights.log, drawn), picture)
+        out.save_picture(level_flight(file.vehicle, model.log, drawn), picture)
     finish(fitted, model_with(model.model, fitted.values), remarks, text, output, flown)
 
 
@@ -642,6 +642,12 @@ def read_pairs(
     for path in paths:
         passed, raw = (read_flights([path], file, "balance", low_pass=hz) for hz in (cutoff, 0.0))
         remarks += passed.remarks
+        if passed.log.commanded:
+            raise InputError(
+                "there are commands to the motors in place of rotor speeds",
+                "compare terms on flights with measured speeds",
+                str(path),
+            )
         if not np.isfinite(passed.log.specific_force).all():
             raise InputError(
                 "there is no specific force (accelerometer) for all samples", "log it", str(path)

@@ -202,12 +202,12 @@ def force_deviations(
     found = {p.name: p.value for p in record.parameters}
     own = {name: getattr(law, name) for name in SECTION}
     whole = {**FIRST_GUESS, **own, **record.fixed, **found, **values}
-    more = tuple(PER_FLIGHT_DEVIATION)
-    slopes = ForceModel(vehicle, log, law).at(whole, (*known.names, *more)).slopes
-    count = len(known.names)
-    variance = np.einsum("pnl,pq,qnl->nl", slopes[:count], known.matrix, slopes[:count])
-    for slope, deviation in zip(slopes[count:], PER_FLIGHT_DEVIATION.values(), strict=True):
-        variance += (deviation * slope) ** 2
+    names = tuple(dict.fromkeys((*known.names, *PER_FLIGHT_DEVIATION)))
+    slopes = dict(zip(names, ForceModel(vehicle, log, law).at(whole, names).slopes, strict=True))
+    by_known = np.stack([slopes[name] for name in known.names])
+    variance = np.einsum("pnl,pq,qnl->nl", by_known, known.matrix, by_known)
+    for name, deviation in PER_FLIGHT_DEVIATION.items():
+        variance += (deviation * slopes[name]) ** 2
     left = {one.name: (one.cross_validated, one.rms) for one in record.loads}
     for k, name in enumerate((*AXES, *MOMENTS)):
         crossed, own_rms = left.get(name, (np.nan, np.nan))

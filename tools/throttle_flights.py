@@ -1,0 +1,78 @@
+"""What fits from throttle predict, for the documentation: real flights, and twins with speeds.
+
+Usage: python -m tools.throttle_flights FOLDER
+
+Reads the flights neuralfly_CONTROLLER_WIND.csv of the folder (O'Connell et al., Neural-Fly, Science
+Robotics 2022, as one CSV file each), fits those in slow wind, checks all with that fit, and writes
+benchmarks/results/throttle.json.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from propmap.cli import main as propmap
+from propmap.io.csv import replacing
+from tests.fit.throttle_twin import differences, fit_both
+
+ROOT = Path(__file__).resolve().parent.parent
+RESULTS = ROOT / "benchmarks" / "results" / "throttle.json"
+VEHICLE = str(ROOT / "examples" / "neuralfly" / "vehicle.toml")
+SEEN, UNSEEN, CONTROLLERS = ("nowind", "35wind"), ("70wind",), ("NF", "baseline")
+
+
+def main(folder: str) -> None:
+    """Fit and check, and write what came out."""
+    with tempfile.TemporaryDirectory() as place:
+        found = {"flights": flights(Path(folder), Path(place)), "twins": twins(Path(place))}
+    with replacing(RESULTS) as path:
+        path.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    print(RESULTS)
+
+
+def flights(folder: Path, place: Path) -> list[dict[str, Any]]:
+    """Errors along x, y and z [N] of each flight, and the shares of its samples in the bands."""
+    logs = {
+        (one, wind): str(folder / f"neuralfly_{one}_{wind}.csv")
+        for wind in (*SEEN, *UNSEEN)
+        for one in CONTROLLERS
+    }
+    fit = str(place / "fit.toml")
+    slow = [path for (_, wind), path in logs.items() if wind in SEEN]
+    output("fit", "flight", *slow, "--vehicle", VEHICLE, "-o", fit)
+    rows = []
+    for (one, wind), path in logs.items():
+        found = json.loads(output("check", fit, path, "--vehicle", VEHICLE, "--format", "json"))
+        loads = [found["loads"][f"force_{axis}_N"] for axis in "xyz"]
+        kept = ("rms", "bias", "in_band", "hover_rms")
+        rows.append(
+            {"flight": f"{one}, {wind}", "fitted": wind in SEEN}
+            | {key: [round(load[key], 3) for load in loads] for key in kept}
+        )
+    return rows
+
+
+def twins(place: Path) -> dict[str, float]:
+    """How forces and bands differ between a fit from throttle and one from rotor speeds."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        fit_both(place)
+    return {name: round(value, 4) for name, value in differences(place).items()}
+
+
+def output(*arguments: str) -> str:
+    """What a command prints."""
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        if propmap(list(arguments)):
+            raise SystemExit(1)
+    return printed.getvalue()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
