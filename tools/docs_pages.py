@@ -97,6 +97,7 @@ def write(folder: Path) -> None:
         "flight-terms": flight_tables.terms(found["flight_steps"]),
         "flight-terms-recorded": flight_tables.terms_as_recorded(found["flight_steps"]),
         "flight-throttle": flight_tables.throttle(found["throttle"]),
+        "throttle-without": flight_tables.throttle_without(found["throttle"]),
         "throttle-twins": flight_tables.throttle_twins(found["throttle"]),
         "wakes-cost": flight_tables.wakes_cost(found["interference"]),
         "wakes-coaxial": flight_tables.coaxial(found["interference"]),

@@ -42,7 +42,7 @@ def terms_as_recorded(found: dict[str, Any]) -> str:
 def throttle(found: dict[str, Any]) -> str:
     """Errors and shares in the bands of flights without rotor speeds."""
     lines = [
-        "| flight | fitted | rms x, y, z [N] | bias x, y, z [N] | in the 95 % bands | hover model |",
+        "| flight | fitted | rms x, y, z [N] | bias [N] | in the 95 % bands | hover model's rms |",
         "|---|---|---:|---:|---:|---:|",
     ]
     for row in found["flights"]:
@@ -51,6 +51,14 @@ def throttle(found: dict[str, Any]) -> str:
         bias = ", ".join(f"{x:+.2f}" for x in row["bias"])
         fitted = "yes" if row["fitted"] else "no"
         lines.append(f"| {row['flight']} | {fitted} | {rms} | {bias} | {shares} % | {hover} |")
+    return "\n".join(lines)
+
+
+def throttle_without(found: dict[str, Any]) -> str:
+    """Cross-validated errors of fits that lack something."""
+    lines = ["| fit | x, y, z [N] |", "|---|---:|"]
+    for name, errors in found["without"].items():
+        lines.append(f"| {name} | {', '.join(f'{x:.2f}' for x in errors)} |")
     return "\n".join(lines)
 
 

@@ -18,34 +18,67 @@ from pathlib import Path
 from typing import Any
 
 from propmap.cli import main as propmap
+from propmap.fit.files import read_fit
 from propmap.io.csv import replacing
 from tests.fit.throttle_twin import differences, fit_both
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "benchmarks" / "results" / "throttle.json"
 VEHICLE = str(ROOT / "examples" / "neuralfly" / "vehicle.toml")
+WITHOUT = {
+    "as above": [],
+    "without the motors' lag": ["--fix", "motor_lag=0"],
+    "without the accelerometer's tilt": ["--fix", "sensor_tilt_x=0", "--fix", "sensor_tilt_y=0"],
+    "without the throttle in hover": [],
+}
 SEEN, UNSEEN, CONTROLLERS = ("nowind", "35wind"), ("70wind",), ("NF", "baseline")
 
 
 def main(folder: str) -> None:
     """Fit and check, and write what came out."""
     with tempfile.TemporaryDirectory() as place:
-        found = {"flights": flights(Path(folder), Path(place)), "twins": twins(Path(place))}
+        logs = {
+            (one, wind): str(Path(folder) / f"neuralfly_{one}_{wind}.csv")
+            for wind in (*SEEN, *UNSEEN)
+            for one in CONTROLLERS
+        }
+        found = {
+            "without": without(logs, Path(place)),
+            "flights": flights(logs, Path(place)),
+            "twins": twins(Path(place)),
+        }
     with replacing(RESULTS) as path:
         path.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     print(RESULTS)
 
 
-def flights(folder: Path, place: Path) -> list[dict[str, Any]]:
-    """Errors along x, y and z [N] of each flight, and the shares of its samples in the bands."""
-    logs = {
-        (one, wind): str(folder / f"neuralfly_{one}_{wind}.csv")
-        for wind in (*SEEN, *UNSEEN)
-        for one in CONTROLLERS
-    }
-    fit = str(place / "fit.toml")
+Logs = dict[tuple[str, str], str]
+
+
+def fitted(logs: Logs, fit: Path, vehicle: str, *options: str) -> None:
+    """Fit the flights in slow wind."""
     slow = [path for (_, wind), path in logs.items() if wind in SEEN]
-    output("fit", "flight", *slow, "--vehicle", VEHICLE, "-o", fit)
+    output("fit", "flight", *slow, "--vehicle", vehicle, "-o", str(fit), *options)
+
+
+def without(logs: Logs, place: Path) -> dict[str, list[float]]:
+    """Cross-validated errors along x, y and z [N] of fits that lack something."""
+    bare = place / "without_hover_throttle.toml"
+    lines = Path(VEHICLE).read_text(encoding="utf-8").splitlines()
+    kept = (line for line in lines if not line.startswith("hover_throttle"))
+    bare.write_text("\n".join(kept), encoding="utf-8")
+    found = {}
+    for k, (name, options) in enumerate(WITHOUT.items()):
+        fit = place / f"fit_{k}.toml"
+        fitted(logs, fit, str(bare) if "throttle in hover" in name else VEHICLE, *options)
+        loads = read_fit(fit).record.loads
+        found[name] = [round(load.cross_validated, 3) for load in loads]
+    return found
+
+
+def flights(logs: Logs, place: Path) -> list[dict[str, Any]]:
+    """Errors along x, y and z [N] of each flight, and the shares of its samples in the bands."""
+    fit = str(place / "fit_0.toml")
     rows = []
     for (one, wind), path in logs.items():
         found = json.loads(output("check", fit, path, "--vehicle", VEHICLE, "--format", "json"))

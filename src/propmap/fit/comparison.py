@@ -190,8 +190,9 @@ def force_deviations(
     """Standard deviations (n, 6) of forces [N] and moments [N m] by a fit of whole flights.
 
     They are from the joint covariance of all that was free, throttle and drag among it, from what
-    differs from flight to flight, and from what the fit left on rows that it had not seen. NaN
-    where a load was not fitted; None for a fit of other data.
+    differs from flight to flight, and from what the fit left on rows that it had not seen, which is
+    taken to grow with V/(Omega R) beyond the data of the fit. NaN where a load was not fitted; None
+    for a fit of other data.
     """
     record = file.record
     if record.kind != "flight":
@@ -208,10 +209,12 @@ def force_deviations(
     variance = np.einsum("pnl,pq,qnl->nl", by_known, known.matrix, by_known)
     for name, deviation in PER_FLIGHT_DEVIATION.items():
         variance += (deviation * slopes[name]) ** 2
+    beyond = file.beyond(hub_flow(vehicle, log)[:3], vehicle.propeller.radius)
+    reach = 1.0 if beyond is None else beyond.reach
     left = {one.name: (one.cross_validated, one.rms) for one in record.loads}
     for k, name in enumerate((*AXES, *MOMENTS)):
         crossed, own_rms = left.get(name, (np.nan, np.nan))
-        variance[:, k] += (crossed if np.isfinite(crossed) else own_rms) ** 2
+        variance[:, k] += (reach * (crossed if np.isfinite(crossed) else own_rms)) ** 2
     return np.asarray(np.sqrt(variance))
 
 
