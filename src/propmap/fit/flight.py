@@ -316,7 +316,7 @@ class ForceModel:
             model_with(self.model, {**known, name: known[name] + step})
             for name, step in zip(lifting, steps, strict=True)
         ]
-        omega, by_name = self.turned(values)
+        omega, by_name = self._turned(values)
         along = flow.axial, flow.inplane
         rotor = Rotor(model_with(self.model, known))
         thrust, more = rotor.attached_thrust(omega, *along, perturbed)
@@ -336,7 +336,7 @@ class ForceModel:
     ) -> tuple[Floats, Floats]:
         """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m); slopes (L, P, n, m)."""
         flow, shape = self.flow, self.flow.omega.shape
-        omega, by_name = self.turned(values)
+        omega, by_name = self._turned(values)
         asked = [name for name in names if name not in TURNED]
         asked += ["omega"] if len(asked) < len(names) else []
         place = [asked.index("omega" if name in TURNED else name) for name in names]
@@ -354,7 +354,7 @@ class ForceModel:
                 slopes[:, row] *= by_name[name]
         return loads, slopes
 
-    def turned(self, values: Mapping[str, float]) -> tuple[Floats, dict[str, Floats]]:
+    def _turned(self, values: Mapping[str, float]) -> tuple[Floats, dict[str, Floats]]:
         """Rotor speeds (n, m) [rad/s] and their derivatives by the parameters ``TURNED``."""
         log, scale = self.log, values.get(ROTOR_SPEED, 1.0)
         omega, by_name = self.flow.omega, dict.fromkeys(THROTTLE, np.zeros_like(self.flow.omega))
