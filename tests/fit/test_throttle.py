@@ -9,9 +9,12 @@ import pytest
 
 from propmap.cli import main
 from propmap.cli.fit_flight import FROM_THROTTLE
+from propmap.errors import InputError
 from propmap.fit.files import read_fit
 from propmap.fit.flight import ForceModel
-from propmap.fit.parameters import FIRST_GUESS, THROTTLE
+from propmap.fit.least_squares import Rows
+from propmap.fit.parameters import FIRST_GUESS, THROTTLE, Choice
+from propmap.report.fit_page import notes
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, LAG, USUAL, ThrottleCurve, lagged
 from tests.flight.commands import LAG as MOTORS_LAG
@@ -87,7 +90,7 @@ def test_forces_from_throttle_are_those_from_rotor_speeds(folder: Path) -> None:
 
 def test_the_fit_file_and_check_say_so(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     fit, log = str(folder / "throttle_fit.toml"), str(folder / "unseen_throttle.csv")
-    assert FROM_THROTTLE in read_fit(Path(fit)).record.remarks
+    assert FROM_THROTTLE in notes(read_fit(Path(fit)).record)  # what the page says
     assert main(["check", fit, log, "--vehicle", str(folder / "throttle.toml")]) == 0
     told = capsys.readouterr()
     assert "in the 95 % bands" in told.out and "from throttle" in told.err
@@ -107,3 +110,23 @@ def test_terms_need_rotor_speeds(folder: Path, capsys: pytest.CaptureFixture[str
     way = ["--vehicle", str(folder / "throttle.toml"), "-o", str(folder / "terms")]
     assert main(["fit", "terms", *logs, *way]) == 2
     assert "commands to the motors in place of rotor speeds" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["speeds", "throttle"])
+def test_what_is_free_by_default_and_by_a_prior(
+    kind: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[tuple[str, ...]] = []
+
+    def fit(_rows: Rows, choice: Choice, *_: object, **__: object) -> None:
+        seen.append(choice.free)
+        raise InputError("no more is needed", "stop")
+
+    monkeypatch.setattr("propmap.cli.fit_flight.fit", fit)
+    log, vehicle = str(folder / f"seen_{kind}.csv"), str(folder / f"{kind}.toml")
+    more = ["--prior", "sensor_bias_z=0:0.1", "--fix", "motor_lag=0.03"]
+    way = ["--method", "balance", "-o", str(folder / "none.toml")]
+    assert main(["fit", "flight", log, "--vehicle", vehicle, *more, *way]) == 2
+    driven = {"throttle_speed", "throttle_expo", "sensor_tilt_x", "sensor_tilt_y"}
+    assert "sensor_bias_z" in seen[0] and "motor_lag" not in seen[0]
+    assert driven & {*seen[0]} == (driven if kind == "throttle" else set())

@@ -462,8 +462,10 @@ def fit_flight(
     wing = wing_values(file.vehicle)
     if not flights.level and free is None:
         # With one blade in one air, what hardly moves stays where other propellers have it.
-        held = {text.partition("=")[0].strip() for text in fix or ()}
-        free = ",".join(name for name in default if name not in held)
+        held, believed = (
+            [text.partition("=")[0].strip() for text in texts or ()] for texts in (fix, prior)
+        )
+        free = ",".join(name for name in dict.fromkeys((*default, *believed)) if name not in held)
     chosen = choice_of(free, fix, prior, default, base, wing, expected)
     chosen = replace(chosen, fixed={**flights.curve, **chosen.fixed})
     if not flights.level:
