@@ -96,6 +96,17 @@ def test_the_fit_file_and_check_say_so(folder: Path, capsys: pytest.CaptureFixtu
     assert "in the 95 % bands" in told.out and "from throttle" in told.err
 
 
+def test_a_fit_to_rotor_speeds_has_no_curve(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fit, log = str(folder / "speeds_fit.toml"), str(folder / "unseen_throttle.csv")
+    assert main(["check", fit, log, "--vehicle", str(folder / "throttle.toml")]) == 2
+    assert "the constants are of measured ones" in capsys.readouterr().err
+    # The other way about, measured speeds need no curve.
+    fit, log = str(folder / "throttle_fit.toml"), str(folder / "unseen_speeds.csv")
+    assert main(["check", fit, log, "--vehicle", str(folder / "speeds.toml")]) == 0
+
+
 def test_steady_stretches_need_rotor_speeds(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

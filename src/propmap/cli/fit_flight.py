@@ -162,7 +162,7 @@ def read_flights(
                 remedy = "give rpm_1, rpm_2 ... in revolutions per minute of the propeller"
                 raise InputError(error.found, remedy, table.source) from None
         return Flights(True, joined(tables, names), tuple(found))
-    logs, remarks, curve = _recorded(paths, file, curve or {})
+    logs, remarks, curve = _recorded(paths, file, curve)
     if method == "level" and any(log.commanded for log in logs):
         raise InputError(
             "steady stretches with throttle in place of rotor speeds say nothing of the blade: "
@@ -193,7 +193,7 @@ def read_flights(
 
 
 def _recorded(
-    paths: Sequence[Path], file: VehicleFile, curve: Mapping[str, float]
+    paths: Sequence[Path], file: VehicleFile, curve: Mapping[str, float] | None
 ) -> tuple[list[FlightLog], list[str], Mapping[str, float]]:
     """Read logs, with warnings on what they may not be, and the curve from throttle to speeds."""
     logs, remarks = list[FlightLog](), list[str]()
@@ -205,9 +205,18 @@ def _recorded(
             remarks.append(logs[-1].source)
         if recording.commanded and recording.supply is None:
             remarks.append(f"{recording.source}: {UNKNOWN_BATTERY}")
-    if any(log.commanded for log in logs):
+    driven = [log.source for log in logs if log.commanded]
+    if driven:
         remarks.append(FROM_THROTTLE)
-        curve = {HOVER_DRIVE: drive_in_hover(logs), **curve}
+        if curve is None:
+            curve = {HOVER_DRIVE: drive_in_hover(logs)}
+        if HOVER_DRIVE not in curve:
+            raise InputError(
+                "there is throttle and no rotor speed, and the constants are of measured ones",
+                "compare with a log of rotor speeds, or fit logs with throttle as well",
+                driven[0],
+            )
+    curve = curve or {}
     logs = _turning(logs, file.vehicle, curve)
     for log in logs:
         # Where it need not be stated, it is rpm.
