@@ -82,6 +82,7 @@ def write(folder: Path) -> None:
             "peers",
             "speed",
             "table",
+            "throttle",
         )
     }
     parts = {
@@ -100,6 +101,9 @@ def write(folder: Path) -> None:
         "flight-unseen-forces": flight_tables.unseen_forces(found["flight_held_out"]),
         "flight-unseen-moments": flight_tables.unseen_moments(found["flight_held_out"]),
         "flight-responses": flight_tables.responses(found["flight_held_out"]),
+        "flight-throttle": flight_tables.throttle(found["throttle"]),
+        "throttle-without": flight_tables.throttle_without(found["throttle"]),
+        "throttle-twins": flight_tables.throttle_twins(found["throttle"]),
         "wakes-cost": flight_tables.wakes_cost(found["interference"]),
         "wakes-coaxial": flight_tables.coaxial(found["coaxial"]),
         "measured-power": aircraft_tables.measured_power(found["aircraft"]["power"]),

@@ -1,4 +1,4 @@
-"""Tables of the documentation on flights: terms of a fit, flights unseen, the rotors' wakes."""
+"""Tables of the documentation on flights: terms of a fit, flights unseen, throttle, and wakes."""
 
 from __future__ import annotations
 
@@ -84,6 +84,39 @@ def responses(found: dict[str, Any]) -> str:
         ]
         lines.append(f"| {band[0]:g} to {band[1]:g} | {' | '.join(cells)} |")
     return "\n".join(lines)
+
+
+def throttle(found: dict[str, Any]) -> str:
+    """Errors and shares in the bands of flights without rotor speeds."""
+    lines = [
+        "| flight | fitted | rms x, y, z [N] | bias [N] | in the 95 % bands | hover model's rms |",
+        "|---|---|---:|---:|---:|---:|",
+    ]
+    for row in found["flights"]:
+        shares = ", ".join(f"{100.0 * share:.0f}" for share in row["in_band"])
+        rms, hover = (", ".join(f"{x:.2f}" for x in row[key]) for key in ("rms", "hover_rms"))
+        bias = ", ".join(f"{x:+.2f}" for x in row["bias"])
+        fitted = "yes" if row["fitted"] else "no"
+        lines.append(f"| {row['flight']} | {fitted} | {rms} | {bias} | {shares} % | {hover} |")
+    return "\n".join(lines)
+
+
+def throttle_without(found: dict[str, Any]) -> str:
+    """Cross-validated errors of fits that lack something."""
+    lines = ["| fit | x, y, z [N] |", "|---|---:|"]
+    for name, errors in found["without"].items():
+        lines.append(f"| {name} | {', '.join(f'{x:.2f}' for x in errors)} |")
+    return "\n".join(lines)
+
+
+def throttle_twins(found: dict[str, Any]) -> str:
+    """How a fit from throttle differs from one from rotor speeds, in a sentence."""
+    twins = found["twins"]
+    return (
+        f"On a flight that neither had seen their forces differ by {100.0 * twins['force']:.1f} % "
+        f"of the largest, the bands from throttle are {twins['band']:.2f} times as wide, and "
+        f"{100.0 * twins['inside']:.0f} % of the samples or more differ by less than that."
+    )
 
 
 def wakes_cost(found: dict[str, Any]) -> str:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import csv
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog
+from tests.flight.commands import Commands, commands
 from tests.flight.synthetic import NEUROBEM, flight, vehicle_text
 from tests.vehicle.write_dataflash import write_dataflash
 from tests.vehicle.write_logs import InFrames, write_bag, write_csv, write_ulog
@@ -30,10 +33,17 @@ PROFILE = {
     "vehicle_angular_velocity": 5,
     "vehicle_acceleration": 5,
     "esc_status": 10,
+    "actuator_motors": 10,
+    "actuator_outputs": 10,
+    "battery_status": 20,
 }
 """One of so many samples, as by PX4's default profile: velocities and speeds at 10 Hz."""
 
 SLOTS = (None, 3, 1, None, 4, 2)
+OUTPUTS = [(k, motor) for k, motor in enumerate(SLOTS, start=1) if motor]
+DRIVEN = commands(LOG, noise=0.01)
+UNTOUCHED: dict[str, Any] = dict.fromkeys(("rotor_acceleration", "throttle", "throttle_by_lag"))
+FROM_THROTTLE = "rotor speeds are from throttle, by a curve that is fitted with the rest"
 BETAFLIGHT = """[log]
 body_frame = "flu"
 world_frame = "enu"
@@ -58,10 +68,11 @@ PULSES = turning(LOG, 0.4 * RPM, 1200.0 * RPM)
 """About 1650 us, where rpm are expected."""
 
 
-def px4(log: FlightLog, leave_out: str = "", **more: tuple[int | None, ...]) -> str:
+def px4(log: FlightLog, *leave_out: str, **more: Any) -> str:
     tables = topics_of(log, PROFILE, **more)
-    tables.pop(leave_out, None)
-    write_px4_log(tables, Path("log.ulg"))
+    for name in leave_out:
+        del tables[name]
+    write_px4_log(tables, Path("log.ulg"), {f"PWM_MAIN_FUNC{k}": 100 + m for k, m in OUTPUTS})
     return ""
 
 
@@ -79,6 +90,13 @@ def cut_short() -> str:
     return table
 
 
+def write_table(columns: dict[str, Any]) -> None:
+    with Path("log.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+
+
 def betaflight() -> str:
     """A table as of blackbox_decode: microseconds, deg/s, counts, commands, and no velocity."""
     seen = InFrames(LOG, "flu", "enu")
@@ -88,11 +106,39 @@ def betaflight() -> str:
     columns |= {f" accSmooth[{k}]": 2048 / 9.81 * LOG.specific_force[:, k] for k in range(3)}
     columns |= {f" motor[{k}]": 1.2 * LOG.rotor_speed[:, k] for k in range(4)}
     columns |= {f" {n}": angles[:, k] for k, n in enumerate(("roll", "pitch", "heading"))}
-    with Path("log.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+    write_table(columns)
     return BETAFLIGHT
+
+
+def betaflight_in_si(low: float = 48.0, high: float = 2047.0, more: str = "") -> str:
+    """Beside motion capture: blackbox_decode --unit-frame-time s --unit-rotation rad/s ... ."""
+    seen = InFrames(LOG, "flu", "enu")
+    angles = seen.rotation.as_euler("ZYX")[:, ::-1]
+    columns = {"loopIteration": np.arange(LOG.time.size), "time (s)": LOG.time}
+    columns |= {f"gyroADC[{k}] (rad/s)": LOG.rates[:, k] for k in range(3)}
+    columns |= {f"accSmooth[{k}] (m/s/s)": LOG.specific_force[:, k] for k in range(3)}
+    columns |= {f"motor[{k}]": low + (high - low) * DRIVEN.share[:, k] for k in range(4)}
+    columns["vbatLatest (V)"] = DRIVEN.voltage
+    columns |= {n: angles[:, k] for k, n in enumerate(("roll", "pitch", "heading"))}
+    columns |= {f"mocap_v{a}": seen.world_velocity[:, k] for k, a in enumerate("xyz")}
+    write_table(columns)
+    named = {"time": "time (s)", "roll": "roll", "pitch": "pitch", "yaw": "heading"}
+    several = {
+        "velocity": [f"mocap_v{a}" for a in "xyz"],
+        "rates": [f"gyroADC[{k}] (rad/s)" for k in range(3)],
+        "specific_force": [f"accSmooth[{k}] (m/s/s)" for k in range(3)],
+    }
+    lines = [f"{key} = {json.dumps(value)}" for key, value in (named | several).items()]
+    how = 'body_frame = "flu"\nworld_frame = "enu"\nvelocity_in = "world"\n'
+    above, _, below = more.partition("\n")
+    return "\n".join(["[log]", how, above, "[log.columns]", *lines, below, ""])
+
+
+def driven_bag() -> str:
+    """A bag of ROS 2 with commands as a robot's driver has them, and without a battery."""
+    table = write_bag(replace(LOG, rotor_speed=100.0 * DRIVEN.share), Path("bag"), VEHICLE)
+    table = table.replace("rotor_speed =", "throttle =")
+    return table.replace("[log]\n", "[log]\nthrottle_range = [0, 100]\n")
 
 
 FITS: dict[str, tuple[str, Callable[[], str], str]] = {
@@ -124,12 +170,48 @@ FITS: dict[str, tuple[str, Callable[[], str], str]] = {
         lambda: write_bag(LOG.picked(np.abs(LOG.time - 5.0) > 0.405), Path("bag"), VEHICLE),
         "has no sample from 4.59 to 5.41 s, which is left out",
     ),
+    "px4, actuator_motors": (
+        "log.ulg",
+        lambda: px4(LOG, "esc_status", driven=DRIVEN),
+        FROM_THROTTLE,
+    ),
+    "px4, actuator_outputs": (
+        "log.ulg",
+        lambda: px4(LOG, "esc_status", "actuator_motors", order=SLOTS, driven=DRIVEN),
+        FROM_THROTTLE,
+    ),
+    "px4, no battery": (
+        "log.ulg",
+        lambda: px4(LOG, "esc_status", "battery_status", driven=DRIVEN),
+        "there is no voltage of the battery beside the throttle, and thrust drifts",
+    ),
+    "ardupilot, RCOU": (
+        "log.bin",
+        lambda: write_dataflash(
+            LOG,
+            Path("log.bin"),
+            leave_out=("ESC",),
+            outputs=dict(enumerate(SLOTS, start=1)),
+            driven=DRIVEN,
+        ),
+        FROM_THROTTLE,
+    ),
+    "betaflight, motor and voltage": ("log.csv", betaflight_in_si, FROM_THROTTLE),
+    "betaflight, pulses": (
+        "log.csv",
+        lambda: betaflight_in_si(1000.0, 2000.0, "throttle_range = [1000, 2000]"),
+        FROM_THROTTLE,
+    ),
+    "ros 2, commands": ("bag", driven_bag, "there is no voltage of the battery"),
 }
 REFUSED: dict[str, tuple[str, Callable[[], str], tuple[str, ...]]] = {
     "px4, no telemetry": (
         "log.ulg",
         lambda: px4(LOG, "esc_status"),
-        ("no topic esc_status; found sensor_combined", "motor controllers with telemetry"),
+        (
+            "no topic esc_status or actuator_motors or actuator_outputs; found sensor_combined",
+            "motor controllers with telemetry",
+        ),
     ),
     "px4, slots without function": (
         "log.ulg",
@@ -149,7 +231,7 @@ REFUSED: dict[str, tuple[str, Callable[[], str], tuple[str, ...]]] = {
     "ardupilot, no telemetry": (
         "log.bin",
         lambda: write_dataflash(LOG, Path("log.bin"), leave_out=("ESC",)),
-        ("no message ESC or RPM; found ATT, IMU, RCOU, XKF1", "RCOU are commands (PWM)"),
+        ("throttle (RCOU) never changes (1500)", "a flight in which the motors were armed"),
     ),
     "ardupilot, pulses": (
         "log.bin",
@@ -157,6 +239,43 @@ REFUSED: dict[str, tuple[str, Callable[[], str], tuple[str, ...]]] = {
         ("they look like PWM in us", "log measured speeds, as PWM is a command"),
     ),
     "betaflight": ("log.csv", betaflight, ("vehicle.toml: [log.columns]: no velocity; name the",)),
+    "betaflight, another range": (
+        "log.csv",
+        lambda: betaflight_in_si(more="throttle_range = [0, 1]"),
+        (
+            "goes from",
+            "outside its range of 0 to 1; write throttle_range = [at rest, at full throttle]",
+        ),
+    ),
+    "betaflight, no such voltage": (
+        "log.csv",
+        lambda: betaflight_in_si(more='\nbattery_voltage = "vbat"'),
+        ("columns: 'vbat' missing", "correct battery_voltage in [log.columns]"),
+    ),
+    "betaflight, three motors": (
+        "log.csv",
+        lambda: betaflight_in_si(
+            more='throttle_range = [48, 2047]\nthrottle = ["motor[0]", "motor[1]", "motor[2]"]'
+        ),
+        ("throttle names 3 columns, the vehicle has 4 rotors", "name one column per rotor"),
+    ),
+    "betaflight, range not stated": (
+        "log.csv",
+        lambda: betaflight_in_si(
+            more='\nthrottle = ["motor[0]", "motor[1]", "motor[2]", "motor[3]"]'
+        ),
+        ("no throttle_range; add throttle_range = [1000, 2000], those at rest and at full",),
+    ),
+    "px4, six motors driven": (
+        "log.ulg",
+        lambda: px4(
+            replace(LOG, rotor_speed=np.tile(LOG.rotor_speed, 2)[:, :6], **UNTOUCHED),
+            "esc_status",
+            driven=Commands(np.tile(DRIVEN.share, 2)[:, :6], DRIVEN.voltage),
+            order=(1, 2, 3, 4, 5, 6),
+        ),
+        ("the log has 6 commands to motors", "give a [[rotors]] table per rotor"),
+    ),
     "rpm taken for rad/s": (
         "log.csv",
         lambda: write_csv(LOG, Path("log.csv"), rotor_unit="rpm").replace('"rpm"', '"rad/s"'),

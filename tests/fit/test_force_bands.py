@@ -8,11 +8,17 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.comparison import BAND, FlightForces, compare_forces, force_deviations, useless
+from propmap.fit.comparison import (
+    BAND,
+    PER_FLIGHT_DEVIATION,
+    FlightForces,
+    compare_forces,
+    force_deviations,
+    useless,
+)
 from propmap.fit.files import FitFile
-from propmap.fit.flight import CLOCK_DEVIATION, OVER_FLIGHTS, ForceModel
+from propmap.fit.flight import CLOCK_DEVIATION, ForceModel
 from propmap.fit.parameters import FIRST_GUESS, SECTION
-from propmap.vehicle.log import FlightLog
 from tests.fit.fit_records import load, parameter, record
 from tests.fit.flight_twin import VEHICLE, manoeuvre
 
@@ -42,23 +48,22 @@ def test_a_band_is_made_of_all_that_is_not_known() -> None:
     assert found is not None and found.shape == (len(LOG), 6)
     values = FIRST_GUESS | {name: getattr(LAW, name) for name in SECTION}
 
-    def forces(law: propmap.Airfoil, scale: float, log: FlightLog = LOG) -> np.ndarray:
-        changed = values | {"c_l1": law.c_l1, "thrust_scale": scale}
-        return ForceModel(VEHICLE, log, law).at(changed, ()).force
+    def forces(law: propmap.Airfoil, **more: float) -> np.ndarray:
+        changed = values | {"c_l1": law.c_l1, **more}
+        return ForceModel(VEHICLE, LOG, law).at(changed, ()).force
 
     h = 1e-3
     steeper = LAW.with_parameters(c_l1=LAW.c_l1 + h)
-    by_constant = (forces(steeper, 1.0) - forces(LAW, 1.0)) / h
-    by_scale = (forces(LAW, 1.0 + h) - forces(LAW, 1.0)) / h
-    by_clock = VEHICLE.mass * LOG.specific_force_rate
+    here = forces(LAW)
+    squares = SPREAD**2 * ((forces(steeper) - here) / h) ** 2
+    for name, deviation in PER_FLIGHT_DEVIATION.items():
+        if name != "clock_offset":
+            moved = forces(LAW, **{name: values[name] + h})
+            squares = squares + (deviation * (moved - here) / h) ** 2
+    squares = squares + (CLOCK_DEVIATION * VEHICLE.mass * LOG.specific_force_rate) ** 2
     # Measured forces of the made-up fit have a root mean square of 1 along each axis.
-    share = np.sum(forces(LAW, 1.0) ** 2, axis=1, keepdims=True) / 3.0
-    wanted = np.sqrt(
-        (SPREAD * by_constant) ** 2
-        + (OVER_FLIGHTS * by_scale) ** 2
-        + (CLOCK_DEVIATION * by_clock) ** 2
-        + share * np.square(LEFT)
-    )
+    growth = np.maximum(np.sum(here**2, axis=1, keepdims=True) / 3.0, 1.0)
+    wanted = np.sqrt(squares + growth * np.square(LEFT))
     # Where stall begins the quotient is of another slope.
     assert np.quantile(np.abs(found[:, :3] / wanted - 1.0), 0.95) < 1e-3
     # Moments were not fitted: how far they err is not known.

@@ -18,6 +18,7 @@ from propmap.fit.parameters import (
     INSTALLED,
     SECTION,
     SENSOR,
+    THROTTLE,
     TURNING,
     WAKES,
     WING,
@@ -104,7 +105,7 @@ def test_bounds_are_those_that_a_section_law_accepts(name: str) -> None:
 
 
 def test_kinds_of_parameters_do_not_overlap() -> None:
-    kinds = (SECTION, FLEX, INSTALLED, BODY, WING, SENSOR, TURNING, WAKES, FLIGHT)
+    kinds = (SECTION, FLEX, INSTALLED, BODY, WING, SENSOR, TURNING, WAKES, FLIGHT, THROTTLE)
     assert len(EVERY) == sum(len(kind) for kind in kinds)
 
 

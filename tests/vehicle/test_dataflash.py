@@ -10,6 +10,8 @@ import pytest
 
 from propmap.vehicle.log_checks import check_recording
 from propmap.vehicle.log_readers import read_flight_log, read_recording
+from propmap.vehicle.throttle import lagged
+from tests.flight.commands import commands
 from tests.flight.synthetic import vehicle_with
 
 from .refusals import LOG, message_of
@@ -42,6 +44,17 @@ def test_speeds_of_rpm_sensors_are_read(tmp_path: Path) -> None:
     np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed, rtol=1e-6)
 
 
+def test_commands_are_read_where_there_are_no_speeds(tmp_path: Path) -> None:
+    """The second battery is off, and pulses are whole microseconds."""
+    path, driven = tmp_path / "a.bin", commands(LOG)
+    outputs = {1: None, 2: 3, 3: 1, 4: None, 5: 4, 6: 2}
+    table = write_dataflash(LOG, path, leave_out=("ESC",), outputs=outputs, driven=driven)
+    read = read_flight_log(path, vehicle_with(table, tmp_path))
+    expected, _ = lagged(driven.share * driven.voltage[:, None], 0.02)
+    assert read.commanded
+    np.testing.assert_allclose(read.throttle, expected, rtol=2e-3)
+
+
 def test_electrical_rpm_are_divided_by_the_pole_pairs(tmp_path: Path) -> None:
     path = tmp_path / "a.bin"
     write_dataflash(replace(LOG, rotor_speed=7.0 * LOG.rotor_speed), path)
@@ -64,17 +77,14 @@ def test_a_controller_that_falls_silent_leaves_a_gap(tmp_path: Path) -> None:
     ("leave_out", "parts"),
     [
         (
-            ("ESC",),
-            [
-                "a.bin: no message ESC or RPM; found ATT, IMU, RCOU, XKF1; fly with motor",
-                "RCOU are commands (PWM), no speeds",
-            ],
+            ("ESC", "RCOU"),
+            ["a.bin: no message ESC or RPM or RCOU; found ATT, IMU, XKF1; set LOG_BITMASK so"],
         ),
         (
             ("ATT", "XKF1", "ESC", "RCOU"),
             [
-                "no message ATT or AHR2, no XKF1 or NKF1, no ESC or RPM; found IMU",
-                "set LOG_BITMASK so that the rest is logged",
+                "no message ATT or AHR2, no XKF1 or NKF1, no ESC or RPM or RCOU; found IMU",
+                "set LOG_BITMASK so that it is logged",
             ],
         ),
         (("IMU",), ["no message IMU; found ATT, ESC, RCOU, XKF1; set LOG_BITMASK so"]),

@@ -14,6 +14,8 @@ from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog, low_passed
 from propmap.vehicle.log_checks import check_recording
 from propmap.vehicle.log_readers import read_flight_log, read_recording
+from propmap.vehicle.throttle import lagged
+from tests.flight.commands import commands
 from tests.flight.synthetic import NEUROBEM, flight, vehicle_with
 
 from .refusals import message_of
@@ -174,10 +176,21 @@ def test_velocities_that_are_not_valid_are_left_out(tmp_path: Path) -> None:
     assert "marks all 1200 samples of its velocity as not valid; fly where" in message
 
 
-def test_commands_are_no_rotor_speeds(tmp_path: Path) -> None:
-    tables = topics_of(LOG, RATES)
+@pytest.mark.parametrize("topic", ["actuator_motors", "actuator_outputs"])
+def test_commands_are_read_in_place_of_rotor_speeds(topic: str, tmp_path: Path) -> None:
+    driven = commands(LOG)
+    tables = topics_of(LOG, RATES, order=(None, 3, 1, None, 4, 2), driven=driven)
     del tables["esc_status"]
-    write_px4_log(tables, tmp_path / "a.ulg")
-    message = message_of(tmp_path / "a.ulg", vehicle_with("", tmp_path))
-    assert "no topic esc_status" in message and "actuator_motors" in message
-    assert "are commands, no speeds" in message
+    if topic == "actuator_outputs":
+        del tables["actuator_motors"]
+    functions = {f"PWM_MAIN_FUNC{k}": 100 + m for k, m in ((2, 3), (3, 1), (5, 4), (6, 2))}
+    write_px4_log(tables, tmp_path / "a.ulg", functions)
+    read = read_flight_log(tmp_path / "a.ulg", vehicle_with("", tmp_path))
+    assert read.commanded and np.array_equal(read.rotor_speed, read.throttle)
+    worth = driven.share * driven.voltage[:, None]
+    expected, _ = lagged(worth, float(LOG.time[1]))
+    later = read.time > read.time[0] + 1.0  # armed for longer than the lag
+    stamps = LOG.time + 1.0
+    for k in range(4):
+        held = np.interp(read.time[later], stamps, expected[:, k])
+        assert read.throttle[later, k] == pytest.approx(held, rel=5e-3)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from propmap.vehicle.log import FlightLog
+from tests.flight.commands import Commands
 
 from .write_logs import RPM, InFrames
 
@@ -43,6 +44,11 @@ LAYOUTS = {
         "QHHHHHHHHHHHHHH",
         "TimeUS,C1,C2,C3,C4,C5,C6,C7,C8,C9,C10,C11,C12,C13,C14",
     ),
+    "BAT": (
+        71,
+        "QBfffffcfBBB",
+        "TimeUS,Inst,Volt,VoltR,Curr,CurrTot,EnrgTot,Temp,Res,RemPct,H,SH",
+    ),
 }
 
 
@@ -66,12 +72,14 @@ def write_dataflash(
     outputs: dict[int, int | None] | None = None,
     speeds: str = "ESC",
     silent: tuple[int, float, float] = (0, 0.0, 0.0),
+    driven: Commands | None = None,
 ) -> str:
     """Write a ``log``, beside a second IMU and filter that are off.  Gives the ``[log]`` table.
 
     outputs : by the number of the output, from 1, the motor that it turns, or None for a servo;
     by default outputs 1 to 4 turn motors 1 to 4.  speeds : the message that has them.
-    silent : output that does not report, and from when to when [s].
+    silent : output that does not report, and from when to when [s].  driven : what outputs and the
+    first of two batteries have, else the outputs are trimmed and there is no battery.
     """
     seen = InFrames(log, "frd", "ned")
     turns = np.degrees(seen.rotation.as_euler("ZYX")[:, ::-1])
@@ -97,7 +105,15 @@ def write_dataflash(
             speed = [*(seen.world_velocity[i] + off).tolist(), 0.0]
             place = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
             written["XKF1"].append([stamp, unit, roll, pitch, yaw, *speed, *place])
-        written["RCOU"] = [[stamp, *[1500] * 14]]
+        pulses = [1500] * 14
+        if driven:
+            for output, motor in outputs.items():
+                if motor:
+                    pulses[output - 1] = round(1000.0 + 1000.0 * driven.share[i, motor - 1])
+            rest = [9.0, 100.0, 1.5, 0.0, 0.01, 90, 1, 100]
+            volts = float(driven.voltage[i])
+            written["BAT"] = [[stamp, k, v, v, *rest] for k, v in ((0, volts), (1, 0.0))]
+        written["RCOU"] = [[stamp, *pulses]]
         written[speeds] = []
         for output, motor in outputs.items():
             if output == silent[0] and silent[1] < log.time[i] < silent[2]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from propmap.typing import Floats
 from propmap.vehicle.log import FlightLog
+from tests.flight.commands import Commands
 
 from .write_logs import RPM, InFrames
 
@@ -75,6 +76,11 @@ TOPICS = {
         "u8 timestamp;u8 timestamp_sample;f4[12] control;u2 reversible_flags"
     ),
     "actuator_outputs": _fields("u8 timestamp;u4 noutputs;f4[16] output"),
+    "battery_status": _fields(
+        "u8 timestamp;f4 voltage_v;f4 current_a;f4 current_average_a;f4 discharged_mah;"
+        "f4 remaining;f4 scale;f4 time_remaining_s;f4 temperature;u1 cell_count;u1 source;"
+        "? connected"
+    ),
 }
 LATE = 700
 """From a measurement to its publication [us]."""
@@ -84,11 +90,15 @@ ACCELEROMETER_LATE = -1250
 
 
 def topics_of(
-    log: FlightLog, every: dict[str, int], order: tuple[int | None, ...] = (1, 2, 3, 4)
+    log: FlightLog,
+    every: dict[str, int],
+    order: tuple[int | None, ...] = (1, 2, 3, 4),
+    driven: Commands | None = None,
 ) -> dict[str, Any]:
     """Tables by topic of a ``log``, of whose samples each topic has one of ``every`` so many.
 
     order : number of the motor that each controller turns; None for a slot of something else.
+    driven : what commands and battery are; by default none of them are there.
     """
     seen = InFrames(log, "frd", "ned")
     stamp = np.round(log.time * 1e6).astype(np.int64) + 1_000_000
@@ -106,6 +116,19 @@ def topics_of(
     for name, column in zip(("vx", "vy", "vz"), seen.world_velocity.T, strict=True):
         place[name] = column
     place["v_xy_valid"] = place["v_z_valid"] = True
+    if driven is None:
+        for name in ("actuator_motors", "actuator_outputs", "battery_status"):
+            tables.pop(name)
+    else:
+        tables["actuator_motors"]["control"] = np.nan
+        tables["actuator_outputs"]["output"] = 900.0
+        for place, motor in enumerate(order):
+            if motor is not None:
+                share = driven.share[:, motor - 1]
+                tables["actuator_motors"]["control"][:, motor - 1] = share
+                tables["actuator_outputs"]["output"][:, place] = 1000.0 + 1000.0 * share
+        tables["actuator_motors"]["control"][:20] = np.nan  # not armed yet
+        tables["battery_status"]["voltage_v"] = driven.voltage
     tables["esc_status"] = _esc_status(log, stamp, order)
     return {name: table[:: every.get(name, 1)] for name, table in tables.items()}
 

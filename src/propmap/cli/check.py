@@ -103,7 +103,8 @@ def _compare(
     file = read_vehicle(vehicle)
     flown, paths = file.vehicle, [Path(item) for item in data]
     cutoff = fitted.low_pass if fitted else 0.0
-    _, log, remarks = read_flights(paths, file, "balance", low_pass=cutoff)
+    curve = fitted.curve if fitted else {}
+    _, log, remarks, _ = read_flights(paths, file, "balance", low_pass=cutoff, curve=curve)
     values, more = (
         comparison.values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
     )
@@ -211,11 +212,11 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]
     flown, files = described.vehicle, [DataSource.of(path) for path in paths]
     if all_level_tables(paths):
-        _, log, _ = read_flights(paths, described, "level")
+        log = read_flights(paths, described, "level").log
         beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)
         errors = comparison.compare_level(flown, log, file.airfoil, file.values, beyond)
         return GivenData(files, errors, level=(flown, log), beyond=beyond)
-    _, log, _ = read_flights(paths, described, "balance", low_pass=file.low_pass)
+    log = read_flights(paths, described, "balance", low_pass=file.low_pass, curve=file.curve).log
     values, _ = comparison.values_for(file, flown, log, paths)
     forces = comparison.flight_forces(flown, log, file.airfoil, values)
     beyond = file.beyond(hub_flow(flown, log)[:3], flown.propeller.radius)

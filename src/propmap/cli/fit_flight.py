@@ -72,7 +72,12 @@ from propmap.fit.parameters import (
     SectionPrior,
 )
 from propmap.fit.tunnel import first_guess, model_with, section_with
-from propmap.flight.checks import check_rotor_order, check_rotor_speed, mixed_vehicles
+from propmap.flight.checks import (
+    check_rotor_order,
+    check_rotor_speed,
+    drive_in_hover,
+    mixed_vehicles,
+)
 from propmap.flight.steady import (
     airborne,
     is_level_table,
@@ -81,7 +86,6 @@ from propmap.flight.steady import (
     steady_stretches,
 )
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
-from propmap.model.corrections import TYPICAL_FACTOR
 from propmap.model.envelope import MAIN_PART
 from propmap.model.model import Model
 from propmap.model.plausibility import air_warnings, blade_warnings
@@ -99,12 +103,21 @@ from propmap.vehicle.log import (
 )
 from propmap.vehicle.log_checks import check_recording
 from propmap.vehicle.log_readers import read_recording
+from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, ThrottleCurve
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
 # Logs of flight fits and checks, as samples or as operating points.
 
 ENOUGH_STRETCHES = 4
+FROM_THROTTLE = (
+    "rotor speeds are from throttle, by a curve that is fitted with the rest: thrust and drag are "
+    "known less well than from measured speeds, torque and power hardly"
+)
+UNKNOWN_BATTERY = (
+    "there is no voltage of the battery beside the throttle, and thrust drifts as it empties: name "
+    "battery_voltage or hover_throttle in [log.columns], or log it"
+)
 
 
 class Flights(NamedTuple):
@@ -113,6 +126,7 @@ class Flights(NamedTuple):
     level: bool
     log: FlightLog
     remarks: tuple[str, ...]
+    curve: Mapping[str, float] = {}  # constants of a ``ThrottleCurve``
 
 
 def read_flights(
@@ -124,12 +138,14 @@ def read_flights(
     samples: int = 2**31,
     low_pass: float = 0.0,
     picture: Path | None = None,
+    curve: Mapping[str, float] | None = None,
 ) -> Flights:
     """Read logs, or tables of operating points, for the method "level", "balance" or "auto".
 
     Steady stretches last ``seconds`` at least, and are drawn as a ``picture``. Whole flights
     have so many ``samples`` at most, as neighbours err alike, with all signals passed below
-    ``low_pass`` [Hz], 0 for none.
+    ``low_pass`` [Hz], 0 for none.  Rotor speeds from throttle are by the constants of a ``curve``,
+    by default the usual ones and the logs' own hover.
     """
     names = flight_names([str(path) for path in paths])
     if all_level_tables(paths):
@@ -146,8 +162,14 @@ def read_flights(
                 remedy = "give rpm_1, rpm_2 ... in revolutions per minute of the propeller"
                 raise InputError(error.found, remedy, table.source) from None
         return Flights(True, joined(tables, names), tuple(found))
-    logs, remarks = _recorded(paths, file)
-    if method != "balance":
+    logs, remarks, curve = _recorded(paths, file, curve)
+    if method == "level" and any(log.commanded for log in logs):
+        raise InputError(
+            "steady stretches with throttle in place of rotor speeds say nothing of the blade: "
+            "they carry the weight at any",
+            "use --method balance, or log rotor speeds",
+        )
+    if method != "balance" and not any(log.commanded for log in logs):
         points = _points(logs, seconds, picture, needed=method == "level")
         if points is not None:
             return Flights(True, points, tuple(remarks))
@@ -164,26 +186,53 @@ def read_flights(
                 f"{low_pass:g} Hz, which takes {needed:g}, and are fitted as they are: log the "
                 f"slowest signal faster, or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
             )
-    logs = [low_passed(log, low_pass) for log in logs]
+    logs = _turning([low_passed(log, low_pass) for log in logs], file.vehicle, curve)
     flying = joined([log.picked(airborne(log)) for log in logs], names)
     picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))
-    return Flights(False, flying.picked(picked), tuple(remarks))
+    return Flights(False, flying.picked(picked), tuple(remarks), curve)
 
 
-def _recorded(paths: Sequence[Path], file: VehicleFile) -> tuple[list[FlightLog], list[str]]:
-    """Read logs, with warnings on what they may not be."""
-    logs, remarks = [], []
+def _recorded(
+    paths: Sequence[Path], file: VehicleFile, curve: Mapping[str, float] | None
+) -> tuple[list[FlightLog], list[str], Mapping[str, float]]:
+    """Read logs, with warnings on what they may not be, and the curve from throttle to speeds."""
+    logs, remarks = list[FlightLog](), list[str]()
     for path in paths:
         recording = read_recording(path, file)
         remarks += check_recording(recording)
         logs.append(flight_log(recording, file))
         if logs[-1].source != recording.source:
             remarks.append(logs[-1].source)
+        if recording.commanded and recording.supply is None:
+            remarks.append(f"{recording.source}: {UNKNOWN_BATTERY}")
+    driven = [log.source for log in logs if log.commanded]
+    if driven:
+        remarks.append(FROM_THROTTLE)
+        if curve is None:
+            curve = {HOVER_DRIVE: drive_in_hover(logs)}
+        if HOVER_DRIVE not in curve:
+            raise InputError(
+                "there is throttle and no rotor speed, and the constants are of measured ones",
+                "compare with a log of rotor speeds, or fit logs with throttle as well",
+                driven[0],
+            )
+    curve = curve or {}
+    logs = _turning(logs, file.vehicle, curve)
+    for log in logs:
         # Where it need not be stated, it is rpm.
         unit = file.log.rotor_unit or "rpm"
-        remarks += check_rotor_speed(logs[-1], _nominal_rotor(file), file.vehicle, unit)
-        check_rotor_order(logs[-1], file.vehicle)
-    return logs, [*remarks, *mixed_vehicles(logs, file.vehicle)]
+        remarks += check_rotor_speed(log, _nominal_rotor(file), file.vehicle, unit)
+        check_rotor_order(log, file.vehicle)
+    return logs, [*remarks, *mixed_vehicles(logs, file.vehicle)], curve
+
+
+def _turning(
+    logs: list[FlightLog], vehicle: Vehicle, curve: Mapping[str, float]
+) -> list[FlightLog]:
+    """Give the logs rotor speeds by a ``curve`` where they have throttle."""
+    if not any(log.commanded for log in logs):
+        return logs
+    return [log.with_curve(ThrottleCurve.of(vehicle, curve)) for log in logs]
 
 
 def _points(
@@ -246,6 +295,7 @@ WAKE_PRIORS = {
 the disk (1) or far below it (2) or by less, as air at the rim is slower."""
 # Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
 UNTWIST = Prior(0.02, 0.02)
+CLOCK = Prior(0.0, CLOCK_DEVIATION)
 TURNED, BIASED = Prior(0.0, 0.02), Prior(0.0, 0.1)  # [rad], [m/s^2], as boards are mounted
 # In flow the air's own moments, which controllers balance, leave little of the rotors' to be seen.
 MOMENT_FACTOR = Prior(1.0, 1.0)
@@ -254,13 +304,25 @@ ROTOR_SPEEDS = Prior(1.0, 0.01)
 # In oblique flow blades stall later than in the axial tests that other propellers' constants are
 # from: at 0.42 rad in the campaign of 2019 (apc-8x6e-2019), at 0.35 in a second tunnel.
 STALL_IN_FLIGHT = Prior(0.36, 0.08)
+# Of rotors on stands the factor is 1.9 +- 0.6, and the area 0.03 of the disk or less; of two whole
+# quadrotors, fitted without either prior, 3.5 and above, with next to no area.
+DRAG_IN_FLIGHT = Prior(2.5, 1.5)
 
 # Standard deviations: areas of a body over that of all disks, and of a mount over that of its
 # disk; places of the accelerometer and of the centre of mass over the hubs' mean distance; mass of
 # a rotor at its radius over the vehicle's.
-BODY_SHARE, MOUNT_SHARE = 0.4, 0.5
+BODY_SHARE, MOUNT_SHARE = 0.4, 0.1
 SENSOR_SHARE, CENTRE_SHARE = 0.5, 0.1
 ROTOR_SHARE = 0.01
+
+
+# Which share of the throttle is the square's, what the blade makes of the weight's rotor speed, and
+# how fast motors of 5 to 15 in propellers are.
+THROTTLE_PRIORS = {
+    "throttle_speed": Prior(1.0, 0.25),
+    "throttle_expo": Prior(0.5, 0.25),
+    "motor_lag": Prior(0.05, 0.03),
+}
 
 
 def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, Prior]:
@@ -279,7 +341,7 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
     return {
         **dict.fromkeys(BODY, bodies),
         "alpha_0": STALL_IN_FLIGHT,
-        "drag_factor": Prior(*TYPICAL_FACTOR),
+        "drag_factor": DRAG_IN_FLIGHT,
         "mount_area": Prior(0.0, MOUNT_SHARE * disk),
         "untwist": UNTWIST,
         **dict.fromkeys(OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
@@ -293,6 +355,7 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
         **dict.fromkeys(FACTORS, MOMENT_FACTOR),
         **WAKE_PRIORS,
         "rotor_speed_scale": ROTOR_SPEEDS,
+        **THROTTLE_PRIORS,
         "thrust_scale": Prior(1.0, OVER_FLIGHTS),
         **scale.priors,
     }
@@ -312,7 +375,8 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(INSTALLED)
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
     scales = of_each("thrust_scale", log) if len(log.flights) > 1 else ()
-    own = (*of_each("clock_offset", log), *scales)
+    driven = (*CURVE, *TILT) if log.commanded else ()
+    own = (*of_each("clock_offset", log), *scales, *driven)
     return (*BLADE, *FLEX, *mount, *BODY_ALONG_Z, *OFFSET, *turning, *wakes, *own)
 
 
@@ -410,9 +474,12 @@ def fit_flight(
     wing = wing_values(file.vehicle)
     if not flights.level and free is None:
         # With one blade in one air, what hardly moves stays where other propellers have it.
-        held = {text.partition("=")[0].strip() for text in fix or ()}
-        free = ",".join(name for name in default if name not in held)
+        held, believed = (
+            [text.partition("=")[0].strip() for text in texts or ()] for texts in (fix, prior)
+        )
+        free = ",".join(name for name in dict.fromkeys((*default, *believed)) if name not in held)
     chosen = choice_of(free, fix, prior, default, base, wing, expected)
+    chosen = replace(chosen, fixed={**flights.curve, **chosen.fixed})
     if not flights.level:
         known = flight_priors(file.vehicle, flights.log, hover=hover_scale)
         if expected is None:
@@ -430,6 +497,9 @@ def fit_flight(
     remake = functools.partial(make, model, chosen)
     with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, fewer, workers=workers, remake=remake)
+    if flights.curve:
+        (turning,) = _turning([flights.log], file.vehicle, fitted.values)
+        model = ForceModel(file.vehicle, turning, law)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
     remarks += residual_trends(fitted, model.log)
     remarks += unlikely_constants(fitted)
@@ -437,7 +507,7 @@ def fit_flight(
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     flown = by_flight(fitted, flights.log)
     wanted = hover_scale and not flights.level
-    hovers = HoverScale.of(file.vehicle, flights.log) if wanted else None
+    hovers = HoverScale.of(file.vehicle, model.log) if wanted else None
     text = fit_text(
         fitted,
         kind="level flight" if flights.level else "flight",
@@ -461,7 +531,7 @@ def fit_flight(
         from propmap.report.fit_curves import level_flight
 
         drawn = section_with(model.model.airfoil, fitted.values)
-        out.save_picture(level_flight(file.vehicle, flights.log, drawn), picture)
+        out.save_picture(level_flight(file.vehicle, model.log, drawn), picture)
     finish(fitted, model_with(model.model, fitted.values), remarks, text, output, flown)
 
 
@@ -588,6 +658,12 @@ def read_pairs(
     for path in paths:
         passed, raw = (read_flights([path], file, "balance", low_pass=hz) for hz in (cutoff, 0.0))
         remarks += passed.remarks
+        if passed.log.commanded:
+            raise InputError(
+                "there are commands to the motors in place of rotor speeds",
+                "compare terms on flights with measured speeds",
+                str(path),
+            )
         if not np.isfinite(passed.log.specific_force).all():
             raise InputError(
                 "there is no specific force (accelerometer) for all samples", "log it", str(path)

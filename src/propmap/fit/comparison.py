@@ -21,6 +21,7 @@ from propmap.fit.flight import (
     CORRELATED,
     MOMENTS,
     OVER_FLIGHTS,
+    TILT,
     UNITS,
     ForceModel,
     HoverScale,
@@ -149,11 +150,13 @@ def flight_forces(
     return FlightForces(whole.loads, hover_loads(HoverModel.of(Rotor(model)), logged))
 
 
-PER_FLIGHT_DEVIATION = {"thrust_scale": OVER_FLIGHTS, CLOCK: CLOCK_DEVIATION}
-"""Standard deviations of what flights have of their own, before one of them is known."""
+PER_FLIGHT_DEVIATION = {
+    "thrust_scale": OVER_FLIGHTS,
+    CLOCK: CLOCK_DEVIATION,
+    **dict.fromkeys(TILT, 0.01),  # [rad], as attitudes are trimmed, and frames of markers set
+}  # standard deviations of what flights have of their own, before one of them is known
 
-BAND = 1.96
-"""Half the width of a band that holds 95 %, in standard deviations."""
+BAND = 1.96  # half the width of a band that holds 95 %, in standard deviations
 
 
 def force_deviations(
@@ -162,9 +165,9 @@ def force_deviations(
     """Standard deviations (n, 6) of forces [N] and moments [N m] by a fit of whole flights.
 
     They are from the joint covariance of all that was free, throttle and drag among it, from what
-    differs from flight to flight, and from what the fit left on rows that it had not seen, which
-    grows with the force on the vehicle as errors of loads do. NaN where a load was not fitted; None
-    for a fit of other data.
+    differs from flight to flight, and from what the fit left on rows that it had not seen: that
+    grows with the force on the vehicle, as errors of loads do, or with V/(Omega R) beyond the data
+    of the fit, whichever is more. NaN where a load was not fitted; None for a fit of other data.
     """
     record = file.record
     if record.kind != "flight":
@@ -177,21 +180,24 @@ def force_deviations(
     found = {p.name: p.value for p in record.parameters}
     own = {name: getattr(law, name) for name in parameters.SECTION}
     whole = {**parameters.FIRST_GUESS, **own, **record.fixed, **found, **values}
-    more = tuple(PER_FLIGHT_DEVIATION)
-    loads, slopes = ForceModel(vehicle, log, law).at(whole, (*known.names, *more))
-    count = len(known.names)
-    variance = np.einsum("pnl,pq,qnl->nl", slopes[:count], known.matrix, slopes[:count])
-    for slope, deviation in zip(slopes[count:], PER_FLIGHT_DEVIATION.values(), strict=True):
-        variance += (deviation * slope) ** 2
+    names = tuple(dict.fromkeys((*known.names, *PER_FLIGHT_DEVIATION)))
+    loads, derivatives = ForceModel(vehicle, log, law).at(whole, names)
+    slopes = dict(zip(names, derivatives, strict=True))
+    by_known = np.stack([slopes[name] for name in known.names])
+    variance = np.einsum("pnl,pq,qnl->nl", by_known, known.matrix, by_known)
+    for name, deviation in PER_FLIGHT_DEVIATION.items():
+        variance += (deviation * slopes[name]) ** 2
+    beyond = file.beyond(hub_flow(vehicle, log)[:3], vehicle.propeller.radius)
     fitted = {one.name: one for one in record.loads}
     trained = sum(fitted[name].measured_rms ** 2 for name in AXES)
-    share = np.sum(loads[:, :3] ** 2, axis=1) / trained
+    growth = np.sum(loads[:, :3] ** 2, axis=1) / trained
+    growth = np.maximum(growth, 1.0 if beyond is None else beyond.reach**2)
     for k, name in enumerate((*AXES, *MOMENTS)):
         left = np.nan
         if name in fitted:
             left = fitted[name].cross_validated
             left = left if np.isfinite(left) else fitted[name].rms
-        variance[:, k] += share * left**2
+        variance[:, k] += growth * left**2
     return np.asarray(np.sqrt(variance))
 
 

@@ -23,6 +23,7 @@ from propmap.fit.parameters import (
     FLIGHT,
     ROTOR,
     SENSOR,
+    THROTTLE,
     TURNING,
     WAKES,
     WING,
@@ -38,7 +39,7 @@ from propmap.model.model import Air, Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 
-BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT  # the table ``[fit.body]``
+BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE  # the table ``[fit.body]``
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +70,11 @@ class FitFile:
     def values(self) -> dict[str, float]:
         """The parameters of body, wing, sensor, wakes and flights by name."""
         return self.record.body | self.record.wing
+
+    @property
+    def curve(self) -> dict[str, float]:
+        """Constants of the ``ThrottleCurve``; none where rotor speeds were measured."""
+        return {name: self.values[name] for name in THROTTLE if name in self.values}
 
     @property
     def low_pass(self) -> float:

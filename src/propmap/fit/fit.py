@@ -22,7 +22,7 @@ from propmap.fit.least_squares import (
     search,
     starts,
 )
-from propmap.fit.parameters import LEAST_ERROR, Choice
+from propmap.fit.parameters import LEAST_ERROR, LEAST_IN_FLIGHT, Choice
 from propmap.fit.uncertainty import Uncertainty, residual_errors, uncertainty
 from propmap.model.envelope import Range
 from propmap.tasks import InTurn, Workers, in_order
@@ -149,7 +149,8 @@ def fit(
     """
     settings = settings or Settings()
     begin = time.perf_counter()
-    error = NOISE_FLOOR if choice.expected is None else LEAST_ERROR
+    least = LEAST_ERROR if rows.group is None else LEAST_IN_FLIGHT
+    error = NOISE_FLOOR if choice.expected is None else least
     again = choice.priors or choice.expected is not None or settings.loss != "linear"
     begin_at = starts(choice, settings.starts, settings.seed)
     alone = fewer is None and not again
@@ -161,7 +162,7 @@ def fit(
         # Only now is known how large errors are, against which priors and outliers count.
         error = _typical_error(fewer or rows, choice, settings, found, error)
         if choice.expected is not None:
-            error = max(error, LEAST_ERROR)
+            error = max(error, least)
         better = search(rows, choice, [found.x], loss=settings.loss, error=error)
         found = replace(better, ends=found.ends)
     sure = uncertainty(rows, choice, found, error)

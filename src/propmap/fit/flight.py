@@ -20,6 +20,7 @@ from propmap.fit.parameters import (
     ROTOR,
     ROTOR_SPEED,
     SENSOR,
+    THROTTLE,
     TURNING,
     WAKES,
     WING,
@@ -38,6 +39,7 @@ from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog
+from propmap.vehicle.throttle import ThrottleCurve
 from propmap.vehicle.vehicle import Body, Vehicle, Wakes
 from propmap.vehicle.vehicle_forces import free_stream_force, mounted_rotors
 from propmap.vehicle.wakes import HubFlow, check_apart, hub_flow, rotor_wrench, wake_flow
@@ -202,6 +204,9 @@ LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "untwist")
 LIFT_STEP = 1e-4
 """Step of the difference quotients by these, over the spread of each."""
 
+TURNED = (ROTOR_SPEED, *THROTTLE)
+"""Parameters by which rotor speeds are found."""
+
 SPEED_STEP = 1e-6
 """Step of the quotient by the rotor speed, over the speed."""
 
@@ -276,7 +281,7 @@ class ForceModel:
 
     def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         """Loads (n, 6) of all rotors, in each other's wakes if there are any; slopes (P, n, 6)."""
-        section = tuple(name for name in free if name in (*ROTOR, ROTOR_SPEED))
+        section = tuple(name for name in free if name in (*ROTOR, *TURNED))
         at_section = [name in section for name in free]
         slopes = np.zeros((len(free), len(self.log), 6))
         wakes = wakes_with(self.vehicle, values)
@@ -314,14 +319,17 @@ class ForceModel:
             model_with(self.model, {**known, name: known[name] + step})
             for name, step in zip(lifting, steps, strict=True)
         ]
-        scale = values.get(ROTOR_SPEED, 1.0)
-        omega, along = scale * flow.omega, (flow.axial, flow.inplane)
+        omega, by_name = self._turned(values)
+        along = flow.axial, flow.inplane
         rotor = Rotor(model_with(self.model, known))
         thrust, more = rotor.attached_thrust(omega, *along, perturbed)
         slopes = np.zeros((len(names), *omega.shape))
-        if ROTOR_SPEED in names:
+        turning = [name for name in names if name in TURNED]
+        if turning:
             faster, _ = rotor.attached_thrust((1.0 + SPEED_STEP) * omega, *along)
-            slopes[names.index(ROTOR_SPEED)] = (faster - thrust) / (SPEED_STEP * scale)
+            by_omega = (faster - thrust) / (SPEED_STEP * np.where(omega > 0.0, omega, 1.0))
+            for name in turning:
+                slopes[names.index(name)] = by_omega * by_name[name]
         for name, step, change in zip(lifting, steps, more, strict=True):
             slopes[names.index(name)] = change / step
         return thrust, slopes
@@ -331,18 +339,33 @@ class ForceModel:
     ) -> tuple[Floats, Floats]:
         """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m); slopes (L, P, n, m)."""
         flow, shape = self.flow, self.flow.omega.shape
-        omega = values.get(ROTOR_SPEED, 1.0) * flow.omega
-        asked = tuple("omega" if name == ROTOR_SPEED else name for name in names)
+        omega, by_name = self._turned(values)
+        asked = [name for name in names if name not in TURNED]
+        asked += ["omega"] if len(asked) < len(names) else []
+        place = [asked.index("omega" if name in TURNED else name) for name in names]
         loads = np.empty((len(LOADS), *shape))
         slopes = np.empty((len(LOADS), len(names), *shape))
         for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
             rotor = Rotor(model, accuracy=self.setting)
-            found = rotor.gradients(asked, *(a[:, mine] for a in (omega, axial, flow.inplane)))
+            found = rotor.gradients(
+                tuple(asked), *(a[:, mine] for a in (omega, axial, flow.inplane))
+            )
             loads[..., mine] = found.loads
-            slopes[..., mine] = found.slopes
-        if ROTOR_SPEED in names:
-            slopes[:, names.index(ROTOR_SPEED)] *= flow.omega
+            slopes[..., mine] = found.slopes[:, place]
+        for row, name in enumerate(names):
+            if name in TURNED:
+                slopes[:, row] *= by_name[name]
         return loads, slopes
+
+    def _turned(self, values: Mapping[str, float]) -> tuple[Floats, dict[str, Floats]]:
+        """Rotor speeds (n, m) [rad/s] and their derivatives by the parameters ``TURNED``."""
+        log, scale = self.log, values.get(ROTOR_SPEED, 1.0)
+        omega, by_name = self.flow.omega, dict.fromkeys(THROTTLE, np.zeros_like(self.flow.omega))
+        if log.commanded:
+            curve = ThrottleCurve.of(self.vehicle, values)
+            omega, by_curve = curve.speeds(log.throttle, log.throttle_by_lag, omega)
+            by_name |= {name: scale * slope for name, slope in by_curve.items()}
+        return scale * omega, {ROTOR_SPEED: omega, **by_name}
 
     def coverage(self) -> Coverage:
         """Ranges of the flow at all rotors."""

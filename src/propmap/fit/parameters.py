@@ -99,10 +99,18 @@ FLIGHT = {
     ROTOR_SPEED: Parameter("-", 1.0, 0.9, 1.1, 0.01, "rotor speeds over those logged"),
 }  # battery and mass of a flight, and what a motor controller takes for its motor's speed
 
+THROTTLE = {
+    "throttle_speed": Parameter("-", 1.0, 0.3, 3.0, 0.1, "rotor speed at the throttle of hover"),
+    "throttle_expo": Parameter("-", 0.5, -0.5, 2.0, 0.2, "share of the throttle's square"),
+    "motor_lag": Parameter("s", 0.05, 0.0, 0.2, 0.02, "time in which a motor follows its throttle"),
+    "hover_drive": Parameter("-", 1.0, 1e-6, 1e6, 1.0, "throttle in hover, times voltage"),
+}  # see ``propmap.vehicle.throttle``: where a log has throttle and no rotor speeds
+
 PER_FLIGHT = ("thrust_scale", "clock_offset")  # named as ``thrust_scale[FLIGHT]``
 
-EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT
-FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | INSTALLED | WAKES}
+EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
+_NOT_ALWAYS = FLEX | INSTALLED | WAKES | THROTTLE
+FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in _NOT_ALWAYS}
 
 
 LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")  # forces are linear in these
@@ -263,6 +271,10 @@ LEAST_ERROR = 0.03
 weighed against them: no stand and no model is better, however well few rows are fitted.  With it,
 after a fit to static rows, a propeller's rows in flight lie within their intervals as often as they
 should: ``python -m tools.after_static``."""
+
+LEAST_IN_FLIGHT = 0.01
+"""That of the forces in whole flights, as a share of the weight: across the flight they are a few
+hundredths of it themselves, and stretches of a second already count what samples have in common."""
 
 
 @dataclass(frozen=True, eq=False)

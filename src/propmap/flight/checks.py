@@ -88,6 +88,12 @@ def check_rotor_speed(
     return [f"{log.source}: {found}; check mass, propeller, air density and the rotor speeds"]
 
 
+def drive_in_hover(logs: Sequence[FlightLog]) -> float:
+    """Return what drives the motors in slow flight, on average over the logs that have throttle."""
+    parts = [log.throttle[slow_flight(log)] for log in logs if log.commanded]
+    return float(np.mean([np.mean(part) for part in parts]))
+
+
 def slow_flight(log: FlightLog) -> NDArray[np.bool_]:
     """Return which samples (n,) are below 3 m/s with a specific force within 10 % of g.
 

@@ -110,6 +110,13 @@ class Beyond:
         """Which samples (n,) of several rotors' points (n, k), or points (n,), lie outside."""
         return _by_sample(self.points)
 
+    @property
+    def reach(self) -> Floats:
+        """V/(Omega R) of samples (n,) over the largest of the data, at least 1 [-]."""
+        further = np.nan_to_num(self.excess["advance_ratio"])
+        ratio = 1.0 + np.maximum(further, 0.0) / max(self.envelope.advance_ratio[1], MARGIN)
+        return np.asarray(ratio.reshape(len(ratio), -1).max(axis=1))
+
     def sentences(self, what: str = "points") -> list[str]:
         """Say in a sentence how many samples, called ``what``, lie outside, by which quantities and
         how far; none where no sample does."""

@@ -21,6 +21,7 @@ from propmap.vehicle.log import (
     motor_slots,
     quaternion_of_angles,
 )
+from propmap.vehicle.throttle import PULSES, share_of_full, worth_of_throttle
 
 # Fields by message, of which the first that the log has is used; units and frames by ArduPilot's
 # documentation, https://ardupilot.org/copter/docs/logmessages.html: deg, m/s, rad/s, m/s^2, rpm.
@@ -28,11 +29,15 @@ ANGLES = dict.fromkeys(("ATT", "AHR2"), ("Roll", "Pitch", "Yaw"))
 VELOCITY = dict.fromkeys(("XKF1", "NKF1"), ("VN", "VE", "VD"))
 INERTIAL = {"IMU": ("GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ")}
 SPEEDS = {"ESC": ("RPM",), "RPM": ("RPM",)}
-FIELDS = {**ANGLES, **VELOCITY, **INERTIAL, **SPEEDS}
-INSTANCES = ("I", "C", "Instance")
+BATTERY = dict.fromkeys(("BAT", "CURR"), ("Volt",))
+FIELDS = {**ANGLES, **VELOCITY, **INERTIAL, **SPEEDS, **BATTERY}
+INSTANCES = ("I", "C", "Inst", "Instance")
 """Fields with the number of the sensor, the filter or the motor controller, from 0."""
 
 COMMANDS = "RCOU"
+LIMITS = ("MOT_PWM_MIN", "MOT_PWM_MAX")
+"""Pulses to the motors, in place of their speeds, and parameters with their range."""
+
 MOTORS = {
     **{32 + number: number for number in range(1, 9)},
     **{73 + number: number for number in range(9, 13)},
@@ -54,10 +59,11 @@ def read_dataflash(path: Path, log: LogMap) -> Recording:
     """Read a DataFlash log of ArduPilot.
 
     ATT (else AHR2), XKF1 (else NKF1) for the velocity, IMU, and ESC (else RPM) for the rotor
-    speeds, in rpm unless the ``log`` map says "erpm".  Where there are several sensors or filters
-    the first is read; among motor controllers those whose ``SERVOn_FUNCTION`` is a motor's, in the
-    order of the motors' numbers.  Frames are FRD and NED, whatever the map says.  Raises
-    ``InputError``.
+    speeds, in rpm unless the ``log`` map says "erpm".  Where there are several sensors or
+    filters the first is read; among motor controllers those whose ``SERVOn_FUNCTION`` is a
+    motor's, in the order of the motors' numbers.  Without ESC and RPM there are the commands of
+    RCOU by the same functions, with the voltage of BAT (else CURR).  Frames are FRD and NED,
+    whatever the map says.  Raises ``InputError``.
     """
     samples, parameters = _messages(path)
 
@@ -72,9 +78,18 @@ def read_dataflash(path: Path, log: LogMap) -> Recording:
     filtered, velocity = first(VELOCITY)
     _, inertial = first(INERTIAL)
     roll, pitch, yaw = np.radians(angles[:, 1:].T)
-    rotor_speed, notes = _rotor_speed(samples, parameters)
-    unit = "erpm" if log.rotor_unit == "erpm" else "rpm"
-    speeds = rotor_speed.values * log.rotor_factor(unit)
+    commanded, supply = (COMMANDS, 0) in samples, None
+    notes: tuple[str, ...] = ()
+    if commanded:
+        rotor_speed = _commands(samples[COMMANDS, 0], parameters, log.throttle_range)
+        if any(kind in BATTERY for kind, _ in samples):
+            name, rows = first(BATTERY)
+            worth = worth_of_throttle(rows[:, 1:], f"voltage ({name})", inverse=False)
+            supply = Signal(f"voltage ({name})", rows[:, 0], worth)
+    else:
+        turned, notes = _rotor_speed(samples, parameters)
+        factor = log.rotor_factor("erpm" if log.rotor_unit == "erpm" else "rpm")
+        rotor_speed = Signal(turned.name, turned.time, turned.values * factor)
     return Recording(
         source=str(path),
         body_frame="frd",
@@ -85,8 +100,10 @@ def read_dataflash(path: Path, log: LogMap) -> Recording:
         ),
         velocity=Signal(f"velocity ({filtered})", velocity[:, 0], velocity[:, 1:]),
         rates=Signal("rates (IMU)", inertial[:, 0], inertial[:, 1:4]),
-        rotor_speed=Signal(rotor_speed.name, rotor_speed.time, speeds),
+        rotor_speed=rotor_speed,
         specific_force=Signal("specific force (IMU)", inertial[:, 0], inertial[:, 4:]),
+        commanded=commanded,
+        supply=supply,
         notes=notes,
     )
 
@@ -116,7 +133,11 @@ def _messages(path: Path) -> tuple[Samples, dict[str, float]]:
         with contextlib.closing(file):
             kinds = {name: file.counts[number] for name, number in file.name_to_id.items()}
             _check_present({name for name, count in kinds.items() if count > 0})
-            for kind, fields in FIELDS.items():
+            wanted = dict(FIELDS)
+            if not any(kinds.get(kind, 0) for kind in SPEEDS):
+                outputs = file.formats[file.name_to_id[COMMANDS]].columns
+                wanted[COMMANDS] = tuple(name for name in outputs if name != "TimeUS")
+            for kind, fields in wanted.items():
                 if kinds.get(kind, 0) > 0:
                     columns = _columns(file, kind, ("TimeUS", *fields))
                     rows = np.array([*columns.values()][: 1 + len(fields)], dtype=np.float64).T
@@ -162,21 +183,29 @@ def _columns(file: Any, kind: str, fields: tuple[str, ...]) -> dict[str, list[An
 
 def _check_present(present: set[str]) -> None:
     """Raise ``InputError`` for all that a log with messages of these kinds lacks."""
-    wanted = (ANGLES, VELOCITY, INERTIAL, SPEEDS)
+    wanted = ([*ANGLES], [*VELOCITY], [*INERTIAL], [*SPEEDS, COMMANDS])
     missing = [" or ".join(kinds) for kinds in wanted if not present & {*kinds}]
-    if not missing:
-        return
-    found = ", ".join(sorted(present & {*FIELDS, COMMANDS})) or "none of use"
-    remedies = []
-    if present & {*SPEEDS}:
-        remedies.append("set LOG_BITMASK so that it is logged")
-    else:
-        remedies.append("fly with motor controllers that report rpm: DShot telemetry or DroneCAN")
-        if COMMANDS in present:
-            remedies.append(f"{COMMANDS} are commands (PWM), no speeds")
-        if len(missing) > 1:
-            remedies.append("set LOG_BITMASK so that the rest is logged")
-    raise InputError(f"no message {', no '.join(missing)}; found {found}", "; ".join(remedies))
+    if missing:
+        found = ", ".join(sorted(present & {*FIELDS, COMMANDS})) or "none of use"
+        raise InputError(
+            f"no message {', no '.join(missing)}; found {found}",
+            "set LOG_BITMASK so that it is logged",
+        )
+
+
+def _commands(
+    rows: Floats, parameters: Mapping[str, float], limits: tuple[float, float] | None
+) -> Signal:
+    """Return the commands to the motors (n, m) as shares of full throttle, from all outputs."""
+    outputs = rows[:, 1:]
+    functions = [int(parameters.get(f"SERVO{k + 1}_FUNCTION", 0)) for k in range(outputs.shape[1])]
+    slots = motor_slots(functions, MOTORS) or np.flatnonzero(np.ptp(outputs, axis=0))
+    low, high = (parameters.get(name, usual) for name, usual in zip(LIMITS, PULSES, strict=True))
+    name = f"throttle ({COMMANDS})"
+    shares = share_of_full(
+        outputs[:, slots], limits or ((low, high) if high > low else PULSES), name
+    )
+    return Signal(name, rows[:, 0], shares)
 
 
 def _rotor_speed(

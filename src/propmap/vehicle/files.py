@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Literal, get_type_hints
+from typing import Annotated, Any, Literal, get_type_hints
 
 import msgspec
 from msgspec import Meta
@@ -156,6 +156,9 @@ class _Columns(TomlTable):
     pitch: Column = ""
     yaw: Column = ""
     rotor_speed: Annotated[tuple[Text, ...], '["rotor_1", ...], the names of the columns'] = ()
+    throttle: Annotated[tuple[Text, ...], '["motor_1", ...], the names of the columns'] = ()
+    battery_voltage: Column = ""
+    hover_throttle: Column = ""
 
 
 class _Topics(TomlTable):
@@ -164,6 +167,8 @@ class _Topics(TomlTable):
     velocity: Topic = ""
     imu: Topic = ""
     rotor_speed: Topic = ""
+    throttle: Topic = ""
+    battery: Topic = ""
 
 
 class _Log(TomlTable):
@@ -173,6 +178,9 @@ class _Log(TomlTable):
     rotor_unit: Literal["rad/s", "rpm", "erpm"] | None = None
     pole_pairs: PolePairs | None = None
     rotor_order: Annotated[tuple[int, ...], "[2, 1, ...]"] | None = None
+    throttle_range: (
+        Annotated[tuple[Number, Number], "[1000, 2000], those at rest and at full throttle"] | None
+    ) = None
     wind: Annotated[Vector, "[east, north, up]"] = (0.0, 0.0, 0.0)
     columns: _Columns = msgspec.field(default_factory=_Columns)
     topics: _Topics = msgspec.field(default_factory=_Topics)
@@ -351,7 +359,7 @@ def _powertrain(file: _VehicleFile, where: str) -> Powertrain:
 # What a vehicle file says about flight logs: frames, units, names of columns and topics.
 
 STATED = ("body_frame", "world_frame", "velocity_in", "rotor_unit")
-"""Keys of ``[log]`` by which its numbers are read."""
+"""Keys of ``[log]`` by which its numbers are read, but for ``throttle_range``."""
 QUATERNION_COLUMNS = ("qw", "qx", "qy", "qz")
 EULER_COLUMNS = ("roll", "pitch", "yaw")
 
@@ -378,6 +386,9 @@ class LogMap:
         Number of pole pairs of the motors; needed for "erpm".
     rotor_order : tuple of int or None
         Entry k is the number (from 1) of the vehicle's rotor that the log shows k-th.
+    throttle_range : tuple of 2 float or None
+        Commands to the motors at rest and at full throttle, where there are these in place of rotor
+        speeds.
     wind : tuple of 3 float
         Velocity of the air over the ground [m/s], in ``world_frame``, else in the log's own.
     columns : mapping of str to tuple of str
@@ -394,6 +405,7 @@ class LogMap:
     rotor_unit: str | None = None
     pole_pairs: int | None = None
     rotor_order: tuple[int, ...] | None = None
+    throttle_range: tuple[float, float] | None = None
     wind: Vector = (0.0, 0.0, 0.0)
     columns: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     topics: Mapping[str, str] = field(default_factory=dict)
@@ -404,11 +416,11 @@ class LogMap:
         """The file and the table, for messages."""
         return f"{self.file}: [log]"
 
-    def stated(self, key: str) -> str:
+    def stated(self, key: str) -> Any:
         """What is stated of a ``key`` of ``STATED``; ``InputError`` if nothing is."""
-        value: str | None = getattr(self, key)
+        value = getattr(self, key)
         if value is None:
-            listed = example(get_type_hints(_Log)[key])
+            listed = example(get_type_hints(_Log, include_extras=True)[key])
             raise InputError(f"no {key}", f"add {key} = {listed}, as it is in the log", self.where)
         return value
 
@@ -435,12 +447,20 @@ def _log_map(log: _Log, rotors: int, where: str) -> LogMap:
             "for each speed in the log, give the number of its [[rotors]] table",
             f"{where}: [log]",
         )
-    named = len(log.columns.rotor_speed)
-    if named not in (0, rotors):
+    for key in ("rotor_speed", "throttle"):
+        named = len(columns[key])
+        if named not in (0, rotors):
+            raise InputError(
+                f"{key} names {named} columns, the vehicle has {rotors} rotors",
+                "name one column per rotor, or add the missing [[rotors]] tables",
+                f"{where}: [log.columns]",
+            )
+    limits = log.throttle_range
+    if limits is not None and not limits[0] < limits[1]:
         raise InputError(
-            f"rotor_speed names {named} columns, the vehicle has {rotors} rotors",
-            "name one column per rotor, or add the missing [[rotors]] tables",
-            f"{where}: [log.columns]",
+            f"throttle_range is {quoted(list(limits))}",
+            "give the command at rest, then that at full throttle, such as [1000, 2000]",
+            f"{where}: [log]",
         )
     return LogMap(
         log.body_frame,
@@ -449,6 +469,7 @@ def _log_map(log: _Log, rotors: int, where: str) -> LogMap:
         log.rotor_unit,
         log.pole_pairs,
         order or None,
+        limits,
         log.wind,
         {
             key: (names,) if isinstance(names, str) else tuple(names)

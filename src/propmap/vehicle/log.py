@@ -16,6 +16,7 @@ from propmap.errors import InputError
 from propmap.typing import Floats
 from propmap.units import GRAVITY
 from propmap.vehicle.files import VehicleFile
+from propmap.vehicle.throttle import ThrottleCurve, lagged
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -52,6 +53,12 @@ class FlightLog:
         Time derivative of ``specific_force`` [m/s^3]; NaN where it is not known.
     rotor_acceleration : ndarray, shape (n, rotors)
         Time derivative of ``rotor_speed`` [rad/s^2]; NaN where it is not known.
+    throttle : ndarray, shape (n, rotors)
+        Shares of full throttle, times the battery's voltage or over the share in hover where the
+        log has these, after the usual lag of a motor [-] or [V]; NaN where rotor speeds were
+        measured.  Elsewhere ``rotor_speed`` is the same, until ``with_curve``.
+    throttle_by_lag : ndarray, shape (n, rotors)
+        Derivative of ``throttle`` by the lag [1/s].
     flight : ndarray, shape (n,)
         Number of the flight among several that were joined, from 0.
     flights : tuple of str
@@ -68,16 +75,17 @@ class FlightLog:
     angular_acceleration: Floats = None  # type: ignore[assignment]
     specific_force_rate: Floats = None  # type: ignore[assignment]
     rotor_acceleration: Floats = None  # type: ignore[assignment]
+    throttle: Floats = None  # type: ignore[assignment]
+    throttle_by_lag: Floats = None  # type: ignore[assignment]
     flight: Floats = None  # type: ignore[assignment]
     flights: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        unknown = np.full_like(self.rates, np.nan)
-        for name in ("angular_acceleration", "specific_force_rate"):
-            if getattr(self, name) is None:
-                object.__setattr__(self, name, unknown)
-        if self.rotor_acceleration is None:
-            object.__setattr__(self, "rotor_acceleration", np.full_like(self.rotor_speed, np.nan))
+        for known, names in UNKNOWN.items():
+            unknown = np.full_like(getattr(self, known), np.nan)
+            for name in names:
+                if getattr(self, name) is None:
+                    object.__setattr__(self, name, unknown)
         if self.flight is None:
             object.__setattr__(self, "flight", np.zeros_like(self.time))
         if not self.flights:
@@ -95,6 +103,16 @@ class FlightLog:
         """Return this log with a ``change`` to every array, which may alter their length."""
         arrays: dict[str, Any] = {name: change(getattr(self, name)) for name in ARRAYS}
         return replace(self, **arrays)
+
+    @property
+    def commanded(self) -> bool:
+        """Whether there are rotor speeds from throttle."""
+        return bool(np.isfinite(self.throttle).any())
+
+    def with_curve(self, curve: ThrottleCurve) -> FlightLog:
+        """Return this log with rotor speeds by a ``curve`` where they were not measured."""
+        speeds, _ = curve.speeds(self.throttle, self.throttle_by_lag, self.rotor_speed)
+        return replace(self, rotor_speed=speeds)
 
     @property
     def speed(self) -> Floats:
@@ -121,6 +139,12 @@ class FlightLog:
         """Vertical velocity, up positive [m/s]; (n,)."""
         return np.asarray(np.sum(self.velocity * self.up, axis=1))
 
+
+UNKNOWN = {
+    "rates": ("angular_acceleration", "specific_force_rate"),
+    "rotor_speed": ("rotor_acceleration", "throttle", "throttle_by_lag"),
+}
+"""What is NaN where it was not given, by a field with as many numbers."""
 
 ARRAYS = tuple(f.name for f in fields(FlightLog) if f.name not in ("source", "flights"))
 """Fields that have a row for each sample."""
@@ -231,6 +255,8 @@ def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
             up=up / np.linalg.norm(up, axis=1, keepdims=True),
             specific_force=smooth(part.specific_force),
             rotor_speed=np.sqrt(np.maximum(smooth(np.square(part.rotor_speed)), 0.0)),
+            throttle=smooth(part.throttle),
+            throttle_by_lag=smooth(part.throttle_by_lag),
         )
 
     def slope(signal: Floats) -> Floats:
@@ -355,6 +381,10 @@ class Recording:
     rates: Signal  # along body axes, (n, 3) [rad/s]
     rotor_speed: Signal  # in the order of the log, (n, rotors) [rad/s]
     specific_force: Signal | None  # along body axes, (n, 3) [m/s^2]
+    # Where there are commands in place of rotor speeds, as shares of full throttle: what each
+    # share is worth, (n, 1), a voltage [V] or the inverse of the throttle in hover [-].
+    commanded: bool = False
+    supply: Signal | None = None
     notes: tuple[str, ...] = ()  # what its reader left out
 
     def signals(self) -> dict[str, Signal]:
@@ -458,14 +488,18 @@ def flight_log(
     if logged != rotors:
         turn = np.flatnonzero(np.nanmax(np.abs(recording.rotor_speed.values), axis=0, initial=0.0))
         which = ", ".join(str(k + 1) for k in turn) or "none"
+        what = "commands to motors" if recording.commanded else "rotor speeds"
         raise InputError(
-            f"the log has {logged} rotor speeds, of which these ever turn: {which}; the vehicle "
+            f"the log has {logged} {what}, of which these ever turn: {which}; the vehicle "
             f"has {rotors} rotors",
             "give a [[rotors]] table per rotor or the log of this vehicle; or let the autopilot "
             "know which outputs are motors, or save as CSV and name the motors' columns",
             recording.source,
         )
     recording = cleaned(recording)
+    by_lag = None
+    if recording.commanded:
+        recording, by_lag = _driven(recording)
     leading = [recording.attitude, recording.velocity, recording.rotor_speed]
     following = [recording.rates]
     if recording.specific_force is not None:
@@ -492,10 +526,15 @@ def flight_log(
     else:
         velocity = body_signal(recording.velocity) - in_flu(wind)
     force = recording.specific_force
-    by_column = np.abs(interpolated(recording.rotor_speed, time))
-    rotor_speed = np.empty_like(by_column)
-    order = stated.rotor_order or range(1, logged + 1)
-    rotor_speed[:, [number - 1 for number in order]] = by_column
+    place = np.argsort(stated.rotor_order or range(logged))
+
+    def by_rotor(signal: Signal) -> Floats:
+        return interpolated(signal, time)[:, place]
+
+    rotor_speed = np.abs(by_rotor(recording.rotor_speed))
+    driven: Any = {}
+    if by_lag is not None:
+        driven = {"throttle": rotor_speed, "throttle_by_lag": by_rotor(by_lag)}
     result = FlightLog(
         source=recording.source,
         time=time,
@@ -504,9 +543,28 @@ def flight_log(
         up=in_flu(np.tile([0.0, 0.0, 1.0], (time.size, 1))),
         specific_force=np.full((time.size, 3), np.nan) if force is None else body_signal(force),
         rotor_speed=rotor_speed,
+        **driven,
     )
     _check_frames(result, vehicle_file)
     return result
+
+
+def _driven(recording: Recording) -> tuple[Recording, Signal]:
+    """Return a recording whose motors are driven by commands times supply, after the usual lag.
+
+    Beside it are the derivatives by the lag.
+    """
+    signal, supply = recording.rotor_speed, recording.supply
+    drive = signal.values
+    if supply is not None:
+        drive = drive * np.interp(signal.time, supply.time, supply.values[:, 0])[:, None]
+    breaks = np.flatnonzero(np.diff(signal.time) > LONGEST_GAP) + 1
+    step = float(np.median(np.diff(signal.time)))
+    parts = [lagged(part, step) for part in np.split(drive, breaks)]
+    once, by_lag = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return replace(recording, rotor_speed=replace(signal, values=once)), replace(
+        signal, values=by_lag
+    )
 
 
 def common_clock(

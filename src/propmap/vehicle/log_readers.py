@@ -8,7 +8,8 @@ import difflib
 import io
 import itertools
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,29 +29,40 @@ from propmap.vehicle.log import (
     motor_slots,
     quaternion_of_angles,
 )
+from propmap.vehicle.throttle import PULSES, share_of_full, worth_of_throttle
 
 # -------------------------------------------------------------------------------------------------
 # Flight logs as CSV or Parquet, whose columns the vehicle file names.
 
 MOST_SHOWN = 30  # columns of a file that a message lists
-QUANTITIES = ("time", "velocity", "rates", "rotor_speed", "specific_force")
-OPTIONAL = ("specific_force",)
+QUANTITIES = ("time", "velocity", "rates")
+SUPPLY = ("battery_voltage", "hover_throttle")
+OPTIONAL = ("specific_force", *SUPPLY)
+BLACKBOX, BLACKBOX_VOLTAGE = "motor[", "vbatLatest (V)"
+"""How the commands to the motors, and the voltage, are called in tables of blackbox_decode."""
+
+DSHOT = (48.0, 2047.0)  # Betaflight's commands at rest and at full throttle, but for old ESCs
 
 
 def read_csv_log(path: Path, log: LogMap) -> Recording:
     """Read a CSV file with a header line, or a Parquet file (``.parquet``, ``.pq``).
 
-    The ``log`` map must state the frames and units and name the columns: ``time`` [s], ``velocity``
-    [m/s], ``rates`` [rad/s] and the optional ``specific_force`` [m/s^2] (3 each), ``rotor_speed``,
-    and either ``qw, qx, qy, qz`` or ``roll, pitch, yaw`` [rad] (yaw about z, then pitch about y,
-    then roll about x of the stated body frame). Any dialect of ``propmap.io.csv`` is read.  Empty
-    cells are samples that are not finite; text is refused.  Raises ``InputError``.
+    The ``log`` map must state the frames and units and name the columns: ``time`` [s],
+    ``velocity`` [m/s], ``rates`` [rad/s] and the optional ``specific_force`` [m/s^2] (3 each),
+    ``rotor_speed``, and either ``qw, qx, qy, qz`` or ``roll, pitch, yaw`` [rad] (yaw about z,
+    then pitch about y, then roll about x of the stated body frame).  In place of
+    ``rotor_speed`` there may be ``throttle``, with ``throttle_range`` stated and
+    ``battery_voltage`` [V] or ``hover_throttle`` where the log has one; columns as of
+    blackbox_decode are found without being named.  Any dialect of ``propmap.io.csv`` is read.
+    Empty cells are samples that are not finite; text is refused.  Raises ``InputError``.
     """
     where = str(path)
     stated: dict[str, Any] = {
         key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")
     }
-    factor = log.rotor_factor(log.stated("rotor_unit"))
+    log = _with_blackbox(path, log)
+    turning = "throttle" if "throttle" in log.columns else "rotor_speed"
+    factor = 1.0 if turning == "throttle" else log.rotor_factor(log.stated("rotor_unit"))
     angles, quaternion = (
         bool(set(names) & set(log.columns)) for names in (EULER_COLUMNS, QUATERNION_COLUMNS)
     )
@@ -61,7 +73,7 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
             f"{log.file}: [log.columns]",
         )
     attitude = EULER_COLUMNS if angles else QUATERNION_COLUMNS
-    wanted = [*QUANTITIES, *attitude]
+    wanted = [*QUANTITIES, turning, *OPTIONAL, *attitude]
     unnamed = [key for key in wanted if key not in log.columns and key not in OPTIONAL]
     if unnamed:
         raise InputError(
@@ -82,15 +94,50 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
         return Signal(f"{key} ({', '.join(names.get(key, attitude))})", time, array)
 
     force = values.get("specific_force")
+    supply = None
+    if turning == "throttle":
+        turned = as_share(signal(turning, values[turning]), log.stated("throttle_range"))
+        supply = next(
+            (as_supply(signal(key, values[key])) for key in SUPPLY if key in values), None
+        )
+    else:
+        turned = signal(turning, values[turning] * factor)
     return Recording(
         source=where,
         attitude=signal("attitude", _quaternions([values[key][:, 0] for key in attitude], where)),
         velocity=signal("velocity", values["velocity"]),
         rates=signal("rates", values["rates"]),
-        rotor_speed=signal("rotor_speed", values["rotor_speed"] * factor),
+        rotor_speed=turned,
         specific_force=None if force is None else signal("specific_force", force),
+        commanded=turning == "throttle",
+        supply=supply,
         **stated,
     )
+
+
+def _with_blackbox(path: Path, log: LogMap) -> LogMap:
+    """Name the columns of commands and voltage where they are those of blackbox_decode."""
+    if {"rotor_speed", "throttle"} & {*log.columns} or path.suffix.lower() != ".csv":
+        return log
+    with path.open(encoding="utf-8-sig", errors="replace") as lines:
+        heads = [head.strip().strip('"') for head in lines.readline().split(",")]
+    found = {"throttle": tuple(head for head in heads if head.startswith(BLACKBOX))}
+    found["battery_voltage"] = tuple(head for head in heads if head == BLACKBOX_VOLTAGE)
+    if not found["throttle"]:
+        return log
+    more = {key: names for key, names in found.items() if names}
+    return replace(log, columns={**more, **log.columns}, throttle_range=log.throttle_range or DSHOT)
+
+
+def as_share(signal: Signal, limits: tuple[float, float]) -> Signal:
+    """Return commands to motors as shares of full throttle, see ``share_of_full``."""
+    return replace(signal, values=share_of_full(signal.values, limits, signal.name))
+
+
+def as_supply(signal: Signal) -> Signal:
+    """Return what throttle is worth by a voltage, or by the throttle in hover."""
+    inverse = signal.name.startswith("hover_throttle")
+    return replace(signal, values=worth_of_throttle(signal.values, signal.name, inverse=inverse))
 
 
 def _quaternions(columns: list[Floats], where: str) -> Floats:
@@ -240,6 +287,13 @@ SPECIFIC_FORCE = {
     "sensor_combined": [f"accelerometer_m_s2[{k}]" for k in range(3)],
 }
 ROTORS = "esc_status"
+COMMANDS, OUTPUTS, BATTERY = "actuator_motors", "actuator_outputs", "battery_status"
+"""Commands to the motors from 0 to 1, outputs as pulses, and the battery, in place of speeds."""
+
+LIMITS = tuple((f"{kind}_MIN", f"{kind}_MAX") for kind in ("PWM_MAIN", "PWM_AUX", "PWM"))
+"""Parameters with the pulses at rest and at full throttle; of the first two with the number of the
+output, the last before PX4 1.13."""
+
 ACCELEROMETER_LATE, NOT_SAMPLED = "accelerometer_timestamp_relative", 2**31 - 1
 """Field of sensor_combined with the time from its stamp to that of the accelerometer [us], and what
 it holds where there is none: PX4's SensorCombined.msg."""
@@ -250,30 +304,38 @@ MOTORS = {100 + number: number for number in range(1, 13)}
 FUNCTIONS = ("UAVCAN_EC_FUNC", "PWM_MAIN_FUNC", "PWM_AUX_FUNC")
 """Parameters, before the number of the output, that say what it turns."""
 
-TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, ROTORS})
+TURNING = (ROTORS, COMMANDS, OUTPUTS)
+TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, *TURNING, BATTERY})
 
 
 def read_ulog(path: Path, log: LogMap) -> Recording:
     """Read a ULog file with the topics of PX4.
 
     vehicle_attitude, vehicle_local_position, vehicle_angular_velocity (else sensor_combined),
-    vehicle_acceleration (else sensor_combined, else none) and esc_status, whose ``esc_rpm`` is in
-    rpm unless the ``log`` map says "erpm".  Where the log says which controller turns which motor,
-    those of motors are read, in the order of their numbers.  Times are those of the measurement
-    where logged.  Velocities that the log marks as not valid are left out.  Frames are PX4's, FRD
-    and NED, whatever the map says.  Raises ``InputError``.
+    vehicle_acceleration (else sensor_combined, else none) and esc_status, whose ``esc_rpm`` is
+    in rpm unless the ``log`` map says "erpm".  Where the log says which controller turns which
+    motor, those of motors are read, in the order of their numbers.  Without esc_status there
+    are commands, actuator_motors, else actuator_outputs, with the voltage of battery_status.
+    Times are those of the measurement where logged.  Velocities that the log marks as not valid
+    are left out.  Frames are PX4's, FRD and NED, whatever the map says.  Raises ``InputError``.
     """
     file = parsed_ulog(path)
     unit = "erpm" if log.rotor_unit == "erpm" else "rpm"
     source = f"{path} (damaged parts skipped)" if file.file_corruption else str(path)
     missing = [
         " or ".join(topics)
-        for topics in ([*ATTITUDE], [*VELOCITY], [*RATES], [ROTORS])
+        for topics in ([*ATTITUDE], [*VELOCITY], [*RATES], [*TURNING])
         if not any(_dataset(file, topic) for topic in topics)
     ]
     if missing:
         raise _missing_topics(file, missing)
-    rotor_speed, notes = _ulog_rotor_speed(file, log.rotor_factor(unit))
+    commanded = _dataset(file, ROTORS) is None
+    notes: tuple[str, ...] = ()
+    if commanded:
+        rotor_speed = _ulog_commands(file, log.throttle_range)
+    else:
+        rotor_speed, notes = _ulog_rotor_speed(file, log.rotor_factor(unit))
+    voltage = commanded and _dataset(file, BATTERY) is not None
     return Recording(
         source=source,
         body_frame="frd",
@@ -288,6 +350,8 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
             if any(_dataset(file, topic) for topic in SPECIFIC_FORCE)
             else None
         ),
+        commanded=commanded,
+        supply=(as_supply(_signal(file, "voltage", {BATTERY: ["voltage_v"]})) if voltage else None),
         notes=notes,
     )
 
@@ -355,12 +419,8 @@ def _ulog_rotor_speed(file: Any, factor: float) -> tuple[Signal, tuple[str, ...]
             "fly with controllers that report rpm, by DShot telemetry or UAVCAN",
         )
     logged = [data.data.get(f"esc[{k}].actuator_function", np.zeros(1)) for k in range(count)]
-    stated = file.initial_parameters
-    ways = [
-        [int(np.median(values)) for values in logged],
-        *([int(stated.get(f"{name}{k + 1}", 0)) for k in range(count)] for name in FUNCTIONS),
-    ]
-    slots = next(filter(None, (motor_slots(functions, MOTORS) for functions in ways)), None)
+    own = motor_slots([int(np.median(values)) for values in logged], MOTORS)
+    slots = own or next(filter(None, _slots_stated(file, count)), None)
     notes: tuple[str, ...] = ()
     if slots and len(slots) < count:
         left = ", ".join(str(k + 1) for k in range(count) if k not in slots)
@@ -370,6 +430,51 @@ def _ulog_rotor_speed(file: Any, factor: float) -> tuple[Signal, tuple[str, ...]
         )
     speeds = np.stack(columns, axis=1)[:, slots or [*range(count)]]
     return Signal(f"rotor speed ({ROTORS})", _time(data), speeds * factor), notes
+
+
+def _ulog_commands(file: Any, limits: tuple[float, float] | None) -> Signal:
+    """Return the commands to the motors as shares of full throttle."""
+    data = _dataset(file, COMMANDS)
+    if data:
+        columns = _numbered(data, "control")
+        # PX4 has NaN for motors that are not armed, and for those that there are not.
+        slots = [k for k, column in enumerate(columns) if np.isfinite(column).any()]
+        limits = limits or (0.0, 1.0)
+    else:
+        outputs = [one for one in file.data_list if one.name == OUTPUTS]
+        for data in sorted(outputs, key=lambda one: int(one.multi_id)):
+            columns = _numbered(data, "output")
+            moving = [k for k, column in enumerate(columns) if np.ptp(column)]
+            slots = next(filter(None, _slots_stated(file, len(columns))), moving)
+            if moving and {*slots} <= {*moving}:
+                break
+        limits = limits or _pulses(file.initial_parameters, slots[0] + 1 if slots else 1)
+    topic = data.name
+    values = np.stack([columns[k] for k in slots or range(len(columns))], axis=1)
+    return as_share(Signal(f"throttle ({topic})", _time(data), values), limits)
+
+
+def _numbered(data: Any, field: str) -> list[Floats]:
+    """Return the columns of an array in a topic."""
+    names = [name for name in data.data if name.startswith(f"{field}[")]
+    return [np.asarray(data.data[name], dtype=np.float64) for name in names]
+
+
+def _slots_stated(file: Any, count: int) -> Iterator[list[int] | None]:
+    """Yield the places of the motors among so many outputs by each kind of parameters."""
+    stated = file.initial_parameters
+    for name in FUNCTIONS:
+        functions = [int(stated.get(f"{name}{k + 1}", 0)) for k in range(count)]
+        yield motor_slots(functions, MOTORS)
+
+
+def _pulses(stated: Mapping[str, float], output: int) -> tuple[float, float]:
+    """Return the pulses at rest and at full throttle [us] by the parameters of an ``output``."""
+    ends = [
+        [float(stated.get(f"{name}{output}", stated.get(name, 0.0))) for name in pair]
+        for pair in LIMITS
+    ]
+    return next(((low, high) for low, high in ends if high > low), PULSES)
 
 
 def _time(data: Any, field: str = "") -> Floats:
@@ -397,7 +502,7 @@ def _missing_topics(file: Any, topics: list[str]) -> InputError:
     return InputError(
         f"no topic {', no '.join(topics)}; found {', '.join(present)}",
         "log what is missing: see SDLOG_PROFILE of PX4, and for esc_status motor controllers with "
-        "telemetry (actuator_motors and actuator_outputs are commands, no speeds)",
+        "telemetry",
     )
 
 
@@ -409,6 +514,7 @@ TYPES = {
     "pose": "geometry_msgs/msg/PoseStamped",
     "velocity": "geometry_msgs/msg/TwistStamped",
     "imu": "sensor_msgs/msg/Imu",
+    "battery": "sensor_msgs/msg/BatteryState",
 }
 """Message type per role of a topic."""
 
@@ -428,17 +534,18 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
     """Read a bag whose topics ``[log.topics]`` names.
 
     ``odometry`` (nav_msgs/Odometry), or ``pose`` (geometry_msgs/PoseStamped) and ``velocity``
-    (geometry_msgs/TwistStamped); ``rotor_speed`` (an array of numbers, see ``ROTOR_FIELDS``);
-    optional ``imu`` (sensor_msgs/Imu) for rates and specific force, else the rates are those of the
-    odometry or twist and the specific force is not known.  Times are those of the headers; of a
-    message without one, when it was recorded.  Raises ``InputError``.
+    (geometry_msgs/TwistStamped); ``rotor_speed`` (an array of numbers, see ``ROTOR_FIELDS``),
+    or ``throttle`` (an array of commands to the motors) and, optional, ``battery``
+    (sensor_msgs/BatteryState); optional ``imu`` (sensor_msgs/Imu) for rates and specific force,
+    else the rates are those of the odometry or twist and the specific force is not known.
+    Times are those of the headers; of a message without one, when it was recorded.  Raises
+    ``InputError``.
     """
     topics = log.topics
-    if "rotor_speed" not in topics or not (
-        "odometry" in topics or {"pose", "velocity"} <= {*topics}
-    ):
+    turning = "throttle" if "throttle" in topics else "rotor_speed"
+    if turning not in topics or not ("odometry" in topics or {"pose", "velocity"} <= {*topics}):
         raise InputError(
-            "bags need topics: odometry, or pose and velocity; and rotor_speed",
+            "bags need topics: odometry, or pose and velocity; and rotor_speed, or throttle",
             'add [log.topics] with odometry = "/...", imu = "/...", rotor_speed = "/..."',
             log.where,
         )
@@ -467,7 +574,11 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
         return [q.w, q.x, q.y, q.z]
 
     imu = "imu" in topics
-    factor = log.rotor_factor(log.stated("rotor_unit"))
+    commanded = turning == "throttle"
+    factor = 1.0 if commanded else log.rotor_factor(log.stated("rotor_unit"))
+    turned = _bag_rotor_speed(
+        *read[turning], factor, f"{turning.replace('_', ' ')} (topic {topics[turning]})"
+    )
     return Recording(
         source=str(path),
         body_frame=log.body_frame or "flu",
@@ -480,11 +591,15 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
             if imu
             else signal("rates", twist_role, lambda m: _xyz(twist(m).angular))
         ),
-        rotor_speed=_bag_rotor_speed(
-            *read["rotor_speed"], factor, f"rotor speed (topic {topics['rotor_speed']})"
-        ),
+        rotor_speed=as_share(turned, log.stated("throttle_range")) if commanded else turned,
         specific_force=(
             signal("specific force", "imu", lambda m: _xyz(m.linear_acceleration)) if imu else None
+        ),
+        commanded=commanded,
+        supply=(
+            as_supply(signal("voltage", "battery", lambda m: [m.voltage]))
+            if commanded and "battery" in topics
+            else None
         ),
     )
 

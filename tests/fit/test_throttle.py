@@ -1,0 +1,143 @@
+"""Rotor speeds from throttle: the curve, and a flight fitted with it beside one with speeds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from propmap.cli import main
+from propmap.cli.fit_flight import FROM_THROTTLE
+from propmap.errors import InputError
+from propmap.fit.files import read_fit
+from propmap.fit.flight import ForceModel
+from propmap.fit.least_squares import Rows
+from propmap.fit.parameters import FIRST_GUESS, THROTTLE, Choice
+from propmap.report.fit_page import notes
+from propmap.vehicle.log import FlightLog
+from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, LAG, USUAL, ThrottleCurve, lagged
+from tests.flight.commands import LAG as MOTORS_LAG
+
+from .throttle_twin import LAW, VEHICLE, differences, fit_both, predicted
+
+
+def test_the_lag_is_that_of_a_motor() -> None:
+    time = np.arange(0.0, 1.0, 0.01)
+    once, by_lag = lagged(np.where(time < 0.2, 1.0, 2.0)[:, None], 0.01)
+    assert once[time < 0.19] == pytest.approx(1.0)
+    later = time > 0.2
+    # Between samples commands change linearly: the step is at 0.195 s on average.
+    expected = 2.0 - np.exp(-(time - 0.195) / USUAL[LAG])
+    assert once[later, 0] == pytest.approx(expected[later], abs=3e-3)
+    # A longer lag has reached less.
+    assert (by_lag[later] < 0.0).all()
+
+
+def test_derivatives_of_rotor_speeds_and_forces() -> None:
+    rng = np.random.default_rng(1)
+    shape = (12, 4)
+    log = FlightLog(
+        source="hand-made",
+        time=np.arange(12.0),
+        velocity=rng.normal(size=(12, 3)) * [4.0, 1.0, 1.0],
+        rates=np.zeros((12, 3)),
+        up=np.tile([0.0, 0.0, 1.0], (12, 1)),
+        specific_force=np.tile([0.0, 0.0, 9.81], (12, 1)),
+        rotor_speed=np.ones(shape),
+        throttle=0.45 * rng.uniform(0.7, 1.4, shape),
+        throttle_by_lag=0.45 * rng.normal(size=shape),
+    )
+    at = {HOVER_DRIVE: 0.45, "throttle_speed": 1.1, "throttle_expo": 0.4, "motor_lag": 0.06}
+    model = ForceModel(VEHICLE, log, LAW)
+    section = {name: getattr(LAW, name) for name in ("c_l1", "c_l2", "c_d", "alpha_0")}
+    values = {**FIRST_GUESS, **section, **at}
+    found = model.at(values, CURVE).slopes
+    for row, name in enumerate(CURVE):
+        step = 1e-4 * THROTTLE[name].spread
+        up, down = (model.at({**values, name: at[name] + h}, ()).loads for h in (step, -step))
+        quotient = (up - down) / (2.0 * step)
+        assert found[row] == pytest.approx(quotient, rel=1e-3, abs=1e-3 * np.abs(quotient).max())
+
+
+def test_measured_speeds_stay() -> None:
+    speeds = np.full((3, 4), 700.0)
+    curve = ThrottleCurve.of(VEHICLE, {HOVER_DRIVE: 0.5})
+    unknown = np.full_like(speeds, np.nan)
+    found, slopes = curve.speeds(unknown, unknown, speeds)
+    assert np.array_equal(found, speeds)
+    assert all(not slope.any() for slope in slopes.values())
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Twins, and a fit of each."""
+    here = tmp_path_factory.mktemp("twins")
+    fit_both(here)
+    return here
+
+
+def test_forces_from_throttle_are_those_from_rotor_speeds(folder: Path) -> None:
+    found = differences(folder)
+    assert found["force"] < 0.1
+    assert 0.9 < found["band"] < 1.1
+    assert found["inside"] > 0.9
+    # The curve is another one than that of the motors, but their lag is found.
+    parameters = predicted(folder, "throttle").fit.record.parameters
+    lag = next(p for p in parameters if p.name == LAG)
+    assert lag.low < MOTORS_LAG < lag.high
+
+
+def test_the_fit_file_and_check_say_so(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fit, log = str(folder / "throttle_fit.toml"), str(folder / "unseen_throttle.csv")
+    assert FROM_THROTTLE in notes(read_fit(Path(fit)).record)  # what the page says
+    assert main(["check", fit, log, "--vehicle", str(folder / "throttle.toml")]) == 0
+    told = capsys.readouterr()
+    assert "in 95 % band" in " ".join(told.out.split()) and "from throttle" in told.err
+
+
+def test_a_fit_to_rotor_speeds_has_no_curve(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fit, log = str(folder / "speeds_fit.toml"), str(folder / "unseen_throttle.csv")
+    assert main(["check", fit, log, "--vehicle", str(folder / "throttle.toml")]) == 2
+    assert "the constants are of measured ones" in capsys.readouterr().err
+    # The other way about, measured speeds need no curve.
+    fit, log = str(folder / "throttle_fit.toml"), str(folder / "unseen_speeds.csv")
+    assert main(["check", fit, log, "--vehicle", str(folder / "speeds.toml")]) == 0
+
+
+def test_steady_stretches_need_rotor_speeds(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log, vehicle = str(folder / "seen_throttle.csv"), str(folder / "throttle.toml")
+    way = ["--method", "level", "-o", str(folder / "none.toml")]
+    assert main(["fit", "flight", log, "--vehicle", vehicle, *way]) == 2
+    assert "say nothing of the blade" in capsys.readouterr().err
+
+
+def test_terms_need_rotor_speeds(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    logs = [str(folder / f"{name}_throttle.csv") for name in ("seen", "unseen")]
+    way = ["--vehicle", str(folder / "throttle.toml"), "-o", str(folder / "terms")]
+    assert main(["fit", "terms", *logs, *way]) == 2
+    assert "commands to the motors in place of rotor speeds" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["speeds", "throttle"])
+def test_what_is_free_by_default_and_by_a_prior(
+    kind: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[tuple[str, ...]] = []
+
+    def fit(_rows: Rows, choice: Choice, *_: object, **__: object) -> None:
+        seen.append(choice.free)
+        raise InputError("no more is needed", "stop")
+
+    monkeypatch.setattr("propmap.cli.fit_flight.fit", fit)
+    log, vehicle = str(folder / f"seen_{kind}.csv"), str(folder / f"{kind}.toml")
+    more = ["--prior", "sensor_bias_z=0:0.1", "--fix", "motor_lag=0.03"]
+    way = ["--method", "balance", "-o", str(folder / "none.toml")]
+    assert main(["fit", "flight", log, "--vehicle", vehicle, *more, *way]) == 2
+    driven = {"throttle_speed", "throttle_expo", "sensor_tilt_x", "sensor_tilt_y"}
+    assert "sensor_bias_z" in seen[0] and "motor_lag" not in seen[0]
+    assert driven & {*seen[0]} == (driven if kind == "throttle" else set())

@@ -1,0 +1,111 @@
+"""What fits from throttle predict, for the documentation: real flights, and twins with speeds.
+
+Usage: python -m tools.throttle_flights FOLDER
+
+Reads the flights neuralfly_CONTROLLER_WIND.csv of the folder (O'Connell et al., Neural-Fly, Science
+Robotics 2022, as one CSV file each), fits those in slow wind, checks all with that fit, and writes
+benchmarks/results/throttle.json.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from propmap.cli import main as propmap
+from propmap.fit.files import read_fit
+from propmap.io.csv import replacing
+from tests.fit.throttle_twin import differences, fit_both
+
+ROOT = Path(__file__).resolve().parent.parent
+RESULTS = ROOT / "benchmarks" / "results" / "throttle.json"
+VEHICLE = str(ROOT / "examples" / "neuralfly" / "vehicle.toml")
+WITHOUT = {
+    "as above": [],
+    "without the motors' lag": ["--fix", "motor_lag=0"],
+    "without the accelerometer's tilt": ["--fix", "sensor_tilt_x=0", "--fix", "sensor_tilt_y=0"],
+    "without the throttle in hover": [],
+}
+SEEN, UNSEEN, CONTROLLERS = ("nowind", "35wind"), ("70wind",), ("NF", "baseline")
+
+
+def main(folder: str) -> None:
+    """Fit and check, and write what came out."""
+    with tempfile.TemporaryDirectory() as place:
+        logs = {
+            (one, wind): str(Path(folder) / f"neuralfly_{one}_{wind}.csv")
+            for wind in (*SEEN, *UNSEEN)
+            for one in CONTROLLERS
+        }
+        found = {
+            "without": without(logs, Path(place)),
+            "flights": flights(logs, Path(place)),
+            "twins": twins(Path(place)),
+        }
+    with replacing(RESULTS) as path:
+        path.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    print(RESULTS)
+
+
+Logs = dict[tuple[str, str], str]
+
+
+def fitted(logs: Logs, fit: Path, vehicle: str, *options: str) -> None:
+    """Fit the flights in slow wind."""
+    slow = [path for (_, wind), path in logs.items() if wind in SEEN]
+    output("fit", "flight", *slow, "--vehicle", vehicle, "-o", str(fit), *options)
+
+
+def without(logs: Logs, place: Path) -> dict[str, list[float]]:
+    """Cross-validated errors along x, y and z [N] of fits that lack something."""
+    bare = place / "without_hover_throttle.toml"
+    lines = Path(VEHICLE).read_text(encoding="utf-8").splitlines()
+    kept = (line for line in lines if not line.startswith("hover_throttle"))
+    bare.write_text("\n".join(kept), encoding="utf-8")
+    found = {}
+    for k, (name, options) in enumerate(WITHOUT.items()):
+        fit = place / f"fit_{k}.toml"
+        fitted(logs, fit, str(bare) if "throttle in hover" in name else VEHICLE, *options)
+        loads = read_fit(fit).record.loads
+        found[name] = [round(load.cross_validated, 3) for load in loads]
+    return found
+
+
+def flights(logs: Logs, place: Path) -> list[dict[str, Any]]:
+    """Errors along x, y and z [N] of each flight, and the shares of its samples in the bands."""
+    fit = str(place / "fit_0.toml")
+    rows = []
+    for (one, wind), path in logs.items():
+        found = json.loads(output("check", fit, path, "--vehicle", VEHICLE, "--format", "json"))
+        loads = [found["loads"][f"force_{axis}_N"] for axis in "xyz"]
+        kept = ("rms", "bias", "in_band", "hover_rms")
+        rows.append(
+            {"flight": f"{one}, {wind}", "fitted": wind in SEEN}
+            | {key: [round(load[key], 3) for load in loads] for key in kept}
+        )
+    return rows
+
+
+def twins(place: Path) -> dict[str, float]:
+    """How forces and bands differ between a fit from throttle and one from rotor speeds."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        fit_both(place)
+    return {name: round(value, 4) for name, value in differences(place).items()}
+
+
+def output(*arguments: str) -> str:
+    """What a command prints."""
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        if propmap(list(arguments)):
+            raise SystemExit(1)
+    return printed.getvalue()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
