@@ -46,7 +46,8 @@ def test_brute_force_is_the_reference() -> None:
     point = Point("apc-8x6e", True, 700.0, 20.0, 150.0)
     model, (motion,) = rotor(*point[:2]).model, motions([point])
     dense = dense_loads(model, LOOKS[0], motion[None])[0]
-    plain = np.array(reference.loads(model, *motion.tolist(), radii=100))
+    omega, along, across = map(float, motion)
+    plain = list(reference.loads(model, omega, along, across, radii=100))
     np.testing.assert_allclose(dense, plain, rtol=2e-3, atol=1e-12)
 
 
