@@ -31,7 +31,7 @@ ONCE_WRONG = (
 )
 """Points whose loads were off by up to 0.9 % of the static ones, silently."""
 
-INNER_PANEL = "with one fold beyond 2/3 of the radius the panel within has 12 nodes: up to 0.12 %"
+INNER_PANEL = "with one fold beyond 2/3 of the radius the panel within has 12 nodes: up to 0.13 %"
 
 
 def silent(found: dict[str, object]) -> list[object]:
