@@ -242,7 +242,7 @@ def chunk(first: int, count: int, looks: tuple[Look, ...], advance: float) -> di
     return {
         "first": first,
         "count": count,
-        "looks": dict(Counter(row["looks"] for row in found)),
+        "looks": dict(Counter(str(row["looks"]) for row in found)),
         "told": dict(Counter(row["status"] for row in found)),
         "worst": max(silent, key=lambda row: row["off"]),
         "above": [row for row in found if not row["off"] <= LIMIT],
