@@ -1,0 +1,315 @@
+"""Compare the loads of the core in descent with those of a brute-force solution of eq. (11).
+
+Usage: python -m tools.dense_descents FOUND.jsonl [--count 200000] [--each 3 | --by-fine]
+       python -m tools.dense_descents FOUND.jsonl --advance-ratio 4 --count 20000
+       python -m tools.dense_descents --point NAME OMEGA SPEED BETA [--paper]
+
+``tools/dense_descents.cpp``, compiled here, solves an operating point without the core's panels,
+forecasts and root searches: strips of one width, forces in their middle; at each a scan of the
+residual from above, in even steps of the inflow angle, and the first change of sign, which is the
+largest root; equal steps around the disk; harmonics by Newton's method with differences.  It takes
+the equations from the core, which ``tests/oracle`` checks.  (In descent the rule of the wake states
+is in the equations: on the windmill branch the wake's thrust is another function, within the
+vortex ring a measured inflow is blended in; the largest root is taken of either.)
+
+To be done with 200,000 points it looks in three steps of closeness, ``LOOKS``.  Each point is
+solved by the first; where the core differs by more than 0.05 % of the static loads by the second,
+and where it differs by more than 0.09 % from that by the third.  An error above 0.1 % is missed
+only where the first look errs by more than 0.05 %, or the second by more than 0.01 %, in the same
+direction as the core: by a stretch of blade narrower than a 400th of it, or by a rise of the
+residual between trial inflows 0.008 rad apart.  ``--each 3`` takes the last look at once, for a
+sample of which nothing is missed so; ``--by-fine`` takes the core's own accuracy ``fine`` for the
+first look, in a tenth of the time, and misses what both accuracies have wrong.
+
+Points: half are on the two propellers of whose errors the issue tells, half on any of the
+catalogue; one in four with the paper's model alone, without corrections.  Tip speeds 20 to 200 m/s;
+speeds up to 4 static inflows (half of the points) or up to that of the tip; beta 90 to 180 deg, one
+in 25 at each end.  Loads are in shares of static thrust, static torque and, for the two moments,
+static thrust times R, at the same speed of rotation; beyond an advance ratio of 1, times
+1 + (V/(Omega R))^2.
+
+FOUND.jsonl gets a line per 500 points, and what it has is not done again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import functools
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import propmap as pm
+from propmap.catalogue import names
+from propmap.loads import LOADS
+from propmap.rotor import core_corrections
+from propmap.typing import Floats
+
+HERE = Path(__file__).resolve().parent
+FLAGS = (
+    "-std=c++20",
+    "-O3",
+    "-march=native",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-ffp-contract=fast",
+)
+COMPILER = os.environ.get("CXX", "c++").split()
+FAVOURED = ("uiuc-apcsp-11x4", "uiuc-mit-5x4")
+SEED = 40
+NAMES = tuple(LOADS)
+CHUNK = 500
+LIMIT = 1e-3
+"""What ``standard`` promises, in static loads."""
+
+CLOSER = (5e-4, 9e-4, np.inf)
+"""Differences from which on the next look is taken."""
+
+TOLD = ("coarse", "not_converged")
+"""Statuses that say that the promise may not be kept."""
+
+
+class Look(NamedTuple):
+    """How closely the brute-force solution looks."""
+
+    strips: int  # along the blade, 0 for the core's `fine`
+    step: float  # between trial inflows [rad]
+    azimuths: tuple[int, int, int]  # up to an advance ratio of 0.25, to 0.5, and beyond
+
+
+LOOKS = (
+    Look(400, 0.008, (32, 64, 128)),
+    Look(1600, 0.005, (64, 128, 256)),
+    Look(6000, 0.003, (128, 256, 384)),
+)
+
+FINE = Look(0, 0.0, (0, 0, 0))
+
+
+class Point(NamedTuple):
+    """A propeller at an operating point [rad/s], [m/s], [deg]; ``paper``: without corrections."""
+
+    name: str
+    paper: bool
+    omega: float
+    speed: float
+    beta: float
+
+    @property
+    def command(self) -> str:
+        """How to see it again."""
+        motion = f"{self.omega!r} {self.speed!r} {self.beta!r}"
+        paper = " --paper" if self.paper else ""
+        return f"python -m tools.dense_descents --point {self.name} {motion}{paper}"
+
+
+@functools.cache
+def library() -> Any:
+    """Compile the brute-force solution."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = Path(folder) / "dense.so"
+        include = f"-I{HERE.parent / 'core' / 'include'}"
+        source = str(HERE / "dense_descents.cpp")
+        command = [*COMPILER, *FLAGS, "-shared", "-fPIC", include, source, "-o", str(made)]
+        subprocess.run(command, check=True)
+        return ctypes.CDLL(str(made))
+
+
+def dense_loads(model: pm.Model, look: Look, motion: Floats) -> Floats:
+    """Loads (N, 6) [N], [N m] at N rows of omega, v_axial and v_inplane."""
+    blade, law, with_ = model.propeller, model.airfoil.core_law(), core_corrections(model)
+    known = {"inflow", "radial-friction", "installed", "mount-area", "mount-wake"}
+    if law["kind"] != "blended" or not known.issuperset(with_):
+        raise SystemExit(f"{blade.name}: {law['kind']} section, {sorted(set(with_) - known)}")
+    numbers = [blade.blades, blade.root, model.air.density, model.air.viscosity]
+    numbers += ["inflow" in with_, "radial-friction" in with_, "installed" in with_]
+    numbers += [with_.get("installed", 1.0), with_.get("mount-area", 0.0)]
+    numbers += [with_.get("mount-wake", 1.0), law["attached"], law["plate"]]
+    order = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "c_p", "sharpness")
+    numbers += [law[name] for name in (*order, "reynolds_camber", "drag_angle")]
+    arrays = [np.asarray(a, np.float64) for a in (numbers, blade.station, blade.chord, blade.twist)]
+    looks = np.asarray([look.strips, *look.azimuths], np.int64)
+    rows, found = np.ascontiguousarray(motion, np.float64), np.empty((len(motion), len(NAMES)))
+    at = [np.ascontiguousarray(a) for a in (*arrays, looks, rows, found)]
+    place = [ctypes.c_void_p(a.ctypes.data) for a in at]
+    count, step = ctypes.c_int64(len(motion)), ctypes.c_double(look.step)
+    stations = ctypes.c_int64(blade.station.size)
+    library().dense_loads(place[0], stations, *place[1:5], step, count, *place[5:])
+    return at[-1]
+
+
+known_model = functools.cache(pm.known_model)
+
+
+@functools.cache
+def rotor(name: str, paper: bool, accuracy: str = "standard") -> pm.Rotor:
+    """The recommended model of a catalogue propeller, or the paper's."""
+    model = known_model(name)
+    return pm.Rotor(replace(model, corrections=()) if paper else model, accuracy=accuracy)
+
+
+def sample(index: int, advance: float = 0.0) -> Point:
+    """Point ``index`` of the random ones, beyond an ``advance`` ratio V/(Omega R)."""
+    random = np.random.default_rng([SEED, index])
+    share, which = random.uniform(size=2)
+    pool = FAVOURED if share < 0.5 else tuple(names())
+    name, paper = pool[int(which * len(pool))], bool(random.uniform() < 0.25)
+    one = rotor(name, paper)
+    tip_speed = random.uniform(20.0, 200.0)
+    omega = tip_speed / one.model.propeller.radius
+    slow = bool(random.uniform() < 0.5)
+    most = 4.0 * float(one.hover_inflow(omega)) if slow else tip_speed
+    speed = random.uniform(0.0, most)
+    beta = float(np.clip(random.uniform(86.0, 184.0), 90.0, 180.0))
+    if advance > 0.0:
+        # Fast flow past a slow rotor, to one that stands nearly still.
+        speed, omega = 0.5 * tip_speed, 0.5 * omega / (advance * 10.0 ** (3.0 * random.uniform()))
+        beta = random.uniform(0.0, 180.0)
+    return Point(name, paper, float(omega), float(speed), beta)
+
+
+def motions(points: list[Point]) -> Floats:
+    """Omega, V cos(beta) and V sin(beta) (N, 3), as the package resolves them."""
+    omega, speed, beta = np.array([point[2:] for point in points]).T
+    turned = pm.operating_points.resolved(omega, speed, np.deg2rad(beta))
+    return np.stack([turned.omega, turned.v_axial, turned.v_inplane], axis=-1)
+
+
+def loads_by(look: Look, of: Point, motion: Floats) -> Floats:
+    """Loads (N, 6) of the rotor ``of`` this point at rows of omega, v_axial and v_inplane."""
+    if look != FINE:
+        return dense_loads(rotor(*of[:2]).model, look, motion)
+    omega, along, across = motion.T
+    velocity = np.stack([across, 0.0 * across, along], axis=-1)
+    loads = rotor(*of[:2], "fine").loads_at_velocity(omega, velocity)
+    return np.stack([getattr(loads, name) for name in NAMES], axis=-1)
+
+
+def differences(points: list[Point], looks: tuple[Look, ...]) -> list[dict[str, Any]]:
+    """How far the core is from the brute-force solution at ``points`` of one rotor."""
+    one, motion = rotor(*points[0][:2]), motions(points)
+    omega, speed, beta = np.array([point[2:] for point in points]).T
+    loads = one.loads(omega, speed, np.deg2rad(beta))
+    core = np.stack([getattr(loads, name) for name in NAMES], axis=-1)
+    radius = one.model.propeller.radius
+    advance = np.hypot(motion[:, 1], motion[:, 2]) / (motion[:, 0] * radius)
+    wind = np.where(advance > 1.0, 1.0 + advance**2, 1.0)
+    worst, taken = np.full(len(points), np.inf), np.zeros(len(points), int)
+    which = np.full(len(points), -1)
+    for look, least in zip(looks, (0.0, *CLOSER), strict=False):
+        open_ = np.flatnonzero(worst >= least)
+        if open_.size == 0:
+            break
+        at_rest = motion[open_] * [1.0, 0.0, 0.0]
+        scale = np.abs(loads_by(look, points[0], at_rest))
+        thrust, torque = scale[:, NAMES.index("thrust")], scale[:, NAMES.index("torque")]
+        per = {"torque": torque, "roll_moment": thrust * radius, "pitch_moment": thrust * radius}
+        unit = np.stack([per.get(name, thrust) for name in NAMES], axis=-1)
+        off = np.abs(core[open_] - loads_by(look, points[0], motion[open_]))
+        off = np.nan_to_num(off / (unit * wind[open_, None]), nan=np.inf)
+        worst[open_], which[open_], taken[open_] = (
+            off.max(axis=-1),
+            off.argmax(axis=-1),
+            taken[open_] + 1,
+        )
+    return [
+        {"off": float(o), "load": NAMES[w], "looks": int(t), "status": str(s), "point": list(p)}
+        for o, w, t, s, p in zip(worst, which, taken, loads.status, points, strict=True)
+    ]
+
+
+def chunk(first: int, count: int, looks: tuple[Look, ...], advance: float) -> dict[str, Any]:
+    """What ``count`` random points from ``first`` on give."""
+    points = {k: sample(k, advance) for k in range(first, first + count)}
+    by_rotor: dict[tuple[str, bool], list[int]] = {}
+    for k, point in points.items():
+        by_rotor.setdefault(point[:2], []).append(k)
+    found = [
+        row | {"index": k}
+        for of_one in by_rotor.values()
+        for k, row in zip(of_one, differences([points[k] for k in of_one], looks), strict=True)
+    ]
+    silent = [row for row in found if row["status"] not in TOLD]
+    return {
+        "first": first,
+        "count": count,
+        "looks": dict(Counter(str(row["looks"]) for row in found)),
+        "told": dict(Counter(row["status"] for row in found)),
+        "worst": max(silent, key=lambda row: row["off"]),
+        "above": [row for row in found if not row["off"] <= LIMIT],
+    }
+
+
+def main(arguments: list[str]) -> None:
+    """Go on where FOUND.jsonl ends, and sum up what it has."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
+    parser.add_argument("found", nargs="?", type=Path)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--count", type=int, default=200_000)
+    parser.add_argument("--each", type=int, default=0, help="take this look alone")
+    parser.add_argument("--by-fine", action="store_true", help="take accuracy fine for the first")
+    parser.add_argument("--advance-ratio", type=float, default=0.0)
+    parser.add_argument("--point", nargs=4)
+    parser.add_argument("--paper", action="store_true")
+    given = parser.parse_args(arguments)
+    if given.point:
+        name, *motion = given.point
+        show(Point(name, given.paper, *map(float, motion)))
+        return
+    looks = LOOKS[given.each - 1 : given.each] if given.each else LOOKS
+    looks = (FINE, *LOOKS[1:]) if given.by_fine else looks
+    done = [json.loads(line) for line in given.found.open()] if given.found.exists() else []
+    have = {line["first"] for line in done}
+    with given.found.open("a", encoding="utf-8") as file:
+        for first in range(given.first, given.first + given.count, CHUNK):
+            if first in have:
+                continue
+            count = min(CHUNK, given.first + given.count - first)
+            done.append(chunk(first, count, looks, given.advance_ratio))
+            print(json.dumps(done[-1]), file=file, flush=True)
+    summary(done)
+
+
+def show(point: Point) -> None:
+    """Print the loads at one point by both accuracies and by all looks."""
+    motion, names_ = motions([point]), " ".join(f"{name:>13}" for name in NAMES)
+    print(f"{'':26}{names_}")
+    for accuracy in pm.rotor.ACCURACIES:
+        loads = rotor(*point[:2], accuracy).loads(point.omega, point.speed, np.deg2rad(point.beta))
+        values = " ".join(f"{float(getattr(loads, name)):13.8g}" for name in NAMES)
+        print(f"{accuracy + ' ' + str(loads.status):26}{values}")
+    for look in LOOKS:
+        for title, row in (("", motion), (" at rest", motion * [1.0, 0.0, 0.0])):
+            found = dense_loads(rotor(*point[:2]).model, look, row)[0]
+            values = " ".join(f"{load:13.8g}" for load in found)
+            print(f"{f'{look.strips} strips{title}':26}{values}")
+
+
+def summary(done: list[dict[str, Any]]) -> None:
+    """Print how many points there were, how many were off, and the worst."""
+    total: dict[str, Counter[str]] = {"looks": Counter(), "told": Counter()}
+    for line in done:
+        for name, counts in total.items():
+            counts.update(line[name])
+    above = [row for line in done for row in line["above"]]
+    silent = [row for row in above if row["status"] not in TOLD]
+    worst = max((line["worst"] for line in done), key=lambda row: row["off"])
+    print(f"{sum(line['count'] for line in done)} points, statuses {dict(total['told'])}")
+    print(f"solved by 1, 2, 3 looks: {dict(total['looks'])}")
+    print(f"above {LIMIT:.1%}: {len(silent)} silently, {len(above) - len(silent)} with a status")
+    for row in [worst, *silent]:
+        point = Point(*row["point"])
+        print(f"{row['off']:.3%} of {row['load']}, {row['status']}: {point.command}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
