@@ -233,6 +233,11 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
                 const bool beyond = (there < 0.0) != (g0 < 0.0);
                 hides |= beyond || std::fabs(there) < 0.7 * nearest;
             }
+            // A peak sharper than the cubic's reaches no further than where the tangents at both ends meet.
+            if (!crosses && opposed) {
+                const double end = cubic.a + cubic.b + cubic.c, met = (g1 - g0 - end) / (cubic.a - end);
+                hides |= ((g0 + cubic.a * met) < 0.0) != (g0 < 0.0) && met > 0.0 && met < 1.0;
+            }
             if (!hides) continue;
             for (int j = 1; j <= between; ++j) asked[more++] = samples.inflow[k] - run * j / (between + 1.0);
         }

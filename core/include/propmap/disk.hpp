@@ -332,12 +332,16 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
         disk.moves[k + 1] = edges[k].fold >= 0;
         if (edges[k].fold >= 0) disk.fold[k + 1] = folds.fold[edges[k].fold];
     }
-    for (int p = 0; p < disk.panels; ++p)
-        disk.count[p] = disk.panels > 3 ? nodes / disk.panels + 2 : p == 0 ? nodes / 4 : 3 * nodes / 8;
-    if (disk.panels == 3) disk.count[2] = nodes - disk.count[0] - disk.count[1];
-    // A sliver needs fewer nodes than the rest of the blade inside it.
-    for (int p = 1; p < 3 && disk.panels == 3; ++p)
-        if (disk.edge[p + 1] - disk.edge[p] < 0.012 * (tip - root)) std::swap(disk.count[0], disk.count[p]);
+    // By length, but some for each: where the one fold is far out, most of the blade is within the inner edge.
+    constexpr int least = 8;
+    int left = nodes;
+    for (int p = disk.panels - 1; p >= 0; --p) {
+        const double share = (disk.edge[p + 1] - disk.edge[p]) / (tip - root);
+        disk.count[p] = disk.panels > 3 ? nodes / disk.panels + 2
+                        : p > 0         ? least + int((nodes - 3 * least) * share + 0.5)
+                                        : left;
+        left -= disk.count[p];
+    }
 }
 
 inline void single_panel(Disk& disk, double root, double tip, int nodes) {
