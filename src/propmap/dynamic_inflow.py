@@ -46,10 +46,9 @@ class DynamicInflow:
 
     def __init__(self, rotor: Rotor, *, spin: str = "ccw") -> None:
         if not isinstance(rotor, Rotor) or rotor.model.correction_of(PittPeters) is None:
-            raise InputError(
-                "dynamic inflow needs a rotor with the inflow of Pitt and Peters",
-                'add propmap.correction("pitt-peters") to the model\'s corrections',
-            )
+            found = "dynamic inflow needs a rotor with the inflow of Pitt and Peters"
+            remedy = 'add propmap.correction("pitt-peters") to the model\'s corrections'
+            raise InputError(found, remedy)
         self.rotor, self.spin, self._sign = rotor, spin, spin_sign(spin)
 
     def steady(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:

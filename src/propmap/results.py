@@ -114,10 +114,9 @@ class Loads(LoadValues):
         """
         parts = list(self.std_by_source.values())
         if not parts:
-            raise InputError(
-                "nothing is known of the errors of these section constants",
-                "use constants identified or expected by name, or those of a fit's file",
-            )
+            found = "nothing is known of the errors of these section constants"
+            remedy = "use constants identified or expected by name, or those of a fit's file"
+            raise InputError(found, remedy)
         return _load_values(lambda name: np.sqrt(sum(getattr(part, name) ** 2 for part in parts)))
 
     def interval(self, share: float = 0.95) -> tuple[LoadValues, LoadValues]:

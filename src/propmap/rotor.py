@@ -80,9 +80,8 @@ class Rotor:
 
     def __init__(self, model: Model, *, accuracy: str = "standard") -> None:
         if not isinstance(model, Model):
-            raise InputError(
-                f"model is {model!r}", "give a Model, from propmap.Model(propeller, airfoil)"
-            )
+            found = f"model is {model!r}"
+            raise InputError(found, "give a Model, from propmap.Model(propeller, airfoil)")
         if accuracy not in ACCURACIES:
             raise InputError(f"accuracy is {accuracy!r}: it must be one of {', '.join(ACCURACIES)}")
         self.model, self.accuracy = model, accuracy
@@ -238,10 +237,8 @@ class Rotor:
         wanted = list(names)
         unknown = [name for name in wanted if name not in self.parameters]
         if unknown:
-            raise InputError(
-                f"loads have no derivative by {unknown[0]!r}",
-                f"give some of {', '.join(self.parameters)}",
-            )
+            found = f"loads have no derivative by {unknown[0]!r}"
+            raise InputError(found, f"give some of {', '.join(self.parameters)}")
         points = self._allowed(points)
         shape = points.omega.shape
         loads, slopes = self._core.gradients(wanted, points.rows, cores())

@@ -481,16 +481,12 @@ class Task:
         if (self.name == "mission") != (self.mission is not None):
             raise InputError("the task and the mission do not fit", "give a mission for this task")
         if not self.thrust_margin >= 1.0:
-            raise InputError(
-                f"the thrust margin is {self.thrust_margin:g}",
-                "give 1 or more: with less thrust than weight nothing flies",
-            )
+            found = f"the thrust margin is {self.thrust_margin:g}"
+            raise InputError(found, "give 1 or more: with less thrust than weight nothing flies")
         known = MEASURES[self.name]
         if self.measure and self.measure not in known:
-            raise InputError(
-                f"the task {self.name} is not ranked by {self.measure}",
-                f"choose from {', '.join(known)}",
-            )
+            found = f"the task {self.name} is not ranked by {self.measure}"
+            raise InputError(found, f"choose from {', '.join(known)}")
 
     @property
     def ranked_by(self) -> str:

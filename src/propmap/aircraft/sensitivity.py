@@ -192,24 +192,18 @@ def _has_errors(source: Any) -> bool:
 def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[StateChange]:
     """Differentiate by constants of the section law and geometry."""
     if DIAMETER in names and responses.aircraft.vehicle.wakes is not None:
-        raise InputError(
-            f"there is no derivative by {DIAMETER!r} where rotors are in each other's wakes",
-            "leave them out for it: --no-wakes, or Vehicle(..., wakes=None)",
-        )
+        found = f"there is no derivative by {DIAMETER!r} where rotors are in each other's wakes"
+        raise InputError(found, "leave them out for it: --no-wakes, or Vehicle(..., wakes=None)")
     changes = []
     for source, which in responses.aircraft.rotors.sources:
         if not isinstance(source, Rotor):
-            raise InputError(
-                f"there is no derivative by {names[0]!r}: the loads are from a table",
-                f"give the aircraft a Rotor, or names of {', '.join(VEHICLE)}",
-            )
+            found = f"there is no derivative by {names[0]!r}: the loads are from a table"
+            raise InputError(found, f"give the aircraft a Rotor, or names of {', '.join(VEHICLE)}")
         known = (*(name for name in source.parameters if name not in FlowPoints._fields), DIAMETER)
         unknown = [name for name in names if name not in known]
         if unknown:
-            raise InputError(
-                f"there is no derivative by {unknown[0]!r}",
-                f"choose from {', '.join((*VEHICLE, *known))}",
-            )
+            found = f"there is no derivative by {unknown[0]!r}"
+            raise InputError(found, f"choose from {', '.join((*VEHICLE, *known))}")
         changes.append((_slopes_of(source, names), which))
     return responses.to_each(changes, len(names))
 

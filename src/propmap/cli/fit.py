@@ -173,11 +173,9 @@ def section_prior(
         families = sorted({one.family for one in all_identified()})
         if source not in families:
             close = difflib.get_close_matches(source, families, n=3) or families
-            raise InputError(
-                f"{quoted(source)} is no family of identified propellers",
-                f"give family, population, none or a code such as {', '.join(close)}",
-                "--prior-from",
-            )
+            fault = f"{quoted(source)} is no family of identified propellers"
+            remedy = f"give family, population, none or a code such as {', '.join(close)}"
+            raise InputError(fault, remedy, "--prior-from")
         family = source
     found = None if meant is None or blade is None else own_constants(meant, blade.blades)
     own = found.tested if found is not None else None
@@ -372,9 +370,8 @@ def fit_tunnel(
         try:
             weights[name.strip()] = float(value)
         except ValueError:
-            raise InputError(
-                f"--weight {text!r} has no number", "write --weight thrust=2"
-            ) from None
+            found = f"--weight {text!r} has no number"
+            raise InputError(found, "write --weight thrust=2") from None
     air = choice.medium()
     measured = tunnel.read_tunnel(data, blade, air)
     warnings = tunnel.tunnel_warnings(data, blade, air)
@@ -484,11 +481,8 @@ def _read_static(path: Path, propeller: Propeller, air: Air) -> tunnel.TunnelDat
     """
     found = tunnel.measured_loads(path, at_rest=True)(propeller, air)
     if np.any(found.speed > STILL):
-        raise InputError(
-            f"the air moves in some rows, by up to {np.max(found.speed):g} m/s",
-            "fit such data with propmap fit tunnel",
-            str(path),
-        )
+        fault = f"the air moves in some rows, by up to {np.max(found.speed):g} m/s"
+        raise InputError(fault, "fit such data with propmap fit tunnel", str(path))
     return replace(found, speed=np.zeros_like(found.speed), beta=np.zeros_like(found.speed))
 
 

@@ -160,10 +160,9 @@ class RotorChoice:
         stated = self.rho is not None or self.mu is not None
         if self.altitude is not None or self.temperature_offset is not None:
             if stated:
-                raise InputError(
-                    "the air is given twice, by its figures and by the standard atmosphere",
-                    "give --rho and --mu, or --altitude and --temperature-offset",
-                )
+                found = "the air is given twice, by its figures and by the standard atmosphere"
+                remedy = "give --rho and --mu, or --altitude and --temperature-offset"
+                raise InputError(found, remedy)
             return Air.standard(self.altitude or 0.0, self.temperature_offset or 0.0)
         air = Air(
             PAPER_DENSITY if self.rho is None else self.rho,
@@ -250,11 +249,9 @@ def constants(name_or_path: str) -> Airfoil:
     """Read the constants that ``--airfoil`` names; ``InputError`` for a section table."""
     found = airfoil(name_or_path)
     if isinstance(found, SectionTable):
-        raise InputError(
-            "this is a section table, which has no constants such as c_l1 to fit or to fly with",
-            f"give one of {', '.join(airfoil_names())}, or a .toml file",
-            name_or_path,
-        )
+        fault = "this is a section table, which has no constants such as c_l1 to fit or to fly with"
+        remedy = f"give one of {', '.join(airfoil_names())}, or a .toml file"
+        raise InputError(fault, remedy, name_or_path)
     return found
 
 
@@ -330,10 +327,8 @@ def aircraft_of(
     limits = {"maximum_rotor_speed": checked_rpm(maximum_rpm), "charge": charge}
     if table is not None:
         if airfoil or model or correction:
-            raise InputError(
-                "--table is given with --airfoil, --model or --correction",
-                "leave these out: the table was built with its own",
-            )
+            fault = "--table is given with --airfoil, --model or --correction"
+            raise InputError(fault, "leave these out: the table was built with its own")
         from propmap.aircraft.trim import Aircraft
         from propmap.table.query import LoadTable
 
@@ -510,8 +505,6 @@ def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterato
 def workers_of_bootstrap(cluster: str | None, bootstrap: int) -> AbstractContextManager[Workers]:
     """Connect as ``workers_of`` does for a fit, whose only independent tasks are its refits."""
     if cluster is not None and not bootstrap:
-        raise InputError(
-            "--cluster spreads the refits of --bootstrap, of which there are none",
-            "give --bootstrap 200, or leave --cluster out",
-        )
+        found = "--cluster spreads the refits of --bootstrap, of which there are none"
+        raise InputError(found, "give --bootstrap 200, or leave --cluster out")
     return workers_of(cluster)

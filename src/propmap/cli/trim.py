@@ -28,7 +28,7 @@ from propmap.catalogue.identified import identified
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
-from propmap.io.csv import write_dataset
+from propmap.io.csv import number_or_none, numbers_of, write_dataset
 from propmap.model.plausibility import point_warnings
 from propmap.rotor import Rotor
 from propmap.units import RPM
@@ -82,9 +82,8 @@ def trim(
     speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS)
     climbs = opt.parse_axis("--climb", "climb", climb)
     if mission is not None and (bank or climbs.size > 1 or climbs[0] != 0.0):
-        raise InputError(
-            "--mission is given with --climb or --bank", "leave these out: legs say all"
-        )
+        fault = "--mission is given with --climb or --bank"
+        raise InputError(fault, "leave these out: legs say all")
     if not math.isfinite(bank):
         raise InputError(f"--bank is {bank}", "give degrees")
     out.check_pictures(picture)
@@ -146,8 +145,8 @@ def trim(
         listed = [row for both in zip(flown, sure, strict=True) for row in rows(*both)]
         if found is not None:
             for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
-                row["endurance_s"] = out.number_or_none(time)
-                row["distance_m"] = out.number_or_none(way)
+                row["endurance_s"] = number_or_none(time)
+                row["distance_m"] = number_or_none(way)
         whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "assumptions": rests_on}
         whole["states"] = listed
         if found is not None:
@@ -220,7 +219,7 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
 
 def plain(state: NamedState | None) -> dict[str, float | None] | None:
     """Return the fields of a state for JSON, None where there is none."""
-    return None if state is None else {k: out.number_or_none(v) for k, v in vars(state).items()}
+    return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
 
 
 def _title(craft: Aircraft) -> str:
@@ -443,14 +442,11 @@ def _fly(
             outcome = f"leg {leg + 1} cannot be flown to its end: {flown.status_in_words(leg)}"
         out.show(output, _title(craft), *assumption_lines(rests_on), body, outcome)
     else:
-        numbers = [[out.number_or_none(v) for v in each.tolist()] for each in columns.values()]
+        numbers = map(numbers_of, columns.values())
         names = [*columns, "status"]
         listed = [dict(zip(names, row, strict=True)) for row in zip(*numbers, status, strict=True)]
         shown = {"time_s": course.time, "charge": course.charge, "voltage_V": course.voltage}
-        over_time = {
-            name: [out.number_or_none(v) for v in each.ravel().tolist()]
-            for name, each in shown.items()
-        }
+        over_time = {name: numbers_of(each) for name, each in shown.items()}
         whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "assumptions": rests_on}
         whole |= {"legs": listed, "over_time": over_time}
         out.emit_rows(names, listed, form, output, whole=whole)

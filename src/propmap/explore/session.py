@@ -89,9 +89,8 @@ class Session:
         meant_by(found.prop)
         check_law(found.law)
         if found.physics not in ("", *PHYSICS):
-            raise InputError(
-                f"{quoted(found.physics)} is no physics", "choose recommended or paper"
-            )
+            fault = f"{quoted(found.physics)} is no physics"
+            raise InputError(fault, "choose recommended or paper")
         return found
 
     def query(self) -> dict[str, str]:
@@ -177,18 +176,16 @@ class Session:
 def check_name(name: str, others: str = "") -> None:
     """Raise ``InputError`` for a path in place of a propeller's name."""
     if looks_like_path(name):
-        raise InputError(
-            f"{quoted(name)} is no name of a propeller", f"give one of the catalogue{others}"
-        )
+        found = f"{quoted(name)} is no name of a propeller"
+        raise InputError(found, f"give one of the catalogue{others}")
 
 
 def check_law(law: str) -> None:
     """Raise ``InputError`` for a name that no set of constants has."""
     known = (KNOWN, *airfoil_names())
     if law not in known:
-        raise InputError(
-            f"{quoted(law)} is no set of constants", f"choose one of {', '.join(known)}"
-        )
+        found = f"{quoted(law)} is no set of constants"
+        raise InputError(found, f"choose one of {', '.join(known)}")
 
 
 @functools.lru_cache(maxsize=64)
@@ -256,11 +253,8 @@ def read_upload(name: str, data: bytes) -> Given:
         re.sub(r"[^\w.+ -]", "_", Path(name.replace("\\", "/")).name)[-80:].lstrip(".") or "file"
     )
     if len(data) > MOST_BYTES:
-        raise InputError(
-            f"the file has {len(data) / 1e6:.1f} MB, expected at most {MOST_BYTES / 1e6:g}",
-            "give a smaller one",
-            plain,
-        )
+        fault = f"the file has {len(data) / 1e6:.1f} MB, expected at most {MOST_BYTES / 1e6:g}"
+        raise InputError(fault, "give a smaller one", plain)
     with tempfile.TemporaryDirectory(prefix="propmap-") as folder:
         path = Path(folder) / plain
         path.write_bytes(data)
@@ -309,11 +303,9 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
         named = fields.get("propeller", "")
         named = named.get("geometry", "") if isinstance(named, dict) else named
         if not trusted and isinstance(named, str) and looks_like_path(named):
-            raise InputError(
-                f"propeller is {quoted(named)}, another file",
-                "name one of the catalogue, or give the vehicle to `propmap explore`",
-                str(path),
-            )
+            found = f"propeller is {quoted(named)}, another file"
+            remedy = "name one of the catalogue, or give the vehicle to `propmap explore`"
+            raise InputError(found, remedy, str(path))
         return "vehicle", read_vehicle(path).vehicle
     if "station_m" in fields:
         return "geometry", read_geometry_file(str(path))

@@ -130,9 +130,8 @@ class Slider:
         try:
             value = float(given)
         except (TypeError, ValueError):
-            raise InputError(
-                f"{self.label} is {quoted(given)}", f"give a number [{self.unit or '-'}]"
-            ) from None
+            found = f"{self.label} is {quoted(given)}"
+            raise InputError(found, f"give a number [{self.unit or '-'}]") from None
         if not math.isfinite(value):
             raise InputError(f"{self.label} is {value}", "give a finite number")
         return min(max(value, self.low), self.high)
@@ -168,9 +167,8 @@ class OneOf:
         """Take the option that is given; ``InputError`` for another one."""
         known = [value for value, _ in self.options]
         if given not in known:
-            raise InputError(
-                f"{self.label} is {quoted(given)}", f"choose one of {', '.join(known)}"
-            )
+            found = f"{self.label} is {quoted(given)}"
+            raise InputError(found, f"choose one of {', '.join(known)}")
         return str(given)
 
 

@@ -132,10 +132,8 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
     """Write a module that asks ``VehicleForces``, the table and the note; ``InputError`` for other
     than four rotors and a table of another propeller or air."""
     if len(vehicle.mounts) != ROTORS:
-        raise InputError(
-            f"the vehicle has {len(vehicle.mounts)} rotors, RotorPy's Multirotor {ROTORS}",
-            "write a multirotor of your own around propmap.VehicleForces",
-        )
+        found = f"the vehicle has {len(vehicle.mounts)} rotors, RotorPy's Multirotor {ROTORS}"
+        raise InputError(found, "write a multirotor of your own around propmap.VehicleForces")
     Rotors.of(vehicle, table)
     name, rotor = files.vehicle_name(vehicle, table), files.identifier(table)
     module = files.rendered(
@@ -185,10 +183,8 @@ def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
     descent as far as there are values, at the middle omega or the largest that reaches J."""
     low, high = table.envelope["beta"]
     if low > 1e-9:
-        raise InputError(
-            f"the table's beta begins at {np.degrees(low):g} deg, without axial flight",
-            "build it with --beta 0:...",
-        )
+        fault = f"the table's beta begins at {np.degrees(low):g} deg, without axial flight"
+        raise InputError(fault, "build it with --beta 0:...")
     radius, (_, fastest) = table.content.radius, table.envelope["speed"]
     advance = np.linspace(0.0, float(table.content.advance[-1]), JSBSIM_POINTS)
     parts = []

@@ -55,17 +55,13 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
     turned = aircraft if axis == "x" else _turned(aircraft)
     states = turned.steady(np.concatenate([[0.0], speeds]), margin=False)
     if not states.found[0]:
-        raise InputError(
-            f"the vehicle does not hover: {STATUSES[str(states.status[0])]}",
-            "check mass, propeller and motor, or the table",
-        )
+        found = f"the vehicle does not hover: {STATUSES[str(states.status[0])]}"
+        raise InputError(found, "check mass, propeller and motor, or the table")
     vehicle, moment = turned.vehicle, states.moment[0]
     if np.abs(moment).max() > 1e-3 * vehicle.mass * GRAVITY * vehicle.propeller.radius:
         left = ", ".join(f"{m:.2g}" for m in moment)
-        raise InputError(
-            f"the rotors cannot hover without a moment (about x, y, z: {left} N m)",
-            "check position and spin of each rotor",
-        )
+        found = f"the rotors cannot hover without a moment (about x, y, z: {left} N m)"
+        raise InputError(found, "check position and spin of each rotor")
     size = len(states)
     up = in_vehicle_frame(np.zeros(size), np.zeros(size), np.ones(size), states.pitch, states.roll)
     specific = -GRAVITY * up[:, 0]
@@ -148,10 +144,8 @@ def check_vehicle(vehicle: Vehicle) -> None:
     """Raise ``InputError`` for a ``vehicle`` that is no multirotor as drag models take it to be."""
     count = len(vehicle.mounts)
     if count < 3:
-        raise InputError(
-            f"the vehicle has {count} rotor{'s' if count > 1 else ''}",
-            "these parameters are those of a multirotor with 3 rotors or more",
-        )
+        found = f"the vehicle has {count} rotor{'s' if count > 1 else ''}"
+        raise InputError(found, "these parameters are those of a multirotor with 3 rotors or more")
     if vehicle.wing is not None:
         raise InputError(
             "the vehicle has a wing, whose lift the drag model of a multirotor does not have",
@@ -159,10 +153,8 @@ def check_vehicle(vehicle: Vehicle) -> None:
         )
     for k, mount in enumerate(vehicle.mounts, start=1):
         if mount.axis[2] < 0.5:
-            raise InputError(
-                f"rotor {k}: its axis {list(mount.axis)} is not upward",
-                "the drag models of autopilots take all thrust to be along z",
-            )
+            found = f"rotor {k}: its axis {list(mount.axis)} is not upward"
+            raise InputError(found, "the drag models of autopilots take all thrust to be along z")
         for j, other in enumerate(vehicle.mounts[: k - 1], start=1):
             arm = np.subtract(mount.position, other.position)
             beside = float(np.hypot(arm[0], arm[1]))

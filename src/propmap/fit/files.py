@@ -192,11 +192,9 @@ def read_fit(path: Path) -> FitFile:
     law, where = read_airfoil(path, uncertainty=False), str(path)
     table = tomllib.loads(path.read_text(encoding="utf-8")).get("fit")
     if table is None:
-        raise InputError(
-            "there is no table [fit]: this is a parameter set, not a fit",
-            "give a file written by propmap fit, or name the propeller with --prop",
-            where,
-        )
+        found = "there is no table [fit]: this is a parameter set, not a fit"
+        remedy = "give a file written by propmap fit, or name the propeller with --prop"
+        raise InputError(found, remedy, where)
     try:
         record = read_record(table)
         covariance = SectionCovariance(tuple(record.free), record.covariance)
@@ -206,9 +204,8 @@ def read_fit(path: Path) -> FitFile:
         file = FitFile(law, covariance.of(section) if section else None, record)
         _ = file.model  # Raises where there can be no such blade.
     except InputError as error:
-        raise InputError(
-            f"the table [fit] is damaged: {error.found}", error.remedy, where
-        ) from None
+        found = f"the table [fit] is damaged: {error.found}"
+        raise InputError(found, error.remedy, where) from None
     return file
 
 

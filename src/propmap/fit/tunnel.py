@@ -179,9 +179,8 @@ def tunnel_rows(
     typical = np.sqrt(np.nanmean((measured / size) ** 2, axis=0))
     for name, value in zip(names, np.ravel(typical), strict=True):
         if value == 0.0:
-            raise InputError(
-                f"every value of {name} is zero", "leave it out, by --loads", data.source
-            )
+            fault = f"every value of {name} is zero"
+            raise InputError(fault, "leave it out, by --loads", data.source)
     scale = typical * size
     if choice.expected is not None:
         scale = np.hypot(scale, scale.max(axis=0))
@@ -216,9 +215,8 @@ def _check(
         if name not in LOADS:
             raise InputError(f"{name!r} is not a load", f"choose from {', '.join(LOADS)}")
         if name not in data.loads or not np.isfinite(data.loads[name]).any():
-            raise InputError(
-                f"{data.source} has no {name}", f"fit {', '.join(data.loads) or 'other data'}"
-            )
+            found = f"{data.source} has no {name}"
+            raise InputError(found, f"fit {', '.join(data.loads) or 'other data'}")
         if names.count(name) > 1:
             raise InputError(f"{name} is named twice", "name it once, or give it a weight")
     for name, weight in weights.items():
@@ -251,10 +249,8 @@ def sources(data: Sequence[str]) -> list[Path | str]:
         elif Path(item).is_file():
             found.append(Path(item))
         else:
-            raise InputError(
-                f"{quoted(item)} is neither a file nor a measurement of the catalogue",
-                f"give a path or one of {', '.join(known)}",
-            )
+            fault = f"{quoted(item)} is neither a file nor a measurement of the catalogue"
+            raise InputError(fault, f"give a path or one of {', '.join(known)}")
     return found
 
 

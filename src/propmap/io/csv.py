@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from propmap.results import Loads
     from propmap.rotor import Rotor
-    from propmap.typing import Floats
 
 
 # -------------------------------------------------------------------------------------------------
@@ -273,6 +272,16 @@ def read_lines(
 # Files that appear whole or not at all.
 
 
+def check_place(path: Path, where: str) -> bool:
+    """Raise ``InputError`` where nothing can be made at a path; say whether something is there."""
+    if not path.parent.is_dir():
+        found = f"there is no folder {str(path.parent)!r}"
+        raise InputError(found, "make it or choose another", where)
+    if not os.access(path.parent, os.W_OK):
+        raise InputError("the folder cannot be written to", "choose another", where)
+    return path.exists()
+
+
 @contextmanager
 def replacing(path: Path, *, new: bool = False) -> Iterator[Path]:
     """Yield a path in the same folder to write to; renamed to ``path`` if the block succeeds.
@@ -352,12 +361,6 @@ class OperatingPoints:
         w, v, b = (axis.ravel() for axis in np.meshgrid(rpm, speed, beta, indexing="ij"))
         return cls(w, v, b)
 
-    def part(self, start: int, count: int) -> OperatingPoints:
-        """Cut out up to ``count`` points from ``start`` on."""
-        cut = slice(start, start + count)
-        further = {name: values[cut] for name, values in self.further.items()}
-        return OperatingPoints(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut], further)
-
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of ``rows``."""
@@ -377,18 +380,14 @@ class OperatingPoints:
     ) -> list[dict[str, Any]]:
         """Make one mapping of ``columns`` per point, and of ``further`` (n,); None where a number
         is NaN."""
-        numbers = (*(getattr(loads, name) for name in LOADS), loads.power)
         given = (self.rpm, self.speed_mps, self.beta_deg, *self.further.values())
-        columns = [values.tolist() for values in (*given, *numbers)]
-        status = loads.status.tolist()
-        rows = [
-            dict(zip(self.columns, [*(_number(v) for v in row[:-1]), row[-1]], strict=True))
-            for row in zip(*columns, status, strict=True)
-        ]
-        for name, values in (further or {}).items():
-            for one, value in zip(rows, values.tolist(), strict=True):
-                one[name] = _number(value)
-        return rows
+        numbers = (*given, *(getattr(loads, name) for name in LOADS), loads.power)
+        columns: dict[str, list[Any]] = dict(
+            zip(self.columns, map(numbers_of, numbers), strict=False)
+        )
+        columns["status"] = loads.status.tolist()
+        columns |= {name: numbers_of(values) for name, values in (further or {}).items()}
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def check_value(quantity: str, value: float) -> float:
@@ -415,8 +414,14 @@ def std_columns(loads: Loads, *, by_source: bool) -> dict[str, Floats]:
     return found
 
 
-def _number(value: float) -> float | None:
-    return value + 0.0 if np.isfinite(value) else None  # without the sign of a zero
+def number_or_none(value: float) -> float | None:
+    """Return the value for a file, without the sign of a zero; None where it is not finite."""
+    return float(value) + 0.0 if math.isfinite(value) else None
+
+
+def numbers_of(values: Floats) -> list[float | None]:
+    """List the ``number_or_none`` of values of any shape."""
+    return [number_or_none(value) for value in values.ravel().tolist()]
 
 
 # -------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import operator
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median  # without numpy.ma, which takes longer to load than one point
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -305,9 +305,8 @@ def _fast_tip(tip: Floats, speed: Floats) -> list[str]:
         like = _cause(float(tip[k]), usual, "fast rotation", "the rotational speed")
         like += ", or the radius like the diameter" if like else ""
     if mach > 1.0:
-        raise InputError(
-            f"{motion}{like}", "check rpm, speed and radius: nothing here holds above Mach 1"
-        )
+        found = f"{motion}{like}"
+        raise InputError(found, "check rpm, speed and radius: nothing here holds above Mach 1")
     drag = f"above {FAST_TIP_MACH:g} drag rises, which the section law does not have"
     return [f"{motion}; {drag}{like}"]
 
@@ -635,58 +634,44 @@ MAX_TWIST = 1.6  # [rad]; no blade is set at 92 degrees to its disk: a larger fi
 def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[str] = ()) -> None:
     """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip;
     messages name stations by ``labels``, such as "line 7"."""
-
-    def refuse(found: str, remedy: str) -> NoReturn:
-        raise InputError(found, remedy)
-
     columns = {"station": station, "chord": chord, "twist": twist}
     for field, values in columns.items():
         if values.ndim != 1 or values.size != station.size:
-            refuse(
-                f"{field} has shape {values.shape}, expected one value per station",
-                "give station, chord and twist as lists of one length",
-            )
+            found = f"{field} has shape {values.shape}, expected one value per station"
+            raise InputError(found, "give station, chord and twist as lists of one length")
     if station.size < MIN_STATIONS:
-        refuse(
-            f"found {station.size} stations, expected at least {MIN_STATIONS}",
-            "add stations between root and tip",
-        )
+        found = f"found {station.size} stations, expected at least {MIN_STATIONS}"
+        raise InputError(found, "add stations between root and tip")
     labels = labels or [f"station {i}" for i in range(station.size)]
     for field, values in columns.items():
         for k in np.flatnonzero(~np.isfinite(values)).tolist():
-            refuse(
-                f"{labels[k]}: {field} is {values[k]}, expected a finite number",
-                "remove the row or correct it",
-            )
+            found = f"{labels[k]}: {field} is {values[k]}, expected a finite number"
+            raise InputError(found, "remove the row or correct it")
     if station[0] <= 0.0:
-        refuse(
-            f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0",
-            "start at the hub radius, where the blade begins",
-        )
+        found = f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0"
+        raise InputError(found, "start at the hub radius, where the blade begins")
     for k in (np.flatnonzero(station[1:] <= station[:-1]) + 1).tolist():
         repeated = station[k] == station[k - 1]
         how = "repeated" if repeated else f"unsorted (it follows {station[k - 1]:g} m)"
-        refuse(
+        raise InputError(
             f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
             "root to tip",
             "keep one row per station" if repeated else "sort the rows by station",
         )
     radius, low, high = float(station[-1]), int(np.argmin(chord)), int(np.argmax(chord))
     if radius > MAX_RADIUS:
-        refuse(
+        raise InputError(
             f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
             + _cause(radius, LIKELY_RADIUS, "length"),
             "check the units; lengths are in metres",
         )
     if chord[low] < 0.0:
-        refuse(
-            f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more",
-            "correct the negative chord",
-        )
+        found = f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more"
+        raise InputError(found, "correct the negative chord")
     if chord[high] == 0.0:
-        refuse("every chord is 0", "give the chord of each station")
+        raise InputError("every chord is 0", "give the chord of each station")
     if chord[high] >= radius:
-        refuse(
+        raise InputError(
             f"{labels[high]}: chord is {chord[high]:g} m, "
             f"expected less than the radius of {radius:g} m"
             + _cause(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius"),
@@ -694,7 +679,7 @@ def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[
         )
     steepest = int(np.argmax(np.abs(twist)))
     if abs(twist[steepest]) > MAX_TWIST:
-        refuse(
+        raise InputError(
             f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most {MAX_TWIST}; "
             "it looks like degrees",
             "the column must be in radians or be named twist_deg",
@@ -737,8 +722,6 @@ def twist_from_degrees(degrees: Floats) -> Floats:
     no propeller and look like radians."""
     steepest = float(np.nanmax(np.abs(degrees), initial=0.0))
     if degrees.size and steepest < MAX_TWIST:
-        raise InputError(
-            f"the largest twist is {steepest:g} degrees; it looks like radians",
-            "the column must be in degrees or be named twist_rad",
-        )
+        found = f"the largest twist is {steepest:g} degrees; it looks like radians"
+        raise InputError(found, "the column must be in degrees or be named twist_rad")
     return np.deg2rad(degrees)

@@ -447,11 +447,9 @@ class Store:
             if before.get(name) != layout.depends_on.get(name):
                 was = before.get(name, "")
                 version = f" ({was})" if was and len(was) <= len("0.10.2") else ""
-                raise InputError(
-                    f"it was begun with another {words}{version}",
-                    "choose another name, or pass --force to begin anew",
-                    str(path),
-                )
+                found = f"it was begun with another {words}{version}"
+                remedy = "choose another name, or pass --force to begin anew"
+                raise InputError(found, remedy, str(path))
         for left in path.rglob("*.partial"):
             left.unlink(missing_ok=True)
         return cls(path, before["run"])
@@ -536,9 +534,8 @@ def begun(path: Path) -> dict[str, str]:
         found = json.loads((path / "zarr.json").read_text(encoding="utf-8"))
         return dict(found["attributes"][RUN])
     except (OSError, ValueError, KeyError, TypeError):
-        raise InputError(
-            "this is no store of propmap's", "choose another name", str(path)
-        ) from None
+        fault = "this is no store of propmap's"
+        raise InputError(fault, "choose another name", str(path)) from None
 
 
 def _unfilled(kind: np.dtype[Any]) -> float:
@@ -549,7 +546,6 @@ def _zarr() -> Any:
     try:
         import zarr
     except ImportError:
-        raise InputError(
-            "this needs zarr", "pip install '.[cluster]' in propmap's checkout"
-        ) from None
+        found = "this needs zarr"
+        raise InputError(found, "pip install '.[cluster]' in propmap's checkout") from None
     return zarr

@@ -187,20 +187,15 @@ def _envelope(*ranges: Range) -> tuple[Floats, Floats, Floats]:
     units = ("omega", "rad/s"), ("speed", "m/s"), ("beta", "rad")
     for (name, unit), (low, high) in zip(units, ranges, strict=True):
         if not (np.isfinite([low, high]).all() and low < high):
-            raise InputError(
-                f"{name} goes from {low:g} to {high:g} {unit}", "give a range that rises"
-            )
+            found = f"{name} goes from {low:g} to {high:g} {unit}"
+            raise InputError(found, "give a range that rises")
     (slowest, _), (least, _), (first, last) = ranges
     if slowest <= 0.0:
-        raise InputError(
-            f"omega begins at {slowest:g} rad/s, where the advance ratio is infinite",
-            "begin at the idle speed",
-        )
+        found = f"omega begins at {slowest:g} rad/s, where the advance ratio is infinite"
+        raise InputError(found, "begin at the idle speed")
     if least < 0.0 or first < 0.0 or last > np.pi + 1e-12:
-        raise InputError(
-            "speed must not be negative, and beta must lie between 0 and pi",
-            "descent is beta above pi/2",
-        )
+        found = "speed must not be negative, and beta must lie between 0 and pi"
+        raise InputError(found, "descent is beta above pi/2")
     omega, speed, beta = (np.array(r, dtype=np.float64) for r in ranges)
     return omega, speed, np.minimum(beta, np.pi)
 

@@ -248,10 +248,9 @@ class LoadTable:
         """
         content = self.content
         if content.deviations is None:
-            raise InputError(
-                "the table says nothing of its model's errors",
-                "build it of constants identified or expected by name, or of a fit's file",
-            )
+            found = "the table says nothing of its model's errors"
+            remedy = "build it of constants identified or expected by name, or of a fit's file"
+            raise InputError(found, remedy)
         w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         rate, speeds, folded, _ = self._bounded(w, v, fold(b)[0], clamp=False)
         lost = np.isnan(rate)

@@ -17,7 +17,7 @@ from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Session, axis, number, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, Slider, Table, Values, digits
-from propmap.io.csv import csv_text
+from propmap.io.csv import csv_text, number_or_none
 from propmap.report.html import COLOURS
 from propmap.units import RPM
 
@@ -43,9 +43,8 @@ class AircraftView(view.View):
     def controls(self, session: Session) -> Sequence[Control]:
         """List what can be set; ``InputError`` without a vehicle."""
         if session.vehicle is None:
-            raise InputError(
-                "there is no vehicle", "open a vehicle file here, or by `propmap explore FILE.toml`"
-            )
+            found = "there is no vehicle"
+            raise InputError(found, "open a vehicle file here, or by `propmap explore FILE.toml`")
         return [
             Slider("top", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
             Slider("climb", "Climb rate", "m/s", -5.0, 10.0, 0.5, 0.0),
@@ -125,8 +124,7 @@ class AircraftView(view.View):
         found = performance(craft, states, climb=values["climb"], wind=values["wind"])
         listed = state_rows(states)
         for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
-            row["endurance_s"] = float(time) if math.isfinite(time) else None
-            row["distance_m"] = float(way) if math.isfinite(way) else None
+            row["endurance_s"], row["distance_m"] = number_or_none(time), number_or_none(way)
         return csv_text(list(listed[0]), listed)
 
 

@@ -18,7 +18,7 @@ from propmap.explore.view import Answer, Control, Download, Graph, Several, Slid
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData
-from propmap.io.csv import csv_text
+from propmap.io.csv import csv_text, numbers_of
 from propmap.loads import LOADS
 from propmap.model.airfoil import CONSTANTS, Airfoil
 from propmap.model.model import Model
@@ -129,11 +129,8 @@ class ConstantsView(view.View):
         for name, measured in data.loads.items():
             columns[LOADS[name].column_of("measured")] = measured
             columns[LOADS[name].column_of("modelled")] = getattr(found, name)
-        flat = zip(*(column.tolist() for column in columns.values()), strict=True)
-        rows = [
-            {k: v if np.isfinite(v) else None for k, v in zip(columns, row, strict=True)}
-            for row in flat
-        ]
+        flat = zip(*map(numbers_of, columns.values()), strict=True)
+        rows = [dict(zip(columns, row, strict=True)) for row in flat]
         return csv_text(list(columns), rows)
 
     def more(self) -> list[Any]:

@@ -182,9 +182,8 @@ def _axes(session: Session, values: Values) -> dict[str, Floats]:
     except ValueError:
         found = []
     if not found or not all(0.0 <= one <= top for one in found):
-        raise InputError(
-            f"{quoted(text)} is no list of numbers from 0 to {top:g}", "write such as 0,30,60"
-        )
+        fault = f"{quoted(text)} is no list of numbers from 0 to {top:g}"
+        raise InputError(fault, "write such as 0,30,60")
     if len(found) > MOST_CURVES:
         raise InputError(f"{len(found)} curves are too many", f"give at most {MOST_CURVES}")
     axes[across] = np.array(found)

@@ -101,10 +101,9 @@ class TrustView(view.View):
 
 def _table(session: Session) -> LoadTable:
     if session.table is None:
-        raise InputError(
-            "there is no table",
-            "open a file of `propmap table PROP --rpm 3000:9000 --speed 0:20 -o map.npz` here",
-        )
+        found = "there is no table"
+        remedy = "open a file of `propmap table PROP --rpm 3000:9000 --speed 0:20 -o map.npz` here"
+        raise InputError(found, remedy)
     return session.table
 
 
