@@ -219,11 +219,9 @@ class _StatePoints:
         self.state = self._turned(spread(given, self.direction.shape).reshape(-1, 3))
 
     def _turned(self, vectors: Floats) -> Floats:
-        """Turn mean, x and y to mean, v_s and v_c (N, 3).
-
-        The rear is against the flight. The advancing side is on the right of it where the rotor
-        turns counter-clockwise.
-        """
+        """Turn mean, x and y to mean, v_s and v_c (N, 3)."""
+        # The rear is against the flight. The advancing side is on the right of it where the rotor
+        # turns counter-clockwise.
         mean, x, y = vectors.T
         found = np.empty(vectors.shape)
         found[:, 0], found[:, 1] = mean, self._sign * (x * self._y - y * self._x)

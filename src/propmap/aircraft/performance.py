@@ -82,6 +82,16 @@ class Performance:
     at_rest: str
     wind: float
 
+    @property
+    def named(self) -> list[tuple[str, str, NamedState | None]]:
+        """Key, words and state of those that have a name."""
+        return [
+            ("hover", "hover", self.hover),
+            ("least_power", "least power, longest time", self.least_power),
+            ("best_range", "best range", self.best_range),
+            ("fastest", "top speed", self.fastest),
+        ]
+
 
 def endurance(aircraft: Aircraft, states: SteadyStates, more_power: Floats | float = 0.0) -> Floats:
     """Return the time of flight in each state on one battery.

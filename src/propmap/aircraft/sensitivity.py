@@ -134,11 +134,7 @@ def power_gradient(
     InputError
         As ``derivatives``.
     """
-    electric = np.isfinite(states.electrical_power)
-    return {
-        name: np.where(electric, by.electrical_power, by.shaft_power)
-        for name, by in derivatives(aircraft, states, names).items()
-    }
+    return {name: by.power for name, by in derivatives(aircraft, states, names).items()}
 
 
 def spread(aircraft: Aircraft, states: SteadyStates) -> StateChange | None:

@@ -475,10 +475,8 @@ def fit_static(
 
 
 def _read_static(path: Path, propeller: Propeller, air: Air) -> tunnel.TunnelData:
-    """Read loads at rest; coefficients become loads with this propeller and air.
-
-    Raises ``InputError`` that names the file and what is wrong in it, also where the air moves.
-    """
+    """Read loads at rest, coefficients with this propeller and air; ``InputError`` names the file
+    and what is wrong in it, also where the air moves."""
     found = tunnel.measured_loads(path, at_rest=True)(propeller, air)
     if np.any(found.speed > STILL):
         fault = f"the air moves in some rows, by up to {np.max(found.speed):g} m/s"

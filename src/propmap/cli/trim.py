@@ -150,7 +150,7 @@ def trim(
         whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "assumptions": rests_on}
         whole["states"] = listed
         if found is not None:
-            whole["performance"] = {name: plain(state) for name, _, state in _named(found)}
+            whole["performance"] = {name: plain(state) for name, _, state in found.named}
             whole["performance"]["top_speed_limit"] = found.limit or None
         out.emit_rows(list(listed[0]), listed, form, output, whole=whole)
     if picture is not None:
@@ -184,10 +184,8 @@ def _note_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
 
 
 def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "") -> None:
-    """Note which states are beyond the data of the constants, or implausible.
-
-    ``where`` begins each note, if these are not all states.
-    """
+    """Note, after ``where`` if these are not all, which states are implausible or beyond the data
+    of the constants."""
     if not isinstance(craft.loads, Rotor):
         return
     blade = craft.vehicle.propeller
@@ -297,22 +295,12 @@ def _span(rpm: Any) -> str:
     return low if low == high else f"{low}-{high}"
 
 
-def _named(found: Performance) -> list[tuple[str, str, NamedState | None]]:
-    """List key, words and state of those that have a name."""
-    return [
-        ("hover", "hover", found.hover),
-        ("least_power", "least power, longest time", found.least_power),
-        ("best_range", "best range", found.best_range),
-        ("fastest", "top speed", found.fastest),
-    ]
-
-
 def _named_lines(craft: Aircraft, found: Performance | None) -> list[str]:
     if found is None:
         return []
     lines = []
     climbs = bool(found.states.climb[0])
-    for name, label, state in _named(found):
+    for name, label, state in found.named:
         words = "straight up or down" if climbs and name == "hover" else label
         if state is None:
             if name == "fastest" and not found.limit:

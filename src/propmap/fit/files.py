@@ -77,10 +77,8 @@ class FitFile:
 
     @property
     def hover_reference(self) -> float | None:
-        """Thrust over squares of rotor speeds in the hover of the fit's flights [N s^2].
-
-        None where a flight's own hover plays no part.
-        """
+        """Thrust over squares of rotor speeds in the hover of the fit's flights [N s^2], None where
+        a flight's own hover plays no part."""
         return float(self.record.settings.get("hover_reference", 0.0)) or None
 
     def beyond(self, flow: tuple[Floats, Floats, Floats], radius: float) -> Beyond | None:

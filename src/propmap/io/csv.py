@@ -284,12 +284,9 @@ def check_place(path: Path, where: str) -> bool:
 
 @contextmanager
 def replacing(path: Path, *, new: bool = False) -> Iterator[Path]:
-    """Yield a path in the same folder to write to; renamed to ``path`` if the block succeeds.
-
-    Whatever ends the block otherwise, an interruption included, leaves ``path`` as it was and
-    nothing beside it. An ``OSError``, of a full disk say, names ``path``; ``InputError`` for one
-    that should be ``new`` and that another process has made meanwhile.
-    """
+    """Yield a path in the same folder to write to, renamed to ``path`` if the block succeeds, gone
+    whatever else ends it. An ``OSError``, of a full disk say, names ``path``; ``InputError`` for
+    one that should be ``new`` and that another process has made meanwhile."""
     part = path.with_name(f".{path.name[:30]}.{uuid.uuid4().hex}.part")
     try:
         yield part
@@ -311,11 +308,9 @@ def replacing(path: Path, *, new: bool = False) -> Iterator[Path]:
 
 
 def write_dataset(dataset: xarray.Dataset, path: Path, *, new: bool = False) -> None:
-    """Write a dataset as NetCDF, whole or not at all, and if ``new`` where no file is.
-
-    It is made in memory first: where a disk is full, the HDF5 library ends the process.
-    """
+    """Write a dataset as NetCDF, whole or not at all, and if ``new`` where no file is."""
     with replacing(path, new=new) as part:
+        # Made in memory first: where a disk is full, the HDF5 library ends the process.
         part.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
 
 

@@ -310,15 +310,11 @@ def power_curves(
         ax.set_xlabel("horizontal speed through the air [m/s]")
     if found is not None:
         slowest, fastest = found.states.speed[[0, -1]]
-        for state, label, marker in (
-            (found.least_power, "least power", "v"),
-            (found.best_range, "best range", "D"),
-            (found.fastest, "top speed", "s"),
-        ):
+        look = {"color": "black", "markersize": 5.0}
+        for marker, (_, words, state) in zip("vDs", found.named[1:], strict=True):
             if state is not None and slowest <= state.speed <= fastest:
-                power.plot(
-                    state.speed, state.power, marker, color="black", markersize=5.0, label=label
-                )
+                label = words.partition(",")[0]
+                power.plot(state.speed, state.power, marker, label=label, **look)
         if power.get_legend_handles_labels()[0]:
             power.legend(loc="lower left", fontsize=8.0)
     figure.suptitle(title)

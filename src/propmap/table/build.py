@@ -273,10 +273,8 @@ NARROWER = np.linspace(0.1, 0.9, 9)  # of the way, in the logarithm of omega, th
 def check_between_speeds(
     model: CachedModel, ends: tuple[Floats, Floats, Floats], tolerance: float
 ) -> None:
-    """Raise ``InputError`` where two rotor speeds tell too little of those between.
-
-    Loads of small propellers change with the Reynolds number by more than the interpolation knows.
-    """
+    """Raise ``InputError`` where two rotor speeds tell too little of those between, as loads change
+    with the Reynolds number by more than the interpolation knows."""
     error, advance, beta = _errors_between(model, ends)
     limit = POINT_SHARE * tolerance
     lost = error > limit

@@ -137,16 +137,10 @@ def _states(session: Session, values: Values) -> tuple[Aircraft, SteadyStates]:
 def _named(found: Performance, caution: str) -> Table:
     why = LIMITS.get(found.limit, found.limit)
     rows = []
-    for label, state in (
-        ("hover", found.hover),
-        ("least power, longest time", found.least_power),
-        ("best range", found.best_range),
-        ("top speed", found.fastest),
-    ):
+    for _, label, state in found.named:
         if state is None:
-            rows.append(
-                [label, "-", "-", "-", f"none {why if label == 'top speed' else ''}".strip()]
-            )
+            none = f"none {why if label == 'top speed' else ''}".strip()
+            rows.append([label, "-", "-", "-", none])
             continue
         power = state.electrical_power if math.isfinite(state.electrical_power) else state.power
         numbers = (state.speed, power, state.endurance / 60.0, state.distance / 1e3)

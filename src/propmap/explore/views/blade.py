@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -132,11 +133,7 @@ def _outline(old: Propeller, new: Propeller) -> view.Figure:
         "radius y [mm]",
         "about mid-chord [mm]",
         xaxis={"range": [0.0, 1.02 * MM * old.radius], "constrain": "domain"},
-        yaxis={
-            "scaleanchor": "x",
-            "constrain": "domain",
-            "range": [-0.6 * widest, 0.6 * widest],
-        },
+        yaxis={"scaleanchor": "x", "constrain": "domain", "range": [-0.6 * widest, 0.6 * widest]},
         shapes=[view.upright(MM * old.root)],
     )
 
@@ -152,26 +149,18 @@ def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> vie
     low = 0.0 if what == "chord" else min(float(other.min()), float(own.min()), 0.0)
     high = 1.25 * max(float(other.max()), float(own.max()))
     size = 0.016 * MM * old.radius, 0.03 * (high - low)
+    look = {"fillcolor": COLOURS[1], "line": {"color": COLOURS[1]}, "editable": True}
+    shapes: list[dict[str, Any]] = []
+    for x, z in zip(at, here, strict=True):
+        across = {"xref": "x", "x0": float(x - size[0]), "x1": float(x + size[0])}
+        up = {"yref": "y", "y0": float(z - size[1]), "y1": float(z + size[1])}
+        shapes.append({"type": "circle", **across, **up, **look})
     label = "chord c [mm]" if what == "chord" else "twist θ [deg]"
     return view.figure(
         [view.line(y, own, *BEFORE), view.line(y, other, *AFTER)],
         "radius y [mm]",
         label,
-        shapes=[
-            {
-                "type": "circle",
-                "xref": "x",
-                "yref": "y",
-                "x0": float(x - size[0]),
-                "x1": float(x + size[0]),
-                "y0": float(z - size[1]),
-                "y1": float(z + size[1]),
-                "fillcolor": COLOURS[1],
-                "line": {"color": COLOURS[1]},
-                "editable": True,
-            }
-            for x, z in zip(at, here, strict=True)
-        ],
+        shapes=shapes,
         meta={
             "drag": [f"{what}-{k}" for k in range(len(PLACES))],
             "base": base.tolist(),

@@ -121,11 +121,8 @@ class ConstantsView(view.View):
         if data is None:
             raise InputError("there are no measured loads", "choose or drop some")
         found = rotor_of(model_of(session, values)).loads(data.omega, data.speed, data.beta)
-        columns = {
-            "rpm": data.omega / RPM,
-            "speed_mps": data.speed,
-            "beta_deg": np.degrees(data.beta),
-        }
+        columns = {"rpm": data.omega / RPM, "speed_mps": data.speed}
+        columns["beta_deg"] = np.degrees(data.beta)
         for name, measured in data.loads.items():
             columns[LOADS[name].column_of("measured")] = measured
             columns[LOADS[name].column_of("modelled")] = getattr(found, name)
