@@ -164,10 +164,8 @@ class RotorChoice:
                 remedy = "give --rho and --mu, or --altitude and --temperature-offset"
                 raise InputError(found, remedy)
             return Air.standard(self.altitude or 0.0, self.temperature_offset or 0.0)
-        air = Air(
-            PAPER_DENSITY if self.rho is None else self.rho,
-            PAPER_VISCOSITY if self.mu is None else self.mu,
-        )
+        density = PAPER_DENSITY if self.rho is None else self.rho
+        air = Air(density, PAPER_VISCOSITY if self.mu is None else self.mu)
         note(*air_warnings(air))
         return air
 
@@ -325,27 +323,24 @@ def aircraft_of(
 ) -> Aircraft:
     """Make the aircraft, with loads from a table or from a rotor in the vehicle's air."""
     limits = {"maximum_rotor_speed": checked_rpm(maximum_rpm), "charge": charge}
+    from propmap.aircraft.trim import Aircraft
+
     if table is not None:
         if airfoil or model or correction:
             fault = "--table is given with --airfoil, --model or --correction"
             raise InputError(fault, "leave these out: the table was built with its own")
-        from propmap.aircraft.trim import Aircraft
         from propmap.table.query import LoadTable
 
-        found = LoadTable.load(table)
-        return Aircraft(vehicle, found, **limits)
+        return Aircraft(vehicle, LoadTable.load(table), **limits)
     blade = vehicle.propeller
     # A name that is not in the catalogue is of a file, written so that it is taken for one.
     name = blade.name if blade.name in catalogue.names() else f"./{blade.name}"
-    law = with_physics(
-        section_law(airfoil, name, blade), model, correction, installed=airfoil is None
-    )
+    law = section_law(airfoil, name, blade)
+    law = with_physics(law, model, correction, installed=airfoil is None)
 
-    from propmap.aircraft.trim import Aircraft
     from propmap.rotor import Rotor
 
-    rotor = Rotor(Model(blade, law, vehicle.air), accuracy=accuracy)
-    return Aircraft(vehicle, rotor, **limits)
+    return Aircraft(vehicle, Rotor(Model(blade, law, vehicle.air), accuracy=accuracy), **limits)
 
 
 def checked_rpm(maximum: float | None) -> float:
@@ -368,9 +363,8 @@ def single_point(rpm: float, speed: float, beta: float, **further: float | None)
         return np.array([check_value(name, value)])
 
     more = {name: checked(name, v) for name, v in further.items() if v is not None}
-    return OperatingPoints(
-        checked("rpm", rpm), checked("speed", speed), checked("beta", beta), more
-    )
+    w, v, b = (checked(*one) for one in (("rpm", rpm), ("speed", speed), ("beta", beta)))
+    return OperatingPoints(w, v, b, more)
 
 
 def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:
@@ -495,10 +489,8 @@ def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterato
     from propmap.cluster import connected
 
     with connected(cluster) as workers:
-        echo(
-            f"{workers.count} worker threads, dashboard at {workers.client.dashboard_link}",
-            err=True,
-        )
+        link = workers.client.dashboard_link
+        echo(f"{workers.count} worker threads, dashboard at {link}", err=True)
         yield workers
 
 

@@ -134,11 +134,8 @@ class Application:
                 for name, value in {**query_of(here), **session.query()}.items()
                 if name not in gone and not name.startswith(OF_BLADE)
             }
-            query |= {
-                "prop": str(prop or session.prop),
-                "law": str(law or KNOWN),
-                "physics": str(physics or ""),
-            }
+            query |= {"prop": str(prop or session.prop), "law": str(law or KNOWN)}
+            query["physics"] = str(physics or "")
             Session.of(query, self.first, self.shelf).model  # noqa: B018 - it may not exist
         except InputError as error:
             return no_update, str(error)

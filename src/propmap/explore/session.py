@@ -110,11 +110,8 @@ class Session:
             "vehicle": ("fit", "geometry"),
         }
         rest = self.without(*gone.get(given.kind, ()))
-        return replace(
-            rest,
-            files={**rest.files, given.kind: given},
-            tokens={**rest.tokens, given.kind: token},
-        )
+        files, tokens = {**rest.files, given.kind: given}, {**rest.tokens, given.kind: token}
+        return replace(rest, files=files, tokens=tokens)
 
     def without(self, *kinds: str) -> Session:
         """Leave out the files of these kinds."""

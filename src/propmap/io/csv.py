@@ -317,14 +317,8 @@ def write_dataset(dataset: xarray.Dataset, path: Path, *, new: bool = False) -> 
 # -------------------------------------------------------------------------------------------------
 # Operating points and their loads as users write them: rpm, m/s, degrees, columns with units.
 
-PREDICT_COLUMNS = (
-    "rpm",
-    "speed_mps",
-    "beta_deg",
-    *(load.column for load in LOADS.values()),
-    "power_W",
-    "status",
-)
+GIVEN = ("rpm", "speed_mps", "beta_deg")  # columns of an operating point
+PREDICT_COLUMNS = (*GIVEN, *(load.column for load in LOADS.values()), "power_W", "status")
 
 REMEDIES = {
     "rpm": "give revolutions per minute, 0 or more; the spin's direction does not matter here",
@@ -359,7 +353,7 @@ class OperatingPoints:
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of ``rows``."""
-        return *PREDICT_COLUMNS[:3], *(FURTHER[name] for name in self.further), *PREDICT_COLUMNS[3:]
+        return *GIVEN, *(FURTHER[name] for name in self.further), *PREDICT_COLUMNS[3:]
 
     @property
     def si(self) -> tuple[Floats, Floats, Floats]:
