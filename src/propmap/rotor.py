@@ -106,13 +106,9 @@ class Rotor:
         from propmap import core
 
         p, air = self.model.propeller, self.model.air
-        blade = {
-            "station": np.ascontiguousarray(p.station, np.float64),
-            "chord": np.ascontiguousarray(p.chord, np.float64),
-            "twist": np.ascontiguousarray(p.twist, np.float64),
-            "blades": int(p.blades),
-            "root": float(p.root),
-        }
+        blade: dict[str, Any] = {"blades": int(p.blades), "root": float(p.root)}
+        for name in ("station", "chord", "twist"):
+            blade[name] = np.ascontiguousarray(getattr(p, name), np.float64)
         medium = {"density": float(air.density), "viscosity": float(air.viscosity)}
         law = self.model.airfoil.core_law()
         fine = self.accuracy == "fine"
@@ -323,12 +319,9 @@ class Rotor:
         parts = [y[k : k + RADII_TOGETHER] for k in starts]
         # The core takes one radius at least.
         fields = [self._core.disk_field(rows, list(part) or [tip], list(psi)) for part in parts]
-        found = {
-            f"{name}_per_radius" if name in ("thrust", "drag", "torque") else name: np.concatenate(
-                [field[name] for field in fields]
-            )[: y.size]
-            for name in fields[0]
-        }
+        sums = {name: f"{name}_per_radius" for name in ("thrust", "drag", "torque")}
+        joined = {name: np.concatenate([field[name] for field in fields]) for name in fields[0]}
+        found = {sums.get(name, name): values[: y.size] for name, values in joined.items()}
         stalled, reverse = found["past_stall"] > 0.0, found["u_tangential"] < 0.0
         return Inflow(radius=y, azimuth=psi, stalled=stalled, reverse=reverse, **found)
 

@@ -184,15 +184,8 @@ def performance(
                 if k != TOP:
                     std.pop("speed_std", None)
                 v, lasts = float(found.speed[place]), float(time[place])
-                named[k] = NamedState(
-                    speed=v,
-                    ground_speed=v - wind,
-                    power=float(found.power[place]),
-                    electrical_power=float(found.electrical_power[place]),
-                    endurance=lasts,
-                    distance=lasts * (v - wind),
-                    **std,
-                )
+                powers = float(found.power[place]), float(found.electrical_power[place])
+                named[k] = NamedState(v, v - wind, *powers, lasts, lasts * (v - wind), **std)
     times = endurance(aircraft, states)
     ground = states.speed - wind
     hover, least_power, best_range, top = named

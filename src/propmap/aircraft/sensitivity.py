@@ -347,14 +347,11 @@ class Responses:
         if flown is not None:
             size = np.maximum(size, 1.0)
         h = self._step / np.where(size > 0.0, size, 1.0)
-        ahead, behind = (
-            self._outcome(
-                self.unknowns + by[:, None] * dx,
-                self.flight if flown is None else self._perturbed(flown, by),
-                now + by[:, None] * dq,
-            )
-            for by in (h, -h)
-        )
+
+        def at(by: Floats) -> StateChange:
+            flight = self.flight if flown is None else self._perturbed(flown, by)
+            unknowns, torque = self.unknowns + by[:, None] * dx, now + by[:, None] * dq
+            return self._outcome(unknowns, flight, torque)
 
         def slope(both: list[Floats]) -> Floats:
             high, low = both
@@ -362,7 +359,7 @@ class Responses:
             found[self.where] = (high - low) / (2.0 * h.reshape(-1, *[1] * (high.ndim - 1)))
             return found
 
-        return _joined([ahead, behind], slope)
+        return _joined([at(h), at(-h)], slope)
 
     def _outcome(self, unknowns: Floats, flight: SteadyFlight, torque: Floats) -> StateChange:
         """Return what changes, at torques (n, k) that are known."""

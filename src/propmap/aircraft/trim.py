@@ -252,11 +252,8 @@ class Aircraft:
             turning = omega * factors[..., None]
             moving = np.broadcast_to(velocity, (*turning.shape, 3))
             wrenches = self.rotors.wrenches(turning, moving)
-            shares = self.used(
-                turning.reshape(-1, rotors),
-                moving.reshape(-1, rotors, 3),
-                wrenches.torque.reshape(-1, rotors),
-            )
+            flat = turning.reshape(-1, rotors), moving.reshape(-1, rotors, 3)
+            shares = self.used(*flat, wrenches.torque.reshape(-1, rotors))
             largest = np.max(list(shares.values()), axis=0)
             return largest.reshape(factors.shape), wrenches.thrust.sum(axis=-1)
 

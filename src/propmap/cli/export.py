@@ -112,14 +112,8 @@ def export(
             fault = f"{to} takes a vehicle file"
             raise InputError(fault, "give VEHICLE.toml, see propmap trim", str(source))
         speeds = SPEEDS if speed is None else opt.parse_axis("--speed", "speed", speed, len(SPEEDS))
-        craft = opt.aircraft_of(
-            opt.vehicle_of(source, no_wakes=no_wakes),
-            airfoil=airfoil,
-            table=table,
-            model=model,
-            correction=correction,
-            charge=1.0 if charge is None else charge,
-        )
+        read, full = opt.vehicle_of(source, no_wakes=no_wakes), 1.0 if charge is None else charge
+        craft = opt.aircraft_of(read, airfoil, table, model, correction, charge=full)
         with out.blamed_on(source):
             paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=force)
         out.note(*assumption_lines(assumptions(craft.vehicle, craft.loads)))

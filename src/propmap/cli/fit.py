@@ -392,19 +392,10 @@ def fit_tunnel(
         fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
     _refuse_poor(fitted, warnings, accept=accept)
     remarks = [*range_warnings(fitted.rows), *comparison.failing_assumptions(fitted, rows_for)]
-    _finish_tunnel(
-        choice,
-        model,
-        measured,
-        fitted,
-        output,
-        picture,
-        data=tunnel.sources(data),
-        weights=weights,
-        prior=expected,
-        remarks=[*remarks, *comparison.unlikely_constants(fitted)],
-        warnings=warnings,
-    )
+    remarks += comparison.unlikely_constants(fitted)
+    said: Any = {"prior": expected, "remarks": remarks, "warnings": warnings}
+    said |= {"data": tunnel.sources(data), "weights": weights}
+    _finish_tunnel(choice, model, measured, fitted, output, picture, **said)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -458,19 +449,9 @@ def fit_static(
     remarks = [*range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]
     if expected is not None:
         remarks += _like_electrical(fitted, measured)
-    _finish_tunnel(
-        choice,
-        model,
-        measured,
-        fitted,
-        output,
-        picture,
-        data=files,
-        weights={},
-        prior=expected,
-        remarks=remarks,
-        warnings=warnings,
-    )
+    said: Any = {"prior": expected, "remarks": remarks, "warnings": warnings}
+    said |= {"data": files, "weights": {}}
+    _finish_tunnel(choice, model, measured, fitted, output, picture, **said)
     _show_trust(comparison.forward_trust(model, fitted, float(np.median(measured.omega)), setting))
 
 
@@ -506,17 +487,12 @@ def _show_trust(trust: comparison.ForwardTrust) -> None:
             return "-"
         return f"{f'{before:.0%}' if np.isfinite(before) else '?'} -> {after:.0%}"
 
-    rows = [
-        (
-            f"{trust.advance[k]:.1f}",
-            f"{np.degrees(trust.beta[k]):.0f} deg",
-            f"{trust.load[k, 0]:.3g} N",
-            change(trust.before[k, 0], trust.after[k, 0]),
-            f"{trust.load[k, 1]:.3g} N m",
-            change(trust.before[k, 1], trust.after[k, 1]),
-        )
-        for k in range(trust.advance.size)
-    ]
+    rows = []
+    for k, (advance, beta) in enumerate(zip(trust.advance, trust.beta, strict=True)):
+        thrust, torque = trust.load[k]
+        left = [change(*pair) for pair in zip(trust.before[k], trust.after[k], strict=True)]
+        where = f"{advance:.1f}", f"{np.degrees(beta):.0f} deg"
+        rows.append((*where, f"{thrust:.3g} N", left[0], f"{torque:.3g} N m", left[1]))
     heads = "J|beta|thrust|sd before -> after|torque|sd before -> after"
     title = f"What is left uncertain of flight at {trust.omega / RPM:.0f} rpm, 0 deg along the axis"
     out.show(

@@ -57,18 +57,13 @@ def list_airfoils(format_: out.FormatOption = None, output: out.TextOutput = Non
         rows = [one.metadata() for one in sets]
         out.emit_rows(list(rows[0]), rows, chosen, output)
         return
-    cells = [
-        (
-            one.name,
-            *(f"{value:g}" for value in (one.c_l1, one.c_l2, one.c_d)),
-            *(f"{np.degrees(angle):.1f}" for angle in (one.alpha_0, one.zero_lift_angle)),
-            one.source,
-        )
-        for one in sets
-    ]
-    out.show(
-        output, out.grid("<name|c_l1 [1/rad]|c_l2|c_d|alpha_0 [deg]|zero lift [deg]|<source", cells)
-    )
+    cells = []
+    for one in sets:
+        figures = (f"{value:g}" for value in (one.c_l1, one.c_l2, one.c_d))
+        angles = (f"{np.degrees(angle):.1f}" for angle in (one.alpha_0, one.zero_lift_angle))
+        cells.append((one.name, *figures, *angles, one.source))
+    heads = "<name|c_l1 [1/rad]|c_l2|c_d|alpha_0 [deg]|zero lift [deg]|<source"
+    out.show(output, out.grid(heads, cells))
 
 
 @airfoils_app.command("show")

@@ -312,7 +312,6 @@ def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
 
 def aircraft_of(
     vehicle: Vehicle,
-    *,
     airfoil: str | None,
     table: Path | None,
     model: ModelName | None,

@@ -174,8 +174,6 @@ def explore(
     guard(app.dash.server, names_of(host))
     server = listen(app.dash.server, host, port, PORT)
     if not is_loopback(host):
-        echo(
-            f"propmap: warning: whoever reaches {host} can use this server: it has no password",
-            err=True,
-        )
+        who = f"whoever reaches {host} can use this server: it has no password"
+        echo(f"propmap: warning: {who}", err=True)
     serve(server, echo, browser=browser, host=host)

@@ -141,19 +141,12 @@ def simulate_flight(
 
 def _expected(expected: Expectation, flights: int) -> Table:
     found = expected.uncertainty
-    rows = [
-        (
-            name,
-            *(f"{value:.4g}" for value in (expected.truth[k], found.low[k], found.high[k])),
-            EVERY[name].unit,
-            found.verdicts[k],
-        )
-        for k, name in enumerate(expected.choice.free)
-    ]
-    title = (
-        f"To expect of {flights} speeds with a force error of {expected.error:.2%} of the weight "
-        "each"
-    )
+    rows = []
+    for k, name in enumerate(expected.choice.free):
+        values = (f"{each[k]:.4g}" for each in (expected.truth, found.low, found.high))
+        rows.append((name, *values, EVERY[name].unit, found.verdicts[k]))
+    share = f"{expected.error:.2%} of the weight each"
+    title = f"To expect of {flights} speeds with a force error of {share}"
     return out.grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)
 
 

@@ -306,13 +306,7 @@ def _show_surface(
     across, up = (
         f"{name.replace('_', ' ')} [{VARIABLES[name][0]}]" for name in (asked.across, asked.up)
     )
-    figure = response_picture(
-        f"{read.title}: {', '.join(fixed)}" if fixed else read.title,
-        f"{asked.quantity.replace('_', ' ')} [{unit}]",
-        surface,
-        (asked.across, asked.up),
-        (across, up),
-        made.rows,
-        values,
-    )
+    title = f"{read.title}: {', '.join(fixed)}" if fixed else read.title
+    of, axes = f"{asked.quantity.replace('_', ' ')} [{unit}]", (asked.across, asked.up)
+    figure = response_picture(title, of, surface, axes, (across, up), made.rows, values)
     out.save_picture(figure, picture)

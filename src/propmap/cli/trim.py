@@ -96,16 +96,7 @@ def trim(
 
     read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
     legs = read_mission(mission) if mission is not None else None
-    craft = opt.aircraft_of(
-        read,
-        airfoil=airfoil,
-        table=table,
-        model=model,
-        correction=correction,
-        accuracy=accuracy,
-        maximum_rpm=max_rpm,
-        charge=charge,
-    )
+    craft = opt.aircraft_of(read, airfoil, table, model, correction, accuracy, max_rpm, charge)
     rests_on = assumptions(read, craft.loads)
     if form == "csv":
         out.note(*assumption_lines(rests_on))

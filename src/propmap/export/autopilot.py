@@ -354,10 +354,6 @@ class DragFilter:
         )
         slope = (faster - slower) / (2.0 * STEP * flight.along)
         spread = np.sqrt(np.sum(flight.errors**2, axis=0))
-        return DragComparison(
-            flight=flight,
-            full=mass * flight.force,
-            filtered=mass * here,
-            std=mass * spread if flight.errors.size else np.full_like(spread, np.nan),
-            wind=(here - flight.force) / slope,
-        )
+        std = mass * spread if flight.errors.size else np.full_like(spread, np.nan)
+        wind = (here - flight.force) / slope
+        return DragComparison(flight, mass * flight.force, mass * here, std, wind)

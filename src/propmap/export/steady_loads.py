@@ -508,13 +508,9 @@ def curve_factor(
     spread = still.std_of(0.0, 1.0 / still.torque)
     more = None if spread is None else factor(thrust_curve(aircraft, charge, spread))
     x = np.linspace(0.0, 1.0, share.size)
-    return CurveFactor(
-        factor=here,
-        worst=float(np.abs(x + here * (x**2 - x) - share).max()),
-        std=None if more is None else abs(more - here),
-        charge=charge,
-        discharged=factor(thrust_curve(aircraft, DISCHARGED)),
-    )
+    worst = float(np.abs(x + here * (x**2 - x) - share).max())
+    std = None if more is None else abs(more - here)
+    return CurveFactor(here, worst, std, charge, factor(thrust_curve(aircraft, DISCHARGED)))
 
 
 def fitted_factor(share: Floats, limits: tuple[float, float]) -> float:

@@ -83,9 +83,8 @@ class TunnelData:
     def picked(self, which: NDArray[Any]) -> TunnelData:
         """Keep the rows ``which``, numbers of them or a mask."""
         loads = {name: values[which] for name, values in self.loads.items()}
-        return TunnelData(
-            self.source, self.omega[which], self.speed[which], self.beta[which], loads
-        )
+        flow = self.omega[which], self.speed[which], self.beta[which]
+        return TunnelData(self.source, *flow, loads)
 
 
 def merged(parts: Sequence[TunnelData]) -> TunnelData:
@@ -195,14 +194,9 @@ def tunnel_rows(
 
         return loads
 
-    return Rows.of_points(
-        names,
-        tuple(LOADS[name].unit for name in names),
-        measured,
-        scale / [weights.get(name, 1.0) for name in names],
-        data.speed,
-        table,
-    )
+    units = tuple(LOADS[name].unit for name in names)
+    scale = scale / [weights.get(name, 1.0) for name in names]
+    return Rows.of_points(names, units, measured, scale, data.speed, table)
 
 
 def _check(
@@ -323,12 +317,6 @@ def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:
 def _of_coefficients(name: str, c: Coefficients, propeller: Propeller, air: Air) -> TunnelData:
     turns, diameter = c.rpm / 60.0, 2.0 * propeller.radius
     force = air.density * turns**2 * diameter**4
-    torque = c.power * force * diameter / (2.0 * np.pi)
-    return TunnelData(
-        name,
-        c.rpm * RPM,
-        c.advance * turns * diameter,
-        np.zeros_like(c.rpm),
-        {"thrust": c.thrust * force, "torque": torque},
-        c.remarks,
-    )
+    loads = {"thrust": c.thrust * force, "torque": c.power * force * diameter / (2.0 * np.pi)}
+    flow = c.rpm * RPM, c.advance * turns * diameter, np.zeros_like(c.rpm)
+    return TunnelData(name, *flow, loads, c.remarks)

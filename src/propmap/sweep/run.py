@@ -113,12 +113,8 @@ class Evaluation(ABC):
         coordinates = self.coordinates()
         # Names and types, from hover at a tip speed of 100 m/s.
         probe = self.rotor.loads([100.0 / self.rotor.model.propeller.radius], 0.0, 0.0)
-        kinds = {
-            name: (filed_as(values.dtype), attributes(name))
-            for name, values in quantities(
-                probe, bands=self.bands, by_source=self.by_source
-            ).items()
-        }
+        filed = quantities(probe, bands=self.bands, by_source=self.by_source)
+        kinds = {name: (filed_as(v.dtype), attributes(name)) for name, v in filed.items()}
         known = self.rotor.model.uncertainty if self.bands else None
         chunk = chunk_shape(self.shape, self.points_per_task)
         points = [part for name, (_, at, _) in coordinates.items() for part in (name, at.tobytes())]

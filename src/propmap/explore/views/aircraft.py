@@ -63,16 +63,11 @@ class AircraftView(view.View):
             "rpm": (rpm.min(axis=1), rpm.max(axis=1), still.mean(axis=1)),
             "margin": (states.thrust_margin, hover.thrust_margin),
         }
-        shown = {
-            name: view.curves(
-                states.speed,
-                [*((y, "this model", COLOURS[0]) for y in own), (other, *view.HOVER)],
-                "horizontal speed [m/s]",
-                PANELS[name],
-                zero=name != "rpm",
-            )
-            for name, (*own, other) in curves.items()
-        }
+        shown = {}
+        for name, (*own, other) in curves.items():
+            lines = [*((y, "this model", COLOURS[0]) for y in own), (other, *view.HOVER)]
+            axes = "horizontal speed [m/s]", PANELS[name]
+            shown[name] = view.curves(states.speed, lines, *axes, zero=name != "rpm")
         tables = []
         if settled:
             found = performance(craft, states, climb=values["climb"], wind=values["wind"])

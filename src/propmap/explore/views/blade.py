@@ -62,14 +62,9 @@ class BladeView(view.View):
             "twist": _draggable(old, model.propeller, "twist", values),
         }
         for name in ("thrust", "power"):
-            shown[name] = view.curves(
-                speed,
-                [(getattr(before, name), *BEFORE), (getattr(after, name), *AFTER)],
-                view.AXES["speed"],
-                view.TITLES[name],
-                shapes=[view.upright(values["speed"])],
-                zero=True,
-            )
+            lines = [(getattr(before, name), *BEFORE), (getattr(after, name), *AFTER)]
+            axes, here = (view.AXES["speed"], view.TITLES[name]), [view.upright(values["speed"])]
+            shown[name] = view.curves(speed, lines, *axes, shapes=here, zero=True)
         key = [("as it was", f"-{view.GREY}"), AFTER]
         return Answer(shown, [_table(session.model, model, values)] if settled else [], (), key)
 

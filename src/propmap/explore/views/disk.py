@@ -69,13 +69,9 @@ class DiskView(view.View):
             ("inflow", field.local_inflow[:, psi], FIELDS["inflow"][0], mean),
             ("force", field.normal_force[:, psi], "dT/dy of a blade [N/m]"),
         ):
-            shown[name] = view.curves(
-                MM * radius,
-                [(along, title, COLOURS[0]), *more],
-                "radius y [mm]",
-                title,
-                xaxis={"range": [0.0, float(MM * radius[-1])]},
-            )
+            lines, whole = [(along, title, COLOURS[0]), *more], [0.0, float(MM * radius[-1])]
+            axis = {"range": whole}
+            shown[name] = view.curves(MM * radius, lines, "radius y [mm]", title, xaxis=axis)
         share = {"stalled": field.stalled, "in reverse flow": field.reverse}
         words = ", ".join(
             f"{100.0 * share_of_disk(field, at):.2g} % {name}" for name, at in share.items()
