@@ -267,12 +267,9 @@ def joined(parts: Sequence[Loads]) -> Loads:
         return Loads(**arrays)
 
     def deviations() -> dict[str, LoadValues]:
-        return {
-            source: _load_values(
-                functools.partial(all_points, [part.std_by_source[source] for part in parts])
-            )
-            for source in parts[0].std_by_source
-        }
+        names = parts[0].std_by_source
+        each = {name: [part.std_by_source[name] for part in parts] for name in names}
+        return {n: _load_values(functools.partial(all_points, its)) for n, its in each.items()}
 
     return Loads(**arrays, deviations=deviations)
 

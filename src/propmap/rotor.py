@@ -112,8 +112,7 @@ class Rotor:
         medium = {"density": float(air.density), "viscosity": float(air.viscosity)}
         law = self.model.airfoil.core_law()
         fine = self.accuracy == "fine"
-        made: CoreRotor = core.Rotor(blade, law, medium, core_corrections(self.model), fine)
-        return made
+        return core.Rotor(blade, law, medium, core_corrections(self.model), fine)
 
     def loads(
         self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, **further: Unpack[Further]

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.aircraft.assumptions import hub_distances
 from propmap.aircraft.mission import Mission
 from propmap.aircraft.mission import fly as fly_mission
 from propmap.aircraft.performance import endurance, top_speed
@@ -264,15 +265,9 @@ class Ranking:
 
 def _overlap(vehicle: Vehicle, radius: float) -> str:
     """Say why disks of ``radius`` [m], but for coaxial ones, do not fit; empty where they do."""
-    place, axis = vehicle.hub_positions, vehicle.rotor_axes
-    closest = math.inf
-    for k in range(len(place)):
-        for j in range(k):
-            offset = place[k] - place[j]
-            height = float(offset @ axis[k])
-            across = float(np.linalg.norm(offset - height * axis[k]))
-            if across > COAXIAL * radius and abs(height) < radius:
-                closest = min(closest, across)
+    height, across = hub_distances(vehicle)
+    beside = np.triu((across > COAXIAL * radius) & (height < radius), 1)
+    closest = float(across[beside].min(initial=math.inf))
     if closest >= 2.0 * radius:
         return ""
     return f"the rotors overlap: hubs are {closest:.3g} m apart, the disks {2.0 * radius:.3g} m"

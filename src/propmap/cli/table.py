@@ -130,10 +130,8 @@ def certificate_of(found: LoadTable) -> Iterator[object]:
     }
     parameters = found.info.get("parameter_uncertainty")
     if parameters:
-        columns |= {
-            "parameters, median": parameters["median"],
-            "parameters, 95 %": parameters["percentile_95"],
-        }
+        columns["parameters, median"] = parameters["median"]
+        columns["parameters, 95 %"] = parameters["percentile_95"]
     places = largest_at(errors)
     heads = [*columns, *(f"at [{unit}]" for unit in PLACE.values() if places)]
     rows = []

@@ -234,10 +234,8 @@ def _table(
     def cells(values: Any) -> list[str]:
         return [_digits(value) for value in values]
 
-    columns = {
-        "V [m/s]": [f"{v:.4g}" for v in states.speed],
-        "pitch [deg]": cells(np.degrees(states.pitch)),
-    }
+    columns = {"V [m/s]": [f"{v:.4g}" for v in states.speed]}
+    columns["pitch [deg]"] = cells(np.degrees(states.pitch))
     if np.nanmax(np.abs(np.nan_to_num(states.roll))) > LEVEL:
         columns["roll [deg]"] = cells(np.degrees(states.roll))
     columns |= {
@@ -254,10 +252,8 @@ def _table(
     if np.isfinite(states.throttle).any():
         columns["throttle [%]"] = cells(100.0 * states.throttle.max(axis=1))
     if found is not None and np.isfinite(found.endurance).any():
-        columns |= {
-            "time [min]": cells(found.endurance / 60.0),
-            "way [km]": cells(found.distance / 1000.0),
-        }
+        columns["time [min]"] = cells(found.endurance / 60.0)
+        columns["way [km]"] = cells(found.distance / 1000.0)
     columns |= {"thrust margin": cells(states.thrust_margin), "<status": states.status.tolist()}
     climb, bank = float(states.climb[0]), math.degrees(float(states.bank[0]))
     title = f"climb {climb:g} m/s" if climb else (f"bank {bank:g} deg" if bank else "level flight")

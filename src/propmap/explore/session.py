@@ -126,14 +126,12 @@ class Session:
     @property
     def table(self) -> LoadTable | None:
         """Give the table of a file."""
-        found: LoadTable | None = self.given("table")
-        return found
+        return self.given("table")
 
     @property
     def vehicle(self) -> Vehicle | None:
         """Give the vehicle of a file."""
-        found: Vehicle | None = self.given("vehicle")
-        return found
+        return self.given("vehicle")
 
     @property
     def model(self) -> Model:

@@ -149,8 +149,7 @@ def autopilot_parameters(
     if moving.size < 2:
         raise InputError("fewer than two speeds above 0", "give two or more, in m/s")
     flights = (inplane_forces(aircraft, "x", moving), inplane_forces(aircraft, "y", moving))
-    found: AutopilotParameters = export.make()(aircraft, flights)
-    return found
+    return export.make()(aircraft, flights)
 
 
 def export_autopilot(

@@ -293,11 +293,8 @@ def _rotor_errors(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
     if known is None:
         return np.zeros((0, len(USED), omega.size))
     by_source = rotor.loads_at_velocity(omega, velocity).std_by_source
-    others = [
-        _one_cause_each(_stacked(by_source[name]))
-        for name in ("discrepancy", "tunnel")
-        if name in by_source
-    ]
+    given = [by_source[name] for name in ("discrepancy", "tunnel") if name in by_source]
+    others = [_one_cause_each(_stacked(one)) for one in given]
     determined = known.covariance.determined
     by_constants = np.zeros((0, len(USED), omega.size))
     if determined.names:
@@ -398,11 +395,8 @@ class SignalCurve:
 def known_curve(aircraft: Aircraft) -> tuple[SignalCurve | None, str]:
     """Return the curve of an ``aircraft`` at its state of charge, or why there is none."""
     powertrain = aircraft.vehicle.powertrain
-    missing = [
-        name
-        for name, part in (("[motor]", powertrain.motor), ("[battery]", powertrain.battery))
-        if part is None
-    ]
+    parts = {"[motor]": powertrain.motor, "[battery]": powertrain.battery}
+    missing = [name for name, part in parts.items() if part is None]
     if missing:
         return None, f"the vehicle file has no {' and no '.join(missing)}"
     curve = thrust_curve(aircraft, aircraft.charge)

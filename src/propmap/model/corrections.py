@@ -536,8 +536,7 @@ def correction(text: str) -> Correction:
         for field, about in known_fields.items():
             if about.default is dataclasses.MISSING and field not in numbers:
                 raise InputError(f"no {field}", f"write {name}:{field}=number")
-    made: Correction = kind(**numbers)
-    return made
+    return kind(**numbers)
 
 
 def corrections_of(

@@ -190,13 +190,9 @@ def level_flight(vehicle: Vehicle, points: FlightLog, airfoil: Section) -> Figur
     still = {name: each.sum(axis=1) for name, each in hover.loads(flow.omega).items()}
     values = {name: parameter.start for name, parameter in EVERY.items()}
     body, _ = body_force(vehicle, points, values | wing_values(vehicle), ())
-    error, hover_error = (
-        np.sum(force * points.up, axis=1) - vehicle.mass * GRAVITY
-        for force in (
-            rotor_forces(flow, loads.thrust, loads.drag) + body,
-            hover_loads(hover, flow)[:, :3],
-        )
-    )
+    own, by_hover = rotor_forces(flow, loads.thrust, loads.drag) + body, hover_loads(hover, flow)
+    lifted = (np.sum(force * points.up, axis=1) for force in (own, by_hover[:, :3]))
+    error, hover_error = (force - vehicle.mass * GRAVITY for force in lifted)
     felt, across = vehicle.mass * points.specific_force, points.velocity[:, :2]
     length = np.linalg.norm(across, axis=1, keepdims=True)
     direction = np.divide(across, length, out=np.zeros_like(across), where=length > 0.0)

@@ -105,11 +105,8 @@ def report_files(
     }
     environment.globals |= {"columns": _columns, "version": propmap.__version__}
     html = environment.get_template(template).render(images=inside, **values)
-    return {
-        PAGE: html,
-        **{f"{name}.svg": image for name, image in images.items()},
-        **{f"{name}.csv": text for name, text in sheets.items()},
-    }
+    drawn = {f"{name}.svg": image for name, image in images.items()}
+    return {PAGE: html, **drawn, **{f"{name}.csv": text for name, text in sheets.items()}}
 
 
 def number(value: float | None, digits: int = 3) -> str:

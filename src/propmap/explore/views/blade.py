@@ -56,11 +56,9 @@ class BladeView(view.View):
         speed = np.linspace(0.0, FASTEST, ALONG)
         flow = values["rpm"] * RPM, speed, np.radians(values["beta"])
         before, after = rotor_of(session.model).loads(*flow), rotor_of(model).loads(*flow)
-        shown = {
-            "outline": _outline(old, model.propeller),
-            "chord": _draggable(old, model.propeller, "chord", values),
-            "twist": _draggable(old, model.propeller, "twist", values),
-        }
+        shown = {"outline": _outline(old, model.propeller)}
+        for what in ("chord", "twist"):
+            shown[what] = _draggable(old, model.propeller, what, values)
         for name in ("thrust", "power"):
             lines = [(getattr(before, name), *BEFORE), (getattr(after, name), *AFTER)]
             axes, here = (view.AXES["speed"], view.TITLES[name]), [view.upright(values["speed"])]

@@ -132,10 +132,8 @@ class ConstantsView(view.View):
 
     def more(self) -> list[Any]:
         """Make the button for a fit, and say how far it is."""
-        return [
-            html.Button("fit now", id="fit", n_clicks=0),
-            html.P("", id="progress", role="status"),
-        ]
+        button = html.Button("fit now", id="fit", n_clicks=0)
+        return [button, html.P("", id="progress", role="status")]
 
     def register(self, application: Application) -> None:
         """Begin a fit at the button, and report how far it is."""
@@ -270,11 +268,8 @@ def law_at_first(session: Session) -> Airfoil:
 def law_of(session: Session, values: Values) -> Airfoil:
     """Make the constants that are set."""
     law = law_at_first(session)
-    changes = {
-        name: float(np.clip(values[name], *CONSTANTS[name].limits))
-        for name in SET
-        if values[name] != getattr(law, name)
-    }
+    moved = [name for name in SET if values[name] != getattr(law, name)]
+    changes = {name: float(np.clip(values[name], *CONSTANTS[name].limits)) for name in moved}
     if not changes:
         return law
     own = tuple(session.model.correction_texts)

@@ -169,10 +169,8 @@ def _by_load(certificate: dict[str, Any]) -> view.Figure:
         )
     ]
     level = 100.0 * certificate["tolerance"]
-    line = {
-        **view.upright(0.0),
-        **{"xref": "paper", "yref": "y", "x0": 0, "x1": 1, "y0": level, "y1": level},
-    }
+    place = {"xref": "paper", "yref": "y", "x0": 0, "x1": 1, "y0": level, "y1": level}
+    line = {**view.upright(0.0), **place}
     return view.figure(
         bars, "", "error / static load [%]", shapes=[line], legend=True, barmode="group",
         margin={"l": 62, "r": 12, "t": 12, "b": 84},
