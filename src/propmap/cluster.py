@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 
-# -------------------------------------------------------------------------------------------------
-# From ``--cluster local:4`` or ``tcp://host:8786`` to workers.
-
 ANSWER_WITHIN = 5.0  # time that a scheduler has to answer [s]
 START_WITHIN = 60.0  # time that a worker of this machine has to start [s]
 

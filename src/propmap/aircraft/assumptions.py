@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from propmap.model.corrections import INSTALLED
 from propmap.rotor import Rotor
+from propmap.table.query import LoadTable
 from propmap.typing import Floats
+from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wakes import IN_ONE_PLANE, above_each_other
-
-if TYPE_CHECKING:
-    from propmap.table.query import LoadTable
-    from propmap.vehicle.vehicle import Vehicle
 
 
 def without_body_drag(vehicle: Vehicle) -> str:

@@ -305,15 +305,11 @@ def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
     """Number the feasible ones not beaten in both hover power and top speed, by hover power."""
     power = np.array([one.hover_power if one.feasible else math.nan for one in judged])
     speed = np.array([one.top_speed if one.feasible else math.nan for one in judged])
-    found = [
-        k
-        for k in range(len(judged))
-        if math.isfinite(power[k] + speed[k])
-        and not (
-            (power <= power[k]) & (speed >= speed[k]) & ((power < power[k]) | (speed > speed[k]))
-        ).any()
-    ]
-    return np.array(sorted(found, key=lambda k: power[k]), dtype=np.intp)
+    less, faster = power[:, None] < power, speed[:, None] > speed
+    no_worse = (power[:, None] <= power) & (speed[:, None] >= speed)
+    beaten = (no_worse & (less | faster)).any(axis=0)
+    front = np.flatnonzero(np.isfinite(power + speed) & ~beaten)
+    return front[np.argsort(power[front], kind="stable")]
 
 
 # -------------------------------------------------------------------------------------------------

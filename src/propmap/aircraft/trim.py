@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,15 +17,13 @@ from propmap.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.model.plausibility import FAST_TIP_MACH
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
+from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.units import GRAVITY, SPEED_OF_SOUND
 from propmap.vehicle.log import in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle, Wing
 from propmap.vehicle.vehicle_forces import Rotors, RotorWrenches, free_stream_force, wing_lift
 from propmap.vehicle.wakes import cross
-
-if TYPE_CHECKING:
-    from propmap.table.query import LoadTable
 
 STEEPEST_BANK = math.radians(80.0)
 

@@ -165,11 +165,9 @@ def _constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> list[ob
         if isinstance(meant, Entry):
             # Else a note on the blade has said what both rest on.
             shown.append(predicted.summary)
-    others = sorted(
-        one.blades
-        for one in all_identified()
-        if isinstance(meant, Entry) and one.propeller == meant.name and one.blades != blade.blades
-    )
+    name = meant.name if isinstance(meant, Entry) else None
+    same = [one.blades for one in all_identified() if one.propeller == name]
+    others = sorted({*same} - {blade.blades})
     if others:
         shown.append(f"identified with {' and '.join(map(str, others))} blades too: --blades N")
     assert law.uncertainty is not None  # both kinds carry it

@@ -37,9 +37,6 @@ if TYPE_CHECKING:
     import xarray
 
 
-# -------------------------------------------------------------------------------------------------
-# ``propmap trim``: an aircraft's steady states, its power curve and top speed.
-
 SPEEDS = 21  # where --speed is A:B
 
 
@@ -320,9 +317,6 @@ def _named_lines(craft: Aircraft, found: Performance | None) -> list[str]:
         lines.append(f"{words}: {', '.join(parts)}{caution}")
     return lines
 
-
-# -------------------------------------------------------------------------------------------------
-# Steady states as an xarray dataset over climb rate and speed.
 
 AXES = ("climb_mps", "speed_mps")
 

@@ -13,7 +13,7 @@ from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -40,15 +40,9 @@ from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set, read_ai
 from propmap.model.corrections import as_text, corrections_of
 from propmap.model.model import Air, Model, Propeller
 from propmap.rotor import Rotor
+from propmap.table.query import LoadTable
 from propmap.units import RPM
-
-if TYPE_CHECKING:
-    from propmap.table.query import LoadTable
-    from propmap.vehicle.vehicle import Vehicle
-
-
-# -------------------------------------------------------------------------------------------------
-# What one browser tab explores: names and files, the model that follows, and what it is called.
+from propmap.vehicle.vehicle import Vehicle
 
 DEFAULT = "apc-8x6e"
 KNOWN = "known"  # the section law where none is chosen: the best constants that are known
@@ -272,8 +266,6 @@ def _read(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
             str(path),
         )
     if ending == ".npz":
-        from propmap.table.query import LoadTable
-
         return "table", LoadTable.load(path)
     if ending == ".toml":
         return _read_toml(path, trusted=trusted)

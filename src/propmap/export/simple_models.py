@@ -9,6 +9,7 @@ import csv
 import dataclasses
 import io
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -333,26 +334,21 @@ def nc_files(table: LoadTable) -> files.Files:
     """Write the table as NetCDF."""
     from propmap.table.files import write_netcdf
 
-    return {
-        f"{files.identifier(table)}.nc": lambda path: write_netcdf(table, path),
-        "README-nc.txt": files.note("nc", table),
-    }
+    name = f"{files.identifier(table)}.nc"
+    return {name: partial(write_netcdf, table), "README-nc.txt": files.note("nc", table)}
 
 
 def csv_files(table: LoadTable) -> files.Files:
     """Write the table's knots as rows of numbers, empty where there is no value."""
     content, text = table.content, io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(
-        ["omega_rad_s", "advance", "beta_rad", *(f"{name}_coefficient" for name in LOADS)]
-    )
+    heads = (f"{name}_coefficient" for name in LOADS)
+    writer.writerow(["omega_rad_s", "advance", "beta_rad", *heads])
     for omega, level in zip(content.omega.tolist(), content.coefficients, strict=True):
         for i, advance in enumerate(content.advance.tolist()):
             for j, beta in enumerate(content.beta.tolist()):
                 values = level[:, i, j].astype(np.float32)
                 shown = ["" if np.isnan(value) else str(value) for value in values]
                 writer.writerow([omega, advance, beta, *shown])
-    return {
-        f"{files.identifier(table)}.csv": text.getvalue(),
-        "README-csv.txt": files.note("csv", table),
-    }
+    name = f"{files.identifier(table)}.csv"
+    return {name: text.getvalue(), "README-csv.txt": files.note("csv", table)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +14,13 @@ from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.operating_points import split_velocity
 from propmap.rotor import Rotor
+from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
 from propmap.vehicle.log import in_vehicle_frame
 from propmap.vehicle.powertrain import Motor
 from propmap.vehicle.vehicle import Body, Vector, Vehicle
 from propmap.vehicle.vehicle_forces import mounted_rotors
-
-if TYPE_CHECKING:
-    from propmap.table.query import LoadTable
-
 
 # -------------------------------------------------------------------------------------------------
 # The specific force along a body axis in level flight along it: what drag models are fitted to.

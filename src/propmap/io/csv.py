@@ -532,10 +532,6 @@ def _value(cell: str, column: str, line: int, name: str) -> float:
         return check_value("beta", value) if quantity == "beta" else value
 
 
-# -------------------------------------------------------------------------------------------------
-# The fields over the disk as CSV.
-
-
 def disk_csv(rotor: Rotor, omega: float, speed: float, beta: float) -> str:
     """Write angle of attack, inflow and force over the disk, a row per element and azimuth."""
     field = rotor.inflow(omega, speed, beta)

@@ -495,10 +495,6 @@ def _scaled(rows: Numbered, count: float, tip: float) -> Numbered:
     return table[: int(count)]
 
 
-# -------------------------------------------------------------------------------------------------
-# Any geometry file: which format it is in, read from its content.
-
-
 READERS: dict[Format | None, Callable[..., Propeller]] = {
     formats.PE0: read_apc_pe0,
     formats.UIUC_GEOMETRY: read_uiuc_geometry,

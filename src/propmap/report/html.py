@@ -17,10 +17,11 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -28,9 +29,6 @@ import propmap
 from propmap.errors import InputError
 from propmap.io.csv import check_place, replacing
 from propmap.loads import LOADS
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 MINUS, MISSING = "\N{MINUS SIGN}", "\N{EN DASH}"  # before a negative number; in place of none
 DIGITS = 6  # of the numbers in CSV files: the accuracy of the loads

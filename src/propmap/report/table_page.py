@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -21,9 +22,6 @@ from propmap.table.interpolation import NO_VALUE, OK, STATUSES, UNRESOLVED, VORT
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.units import RPM
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 NAMES = np.array(STATUSES)
 SPEEDS, ANGLES = 121, 91  # of curves and maps

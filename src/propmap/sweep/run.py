@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 import propmap
 from propmap.errors import InputError
 from propmap.results import Loads
+from propmap.rotor import Rotor
 from propmap.sweep.points import (
     AXES,
     Part,
@@ -40,8 +41,6 @@ from propmap.typing import Floats
 
 if TYPE_CHECKING:
     import xarray
-
-    from propmap.rotor import Rotor
 
 POINTS_PER_TASK = 16_384  # some seconds of a core: long beside handing out, short beside a loss
 SAMPLE = 2048  # operating points by which the time of a sweep is predicted

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ import propmap
 from propmap.errors import InputError
 from propmap.loads import LOADS, error_scales
 from propmap.model.envelope import Range
+from propmap.rotor import Rotor
 from propmap.table.certificate import (
     POINTS,
     TableErrors,
@@ -41,10 +42,6 @@ from propmap.table.query import LoadTable
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
 from propmap.units import RPM
-
-if TYPE_CHECKING:
-    from propmap.rotor import Rotor
-
 
 MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; tolerances begin at twice that
 LARGEST_TOLERANCE = 0.1
@@ -452,10 +449,8 @@ def refine(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> R
 
 def spread(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Add to these cells their neighbours, into whose interpolation a jump reaches."""
-    wide = np.pad(cells, 1)
-    n, m = cells.shape
-    parts = [wide[i : i + n, j : j + m] for i in range(3) for j in range(3)]
-    return np.asarray(np.any(parts, axis=0))
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(cells, 1), (3, 3))
+    return np.asarray(around.any(axis=(2, 3)))
 
 
 def _refine_lines(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> None:
