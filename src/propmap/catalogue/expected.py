@@ -666,7 +666,5 @@ def bundled_population(geometry: str = "measured") -> Population:
 
 def parse_populations(text: str) -> dict[str, Population]:
     """Read the populations of a file's ``text``, by the blade that their constants belong to."""
-    return {
-        name: Population(**{key: np.array(value) for key, value in table.items()})
-        for name, table in tomllib.loads(text).items()
-    }
+    tables = tomllib.loads(text).items()
+    return {n: Population(**{key: np.array(v) for key, v in table.items()}) for n, table in tables}

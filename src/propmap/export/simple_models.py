@@ -62,10 +62,8 @@ def gazebo_files(table: LoadTable) -> files.Files:
     samples = files.sample(table)
     fitted = fit_motor_model(table, samples)
     found = files.errors(samples, fitted.loads(samples.omega, samples.inplane))
-    return {
-        f"{files.identifier(table)}_motor.sdf": files.rendered("motor.sdf", table, fitted=fitted),
-        "README-gazebo.txt": files.note("gazebo", table, found),
-    }
+    name, text = files.identifier(table), files.rendered("motor.sdf", table, fitted=fitted)
+    return {f"{name}_motor.sdf": text, "README-gazebo.txt": files.note("gazebo", table, found)}
 
 
 # -------------------------------------------------------------------------------------------------
@@ -120,10 +118,8 @@ def rotorpy_files(table: LoadTable) -> files.Files:
     samples = files.sample(table)
     fitted = fit_rotor(table, samples)
     found = files.errors(samples, fitted.loads(samples.omega, samples.axial, samples.inplane))
-    return {
-        f"{files.identifier(table)}_rotorpy.py": files.rendered("rotorpy.py", table, fitted=fitted),
-        "README-rotorpy.txt": files.note("rotorpy", table, found),
-    }
+    name, text = files.identifier(table), files.rendered("rotorpy.py", table, fitted=fitted)
+    return {f"{name}_rotorpy.py": text, "README-rotorpy.txt": files.note("rotorpy", table, found)}
 
 
 ROTORS = 4  # RotorPy's Multirotor inverts the matrix from its rotors' thrusts to thrust and moments
@@ -252,10 +248,8 @@ def axial_error(table: LoadTable) -> tuple[float, float]:
     beta = table.envelope["beta"][0]
     expected, still = table.loads(omega, speed, beta), table.loads(omega, 0.0, beta)
     thrust, torque = _axial_loads(table, omega, speed)
-    return (
-        float(np.nanmax(abs(thrust - expected.thrust) / still.thrust)),
-        float(np.nanmax(abs(torque - expected.torque) / still.torque)),
-    )
+    of_thrust = np.nanmax(abs(thrust - expected.thrust) / still.thrust)
+    return float(of_thrust), float(np.nanmax(abs(torque - expected.torque) / still.torque))
 
 
 def _axial_loads(table: LoadTable, omega: Floats, axial: Floats) -> tuple[Floats, Floats]:

@@ -102,10 +102,8 @@ def _turned(aircraft: Aircraft) -> Aircraft:
     def turn(vector: Vector) -> Vector:
         return (vector[1], -vector[0], vector[2])
 
-    mounts = tuple(
-        replace(mount, position=turn(mount.position), axis=turn(mount.axis))
-        for mount in vehicle.mounts
-    )
+    places = ((mount, turn(mount.position), turn(mount.axis)) for mount in vehicle.mounts)
+    mounts = tuple(replace(mount, position=at, axis=axis) for mount, at, axis in places)
     # Lift of the body is that in its plane of symmetry: along the left there is none.
     other = replace(vehicle, mounts=mounts, body=body, sensor=turn(vehicle.sensor))
     largest, charge = aircraft.maximum_rotor_speed, aircraft.charge
