@@ -107,11 +107,8 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
 
 def _tunnel(loads: Floats) -> Floats:
     """Differences (L, N) between the loads that several tunnels, or the open air, would read."""
-    found = np.zeros_like(loads)
-    for name in ("thrust", "torque"):
-        k = list(LOADS).index(name)
-        found[k] = TUNNEL_GAIN * np.abs(loads[k])
-    return found
+    gain = [[TUNNEL_GAIN if name in ("thrust", "torque") else 0.0] for name in LOADS]
+    return np.asarray(gain * np.abs(loads))
 
 
 def _installation(model: Model, mount: Installed, at: FlowPoints, loads: Floats) -> Floats:

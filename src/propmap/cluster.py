@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 
-# -------------------------------------------------------------------------------------------------
-# From ``--cluster local:4`` or ``tcp://host:8786`` to workers.
-
 ANSWER_WITHIN = 5.0  # time that a scheduler has to answer [s]
 START_WITHIN = 60.0  # time that a worker of this machine has to start [s]
 
@@ -74,10 +71,8 @@ def _number(address: str, text: str | None) -> int:
     if text is None:
         return os.cpu_count() or 1
     if not text.isdecimal() or not 1 <= int(text) <= MOST_LOCAL:
-        raise InputError(
-            f"--cluster {quoted(address)} asks for {quoted(text)} workers",
-            f"give a number from 1 to {MOST_LOCAL}",
-        )
+        found = f"--cluster {quoted(address)} asks for {quoted(text)} workers"
+        raise InputError(found, f"give a number from 1 to {MOST_LOCAL}")
     return int(text)
 
 
@@ -123,11 +118,9 @@ def _remote(address: str) -> Iterator[DaskWorkers]:
             warnings.simplefilter("ignore", VersionMismatchWarning)
             client = Client(address, timeout=ANSWER_WITHIN)
     except (OSError, TimeoutError):
-        raise InputError(
-            f"no scheduler answers within {ANSWER_WITHIN:g} s",
-            "start one (dask scheduler), or see that its port can be reached from here",
-            address,
-        ) from None
+        found = f"no scheduler answers within {ANSWER_WITHIN:g} s"
+        remedy = "start one (dask scheduler), or see that its port can be reached from here"
+        raise InputError(found, remedy, address) from None
     with client:
         yield DaskWorkers(client)
 
@@ -227,11 +220,9 @@ class DaskWorkers:
             now = time.monotonic()
             alone_since = None if self.count else (alone_since or now)
             if alone_since is not None and now - alone_since > ALONE:
-                raise InputError(
-                    f"all workers left, and none came for {ALONE:g} s",
-                    "start some and run the command again to go on",
-                    str(self.client.scheduler.address),
-                )
+                found = f"all workers left, and none came for {ALONE:g} s"
+                remedy = "start some and run the command again to go on"
+                raise InputError(found, remedy, str(self.client.scheduler.address))
 
 
 def _run(work: Callable[[Any, Any], Any], common: bytes, task: Any) -> Any:
@@ -279,11 +270,9 @@ def check_versions(client: Client) -> None:
     """Raise ``InputError`` for no workers and for versions unlike the ``client``'s."""
     found: Any = client.get_versions(packages=list(SAME))
     if not found["workers"]:
-        raise InputError(
-            "the scheduler has no workers",
-            f"start some: dask worker {client.scheduler.address}",
-            str(client.scheduler.address),
-        )
+        fault = "the scheduler has no workers"
+        remedy = f"start some: dask worker {client.scheduler.address}"
+        raise InputError(fault, remedy, str(client.scheduler.address))
     for message in differences(found):
         raise InputError(*message)
 

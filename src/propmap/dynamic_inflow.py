@@ -46,10 +46,9 @@ class DynamicInflow:
 
     def __init__(self, rotor: Rotor, *, spin: str = "ccw") -> None:
         if not isinstance(rotor, Rotor) or rotor.model.correction_of(PittPeters) is None:
-            raise InputError(
-                "dynamic inflow needs a rotor with the inflow of Pitt and Peters",
-                'add propmap.correction("pitt-peters") to the model\'s corrections',
-            )
+            found = "dynamic inflow needs a rotor with the inflow of Pitt and Peters"
+            remedy = 'add propmap.correction("pitt-peters") to the model\'s corrections'
+            raise InputError(found, remedy)
         self.rotor, self.spin, self._sign = rotor, spin, spin_sign(spin)
 
     def steady(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
@@ -220,11 +219,9 @@ class _StatePoints:
         self.state = self._turned(spread(given, self.direction.shape).reshape(-1, 3))
 
     def _turned(self, vectors: Floats) -> Floats:
-        """Turn mean, x and y to mean, v_s and v_c (N, 3).
-
-        The rear is against the flight. The advancing side is on the right of it where the rotor
-        turns counter-clockwise.
-        """
+        """Turn mean, x and y to mean, v_s and v_c (N, 3)."""
+        # The rear is against the flight. The advancing side is on the right of it where the rotor
+        # turns counter-clockwise.
         mean, x, y = vectors.T
         found = np.empty(vectors.shape)
         found[:, 0], found[:, 1] = mean, self._sign * (x * self._y - y * self._x)

@@ -22,7 +22,9 @@ class InputError(ValueError):
     def __init__(self, found: str, remedy: str = "", where: str = "") -> None:
         self.found, self.remedy, self.where = found, remedy, where
         message = f"{where}: {found}" if where else found
-        super().__init__(_one_line(f"{message}; {remedy}" if remedy else message))
+        # Without line breaks and control characters, which file names may contain.
+        words = " ".join((f"{message}; {remedy}" if remedy else message).split())
+        super().__init__("".join(c if c.isprintable() else "?" for c in words))
 
 
 @contextmanager
@@ -33,11 +35,6 @@ def located(where: str) -> Iterator[None]:
     except InputError as error:
         place = ": ".join(filter(None, (where, error.where)))
         raise InputError(error.found, error.remedy, place) from None
-
-
-def _one_line(text: str) -> str:
-    """``text`` without line breaks and control characters, which file names may contain."""
-    return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
 
 
 def quoted(value: object, limit: int = 40) -> str:

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from propmap.errors import InputError
 from propmap.loads import LOADS
-
-if TYPE_CHECKING:
-    from propmap.rotor import Rotor
+from propmap.rotor import Rotor
 
 REFERENCE_TIP_SPEED = 60.0  # [m/s] at which the constants are taken by default
 

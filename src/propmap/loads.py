@@ -78,45 +78,20 @@ LOADS = {
     load.name: load
     for load in (
         Load("thrust", "thrust", "T", "N", "thrust along the axis", "thrust", inplane=False),
-        Load(
-            "drag",
-            "rotor drag",
-            "D",
-            "N",
-            "rotor drag, in the disk plane against the in-plane velocity",
-            "thrust",
-            inplane=True,
-        ),
+        Load("drag", "rotor drag", "D", "N",
+             "rotor drag, in the disk plane against the in-plane velocity", "thrust", inplane=True),
         Load("torque", "torque", "Q", "N m", "shaft torque", "torque", inplane=False),
-        Load(
-            "roll_moment",
-            "rolling moment",
-            "",
-            "N m",
-            "moment about the in-plane velocity, positive: advancing side lifted",
-            "thrust",
-            inplane=True,
-        ),
-        Load(
-            "side_force",
-            "side force",
-            "Y",
-            "N",
-            "force in the disk plane across the in-plane velocity, towards the retreating side",
-            "thrust",
-            inplane=True,
-        ),
-        Load(
-            "pitch_moment",
-            "pitching moment",
-            "",
-            "N m",
-            "moment about the axis across the in-plane velocity, positive: front lifted",
-            "thrust",
-            inplane=True,
-        ),
+        Load("roll_moment", "rolling moment", "", "N m",
+             "moment about the in-plane velocity, positive: advancing side lifted", "thrust",
+             inplane=True),
+        Load("side_force", "side force", "Y", "N",
+             "force in the disk plane across the in-plane velocity, towards the retreating side",
+             "thrust", inplane=True),
+        Load("pitch_moment", "pitching moment", "", "N m",
+             "moment about the axis across the in-plane velocity, positive: front lifted", "thrust",
+             inplane=True),
     )
-}
+}  # fmt: skip
 """Every load by its name."""
 
 

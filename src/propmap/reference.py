@@ -144,10 +144,9 @@ def make_case(
         found = f"correction {min(others)} is not in the reference"
         raise InputError(found, "leave it out, or use propmap.Rotor")
     if not isinstance(model.airfoil, Airfoil):
-        raise InputError(
-            f"airfoil {model.airfoil.name} is a {type(model.airfoil).__name__}",
-            "give an Airfoil, or use propmap.Rotor; the reference has eqs. (3) and (4) alone",
-        )
+        found = f"airfoil {model.airfoil.name} is a {type(model.airfoil).__name__}"
+        remedy = "give an Airfoil, or use propmap.Rotor; the reference has eqs. (3) and (4) alone"
+        raise InputError(found, remedy)
     for name, value in (("omega", omega), ("v_axial", v_axial), ("v_inplane", v_inplane)):
         if np.ndim(value) != 0 or not math.isfinite(value):
             raise InputError(f"{name} is {value}", "give one finite number")

@@ -114,10 +114,9 @@ class Loads(LoadValues):
         """
         parts = list(self.std_by_source.values())
         if not parts:
-            raise InputError(
-                "nothing is known of the errors of these section constants",
-                "use constants identified or expected by name, or those of a fit's file",
-            )
+            found = "nothing is known of the errors of these section constants"
+            remedy = "use constants identified or expected by name, or those of a fit's file"
+            raise InputError(found, remedy)
         return _load_values(lambda name: np.sqrt(sum(getattr(part, name) ** 2 for part in parts)))
 
     def interval(self, share: float = 0.95) -> tuple[LoadValues, LoadValues]:
@@ -268,12 +267,9 @@ def joined(parts: Sequence[Loads]) -> Loads:
         return Loads(**arrays)
 
     def deviations() -> dict[str, LoadValues]:
-        return {
-            source: _load_values(
-                functools.partial(all_points, [part.std_by_source[source] for part in parts])
-            )
-            for source in parts[0].std_by_source
-        }
+        names = parts[0].std_by_source
+        each = {name: [part.std_by_source[name] for part in parts] for name in names}
+        return {n: _load_values(functools.partial(all_points, its)) for n, its in each.items()}
 
     return Loads(**arrays, deviations=deviations)
 

@@ -80,9 +80,8 @@ class Rotor:
 
     def __init__(self, model: Model, *, accuracy: str = "standard") -> None:
         if not isinstance(model, Model):
-            raise InputError(
-                f"model is {model!r}", "give a Model, from propmap.Model(propeller, airfoil)"
-            )
+            found = f"model is {model!r}"
+            raise InputError(found, "give a Model, from propmap.Model(propeller, airfoil)")
         if accuracy not in ACCURACIES:
             raise InputError(f"accuracy is {accuracy!r}: it must be one of {', '.join(ACCURACIES)}")
         self.model, self.accuracy = model, accuracy
@@ -107,18 +106,13 @@ class Rotor:
         from propmap import core
 
         p, air = self.model.propeller, self.model.air
-        blade = {
-            "station": np.ascontiguousarray(p.station, np.float64),
-            "chord": np.ascontiguousarray(p.chord, np.float64),
-            "twist": np.ascontiguousarray(p.twist, np.float64),
-            "blades": int(p.blades),
-            "root": float(p.root),
-        }
+        blade: dict[str, Any] = {"blades": int(p.blades), "root": float(p.root)}
+        for name in ("station", "chord", "twist"):
+            blade[name] = np.ascontiguousarray(getattr(p, name), np.float64)
         medium = {"density": float(air.density), "viscosity": float(air.viscosity)}
         law = self.model.airfoil.core_law()
         fine = self.accuracy == "fine"
-        made: CoreRotor = core.Rotor(blade, law, medium, core_corrections(self.model), fine)
-        return made
+        return core.Rotor(blade, law, medium, core_corrections(self.model), fine)
 
     def loads(
         self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, **further: Unpack[Further]
@@ -238,10 +232,8 @@ class Rotor:
         wanted = list(names)
         unknown = [name for name in wanted if name not in self.parameters]
         if unknown:
-            raise InputError(
-                f"loads have no derivative by {unknown[0]!r}",
-                f"give some of {', '.join(self.parameters)}",
-            )
+            found = f"loads have no derivative by {unknown[0]!r}"
+            raise InputError(found, f"give some of {', '.join(self.parameters)}")
         points = self._allowed(points)
         shape = points.omega.shape
         loads, slopes = self._core.gradients(wanted, points.rows, cores())
@@ -326,12 +318,9 @@ class Rotor:
         parts = [y[k : k + RADII_TOGETHER] for k in starts]
         # The core takes one radius at least.
         fields = [self._core.disk_field(rows, list(part) or [tip], list(psi)) for part in parts]
-        found = {
-            f"{name}_per_radius" if name in ("thrust", "drag", "torque") else name: np.concatenate(
-                [field[name] for field in fields]
-            )[: y.size]
-            for name in fields[0]
-        }
+        sums = {name: f"{name}_per_radius" for name in ("thrust", "drag", "torque")}
+        joined = {name: np.concatenate([field[name] for field in fields]) for name in fields[0]}
+        found = {sums.get(name, name): values[: y.size] for name, values in joined.items()}
         stalled, reverse = found["past_stall"] > 0.0, found["u_tangential"] < 0.0
         return Inflow(radius=y, azimuth=psi, stalled=stalled, reverse=reverse, **found)
 

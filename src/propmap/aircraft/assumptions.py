@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from propmap.model.corrections import INSTALLED
 from propmap.rotor import Rotor
+from propmap.table.query import LoadTable
+from propmap.typing import Floats
+from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wakes import IN_ONE_PLANE, above_each_other
-
-if TYPE_CHECKING:
-    from propmap.table.query import LoadTable
-    from propmap.vehicle.vehicle import Vehicle
 
 
 def without_body_drag(vehicle: Vehicle) -> str:
@@ -102,11 +100,16 @@ def _wakes(vehicle: Vehicle) -> str:
     return words + ", overlap in one plane not modelled" * _meshing(vehicle)
 
 
-def _meshing(vehicle: Vehicle) -> bool:
-    """Say whether disks overlap in one plane."""
+def hub_distances(vehicle: Vehicle) -> tuple[Floats, Floats]:
+    """Return distances (k, k) between hubs along the axis of the second, and across it [m]."""
     offset = vehicle.hub_positions[:, None] - vehicle.hub_positions
     height = np.abs(np.sum(offset * vehicle.rotor_axes, axis=-1))
-    across = np.sqrt(np.maximum(np.sum(offset**2, axis=-1) - height**2, 0.0))
+    return height, np.sqrt(np.maximum(np.sum(offset**2, axis=-1) - height**2, 0.0))
+
+
+def _meshing(vehicle: Vehicle) -> bool:
+    """Say whether disks overlap in one plane."""
+    height, across = hub_distances(vehicle)
     radius = vehicle.propeller.radius
     near = (across < 2.0 * radius * (1.0 - 1e-9)) & (height < IN_ONE_PLANE * radius)
     return bool(near.sum() > len(near))

@@ -176,11 +176,8 @@ def read_mission(path: str | os.PathLike[str]) -> Mission:
     header = file.header if file else []
     for name in COLUMNS:
         if header.count(name) != 1:
-            raise InputError(
-                f"line 1: column {name} is missing or occurs twice",
-                f"the first line must name {', '.join(COLUMNS)}",
-                where,
-            )
+            found = f"line 1: column {name} is missing or occurs twice"
+            raise InputError(found, f"the first line must name {', '.join(COLUMNS)}", where)
     if file is None or not file.rows:
         raise InputError("there is no row below the header", "add a row per leg", where)
     rows = []

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from propmap.aircraft.sensitivity import Responses, StateChange, spread
 from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.errors import InputError
+from propmap.io.csv import numbers_of
 from propmap.typing import Floats
 from propmap.units import RPM
 
@@ -80,6 +81,16 @@ class Performance:
     limit: str
     at_rest: str
     wind: float
+
+    @property
+    def named(self) -> list[tuple[str, str, NamedState | None]]:
+        """Key, words and state of those that have a name."""
+        return [
+            ("hover", "hover", self.hover),
+            ("least_power", "least power, longest time", self.least_power),
+            ("best_range", "best range", self.best_range),
+            ("fastest", "top speed", self.fastest),
+        ]
 
 
 def endurance(aircraft: Aircraft, states: SteadyStates, more_power: Floats | float = 0.0) -> Floats:
@@ -173,15 +184,8 @@ def performance(
                 if k != TOP:
                     std.pop("speed_std", None)
                 v, lasts = float(found.speed[place]), float(time[place])
-                named[k] = NamedState(
-                    speed=v,
-                    ground_speed=v - wind,
-                    power=float(found.power[place]),
-                    electrical_power=float(found.electrical_power[place]),
-                    endurance=lasts,
-                    distance=lasts * (v - wind),
-                    **std,
-                )
+                powers = float(found.power[place]), float(found.electrical_power[place])
+                named[k] = NamedState(v, v - wind, *powers, lasts, lasts * (v - wind), **std)
     times = endurance(aircraft, states)
     ground = states.speed - wind
     hover, least_power, best_range, top = named
@@ -326,30 +330,27 @@ class StateColumn(NamedTuple):
 
 def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, StateColumn]:
     """Return all quantities by their names in files, and standard deviations that are ``sure``."""
-    found = {
-        "speed_mps": StateColumn(states.speed, "m/s", "horizontal speed through the air"),
-        "climb_mps": StateColumn(states.climb, "m/s", "climb rate"),
-        "bank_deg": StateColumn(
-            np.degrees(states.bank), "degree", "bank of the turn, to the right"
-        ),
-        "pitch_deg": StateColumn(np.degrees(states.pitch), "degree", "pitch, positive nose down"),
-        "roll_deg": StateColumn(
-            np.degrees(states.roll), "degree", "roll, positive right side down"
-        ),
-        "rpm": StateColumn(states.rotor_speed / RPM, "1/min", "rotational speed"),
-        "thrust_N": StateColumn(states.thrust, "N", "thrust"),
-        "torque_Nm": StateColumn(states.torque, "N m", "shaft torque"),
-        "shaft_power_W": StateColumn(states.shaft_power, "W", "power of all shafts"),
-        "electrical_power_W": StateColumn(states.electrical_power, "W", "power from the battery"),
-        "motor_current_A": StateColumn(states.motor_current, "A", "current of a motor"),
-        "throttle": StateColumn(states.throttle, "1", "share of the battery's voltage"),
-        "battery_current_A": StateColumn(states.battery_current, "A", "current of the battery"),
-        "battery_voltage_V": StateColumn(states.battery_voltage, "V", "voltage under load"),
-        "thrust_margin": StateColumn(
-            states.thrust_margin, "1", "thrust at the first limit over that which is needed"
-        ),
-        "residual": StateColumn(states.residual, "1", "unbalanced share of the weight"),
-    }
+    degrees = np.degrees
+    table: tuple[tuple[str, Floats, str, str], ...] = (
+        ("speed_mps", states.speed, "m/s", "horizontal speed through the air"),
+        ("climb_mps", states.climb, "m/s", "climb rate"),
+        ("bank_deg", degrees(states.bank), "degree", "bank of the turn, to the right"),
+        ("pitch_deg", degrees(states.pitch), "degree", "pitch, positive nose down"),
+        ("roll_deg", degrees(states.roll), "degree", "roll, positive right side down"),
+        ("rpm", states.rotor_speed / RPM, "1/min", "rotational speed"),
+        ("thrust_N", states.thrust, "N", "thrust"),
+        ("torque_Nm", states.torque, "N m", "shaft torque"),
+        ("shaft_power_W", states.shaft_power, "W", "power of all shafts"),
+        ("electrical_power_W", states.electrical_power, "W", "power from the battery"),
+        ("motor_current_A", states.motor_current, "A", "current of a motor"),
+        ("throttle", states.throttle, "1", "share of the battery's voltage"),
+        ("battery_current_A", states.battery_current, "A", "current of the battery"),
+        ("battery_voltage_V", states.battery_voltage, "V", "voltage under load"),
+        ("thrust_margin", states.thrust_margin, "1",
+         "thrust at the first limit over that which is needed"),
+        ("residual", states.residual, "1", "unbalanced share of the weight"),
+    )  # fmt: skip
+    found = {name: StateColumn(values, unit, words) for name, values, unit, words in table}
     if sure is None:
         return found
     std = "standard deviation of the "
@@ -363,19 +364,14 @@ def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, 
 
 def rows(states: SteadyStates, sure: StateChange | None = None) -> list[dict[str, Any]]:
     """List a mapping per state of ``columns``, with rpm_1, rpm_2 ... for rotors; None for NaN."""
-    flat: dict[str, list[float]] = {}
+    flat: dict[str, list[Any]] = {}
     for name, column in columns(states, sure).items():
         if column.values.ndim == 1:
-            flat[name] = column.values.tolist()
+            flat[name] = numbers_of(column.values)
             continue
         # thrust_N of the first rotor is thrust_1_N.
         head, _, unit = name.rpartition("_") if "_" in name else (name, "", "")
         for k, values in enumerate(column.values.T, start=1):
-            flat["_".join(filter(None, (head, str(k), unit)))] = values.tolist()
-    return [
-        dict(zip(flat, (v if np.isfinite(v) else None for v in row), strict=True))
-        | {"status": status}
-        for row, status in zip(
-            zip(*flat.values(), strict=True), states.status.tolist(), strict=True
-        )
-    ]
+            flat["_".join(filter(None, (head, str(k), unit)))] = numbers_of(values)
+    flat["status"] = states.status.tolist()
+    return [dict(zip(flat, row, strict=True)) for row in zip(*flat.values(), strict=True)]

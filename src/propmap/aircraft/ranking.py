@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.aircraft.assumptions import hub_distances
 from propmap.aircraft.mission import Mission
 from propmap.aircraft.mission import fly as fly_mission
 from propmap.aircraft.performance import endurance, top_speed
@@ -264,15 +265,9 @@ class Ranking:
 
 def _overlap(vehicle: Vehicle, radius: float) -> str:
     """Say why disks of ``radius`` [m], but for coaxial ones, do not fit; empty where they do."""
-    place, axis = vehicle.hub_positions, vehicle.rotor_axes
-    closest = math.inf
-    for k in range(len(place)):
-        for j in range(k):
-            offset = place[k] - place[j]
-            height = float(offset @ axis[k])
-            across = float(np.linalg.norm(offset - height * axis[k]))
-            if across > COAXIAL * radius and abs(height) < radius:
-                closest = min(closest, across)
+    height, across = hub_distances(vehicle)
+    beside = np.triu((across > COAXIAL * radius) & (height < radius), 1)
+    closest = float(across[beside].min(initial=math.inf))
     if closest >= 2.0 * radius:
         return ""
     return f"the rotors overlap: hubs are {closest:.3g} m apart, the disks {2.0 * radius:.3g} m"
@@ -310,15 +305,11 @@ def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
     """Number the feasible ones not beaten in both hover power and top speed, by hover power."""
     power = np.array([one.hover_power if one.feasible else math.nan for one in judged])
     speed = np.array([one.top_speed if one.feasible else math.nan for one in judged])
-    found = [
-        k
-        for k in range(len(judged))
-        if math.isfinite(power[k] + speed[k])
-        and not (
-            (power <= power[k]) & (speed >= speed[k]) & ((power < power[k]) | (speed > speed[k]))
-        ).any()
-    ]
-    return np.array(sorted(found, key=lambda k: power[k]), dtype=np.intp)
+    less, faster = power[:, None] < power, speed[:, None] > speed
+    no_worse = (power[:, None] <= power) & (speed[:, None] >= speed)
+    beaten = (no_worse & (less | faster)).any(axis=0)
+    front = np.flatnonzero(np.isfinite(power + speed) & ~beaten)
+    return front[np.argsort(power[front], kind="stable")]
 
 
 # -------------------------------------------------------------------------------------------------
@@ -481,16 +472,12 @@ class Task:
         if (self.name == "mission") != (self.mission is not None):
             raise InputError("the task and the mission do not fit", "give a mission for this task")
         if not self.thrust_margin >= 1.0:
-            raise InputError(
-                f"the thrust margin is {self.thrust_margin:g}",
-                "give 1 or more: with less thrust than weight nothing flies",
-            )
+            found = f"the thrust margin is {self.thrust_margin:g}"
+            raise InputError(found, "give 1 or more: with less thrust than weight nothing flies")
         known = MEASURES[self.name]
         if self.measure and self.measure not in known:
-            raise InputError(
-                f"the task {self.name} is not ranked by {self.measure}",
-                f"choose from {', '.join(known)}",
-            )
+            found = f"the task {self.name} is not ranked by {self.measure}"
+            raise InputError(found, f"choose from {', '.join(known)}")
 
     @property
     def ranked_by(self) -> str:

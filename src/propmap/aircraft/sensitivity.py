@@ -134,11 +134,7 @@ def power_gradient(
     InputError
         As ``derivatives``.
     """
-    electric = np.isfinite(states.electrical_power)
-    return {
-        name: np.where(electric, by.electrical_power, by.shaft_power)
-        for name, by in derivatives(aircraft, states, names).items()
-    }
+    return {name: by.power for name, by in derivatives(aircraft, states, names).items()}
 
 
 def spread(aircraft: Aircraft, states: SteadyStates) -> StateChange | None:
@@ -192,24 +188,18 @@ def _has_errors(source: Any) -> bool:
 def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[StateChange]:
     """Differentiate by constants of the section law and geometry."""
     if DIAMETER in names and responses.aircraft.vehicle.wakes is not None:
-        raise InputError(
-            f"there is no derivative by {DIAMETER!r} where rotors are in each other's wakes",
-            "leave them out for it: --no-wakes, or Vehicle(..., wakes=None)",
-        )
+        found = f"there is no derivative by {DIAMETER!r} where rotors are in each other's wakes"
+        raise InputError(found, "leave them out for it: --no-wakes, or Vehicle(..., wakes=None)")
     changes = []
     for source, which in responses.aircraft.rotors.sources:
         if not isinstance(source, Rotor):
-            raise InputError(
-                f"there is no derivative by {names[0]!r}: the loads are from a table",
-                f"give the aircraft a Rotor, or names of {', '.join(VEHICLE)}",
-            )
+            found = f"there is no derivative by {names[0]!r}: the loads are from a table"
+            raise InputError(found, f"give the aircraft a Rotor, or names of {', '.join(VEHICLE)}")
         known = (*(name for name in source.parameters if name not in FlowPoints._fields), DIAMETER)
         unknown = [name for name in names if name not in known]
         if unknown:
-            raise InputError(
-                f"there is no derivative by {unknown[0]!r}",
-                f"choose from {', '.join((*VEHICLE, *known))}",
-            )
+            found = f"there is no derivative by {unknown[0]!r}"
+            raise InputError(found, f"choose from {', '.join((*VEHICLE, *known))}")
         changes.append((_slopes_of(source, names), which))
     return responses.to_each(changes, len(names))
 
@@ -357,14 +347,11 @@ class Responses:
         if flown is not None:
             size = np.maximum(size, 1.0)
         h = self._step / np.where(size > 0.0, size, 1.0)
-        ahead, behind = (
-            self._outcome(
-                self.unknowns + by[:, None] * dx,
-                self.flight if flown is None else self._perturbed(flown, by),
-                now + by[:, None] * dq,
-            )
-            for by in (h, -h)
-        )
+
+        def at(by: Floats) -> StateChange:
+            flight = self.flight if flown is None else self._perturbed(flown, by)
+            unknowns, torque = self.unknowns + by[:, None] * dx, now + by[:, None] * dq
+            return self._outcome(unknowns, flight, torque)
 
         def slope(both: list[Floats]) -> Floats:
             high, low = both
@@ -372,7 +359,7 @@ class Responses:
             found[self.where] = (high - low) / (2.0 * h.reshape(-1, *[1] * (high.ndim - 1)))
             return found
 
-        return _joined([ahead, behind], slope)
+        return _joined([at(h), at(-h)], slope)
 
     def _outcome(self, unknowns: Floats, flight: SteadyFlight, torque: Floats) -> StateChange:
         """Return what changes, at torques (n, k) that are known."""

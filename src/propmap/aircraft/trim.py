@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,15 +17,13 @@ from propmap.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.model.plausibility import FAST_TIP_MACH
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
+from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.units import GRAVITY, SPEED_OF_SOUND
 from propmap.vehicle.log import in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle, Wing
 from propmap.vehicle.vehicle_forces import Rotors, RotorWrenches, free_stream_force, wing_lift
 from propmap.vehicle.wakes import cross
-
-if TYPE_CHECKING:
-    from propmap.table.query import LoadTable
 
 STEEPEST_BANK = math.radians(80.0)
 
@@ -175,11 +173,9 @@ class Aircraft:
         return states.rotor_speed[flown], hubs
 
     def used(self, omega: Floats, velocity: Floats, torque: Floats) -> dict[str, Floats]:
-        """Return the share of each of ``LIMITS`` that n states use, (n,); 0 where none is known.
-
-        Rotors turn at ``omega`` [rad/s] with ``torque`` [N m], (n, k); the hubs move at
-        ``velocity`` (n, k, 3) in the vehicle's frame [m/s].
-        """
+        """Return the share of each of ``LIMITS`` that n states use, (n,), 0 where none is known,
+        with ``omega`` [rad/s] and ``torque`` [N m] (n, k), and the hubs' ``velocity`` (n, k, 3) in
+        the vehicle's frame [m/s]."""
         axial = np.einsum("...kj,kj->...k", velocity, self.rotors.axis)
         across = np.sqrt(np.maximum(np.sum(velocity**2, axis=-1) - axial**2, 0.0))
         tip = np.hypot(omega * self.rotors.radius + across, axial)
@@ -245,10 +241,8 @@ class Aircraft:
         )
 
     def _thrust_margin(self, omega: Floats, velocity: Floats) -> Floats:
-        """Return thrust with all rotors at the first limit over that as they turn, (n,).
-
-        All are sped up alike, or slowed down, where they are beyond a limit: then it is below 1.
-        """
+        """Return thrust with all rotors sped up alike to the first limit, or slowed down to it,
+        over that as they turn, (n,)."""
         count, rotors = omega.shape
 
         def at(factors: Floats) -> tuple[Floats, Floats]:
@@ -256,11 +250,8 @@ class Aircraft:
             turning = omega * factors[..., None]
             moving = np.broadcast_to(velocity, (*turning.shape, 3))
             wrenches = self.rotors.wrenches(turning, moving)
-            shares = self.used(
-                turning.reshape(-1, rotors),
-                moving.reshape(-1, rotors, 3),
-                wrenches.torque.reshape(-1, rotors),
-            )
+            flat = turning.reshape(-1, rotors), moving.reshape(-1, rotors, 3)
+            shares = self.used(*flat, wrenches.torque.reshape(-1, rotors))
             largest = np.max(list(shares.values()), axis=0)
             return largest.reshape(factors.shape), wrenches.thrust.sum(axis=-1)
 
@@ -338,12 +329,9 @@ class Balanced(NamedTuple):
 
 
 class SteadyBalance:
-    """Force and moment balances of a vehicle with given rotors.
-
-    The unknowns are pitch, roll, and the amplitudes of ``controls``.  Moments of inertia play no
-    part: in a steady turn their gyroscopic moments, of some per cent of a rotor's arm times its
-    thrust, are left out.
-    """
+    """Force and moment balances of a vehicle with given rotors: the unknowns are pitch, roll, and
+    the amplitudes of ``controls``. The gyroscopic moments of a steady turn, of some per cent of a
+    rotor's arm times its thrust, are left out."""
 
     def __init__(self, vehicle: Vehicle, rotors: Rotors) -> None:
         self.vehicle, self.rotors = vehicle, rotors
@@ -362,11 +350,8 @@ class SteadyBalance:
     def solve(
         self, flight: SteadyFlight, tolerance: float, first: Floats | None = None
     ) -> Balanced:
-        """Find attitude and rotor speeds of n flights, to an unbalanced share of the weight.
-
-        The search begins at ``first``, unknowns (n, u), by default at what hover and the body's
-        drag make likely.
-        """
+        """Find attitude and rotor speeds of n flights, to an unbalanced share of the weight, from
+        ``first``, unknowns (n, u), by default what hover and the body's drag make likely."""
         if first is None:
             area = self.vehicle.body.drag_area[0]
             push = 0.5 * self.vehicle.air.density * area * flight.speed**2 / self.weight
@@ -405,11 +390,9 @@ class SteadyBalance:
     def motion(
         self, pitch: Floats, roll: Floats, flight: SteadyFlight
     ) -> tuple[Floats, Floats, Floats]:
-        """Return the motion at ``pitch`` and ``roll`` (..., n) [rad] in the vehicle's frame.
-
-        These are the velocity of the centre of mass (..., n, 3) and that of the hubs (..., n, k, 3)
-        [m/s], and the specific force (..., n, 3) [m/s^2].
-        """
+        """Return velocities of the centre of mass (..., n, 3) and of the hubs (..., n, k, 3) [m/s],
+        and the specific force (..., n, 3) [m/s^2], in the vehicle's frame, at ``pitch`` and
+        ``roll`` (..., n) [rad]."""
         velocity = in_vehicle_frame(flight.speed, 0.0, flight.climb, pitch, roll)
         up = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll)
         aside = -GRAVITY * np.tan(flight.bank)
@@ -474,10 +457,8 @@ class Controls(NamedTuple):
 
 
 def controls(rotors: Rotors, arm_of_torque: float) -> Controls:
-    """Find the patterns of a vehicle whose rotors have this arm of the torque about the thrust [m].
-
-    With more rotors than there are forces and moments, the speeds differ least from each other.
-    """
+    """Find the patterns, of speeds that differ least from each other, of a vehicle whose rotors
+    have this arm of the torque about the thrust [m]."""
     turning = -arm_of_torque * rotors.spin[:, None] * rotors.axis
     effect = (np.cross(rotors.position, rotors.axis) + turning).T
     equal = np.ones((len(rotors), 1))
@@ -526,11 +507,9 @@ def solve(
     order: Floats,
     tolerance: float,
 ) -> Floats:
-    """Find the unknowns (n, u) of n systems, from ``first``, or the best there are.
-
-    A step that does not lower the residual is halved.  A system whose residual's norm stays above
-    the ``tolerance`` begins anew at the solution of the system nearest in ``order`` (n,).
-    """
+    """Find the unknowns (n, u) of n systems, from ``first``, or the best there are. A system whose
+    residual's norm stays above the ``tolerance`` begins anew at the solution of the system nearest
+    in ``order`` (n,)."""
     functions = linearised, residuals, bounded
     best, size = _newton(*functions, first, np.arange(len(first)), tolerance)
     for _ in range(RESTARTS):
@@ -615,10 +594,8 @@ def on_the_wing(balance: SteadyBalance, wing: Wing, flight: SteadyFlight) -> Flo
 
 
 def stalled(vehicle: Vehicle, wing: Wing, flight: SteadyFlight) -> Any:
-    """Say whether n flights are slower than their wing's stall speed, (n,) bool.
-
-    It is the speed at which the wing's largest lift is what there is to carry.
-    """
+    """Say whether n flights are slower than the speed at which their wing's largest lift is what
+    there is to carry, (n,) bool."""
     largest = wing_lift(wing, np.linspace(0.0, 2.0 * wing.alpha_0, ANGLES)).max()
     pressure = 0.5 * vehicle.air.density * (flight.speed**2 + flight.climb**2)
     return pressure * largest < _load(vehicle, flight)

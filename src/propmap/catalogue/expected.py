@@ -128,11 +128,9 @@ def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ())
     """Expect the blade of ``wanted``, by the series that its words name or by all; ``measured`` are
     names of propellers of its size in the catalogue, for the summary."""
     families, unknown = series_named(wanted.words)
-    known = [
-        one
-        for one in identified_without_blade()
-        if one.family in families and same_size((wanted.diameter, wanted.pitch), one.size)
-    ]
+    size = wanted.diameter, wanted.pitch
+    known = [one for one in identified_without_blade() if one.family in families]
+    known = [one for one in known if same_size(size, one.size)]
     if len(known) == 1 and not measured and wanted.blades in (None, known[0].blades):
         return blade_of(text, wanted, known[0])
     names = (*measured, *(one.propeller for one in known))
@@ -514,15 +512,11 @@ class PopulationPrior:
         return np.outer(self.deviation, self.deviation) * self.correlation
 
 
-def _population() -> PopulationPrior:
-    mean = np.array([5.31, 2.4, 2.45, 0.226, -0.045, 0.024, -0.019, 0.025])
-    between = np.array([0.16, 0.12, 0.38, 0.10, 0.024, 0.43, 0.014, 0.019])
-    within = np.array([0.09, 0.12, 0.17, 0.10, 0.014, 0.16, 0.007, 0.012])
-    centre = np.where(LOGARITHMIC, np.log(np.where(LOGARITHMIC, mean, 1.0)), mean)
-    return PopulationPrior(centre, np.hypot(between, within))
-
-
-POPULATION = _population()
+_MEAN = np.array([5.31, 2.4, 2.45, 0.226, -0.045, 0.024, -0.019, 0.025])
+_BETWEEN = np.array([0.16, 0.12, 0.38, 0.10, 0.024, 0.43, 0.014, 0.019])
+_WITHIN = np.array([0.09, 0.12, 0.17, 0.10, 0.014, 0.16, 0.007, 0.012])
+_CENTRE = np.where(LOGARITHMIC, np.log(np.where(LOGARITHMIC, _MEAN, 1.0)), _MEAN)
+POPULATION = PopulationPrior(_CENTRE, np.hypot(_BETWEEN, _WITHIN))
 """Small propellers: means of 129 of them, and their spread between and within families, put
 together; a first identification of the UIUC database gave them."""
 
@@ -672,7 +666,5 @@ def bundled_population(geometry: str = "measured") -> Population:
 
 def parse_populations(text: str) -> dict[str, Population]:
     """Read the populations of a file's ``text``, by the blade that their constants belong to."""
-    return {
-        name: Population(**{key: np.array(value) for key, value in table.items()})
-        for name, table in tomllib.loads(text).items()
-    }
+    tables = tomllib.loads(text).items()
+    return {n: Population(**{key: np.array(v) for key, v in table.items()}) for n, table in tables}

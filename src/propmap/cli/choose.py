@@ -28,6 +28,7 @@ from propmap.catalogue.lookup import airfoil as section_law
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError, quoted
+from propmap.io.csv import number_or_none
 from propmap.model.corrections import as_text, corrections_of
 from propmap.tasks import InProcesses, Workers, cores
 from propmap.units import INCH
@@ -84,10 +85,9 @@ def choose(
     out.check_pictures(picture)
     form = out.chosen_format(format_, output)
     if airfoil is not None and not propeller:
-        raise InputError(
-            "--airfoil is given without --propeller",
-            "leave it out: propellers of the catalogue have their own constants",
-        )
+        found = "--airfoil is given without --propeller"
+        remedy = "leave it out: propellers of the catalogue have their own constants"
+        raise InputError(found, remedy)
 
     read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
 
@@ -148,9 +148,8 @@ def _legs(task: str) -> Mission | None:
         return None
     if not task.lower().endswith(".csv"):
         known = ", ".join(name for name in MEASURES if name != "mission")
-        raise InputError(
-            f"--task {quoted(task)} is not known", f"choose from {known}, or name a mission's .csv"
-        )
+        found = f"--task {quoted(task)} is not known"
+        raise InputError(found, f"choose from {known}, or name a mission's .csv")
     return read_mission(task)
 
 
@@ -268,7 +267,7 @@ def _rows(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
         }
         rows.append(
             {"propeller": one.candidate.name, "blades": one.candidate.propeller.blades}
-            | {key: out.number_or_none(value) for key, value in numbers.items()}
+            | {key: number_or_none(value) for key, value in numbers.items()}
             | {"feasible": one.feasible, "top_speed_limit": one.limit, "why_not": one.why_not}
             | {"constants": one.candidate.verdict}
         )

@@ -99,9 +99,8 @@ def export(
         for name, value in given.items():
             if value is not None:
                 option = f"--{name.replace('_', '-')}"
-                raise InputError(
-                    f"{option} is given with --to {to}, which has none", "leave it out"
-                )
+                fault = f"{option} is given with --to {to}, which has none"
+                raise InputError(fault, "leave it out")
 
     find_export(to)
     if to in AUTOPILOTS:
@@ -110,18 +109,11 @@ def export(
         refuse(prop=prop)
         check_folder(output)
         if source.suffix.lower() != ".toml":
-            raise InputError(
-                f"{to} takes a vehicle file", "give VEHICLE.toml, see propmap trim", str(source)
-            )
+            fault = f"{to} takes a vehicle file"
+            raise InputError(fault, "give VEHICLE.toml, see propmap trim", str(source))
         speeds = SPEEDS if speed is None else opt.parse_axis("--speed", "speed", speed, len(SPEEDS))
-        craft = opt.aircraft_of(
-            opt.vehicle_of(source, no_wakes=no_wakes),
-            airfoil=airfoil,
-            table=table,
-            model=model,
-            correction=correction,
-            charge=1.0 if charge is None else charge,
-        )
+        read, full = opt.vehicle_of(source, no_wakes=no_wakes), 1.0 if charge is None else charge
+        craft = opt.aircraft_of(read, airfoil, table, model, correction, charge=full)
         with out.blamed_on(source):
             paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=force)
         out.note(*assumption_lines(assumptions(craft.vehicle, craft.loads)))
@@ -136,17 +128,13 @@ def export(
         refuse(prop=prop, model=model, correction=correction or None)
         refuse(airfoil=airfoil, speed=speed, charge=charge)
         if to not in VEHICLE_TARGETS:
-            raise InputError(
-                f"this is a vehicle file, and {to} is written of a table alone",
-                f"give the table, or --to {', '.join(VEHICLE_TARGETS)}, px4 or ardupilot",
-                str(source),
-            )
+            fault = f"this is a vehicle file, and {to} is written of a table alone"
+            remedy = f"give the table, or --to {', '.join(VEHICLE_TARGETS)}, px4 or ardupilot"
+            raise InputError(fault, remedy, str(source))
         if table is None:
-            raise InputError(
-                "this is a vehicle file, and the loads of its rotors are not given",
-                "build a table with propmap table and give it as --table FILE.npz",
-                str(source),
-            )
+            fault = "this is a vehicle file, and the loads of its rotors are not given"
+            remedy = "build a table with propmap table and give it as --table FILE.npz"
+            raise InputError(fault, remedy, str(source))
         check_folder(output)
         vehicle, loads = opt.vehicle_of(source, no_wakes=no_wakes), LoadTable.load(table)
         with out.blamed_on(source):
@@ -182,9 +170,8 @@ def _table_of(
         given = {"--prop": prop, "--model": physics, "--correction": corrections}
         for option, value in given.items():
             if value:
-                raise InputError(
-                    f"{option} is given with a table, which has its own", "leave it out"
-                )
+                found = f"{option} is given with a table, which has its own"
+                raise InputError(found, "leave it out")
         return LoadTable.load(source)
 
     law = opt.with_physics(section_law(source), physics, corrections)

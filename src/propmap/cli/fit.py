@@ -173,11 +173,9 @@ def section_prior(
         families = sorted({one.family for one in all_identified()})
         if source not in families:
             close = difflib.get_close_matches(source, families, n=3) or families
-            raise InputError(
-                f"{quoted(source)} is no family of identified propellers",
-                f"give family, population, none or a code such as {', '.join(close)}",
-                "--prior-from",
-            )
+            fault = f"{quoted(source)} is no family of identified propellers"
+            remedy = f"give family, population, none or a code such as {', '.join(close)}"
+            raise InputError(fault, remedy, "--prior-from")
         family = source
     found = None if meant is None or blade is None else own_constants(meant, blade.blades)
     own = found.tested if found is not None else None
@@ -372,9 +370,8 @@ def fit_tunnel(
         try:
             weights[name.strip()] = float(value)
         except ValueError:
-            raise InputError(
-                f"--weight {text!r} has no number", "write --weight thrust=2"
-            ) from None
+            found = f"--weight {text!r} has no number"
+            raise InputError(found, "write --weight thrust=2") from None
     air = choice.medium()
     measured = tunnel.read_tunnel(data, blade, air)
     warnings = tunnel.tunnel_warnings(data, blade, air)
@@ -395,19 +392,10 @@ def fit_tunnel(
         fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
     _refuse_poor(fitted, warnings, accept=accept)
     remarks = [*range_warnings(fitted.rows), *comparison.failing_assumptions(fitted, rows_for)]
-    _finish_tunnel(
-        choice,
-        model,
-        measured,
-        fitted,
-        output,
-        picture,
-        data=tunnel.sources(data),
-        weights=weights,
-        prior=expected,
-        remarks=[*remarks, *comparison.unlikely_constants(fitted)],
-        warnings=warnings,
-    )
+    remarks += comparison.unlikely_constants(fitted)
+    said: Any = {"prior": expected, "remarks": remarks, "warnings": warnings}
+    said |= {"data": tunnel.sources(data), "weights": weights}
+    _finish_tunnel(choice, model, measured, fitted, output, picture, **said)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -461,34 +449,19 @@ def fit_static(
     remarks = [*range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]
     if expected is not None:
         remarks += _like_electrical(fitted, measured)
-    _finish_tunnel(
-        choice,
-        model,
-        measured,
-        fitted,
-        output,
-        picture,
-        data=files,
-        weights={},
-        prior=expected,
-        remarks=remarks,
-        warnings=warnings,
-    )
+    said: Any = {"prior": expected, "remarks": remarks, "warnings": warnings}
+    said |= {"data": files, "weights": {}}
+    _finish_tunnel(choice, model, measured, fitted, output, picture, **said)
     _show_trust(comparison.forward_trust(model, fitted, float(np.median(measured.omega)), setting))
 
 
 def _read_static(path: Path, propeller: Propeller, air: Air) -> tunnel.TunnelData:
-    """Read loads at rest; coefficients become loads with this propeller and air.
-
-    Raises ``InputError`` that names the file and what is wrong in it, also where the air moves.
-    """
+    """Read loads at rest, coefficients with this propeller and air; ``InputError`` names the file
+    and what is wrong in it, also where the air moves."""
     found = tunnel.measured_loads(path, at_rest=True)(propeller, air)
     if np.any(found.speed > STILL):
-        raise InputError(
-            f"the air moves in some rows, by up to {np.max(found.speed):g} m/s",
-            "fit such data with propmap fit tunnel",
-            str(path),
-        )
+        fault = f"the air moves in some rows, by up to {np.max(found.speed):g} m/s"
+        raise InputError(fault, "fit such data with propmap fit tunnel", str(path))
     return replace(found, speed=np.zeros_like(found.speed), beta=np.zeros_like(found.speed))
 
 
@@ -514,17 +487,12 @@ def _show_trust(trust: comparison.ForwardTrust) -> None:
             return "-"
         return f"{f'{before:.0%}' if np.isfinite(before) else '?'} -> {after:.0%}"
 
-    rows = [
-        (
-            f"{trust.advance[k]:.1f}",
-            f"{np.degrees(trust.beta[k]):.0f} deg",
-            f"{trust.load[k, 0]:.3g} N",
-            change(trust.before[k, 0], trust.after[k, 0]),
-            f"{trust.load[k, 1]:.3g} N m",
-            change(trust.before[k, 1], trust.after[k, 1]),
-        )
-        for k in range(trust.advance.size)
-    ]
+    rows = []
+    for k, (advance, beta) in enumerate(zip(trust.advance, trust.beta, strict=True)):
+        thrust, torque = trust.load[k]
+        left = [change(*pair) for pair in zip(trust.before[k], trust.after[k], strict=True)]
+        where = f"{advance:.1f}", f"{np.degrees(beta):.0f} deg"
+        rows.append((*where, f"{thrust:.3g} N", left[0], f"{torque:.3g} N m", left[1]))
     heads = "J|beta|thrust|sd before -> after|torque|sd before -> after"
     title = f"What is left uncertain of flight at {trust.omega / RPM:.0f} rpm, 0 deg along the axis"
     out.show(

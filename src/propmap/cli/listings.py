@@ -57,18 +57,13 @@ def list_airfoils(format_: out.FormatOption = None, output: out.TextOutput = Non
         rows = [one.metadata() for one in sets]
         out.emit_rows(list(rows[0]), rows, chosen, output)
         return
-    cells = [
-        (
-            one.name,
-            *(f"{value:g}" for value in (one.c_l1, one.c_l2, one.c_d)),
-            *(f"{np.degrees(angle):.1f}" for angle in (one.alpha_0, one.zero_lift_angle)),
-            one.source,
-        )
-        for one in sets
-    ]
-    out.show(
-        output, out.grid("<name|c_l1 [1/rad]|c_l2|c_d|alpha_0 [deg]|zero lift [deg]|<source", cells)
-    )
+    cells = []
+    for one in sets:
+        figures = (f"{value:g}" for value in (one.c_l1, one.c_l2, one.c_d))
+        angles = (f"{np.degrees(angle):.1f}" for angle in (one.alpha_0, one.zero_lift_angle))
+        cells.append((one.name, *figures, *angles, one.source))
+    heads = "<name|c_l1 [1/rad]|c_l2|c_d|alpha_0 [deg]|zero lift [deg]|<source"
+    out.show(output, out.grid(heads, cells))
 
 
 @airfoils_app.command("show")
@@ -170,11 +165,9 @@ def _constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> list[ob
         if isinstance(meant, Entry):
             # Else a note on the blade has said what both rest on.
             shown.append(predicted.summary)
-    others = sorted(
-        one.blades
-        for one in all_identified()
-        if isinstance(meant, Entry) and one.propeller == meant.name and one.blades != blade.blades
-    )
+    name = meant.name if isinstance(meant, Entry) else None
+    same = [one.blades for one in all_identified() if one.propeller == name]
+    others = sorted({*same} - {blade.blades})
     if others:
         shown.append(f"identified with {' and '.join(map(str, others))} blades too: --blades N")
     assert law.uncertainty is not None  # both kinds carry it

@@ -160,15 +160,12 @@ class RotorChoice:
         stated = self.rho is not None or self.mu is not None
         if self.altitude is not None or self.temperature_offset is not None:
             if stated:
-                raise InputError(
-                    "the air is given twice, by its figures and by the standard atmosphere",
-                    "give --rho and --mu, or --altitude and --temperature-offset",
-                )
+                found = "the air is given twice, by its figures and by the standard atmosphere"
+                remedy = "give --rho and --mu, or --altitude and --temperature-offset"
+                raise InputError(found, remedy)
             return Air.standard(self.altitude or 0.0, self.temperature_offset or 0.0)
-        air = Air(
-            PAPER_DENSITY if self.rho is None else self.rho,
-            PAPER_VISCOSITY if self.mu is None else self.mu,
-        )
+        density = PAPER_DENSITY if self.rho is None else self.rho
+        air = Air(density, PAPER_VISCOSITY if self.mu is None else self.mu)
         note(*air_warnings(air))
         return air
 
@@ -250,11 +247,9 @@ def constants(name_or_path: str) -> Airfoil:
     """Read the constants that ``--airfoil`` names; ``InputError`` for a section table."""
     found = airfoil(name_or_path)
     if isinstance(found, SectionTable):
-        raise InputError(
-            "this is a section table, which has no constants such as c_l1 to fit or to fly with",
-            f"give one of {', '.join(airfoil_names())}, or a .toml file",
-            name_or_path,
-        )
+        fault = "this is a section table, which has no constants such as c_l1 to fit or to fly with"
+        remedy = f"give one of {', '.join(airfoil_names())}, or a .toml file"
+        raise InputError(fault, remedy, name_or_path)
     return found
 
 
@@ -317,7 +312,6 @@ def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
 
 def aircraft_of(
     vehicle: Vehicle,
-    *,
     airfoil: str | None,
     table: Path | None,
     model: ModelName | None,
@@ -328,29 +322,24 @@ def aircraft_of(
 ) -> Aircraft:
     """Make the aircraft, with loads from a table or from a rotor in the vehicle's air."""
     limits = {"maximum_rotor_speed": checked_rpm(maximum_rpm), "charge": charge}
+    from propmap.aircraft.trim import Aircraft
+
     if table is not None:
         if airfoil or model or correction:
-            raise InputError(
-                "--table is given with --airfoil, --model or --correction",
-                "leave these out: the table was built with its own",
-            )
-        from propmap.aircraft.trim import Aircraft
+            fault = "--table is given with --airfoil, --model or --correction"
+            raise InputError(fault, "leave these out: the table was built with its own")
         from propmap.table.query import LoadTable
 
-        found = LoadTable.load(table)
-        return Aircraft(vehicle, found, **limits)
+        return Aircraft(vehicle, LoadTable.load(table), **limits)
     blade = vehicle.propeller
     # A name that is not in the catalogue is of a file, written so that it is taken for one.
     name = blade.name if blade.name in catalogue.names() else f"./{blade.name}"
-    law = with_physics(
-        section_law(airfoil, name, blade), model, correction, installed=airfoil is None
-    )
+    law = section_law(airfoil, name, blade)
+    law = with_physics(law, model, correction, installed=airfoil is None)
 
-    from propmap.aircraft.trim import Aircraft
     from propmap.rotor import Rotor
 
-    rotor = Rotor(Model(blade, law, vehicle.air), accuracy=accuracy)
-    return Aircraft(vehicle, rotor, **limits)
+    return Aircraft(vehicle, Rotor(Model(blade, law, vehicle.air), accuracy=accuracy), **limits)
 
 
 def checked_rpm(maximum: float | None) -> float:
@@ -373,9 +362,8 @@ def single_point(rpm: float, speed: float, beta: float, **further: float | None)
         return np.array([check_value(name, value)])
 
     more = {name: checked(name, v) for name, v in further.items() if v is not None}
-    return OperatingPoints(
-        checked("rpm", rpm), checked("speed", speed), checked("beta", beta), more
-    )
+    w, v, b = (checked(*one) for one in (("rpm", rpm), ("speed", speed), ("beta", beta)))
+    return OperatingPoints(w, v, b, more)
 
 
 def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:
@@ -500,18 +488,14 @@ def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterato
     from propmap.cluster import connected
 
     with connected(cluster) as workers:
-        echo(
-            f"{workers.count} worker threads, dashboard at {workers.client.dashboard_link}",
-            err=True,
-        )
+        link = workers.client.dashboard_link
+        echo(f"{workers.count} worker threads, dashboard at {link}", err=True)
         yield workers
 
 
 def workers_of_bootstrap(cluster: str | None, bootstrap: int) -> AbstractContextManager[Workers]:
     """Connect as ``workers_of`` does for a fit, whose only independent tasks are its refits."""
     if cluster is not None and not bootstrap:
-        raise InputError(
-            "--cluster spreads the refits of --bootstrap, of which there are none",
-            "give --bootstrap 200, or leave --cluster out",
-        )
+        found = "--cluster spreads the refits of --bootstrap, of which there are none"
+        raise InputError(found, "give --bootstrap 200, or leave --cluster out")
     return workers_of(cluster)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import math
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from typer import Option, echo
 
 from propmap.errors import InputError
-from propmap.io.csv import csv_text, replacing
+from propmap.io.csv import check_place, csv_text, replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -50,21 +48,11 @@ def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool
     written at the path, or one is there and ``keep_existing``."""
     where = str(path)
     if endings and path.suffix.lower() not in endings:
-        raise InputError(
-            f"the file's ending is {path.suffix!r}", f"use {' or '.join(endings)}", where
-        )
-    try:
-        is_folder, in_folder, exists = path.is_dir(), path.parent.is_dir(), path.exists()
-    except ValueError as error:
-        raise InputError(f"not a path: {error}", "choose another name", where) from None
-    if is_folder:
+        found = f"the file's ending is {path.suffix!r}"
+        raise InputError(found, f"use {' or '.join(endings)}", where)
+    if path.is_dir():
         raise InputError("this is a folder", "name a file inside it", where)
-    if not in_folder:
-        found = f"there is no folder {str(path.parent)!r}"
-        raise InputError(found, "make it or choose another", where)
-    if not os.access(path.parent, os.W_OK):
-        raise InputError("the folder cannot be written to", "choose another", where)
-    if exists and keep_existing:
+    if check_place(path, where) and keep_existing:
         raise InputError("the file exists", "pass --force to replace it", where)
 
 
@@ -136,11 +124,6 @@ def blamed_on(file: Path) -> Iterator[None]:
         yield
     except InputError as error:
         raise InputError(error.found, error.remedy, error.where or str(file)) from None
-
-
-def number_or_none(value: float) -> float | None:
-    """Return the value for JSON, None where it is not finite."""
-    return float(value) if math.isfinite(value) else None
 
 
 def json_text(value: Any) -> str:

@@ -157,9 +157,8 @@ def explore(
 ) -> None:
     """Explore a propeller in the browser."""
     if importlib.util.find_spec("dash") is None:
-        raise InputError(
-            "the package dash is not installed", "pip install '.[explore]' in propmap's checkout"
-        )
+        found = "the package dash is not installed"
+        raise InputError(found, "pip install '.[explore]' in propmap's checkout")
     from propmap.explore.app import Application, guard, is_loopback, listen, names_of, serve
     from propmap.explore.session import Session, Shelf, read_path
     from propmap.explore.views import VIEWS
@@ -175,8 +174,6 @@ def explore(
     guard(app.dash.server, names_of(host))
     server = listen(app.dash.server, host, port, PORT)
     if not is_loopback(host):
-        echo(
-            f"propmap: warning: whoever reaches {host} can use this server: it has no password",
-            err=True,
-        )
+        who = f"whoever reaches {host} can use this server: it has no password"
+        echo(f"propmap: warning: {who}", err=True)
     serve(server, echo, browser=browser, host=host)

@@ -119,15 +119,8 @@ def _one_point(
     for name, unit in units.items():
         load = LOADS.get(name)
         columns = [load.column_of(kind) if load else f"power_{kind}_W" for kind in kinds]
-        rows.append(
-            (
-                load.label if load else name,
-                _digits(getattr(loads, name)[0]),
-                *(f"{spread[column][0]:.2g}" for column in columns),
-                _digits(hover[name][0]),
-                unit,
-            )
-        )
+        own, given = _digits(getattr(loads, name)[0]), [f"{spread[one][0]:.2g}" for one in columns]
+        rows.append((load.label if load else name, own, *given, _digits(hover[name][0]), unit))
     none = [""] * len(kinds)
     rows += [
         ("mean inflow", _digits(loads.mean_inflow[0]), *none, "", "m/s"),

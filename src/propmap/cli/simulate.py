@@ -92,9 +92,8 @@ def simulate_flight(
         if not 0.0 <= size < math.inf:
             raise InputError(f"{option} is {size:g}", "give a standard deviation, 0 or more")
     if noise > LARGEST_ERROR:
-        raise InputError(
-            f"--noise is {noise:g}, a share of the weight", f"give at most {LARGEST_ERROR:g}"
-        )
+        found = f"--noise is {noise:g}, a share of the weight"
+        raise InputError(found, f"give at most {LARGEST_ERROR:g}")
     out.check_output(output, (".csv",), keep_existing=not force)
     law = opt.with_physics(opt.constants(section), model, correction)
 
@@ -114,11 +113,8 @@ def simulate_flight(
     read = read_vehicle(vehicle)
     flown = replace(read.vehicle, wakes=None) if no_wakes else read.vehicle
     if any(read.vehicle.sensor):
-        raise InputError(
-            "the vehicle has [sensor], and a simulated accelerometer is at the centre of mass",
-            "remove that table",
-            str(vehicle),
-        )
+        found = "the vehicle has [sensor], and a simulated accelerometer is at the centre of mass"
+        raise InputError(found, "remove that table", str(vehicle))
 
     # Another stream than that of the sensors.
     error = noise * np.random.default_rng([seed, 1]).standard_normal(speeds.size)
@@ -145,19 +141,12 @@ def simulate_flight(
 
 def _expected(expected: Expectation, flights: int) -> Table:
     found = expected.uncertainty
-    rows = [
-        (
-            name,
-            *(f"{value:.4g}" for value in (expected.truth[k], found.low[k], found.high[k])),
-            EVERY[name].unit,
-            found.verdicts[k],
-        )
-        for k, name in enumerate(expected.choice.free)
-    ]
-    title = (
-        f"To expect of {flights} speeds with a force error of {expected.error:.2%} of the weight "
-        "each"
-    )
+    rows = []
+    for k, name in enumerate(expected.choice.free):
+        values = (f"{each[k]:.4g}" for each in (expected.truth, found.low, found.high))
+        rows.append((name, *values, EVERY[name].unit, found.verdicts[k]))
+    share = f"{expected.error:.2%} of the weight each"
+    title = f"To expect of {flights} speeds with a force error of {share}"
     return out.grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)
 
 

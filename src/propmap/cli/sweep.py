@@ -16,7 +16,7 @@ from typer import Argument, Option, echo
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
-from propmap.io.csv import OperatingPoints, loads_csv, std_columns, write_dataset
+from propmap.io.csv import OperatingPoints, check_place, loads_csv, std_columns, write_dataset
 from propmap.results import Loads, joined
 from propmap.study.files import StudyFile, Surface, read_study, response_surface
 from propmap.study.run import VARIABLES, Study
@@ -41,11 +41,7 @@ Yes = Annotated[
 
 def check_store(path: Path, *, force: bool) -> None:
     """Raise ``InputError`` where no store can be made or gone on with; ``force`` removes ours."""
-    if not path.parent.is_dir():
-        raise InputError(
-            f"there is no folder {str(path.parent)!r}", "make it or choose another", str(path)
-        )
-    if path.exists():
+    if check_place(path, str(path)):
         begun(path)
         if force:
             shutil.rmtree(path)
@@ -57,11 +53,8 @@ def opened(path: Path, layout: Layout) -> Store:
     if not path.exists():
         free = shutil.disk_usage(path.parent).free
         if layout.bytes > free:
-            raise InputError(
-                f"this takes up to {decimal(layout.bytes)}, and {decimal(free)} are free",
-                "choose another disk or fewer points",
-                where,
-            )
+            found = f"this takes up to {decimal(layout.bytes)}, and {decimal(free)} are free"
+            raise InputError(found, "choose another disk or fewer points", where)
         return Store.create(path, layout)
     try:
         store = Store.resume(path, layout)
@@ -165,15 +158,11 @@ def sweep(
         _stream(made, axes, output, command, cluster=cluster, yes=yes)
         return
     if cluster is not None:
-        raise InputError(
-            f"--cluster with {output.name}: only a Zarr store is written by many workers",
-            "end the file's name with .zarr",
-        )
+        found = f"--cluster with {output.name}: only a Zarr store is written by many workers"
+        raise InputError(found, "end the file's name with .zarr")
     if count > MOST_POINTS:
-        raise InputError(
-            f"the grid has {count} points, more than the {MOST_POINTS} of such a file",
-            "end the file's name with .zarr",
-        )
+        found = f"the grid has {count} points, more than the {MOST_POINTS} of such a file"
+        raise InputError(found, "end the file's name with .zarr")
     out.check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
     rotor = choice.rotor()
     points = OperatingPoints.grid(*axes)
@@ -270,10 +259,8 @@ def study(
     layout = made.layout(opt.command_line(context))
     points = math.prod(made.shape)
     if not streamed and points > MOST_IN_MEMORY:
-        raise InputError(
-            f"the study has {points} points, more than the {MOST_IN_MEMORY} of a NetCDF file",
-            "end the file's name with .zarr",
-        )
+        fault = f"the study has {points} points, more than the {MOST_IN_MEMORY} of a NetCDF file"
+        raise InputError(fault, "end the file's name with .zarr")
     store = opened(output, layout) if streamed else InMemory(layout)
     run_announced(made, store, layout, cluster, yes=yes, what="points")
     if isinstance(store, InMemory):
@@ -319,13 +306,7 @@ def _show_surface(
     across, up = (
         f"{name.replace('_', ' ')} [{VARIABLES[name][0]}]" for name in (asked.across, asked.up)
     )
-    figure = response_picture(
-        f"{read.title}: {', '.join(fixed)}" if fixed else read.title,
-        f"{asked.quantity.replace('_', ' ')} [{unit}]",
-        surface,
-        (asked.across, asked.up),
-        (across, up),
-        made.rows,
-        values,
-    )
+    title = f"{read.title}: {', '.join(fixed)}" if fixed else read.title
+    of, axes = f"{asked.quantity.replace('_', ' ')} [{unit}]", (asked.across, asked.up)
+    figure = response_picture(title, of, surface, axes, (across, up), made.rows, values)
     out.save_picture(figure, picture)

@@ -130,20 +130,14 @@ def certificate_of(found: LoadTable) -> Iterator[object]:
     }
     parameters = found.info.get("parameter_uncertainty")
     if parameters:
-        columns |= {
-            "parameters, median": parameters["median"],
-            "parameters, 95 %": parameters["percentile_95"],
-        }
+        columns["parameters, median"] = parameters["median"]
+        columns["parameters, 95 %"] = parameters["percentile_95"]
     places = largest_at(errors)
     heads = [*columns, *(f"at [{unit}]" for unit in PLACE.values() if places)]
-    rows = [
-        (
-            title,
-            *(f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values()),
-            *(f"{value:.4g}" for value in places.get(name) or ()),
-        )
-        for name, title in TITLES.items()
-    ]
+    rows = []
+    for name, title in TITLES.items():
+        shares = (f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values())
+        rows.append((title, *shares, *(f"{value:.4g}" for value in places.get(name) or ())))
     yield out.grid("|".join(["<error, share of static", *heads]), rows, "Certificate")
     yield from claims(errors)
     yield from parameter_claims(parameters) if parameters else ()

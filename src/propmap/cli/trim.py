@@ -28,7 +28,7 @@ from propmap.catalogue.identified import identified
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
-from propmap.io.csv import write_dataset
+from propmap.io.csv import number_or_none, numbers_of, write_dataset
 from propmap.model.plausibility import point_warnings
 from propmap.rotor import Rotor
 from propmap.units import RPM
@@ -36,9 +36,6 @@ from propmap.units import RPM
 if TYPE_CHECKING:
     import xarray
 
-
-# -------------------------------------------------------------------------------------------------
-# ``propmap trim``: an aircraft's steady states, its power curve and top speed.
 
 SPEEDS = 21  # where --speed is A:B
 
@@ -82,9 +79,8 @@ def trim(
     speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS)
     climbs = opt.parse_axis("--climb", "climb", climb)
     if mission is not None and (bank or climbs.size > 1 or climbs[0] != 0.0):
-        raise InputError(
-            "--mission is given with --climb or --bank", "leave these out: legs say all"
-        )
+        fault = "--mission is given with --climb or --bank"
+        raise InputError(fault, "leave these out: legs say all")
     if not math.isfinite(bank):
         raise InputError(f"--bank is {bank}", "give degrees")
     out.check_pictures(picture)
@@ -97,16 +93,7 @@ def trim(
 
     read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
     legs = read_mission(mission) if mission is not None else None
-    craft = opt.aircraft_of(
-        read,
-        airfoil=airfoil,
-        table=table,
-        model=model,
-        correction=correction,
-        accuracy=accuracy,
-        maximum_rpm=max_rpm,
-        charge=charge,
-    )
+    craft = opt.aircraft_of(read, airfoil, table, model, correction, accuracy, max_rpm, charge)
     rests_on = assumptions(read, craft.loads)
     if form == "csv":
         out.note(*assumption_lines(rests_on))
@@ -146,12 +133,12 @@ def trim(
         listed = [row for both in zip(flown, sure, strict=True) for row in rows(*both)]
         if found is not None:
             for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
-                row["endurance_s"] = out.number_or_none(time)
-                row["distance_m"] = out.number_or_none(way)
+                row["endurance_s"] = number_or_none(time)
+                row["distance_m"] = number_or_none(way)
         whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "assumptions": rests_on}
         whole["states"] = listed
         if found is not None:
-            whole["performance"] = {name: plain(state) for name, _, state in _named(found)}
+            whole["performance"] = {name: plain(state) for name, _, state in found.named}
             whole["performance"]["top_speed_limit"] = found.limit or None
         out.emit_rows(list(listed[0]), listed, form, output, whole=whole)
     if picture is not None:
@@ -185,10 +172,8 @@ def _note_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
 
 
 def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "") -> None:
-    """Note which states are beyond the data of the constants, or implausible.
-
-    ``where`` begins each note, if these are not all states.
-    """
+    """Note, after ``where`` if these are not all, which states are implausible or beyond the data
+    of the constants."""
     if not isinstance(craft.loads, Rotor):
         return
     blade = craft.vehicle.propeller
@@ -220,7 +205,7 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
 
 def plain(state: NamedState | None) -> dict[str, float | None] | None:
     """Return the fields of a state for JSON, None where there is none."""
-    return None if state is None else {k: out.number_or_none(v) for k, v in vars(state).items()}
+    return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
 
 
 def _title(craft: Aircraft) -> str:
@@ -246,10 +231,8 @@ def _table(
     def cells(values: Any) -> list[str]:
         return [_digits(value) for value in values]
 
-    columns = {
-        "V [m/s]": [f"{v:.4g}" for v in states.speed],
-        "pitch [deg]": cells(np.degrees(states.pitch)),
-    }
+    columns = {"V [m/s]": [f"{v:.4g}" for v in states.speed]}
+    columns["pitch [deg]"] = cells(np.degrees(states.pitch))
     if np.nanmax(np.abs(np.nan_to_num(states.roll))) > LEVEL:
         columns["roll [deg]"] = cells(np.degrees(states.roll))
     columns |= {
@@ -266,10 +249,8 @@ def _table(
     if np.isfinite(states.throttle).any():
         columns["throttle [%]"] = cells(100.0 * states.throttle.max(axis=1))
     if found is not None and np.isfinite(found.endurance).any():
-        columns |= {
-            "time [min]": cells(found.endurance / 60.0),
-            "way [km]": cells(found.distance / 1000.0),
-        }
+        columns["time [min]"] = cells(found.endurance / 60.0)
+        columns["way [km]"] = cells(found.distance / 1000.0)
     columns |= {"thrust margin": cells(states.thrust_margin), "<status": states.status.tolist()}
     climb, bank = float(states.climb[0]), math.degrees(float(states.bank[0]))
     title = f"climb {climb:g} m/s" if climb else (f"bank {bank:g} deg" if bank else "level flight")
@@ -298,22 +279,12 @@ def _span(rpm: Any) -> str:
     return low if low == high else f"{low}-{high}"
 
 
-def _named(found: Performance) -> list[tuple[str, str, NamedState | None]]:
-    """List key, words and state of those that have a name."""
-    return [
-        ("hover", "hover", found.hover),
-        ("least_power", "least power, longest time", found.least_power),
-        ("best_range", "best range", found.best_range),
-        ("fastest", "top speed", found.fastest),
-    ]
-
-
 def _named_lines(craft: Aircraft, found: Performance | None) -> list[str]:
     if found is None:
         return []
     lines = []
     climbs = bool(found.states.climb[0])
-    for name, label, state in _named(found):
+    for name, label, state in found.named:
         words = "straight up or down" if climbs and name == "hover" else label
         if state is None:
             if name == "fastest" and not found.limit:
@@ -346,9 +317,6 @@ def _named_lines(craft: Aircraft, found: Performance | None) -> list[str]:
         lines.append(f"{words}: {', '.join(parts)}{caution}")
     return lines
 
-
-# -------------------------------------------------------------------------------------------------
-# Steady states as an xarray dataset over climb rate and speed.
 
 AXES = ("climb_mps", "speed_mps")
 
@@ -443,14 +411,11 @@ def _fly(
             outcome = f"leg {leg + 1} cannot be flown to its end: {flown.status_in_words(leg)}"
         out.show(output, _title(craft), *assumption_lines(rests_on), body, outcome)
     else:
-        numbers = [[out.number_or_none(v) for v in each.tolist()] for each in columns.values()]
+        numbers = map(numbers_of, columns.values())
         names = [*columns, "status"]
         listed = [dict(zip(names, row, strict=True)) for row in zip(*numbers, status, strict=True)]
         shown = {"time_s": course.time, "charge": course.charge, "voltage_V": course.voltage}
-        over_time = {
-            name: [out.number_or_none(v) for v in each.ravel().tolist()]
-            for name, each in shown.items()
-        }
+        over_time = {name: numbers_of(each) for name, each in shown.items()}
         whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "assumptions": rests_on}
         whole |= {"legs": listed, "over_time": over_time}
         out.emit_rows(names, listed, form, output, whole=whole)

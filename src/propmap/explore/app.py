@@ -134,11 +134,8 @@ class Application:
                 for name, value in {**query_of(here), **session.query()}.items()
                 if name not in gone and not name.startswith(OF_BLADE)
             }
-            query |= {
-                "prop": str(prop or session.prop),
-                "law": str(law or KNOWN),
-                "physics": str(physics or ""),
-            }
+            query |= {"prop": str(prop or session.prop), "law": str(law or KNOWN)}
+            query["physics"] = str(physics or "")
             Session.of(query, self.first, self.shelf).model  # noqa: B018 - it may not exist
         except InputError as error:
             return no_update, str(error)
@@ -149,11 +146,9 @@ class Application:
         try:
             _, comma, body = str(content).partition(",")
             if not comma or len(body) > 1.4 * MOST_BYTES:
-                raise InputError(
-                    "the file is too large" if comma else "there is no file",
-                    f"give one of at most {MOST_BYTES / 1e6:g} MB",
-                    str(name)[-80:],
-                )
+                found = "the file is too large" if comma else "there is no file"
+                remedy = f"give one of at most {MOST_BYTES / 1e6:g} MB"
+                raise InputError(found, remedy, str(name)[-80:])
             try:
                 data = b64decode(body, validate=True)
             except ValueError:
@@ -377,10 +372,8 @@ def listen(app: Flask, host: str, port: int | None, first: int) -> BaseWSGIServe
                     found = f"port {one} of {host} is in use"
                     raise InputError(found, "give another by --port, or end what uses it") from None
                 reason = error.strerror or str(error)
-                raise InputError(
-                    f"cannot listen on {host}, port {one}: {reason}",
-                    "give another --host or --port",
-                ) from None
+                found = f"cannot listen on {host}, port {one}: {reason}"
+                raise InputError(found, "give another --host or --port") from None
     raise AssertionError
 
 

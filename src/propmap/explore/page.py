@@ -70,46 +70,37 @@ def view_page(
     view: View, session: Session, values: Values, controls: Sequence[Control], answer: Answer
 ) -> Any:
     """Make a view with its first answer."""
+    head = html.Div([html.H1(view.title), html.P(view.question, className="question")])
     undo = html.Button("undo", id="undo", n_clicks=0)
-    return html.Div(
-        [
-            html.Div([html.H1(view.title), html.P(view.question, className="question")]),
-            _subject(session),
-            html.Div(
-                [
-                    html.Div([*_settings(controls, values), undo, *view.more()], role="group",
-                             className="settings", **{"aria-label": "Settings"}),
-                    html.Div(
-                        [
-                            html.Div(remarks(answer.remarks), id="remarks", role="status",
-                                     **{"aria-live": "polite"}),
-                            html.Div(legend(answer.legend), id="legend", className="legend"),
-                            html.Div([_place(one, answer) for one in view.graphs(session)],
-                                     className="graphs"),
-                            html.Div([table(one) for one in answer.tables], id="tables"),
-                            _reproduce(view),
-                        ],
-                        className="answer",
-                    ),
-                ],
-                className="columns",
-            ),
-        ],
-        className=f"view view-{view.name}",
-    )  # fmt: skip
+    set_here = *_settings(controls, values), undo, *view.more()
+    settings = _part("settings", *set_here, role="group", **{"aria-label": "Settings"})
+    said = remarks(answer.remarks)
+    shown = _part(
+        "answer",
+        html.Div(said, id="remarks", role="status", **{"aria-live": "polite"}),
+        _part("legend", *legend(answer.legend), id="legend"),
+        _part("graphs", *(_place(one, answer) for one in view.graphs(session))),
+        html.Div([table(one) for one in answer.tables], id="tables"),
+        _reproduce(view),
+    )
+    look = f"view view-{view.name}"
+    return _part(look, head, _subject(session), _part("columns", settings, shown))
 
 
 def failed(session: Session | None, message: str) -> Any:
     """Make a page that says in a line what is wrong."""
-    return html.Div(
-        [
-            html.Div([html.H1("Nothing to show")]),
-            _subject(session),
-            html.Div(remarks([message], "trouble"), id="remarks", role="alert"),
-            *(html.Div(id=name, hidden=True) for name in ("tables", "legend", "command", "python")),
-        ],
-        className="view",
+    return _part(
+        "view",
+        html.Div([html.H1("Nothing to show")]),
+        _subject(session),
+        html.Div(remarks([message], "trouble"), id="remarks", role="alert"),
+        *(html.Div(id=name, hidden=True) for name in ("tables", "legend", "command", "python")),
     )
+
+
+def _part(look: str, *parts: Any, of: Any = html.Div, **more: Any) -> Any:
+    """Make an element of this look that holds the ``parts``."""
+    return of(list(parts), className=look, **more)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -119,16 +110,11 @@ def failed(session: Session | None, message: str) -> Any:
 def _subject(session: Session | None) -> Any:
     """Show what is explored, to be changed."""
     session = session or Session()
-    files = [
-        html.Li(
-            [
-                f"{KINDS[kind]}: {given.name} ",
-                html.Button("remove", id={"remove": kind}, className="quiet", n_clicks=0,
-                            **{"aria-label": f"remove {given.name}"}),
-            ]
-        )
-        for kind, given in session.files.items()
-    ]  # fmt: skip
+    files = []
+    for kind, given in session.files.items():
+        name = {"id": {"remove": kind}, "aria-label": f"remove {given.name}"}
+        remove = html.Button("remove", className="quiet", n_clicks=0, **name)
+        files.append(html.Li([f"{KINDS[kind]}: {given.name} ", remove]))
     laws = [(KNOWN, "best known"), *((name, name) for name in airfoil_names())]
     physics = [("", "as the constants"), *((name, name) for name in PHYSICS)]
     prop = [
@@ -138,30 +124,24 @@ def _subject(session: Session | None) -> Any:
         html.Datalist([html.Option(value=name) for name in names()], id="props"),
     ]  # fmt: skip
     upload = html.Button("Open a file, or drop it here", className="quiet", type="button")
-    return html.Div(
-        [
-            html.Div(prop, className="field"),
-            _radio("law", "Constants", laws, session.law),
-            _radio("physics", "Physics", physics, session.physics),
-            html.Div(dcc.Upload(upload, id="upload", max_size=-1, className="drop"),
-                     className="field"),
-            html.Ul(files, className="files") if files else html.Span(),
-            html.P("", id="trouble", role="alert", className="trouble"),
-        ],
-        className="subject",
-    )  # fmt: skip
+    drop = dcc.Upload(upload, id="upload", max_size=-1, className="drop")
+    return _part(
+        "subject",
+        _part("field", *prop),
+        _radio("law", "Constants", laws, session.law),
+        _radio("physics", "Physics", physics, session.physics),
+        html.Div(drop, className="field"),
+        html.Ul(files, className="files") if files else html.Span(),
+        html.P("", id="trouble", role="alert", className="trouble"),
+    )
 
 
 def _radio(name: str, label: str, options: Sequence[tuple[str, str]], value: str) -> Any:
     """Make a choice behind a heading that says what is chosen."""
     shown = [{"value": key, "label": text} for key, text in options]
-    return html.Details(
-        [
-            html.Summary([f"{label}: ", html.Em(dict(options).get(value, value))]),
-            dcc.RadioItems(id=name, options=shown, value=value, className="options"),
-        ],
-        className="field",
-    )
+    summary = html.Summary([f"{label}: ", html.Em(dict(options).get(value, value))])
+    choice = dcc.RadioItems(id=name, options=shown, value=value, className="options")
+    return _part("field", summary, choice, of=html.Details)
 
 
 def _settings(controls: Sequence[Control], values: Values) -> list[Any]:
@@ -183,19 +163,15 @@ def _setting(control: Control, value: Any) -> Any:
         number = {"number": control.name}
         unit = f" [{control.unit}]" if control.unit else ""
         ends: dict[str, Any] = {"min": control.low, "max": control.high, "value": value}
-        parts: list[Any] = [
-            html.Label(f"{control.label}{unit}", htmlFor=target),
-            html.Div(
-                [
-                    dcc.Input(id=key, type="range", step=control.step, className="range", **ends),
-                    html.Label(f"{control.label}, as a number", className="unseen",
-                               htmlFor=json.dumps(number, separators=(",", ":"))),
-                    dcc.Input(id=number, type="number", step="any", debounce=True,
-                              className="number", **ends),
-                ],
-                className="slider",
-            ),
-        ]  # fmt: skip
+        typed = {"type": "number", "step": "any", "debounce": True, "className": "number"}
+        its = {"htmlFor": json.dumps(number, separators=(",", ":")), "className": "unseen"}
+        slider = _part(
+            "slider",
+            dcc.Input(id=key, type="range", step=control.step, className="range", **ends),
+            html.Label(f"{control.label}, as a number", **its),
+            dcc.Input(id=number, **typed, **ends),
+        )
+        parts: list[Any] = [html.Label(f"{control.label}{unit}", htmlFor=target), slider]
         if control.marked is not None:
             low, high = (
                 100.0 * min(max((end - control.low) / (control.high - control.low), 0.0), 1.0)
@@ -208,16 +184,11 @@ def _setting(control: Control, value: Any) -> Any:
         return html.Div(parts, className="field")
     if isinstance(control, Text):
         field = dcc.Input(id=key, type="text", value=value, debounce=True, className="text")
-        return html.Div([html.Label(control.label, htmlFor=target), field], className="field")
+        return _part("field", html.Label(control.label, htmlFor=target), field)
     options = [{"value": each, "label": text} for each, text in control.options]
     make = dcc.RadioItems if isinstance(control, OneOf) else dcc.Checklist
-    return html.Fieldset(
-        [
-            html.Legend(control.label),
-            make(id=key, options=options, value=value, className="options"),
-        ],
-        className="field",
-    )
+    choice = make(id=key, options=options, value=value, className="options")
+    return _part("field", html.Legend(control.label), choice, of=html.Fieldset)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -238,22 +209,13 @@ def _place(graph: Graph, answer: Answer) -> Any:
         )
         for kind in ("svg", "png")
     ]  # fmt: skip
-    drawing = dcc.Graph(
-        id={"graph": graph.name},
-        figure=figure or EMPTY,
-        config={**LAYOUT, **edits},
-        className="graph",
-        style={"height": HEIGHTS[(graph.wide, graph.tall)]},
-    )
-    return html.Figure(
-        [
-            html.Figcaption([html.Span(graph.label), *saves]),
-            html.Div(drawing, role="img", **{"aria-label": graph.label}),
-        ],
-        id={"place": graph.name},
-        hidden=figure is None,
-        className=look,
-    )
+    size, own = {"height": HEIGHTS[(graph.wide, graph.tall)]}, {"graph": graph.name}
+    shown = {"figure": figure or EMPTY, "config": {**LAYOUT, **edits}}
+    drawing = dcc.Graph(id=own, className="graph", style=size, **shown)
+    caption = html.Figcaption([html.Span(graph.label), *saves])
+    inside = html.Div(drawing, role="img", **{"aria-label": graph.label})
+    place: dict[str, Any] = {"id": {"place": graph.name}, "hidden": figure is None}
+    return _part(look, caption, inside, of=html.Figure, **place)
 
 
 def remarks(lines: Sequence[str], look: str = "remark") -> list[Any]:
@@ -279,37 +241,21 @@ def table(found: Table) -> Any:
         for row in found.rows
     ]
     parts = [html.Caption(found.caption), html.Thead(html.Tr(heads)), html.Tbody(rows)]
-    return html.Div(
-        html.Table(parts, className="numbers"),
-        className="scroll",
-        tabIndex="0",
-        role="region",
-        **{"aria-label": found.caption or "numbers"},
-    )
+    name = {"role": "region", "aria-label": found.caption or "numbers"}
+    numbers = html.Table(parts, className="numbers")
+    return html.Div(numbers, className="scroll", tabIndex="0", **name)
 
 
 def _reproduce(view: View) -> Any:
     """Offer the command line, Python and files."""
-    saves = [
-        html.Button(f"save {one.label}", id={"save": one.file}, n_clicks=0)
-        for one in view.downloads
-    ]
-    buttons = [
-        html.Button("copy command", id={"copy": "command"}, n_clicks=0),
-        html.Button("copy Python", id={"copy": "python"}, n_clicks=0),
-        *saves,
-        html.Span("", id="copied", role="status"),
-    ]
+    offered = {("copy", "command"): "copy command", ("copy", "python"): "copy Python"}
+    offered |= {("save", one.file): f"save {one.label}" for one in view.downloads}
+    buttons = [html.Button(label, id={do: of}, n_clicks=0) for (do, of), label in offered.items()]
+    buttons.append(html.Span("", id="copied", role="status"))
     lines = [
         html.Summary("command line and Python"),
         html.Pre("", id="command", tabIndex="0", **{"aria-label": "command line"}),
         html.Pre("", id="python", tabIndex="0", **{"aria-label": "Python"}),
     ]
-    return html.Section(
-        [
-            html.H2("These numbers elsewhere"),
-            html.Div(buttons, className="buttons"),
-            html.Details(lines),
-        ],
-        className="reproduce",
-    )
+    head, more = html.H2("These numbers elsewhere"), html.Details(lines)
+    return _part("reproduce", head, _part("buttons", *buttons), more, of=html.Section)

@@ -13,7 +13,7 @@ from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -40,15 +40,9 @@ from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set, read_ai
 from propmap.model.corrections import as_text, corrections_of
 from propmap.model.model import Air, Model, Propeller
 from propmap.rotor import Rotor
+from propmap.table.query import LoadTable
 from propmap.units import RPM
-
-if TYPE_CHECKING:
-    from propmap.table.query import LoadTable
-    from propmap.vehicle.vehicle import Vehicle
-
-
-# -------------------------------------------------------------------------------------------------
-# What one browser tab explores: names and files, the model that follows, and what it is called.
+from propmap.vehicle.vehicle import Vehicle
 
 DEFAULT = "apc-8x6e"
 KNOWN = "known"  # the section law where none is chosen: the best constants that are known
@@ -89,9 +83,8 @@ class Session:
         meant_by(found.prop)
         check_law(found.law)
         if found.physics not in ("", *PHYSICS):
-            raise InputError(
-                f"{quoted(found.physics)} is no physics", "choose recommended or paper"
-            )
+            fault = f"{quoted(found.physics)} is no physics"
+            raise InputError(fault, "choose recommended or paper")
         return found
 
     def query(self) -> dict[str, str]:
@@ -111,11 +104,8 @@ class Session:
             "vehicle": ("fit", "geometry"),
         }
         rest = self.without(*gone.get(given.kind, ()))
-        return replace(
-            rest,
-            files={**rest.files, given.kind: given},
-            tokens={**rest.tokens, given.kind: token},
-        )
+        files, tokens = {**rest.files, given.kind: given}, {**rest.tokens, given.kind: token}
+        return replace(rest, files=files, tokens=tokens)
 
     def without(self, *kinds: str) -> Session:
         """Leave out the files of these kinds."""
@@ -130,14 +120,12 @@ class Session:
     @property
     def table(self) -> LoadTable | None:
         """Give the table of a file."""
-        found: LoadTable | None = self.given("table")
-        return found
+        return self.given("table")
 
     @property
     def vehicle(self) -> Vehicle | None:
         """Give the vehicle of a file."""
-        found: Vehicle | None = self.given("vehicle")
-        return found
+        return self.given("vehicle")
 
     @property
     def model(self) -> Model:
@@ -177,18 +165,16 @@ class Session:
 def check_name(name: str, others: str = "") -> None:
     """Raise ``InputError`` for a path in place of a propeller's name."""
     if looks_like_path(name):
-        raise InputError(
-            f"{quoted(name)} is no name of a propeller", f"give one of the catalogue{others}"
-        )
+        found = f"{quoted(name)} is no name of a propeller"
+        raise InputError(found, f"give one of the catalogue{others}")
 
 
 def check_law(law: str) -> None:
     """Raise ``InputError`` for a name that no set of constants has."""
     known = (KNOWN, *airfoil_names())
     if law not in known:
-        raise InputError(
-            f"{quoted(law)} is no set of constants", f"choose one of {', '.join(known)}"
-        )
+        found = f"{quoted(law)} is no set of constants"
+        raise InputError(found, f"choose one of {', '.join(known)}")
 
 
 @functools.lru_cache(maxsize=64)
@@ -256,11 +242,8 @@ def read_upload(name: str, data: bytes) -> Given:
         re.sub(r"[^\w.+ -]", "_", Path(name.replace("\\", "/")).name)[-80:].lstrip(".") or "file"
     )
     if len(data) > MOST_BYTES:
-        raise InputError(
-            f"the file has {len(data) / 1e6:.1f} MB, expected at most {MOST_BYTES / 1e6:g}",
-            "give a smaller one",
-            plain,
-        )
+        fault = f"the file has {len(data) / 1e6:.1f} MB, expected at most {MOST_BYTES / 1e6:g}"
+        raise InputError(fault, "give a smaller one", plain)
     with tempfile.TemporaryDirectory(prefix="propmap-") as folder:
         path = Path(folder) / plain
         path.write_bytes(data)
@@ -283,8 +266,6 @@ def _read(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
             str(path),
         )
     if ending == ".npz":
-        from propmap.table.query import LoadTable
-
         return "table", LoadTable.load(path)
     if ending == ".toml":
         return _read_toml(path, trusted=trusted)
@@ -309,11 +290,9 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
         named = fields.get("propeller", "")
         named = named.get("geometry", "") if isinstance(named, dict) else named
         if not trusted and isinstance(named, str) and looks_like_path(named):
-            raise InputError(
-                f"propeller is {quoted(named)}, another file",
-                "name one of the catalogue, or give the vehicle to `propmap explore`",
-                str(path),
-            )
+            found = f"propeller is {quoted(named)}, another file"
+            remedy = "name one of the catalogue, or give the vehicle to `propmap explore`"
+            raise InputError(found, remedy, str(path))
         return "vehicle", read_vehicle(path).vehicle
     if "station_m" in fields:
         return "geometry", read_geometry_file(str(path))

@@ -130,9 +130,8 @@ class Slider:
         try:
             value = float(given)
         except (TypeError, ValueError):
-            raise InputError(
-                f"{self.label} is {quoted(given)}", f"give a number [{self.unit or '-'}]"
-            ) from None
+            found = f"{self.label} is {quoted(given)}"
+            raise InputError(found, f"give a number [{self.unit or '-'}]") from None
         if not math.isfinite(value):
             raise InputError(f"{self.label} is {value}", "give a finite number")
         return min(max(value, self.low), self.high)
@@ -168,9 +167,8 @@ class OneOf:
         """Take the option that is given; ``InputError`` for another one."""
         known = [value for value, _ in self.options]
         if given not in known:
-            raise InputError(
-                f"{self.label} is {quoted(given)}", f"choose one of {', '.join(known)}"
-            )
+            found = f"{self.label} is {quoted(given)}"
+            raise InputError(found, f"choose one of {', '.join(known)}")
         return str(given)
 
 
@@ -257,15 +255,8 @@ def line(
     x: ArrayLike, y: ArrayLike, name: str, colour: str, dash: str = "solid", **more: Any
 ) -> dict[str, Any]:
     """Draw a curve."""
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "x": array(x),
-        "y": array(y),
-        "name": name,
-        "line": {"color": colour, "width": 2, "dash": dash},
-        **more,
-    }
+    look = {"color": colour, "width": 2, "dash": dash}
+    return _scatter("lines", x, y, name=name, line=look, **more)
 
 
 def band(x: ArrayLike, low: ArrayLike, high: ArrayLike, colour: str) -> dict[str, Any]:
@@ -274,32 +265,21 @@ def band(x: ArrayLike, low: ArrayLike, high: ArrayLike, colour: str) -> dict[str
     known = np.isfinite(least) & np.isfinite(most)
     along, least, most = along[known], least[known], most[known]
     r, g, b = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "x": array(np.concatenate([along, along[::-1]])),
-        "y": array(np.concatenate([most, least[::-1]])),
-        "fill": "toself",
-        "fillcolor": f"rgba({r},{g},{b},0.22)",
-        "line": {"width": 0},
-        "hoverinfo": "skip",
-        "showlegend": False,
-    }
+    around = np.concatenate([along, along[::-1]]), np.concatenate([most, least[::-1]])
+    look: dict[str, Any] = {"fill": "toself", "fillcolor": f"rgba({r},{g},{b},0.22)"}
+    return _scatter("lines", *around, line={"width": 0}, hoverinfo="skip", showlegend=False, **look)
 
 
 def points(
     x: ArrayLike, y: ArrayLike, name: str, colour: str, mark: str = "circle", **more: Any
 ) -> dict[str, Any]:
     """Draw single points."""
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "x": array(x),
-        "y": array(y),
-        "name": name,
-        "marker": {"color": colour, "symbol": mark, "size": 7},
-        **more,
-    }
+    look = {"color": colour, "symbol": mark, "size": 7}
+    return _scatter("markers", x, y, name=name, marker=look, **more)
+
+
+def _scatter(mode: str, x: ArrayLike, y: ArrayLike, **look: Any) -> dict[str, Any]:
+    return {"type": "scatter", "mode": mode, "x": array(x), "y": array(y), **look}
 
 
 def figure(
@@ -366,16 +346,8 @@ def span(*values: ArrayLike, zero: bool = False) -> dict[str, Any]:
 
 def upright(x: float) -> dict[str, Any]:
     """Draw a thin line at an operating point."""
-    return {
-        "type": "line",
-        "xref": "x",
-        "yref": "paper",
-        "x0": x,
-        "x1": x,
-        "y0": 0,
-        "y1": 1,
-        "line": {"color": GREY, "width": 1, "dash": "dot"},
-    }
+    place = {"xref": "x", "yref": "paper", "x0": x, "x1": x, "y0": 0, "y1": 1}
+    return {"type": "line", **place, "line": {"color": GREY, "width": 1, "dash": "dot"}}
 
 
 def digits(value: float) -> str:

@@ -17,19 +17,6 @@ if TYPE_CHECKING:
     from propmap.table.query import LoadTable
     from propmap.vehicle.vehicle import Vehicle
 
-__all__ = [
-    "AUTOPILOTS",
-    "EXPORTS",
-    "ROTOR_TARGETS",
-    "TARGETS",
-    "VEHICLE_TARGETS",
-    "Export",
-    "export_rotor",
-    "export_table",
-    "export_vehicle",
-    "find_export",
-]
-
 
 class Export(NamedTuple):
     """One line of the registry: a form that ``propmap export`` writes."""

@@ -149,8 +149,7 @@ def autopilot_parameters(
     if moving.size < 2:
         raise InputError("fewer than two speeds above 0", "give two or more, in m/s")
     flights = (inplane_forces(aircraft, "x", moving), inplane_forces(aircraft, "y", moving))
-    found: AutopilotParameters = export.make()(aircraft, flights)
-    return found
+    return export.make()(aircraft, flights)
 
 
 def export_autopilot(
@@ -354,10 +353,6 @@ class DragFilter:
         )
         slope = (faster - slower) / (2.0 * STEP * flight.along)
         spread = np.sqrt(np.sum(flight.errors**2, axis=0))
-        return DragComparison(
-            flight=flight,
-            full=mass * flight.force,
-            filtered=mass * here,
-            std=mass * spread if flight.errors.size else np.full_like(spread, np.nan),
-            wind=(here - flight.force) / slope,
-        )
+        std = mass * spread if flight.errors.size else np.full_like(spread, np.nan)
+        wind = (here - flight.force) / slope
+        return DragComparison(flight, mass * flight.force, mass * here, std, wind)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 import propmap
 from propmap.aircraft.assumptions import assumption_lines, assumptions
 from propmap.errors import InputError
-from propmap.io.csv import replacing
+from propmap.io.csv import check_place, replacing
 from propmap.loads import LOADS, error_scales
 from propmap.table.interpolation import VORTEX_RING
 from propmap.table.query import LoadTable
@@ -30,18 +29,9 @@ Files = Mapping[str, str | Callable[[Path], None]]  # by name, a text or what wr
 
 def check_folder(folder: Path) -> None:
     """Raise ``InputError`` where no files can be written to ``folder``, made if need be."""
-    where = str(folder)
-    try:
-        exists, in_folder = folder.exists(), folder.parent.is_dir()
-    except ValueError as error:
-        raise InputError(f"not a path: {error}", "choose another name", where) from None
-    if exists and not folder.is_dir():
-        raise InputError("this is a file", "name a folder to write into", where)
-    if not exists and not in_folder:
-        found = f"there is no folder {str(folder.parent)!r}"
-        raise InputError(found, "make it or choose another", where)
-    if not os.access(folder if exists else folder.parent, os.W_OK):
-        raise InputError("the folder cannot be written to", "choose another", where)
+    if folder.exists() and not folder.is_dir():
+        raise InputError("this is a file", "name a folder to write into", str(folder))
+    check_place(folder / "a file" if folder.exists() else folder, str(folder))
 
 
 def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
@@ -285,9 +275,8 @@ def sample(table: LoadTable) -> Samples:
     static, ring = static_loads(table, omega), np.asarray(code == VORTEX_RING)
     samples = Samples(omega, axial, inplane, loads, static, axial / tip, inplane / tip, ring)
     if not samples.simple.any():
-        raise InputError(
-            f"the table has no points with {SIMPLE}", "build it over an envelope with slow flight"
-        )
+        fault = f"the table has no points with {SIMPLE}"
+        raise InputError(fault, "build it over an envelope with slow flight")
     return samples
 
 
@@ -297,10 +286,9 @@ def static_loads(table: LoadTable, omega: Floats) -> dict[str, Floats]:
     static = {name: np.asarray(getattr(still, name)) for name in LOADS}
     if not np.isfinite(static["thrust"]).all():
         least = table.envelope["speed"][0]
-        raise InputError(
-            f"the table has no loads at rest, its speed begins at {least:g} m/s",
-            "this target's model needs hover: build the table with --speed 0:...",
-        )
+        found = f"the table has no loads at rest, its speed begins at {least:g} m/s"
+        remedy = "this target's model needs hover: build the table with --speed 0:..."
+        raise InputError(found, remedy)
     return error_scales(static, table.content.radius)
 
 

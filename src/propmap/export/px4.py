@@ -149,10 +149,8 @@ def geometry(vehicle: Vehicle) -> list[Explained]:
     """Write number, places and axes of the rotors; ``InputError`` for more than PX4 takes."""
     count = len(vehicle.mounts)
     if count > MOST_ROTORS:
-        raise InputError(
-            f"the vehicle has {count} rotors, and PX4's control allocation takes {MOST_ROTORS}",
-            "choose another autopilot",
-        )
+        found = f"the vehicle has {count} rotors, and PX4's control allocation takes {MOST_ROTORS}"
+        raise InputError(found, "choose another autopilot")
     places, axes = {}, {}
     for k, mount in enumerate(vehicle.mounts):
         for letter, place, axis in zip(

@@ -9,6 +9,7 @@ import csv
 import dataclasses
 import io
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -61,10 +62,8 @@ def gazebo_files(table: LoadTable) -> files.Files:
     samples = files.sample(table)
     fitted = fit_motor_model(table, samples)
     found = files.errors(samples, fitted.loads(samples.omega, samples.inplane))
-    return {
-        f"{files.identifier(table)}_motor.sdf": files.rendered("motor.sdf", table, fitted=fitted),
-        "README-gazebo.txt": files.note("gazebo", table, found),
-    }
+    name, text = files.identifier(table), files.rendered("motor.sdf", table, fitted=fitted)
+    return {f"{name}_motor.sdf": text, "README-gazebo.txt": files.note("gazebo", table, found)}
 
 
 # -------------------------------------------------------------------------------------------------
@@ -119,10 +118,8 @@ def rotorpy_files(table: LoadTable) -> files.Files:
     samples = files.sample(table)
     fitted = fit_rotor(table, samples)
     found = files.errors(samples, fitted.loads(samples.omega, samples.axial, samples.inplane))
-    return {
-        f"{files.identifier(table)}_rotorpy.py": files.rendered("rotorpy.py", table, fitted=fitted),
-        "README-rotorpy.txt": files.note("rotorpy", table, found),
-    }
+    name, text = files.identifier(table), files.rendered("rotorpy.py", table, fitted=fitted)
+    return {f"{name}_rotorpy.py": text, "README-rotorpy.txt": files.note("rotorpy", table, found)}
 
 
 ROTORS = 4  # RotorPy's Multirotor inverts the matrix from its rotors' thrusts to thrust and moments
@@ -132,10 +129,8 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
     """Write a module that asks ``VehicleForces``, the table and the note; ``InputError`` for other
     than four rotors and a table of another propeller or air."""
     if len(vehicle.mounts) != ROTORS:
-        raise InputError(
-            f"the vehicle has {len(vehicle.mounts)} rotors, RotorPy's Multirotor {ROTORS}",
-            "write a multirotor of your own around propmap.VehicleForces",
-        )
+        found = f"the vehicle has {len(vehicle.mounts)} rotors, RotorPy's Multirotor {ROTORS}"
+        raise InputError(found, "write a multirotor of your own around propmap.VehicleForces")
     Rotors.of(vehicle, table)
     name, rotor = files.vehicle_name(vehicle, table), files.identifier(table)
     module = files.rendered(
@@ -185,10 +180,8 @@ def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
     descent as far as there are values, at the middle omega or the largest that reaches J."""
     low, high = table.envelope["beta"]
     if low > 1e-9:
-        raise InputError(
-            f"the table's beta begins at {np.degrees(low):g} deg, without axial flight",
-            "build it with --beta 0:...",
-        )
+        fault = f"the table's beta begins at {np.degrees(low):g} deg, without axial flight"
+        raise InputError(fault, "build it with --beta 0:...")
     radius, (_, fastest) = table.content.radius, table.envelope["speed"]
     advance = np.linspace(0.0, float(table.content.advance[-1]), JSBSIM_POINTS)
     parts = []
@@ -255,10 +248,8 @@ def axial_error(table: LoadTable) -> tuple[float, float]:
     beta = table.envelope["beta"][0]
     expected, still = table.loads(omega, speed, beta), table.loads(omega, 0.0, beta)
     thrust, torque = _axial_loads(table, omega, speed)
-    return (
-        float(np.nanmax(abs(thrust - expected.thrust) / still.thrust)),
-        float(np.nanmax(abs(torque - expected.torque) / still.torque)),
-    )
+    of_thrust = np.nanmax(abs(thrust - expected.thrust) / still.thrust)
+    return float(of_thrust), float(np.nanmax(abs(torque - expected.torque) / still.torque))
 
 
 def _axial_loads(table: LoadTable, omega: Floats, axial: Floats) -> tuple[Floats, Floats]:
@@ -337,26 +328,21 @@ def nc_files(table: LoadTable) -> files.Files:
     """Write the table as NetCDF."""
     from propmap.table.files import write_netcdf
 
-    return {
-        f"{files.identifier(table)}.nc": lambda path: write_netcdf(table, path),
-        "README-nc.txt": files.note("nc", table),
-    }
+    name = f"{files.identifier(table)}.nc"
+    return {name: partial(write_netcdf, table), "README-nc.txt": files.note("nc", table)}
 
 
 def csv_files(table: LoadTable) -> files.Files:
     """Write the table's knots as rows of numbers, empty where there is no value."""
     content, text = table.content, io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(
-        ["omega_rad_s", "advance", "beta_rad", *(f"{name}_coefficient" for name in LOADS)]
-    )
+    heads = (f"{name}_coefficient" for name in LOADS)
+    writer.writerow(["omega_rad_s", "advance", "beta_rad", *heads])
     for omega, level in zip(content.omega.tolist(), content.coefficients, strict=True):
         for i, advance in enumerate(content.advance.tolist()):
             for j, beta in enumerate(content.beta.tolist()):
                 values = level[:, i, j].astype(np.float32)
                 shown = ["" if np.isnan(value) else str(value) for value in values]
                 writer.writerow([omega, advance, beta, *shown])
-    return {
-        f"{files.identifier(table)}.csv": text.getvalue(),
-        "README-csv.txt": files.note("csv", table),
-    }
+    name = f"{files.identifier(table)}.csv"
+    return {name: text.getvalue(), "README-csv.txt": files.note("csv", table)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +14,13 @@ from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.operating_points import split_velocity
 from propmap.rotor import Rotor
+from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
 from propmap.vehicle.log import in_vehicle_frame
 from propmap.vehicle.powertrain import Motor
 from propmap.vehicle.vehicle import Body, Vector, Vehicle
 from propmap.vehicle.vehicle_forces import mounted_rotors
-
-if TYPE_CHECKING:
-    from propmap.table.query import LoadTable
-
 
 # -------------------------------------------------------------------------------------------------
 # The specific force along a body axis in level flight along it: what drag models are fitted to.
@@ -55,17 +52,13 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
     turned = aircraft if axis == "x" else _turned(aircraft)
     states = turned.steady(np.concatenate([[0.0], speeds]), margin=False)
     if not states.found[0]:
-        raise InputError(
-            f"the vehicle does not hover: {STATUSES[str(states.status[0])]}",
-            "check mass, propeller and motor, or the table",
-        )
+        found = f"the vehicle does not hover: {STATUSES[str(states.status[0])]}"
+        raise InputError(found, "check mass, propeller and motor, or the table")
     vehicle, moment = turned.vehicle, states.moment[0]
     if np.abs(moment).max() > 1e-3 * vehicle.mass * GRAVITY * vehicle.propeller.radius:
         left = ", ".join(f"{m:.2g}" for m in moment)
-        raise InputError(
-            f"the rotors cannot hover without a moment (about x, y, z: {left} N m)",
-            "check position and spin of each rotor",
-        )
+        found = f"the rotors cannot hover without a moment (about x, y, z: {left} N m)"
+        raise InputError(found, "check position and spin of each rotor")
     size = len(states)
     up = in_vehicle_frame(np.zeros(size), np.zeros(size), np.ones(size), states.pitch, states.roll)
     specific = -GRAVITY * up[:, 0]
@@ -109,10 +102,8 @@ def _turned(aircraft: Aircraft) -> Aircraft:
     def turn(vector: Vector) -> Vector:
         return (vector[1], -vector[0], vector[2])
 
-    mounts = tuple(
-        replace(mount, position=turn(mount.position), axis=turn(mount.axis))
-        for mount in vehicle.mounts
-    )
+    places = ((mount, turn(mount.position), turn(mount.axis)) for mount in vehicle.mounts)
+    mounts = tuple(replace(mount, position=at, axis=axis) for mount, at, axis in places)
     # Lift of the body is that in its plane of symmetry: along the left there is none.
     other = replace(vehicle, mounts=mounts, body=body, sensor=turn(vehicle.sensor))
     largest, charge = aircraft.maximum_rotor_speed, aircraft.charge
@@ -148,10 +139,8 @@ def check_vehicle(vehicle: Vehicle) -> None:
     """Raise ``InputError`` for a ``vehicle`` that is no multirotor as drag models take it to be."""
     count = len(vehicle.mounts)
     if count < 3:
-        raise InputError(
-            f"the vehicle has {count} rotor{'s' if count > 1 else ''}",
-            "these parameters are those of a multirotor with 3 rotors or more",
-        )
+        found = f"the vehicle has {count} rotor{'s' if count > 1 else ''}"
+        raise InputError(found, "these parameters are those of a multirotor with 3 rotors or more")
     if vehicle.wing is not None:
         raise InputError(
             "the vehicle has a wing, whose lift the drag model of a multirotor does not have",
@@ -159,10 +148,8 @@ def check_vehicle(vehicle: Vehicle) -> None:
         )
     for k, mount in enumerate(vehicle.mounts, start=1):
         if mount.axis[2] < 0.5:
-            raise InputError(
-                f"rotor {k}: its axis {list(mount.axis)} is not upward",
-                "the drag models of autopilots take all thrust to be along z",
-            )
+            found = f"rotor {k}: its axis {list(mount.axis)} is not upward"
+            raise InputError(found, "the drag models of autopilots take all thrust to be along z")
         for j, other in enumerate(vehicle.mounts[: k - 1], start=1):
             arm = np.subtract(mount.position, other.position)
             beside = float(np.hypot(arm[0], arm[1]))
@@ -301,11 +288,8 @@ def _rotor_errors(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
     if known is None:
         return np.zeros((0, len(USED), omega.size))
     by_source = rotor.loads_at_velocity(omega, velocity).std_by_source
-    others = [
-        _one_cause_each(_stacked(by_source[name]))
-        for name in ("discrepancy", "tunnel")
-        if name in by_source
-    ]
+    given = [by_source[name] for name in ("discrepancy", "tunnel") if name in by_source]
+    others = [_one_cause_each(_stacked(one)) for one in given]
     determined = known.covariance.determined
     by_constants = np.zeros((0, len(USED), omega.size))
     if determined.names:
@@ -406,11 +390,8 @@ class SignalCurve:
 def known_curve(aircraft: Aircraft) -> tuple[SignalCurve | None, str]:
     """Return the curve of an ``aircraft`` at its state of charge, or why there is none."""
     powertrain = aircraft.vehicle.powertrain
-    missing = [
-        name
-        for name, part in (("[motor]", powertrain.motor), ("[battery]", powertrain.battery))
-        if part is None
-    ]
+    parts = {"[motor]": powertrain.motor, "[battery]": powertrain.battery}
+    missing = [name for name, part in parts.items() if part is None]
     if missing:
         return None, f"the vehicle file has no {' and no '.join(missing)}"
     curve = thrust_curve(aircraft, aircraft.charge)
@@ -516,13 +497,9 @@ def curve_factor(
     spread = still.std_of(0.0, 1.0 / still.torque)
     more = None if spread is None else factor(thrust_curve(aircraft, charge, spread))
     x = np.linspace(0.0, 1.0, share.size)
-    return CurveFactor(
-        factor=here,
-        worst=float(np.abs(x + here * (x**2 - x) - share).max()),
-        std=None if more is None else abs(more - here),
-        charge=charge,
-        discharged=factor(thrust_curve(aircraft, DISCHARGED)),
-    )
+    worst = float(np.abs(x + here * (x**2 - x) - share).max())
+    std = None if more is None else abs(more - here)
+    return CurveFactor(here, worst, std, charge, factor(thrust_curve(aircraft, DISCHARGED)))
 
 
 def fitted_factor(share: Floats, limits: tuple[float, float]) -> float:

@@ -83,10 +83,8 @@ class FitFile:
 
     @property
     def hover_reference(self) -> float | None:
-        """Thrust over squares of rotor speeds in the hover of the fit's flights [N s^2].
-
-        None where a flight's own hover plays no part.
-        """
+        """Thrust over squares of rotor speeds in the hover of the fit's flights [N s^2], None where
+        a flight's own hover plays no part."""
         return float(self.record.settings.get("hover_reference", 0.0)) or None
 
     def beyond(self, flow: tuple[Floats, Floats, Floats], radius: float) -> Beyond | None:
@@ -198,11 +196,9 @@ def read_fit(path: Path) -> FitFile:
     law, where = read_airfoil(path, uncertainty=False), str(path)
     table = tomllib.loads(path.read_text(encoding="utf-8")).get("fit")
     if table is None:
-        raise InputError(
-            "there is no table [fit]: this is a parameter set, not a fit",
-            "give a file written by propmap fit, or name the propeller with --prop",
-            where,
-        )
+        found = "there is no table [fit]: this is a parameter set, not a fit"
+        remedy = "give a file written by propmap fit, or name the propeller with --prop"
+        raise InputError(found, remedy, where)
     try:
         record = read_record(table)
         covariance = SectionCovariance(tuple(record.free), record.covariance)
@@ -212,9 +208,8 @@ def read_fit(path: Path) -> FitFile:
         file = FitFile(law, covariance.of(section) if section else None, record)
         _ = file.model  # Raises where there can be no such blade.
     except InputError as error:
-        raise InputError(
-            f"the table [fit] is damaged: {error.found}", error.remedy, where
-        ) from None
+        found = f"the table [fit] is damaged: {error.found}"
+        raise InputError(found, error.remedy, where) from None
     return file
 
 

@@ -134,10 +134,8 @@ def search(
     used = int(np.count_nonzero(rows.weight))
     first = choice.first
     if used + choice.prior_residuals(first)[0].size < first.size:
-        raise InputError(
-            f"{used} measured numbers for {len(choice.free)} free parameters",
-            "give more data or free fewer parameters",
-        )
+        fault = f"{used} measured numbers for {len(choice.free)} free parameters"
+        raise InputError(fault, "give more data or free fewer parameters")
     evaluator = Evaluator(rows, choice, error)
     softened = functools.partial(_softened, rows.measured.size)
     lower, upper, spread = (choice.column(a) for a in ("lower", "upper", "spread"))
@@ -181,10 +179,8 @@ def search(
     residual, slopes = evaluator.at(x)
     size = rows.measured.size
     if evaluator.unsolved > max(MOST_UNSOLVED * size, min(len(rows.names), ONE_OF_FEW * size)):
-        raise InputError(
-            f"the model has no solution at {evaluator.unsolved} of {rows.measured.size} rows",
-            "check the units of the operating points",
-        )
+        fault = f"the model has no solution at {evaluator.unsolved} of {rows.measured.size} rows"
+        raise InputError(fault, "check the units of the operating points")
     return Minimum(x, residual, slopes, ends, evaluator.unsolved)
 
 
@@ -437,10 +433,8 @@ class RowsElsewhere:
 
     def __getstate__(self) -> dict[str, Any]:
         if self.remake is None:
-            raise InputError(
-                "workers in other processes cannot be sent the rows of a fit",
-                "give remake, which makes the rows there",
-            )
+            found = "workers in other processes cannot be sent the rows of a fit"
+            raise InputError(found, "give remake, which makes the rows there")
         return {key: value for key, value in vars(self).items() if key != "rows"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

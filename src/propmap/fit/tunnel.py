@@ -83,9 +83,8 @@ class TunnelData:
     def picked(self, which: NDArray[Any]) -> TunnelData:
         """Keep the rows ``which``, numbers of them or a mask."""
         loads = {name: values[which] for name, values in self.loads.items()}
-        return TunnelData(
-            self.source, self.omega[which], self.speed[which], self.beta[which], loads
-        )
+        flow = self.omega[which], self.speed[which], self.beta[which]
+        return TunnelData(self.source, *flow, loads)
 
 
 def merged(parts: Sequence[TunnelData]) -> TunnelData:
@@ -179,9 +178,8 @@ def tunnel_rows(
     typical = np.sqrt(np.nanmean((measured / size) ** 2, axis=0))
     for name, value in zip(names, np.ravel(typical), strict=True):
         if value == 0.0:
-            raise InputError(
-                f"every value of {name} is zero", "leave it out, by --loads", data.source
-            )
+            fault = f"every value of {name} is zero"
+            raise InputError(fault, "leave it out, by --loads", data.source)
     scale = typical * size
     if choice.expected is not None:
         scale = np.hypot(scale, scale.max(axis=0))
@@ -196,14 +194,9 @@ def tunnel_rows(
 
         return loads
 
-    return Rows.of_points(
-        names,
-        tuple(LOADS[name].unit for name in names),
-        measured,
-        scale / [weights.get(name, 1.0) for name in names],
-        data.speed,
-        table,
-    )
+    units = tuple(LOADS[name].unit for name in names)
+    scale = scale / [weights.get(name, 1.0) for name in names]
+    return Rows.of_points(names, units, measured, scale, data.speed, table)
 
 
 def _check(
@@ -216,9 +209,8 @@ def _check(
         if name not in LOADS:
             raise InputError(f"{name!r} is not a load", f"choose from {', '.join(LOADS)}")
         if name not in data.loads or not np.isfinite(data.loads[name]).any():
-            raise InputError(
-                f"{data.source} has no {name}", f"fit {', '.join(data.loads) or 'other data'}"
-            )
+            found = f"{data.source} has no {name}"
+            raise InputError(found, f"fit {', '.join(data.loads) or 'other data'}")
         if names.count(name) > 1:
             raise InputError(f"{name} is named twice", "name it once, or give it a weight")
     for name, weight in weights.items():
@@ -251,10 +243,8 @@ def sources(data: Sequence[str]) -> list[Path | str]:
         elif Path(item).is_file():
             found.append(Path(item))
         else:
-            raise InputError(
-                f"{quoted(item)} is neither a file nor a measurement of the catalogue",
-                f"give a path or one of {', '.join(known)}",
-            )
+            fault = f"{quoted(item)} is neither a file nor a measurement of the catalogue"
+            raise InputError(fault, f"give a path or one of {', '.join(known)}")
     return found
 
 
@@ -327,12 +317,6 @@ def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:
 def _of_coefficients(name: str, c: Coefficients, propeller: Propeller, air: Air) -> TunnelData:
     turns, diameter = c.rpm / 60.0, 2.0 * propeller.radius
     force = air.density * turns**2 * diameter**4
-    torque = c.power * force * diameter / (2.0 * np.pi)
-    return TunnelData(
-        name,
-        c.rpm * RPM,
-        c.advance * turns * diameter,
-        np.zeros_like(c.rpm),
-        {"thrust": c.thrust * force, "torque": torque},
-        c.remarks,
-    )
+    loads = {"thrust": c.thrust * force, "torque": c.power * force * diameter / (2.0 * np.pi)}
+    flow = c.rpm * RPM, c.advance * turns * diameter, np.zeros_like(c.rpm)
+    return TunnelData(name, *flow, loads, c.remarks)

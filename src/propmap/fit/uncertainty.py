@@ -125,17 +125,9 @@ def uncertainty(
             _beside_prior(verdict, left[k]) if choice.prior_of(name) else verdict
             for k, (name, verdict) in enumerate(zip(choice.free, judged, strict=True))
         ]
-    return Uncertainty(
-        covariance,
-        low,
-        high,
-        correlation,
-        np.asarray(singular / max(float(singular[0]), 1e-300)),
-        tuple(text for text, _ in judged),
-        tuple(good for _, good in judged),
-        errors,
-        left,
-    )
+    relative = np.asarray(singular / max(float(singular[0]), 1e-300))
+    texts, good = tuple(text for text, _ in judged), tuple(good for _, good in judged)
+    return Uncertainty(covariance, low, high, correlation, relative, texts, good, errors, left)
 
 
 def residual_errors(

@@ -204,10 +204,9 @@ class Header:
         for column in columns if not found else ():
             # A power needs no unit where there is a torque.
             if column in self.unclear and not (column == "power_W" and "torque_Nm" in self.taken):
-                raise InputError(
-                    f"column {quoted(self.unclear[column])} is in no unit that is known",
-                    f"name it {' or '.join(columns)}, after its unit, or leave it out",
-                )
+                fault = f"column {quoted(self.unclear[column])} is in no unit that is known"
+                remedy = f"name it {' or '.join(columns)}, after its unit, or leave it out"
+                raise InputError(fault, remedy)
         for name in self.names if "rpm" in columns and not found else ():
             if "pole pairs" in (why := self.not_taken(name)):
                 raise InputError(f"column {quoted(name)} is {why}", "and name it rpm")

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from propmap.results import Loads
     from propmap.rotor import Rotor
-    from propmap.typing import Floats
 
 
 # -------------------------------------------------------------------------------------------------
@@ -273,14 +272,21 @@ def read_lines(
 # Files that appear whole or not at all.
 
 
+def check_place(path: Path, where: str) -> bool:
+    """Raise ``InputError`` where nothing can be made at a path; say whether something is there."""
+    if not path.parent.is_dir():
+        found = f"there is no folder {str(path.parent)!r}"
+        raise InputError(found, "make it or choose another", where)
+    if not os.access(path.parent, os.W_OK):
+        raise InputError("the folder cannot be written to", "choose another", where)
+    return path.exists()
+
+
 @contextmanager
 def replacing(path: Path, *, new: bool = False) -> Iterator[Path]:
-    """Yield a path in the same folder to write to; renamed to ``path`` if the block succeeds.
-
-    Whatever ends the block otherwise, an interruption included, leaves ``path`` as it was and
-    nothing beside it. An ``OSError``, of a full disk say, names ``path``; ``InputError`` for one
-    that should be ``new`` and that another process has made meanwhile.
-    """
+    """Yield a path in the same folder to write to, renamed to ``path`` if the block succeeds, gone
+    whatever else ends it. An ``OSError``, of a full disk say, names ``path``; ``InputError`` for
+    one that should be ``new`` and that another process has made meanwhile."""
     part = path.with_name(f".{path.name[:30]}.{uuid.uuid4().hex}.part")
     try:
         yield part
@@ -302,25 +308,17 @@ def replacing(path: Path, *, new: bool = False) -> Iterator[Path]:
 
 
 def write_dataset(dataset: xarray.Dataset, path: Path, *, new: bool = False) -> None:
-    """Write a dataset as NetCDF, whole or not at all, and if ``new`` where no file is.
-
-    It is made in memory first: where a disk is full, the HDF5 library ends the process.
-    """
+    """Write a dataset as NetCDF, whole or not at all, and if ``new`` where no file is."""
     with replacing(path, new=new) as part:
+        # Made in memory first: where a disk is full, the HDF5 library ends the process.
         part.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
 
 
 # -------------------------------------------------------------------------------------------------
 # Operating points and their loads as users write them: rpm, m/s, degrees, columns with units.
 
-PREDICT_COLUMNS = (
-    "rpm",
-    "speed_mps",
-    "beta_deg",
-    *(load.column for load in LOADS.values()),
-    "power_W",
-    "status",
-)
+GIVEN = ("rpm", "speed_mps", "beta_deg")  # columns of an operating point
+PREDICT_COLUMNS = (*GIVEN, *(load.column for load in LOADS.values()), "power_W", "status")
 
 REMEDIES = {
     "rpm": "give revolutions per minute, 0 or more; the spin's direction does not matter here",
@@ -352,16 +350,10 @@ class OperatingPoints:
         w, v, b = (axis.ravel() for axis in np.meshgrid(rpm, speed, beta, indexing="ij"))
         return cls(w, v, b)
 
-    def part(self, start: int, count: int) -> OperatingPoints:
-        """Cut out up to ``count`` points from ``start`` on."""
-        cut = slice(start, start + count)
-        further = {name: values[cut] for name, values in self.further.items()}
-        return OperatingPoints(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut], further)
-
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of ``rows``."""
-        return *PREDICT_COLUMNS[:3], *(FURTHER[name] for name in self.further), *PREDICT_COLUMNS[3:]
+        return *GIVEN, *(FURTHER[name] for name in self.further), *PREDICT_COLUMNS[3:]
 
     @property
     def si(self) -> tuple[Floats, Floats, Floats]:
@@ -377,18 +369,14 @@ class OperatingPoints:
     ) -> list[dict[str, Any]]:
         """Make one mapping of ``columns`` per point, and of ``further`` (n,); None where a number
         is NaN."""
-        numbers = (*(getattr(loads, name) for name in LOADS), loads.power)
         given = (self.rpm, self.speed_mps, self.beta_deg, *self.further.values())
-        columns = [values.tolist() for values in (*given, *numbers)]
-        status = loads.status.tolist()
-        rows = [
-            dict(zip(self.columns, [*(_number(v) for v in row[:-1]), row[-1]], strict=True))
-            for row in zip(*columns, status, strict=True)
-        ]
-        for name, values in (further or {}).items():
-            for one, value in zip(rows, values.tolist(), strict=True):
-                one[name] = _number(value)
-        return rows
+        numbers = (*given, *(getattr(loads, name) for name in LOADS), loads.power)
+        columns: dict[str, list[Any]] = dict(
+            zip(self.columns, map(numbers_of, numbers), strict=False)
+        )
+        columns["status"] = loads.status.tolist()
+        columns |= {name: numbers_of(values) for name, values in (further or {}).items()}
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def check_value(quantity: str, value: float) -> float:
@@ -415,8 +403,14 @@ def std_columns(loads: Loads, *, by_source: bool) -> dict[str, Floats]:
     return found
 
 
-def _number(value: float) -> float | None:
-    return value + 0.0 if np.isfinite(value) else None  # without the sign of a zero
+def number_or_none(value: float) -> float | None:
+    """Return the value for a file, without the sign of a zero; None where it is not finite."""
+    return float(value) + 0.0 if math.isfinite(value) else None
+
+
+def numbers_of(values: Floats) -> list[float | None]:
+    """List the ``number_or_none`` of values of any shape."""
+    return [number_or_none(value) for value in values.ravel().tolist()]
 
 
 # -------------------------------------------------------------------------------------------------
@@ -536,10 +530,6 @@ def _value(cell: str, column: str, line: int, name: str) -> float:
         raise InputError(f"{cell} is negative", remedy, where)
     with located(where):
         return check_value("beta", value) if quantity == "beta" else value
-
-
-# -------------------------------------------------------------------------------------------------
-# The fields over the disk as CSV.
 
 
 def disk_csv(rotor: Rotor, omega: float, speed: float, beta: float) -> str:

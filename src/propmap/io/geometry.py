@@ -115,11 +115,9 @@ def check_fractions(fraction: Floats, labels: Sequence[str]) -> None:
     """Raise ``InputError`` unless fractions of the radius, shape (n,), end at the tip, 1.0."""
     high = int(np.argmax(fraction))
     if fraction[high] > 1.0:
-        raise InputError(
-            f"{labels[high]}: r/R is {fraction[high]:g}, expected at most 1"
-            + ("; it looks like per cent" if fraction[high] == 100.0 else ""),
-            "divide by the tip radius, or name the column after its unit",
-        )
+        found = f"{labels[high]}: r/R is {fraction[high]:g}, expected at most 1"
+        found += "; it looks like per cent" if fraction[high] == 100.0 else ""
+        raise InputError(found, "divide by the tip radius, or name the column after its unit")
     if fraction[-1] < 1.0 - 1e-6:
         found = f"{labels[-1]}: the last r/R is {fraction[-1]:g}, expected 1 (the tip)"
         raise InputError(found, "add the tip station with its chord, or sort the rows by station")
@@ -299,17 +297,13 @@ def read_uiuc_geometry(
     """
     lines, file = read_lines(path), Path(path)
     with located(os.fspath(path)):
-        body = [
-            (number, re.sub("[,;]", " ", line).split())
-            for number, line in enumerate(lines, start=1)
-            if line.strip() and not is_comment(line)
-        ]
+        numbered = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
+        body = [(n, re.sub("[,;]", " ", t).split()) for n, t in numbered if not is_comment(t)]
         if not body or body[0][1] != HEADER:
-            number, found = body[0] if body else (1, [])
-            raise InputError(
-                f"line {number}: the header is {quoted(' '.join(found))}, expected 'r/R c/R beta'",
-                "give the *_geom.txt file of the database",
-            )
+            number, names = body[0] if body else (1, [])
+            found = f"line {number}: the header is {quoted(' '.join(names))}"
+            remedy = "give the *_geom.txt file of the database"
+            raise InputError(f"{found}, expected 'r/R c/R beta'", remedy)
         tip, rows = usable_radius(radius), body[1:]
         labels, table = parse_rows(rows, HEADER, HEADER)
         check_fractions(table[:, 0], labels)
@@ -343,7 +337,8 @@ def read_apc_pe0(
     """
     lines = read_lines(path)
     with located(os.fspath(path)):
-        header = next((k for k, text in enumerate(lines) if _is_header(text)), None)
+        begin = ["STATION", "CHORD"]
+        header = next((k for k, text in enumerate(lines) if text.split()[:2] == begin), None)
         if header is None:
             found = "found no table with the header 'STATION CHORD ...'"
             raise InputError(found, "give a PE0 file as APC publishes it")
@@ -391,10 +386,6 @@ def read_apc_pe0(
             hub = parse_number(trailer["HUBTRA"], "the hub transition") * INCH
             inside = hub <= result.root + TRAILER_TOLERANCE
             return result if inside else result.with_root_cutout(hub)
-
-
-def _is_header(line: str) -> bool:
-    return line.split()[:2] == ["STATION", "CHORD"]
 
 
 # -------------------------------------------------------------------------------------------------
@@ -504,10 +495,6 @@ def _scaled(rows: Numbered, count: float, tip: float) -> Numbered:
     return table[: int(count)]
 
 
-# -------------------------------------------------------------------------------------------------
-# Any geometry file: which format it is in, read from its content.
-
-
 READERS: dict[Format | None, Callable[..., Propeller]] = {
     formats.PE0: read_apc_pe0,
     formats.UIUC_GEOMETRY: read_uiuc_geometry,
@@ -524,14 +511,12 @@ def read_geometry_file(
     where, lines = os.fspath(path), read_lines(path)
     kind = format_of(lines)
     if kind not in READERS or (kind is None and len(_columns_in(lines)) < 1):
-        raise not_read(
-            lines,
-            "propeller geometry that propmap knows",
+        wanted = (
             "give an APC PE0 file, a UIUC geometry file (r/R c/R beta), one of QPROP, XROTOR or "
             "OpenVSP (.bem), a catalogue TOML file, or a CSV file with columns such as "
-            "radius_m,chord_m,twist_deg",
-            where,
+            "radius_m,chord_m,twist_deg"
         )
+        raise not_read(lines, "propeller geometry that propmap knows", wanted, where)
     return READERS[kind](path, blades=blades, radius=radius)
 
 

@@ -51,11 +51,9 @@ def read_toml(path: str | os.PathLike[str], kind: type[Made], schema: int, what:
         raise InputError(f"not TOML: {error}", "correct the syntax", where) from None
     found = fields.pop("schema", None)
     if found != schema or isinstance(found, bool):
-        raise InputError(
-            f"schema is {quoted(found)}, expected {schema}",
-            f"write schema = {schema}, or update propmap if the file is newer",
-            where,
-        )
+        fault = f"schema is {quoted(found)}, expected {schema}"
+        remedy = f"write schema = {schema}, or update propmap if the file is newer"
+        raise InputError(fault, remedy, where)
     return checked(fields, kind, where)
 
 

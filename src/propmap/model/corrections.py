@@ -310,9 +310,8 @@ class Installed(Correction):
         if self.area_m2 is not None and not 0.0 <= self.area_m2 < math.inf:
             raise InputError(f"area_m2 is {self.area_m2}: give an area of 0 m^2 or more")
         if not 0.0 <= self.wake <= 2.0:
-            raise InputError(
-                f"wake is {self.wake}: give a share of the inflow, 1 at the disk to 2 far below"
-            )
+            found = f"wake is {self.wake}: give a share of the inflow, 1 at the disk to 2 far below"
+            raise InputError(found)
 
     @property
     def blade_factor(self) -> float:
@@ -537,8 +536,7 @@ def correction(text: str) -> Correction:
         for field, about in known_fields.items():
             if about.default is dataclasses.MISSING and field not in numbers:
                 raise InputError(f"no {field}", f"write {name}:{field}=number")
-    made: Correction = kind(**numbers)
-    return made
+    return kind(**numbers)
 
 
 def corrections_of(

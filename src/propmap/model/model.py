@@ -202,9 +202,6 @@ class Air:
         return cls(density, float(viscosity))
 
 
-# -------------------------------------------------------------------------------------------------
-# A propeller, a section law, air and corrections: all that loads depend on.
-
 OneOf = TypeVar("OneOf", bound=Correction)
 
 

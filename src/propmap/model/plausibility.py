@@ -8,7 +8,7 @@ import operator
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median  # without numpy.ma, which takes longer to load than one point
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -158,7 +158,6 @@ def unusual(
     unit: str,
     usual: Range,
     quantity: str,
-    *,
     likely: Range | None = None,
     suspect: str = "it",
 ) -> list[str]:
@@ -188,8 +187,10 @@ LIKELY_RADIUS = Range(0.025, 0.4)
 CHORD = Range(0.09, 0.40)  # over the radius, at 0.75 of it; measured 0.10 to 0.35
 WIDEST_CHORD = Range(0.12, 0.45)  # the largest chord over the radius; measured 0.15 to 0.38
 TWIST = Range(3.0, 40.0)  # [deg] at 0.75 of the radius; measured 7 to 25
-DENSITY = Range(0.3, 1.6)  # of air [kg/m^3], from 12 km up to a cold day at sea level
-VISCOSITY = Range(1e-5, 2.5e-5)  # of air [Pa s], from -80 to 150 degrees Celsius
+DENSITIES = Range(0.3, 1.6), "density", Range(0.9, 1.45)
+"""Usual of air [kg/m^3], from 12 km up to a cold day at sea level, its quantity, and likely."""
+VISCOSITIES = Range(1e-5, 2.5e-5), "viscosity", Range(1.4e-5, 2.2e-5)
+"""Usual of air [Pa s], from -80 to 150 degrees Celsius, its quantity, and likely."""
 TIP_SPEED = Range(8.0, 255.0)  # of the fastest point [m/s]: measured 26 to 216; 255 is Mach 0.75
 LIKELY_TIP_SPEED = Range(25.0, 220.0)
 ADVANCE = Range(0.02, 0.7)  # flight speed over tip speed of usual flights; measured up to 0.5
@@ -220,21 +221,14 @@ def blade_warnings(propeller: Propeller) -> list[str]:
     """Warn of radius, chord or twist unlike small propellers, or twist that rises to the tip."""
     radius = propeller.radius
     chord, twist = at_share(propeller, PITCH_STATION)
-    found = [
-        *unusual("the radius", radius, "m", RADIUS, "length", likely=LIKELY_RADIUS),
-        *unusual(
-            "the chord at 0.75 of the radius", chord / radius, "radii", CHORD, "chord over radius"
-        ),
-    ]
-    degrees, inner, outer = (
-        math.degrees(angle)
-        for angle in (twist, at_share(propeller, 0.4)[1], at_share(propeller, 0.9)[1])
-    )
+    found = unusual("the radius", radius, "m", RADIUS, "length", LIKELY_RADIUS)
+    usual = CHORD, "chord over radius"
+    found += unusual("the chord at 0.75 of the radius", chord / radius, "radii", *usual)
+    others = (at_share(propeller, share)[1] for share in (0.4, 0.9))
+    degrees, inner, outer = map(math.degrees, (twist, *others))
     if degrees < 0.0 and inner < outer:
-        return [
-            *found,
-            "the twist is negative and rises towards the tip; it looks like the wrong sign",
-        ]
+        sign = "the twist is negative and rises towards the tip; it looks like the wrong sign"
+        return [*found, sign]
     if inner < outer - 1.0:
         like = "it looks as if listed from the tip to the root"
         if degrees > TWIST.high:
@@ -246,19 +240,8 @@ def blade_warnings(propeller: Propeller) -> list[str]:
 
 def air_warnings(air: Air) -> list[str]:
     """Warn of a density or a viscosity that no air has where propellers turn."""
-    return [
-        *unusual(
-            "the air density", air.density, "kg/m^3", DENSITY, "density", likely=Range(0.9, 1.45)
-        ),
-        *unusual(
-            "the viscosity",
-            air.viscosity,
-            "Pa s",
-            VISCOSITY,
-            "viscosity",
-            likely=Range(1.4e-5, 2.2e-5),
-        ),
-    ]
+    found = unusual("the air density", air.density, "kg/m^3", *DENSITIES)
+    return found + unusual("the viscosity", air.viscosity, "Pa s", *VISCOSITIES)
 
 
 def point_warnings(propeller: Propeller, omega: Floats, speed: Floats, beta: Floats) -> list[str]:
@@ -275,11 +258,8 @@ def point_warnings(propeller: Propeller, omega: Floats, speed: Floats, beta: Flo
 def at_share(propeller: Propeller, share: float) -> tuple[float, float]:
     """Return chord [m] and twist [rad] at a ``share`` of the radius."""
     place = share * propeller.radius
-    chord, twist = (
-        float(np.interp(place, propeller.station, values))
-        for values in (propeller.chord, propeller.twist)
-    )
-    return chord, twist
+    chord = np.interp(place, propeller.station, propeller.chord)
+    return float(chord), float(np.interp(place, propeller.station, propeller.twist))
 
 
 def pitch_ratio(propeller: Propeller) -> float:
@@ -305,9 +285,8 @@ def _fast_tip(tip: Floats, speed: Floats) -> list[str]:
         like = _cause(float(tip[k]), usual, "fast rotation", "the rotational speed")
         like += ", or the radius like the diameter" if like else ""
     if mach > 1.0:
-        raise InputError(
-            f"{motion}{like}", "check rpm, speed and radius: nothing here holds above Mach 1"
-        )
+        found = f"{motion}{like}"
+        raise InputError(found, "check rpm, speed and radius: nothing here holds above Mach 1")
     drag = f"above {FAST_TIP_MACH:g} drag rises, which the section law does not have"
     return [f"{motion}; {drag}{like}"]
 
@@ -319,15 +298,8 @@ def _unlike_speeds(pitch: float, tip: Floats, speed: Floats, beta: Floats) -> li
         return []
     flying = turning & (speed > 0.0)
     fastest = float(tip.max())
-    slow = unusual(
-        "the fastest tip speed",
-        fastest,
-        "m/s",
-        TIP_SPEED,
-        "slow rotation",
-        likely=LIKELY_TIP_SPEED,
-        suspect="the rotational speed",
-    )
+    usual = TIP_SPEED, "slow rotation", LIKELY_TIP_SPEED, "the rotational speed"
+    slow = unusual("the fastest tip speed", fastest, "m/s", *usual)
     if slow or not flying.any():
         return slow
     share = speed[flying] / tip[flying]
@@ -492,11 +464,8 @@ def _wrong_size(ratios: Mapping[str, float], usual: Range, *, by_power: bool) ->
     )
     causes = [like for like in each if like]
     measured = [name in ratios for name in ("thrust", "torque")]
-    common = [
-        (name, [*itertools.compress(each, measured)])
-        for name, each in LOAD_UNIT_ERRORS
-        if all(measured) or name != ROTORS
-    ]
+    errors = [one for one in LOAD_UNIT_ERRORS if all(measured) or one[0] != ROTORS]
+    common = [(name, [*itertools.compress(each, measured)]) for name, each in errors]
     middle = math.exp(sum(math.log(max(r, 1e-9)) for r in ratios.values()) / len(ratios))
     likely = common_errors([*ratios.values()], LOAD_RATIO, common)
     if len(causes) < len(odd):
@@ -635,58 +604,44 @@ MAX_TWIST = 1.6  # [rad]; no blade is set at 92 degrees to its disk: a larger fi
 def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[str] = ()) -> None:
     """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip;
     messages name stations by ``labels``, such as "line 7"."""
-
-    def refuse(found: str, remedy: str) -> NoReturn:
-        raise InputError(found, remedy)
-
     columns = {"station": station, "chord": chord, "twist": twist}
     for field, values in columns.items():
         if values.ndim != 1 or values.size != station.size:
-            refuse(
-                f"{field} has shape {values.shape}, expected one value per station",
-                "give station, chord and twist as lists of one length",
-            )
+            found = f"{field} has shape {values.shape}, expected one value per station"
+            raise InputError(found, "give station, chord and twist as lists of one length")
     if station.size < MIN_STATIONS:
-        refuse(
-            f"found {station.size} stations, expected at least {MIN_STATIONS}",
-            "add stations between root and tip",
-        )
+        found = f"found {station.size} stations, expected at least {MIN_STATIONS}"
+        raise InputError(found, "add stations between root and tip")
     labels = labels or [f"station {i}" for i in range(station.size)]
     for field, values in columns.items():
         for k in np.flatnonzero(~np.isfinite(values)).tolist():
-            refuse(
-                f"{labels[k]}: {field} is {values[k]}, expected a finite number",
-                "remove the row or correct it",
-            )
+            found = f"{labels[k]}: {field} is {values[k]}, expected a finite number"
+            raise InputError(found, "remove the row or correct it")
     if station[0] <= 0.0:
-        refuse(
-            f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0",
-            "start at the hub radius, where the blade begins",
-        )
+        found = f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0"
+        raise InputError(found, "start at the hub radius, where the blade begins")
     for k in (np.flatnonzero(station[1:] <= station[:-1]) + 1).tolist():
         repeated = station[k] == station[k - 1]
         how = "repeated" if repeated else f"unsorted (it follows {station[k - 1]:g} m)"
-        refuse(
+        raise InputError(
             f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
             "root to tip",
             "keep one row per station" if repeated else "sort the rows by station",
         )
     radius, low, high = float(station[-1]), int(np.argmin(chord)), int(np.argmax(chord))
     if radius > MAX_RADIUS:
-        refuse(
+        raise InputError(
             f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
             + _cause(radius, LIKELY_RADIUS, "length"),
             "check the units; lengths are in metres",
         )
     if chord[low] < 0.0:
-        refuse(
-            f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more",
-            "correct the negative chord",
-        )
+        found = f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more"
+        raise InputError(found, "correct the negative chord")
     if chord[high] == 0.0:
-        refuse("every chord is 0", "give the chord of each station")
+        raise InputError("every chord is 0", "give the chord of each station")
     if chord[high] >= radius:
-        refuse(
+        raise InputError(
             f"{labels[high]}: chord is {chord[high]:g} m, "
             f"expected less than the radius of {radius:g} m"
             + _cause(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius"),
@@ -694,7 +649,7 @@ def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[
         )
     steepest = int(np.argmax(np.abs(twist)))
     if abs(twist[steepest]) > MAX_TWIST:
-        refuse(
+        raise InputError(
             f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most {MAX_TWIST}; "
             "it looks like degrees",
             "the column must be in radians or be named twist_deg",
@@ -708,11 +663,8 @@ def check_blades(blades: Any) -> int:
     except TypeError:
         count = 0
     if isinstance(blades, bool | np.bool_) or not 1 <= count <= MAX_BLADES:
-        raise InputError(
-            f"the number of blades is {quoted(blades)}, "
-            f"expected a whole number from 1 to {MAX_BLADES}",
-            "pass --blades 2 (in Python: blades=2)",
-        )
+        found = f"the number of blades is {quoted(blades)}, expected a whole number from 1 to "
+        raise InputError(f"{found}{MAX_BLADES}", "pass --blades 2 (in Python: blades=2)")
     return count
 
 
@@ -724,11 +676,9 @@ def check_root_cutout(root_cutout: Any, station: Floats) -> float:
     except (TypeError, ValueError):
         value = float("nan")
     if not first <= value <= last:
-        raise InputError(
-            f"the root cut-out is {quoted(root_cutout)} m, "
-            f"expected between {first:.6g} m (first station) and {last:.6g} m (0.9 radius)",
-            "choose a root cut-out on the blade, in metres",
-        )
+        found = f"the root cut-out is {quoted(root_cutout)} m, expected between {first:.6g} m"
+        found += f" (first station) and {last:.6g} m (0.9 radius)"
+        raise InputError(found, "choose a root cut-out on the blade, in metres")
     return value
 
 
@@ -737,8 +687,6 @@ def twist_from_degrees(degrees: Floats) -> Floats:
     no propeller and look like radians."""
     steepest = float(np.nanmax(np.abs(degrees), initial=0.0))
     if degrees.size and steepest < MAX_TWIST:
-        raise InputError(
-            f"the largest twist is {steepest:g} degrees; it looks like radians",
-            "the column must be in degrees or be named twist_rad",
-        )
+        found = f"the largest twist is {steepest:g} degrees; it looks like radians"
+        raise InputError(found, "the column must be in degrees or be named twist_rad")
     return np.deg2rad(degrees)

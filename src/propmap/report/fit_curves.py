@@ -151,11 +151,7 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
         legend_below(figure, handles, columns=5)
         return figure
 
-    facts = {
-        "rpm": omega / RPM,
-        "draws": len(changes),
-        "motor": installation_note(rotor),
-    }
+    facts = {"rpm": omega / RPM, "draws": len(changes), "motor": installation_note(rotor)}
     return FigureRecord("fit-loads", groups, draw), facts
 
 
@@ -194,13 +190,9 @@ def level_flight(vehicle: Vehicle, points: FlightLog, airfoil: Section) -> Figur
     still = {name: each.sum(axis=1) for name, each in hover.loads(flow.omega).items()}
     values = {name: parameter.start for name, parameter in EVERY.items()}
     body, _ = body_force(vehicle, points, values | wing_values(vehicle), ())
-    error, hover_error = (
-        np.sum(force * points.up, axis=1) - vehicle.mass * GRAVITY
-        for force in (
-            rotor_forces(flow, loads.thrust, loads.drag) + body,
-            hover_loads(hover, flow)[:, :3],
-        )
-    )
+    own, by_hover = rotor_forces(flow, loads.thrust, loads.drag) + body, hover_loads(hover, flow)
+    lifted = (np.sum(force * points.up, axis=1) for force in (own, by_hover[:, :3]))
+    error, hover_error = (force - vehicle.mass * GRAVITY for force in lifted)
     felt, across = vehicle.mass * points.specific_force, points.velocity[:, :2]
     length = np.linalg.norm(across, axis=1, keepdims=True)
     direction = np.divide(across, length, out=np.zeros_like(across), where=length > 0.0)
@@ -323,9 +315,8 @@ def steady_parts(log: FlightLog, stretches: Sequence[slice]) -> Figure:
     colours = [COLOURS[k % len(COLOURS)] for k in range(log.rotor_speed.shape[1])]
     for colour, values in zip(colours, log.rotor_speed.T, strict=True):
         rotors.plot(time, values / RPM, color=colour, rasterized=True, **SAMPLES)
-    for ax, label in zip(
-        axes, ("speed V [m/s]", "climb rate [m/s]", "rotor speeds [1/min]"), strict=True
-    ):
+    labels = "speed V [m/s]", "climb rate [m/s]", "rotor speeds [1/min]"
+    for ax, label in zip(axes, labels, strict=True):
         for pair in ends:
             ax.axvspan(*pair, **SHADE)
         ax.set_ylabel(label)
@@ -383,8 +374,5 @@ def drawn_changes(fit: FitRecord) -> tuple[tuple[str, ...], Floats]:
 
 def held(fit: FitRecord) -> list[str]:
     """Name these free parameters that keep their value in every draw."""
-    return [
-        p.name
-        for k, p in enumerate(fit.parameters)
-        if p.name in ROTOR and not np.isfinite(fit.covariance[k, k])
-    ]
+    lost = ~np.isfinite(np.diag(fit.covariance))
+    return [p.name for p, its in zip(fit.parameters, lost, strict=True) if its and p.name in ROTOR]

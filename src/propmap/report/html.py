@@ -17,20 +17,18 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import propmap
 from propmap.errors import InputError
-from propmap.io.csv import replacing
+from propmap.io.csv import check_place, replacing
 from propmap.loads import LOADS
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 MINUS, MISSING = "\N{MINUS SIGN}", "\N{EN DASH}"  # before a negative number; in place of none
 DIGITS = 6  # of the numbers in CSV files: the accuracy of the loads
@@ -105,11 +103,8 @@ def report_files(
     }
     environment.globals |= {"columns": _columns, "version": propmap.__version__}
     html = environment.get_template(template).render(images=inside, **values)
-    return {
-        PAGE: html,
-        **{f"{name}.svg": image for name, image in images.items()},
-        **{f"{name}.csv": text for name, text in sheets.items()},
-    }
+    drawn = {f"{name}.svg": image for name, image in images.items()}
+    return {PAGE: html, **drawn, **{f"{name}.csv": text for name, text in sheets.items()}}
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -204,26 +199,14 @@ TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values", "fit-terms-worth"])
 
 def check_folder(folder: Path, names: Collection[str]) -> None:
     """Raise ``InputError`` unless the folder is new or holds no files but those of ``names``."""
-    where, parent = str(folder), folder.absolute().parent
-    try:
-        exists, in_folder = folder.exists(), parent.is_dir()
-    except ValueError as error:
-        raise InputError(f"not a path: {error}", "choose another name", where) from None
-    if folder.is_symlink() or (exists and not folder.is_dir()):
+    where = str(folder)
+    if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
         raise InputError("this is not a folder", "name a folder to write into", where)
-    if not in_folder:
-        missing = f"there is no folder {str(parent)!r}"
-        raise InputError(missing, "make it or choose another", where)
-    held = folder.iterdir() if exists else ()
+    held = folder.iterdir() if check_place(folder.absolute(), where) else ()
     others = sorted(p.name for p in held if p.name not in names or p.is_dir())
     if others:
-        raise InputError(
-            f"the folder holds {others[0]!r}, which this command does not write",
-            "choose a new or an empty folder",
-            where,
-        )
-    if not os.access(parent, os.W_OK):
-        raise InputError("the folder cannot be written to", "choose another", where)
+        found = f"the folder holds {others[0]!r}, which this command does not write"
+        raise InputError(found, "choose a new or an empty folder", where)
 
 
 def write_folder(

@@ -71,9 +71,8 @@ def load_curves(
     hover model dashed, measured points at rest with the first; the 95 % band of the rotor ``band``
     is shaded."""
     if len(betas) > len(COLOURS):
-        raise InputError(
-            f"{len(betas)} angles make an unreadable picture", f"give at most {len(COLOURS)}"
-        )
+        fault = f"{len(betas)} angles make an unreadable picture"
+        raise InputError(fault, f"give at most {len(COLOURS)}")
     found = rotor.loads(omega, speed, np.array(betas)[:, None])
     edges: tuple[Any, ...] = ()
     if band is not None and band.model.uncertainty is not None:
@@ -123,9 +122,8 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
     azimuth = np.radians(np.linspace(0.0, 360.0, 361))
     field = rotor.inflow(omega, speed, beta, radius=radius, azimuth=azimuth)
     if not np.isfinite(field.alpha).all():
-        raise InputError(
-            "the inflow did not converge everywhere on the disk", "choose another operating point"
-        )
+        found = "the inflow did not converge everywhere on the disk"
+        raise InputError(found, "choose another operating point")
     # Placed by hand: what is written around a polar plot is not laid out automatically.
     figure = Figure(figsize=(9.2, 5.4))
     disk: Any = figure.add_axes((0.05, 0.15, 0.40, 0.66), projection="polar")
@@ -265,9 +263,8 @@ def power_curves(
     ``flown``, the ``hover`` model's dashed, with bands of 95 % where ``sure`` knows, and marks on
     the states of ``found``."""
     if len(flown) > len(COLOURS):
-        raise InputError(
-            f"{len(flown)} climb rates make an unreadable picture", f"give at most {len(COLOURS)}"
-        )
+        fault = f"{len(flown)} climb rates make an unreadable picture"
+        raise InputError(fault, f"give at most {len(COLOURS)}")
     figure = new_figure(8.6, 6.2)
     axes = figure.subplots(2, 2, sharex=True)
     power, pitch, speed, margin = axes.ravel()
@@ -313,15 +310,11 @@ def power_curves(
         ax.set_xlabel("horizontal speed through the air [m/s]")
     if found is not None:
         slowest, fastest = found.states.speed[[0, -1]]
-        for state, label, marker in (
-            (found.least_power, "least power", "v"),
-            (found.best_range, "best range", "D"),
-            (found.fastest, "top speed", "s"),
-        ):
+        look = {"color": "black", "markersize": 5.0}
+        for marker, (_, words, state) in zip("vDs", found.named[1:], strict=True):
             if state is not None and slowest <= state.speed <= fastest:
-                power.plot(
-                    state.speed, state.power, marker, color="black", markersize=5.0, label=label
-                )
+                label = words.partition(",")[0]
+                power.plot(state.speed, state.power, marker, label=label, **look)
         if power.get_legend_handles_labels()[0]:
             power.legend(loc="lower left", fontsize=8.0)
     figure.suptitle(title)

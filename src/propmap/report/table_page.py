@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -21,9 +22,6 @@ from propmap.table.interpolation import NO_VALUE, OK, STATUSES, UNRESOLVED, VORT
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.units import RPM
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 NAMES = np.array(STATUSES)
 SPEEDS, ANGLES = 121, 91  # of curves and maps
@@ -168,11 +166,9 @@ def table_cells(table: LoadTable) -> html.FigureRecord:
         ax.set_ylabel("angle β [deg]")
         if beta[-1] - beta[0] > 60.0:
             ax.set_yticks(np.arange(30 * np.ceil(beta[0] / 30.0), beta[-1] + 1.0, 30.0))
-        handles = [
-            Patch(facecolor=colour, edgecolor="0.5", linewidth=0.5, label=label)
-            for code, (label, colour) in KINDS.items()
-            if (codes == code).any()
-        ]
+        look: dict[str, Any] = {"edgecolor": "0.5", "linewidth": 0.5}
+        there = [kind for code, kind in KINDS.items() if (codes == code).any()]
+        handles = [Patch(facecolor=colour, label=label, **look) for label, colour in there]
         html.legend_below(figure, handles, columns=2)
         return figure
 
@@ -329,13 +325,9 @@ def hover_errors(
         if not mine.any():
             continue
         off = [float(np.mean(np.abs(shares[0][mine]) > limit)) for limit in OFF]
-        cells.append(
-            (
-                f"{html.number(low, 2)} to {html.number(high, 2)}",
-                *(html.number(100.0 * rms(share[mine]), 2) for share in shares),
-                *(f"{100.0 * share:.0f}" for share in off),
-            )
-        )
+        sizes_of = (html.number(100.0 * rms(share[mine]), 2) for share in shares)
+        band = f"{html.number(low, 2)} to {html.number(high, 2)}"
+        cells.append((band, *sizes_of, *(f"{100.0 * share:.0f}" for share in off)))
         sizes.append(int(mine.sum()))
         beyond.append(off[0])
         good += [high] if off[0] < OFF[0] else []

@@ -150,11 +150,8 @@ def step_errors(
         off[HOVER_MODEL, flight.name, True, False] = hover.raw_rms
         for step in steps_of(found):
             for raw, fitted in itertools.product((False, True), (False, True)):
-                each = [
-                    one.off[k].raw_rms if raw else one.off[k].rms
-                    for one in found
-                    if one.step == step and (one.left_out != k) == fitted
-                ]
+                mine = [one for one in found if one.step == step and (one.left_out != k) == fitted]
+                each = [one.off[k].raw_rms if raw else one.off[k].rms for one in mine]
                 if each:
                     mean = np.sqrt(np.mean(np.square(each), axis=0))
                     off[step, flight.name, raw, fitted] = mean

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -95,7 +94,6 @@ class Surface:
     quantity: str
     across: str
     up: str
-    # Where on the axes of shared operating points, the nearest value of each; by default the first.
     at: dict[str, float]
 
 
@@ -104,21 +102,13 @@ class StudyFile:
     """What a file says: names as on the command line, and what ``Study`` takes."""
 
     title: str
-    # As the command line names the first design; an empty airfoil is that known of the propeller.
-    propeller: str
+    propeller: str  # of the first design, as on the command line
     airfoil: str  # empty for that known of the propeller
     varied: dict[str, Floats]
     axes: dict[str, Floats]
     designs: int | None
     seed: int
     surface: Surface | None  # None where no two quantities vary
-
-    @property
-    def points(self) -> int:
-        """Number of operating points of all designs together."""
-        levels = [] if self.designs is not None else list(self.varied.values())
-        shared = [values.size for values in (*levels, *self.axes.values())]
-        return (self.designs or 1) * math.prod(shared)
 
     def study(self, rotor: Rotor) -> Study:
         """The study, of designs made from that of ``rotor``."""
@@ -137,11 +127,8 @@ def read_study(path: Path) -> StudyFile:
             found = f"{name} is given twice"
             raise InputError(found, "give it in metres or in inches", f"{where}: [vary]")
         varied[name] = unit * np.atleast_1d(np.asarray(given[key], np.float64))
-    axes = {
-        name: np.atleast_1d(np.asarray(values, np.float64))
-        for name, values in asdict(file.points).items()
-        if values is not None
-    }
+    shared = {name: values for name, values in asdict(file.points).items() if values is not None}
+    axes = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in shared.items()}
     return StudyFile(
         title=f"study of {path.stem}" if file.title is None else file.title,
         propeller=file.propeller.name,
@@ -166,17 +153,14 @@ def _surface(
         if text is not None:
             name = KEYS.get(text, (text, 1.0))[0]
         if name not in wide or name in chosen:
-            raise InputError(
-                f"{key} is {quoted(name)}, which does not vary or is the other axis",
-                f"choose two of {', '.join(wide) or 'what varies, which is nothing'}",
-                where,
-            )
+            found = f"{key} is {quoted(name)}, which does not vary or is the other axis"
+            remedy = f"choose two of {', '.join(wide) or 'what varies, which is nothing'}"
+            raise InputError(found, remedy, where)
         chosen.append(name)
     quantity = picture.quantity or "thrust"
     if quantity not in TEXTS:
         raise InputError(f"quantity is {quoted(quantity)}", f"known are {', '.join(TEXTS)}", where)
-    levels = {name: getattr(picture, name) for name in OPERATION}
-    at = {name: value for name, value in levels.items() if value is not None}
+    at = {n: value for n in OPERATION if (value := getattr(picture, n)) is not None}
     for name in at:
         if name not in axes:
             found = f"{name} is not one of [points]"
@@ -242,18 +226,14 @@ def response_surface(rows: Mapping[str, Floats], values: Floats) -> ResponseSurf
     good = np.isfinite(values)
     used = {n: np.asarray(v)[good] for n, v in rows.items() if np.ptp(v[good] if good.any() else v)}
     names = tuple(used)
-    low, high = (
-        np.array([edge(used[name]) for name in names], np.float64) for edge in (np.min, np.max)
-    )
+    low, high = (np.array([edge(v) for v in used.values()], float) for edge in (np.min, np.max))
     unfitted = ResponseSurface(names, low, high, np.empty(0), np.nan)
     terms = _terms(unfitted._unit(used)) if names else np.ones((int(good.sum()), 1))
     count = terms.shape[1]
     if good.sum() <= count:
-        raise InputError(
-            f"a quadratic of {len(names)} variables has {count} coefficients, and {good.sum()} "
-            "designs have values",
-            "ask for more designs",
-        )
+        found = f"a quadratic of {len(names)} variables has {count} coefficients"
+        found += f", and {good.sum()} designs have values"
+        raise InputError(found, "ask for more designs")
     # Where a variable has two levels its square says nothing; the least coefficients are taken.
     inverse = np.linalg.pinv(terms)
     coefficients = inverse @ values[good]

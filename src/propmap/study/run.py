@@ -91,15 +91,13 @@ class Study(Evaluation):
             _check_values(name, values)
             both = self.designs is not None and name in self.varied and name != "blades"
             if both and values.size != 2:
-                raise InputError(
-                    f"{name} has {values.size} values", "a Latin hypercube takes two, from and to"
-                )
+                found = f"{name} has {values.size} values"
+                raise InputError(found, "a Latin hypercube takes two, from and to")
         if self.designs is not None and not 2 <= self.designs <= MOST_DESIGNS:
             raise InputError(f"designs is {self.designs}", f"give 2 to {MOST_DESIGNS}")
         if self.count > MOST_DESIGNS:
-            raise InputError(
-                f"all combinations are {self.count} designs", "give fewer values of each"
-            )
+            found = f"all combinations are {self.count} designs"
+            raise InputError(found, "give fewer values of each")
         ends = {n: np.unique(v[[0, -1]]) for n, v in self.varied.items() if n in GEOMETRY}
         for corner in itertools.product(*ends.values()):
             self.design(dict(zip(ends, corner, strict=True)))

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 import propmap
 from propmap.errors import InputError
 from propmap.results import Loads
+from propmap.rotor import Rotor
 from propmap.sweep.points import (
     AXES,
     Part,
@@ -40,8 +41,6 @@ from propmap.typing import Floats
 
 if TYPE_CHECKING:
     import xarray
-
-    from propmap.rotor import Rotor
 
 POINTS_PER_TASK = 16_384  # some seconds of a core: long beside handing out, short beside a loss
 SAMPLE = 2048  # operating points by which the time of a sweep is predicted
@@ -113,12 +112,8 @@ class Evaluation(ABC):
         coordinates = self.coordinates()
         # Names and types, from hover at a tip speed of 100 m/s.
         probe = self.rotor.loads([100.0 / self.rotor.model.propeller.radius], 0.0, 0.0)
-        kinds = {
-            name: (filed_as(values.dtype), attributes(name))
-            for name, values in quantities(
-                probe, bands=self.bands, by_source=self.by_source
-            ).items()
-        }
+        filed = quantities(probe, bands=self.bands, by_source=self.by_source)
+        kinds = {name: (filed_as(v.dtype), attributes(name)) for name, v in filed.items()}
         known = self.rotor.model.uncertainty if self.bands else None
         chunk = chunk_shape(self.shape, self.points_per_task)
         points = [part for name, (_, at, _) in coordinates.items() for part in (name, at.tobytes())]
@@ -447,11 +442,9 @@ class Store:
             if before.get(name) != layout.depends_on.get(name):
                 was = before.get(name, "")
                 version = f" ({was})" if was and len(was) <= len("0.10.2") else ""
-                raise InputError(
-                    f"it was begun with another {words}{version}",
-                    "choose another name, or pass --force to begin anew",
-                    str(path),
-                )
+                found = f"it was begun with another {words}{version}"
+                remedy = "choose another name, or pass --force to begin anew"
+                raise InputError(found, remedy, str(path))
         for left in path.rglob("*.partial"):
             left.unlink(missing_ok=True)
         return cls(path, before["run"])
@@ -536,9 +529,8 @@ def begun(path: Path) -> dict[str, str]:
         found = json.loads((path / "zarr.json").read_text(encoding="utf-8"))
         return dict(found["attributes"][RUN])
     except (OSError, ValueError, KeyError, TypeError):
-        raise InputError(
-            "this is no store of propmap's", "choose another name", str(path)
-        ) from None
+        fault = "this is no store of propmap's"
+        raise InputError(fault, "choose another name", str(path)) from None
 
 
 def _unfilled(kind: np.dtype[Any]) -> float:
@@ -549,7 +541,6 @@ def _zarr() -> Any:
     try:
         import zarr
     except ImportError:
-        raise InputError(
-            "this needs zarr", "pip install '.[cluster]' in propmap's checkout"
-        ) from None
+        found = "this needs zarr"
+        raise InputError(found, "pip install '.[cluster]' in propmap's checkout") from None
     return zarr

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ import propmap
 from propmap.errors import InputError
 from propmap.loads import LOADS, error_scales
 from propmap.model.envelope import Range
+from propmap.rotor import Rotor
 from propmap.table.certificate import (
     POINTS,
     TableErrors,
@@ -41,10 +42,6 @@ from propmap.table.query import LoadTable
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
 from propmap.units import RPM
-
-if TYPE_CHECKING:
-    from propmap.rotor import Rotor
-
 
 MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; tolerances begin at twice that
 LARGEST_TOLERANCE = 0.1
@@ -187,20 +184,15 @@ def _envelope(*ranges: Range) -> tuple[Floats, Floats, Floats]:
     units = ("omega", "rad/s"), ("speed", "m/s"), ("beta", "rad")
     for (name, unit), (low, high) in zip(units, ranges, strict=True):
         if not (np.isfinite([low, high]).all() and low < high):
-            raise InputError(
-                f"{name} goes from {low:g} to {high:g} {unit}", "give a range that rises"
-            )
+            found = f"{name} goes from {low:g} to {high:g} {unit}"
+            raise InputError(found, "give a range that rises")
     (slowest, _), (least, _), (first, last) = ranges
     if slowest <= 0.0:
-        raise InputError(
-            f"omega begins at {slowest:g} rad/s, where the advance ratio is infinite",
-            "begin at the idle speed",
-        )
+        found = f"omega begins at {slowest:g} rad/s, where the advance ratio is infinite"
+        raise InputError(found, "begin at the idle speed")
     if least < 0.0 or first < 0.0 or last > np.pi + 1e-12:
-        raise InputError(
-            "speed must not be negative, and beta must lie between 0 and pi",
-            "descent is beta above pi/2",
-        )
+        found = "speed must not be negative, and beta must lie between 0 and pi"
+        raise InputError(found, "descent is beta above pi/2")
     omega, speed, beta = (np.array(r, dtype=np.float64) for r in ranges)
     return omega, speed, np.minimum(beta, np.pi)
 
@@ -278,10 +270,8 @@ NARROWER = np.linspace(0.1, 0.9, 9)  # of the way, in the logarithm of omega, th
 def check_between_speeds(
     model: CachedModel, ends: tuple[Floats, Floats, Floats], tolerance: float
 ) -> None:
-    """Raise ``InputError`` where two rotor speeds tell too little of those between.
-
-    Loads of small propellers change with the Reynolds number by more than the interpolation knows.
-    """
+    """Raise ``InputError`` where two rotor speeds tell too little of those between, as loads change
+    with the Reynolds number by more than the interpolation knows."""
     error, advance, beta = _errors_between(model, ends)
     limit = POINT_SHARE * tolerance
     lost = error > limit
@@ -459,10 +449,8 @@ def refine(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> R
 
 def spread(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Add to these cells their neighbours, into whose interpolation a jump reaches."""
-    wide = np.pad(cells, 1)
-    n, m = cells.shape
-    parts = [wide[i : i + n, j : j + m] for i in range(3) for j in range(3)]
-    return np.asarray(np.any(parts, axis=0))
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(cells, 1), (3, 3))
+    return np.asarray(around.any(axis=(2, 3)))
 
 
 def _refine_lines(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> None:

@@ -72,9 +72,8 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
         raise InputError("no such file", "check the path", where) from None
     except OSError as error:
         reason = error.strerror or str(error)
-        raise InputError(
-            f"cannot read it: {reason}", "check the path and the file", where
-        ) from None
+        found = f"cannot read it: {reason}"
+        raise InputError(found, "check the path and the file", where) from None
     except (ValueError, EOFError, KeyError, BadZipFile, zlib.error, RuntimeError, MemoryError):
         # What NumPy and zipfile raise for files cut short, altered, pickled, locked, or foreign.
         raise InputError("this is no table, or a damaged one", _REMEDY, where) from None
@@ -112,11 +111,8 @@ def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
             where,
         )
     if info.get("loads", list(LOADS)) != list(LOADS):
-        raise InputError(
-            f"the table holds {quoted(info['loads'])}, this propmap has {', '.join(LOADS)}",
-            "build the table again",
-            where,
-        )
+        fault = f"the table holds {quoted(info['loads'])}, this propmap has {', '.join(LOADS)}"
+        raise InputError(fault, "build the table again", where)
     missing = [name for name in ARRAYS if name not in found]
     if missing:
         raise InputError(f"the table has no {missing[0]}", _REMEDY, where)
@@ -124,9 +120,8 @@ def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
     if certificate:
         lacking = [field.name for field in fields(Certificate) if not _states(certificate, field)]
         if lacking:
-            raise InputError(
-                f"the table's certificate does not say {lacking[0]}", "build the table again", where
-            )
+            fault = f"the table's certificate does not say {lacking[0]}"
+            raise InputError(fault, "build the table again", where)
     return dict(info)
 
 

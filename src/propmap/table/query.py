@@ -156,12 +156,9 @@ class LoadTable:
         if propeller is not None:
             described = content.info["propeller"]
             if described.get("geometry_sha256") != propeller.fingerprint():
-                raise InputError(
-                    f"the table is of {described.get('name')!r}, expected {propeller.name!r} with "
-                    "the same geometry",
-                    "build a table for this propeller",
-                    os.fspath(path),
-                )
+                found = f"the table is of {described.get('name')!r}, expected {propeller.name!r}"
+                remedy = "build a table for this propeller"
+                raise InputError(f"{found} with the same geometry", remedy, os.fspath(path))
         return cls(content)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -248,10 +245,9 @@ class LoadTable:
         """
         content = self.content
         if content.deviations is None:
-            raise InputError(
-                "the table says nothing of its model's errors",
-                "build it of constants identified or expected by name, or of a fit's file",
-            )
+            found = "the table says nothing of its model's errors"
+            remedy = "build it of constants identified or expected by name, or of a fit's file"
+            raise InputError(found, remedy)
         w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         rate, speeds, folded, _ = self._bounded(w, v, fold(b)[0], clamp=False)
         lost = np.isnan(rate)
@@ -473,12 +469,8 @@ def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: F
     if quantity not in QUANTITIES:
         raise InputError(f"quantity is {quantity!r}: it must be one of {', '.join(QUANTITIES)}")
     shape = value.shape
-    roots = [
-        _roots(table, quantity, *point)
-        for point in zip(
-            value.ravel().tolist(), speed.ravel().tolist(), beta.ravel().tolist(), strict=True
-        )
-    ]
+    points = zip(*(each.ravel().tolist() for each in (value, speed, beta)), strict=True)
+    roots = [_roots(table, quantity, *point) for point in points]
     count = np.array([len(found) for found in roots], np.int64).reshape(shape)
     largest = np.array([found[-1] if found else np.nan for found in roots]).reshape(shape)
     least = np.array([found[0] if found else np.nan for found in roots]).reshape(shape)

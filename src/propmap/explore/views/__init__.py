@@ -11,12 +11,5 @@ from propmap.explore.views.disk import DiskView
 from propmap.explore.views.loads import LoadsView
 from propmap.explore.views.trust import TrustView
 
-VIEWS: tuple[View, ...] = (
-    LoadsView(),
-    DiskView(),
-    BladeView(),
-    ConstantsView(),
-    CompareView(),
-    AircraftView(),
-    TrustView(),
-)
+CLASSES = LoadsView, DiskView, BladeView, ConstantsView, CompareView, AircraftView, TrustView
+VIEWS: tuple[View, ...] = tuple(view() for view in CLASSES)

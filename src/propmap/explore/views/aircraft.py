@@ -17,7 +17,7 @@ from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Session, axis, number, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, Slider, Table, Values, digits
-from propmap.io.csv import csv_text
+from propmap.io.csv import csv_text, number_or_none
 from propmap.report.html import COLOURS
 from propmap.units import RPM
 
@@ -43,9 +43,8 @@ class AircraftView(view.View):
     def controls(self, session: Session) -> Sequence[Control]:
         """List what can be set; ``InputError`` without a vehicle."""
         if session.vehicle is None:
-            raise InputError(
-                "there is no vehicle", "open a vehicle file here, or by `propmap explore FILE.toml`"
-            )
+            found = "there is no vehicle"
+            raise InputError(found, "open a vehicle file here, or by `propmap explore FILE.toml`")
         return [
             Slider("top", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
             Slider("climb", "Climb rate", "m/s", -5.0, 10.0, 0.5, 0.0),
@@ -64,16 +63,11 @@ class AircraftView(view.View):
             "rpm": (rpm.min(axis=1), rpm.max(axis=1), still.mean(axis=1)),
             "margin": (states.thrust_margin, hover.thrust_margin),
         }
-        shown = {
-            name: view.curves(
-                states.speed,
-                [*((y, "this model", COLOURS[0]) for y in own), (other, *view.HOVER)],
-                "horizontal speed [m/s]",
-                PANELS[name],
-                zero=name != "rpm",
-            )
-            for name, (*own, other) in curves.items()
-        }
+        shown = {}
+        for name, (*own, other) in curves.items():
+            lines = [*((y, "this model", COLOURS[0]) for y in own), (other, *view.HOVER)]
+            axes = "horizontal speed [m/s]", PANELS[name]
+            shown[name] = view.curves(states.speed, lines, *axes, zero=name != "rpm")
         tables = []
         if settled:
             found = performance(craft, states, climb=values["climb"], wind=values["wind"])
@@ -125,8 +119,7 @@ class AircraftView(view.View):
         found = performance(craft, states, climb=values["climb"], wind=values["wind"])
         listed = state_rows(states)
         for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
-            row["endurance_s"] = float(time) if math.isfinite(time) else None
-            row["distance_m"] = float(way) if math.isfinite(way) else None
+            row["endurance_s"], row["distance_m"] = number_or_none(time), number_or_none(way)
         return csv_text(list(listed[0]), listed)
 
 
@@ -139,16 +132,10 @@ def _states(session: Session, values: Values) -> tuple[Aircraft, SteadyStates]:
 def _named(found: Performance, caution: str) -> Table:
     why = LIMITS.get(found.limit, found.limit)
     rows = []
-    for label, state in (
-        ("hover", found.hover),
-        ("least power, longest time", found.least_power),
-        ("best range", found.best_range),
-        ("top speed", found.fastest),
-    ):
+    for _, label, state in found.named:
         if state is None:
-            rows.append(
-                [label, "-", "-", "-", f"none {why if label == 'top speed' else ''}".strip()]
-            )
+            none = f"none {why if label == 'top speed' else ''}".strip()
+            rows.append([label, "-", "-", "-", none])
             continue
         power = state.electrical_power if math.isfinite(state.electrical_power) else state.power
         numbers = (state.speed, power, state.endurance / 60.0, state.distance / 1e3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -55,20 +56,13 @@ class BladeView(view.View):
         speed = np.linspace(0.0, FASTEST, ALONG)
         flow = values["rpm"] * RPM, speed, np.radians(values["beta"])
         before, after = rotor_of(session.model).loads(*flow), rotor_of(model).loads(*flow)
-        shown = {
-            "outline": _outline(old, model.propeller),
-            "chord": _draggable(old, model.propeller, "chord", values),
-            "twist": _draggable(old, model.propeller, "twist", values),
-        }
+        shown = {"outline": _outline(old, model.propeller)}
+        for what in ("chord", "twist"):
+            shown[what] = _draggable(old, model.propeller, what, values)
         for name in ("thrust", "power"):
-            shown[name] = view.curves(
-                speed,
-                [(getattr(before, name), *BEFORE), (getattr(after, name), *AFTER)],
-                view.AXES["speed"],
-                view.TITLES[name],
-                shapes=[view.upright(values["speed"])],
-                zero=True,
-            )
+            lines = [(getattr(before, name), *BEFORE), (getattr(after, name), *AFTER)]
+            axes, here = (view.AXES["speed"], view.TITLES[name]), [view.upright(values["speed"])]
+            shown[name] = view.curves(speed, lines, *axes, shapes=here, zero=True)
         key = [("as it was", f"-{view.GREY}"), AFTER]
         return Answer(shown, [_table(session.model, model, values)] if settled else [], (), key)
 
@@ -132,11 +126,7 @@ def _outline(old: Propeller, new: Propeller) -> view.Figure:
         "radius y [mm]",
         "about mid-chord [mm]",
         xaxis={"range": [0.0, 1.02 * MM * old.radius], "constrain": "domain"},
-        yaxis={
-            "scaleanchor": "x",
-            "constrain": "domain",
-            "range": [-0.6 * widest, 0.6 * widest],
-        },
+        yaxis={"scaleanchor": "x", "constrain": "domain", "range": [-0.6 * widest, 0.6 * widest]},
         shapes=[view.upright(MM * old.root)],
     )
 
@@ -152,26 +142,18 @@ def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> vie
     low = 0.0 if what == "chord" else min(float(other.min()), float(own.min()), 0.0)
     high = 1.25 * max(float(other.max()), float(own.max()))
     size = 0.016 * MM * old.radius, 0.03 * (high - low)
+    look = {"fillcolor": COLOURS[1], "line": {"color": COLOURS[1]}, "editable": True}
+    shapes: list[dict[str, Any]] = []
+    for x, z in zip(at, here, strict=True):
+        across = {"xref": "x", "x0": float(x - size[0]), "x1": float(x + size[0])}
+        up = {"yref": "y", "y0": float(z - size[1]), "y1": float(z + size[1])}
+        shapes.append({"type": "circle", **across, **up, **look})
     label = "chord c [mm]" if what == "chord" else "twist θ [deg]"
     return view.figure(
         [view.line(y, own, *BEFORE), view.line(y, other, *AFTER)],
         "radius y [mm]",
         label,
-        shapes=[
-            {
-                "type": "circle",
-                "xref": "x",
-                "yref": "y",
-                "x0": float(x - size[0]),
-                "x1": float(x + size[0]),
-                "y0": float(z - size[1]),
-                "y1": float(z + size[1]),
-                "fillcolor": COLOURS[1],
-                "line": {"color": COLOURS[1]},
-                "editable": True,
-            }
-            for x, z in zip(at, here, strict=True)
-        ],
+        shapes=shapes,
         meta={
             "drag": [f"{what}-{k}" for k in range(len(PLACES))],
             "base": base.tolist(),

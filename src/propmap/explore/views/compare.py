@@ -39,12 +39,9 @@ class CompareView(view.View):
     question = "Which of these is better, and by how much?"
     downloads = (Download(NAME, "all curves as CSV"),)
     places = tuple(
-        graph
+        Graph(f"{name}{suffix}", f"{LABELS[name]}{words}")
         for name in SHOWN
-        for graph in (
-            Graph(name, f"{LABELS[name]} against speed"),
-            Graph(f"{name}-difference", f"{LABELS[name]}: difference"),
-        )
+        for suffix, words in (("", " against speed"), ("-difference", ": difference"))
     )
 
     def controls(self, session: Session) -> Sequence[Control]:
@@ -70,6 +67,7 @@ class CompareView(view.View):
         speed = np.linspace(0.0, values["fastest"], ALONG)
         omega = _omegas(items, values, speed)
         every = _loads(items, omega, speed, values)
+        key = [(one.name, colour) for one, colour in zip(items, COLOURS, strict=False)]
         shown = {}
         for name in SHOWN:
             own = [getattr(loads, name) for loads in every]
@@ -77,18 +75,10 @@ class CompareView(view.View):
                 ("", own, ""),
                 ("-difference", [row - own[0] for row in own], ", minus the first"),
             ):
-                shown[f"{name}{suffix}"] = view.curves(
-                    speed,
-                    [
-                        (row, one.name, colour)
-                        for row, one, colour in zip(rows, items, COLOURS, strict=False)
-                    ],
-                    view.AXES["speed"],
-                    f"{view.TITLES[name]}{words}",
-                    shapes=[view.upright(values["speed"])],
-                    zero=True,
-                )
-        key = [(one.name, colour) for one, colour in zip(items, COLOURS, strict=False)]
+                lines = [(row, *look) for row, look in zip(rows, key, strict=True)]
+                axes = view.AXES["speed"], f"{view.TITLES[name]}{words}"
+                here = [view.upright(values["speed"])]
+                shown[f"{name}{suffix}"] = view.curves(speed, lines, *axes, shapes=here, zero=True)
         return Answer(shown, [_table(items, values)] if settled else [], (), key)
 
     def shell(self, session: Session, values: Values) -> str:
@@ -115,9 +105,8 @@ class CompareView(view.View):
         speed = np.linspace(0.0, values["fastest"], ALONG)
         omegas = _omegas(items, values, speed)
         rows = []
-        for one, omega, loads in zip(
-            items, omegas, _loads(items, omegas, speed, values), strict=True
-        ):
+        every = _loads(items, omegas, speed, values)
+        for one, omega, loads in zip(items, omegas, every, strict=True):
             points = OperatingPoints(omega / RPM, speed, np.full(ALONG, values["beta"]))
             rows += [{"of": one.name, **row} for row in points.rows(loads)]
         return csv_text(("of", *PREDICT_COLUMNS), rows)

@@ -18,7 +18,7 @@ from propmap.explore.view import Answer, Control, Download, Graph, Several, Slid
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData
-from propmap.io.csv import csv_text
+from propmap.io.csv import csv_text, numbers_of
 from propmap.loads import LOADS
 from propmap.model.airfoil import CONSTANTS, Airfoil
 from propmap.model.model import Model
@@ -121,27 +121,19 @@ class ConstantsView(view.View):
         if data is None:
             raise InputError("there are no measured loads", "choose or drop some")
         found = rotor_of(model_of(session, values)).loads(data.omega, data.speed, data.beta)
-        columns = {
-            "rpm": data.omega / RPM,
-            "speed_mps": data.speed,
-            "beta_deg": np.degrees(data.beta),
-        }
+        columns = {"rpm": data.omega / RPM, "speed_mps": data.speed}
+        columns["beta_deg"] = np.degrees(data.beta)
         for name, measured in data.loads.items():
             columns[LOADS[name].column_of("measured")] = measured
             columns[LOADS[name].column_of("modelled")] = getattr(found, name)
-        flat = zip(*(column.tolist() for column in columns.values()), strict=True)
-        rows = [
-            {k: v if np.isfinite(v) else None for k, v in zip(columns, row, strict=True)}
-            for row in flat
-        ]
+        flat = zip(*map(numbers_of, columns.values()), strict=True)
+        rows = [dict(zip(columns, row, strict=True)) for row in flat]
         return csv_text(list(columns), rows)
 
     def more(self) -> list[Any]:
         """Make the button for a fit, and say how far it is."""
-        return [
-            html.Button("fit now", id="fit", n_clicks=0),
-            html.P("", id="progress", role="status"),
-        ]
+        button = html.Button("fit now", id="fit", n_clicks=0)
+        return [button, html.P("", id="progress", role="status")]
 
     def register(self, application: Application) -> None:
         """Begin a fit at the button, and report how far it is."""
@@ -276,11 +268,8 @@ def law_at_first(session: Session) -> Airfoil:
 def law_of(session: Session, values: Values) -> Airfoil:
     """Make the constants that are set."""
     law = law_at_first(session)
-    changes = {
-        name: float(np.clip(values[name], *CONSTANTS[name].limits))
-        for name in SET
-        if values[name] != getattr(law, name)
-    }
+    moved = [name for name in SET if values[name] != getattr(law, name)]
+    changes = {name: float(np.clip(values[name], *CONSTANTS[name].limits)) for name in moved}
     if not changes:
         return law
     own = tuple(session.model.correction_texts)

@@ -69,13 +69,9 @@ class DiskView(view.View):
             ("inflow", field.local_inflow[:, psi], FIELDS["inflow"][0], mean),
             ("force", field.normal_force[:, psi], "dT/dy of a blade [N/m]"),
         ):
-            shown[name] = view.curves(
-                MM * radius,
-                [(along, title, COLOURS[0]), *more],
-                "radius y [mm]",
-                title,
-                xaxis={"range": [0.0, float(MM * radius[-1])]},
-            )
+            lines, whole = [(along, title, COLOURS[0]), *more], [0.0, float(MM * radius[-1])]
+            axis = {"range": whole}
+            shown[name] = view.curves(MM * radius, lines, "radius y [mm]", title, xaxis=axis)
         share = {"stalled": field.stalled, "in reverse flow": field.reverse}
         words = ", ".join(
             f"{100.0 * share_of_disk(field, at):.2g} % {name}" for name, at in share.items()
@@ -137,6 +133,7 @@ def _disk(field: Inflow, values: Values) -> view.Figure:
 
     over = _interpolated(field, drawn, away / MM, psi)
     over[outside] = np.nan
+    words = {"text": title, "side": "right", "font": {"size": 12}}
     traces: list[dict[str, Any]] = [
         {
             "type": "heatmap",
@@ -148,26 +145,16 @@ def _disk(field: Inflow, values: Values) -> view.Figure:
             "colorscale": colours,
             "reversescale": which == "margin",
             "hovertemplate": f"%{{z:.4g}}<extra>{title}</extra>",
-            "colorbar": {
-                "title": {"text": title, "side": "right", "font": {"size": 12}},
-                "thickness": 12,
-                "len": 0.9,
-            },
+            "colorbar": {"title": words, "thickness": 12, "len": 0.9},
         }
     ]
     if field.stalled.any():
         traces += _outline(field, field.past_stall, COLOURS[1], "solid")
     if field.reverse.any():
         traces += _outline(field, field.u_tangential, COLOURS[3], "dash")
-    line = np.radians(values["psi"])
-    blade = {
-        "type": "line",
-        "x0": root * np.sin(line),
-        "y0": -root * np.cos(line),
-        "x1": tip * np.sin(line),
-        "y1": -tip * np.cos(line),
-        "line": {"color": COLOURS[0], "width": 2},
-    }
+    sine, cosine = np.sin(np.radians(values["psi"])), np.cos(np.radians(values["psi"]))
+    ends = {"x0": root * sine, "y0": -root * cosine, "x1": tip * sine, "y1": -tip * cosine}
+    blade = {"type": "line", **ends, "line": {"color": COLOURS[0], "width": 2}}
     word = {"xref": "paper", "yref": "paper", "x": 0.5, "xanchor": "center", "showarrow": False}
     names = [
         {**word, "y": 1.0, "yanchor": "bottom", "text": "ψ = 180°, flight ↑"},

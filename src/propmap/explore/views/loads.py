@@ -136,12 +136,8 @@ class LoadsView(view.View):
             else:
                 text = number(each[0])
                 text = text if name == "beta" else f"np.array({text})"
-            if name == "rpm":
-                lines.append(f"omega = {text} * np.pi / 30.0")
-            else:
-                lines.append(
-                    f"{name} = np.radians({text})" if name == "beta" else f"{name} = {text}"
-                )
+            forms = {"rpm": f"omega = {text} * np.pi / 30.0", "beta": f"beta = np.radians({text})"}
+            lines.append(forms.get(name, f"{name} = {text}"))
         sure = ", loads.std.thrust" if session.model.uncertainty is not None else ""
         lines += ["loads = rotor.loads(omega, speed, beta)", f"print(loads.thrust{sure})"]
         return Recipe(session).python("\n".join(lines))
@@ -182,9 +178,8 @@ def _axes(session: Session, values: Values) -> dict[str, Floats]:
     except ValueError:
         found = []
     if not found or not all(0.0 <= one <= top for one in found):
-        raise InputError(
-            f"{quoted(text)} is no list of numbers from 0 to {top:g}", "write such as 0,30,60"
-        )
+        fault = f"{quoted(text)} is no list of numbers from 0 to {top:g}"
+        raise InputError(fault, "write such as 0,30,60")
     if len(found) > MOST_CURVES:
         raise InputError(f"{len(found)} curves are too many", f"give at most {MOST_CURVES}")
     axes[across] = np.array(found)
@@ -262,11 +257,8 @@ def _measured(
     curve = [k for k, which in enumerate(mine) for _ in which]
     every = np.concatenate(mine)
     trace = view.points(at[every], values[every], f"measured: {data.source}", COLOURS[0])
-    trace["marker"] = {
-        "color": [COLOURS[k] for k in curve],
-        "symbol": [view.MARKS[k] for k in curve],
-        "size": 7,
-    }
+    colours, marks = [COLOURS[k] for k in curve], [view.MARKS[k] for k in curve]
+    trace["marker"] = {"color": colours, "symbol": marks, "size": 7}
     trace["text"] = [names[k] for k in curve]
     trace["hovertemplate"] = "%{x:.4g}: %{y:.4g}<extra>measured, %{text}</extra>"
     return [trace], values[every]

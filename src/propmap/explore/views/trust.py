@@ -23,6 +23,7 @@ NAME = "cells.csv"
 SAMPLE = 256  # points at which table and model are compared here
 # Names and colours of the cells' kinds.
 SHADES = [(label, c if c.startswith("#") else view.GREY) for label, c in KINDS.values()]
+PLACE = "V/(ΩR) %{x:.3g}, β %{y:.3g}°: %{text}<extra></extra>"  # what a mouse over it shows
 ADVANCE, ANGLE = "advance ratio V/(ΩR) [-]", "angle β [deg]"
 
 
@@ -101,10 +102,9 @@ class TrustView(view.View):
 
 def _table(session: Session) -> LoadTable:
     if session.table is None:
-        raise InputError(
-            "there is no table",
-            "open a file of `propmap table PROP --rpm 3000:9000 --speed 0:20 -o map.npz` here",
-        )
+        found = "there is no table"
+        remedy = "open a file of `propmap table PROP --rpm 3000:9000 --speed 0:20 -o map.npz` here"
+        raise InputError(found, remedy)
     return session.table
 
 
@@ -119,7 +119,7 @@ def _cells(session: Session, table: LoadTable, values: Values) -> view.Figure:
             "y": view.array(beta),
             "z": view.array(rank.T),
             "text": [[SHADES[k][0] for k in row] for row in rank.T.tolist()],
-            "hovertemplate": "V/(ΩR) %{x:.3g}, β %{y:.3g}°: %{text}<extra></extra>",
+            "hovertemplate": PLACE,
             "zmin": -0.5,
             "zmax": count - 0.5,
             "colorscale": stops,
@@ -169,10 +169,8 @@ def _by_load(certificate: dict[str, Any]) -> view.Figure:
         )
     ]
     level = 100.0 * certificate["tolerance"]
-    line = {
-        **view.upright(0.0),
-        **{"xref": "paper", "yref": "y", "x0": 0, "x1": 1, "y0": level, "y1": level},
-    }
+    place = {"xref": "paper", "yref": "y", "x0": 0, "x1": 1, "y0": level, "y1": level}
+    line = {**view.upright(0.0), **place}
     return view.figure(
         bars, "", "error / static load [%]", shapes=[line], legend=True, barmode="group",
         margin={"l": 62, "r": 12, "t": 12, "b": 84},
@@ -192,18 +190,11 @@ def _sample(session: Session, table: LoadTable, values: Values) -> view.Figure |
     names = LOADS if values["load"] == "worst" else [values["load"]]
     errors = [np.abs(getattr(found, n) - getattr(own, n)) / scales[n] for n in names]
     worst = 100.0 * np.max(errors, axis=0)
-    marker = {
-        "color": view.array(np.log10(np.maximum(worst, 1e-6))),
-        "colorscale": "Viridis",
-        "size": 7,
-        "colorbar": {"title": {"text": "log10 error [%]"}, "thickness": 12},
-    }
+    bar = {"title": {"text": "log10 error [%]"}, "thickness": 12}
+    colours = view.array(np.log10(np.maximum(worst, 1e-6)))
     trace = view.points(speed / (omega * radius), np.degrees(beta), "error", COLOURS[0])
-    trace |= {
-        "marker": marker,
-        "text": [f"{value:.3g} %" for value in worst],
-        "hovertemplate": "V/(ΩR) %{x:.3g}, β %{y:.3g}°: %{text}<extra></extra>",
-    }
+    trace["marker"] = {"color": colours, "colorscale": "Viridis", "size": 7, "colorbar": bar}
+    trace |= {"text": [f"{value:.3g} %" for value in worst], "hovertemplate": PLACE}
     return view.figure([trace], ADVANCE, ANGLE)
 
 
