@@ -237,7 +237,7 @@ def _lowest(x: Floats, y: Floats) -> float:
 BEYOND = 1.3  # ratio of the speeds at which the search goes on beyond those that were asked for
 
 FASTEST = 150.0  # [m/s] up to which a top speed is searched
-STEPS = 40  # steps of a search for the top speed, at most
+SEARCH_STEPS = 40  # steps of a search for the top speed, at most
 CLOSE, NARROW = 2e-3, 0.1
 """The interval with the top speed is narrowed until it is so small a share of it, each time to so
 much about where the share of the limit is likely to reach 1."""
@@ -272,7 +272,7 @@ def searched(
 ) -> tuple[float, str, SteadyStates]:
     """Return ``top_speed``, and the ``states`` with those that the search has come by."""
     low, high, why = _last_and_next(states)
-    for _ in range(STEPS):
+    for _ in range(SEARCH_STEPS):
         if math.isnan(low):
             return math.nan, why, states
         if math.isnan(high):

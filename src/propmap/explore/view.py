@@ -220,6 +220,7 @@ def data_choice(session: Session) -> OneOf:
 # Figures as plain data for Plotly, in the reports' colours, labels and units.
 
 GREY = "#777777"
+CURVE = 31  # points of a curve
 HOVER = ("hover model", GREY, "dash")  # name, colour and dash of its curves
 # As ``report.html.MARKERS``.
 MARKS = ("circle", "square", "triangle-up", "diamond", "triangle-down", "cross", "x")

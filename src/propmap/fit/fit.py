@@ -241,7 +241,7 @@ def _refit_to(refit: _Refit, drawn: NDArray[np.intp]) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Which operating points the data of a fit cover, and what these cannot determine.
 
-AT_REST = 0.1  # speed [m/s] below which the direction of the flow means nothing
+STANDSTILL = 0.1  # speed [m/s] below which the direction of the flow means nothing
 BAND = 15.0  # width of the bands of the angle beta [deg], the first one about 0
 FEW = 0.02  # share of the points in motion below which an angle is hardly covered
 
@@ -296,7 +296,7 @@ def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Cover
     if not turning.any():
         raise InputError("the propeller stands still at all points", "give rpm above 0")
     omega, speed, beta = omega[turning], speed[turning], beta[turning]
-    rpm, degrees, still = omega / RPM, np.degrees(beta), speed < AT_REST
+    rpm, degrees, still = omega / RPM, np.degrees(beta), speed < STANDSTILL
     band = np.round(degrees / BAND).astype(int)
 
     def at(mine: NDArray[np.bool_]) -> tuple[int, Range, float, Range, Range]:

@@ -141,7 +141,7 @@ def build_propeller(
 # -------------------------------------------------------------------------------------------------
 # Blade geometry in propmap's own format, one TOML file per propeller.
 
-SCHEMA = 1
+BLADE_SCHEMA = 1
 
 
 def read_propeller_toml(
@@ -151,7 +151,7 @@ def read_propeller_toml(
     # Imported here, as it loads msgspec, which the propellers of the catalogue do without.
     from propmap.io.toml import PropellerFile, read_toml
 
-    file = read_toml(path, PropellerFile, SCHEMA, "geometry file")
+    file = read_toml(path, PropellerFile, BLADE_SCHEMA, "geometry file")
     with located(os.fspath(path)):
         station, chord, twist = map(np.array, (file.station_m, file.chord_m, file.twist_rad))
         labels = [f"entry {i}" for i in range(station.size)]
@@ -171,7 +171,7 @@ def propeller_toml(blade: Propeller) -> str:
     import tomli_w
 
     fields = {
-        "schema": SCHEMA,
+        "schema": BLADE_SCHEMA,
         "name": blade.name,
         "blades": blade.blades,
         "radius_m": blade.radius,

@@ -18,7 +18,7 @@ from propmap.model.corrections import agreed, as_texts
 from propmap.model.envelope import Envelope
 from propmap.typing import Floats
 
-SCHEMA = 1
+LAW_SCHEMA = 1
 SETS = Path(__file__).parents[1] / "catalogue" / "airfoils"
 LIFT_LAWS = ("blended", "plate", "simplified")
 PLATE = 0.44
@@ -207,7 +207,7 @@ class Airfoil:
 
     def _text(self, names: Sequence[str]) -> str:
         """Write these fields as a parameter file; terms beyond the paper only where they act."""
-        lines = [f"schema = {SCHEMA}"]
+        lines = [f"schema = {LAW_SCHEMA}"]
         for name in names:
             value = getattr(self, name)
             needed = name not in CONSTANTS or CONSTANTS[name].filed_if_zero or value != 0.0
@@ -260,9 +260,9 @@ def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
         except (ValueError, RecursionError) as error:
             remedy = "`propmap airfoils show paper-apc` prints an example"
             raise InputError(f"not valid TOML ({error})", remedy) from None
-        schema = table.pop("schema", SCHEMA)
-        if schema != SCHEMA:
-            found = f"schema is {schema!r}, this version reads {SCHEMA}"
+        schema = table.pop("schema", LAW_SCHEMA)
+        if schema != LAW_SCHEMA:
+            found = f"schema is {schema!r}, this version reads {LAW_SCHEMA}"
             raise InputError(found, "upgrade propmap")
         # A table is left to whoever wrote it; a stray key at the top is likely a typing error.
         extra = sorted(k for k, v in table.items() if k not in FILED and not isinstance(v, dict))

@@ -20,7 +20,7 @@ from propmap.sweep.points import TEXTS
 from propmap.typing import Floats
 from propmap.units import INCH
 
-SCHEMA = 1
+STUDY_SCHEMA = 1
 
 KEYS = {
     "diameter_m": ("diameter", 1.0),
@@ -118,7 +118,7 @@ class StudyFile:
 def read_study(path: Path) -> StudyFile:
     """Read the file at ``path``; ``InputError`` names what is wrong in it."""
     where = str(path)
-    file = read_toml(path, _StudyFile, SCHEMA, "study")
+    file = read_toml(path, _StudyFile, STUDY_SCHEMA, "study")
     given = asdict(checked(file.vary, _Vary, f"{where}: [vary]"))
     varied: dict[str, Floats] = {}
     for key in file.vary:

@@ -13,6 +13,7 @@ import numpy as np
 
 from propmap.errors import InputError
 from propmap.typing import Floats
+from propmap.units import MICROSECOND
 from propmap.vehicle.files import LogMap
 from propmap.vehicle.log import (
     Recording,
@@ -47,7 +48,6 @@ MOTORS = {
 ON_COPROCESSOR = 8
 """Outputs before those whose controllers are counted, where a coprocessor has the first ones."""
 
-MICROSECOND = 1e-6
 HEAD = b"\xa3\x95"  # before each message
 AS_WRITTEN = "give the .bin file as ArduPilot wrote it"
 

@@ -27,7 +27,7 @@ from propmap.vehicle.wakes import above_each_other
 # -------------------------------------------------------------------------------------------------
 # What a vehicle file may say, table by table; the texts are what to write where an entry is bad.
 
-SCHEMA = 1
+VEHICLE_SCHEMA = 1
 OneOrMore = Number | tuple[Number, ...]
 Area = Annotated[float, Meta(ge=0.0, le=1e6)]
 """[m^2]."""
@@ -256,7 +256,7 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
         Naming the file, the table and the key.
     """
     where = os.fspath(path)
-    file = read_toml(path, _VehicleFile, SCHEMA, "vehicle description")
+    file = read_toml(path, _VehicleFile, VEHICLE_SCHEMA, "vehicle description")
     flip = file.frame == "frd"
     blade = _propeller(file.propeller, where)
     with located(f"{where}: [air]"):

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from propmap.errors import InputError, quoted
 from propmap.io.csv import has_decimal_commas, separator_of, too_many_fields
 from propmap.typing import Floats
+from propmap.units import MICROSECOND
 from propmap.vehicle.dataflash import read_dataflash
 from propmap.vehicle.files import EULER_COLUMNS, QUATERNION_COLUMNS, LogMap, VehicleFile
 from propmap.vehicle.log import (
@@ -270,7 +271,6 @@ def _numbers(column: Any, name: str, where: str) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Flight logs of PX4: ULog files, in FRD and NED.
 
-MICROSECOND = 1e-6
 
 # Topics and fields per quantity; the first topic that the log has is used.
 ATTITUDE = {"vehicle_attitude": [f"q[{k}]" for k in range(4)]}

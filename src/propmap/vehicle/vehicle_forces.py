@@ -179,7 +179,7 @@ class VehicleForces:
 THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
 FORWARD = 0.5  # upward part of the rotors' mean axis below which they pull forward
-STEP = 1e-2  # step of difference quotients by the axial flow [m/s]
+FLOW_STEP = 1e-2  # step of difference quotients by the axial flow [m/s]
 
 
 class RotorWrenches(NamedTuple):
@@ -292,7 +292,7 @@ class Rotors:
             rest = slice(n, s * n)
             others = added_flow(self.vehicle, self.wakes, flow.part(rest), alone.thrust[rest])
             again = np.concatenate([np.arange((s + 1) * n), first])
-            added = np.concatenate([wake.added, others, wake.added, wake.added + STEP])
+            added = np.concatenate([wake.added, others, wake.added, wake.added + FLOW_STEP])
             flow, thrust = flow.part(again), alone.thrust
             alone = alone.part(again)
             added = alone.known(added)
@@ -302,7 +302,7 @@ class Rotors:
         moment = self.moment(force, moment)
         if wake is not None:
             # The flow that a rotor's speed adds at all others, and what that does there.
-            push, turn = hub_wrenches(here, (loads[:, (s + 1) * n :] - loads[:, first]) / STEP)
+            push, turn = hub_wrenches(here, (loads[:, (s + 1) * n :] - loads[:, first]) / FLOW_STEP)
             by_speed = wake.by_thrust * ((thrust[faster] - thrust[first]) / step)[:, None]
             force = force + np.einsum("ntj,nts->nsj", push, by_speed)
             moment = moment + np.einsum("ntj,nts->nsj", self.moment(push, turn), by_speed)
@@ -326,7 +326,8 @@ class Rotors:
         alone = self._alone(flow)
         wake = wake_flow(self.vehicle, self.wakes, flow, alone.thrust)
         more, less = (
-            loads_at_hubs(self.sources, flow.perturbed(wake.added + by))[0] for by in (STEP, -STEP)
+            loads_at_hubs(self.sources, flow.perturbed(wake.added + by))[0]
+            for by in (FLOW_STEP, -FLOW_STEP)
         )
         # Both in one call: changes are computed once, for one set of points.
         twice = np.tile(np.arange(len(omega)), 2)
@@ -334,7 +335,7 @@ class Rotors:
         every, status = loads_at_hubs(changes, both)
         first, here = every[:, : len(omega)], every[:, len(omega) :]
         follows = np.einsum("nts,ns->nt", wake.by_thrust, first[THRUST])
-        loads = here + (more - less) / (2.0 * STEP) * follows
+        loads = here + (more - less) / (2.0 * FLOW_STEP) * follows
         return _as_wrenches(flow, loads, follows, status[len(omega) :], omega.shape)
 
     def _flow(self, omega: Floats, velocity: Floats) -> HubFlow:

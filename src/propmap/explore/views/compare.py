@@ -17,7 +17,6 @@ from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints, csv_text
 from propmap.report.html import COLOURS
 from propmap.units import RPM
 
-ALONG = 31
 ITEMS = ("a", "b", "c", "d")
 GIVEN, TABLE = "this", "table"  # what is explored, and the table that was given
 NAME = "compare.csv"
@@ -64,7 +63,7 @@ class CompareView(view.View):
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """Draw curves and differences, and tabulate numbers at the operating point."""
         items = _items(session, values)
-        speed = np.linspace(0.0, values["fastest"], ALONG)
+        speed = np.linspace(0.0, values["fastest"], view.CURVE)
         omega = _omegas(items, values, speed)
         every = _loads(items, omega, speed, values)
         key = [(one.name, colour) for one, colour in zip(items, COLOURS, strict=False)]
@@ -89,25 +88,25 @@ class CompareView(view.View):
                 lines.append(f"propmap show {session.files['table'].path or 'map.npz'}")
                 continue
             recipe = Recipe(one.session)
-            sweep = recipe.sweep(values, values["fastest"], ALONG, f"compare-{k}.csv")
+            sweep = recipe.sweep(values, values["fastest"], view.CURVE, f"compare-{k}.csv")
             lines.append(recipe.shell(sweep, recipe.predict(values)))
         return "\n".join(lines)
 
     def python(self, session: Session, values: Values) -> str:
         """Write lines that print the loads of each at equal rpm."""
-        rest = view.sweep_python(values, values["fastest"], ALONG)
+        rest = view.sweep_python(values, values["fastest"], view.CURVE)
         items = _items(session, values)
         return "\n".join(Recipe(one.session).python(rest) for one in items if one.session)
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
         """Write rows of `propmap sweep`, with what they are of before them."""
         items = _items(session, values)
-        speed = np.linspace(0.0, values["fastest"], ALONG)
+        speed = np.linspace(0.0, values["fastest"], view.CURVE)
         omegas = _omegas(items, values, speed)
         rows = []
         every = _loads(items, omegas, speed, values)
         for one, omega, loads in zip(items, omegas, every, strict=True):
-            points = OperatingPoints(omega / RPM, speed, np.full(ALONG, values["beta"]))
+            points = OperatingPoints(omega / RPM, speed, np.full(view.CURVE, values["beta"]))
             rows += [{"of": one.name, **row} for row in points.rows(loads)]
         return csv_text(("of", *PREDICT_COLUMNS), rows)
 

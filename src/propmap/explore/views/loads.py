@@ -19,7 +19,6 @@ from propmap.results import Loads
 from propmap.typing import Floats
 from propmap.units import RPM
 
-ALONG = 31  # points of a curve
 MOST_CURVES = 6
 SHOWN = ("thrust", "drag", "torque", "roll_moment", "pitch_moment", "power")
 NAME = "loads.csv"
@@ -118,7 +117,7 @@ class LoadsView(view.View):
         for name, each in axes.items():
             text = ",".join(map(number, each))
             if name == along:
-                text = axis(float(each[0]), float(each[-1]), ALONG)
+                text = axis(float(each[0]), float(each[-1]), view.CURVE)
             options += [f"--{name}", text]
         bands = [] if values["bands"] else ["--no-bands"]
         sweep = ["sweep", recipe.prop, *options, *recipe.options, *bands, "-o", NAME, "--force"]
@@ -130,7 +129,7 @@ class LoadsView(view.View):
         lines = []
         for name, each in axes.items():
             if name == along:
-                text = f"np.linspace({number(each[0])}, {number(each[-1])}, {ALONG})"
+                text = f"np.linspace({number(each[0])}, {number(each[-1])}, {view.CURVE})"
             elif name == _across(along):
                 text = f"np.array({each.tolist()})[:, None]"
             else:
@@ -169,7 +168,7 @@ def _axes(session: Session, values: Values) -> dict[str, Floats]:
         "beta": (0.0, 180.0),
     }
     axes = {name: np.array([values[name]]) for name in ("rpm", "speed", "beta")}
-    axes[along] = np.linspace(*ends[along], ALONG)
+    axes[along] = np.linspace(*ends[along], view.CURVE)
     across = _across(along)
     text = values["speeds" if across == "speed" else "angles"]
     top = {"beta": 360.0, "speed": 200.0}[across]
@@ -207,7 +206,7 @@ def _words(flow: Mapping[str, Floats], loads: Loads) -> list[list[str]]:
             for n in view.TITLES
         ]
         rows.append("<br>".join(lines))
-    return [rows[k : k + ALONG] for k in range(0, len(rows), ALONG)]
+    return [rows[k : k + view.CURVE] for k in range(0, len(rows), view.CURVE)]
 
 
 def _by_status(x: Floats, loads: Loads, found: Floats) -> list[dict[str, Any]]:
