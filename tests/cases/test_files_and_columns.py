@@ -138,6 +138,14 @@ def test_electrical_rpm_alone_is_no_rpm(run: Run) -> None:
     refused(run("fit", "static", "esc.csv", *PROP), "'eRPM' is electrical", "pole pairs")
 
 
+def test_speeds_that_a_stand_did_not_measure_are_named(run: Run, tmp_path: Path) -> None:
+    head = "Thrust (gf),Torque (N·m),Motor Electrical Speed (RPM),Motor Optical Speed (RPM)"
+    (tmp_path / "log.csv").write_text(f"{head}\n6.4,0.0007,0,0\n7.8,0.0008,0,\n")
+    done = run("fit", "static", "log.csv", "--prop", "apc-8x6e", "-o", "fit.toml")
+    assert done.code == 2 and "'Motor Electrical Speed (RPM)'" in done.err
+    assert "no value in any row, or 0 in all; measure the rotational speed" in done.err
+
+
 def test_points_at_rest_need_rpm_alone(run: Run) -> None:
     Path("points.csv").write_text("Rotation speed (rpm)\n4000\n5000\n")
     done = run("predict", "apc-8x6e", "--points", "points.csv", "--format", "csv")

@@ -164,7 +164,7 @@ STAND = "P. Cao, J. Strawson, github StrawsonDesign/motor_propeller_testing @703
 
 CHORD_OF_MORE = 0.711
 """Chord of blades on a propeller with more than two, over that of the mean blade; the logarithm is
-known to 0.03.  Three and four are not told apart."""
+known to 0.03.  Three and four are alike."""
 
 LEFT_OUT_ERROR = 0.10  # errors of static thrust of the stand's propellers, each left out, are less
 

@@ -304,7 +304,7 @@ ROTOR_SPEEDS = Prior(1.0, 0.01)
 # In oblique flow blades stall later than in the axial tests that other propellers' constants are
 # from: at 0.42 rad in the campaign of 2019 (apc-8x6e-2019), at 0.35 in a second tunnel.
 STALL_IN_FLIGHT = Prior(0.36, 0.08)
-# Of rotors on stands the factor is 1.9 +- 0.6, and the area 0.03 of the disk or less; of two whole
+# The factor of rotors on stands is 1.9 +- 0.6, and the area 0.03 of the disk or less; of two whole
 # quadrotors, fitted without either prior, 3.5 and above, with next to no area.
 DRAG_IN_FLIGHT = Prior(2.5, 1.5)
 

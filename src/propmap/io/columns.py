@@ -82,7 +82,7 @@ QUANTITIES = {
     ),
     "voltage_V": Quantity("the voltage", ("((battery|input|esc) )?voltage|u|v",), VOLT),
     "current_A": Quantity("the current", ("((battery|input|esc) )?current|i",), AMPERE),
-    # Of a blade's geometry.
+    # A blade's geometry.
     "radius_m": Quantity("the station", ("radius|r|station|radial (position|station)",), LENGTH),
     "r_over_R": Quantity(
         "the station", ("r (over )?r|radius (over )?r|r rtip|r tip|rr",), SHARE, ".*"
@@ -92,7 +92,7 @@ QUANTITIES = {
     "twist_deg": Quantity(
         "the twist", ("(geometric )?twist( angle)?|beta|(blade|pitch) angle|theta",), ANGLE, "beta"
     ),
-    # Of a section's polar.
+    # A section's polar.
     "alpha_deg": Quantity("the angle", ("alpha|aoa|angle( of attack)?",), ANGLE, ".*"),
     "re": Quantity("Re", ("re|reynolds( number)?",), SHARE, ".*"),
     "cl": Quantity("C_L", ("cl|c l|lift coefficient",), SHARE, ".*"),
@@ -219,7 +219,7 @@ class Header:
         found = (why for names, why in NOT_TAKEN.items() for w in words if re.fullmatch(names, w))
         return next(found, "")
 
-    def told(self, used: Mapping[str, Taken]) -> list[str]:
+    def remarks(self, used: Mapping[str, Taken]) -> list[str]:
         """Say in one sentence what was taken for what, and what was not; none where names are
         propmap's own."""
         parts = []

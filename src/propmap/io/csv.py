@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from propmap.errors import InputError, located, quoted
-from propmap.io.columns import Header
+from propmap.io.columns import QUANTITIES, Header
 from propmap.loads import LOADS
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -473,7 +473,7 @@ def read_columns(
         if rows and not any(map(_MARKED.fullmatch, rows[0][1])):  # units beneath the names
             units = rows.pop(0)[1]
             names = [f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)]
-        # Of several speeds that a stand writes, those that it did not measure are zero.
+        # A stand writes zero for speeds that it has no sensor for.
         filled = itertools.zip_longest(*(row for _, row in rows), fillvalue="")
         blank = {
             place
@@ -488,10 +488,15 @@ def read_columns(
             found.pop("power_W", None)
         absent = [name for name in needed if name not in found]
         if absent:
+            unfilled = Header(names, wanted).taken.get(absent[0]) if blank else None
+            if unfilled:
+                named = ", ".join(quoted(one.name) for one in unfilled)
+                found_none = f"{named}: there is no value in any row, or 0 in all"
+                raise InputError(found_none, f"measure {QUANTITIES[absent[0]].words}")
             raise missing(absent[0], needed)
         if not rows:
             raise InputError("there is no row below the header", "add a row per point")
-        remarks = header.told(found)
+        remarks = header.remarks(found)
         if "thrust_N" in further and "rpm" in found:
             rows = _turning(rows, found["rpm"].place, remarks)
         columns: dict[str, Floats] = {}

@@ -64,8 +64,8 @@ def blades_in_title(file: str | os.PathLike[str], lines: Sequence[str]) -> int |
     """Read the number of blades that a file's name, or a title in its ``lines``, tells, such as
     "HQ 5x4.3x3"; None where neither does."""
     found = _TOLD.search("\n".join([Path(file).name.replace("_", " "), *lines[:_HEAD]]).lower())
-    told = next(filter(None, found.groups()), None) if found else None
-    return None if told is None else _COUNTS.get(told) or int(told)
+    words = next(filter(None, found.groups()), None) if found else None
+    return None if words is None else _COUNTS.get(words) or int(words)
 
 
 def _stated_blades(lines: Sequence[str]) -> int | None:
@@ -308,10 +308,10 @@ def read_uiuc_geometry(
         labels, table = parse_rows(rows, HEADER, HEADER)
         check_fractions(table[:, 0], labels)
         blade = table[:, 0] * tip, table[:, 1] * tip, twist_from_degrees(table[:, 2])
-        told = _stated_blades(lines) or blades_in_title(file, lines)
+        stated = _stated_blades(lines) or blades_in_title(file, lines)
         # By name or comments of the database, or named as its files are.
         like = re.search(r"uiuc|_geom\b|\d+x\d", "\n".join([file.name, *lines[:_HEAD]]), re.I)
-        count = (told or (2 if like else None)) if blades is None else blades
+        count = (stated or (2 if like else None)) if blades is None else blades
         source = f"UIUC geometry file {file.name}"
         return build_propeller(labels, file.stem, count, blade, source, UIUC_CITATION)
 
@@ -528,10 +528,10 @@ def how_read(file: str | os.PathLike[str], blades: int | None) -> list[str]:
     if kind in PROGRAMS:
         metres = "; its diameter is taken to be in metres" if kind is formats.BEM else ""
         return [f"this is {kind.name}: {LAW_NOT_READ}{metres}"]
-    told = _stated_blades(lines) or blades_in_title(file, lines)
-    if kind is formats.UIUC_GEOMETRY and blades is None and not told:
+    stated = _stated_blades(lines) or blades_in_title(file, lines)
+    if kind is formats.UIUC_GEOMETRY and blades is None and not stated:
         return ["2 blades, as nearly all of the UIUC database have; another number by --blades"]
     if kind is None and (table := read_csv_table(lines, _columns_in(lines), comments=True)):
         header = Header(table.header, KNOWN)
-        return header.told(_choose_columns(header))
+        return header.remarks(_choose_columns(header))
     return []
