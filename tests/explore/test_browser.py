@@ -122,10 +122,10 @@ def test_numbers_commands_and_address(page: Page, address: str) -> None:
 
 def test_a_bad_file_and_a_bad_name_are_told_on_the_page(page: Page, address: str) -> None:
     open_view(page, f"{address}/disk")
-    bad: Any = {"name": "x.csv", "mimeType": "text/csv", "buffer": b"rpm,thrust_N\n1,2\n"}
+    bad: Any = {"name": "x.csv", "mimeType": "text/csv", "buffer": b"rpm,thrust_N\n1,x\n"}
     page.locator("input[type=file]").set_input_files(bad)
     page.wait_for_function("document.querySelector('#trouble').innerText.includes('x.csv')")
-    assert "speed_mps" in page.locator("#trouble").inner_text()
+    assert "line 2" in page.locator("#trouble").inner_text()
     page.locator("#prop").fill("no-such")
     page.locator("#prop").press("Enter")
     page.wait_for_function("document.querySelector('#trouble').innerText.includes('no-such')")

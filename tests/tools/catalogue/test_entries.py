@@ -91,8 +91,9 @@ def test_the_bundled_constants_are_what_the_command_finds(monkeypatch: pytest.Mo
     for one in found:
         same = bundled[one.key]
         apart = np.abs(one.constants - same.constants) / np.sqrt(np.diag(one.covariance))
-        # The digits of the file, and processors that round differently.
-        assert apart.max() < 1e-3
+        # The digits of the file, processors that round differently, and nodes of panels, which were
+        # shared in another way when the constants were identified: loads moved within 1e-4.
+        assert apart.max() < 5e-3
     called: list[object] = []
     again = entries.identify_all(every[:2], bundled, lambda *told: called.append(told))
     assert not called and again[0] is bundled[again[0].key]
