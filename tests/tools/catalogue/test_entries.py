@@ -125,7 +125,7 @@ def test_propellers_without_blade_are_what_the_command_finds() -> None:
     for one in found:
         same = bundled[one.key]
         apart = np.abs(one.constants - same.constants) / np.sqrt(np.diag(one.covariance))
-        assert apart.max() < 1e-3 and same.propeller == one.propeller
+        assert apart.max() < 5e-3 and same.propeller == one.propeller  # as above
     again = entries.identify_without_blade(some, measured, populations, bundled, print)
     assert [one.key for one in again] == [one.key for one in found]
 
