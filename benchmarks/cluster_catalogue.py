@@ -18,7 +18,7 @@ DATA = Path(__file__).parents[2] / "shared" / "data" / "uiuc" / "loads.csv"
 def catalogue(every: int = 1) -> dict[str, Any]:
     """Time `python -m tools.catalogue` on one core, on all, and by two workers.
 
-    Of the propellers one in ``every`` is taken.
+    One propeller in ``every`` is taken.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

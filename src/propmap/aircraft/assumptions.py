@@ -86,7 +86,9 @@ def _rotors(vehicle: Vehicle, corrections: Sequence[str]) -> str:
     if any(mount.drag is not None for mount in vehicle.mounts):
         return "rotors with the drag of [mount]"
     mounted = [text for text in corrections if text.startswith(INSTALLED)]
-    return f"installed rotors ({mounted[0]})" if mounted else "bare rotors, with half the drag"
+    if not mounted:
+        return "bare rotors, with half the drag"
+    return "installed rotors" + f" ({mounted[0]})" * (mounted[0] != INSTALLED)
 
 
 def _wakes(vehicle: Vehicle) -> str:

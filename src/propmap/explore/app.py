@@ -87,7 +87,7 @@ class Application:
         return shown, {"query": session.query(), "view": view.name}
 
     def live(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        """Draw figures while something moves; none where that is slow or, as told later, wrong."""
+        """Draw figures while something moves; none where that is slow or fails."""
         try:
             view, session = self.view(asked.get("view")), self.session(asked.get("search"))
             if view.slow:

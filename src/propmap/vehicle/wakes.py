@@ -463,11 +463,11 @@ def _disk() -> tuple[Floats, Floats]:
 # the axis of the vortex cylinder, and the slipstream has contracted so that as much air goes
 # through it as through the disk.  Its area on the lower disk, times the velocity, over that disk is
 # what the lower rotor meets: v in hover, at any depth, where it is wholly on the disk.  How much
-# it contracts is taken of level flight with the same skew; fast climb brings up to twice v.
+# it contracts is taken from level flight with this skew; fast climb brings up to twice v.
 #
 # The upper rotor does not feel the lower one, as in the theory of coaxial rotors of Leishman and
-# Ananthan; with that, equal thrusts in hover take 1.309 times the induced power of two rotors
-# apart, where momentum theory has 1.281 for a lower rotor far below and 1.414 for one in the same
+# Ananthan; with that, equal thrusts in hover take 1.309 times the induced power of two separate
+# rotors, where momentum theory has 1.281 for a lower rotor far below and 1.414 for one in the same
 # plane, which no coaxial pair can be.  A third rotor below has the slipstreams of both.
 #
 # References
@@ -490,8 +490,8 @@ def depth_below(source: Mount, target: Mount, radius: float) -> float:
     """
     frame = frame_of(source.axis)
     x, y, height = frame @ (np.subtract(target.position, source.position) / radius)
-    apart = np.hypot(x, y) >= 2.0 - 1e-9 or abs(height) < IN_ONE_PLANE
-    return 0.0 if apart or np.dot(source.axis, target.axis) < PARALLEL else float(-height)
+    separate = np.hypot(x, y) >= 2.0 - 1e-9 or abs(height) < IN_ONE_PLANE
+    return 0.0 if separate or np.dot(source.axis, target.axis) < PARALLEL else float(-height)
 
 
 def above_each_other(vehicle: Vehicle) -> NDArray[np.bool_]:
@@ -520,7 +520,7 @@ def slipstream(depth: float, aside: float, skew: Floats, bearing: Floats) -> Flo
     depth, aside : float
         Where the disk is, in radii.
     skew, bearing : ndarray, shape (...)
-        Of the wake: from straight down, to pi / 2, and from the direction of the disk [rad].
+        Skew of the wake from straight down, up to pi / 2, and bearing of the disk from it [rad].
 
     Returns
     -------
