@@ -60,7 +60,9 @@ def test_trim_says_what_it_rests_on(run: Run, said: list[str]) -> None:
     lines_of(Path("x.txt").read_text(encoding="utf-8"), said)
     lines_of(run("trim", "x.toml", *FAST, "--format", "csv").err, said)
     told = json.loads(run("trim", "x.toml", *FAST, "--format", "json").out)["assumptions"]
-    assert list(told) == ["body_drag", "power", "rotors", "air", "constants", "wakes"]
+    assert list(told) == [
+        "body_drag", "power", "rotors", "propeller", "air", "constants", "wakes"
+    ]  # fmt: skip
     assert "no [body]" in told["body_drag"] or "as given" in told["body_drag"]
 
 

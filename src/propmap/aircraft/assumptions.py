@@ -37,7 +37,7 @@ def assumptions(
     Returns
     -------
     dict of str to str
-        By ``body_drag``, ``power``, ``rotors``, ``air``, ``constants`` and ``wakes``.
+        By ``body_drag``, ``power``, ``rotors``, ``propeller``, ``air``, ``constants``, ``wakes``.
     """
     if isinstance(loads, Rotor):
         law, corrections = loads.model.airfoil, loads.model.correction_texts
@@ -51,6 +51,7 @@ def assumptions(
         "body_drag": _body_drag(vehicle),
         "power": _power(vehicle),
         "rotors": _rotors(vehicle, corrections),
+        "propeller": "each propeller as named" if loads is None else vehicle.propeller.summary,
         "air": f"{vehicle.air.density:.4g} kg/m^3",
         "constants": constants,
         "wakes": _wakes(vehicle),
@@ -59,10 +60,10 @@ def assumptions(
 
 def assumption_lines(found: dict[str, str]) -> list[str]:
     """Write ``assumptions`` in two lines."""
-    constants = textwrap.shorten(found["constants"], 64, placeholder=" ...")
+    constants = textwrap.shorten(found["constants"], 40, placeholder=" ...")
     return [
         f"assumed: {'; '.join(found[name] for name in ('body_drag', 'power', 'rotors'))}",
-        f"air {found['air']}; constants: {constants}; {found['wakes']}",
+        f"{found['propeller']}; air {found['air']}; constants: {constants}; {found['wakes']}",
     ]
 
 

@@ -227,7 +227,7 @@ def _of_another_propeller(asked: str, blade: Propeller) -> list[str]:
     own, mine = ((one.radius, one.blades, one.chord.max()) for one in (fitted, blade))
     if np.allclose(own, mine, rtol=SAME_BLADE):
         return []
-    whose = f"{fitted.name}, {fitted.blades} blades, R = {fitted.radius:.4g} m"
+    whose = f"{fitted.name}, {fitted.summary}"
     return [f"the constants of {asked} were fitted to another propeller: {whose}"]
 
 

@@ -80,7 +80,7 @@ def predict(
     blade = rotor.model.propeller
     out.show(
         output,
-        f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; airfoil "
+        f"{blade.name}, {blade.summary}; airfoil "
         f"{rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3",
         (_many_points if points else _one_point)(where, loads, spread, hover),
         *([f"note: {installation_note(rotor)}"] if np.any(loads.drag) else []),

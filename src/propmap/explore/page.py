@@ -114,7 +114,8 @@ def _subject(session: Session | None) -> Any:
     for kind, given in session.files.items():
         name = {"id": {"remove": kind}, "aria-label": f"remove {given.name}"}
         remove = html.Button("remove", className="quiet", n_clicks=0, **name)
-        files.append(html.Li([f"{KINDS[kind]}: {given.name} ", remove]))
+        what = f", {given.found.summary}" if kind == "geometry" else ""
+        files.append(html.Li([f"{KINDS[kind]}: {given.name}{what} ", remove]))
     laws = [(KNOWN, "best known"), *((name, name) for name in airfoil_names())]
     physics = [("", "as the constants"), *((name, name) for name in PHYSICS)]
     prop = [

@@ -25,8 +25,10 @@ from propmap.units import INCH
 
 RADIUS_TOLERANCE = 1e-3  # share of the radius within which two statements of it agree
 
-GIVE_BLADES = "pass --blades 2 (in Python: blades=2)"
-GIVE_RADIUS = "pass --radius 0.1 (in Python: radius=0.1), in metres"
+GIVE_BLADES = "pass --blades 2 (in Python blades=2, in a vehicle file blades = 2 under [propeller])"
+GIVE_RADIUS = (
+    "pass --radius 0.1 in metres (in Python and a vehicle file's [propeller] radius = 0.1)"
+)
 
 
 def parse_number(text: str, field: str, where: str = "") -> float:

@@ -85,6 +85,11 @@ class Propeller:
         return 2.0 * self.radius
 
     @property
+    def summary(self) -> str:
+        """Number of blades and radius in words."""
+        return f"{self.blades} blades, R = {self.radius:.4g} m"
+
+    @property
     def root(self) -> float:
         """Where the loaded part of the blade begins [m]."""
         return float(self.station[0]) if self.root_cutout is None else self.root_cutout
