@@ -33,6 +33,7 @@ LEFT_TO_RIGHT = (
     "table",
     "aircraft",
     "flight",
+    "sim",
     "export",
     "report",
     "cluster",

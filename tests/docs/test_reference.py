@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from propmap.sim.mjx import JaxForces, MjxRotors
 from propmap.table import JaxTable
 
 from .pages import ROOT
@@ -53,7 +54,7 @@ EVERY = [pair for name in documented() for pair in callables(name)]
 
 
 def parameters(found: Any) -> list[str]:
-    if found is JaxTable:
+    if found in (JaxTable, JaxForces, MjxRotors):
         return []  # Made with ``of``; what it is made of is its own affair.
     if inspect.isclass(found) and issubclass(found, Exception):
         return []

@@ -90,7 +90,9 @@ def test_the_code_is_that_of_numpy(invented: LoadTable) -> None:
     expected = flagged.loads(*points).code
     assert set(expected.tolist()) == {0, 1, 2, 4, 5}
     with jax.enable_x64(True):
-        found = jax.jit(lambda table, *p: table.code(*p))(JaxTable.of(flagged), *points)
+        found = jax.jit(lambda table, *p: table.code(*p, table.loads(*p).thrust))(
+            JaxTable.of(flagged), *points
+        )
     np.testing.assert_array_equal(found, expected)
 
 

@@ -93,16 +93,16 @@ class JaxTable(NamedTuple):
         axial, inplane = jnp.where(inside, axial, held[0]), jnp.where(inside, inplane, held[1])
         return _finish(_at(self, w, axial, inplane), w, inside | clamp)
 
-    def code(self, omega: Any, speed: Any, beta: Any) -> Any:
+    def code(self, omega: Any, speed: Any, beta: Any, thrust: Any) -> Any:
         """Return the index into ``propmap.table.STATUSES``, as ``LoadTable.loads`` unclamped.
 
-        ``omega``, ``speed`` and ``beta`` are those of ``loads``.
+        ``omega``, ``speed`` and ``beta`` are those of ``loads``, which gave the ``thrust``.
         """
         w, v, b, inside = self._bounded(omega, speed, beta)
         i = jnp.searchsorted(self.advance[1:-1], v / (w * self.radius), side="right")
         j = jnp.searchsorted(self.beta[1:-1], b, side="right")
-        lost = jnp.isnan(_at(self, w, v * jnp.cos(b), v * jnp.sin(b))[..., 0])
-        return jnp.where(inside, jnp.where(lost, NO_VALUE, self.codes[i, j]), OUTSIDE)
+        known = jnp.where(jnp.isnan(thrust), NO_VALUE, self.codes[i, j])
+        return jnp.where(inside, known, OUTSIDE)
 
     def _bounded(self, omega: Any, speed: Any, beta: Any) -> tuple[Any, Any, Any, Any]:
         given = jnp.broadcast_arrays(
@@ -155,7 +155,10 @@ def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[An
     j, along = _weights(table.beta, table.beta_weights, beta)
     k = jnp.arange(4)
     block = table.padded[(i[..., None] + k)[..., :, None], (j[..., None] + k)[..., None, :]]
-    found = jnp.einsum("...dk,...el,...klc->...dec", across, along, block)
+    # One by one, so that XLA leaves out what is not asked for.
+    pairs = [(across[..., d, :], along[..., e, :]) for d in (0, 1) for e in (0, 1)]
+    each = [jnp.einsum("...k,...l,...klc->...c", one, other, block) for one, other in pairs]
+    found = jnp.stack(each, axis=-2).reshape(*omega.shape, 2, 2, -1)
     root = omega**-0.5 - table.lows[0] ** -0.5
     value, by_omega, by_speed, by_angle = chain_rule(
         found, omega, advance, tip_speed, root, jnp.where
@@ -167,13 +170,13 @@ def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[An
 def _weights(knots: Any, polynomials: Any, x: Any) -> tuple[Any, Any]:
     """Find the interval of x, and weights of its four values and their derivative (..., 2, 4)."""
     i = jnp.searchsorted(knots[1:-1], x, side="right")
-    width = knots[i + 1] - knots[i]
-    t = (x - knots[i]) / width
-    one = jnp.ones_like(t)
-    powers = jnp.stack([one, t, t**2, t**3], axis=-1)
-    slopes = jnp.stack([0.0 * one, one, 2.0 * t, 3.0 * t**2], axis=-1) / width[..., None]
-    both = jnp.stack([powers, slopes], axis=-2)
-    return i, jnp.einsum("...km,...dm->...dk", polynomials[i], both)
+    width = (knots[i + 1] - knots[i])[..., None]
+    t = (x - knots[i])[..., None] / width
+    # Horner's scheme: XLA takes ten times as long for products of as many small matrices.
+    p = polynomials[i]
+    value = p[..., 0] + t * (p[..., 1] + t * (p[..., 2] + t * p[..., 3]))
+    slope = (p[..., 1] + t * (2.0 * p[..., 2] + 3.0 * t * p[..., 3])) / width
+    return i, jnp.stack([value, slope], axis=-2)
 
 
 def _finish(values: Any, omega: Any, valid: Any) -> JaxLoads:

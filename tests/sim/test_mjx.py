@@ -1,0 +1,297 @@
+"""A vehicle's rotors in JAX and MJX: the numbers of ``VehicleForces``, and derivatives of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+import pytest
+
+import propmap
+from propmap import InputError, VehicleForces
+from propmap.model.corrections import Installed
+from propmap.sim.mjx import JaxForces, MjxRotors
+from propmap.table import STATUSES, LoadTable
+from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
+from tests.table.conftest import invented_content
+
+BLADE = propmap.Propeller(
+    "plain", 2, np.linspace(0.02, 0.1, 9), np.full(9, 0.015), np.full(9, 0.14)
+)
+LEAN = (np.sin(0.2), 0.0, np.cos(0.2))
+VEHICLE = Vehicle(
+    "leaning",
+    1.2,
+    BLADE,
+    (
+        Mount((0.16, 0.17, 0.02), spin="cw"),
+        Mount((-0.16, 0.15, 0.02), LEAN, "ccw"),
+        Mount((-0.16, -0.17, 0.03), spin="cw"),
+        Mount((0.16, -0.15, 0.02), (0.0, -0.28, 0.96), "ccw"),
+    ),
+    air=propmap.Air(1.2, 1.8e-5),
+    body=Body((0.015, 0.02, 0.03), 0.01, (0.004, 0.006)),
+    wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25, 0.6),
+)
+
+
+def table_of(**changes: Any) -> LoadTable:
+    """A table with all six loads, said to be of this blade."""
+    content = invented_content()
+    known = content.info["propeller"] | {"geometry_sha256": BLADE.fingerprint()}
+    return LoadTable(replace(content, info=content.info | {"propeller": known}, **changes))
+
+
+TABLE = table_of()
+
+
+WRENCH = jax.jit(JaxForces.wrench, static_argnames="clamp")
+
+
+def states(count: int, seed: int = 0) -> tuple[np.ndarray, ...]:
+    """Rotor speeds, velocities, rates and winds inside the table."""
+    rng = np.random.default_rng(seed)
+    omegas, rates = rng.uniform(300.0, 900.0, (count, 4)), rng.normal(0.0, 1.0, (count, 3))
+    return omegas, rng.normal(0.0, 2.0, (count, 3)), rates, rng.normal(0.0, 1.0, (count, 3))
+
+
+SPECIAL = {
+    "hover": ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+    "climb": ([0.0, 0.0, 3.0], [0.0, 0.0, 0.0]),
+    "descent": ([0.0, 0.0, -3.0], [0.0, 0.0, 0.0]),
+    "along a tilted axis": (list(3.0 * np.array(LEAN)), [0.0, 0.0, 0.0]),
+    "level": ([4.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+    "turning on the spot": ([0.0, 0.0, 0.0], [0.5, -0.3, 2.0]),
+}
+"""Velocities and rates at which some direction is not defined."""
+
+
+@pytest.mark.parametrize(("x64", "tolerance"), [(True, 1e-9), (False, 3e-5)])
+def test_it_is_the_wrench_of_numpy(x64: bool, tolerance: float) -> None:
+    given = [np.concatenate(pair) for pair in zip(states(200), special_states(), strict=True)]
+    expected = VehicleForces(VEHICLE, TABLE).wrench(*given)
+    with jax.enable_x64(x64):
+        forces = JaxForces.of(VEHICLE, TABLE)
+        found = WRENCH(forces, *given)
+        assert found.force.dtype == (jnp.float64 if x64 else jnp.float32)
+    size = np.abs(expected.rotor_force).max()
+    np.testing.assert_allclose(found.force, expected.force, atol=tolerance * size, rtol=0.0)
+    np.testing.assert_allclose(found.moment, expected.moment, atol=tolerance * size, rtol=0.0)
+    words = np.array(STATUSES)[found.code]
+    np.testing.assert_array_equal(words, expected.status)
+    assert (words == "ok").all()
+
+
+def special_states() -> tuple[np.ndarray, ...]:
+    velocity, rates = (np.array(x) for x in zip(*SPECIAL.values(), strict=True))
+    return np.tile([500.0, 600.0, 550.0, 700.0], (len(SPECIAL), 1)), velocity, rates, 0.0 * rates
+
+
+def total(forces: JaxForces) -> Callable[..., jax.Array]:
+    """One number of which every component of force and moment is a part."""
+    weights = jnp.array([1.0, -2.0, 0.7, 5.0, 8.0, -6.0])
+
+    def of(omegas: Any, velocity: Any, rates: Any) -> jax.Array:
+        found = forces.wrench(omegas, velocity, rates)
+        return jnp.concatenate([found.force, found.moment]) @ weights
+
+    return of
+
+
+def test_derivatives_are_those_of_differences() -> None:
+    """Central ones, over a step beside which 1 mm/s, up to which loads are linear, is little."""
+    omegas, velocity, rates, _ = (
+        np.concatenate(pair) for pair in zip(states(8, 3), special_states(), strict=True)
+    )
+    with jax.enable_x64(True):
+        function = total(JaxForces.of(VEHICLE, TABLE))
+        slopes = jax.jit(jax.vmap(jax.grad(function, argnums=(0, 1, 2))))(omegas, velocity, rates)
+        many = jax.jit(jax.vmap(function))
+        given = [omegas, velocity, rates]
+        for part, step in enumerate((1e-3, 1e-4, 1e-4)):
+            for column in range(given[part].shape[1]):
+                ends = []
+                for sign in (1.0, -1.0):
+                    moved = list(given)
+                    moved[part] = moved[part].copy()
+                    moved[part][:, column] += sign * step
+                    ends.append(np.asarray(many(*moved)))
+                difference = (ends[0] - ends[1]) / (2.0 * step)
+                # Drag areas have |v| v and the hub's in-plane speed a kink of the second order.
+                np.testing.assert_allclose(slopes[part][:, column], difference, 1e-3, 2e-3)
+
+
+def test_derivatives_are_finite_in_single_precision() -> None:
+    function = total(JaxForces.of(VEHICLE, TABLE))
+    omegas, velocity, rates, _ = (jnp.asarray(x, jnp.float32) for x in special_states())
+    slopes = jax.jit(jax.vmap(jax.grad(function, argnums=(0, 1, 2))))(omegas, velocity, rates)
+    assert all(np.isfinite(slope).all() and np.abs(slope).min() > 0.0 for slope in slopes)
+
+
+def test_four_thousand_vehicles_are_each_one() -> None:
+    omegas, velocity, rates, wind = (jnp.asarray(x, jnp.float32) for x in states(4096, 5))
+    forces = JaxForces.of(VEHICLE, TABLE)
+    many = jax.jit(jax.vmap(forces.wrench))(omegas, velocity, rates, wind)
+    assert many.force.shape == (4096, 3) and many.code.shape == (4096,)
+    for k in (0, 1717, 4095):
+        single = WRENCH(forces, omegas[k], velocity[k], rates[k], wind[k])
+        np.testing.assert_allclose(many.force[k], single.force, rtol=0.0, atol=2e-5)
+        np.testing.assert_allclose(many.moment[k], single.moment, rtol=0.0, atol=2e-5)
+
+
+def test_outside_the_table_is_nan_unless_clamped() -> None:
+    forces = JaxForces.of(VEHICLE, TABLE)
+    omegas = np.array([[500.0] * 4, [500.0, 500.0, 500.0, 1200.0], [500.0] * 4, [-5.0] * 4])
+    velocity = np.array([[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 40.0], [1.0, 0.0, 0.0]])
+    found = WRENCH(forces, omegas, velocity)
+    assert [STATUSES[code] for code in found.code] == ["ok", "outside", "outside", "outside"]
+    assert np.isfinite(found.force[0]).all() and np.isnan(found.force[1:]).all()
+    held = WRENCH(forces, omegas, velocity, clamp=True)
+    assert np.isfinite(held.force).all() and (held.code == found.code).all()
+    omegas[1, 3] = 1000.0
+    at_end = WRENCH(forces, omegas, velocity)
+    np.testing.assert_allclose(held.force[1], at_end.force[1], rtol=1e-5)
+
+
+def test_what_the_table_says_of_a_point_is_told() -> None:
+    cells = TABLE.content.cells.copy()
+    cells[:, 15:] = 1  # vortex ring: all beyond edgewise flow
+    flagged = table_of(cells=cells)
+    velocity = np.array([[0.0, 0.0, -2.0], [0.0, 0.0, 2.0]])
+    level = replace(VEHICLE, mounts=tuple(replace(m, axis=(0.0, 0.0, 1.0)) for m in VEHICLE.mounts))
+    found = WRENCH(JaxForces.of(level, flagged), np.full(4, 500.0), velocity)
+    assert [STATUSES[code] for code in found.code] == ["vortex_ring", "ok"]
+
+
+# -------------------------------------------------------------------------------------------------
+# On a body of MJX.
+
+MJCF = """<mujoco><option timestep="0.002" gravity="0 0 -9.81"/><worldbody>
+<body name="quad" pos="0 0 1"><freejoint/>
+<inertial pos="{place}" mass="1.0" diaginertia="0.006 0.007 0.011"/>
+<body name="nose" pos="0.1 0 0"><inertial pos="0 0 0" mass="{nose}" diaginertia="1e-5 1e-5 1e-5"/>
+</body></body><body name="post"><geom size="0.1"/></body></worldbody></mujoco>"""
+
+
+def model_of(place: str = "-0.02 0 0", nose: float = 0.2) -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_string(MJCF.format(place=place, nose=nose))
+
+
+def rotors_on(model: mujoco.MjModel, **changes: Any) -> MjxRotors:
+    given = {"vehicle": VEHICLE, "table": TABLE, "body": "quad", "time_constant": 0.05} | changes
+    return MjxRotors.of(model=model, **given)
+
+
+def test_a_step_of_mjx_accelerates_as_newton_and_euler_have_it() -> None:
+    """Turned, moving and turning, with the centre of mass off the origin of either body."""
+    from mujoco import mjx
+
+    wind, omegas = np.array([1.0, -0.5, 0.2]), np.array([520.0, 560.0, 610.0, 590.0])
+    model = model_of("0.05 -0.03 0.02")
+    data = mujoco.MjData(model)
+    data.qpos[3:7] = np.array([0.9, 0.2, -0.3, 0.25]) / np.linalg.norm([0.9, 0.2, -0.3, 0.25])
+    data.qvel[:] = [1.0, 0.5, -0.4, 0.6, -0.3, 0.8]
+    mujoco.mj_forward(model, data)
+    at = model.body("quad").id
+    turn = data.xmat[at].reshape(3, 3)
+    # By MuJoCo's own momentum of the whole: its rate is force, and moment about the centre of mass.
+    mujoco.mj_subtreeVel(model, data)
+    before = data.subtree_linvel[at].copy(), data.subtree_angmom[at].copy()
+    expected = VehicleForces(VEHICLE, TABLE).wrench(
+        omegas, turn.T @ before[0], data.qvel[3:6], turn.T @ wind
+    )
+    with jax.enable_x64(True):
+        rotors, device = rotors_on(model), mjx.put_model(model)
+        state, after, code = jax.jit(MjxRotors.apply)(
+            rotors, mjx.put_data(model, data), omegas, omegas + 10.0, wind
+        )
+        acceleration = np.asarray(jax.jit(mjx.forward)(device, state).qacc)
+    assert int(code) == 0
+    np.testing.assert_allclose(after, omegas + 10.0 * (1.0 - np.exp(-0.002 / 0.05)), rtol=1e-12)
+    step = 1e-6
+    mujoco.mj_integratePos(model, data.qpos, data.qvel, step)
+    data.qvel += step * acceleration
+    mujoco.mj_forward(model, data)
+    mujoco.mj_subtreeVel(model, data)
+    force = 1.2 * ((data.subtree_linvel[at] - before[0]) / step + [0.0, 0.0, 9.81])
+    moment = (data.subtree_angmom[at] - before[1]) / step
+    np.testing.assert_allclose(force, turn @ expected.force, atol=1e-4)
+    np.testing.assert_allclose(moment, turn @ expected.moment, atol=1e-4)
+
+
+@pytest.mark.slow
+def test_many_fly_at_once_and_are_differentiated() -> None:
+    """Climb after some steps, by the commands of each of a few vehicles."""
+    from mujoco import mjx
+
+    model = model_of("-0.02 0 0")
+    rotors, device = rotors_on(model), mjx.put_model(model)
+    start = mjx.put_data(model, mujoco.MjData(model))
+
+    def climb(command: jax.Array) -> jax.Array:
+        def step(carried: Any, _: None) -> tuple[Any, None]:
+            data, omegas = carried
+            data, omegas, _ = rotors.apply(data, omegas, jnp.full(4, command))
+            return (mjx.step(device, data), omegas), None
+
+        first = (start, jnp.full(4, 500.0))
+        (data, _), _ = jax.lax.scan(step, first, None, length=20)
+        return data.qvel[2]
+
+    commands = jnp.array([480.0, 560.0, 600.0])
+    speeds, slopes = jax.jit(jax.vmap(jax.value_and_grad(climb)))(commands)
+    # Between two commands the slope is nearly linear.
+    by_slopes = 0.5 * (slopes[1:] + slopes[:-1]) * np.diff(commands)
+    assert (by_slopes > 1e-3).all()
+    np.testing.assert_allclose(np.diff(speeds), by_slopes, rtol=0.01)
+
+
+WRONG: dict[str, tuple[Callable[[], Any], str]] = {
+    "no table": (lambda: JaxForces.of(VEHICLE, 3), "table is int; give a LoadTable"),  # type: ignore[arg-type]
+    "wakes": (lambda: JaxForces.of(replace(VEHICLE, wakes=Wakes()), TABLE), "has wakes"),
+    "another propeller": (
+        lambda: JaxForces.of(replace(VEHICLE, propeller=propmap.propeller("apc-8x6e")), TABLE),
+        "the table is of 'invented'",
+    ),
+    "another air": (
+        lambda: JaxForces.of(replace(VEHICLE, air=propmap.Air(1.0)), TABLE),
+        "1.2 kg/m^3",
+    ),
+    "a mount": (
+        lambda: JaxForces.of(
+            replace(VEHICLE, mounts=(Mount((0.0, 0.0, 0.0), drag=Installed(1e-3)),)), TABLE
+        ),
+        "[mount]",
+    ),
+    "three speeds": (
+        lambda: JaxForces.of(VEHICLE, TABLE).wrench([500.0] * 3, [0.0] * 3),
+        "omegas has shape (3,); its last axis must hold 4",
+    ),
+    "a number for a velocity": (
+        lambda: JaxForces.of(VEHICLE, TABLE).wrench([500.0] * 4, 3.0),
+        "velocity has shape ()",
+    ),
+    "no such body": (
+        lambda: rotors_on(model_of(), body="drone"),
+        "the model has no body 'drone'; choose one of quad, nose, post",
+    ),
+    "not free": (lambda: rotors_on(model_of(), body="post"), "'post' is not free"),
+    "grams": (
+        lambda: rotors_on(model_of(nose=1200.0)),
+        "'quad' has 1201 kg, the vehicle 1.2; give both in SI units",
+    ),
+    "negative lag": (lambda: rotors_on(model_of(), time_constant=-0.1), "time_constant is -0.1 s"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_cannot_be_is_refused_in_a_line(case: str) -> None:
+    call, message = WRONG[case]
+    with pytest.raises(InputError) as caught:
+        call()
+    assert message in str(caught.value) and "\n" not in str(caught.value)
