@@ -372,7 +372,7 @@ def identified() -> str:
 def exports() -> str:
     """Write what each export writes, keeps and loses, by the registry of exports."""
     rows = ["| target | writes | keeps | loses |", "|---|---|---|---|"]
-    kinds = {"table": "", "rotor": " of a propeller"}
+    kinds = {"table": "", "rotor": " of a propeller", "pusher": " of a pusher or tailsitter"}
     for e in EXPORTS:
         kind = kinds.get(e.source, " of a vehicle")
         rows.append(f"| `{e.target}`{kind} | {e.writes} | {e.keeps} | {e.loses} |")

@@ -20,6 +20,7 @@ from propmap.export.steady_loads import inplane_forces
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import LoadTable
 from propmap.units import RPM
+from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.powertrain import Battery, Motor, Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 from tests.aircraft.conftest import POWERTRAIN, aircraft_of, quadcopter
@@ -457,3 +458,144 @@ def test_speeds_that_are_not_flown_are_named(tmp_path: Path) -> None:
         autopilot_parameters(craft, "px4", np.array([0.0, 5.0]))
     with pytest.raises(InputError, match="no target 'betaflight'; choose one of px4, ardupilot"):
         autopilot_parameters(craft, "betaflight")
+
+
+# -------------------------------------------------------------------------------------------------
+# PX4's propeller with an advance ratio: airplanes, tailsitters, pushers.
+
+PUSHER = in_px4_order(
+    mounts=(Mount((-0.3, 0.0, 0.0), (1.0, 0.0, 0.0), "cw"),),
+    air=propmap.Air(1.1, 1.8e-5),
+    wing=Wing(0.2),
+)
+RANGES = {
+    "SIH_F_CT0": (0.0, np.inf),
+    "SIH_F_CT1": (-np.inf, np.inf),
+    "SIH_F_CT2": (-np.inf, 0.0),
+    "SIH_F_CP0": (0.0, np.inf),
+    "SIH_F_CP1": (-np.inf, np.inf),
+    "SIH_F_CP2": (-np.inf, 0.0),
+    "SIH_F_DIA_INCH": (0.1, np.inf),
+    "SIH_F_RPM_MAX": (0.1, np.inf),
+    "THR_MDL_FAC": (0.0, 1.0),
+}
+"""As PX4's sih_params.yaml and motor_params.yaml have them."""
+
+
+def by_thruster(p: dict[str, float], throttle: float, along: float) -> tuple[float, float]:
+    """Thrust and torque as Thruster::compute_thrust_from_throttle and _torque_ have them."""
+    diameter, turns = p["SIH_F_DIA_INCH"] * 0.0254, p["SIH_F_RPM_MAX"] * np.sqrt(throttle) / 60.0
+    ratio = along / turns / diameter
+    powers = np.array([1.0, ratio, ratio**2])
+    ct, cp = (max(powers @ [p[f"SIH_F_C{x}{k}"] for k in range(3)], 0.0) for x in "TP")
+    force = 1.225 * turns**2 * diameter**4
+    return ct * force, cp / 2.0 / np.pi * force * diameter
+
+
+def stated_fit(note: str, letter: str) -> tuple[float, float]:
+    """Largest J, and the error of the coefficient."""
+    told = re.search(rf"C_{letter} a quadratic.* from 0 to ([\d.]+),.*within ([\d.]+),", note)
+    assert told
+    return float(told[1]), float(told[2])
+
+
+@pytest.mark.parametrize("vehicle", [PUSHER, replace(PUSHER, wing=None)], ids=["wing", "forward"])
+def test_the_simulator_s_propeller_pulls_as_the_rotor_does(
+    vehicle: Vehicle, tmp_path: Path
+) -> None:
+    """In air of 1.225 kg/m^3, within the error that the note states, between its points."""
+    craft = aircraft_of(vehicle)
+    export_autopilot(craft, "px4", tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "README-px4.md",
+        "quadcopter_px4_sih.params",
+    }
+    note = (tmp_path / "README-px4.md").read_text()
+    p = by_qgroundcontrol((tmp_path / "quadcopter_px4_sih.params").read_text())
+    assert set(p) == set(RANGES)
+    assert all(low <= p[name] <= high for name, (low, high) in RANGES.items())
+    assert "The drag model" not in note and "kg/m^3 at any height, this vehicle's 1.1." in note
+    limit, thrust_error = stated_fit(note, "T")
+    _, power_error = stated_fit(note, "P")
+    assert 0.9 < limit < 1.1 and thrust_error < 0.012 and power_error < 0.012
+    rng, diameter = np.random.default_rng(26720), 2.0 * vehicle.propeller.radius
+    for throttle, ratio in rng.uniform([0.25, 0.0], [1.0, 0.9 * limit], (50, 2)):
+        turns = p["SIH_F_RPM_MAX"] * np.sqrt(throttle) / 60.0
+        along = ratio * turns * diameter
+        loads = craft.loads.loads(2.0 * np.pi * turns, along, 0.0)
+        thrust, torque = by_thruster(p, throttle, along)
+        force = 1.225 * turns**2 * diameter**4
+        # Between the note's figures, which are rounded to 1e-4.
+        apart = (thrust - loads.thrust * 1.225 / 1.1) / force
+        assert abs(apart) < thrust_error + 1e-3
+        apart = 2.0 * np.pi * (torque - loads.torque * 1.225 / 1.1) / (force * diameter)
+        assert abs(apart) < power_error + 1e-3
+
+
+def test_full_throttle_is_that_of_motor_and_battery() -> None:
+    """The voltage that is left under load turns the motor as fast as the file says."""
+    told = autopilot_parameters(aircraft_of(PUSHER), "px4").sets[0].values
+    motor, esc, pack = POWERTRAIN.motor, POWERTRAIN.controller, POWERTRAIN.battery
+    assert motor and esc and pack
+    omega = told["SIH_F_RPM_MAX"] * RPM
+    torque = float(aircraft_of(PUSHER).loads.loads(omega, 0.0, 0.0).torque)
+    state = POWERTRAIN.driven(np.array([[torque]]), np.array([[omega]]), 1.0)
+    assert state.controller_voltage[0, 0] == pytest.approx(state.battery_voltage[0], rel=1e-3)
+
+
+def of_table(curvature: float) -> tuple[dict[str, float], list[str]]:
+    """Constants and what is said of them, of a table whose thrust has ``curvature`` climb^2."""
+    content, blade = invented_content(), PUSHER.propeller
+    climb = content.advance[:, None] * np.cos(content.beta)
+    coefficients = content.coefficients.copy()
+    coefficients[:, 0] += (curvature + 0.05) * climb**2
+    described = {"geometry_sha256": blade.fingerprint(), "radius_m": float(blade.radius)}
+    air = {"density_kg_m3": 1.1, "viscosity_Pa_s": 1.8e-5}
+    info = content.info | {"propeller": content.info["propeller"] | described, "air": air}
+    table = LoadTable(replace(content, info=info, coefficients=coefficients))
+    slow = Powertrain(Motor(400.0 * RPM, 0.1, (0.3,)), None, Battery(4, 18000.0))
+    told = autopilot_parameters(Aircraft(replace(PUSHER, powertrain=slow), table), "px4")
+    return told.sets[0].values, [kind.holds for kind in told.sets[0].kinds] + told.remarks
+
+
+def test_a_quadratic_comes_back() -> None:
+    """V / (Omega R) is J / pi, and rho pi R^4 Omega^2 is pi^3 / 4 times rho n^2 D^4."""
+    values, told = of_table(-0.05)
+    for k, constant in enumerate((0.016, -0.08, -0.05)):
+        expected = constant * np.pi ** (3 - k) / 4.0
+        assert values[f"SIH_F_CT{k}"] == pytest.approx(expected, abs=2e-4)
+    for k, constant in enumerate((0.0025, -0.002, -0.003)):
+        expected = constant * np.pi ** (4 - k) / 4.0
+        assert values[f"SIH_F_CP{k}"] == pytest.approx(expected, abs=2e-4)
+    assert "within 0.0000, 0.0% of the largest C_T" in told[0]
+    assert not any("no quadratic" in line for line in told)
+
+
+def test_thrust_that_falls_ever_slower_gets_a_line() -> None:
+    """PX4 takes no constant above zero for J^2."""
+    values, told = of_table(0.12)
+    assert values["SIH_F_CT2"] == 0.0 and values["SIH_F_CT1"] < 0.0
+    assert "within 0.0000" not in told[0]
+
+
+def test_a_tailsitter_s_curve_that_is_no_quadratic_is_said() -> None:
+    vehicle = read_vehicle(Path(__file__).parents[2] / "examples/aircraft/tailsitter.toml").vehicle
+    rotor = propmap.Rotor(propmap.known_model("apc-8x6e", air=vehicle.air))
+    told = autopilot_parameters(Aircraft(vehicle, rotor), "px4")
+    assert any("C_P is no quadratic: it errs by" in remark for remark in told.remarks)
+    assert "standard deviation at rest" in told.sets[0].kinds[0].holds
+    # Beside what PX4's airframe 10043 has for UIUC's APC 8x6: 0.131 + 0.004 J - 0.146 J^2.
+    values = told.sets[0].values
+    ratio = np.linspace(0.2, 0.8, 20)
+    ours = values["SIH_F_CT0"] + values["SIH_F_CT1"] * ratio + values["SIH_F_CT2"] * ratio**2
+    assert np.abs(ours - (0.131 + 0.004 * ratio - 0.146 * ratio**2)).max() < 0.02
+
+
+def test_a_propeller_without_full_throttle_or_thrust_is_refused() -> None:
+    with pytest.raises(InputError, match=r"no \[motor\] and no \[battery\].*full throttle"):
+        autopilot_parameters(aircraft_of(replace(PUSHER, powertrain=Powertrain())), "px4")
+    with pytest.raises(InputError, match="ardupilot is not made from a pusher or tailsitter"):
+        autopilot_parameters(aircraft_of(PUSHER), "ardupilot")
+    backwards = replace(PUSHER.propeller, twist=-PUSHER.propeller.twist)
+    with pytest.raises(InputError, match="have no thrust; check the propeller"):
+        autopilot_parameters(aircraft_of(replace(PUSHER, propeller=backwards)), "px4")

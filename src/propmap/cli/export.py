@@ -52,7 +52,8 @@ def export(
         Option(
             metavar="TARGET",
             help=f"{_forms('table')}. For a vehicle file and --table: {_forms('vehicle')}. "
-            f"For a vehicle file: {_forms('autopilot')}. For a propeller: {_forms('rotor')}.",
+            f"For a vehicle file: {_forms('autopilot')}; of a pusher or tailsitter, "
+            f"{_forms('pusher')}. For a propeller: {_forms('rotor')}.",
         ),
     ],
     output: Annotated[Path, out.output_option("Write to this folder, made if need be.", "DIR")],

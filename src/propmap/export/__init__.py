@@ -39,6 +39,7 @@ SOURCES = {
     "rotor": "a propeller",  # function(rotor) returns ``Files``
     "vehicle": "a vehicle and a table",  # function(vehicle, table) returns ``Files``
     "autopilot": "a vehicle",  # function(aircraft, flights) returns ``AutopilotParameters``
+    "pusher": "a pusher or tailsitter",  # function(aircraft), likewise
 }
 
 _BILINEAR = "thrust and torque quadratic, the four loads by the in-plane velocity bilinear"
@@ -71,6 +72,8 @@ EXPORTS = (
            f"{_DRAG}; places of the rotors, torque over thrust, thrust curve", "wakes, wings"),
     Export("ardupilot", "autopilot", "ardupilot.parameters", "parameters of ArduPilot",
            f"{_DRAG}; thrust curve", "wakes, wings"),
+    Export("px4", "pusher", "px4.forward_propeller", "the propeller of PX4's simulator SIH",
+           "thrust and power over the axial advance ratio, quadratic", "all else"),
 )  # fmt: skip
 """All exports, in the order of ``propmap export --help``; a new one is a line here and a module."""
 

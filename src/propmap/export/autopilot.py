@@ -134,16 +134,20 @@ def autopilot_parameters(
     target : str
         One of ``propmap.export.AUTOPILOTS``.
     speeds : ndarray, shape (n,)
-        Through the air [m/s], at which the drag model is fitted; at rest nothing is to be seen.
+        Through the air [m/s], at which the drag model is fitted; at rest nothing is to be seen.  A
+        vehicle with one or two rotors that has a wing, or is pulled forward, has none.
 
     Raises
     ------
     InputError
         For an unknown target, for a vehicle that is no multirotor as the drag models of autopilots
-        take it to be, and where too few of the speeds are flown.
+        take it to be, and where too few of the speeds are flown; for such a one with few rotors
+        where the target has no model of its propeller, or the full throttle is not known.
     """
-    export = find_export(target, "autopilot")
-    check_vehicle(aircraft.vehicle)
+    export, vehicle = find_export(target, "autopilot"), aircraft.vehicle
+    if len(vehicle.mounts) <= 2 and (vehicle.wing is not None or aircraft.rotors.forward):
+        return find_export(target, "pusher").make()(aircraft)
+    check_vehicle(vehicle)
     moving = np.asarray(speeds, dtype=np.float64)
     moving = moving[moving > 0.0]
     if moving.size < 2:
@@ -203,7 +207,8 @@ def common_remarks(aircraft: Aircraft) -> list[str]:
     """Say what the drag coefficients of an ``aircraft`` have in them and what not."""
     words = assumption_lines(assumptions(aircraft.vehicle, aircraft.loads))
     remarks = [f"{each[:1].upper()}{each[1:]}." for each in words]
-    if any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts):
+    tilted = any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts)
+    if tilted and not aircraft.rotors.forward:
         remarks.append(
             "Rotors are tilted: what their thrust adds along x and y in forward flight is part of "
             "the fitted coefficients."

@@ -13,6 +13,7 @@ import numpy as np
 from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.export.autopilot import (
+    SEA_LEVEL,
     AutopilotParameters,
     DragFilter,
     Explained,
@@ -23,14 +24,16 @@ from propmap.export.autopilot import (
     common_remarks,
 )
 from propmap.export.steady_loads import (
+    CLOSE,
     SignalCurve,
     StaticLoads,
     curve_factor,
     known_curve,
+    mean_loads,
     static_loads,
 )
 from propmap.typing import Floats
-from propmap.units import GRAVITY
+from propmap.units import GRAVITY, INCH, RPM
 from propmap.vehicle.vehicle import Vector, Vehicle
 
 FILTER = DragFilter(
@@ -268,3 +271,87 @@ def simulator(
          "For the simulator alone: the real vehicle has another."),
     ]  # fmt: skip
     return [Explained(*row[:5], SIH, row[5]) for row in rows], ""
+
+
+# -------------------------------------------------------------------------------------------------
+# The propeller of the simulator's airplanes, tailsitters and pushers, by its advance ratio.
+
+THRUSTER = "PX4-Autopilot src/modules/simulation/simulator_sih/aero.hpp, Thruster"
+RATIOS = np.linspace(0.0, 2.0, 201)  # J at which loads are looked at
+THROTTLES = np.array([0.25, 0.5, 1.0])  # and throttles, whose rotor speeds go by their root
+
+
+def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
+    """Fit the simulator's propeller of airplanes, tailsitters and pushers to an ``aircraft``'s.
+
+    Raises ``InputError`` where the full throttle is not known, and without thrust there at rest.
+    """
+    vehicle, (curve, why) = aircraft.vehicle, known_curve(aircraft)
+    if curve is None:
+        remedy = "give [motor] and [battery], and a table up to full throttle if any"
+        raise InputError(f"{why}: the rotor speed at full throttle is not known", remedy)
+    turns = curve.full_speed * np.sqrt(THROTTLES)[:, None] / (2.0 * np.pi)
+    diameter, density = 2.0 * vehicle.propeller.radius, vehicle.air.density
+    thrust, torque = mean_loads(aircraft, turns * 2.0 * np.pi, RATIOS * turns * diameter)
+    size = density * turns**2 * diameter**4
+    pulls = np.logical_and.accumulate(thrust > 0.0, axis=1)
+    if pulls[-1].sum() < RATIOS.size // 20:
+        found = "the loads at full throttle from rest on, along the axis, have no thrust"
+        raise InputError(found, "check the propeller, or give a table from --speed 0 and --beta 0")
+    still = static_loads(aircraft, curve.full_speed)
+    rest = [still.std_of(1.0 / still.thrust, 0.0), still.std_of(0.0, 1.0 / still.torque)]
+    remarks = [
+        *common_remarks(aircraft),
+        REMARKS[1],
+        f"The simulator's air has {SEA_LEVEL:g} kg/m^3 at any height, this vehicle's {density:g}.",
+        "Its torque turns an airplane to the right, as a rotor with spin cw does, and a "
+        "tailsitter with two rotors the first of which is cw.",
+    ]
+    kinds = []
+    each = (thrust / size, 2.0 * np.pi * torque / (size * diameter))
+    words = ("Thrust = C_T rho n^2 D^4", "Torque = C_P / (2 pi) rho n^2 D^5")
+    for letter, values, meaning, std in zip("TP", each, words, rest, strict=True):
+        ratio, value = np.broadcast_to(RATIOS, pulls.shape)[pulls], values[pulls]
+        constants = _falling_parabola(ratio, value)
+        error = np.abs(np.polynomial.polynomial.polyval(ratio, constants) - value)
+        share, at = float(error.max() / value.max()), float(ratio[error.argmax()])
+        title, law = f"SIH_F_C{letter}0, _C{letter}1, _C{letter}2", f"C_{letter}"
+        holds = (
+            f"For J from 0 to {ratio.max():.2f}, where thrust or the table ends, at a quarter of "
+            f"full throttle and more: within {error.max():.4f}, {share:.1%} of the largest {law}. "
+            "Beyond, and flying backwards, it extrapolates."
+        )
+        if std is not None:
+            holds += f" The model's own standard deviation at rest is {std:.1%}."
+        if share > CLOSE:
+            remarks.append(f"{law} is no quadratic: it errs by {share:.1%}, most at J = {at:.2f}.")
+        named = {f"SIH_F_C{letter}{k}": float(c) for k, c in enumerate(constants)}
+        meaning = f"{meaning}, n in rev/s; {law} a quadratic in J = V / (n D), V along the axis."
+        kinds.append(Explained(title, named, "-", None, meaning, THRUSTER, holds))
+    inches, rpm = round(diameter / INCH, 4), round(curve.full_speed / RPM, 1)
+    full = f"{curve.full_signal(vehicle.powertrain.motor)} The simulator keeps it in flight."
+    root = "Rotor speed = SIH_F_RPM_MAX sqrt(u), u the throttle."
+    linear = "Thrust at rest is linear in u."
+    kinds += [
+        Explained("SIH_F_DIA_INCH", {"SIH_F_DIA_INCH": inches}, "in", None, "D.", THRUSTER,
+                  "Exact."),
+        Explained("SIH_F_RPM_MAX", {"SIH_F_RPM_MAX": rpm}, "1/min", None, root, THRUSTER, full),
+        Explained("THR_MDL_FAC", {"THR_MDL_FAC": 0.0}, "-", None, linear, THRUSTER,
+                  "For the simulator alone: the real vehicle has another."),
+    ]  # fmt: skip
+    purpose = "propeller of simulation in hardware (SIH) since PX4 1.17"
+    left_out = [
+        NotWritten("SIH_F_T_MAX, SIH_F_Q_MAX", "the simulator computes them from these"),
+        NotWritten("SIH_VEHICLE_TYPE and the airframe", "set what else flies, and which outputs"),
+    ]
+    sets = [ParameterSet("px4_sih.params", purpose, kinds)]
+    return AutopilotParameters("PX4", sets, left_out, [], remarks, file_text)
+
+
+def _falling_parabola(ratio: Floats, values: Floats) -> Floats:
+    """Fit values by a quadratic whose last constant is not above zero, as PX4 takes it (3,)."""
+    fit = np.polynomial.polynomial.polyfit
+    found = fit(ratio, values, 2)
+    if found[2] > 0.0:
+        found = np.append(fit(ratio, values, 1), 0.0)
+    return np.asarray(found.round(5))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
@@ -440,13 +440,17 @@ def _over_square(aircraft: Aircraft, fastest: float) -> tuple[Floats, Floats, Fl
     if not isinstance(aircraft.loads, Rotor):
         low, high = aircraft.loads.envelope["omega"]
         omega = np.linspace(low, min(high, fastest), KNOTS)
-    thrust, torque = np.zeros(KNOTS), np.zeros(KNOTS)
+    thrust, torque = mean_loads(aircraft, omega, 0.0) / omega**2
+    return omega, thrust, torque
+
+
+def mean_loads(aircraft: Aircraft, omega: Floats, speed: ArrayLike) -> Floats:
+    """Average thrust [N] and torque [N m] of an ``aircraft``'s rotors (2, ...) in axial flow."""
+    total, count = np.zeros(()), len(aircraft.vehicle.mounts)
     for source, mine in rotor_sources(aircraft.vehicle, aircraft.loads):
-        found = source.loads(omega, 0.0, 0.0)
-        thrust += mine.size * found.thrust
-        torque += mine.size * found.torque
-    count = len(aircraft.vehicle.mounts)
-    return omega, thrust / omega**2 / count, torque / omega**2 / count
+        found = source.loads(omega, speed, 0.0)
+        total = total + mine.size / count * np.stack([found.thrust, found.torque])
+    return total
 
 
 # -------------------------------------------------------------------------------------------------
