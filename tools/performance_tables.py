@@ -46,3 +46,19 @@ def peers(found: dict[str, Any]) -> str:
             cells.append(f"{seconds[case] / 1e3:.3g} ms, {ratio:.0f} times a point of the batch")
         rows.append(f"| {case} | {' | '.join(cells)} |")
     return "\n".join(rows)
+
+
+def mjx(found: dict[str, Any]) -> str:
+    """What a step of many vehicles in MJX takes, and the rotors' share of it."""
+    rows = {
+        "step_of_mjx_alone": "step, without rotors",
+        "step_on_hover_model": "step, hover model",
+        "step_on_table": "step, table",
+        "wrench_of_table": "force and moment alone, table",
+        "wrench_of_table_and_gradient": "its vertical component and its gradient, table",
+    }
+    lines = ["| | ms | vehicles per second |", "|---|---:|---:|"]
+    for name, words in rows.items():
+        each = found["vehicles_per_second"][name]
+        lines.append(f"| {words} | {found['milliseconds'][name]:.1f} | {each:,.0f} |")
+    return "\n".join(lines)
