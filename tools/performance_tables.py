@@ -57,8 +57,8 @@ def mjx(found: dict[str, Any]) -> str:
         "wrench_of_table": "force and moment alone, table",
         "wrench_of_table_and_gradient": "its vertical component and its gradient, table",
     }
-    lines = ["| | ms | vehicles per second |", "|---|---:|---:|"]
+    lines = ["| | ms | million vehicles per second |", "|---|---:|---:|"]
     for name, words in rows.items():
-        each = found["vehicles_per_second"][name]
-        lines.append(f"| {words} | {found['milliseconds'][name]:.1f} | {each:,.0f} |")
+        rate = found["vehicles_per_second"][name] / 1e6
+        lines.append(f"| {words} | {found['milliseconds'][name]:.1f} | {rate:.2f} |")
     return "\n".join(lines)

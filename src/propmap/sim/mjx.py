@@ -6,19 +6,20 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
 
-from propmap.errors import InputError, quoted
-from propmap.results import spin_sign
-from propmap.table import JaxTable, LoadTable
-from propmap.vehicle.vehicle import Vehicle, Wing
-from propmap.vehicle.vehicle_forces import body_force, check_table, wing_force
-from propmap.vehicle.wakes import HubFlow, cross, hub_wrenches
-
 try:
     import jax
     import jax.numpy as jnp
     from jax.scipy.spatial.transform import Rotation
 except ModuleNotFoundError as missing:
     raise ImportError("JAX is not installed; run: pip install 'propmap[mjx]'") from missing
+
+from propmap.errors import InputError, quoted
+from propmap.model.airfoil import Airfoil
+from propmap.results import spin_sign
+from propmap.table import JaxTable, LoadTable
+from propmap.vehicle.vehicle import Vehicle, Wing
+from propmap.vehicle.vehicle_forces import body_force, check_table, wing_force
+from propmap.vehicle.wakes import HubFlow, cross, hub_wrenches
 
 SLOW = 1e-3
 """In-plane velocity [m/s] below which the loads by it are linear, so that they have derivatives."""
@@ -128,11 +129,10 @@ class JaxForces:
 
 def _wing_lift(wing: Wing, angle: Any) -> Any:
     """Return ``wing_lift`` by eq. (3), whose sigma is one less a product of logistic functions."""
-    near = jax.nn.sigmoid(50.0 * (wing.alpha_0 - angle)) * jax.nn.sigmoid(
-        50.0 * (wing.alpha_0 + angle)
-    )
+    m, alpha_0 = Airfoil.sharpness, wing.alpha_0
+    attached = jax.nn.sigmoid(m * (alpha_0 - angle)) * jax.nn.sigmoid(m * (alpha_0 + angle))
     stalled = wing.c_l2 * jnp.sin(angle) * jnp.cos(angle)
-    return wing.area * (near * wing.c_l1 * angle + (1.0 - near) * stalled)
+    return wing.area * (attached * wing.c_l1 * angle + (1.0 - attached) * stalled)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ class MjxRotors:
         vehicle, table
             As for ``JaxForces.of``.
         model : mujoco.MjModel
-            In SI units, x of the body forward, y left, z up.
+            In SI units, x of the body forward, y left, z up; its time step counts for the lag.
         body : str
             Name of a body with a free joint, which with its children has the vehicle's mass.
         time_constant : float
