@@ -27,7 +27,7 @@ from propmap.table import build_table
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
 from propmap.vehicle.vehicle_forces import VehicleForces
 
-VEHICLES, REPEATS, SPEED = 4096, 30, 12.0
+VEHICLES, REPEATS, SPEED = 4096, 300, 12.0
 MJCF = """<mujoco><option timestep="0.002"/><worldbody><body name="quad"><freejoint/>
 <inertial pos="0 0 0" mass="1.2" diaginertia="0.008 0.008 0.014"/></body></worldbody></mujoco>"""
 

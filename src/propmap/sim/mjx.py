@@ -17,9 +17,9 @@ from propmap.errors import InputError, quoted
 from propmap.model.airfoil import Airfoil
 from propmap.results import spin_sign
 from propmap.table import JaxTable, LoadTable
-from propmap.vehicle.vehicle import Vehicle, Wing
-from propmap.vehicle.vehicle_forces import body_force, check_table, wing_force
-from propmap.vehicle.wakes import HubFlow, cross, hub_wrenches
+from propmap.table.query import JaxLoads
+from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.vehicle_forces import check_table
 
 SLOW = 1e-3
 """In-plane velocity [m/s] below which the loads by it are linear, so that they have derivatives."""
@@ -98,41 +98,62 @@ class JaxForces:
         InputError
             Where a last axis does not hold k speeds, or x, y, z.
         """
-        xp: Any = jnp  # for what is written for arrays of NumPy
-        vehicle, spins = self.vehicle, [spin_sign(mount.spin) for mount in self.vehicle.mounts]
         given = {"omegas": omegas, "velocity": velocity, "rates": rates, "wind": wind}
-        arrays = {name: xp.asarray(x, self.table.lows.dtype) for name, x in given.items()}
-        for (name, x), count in zip(arrays.items(), (len(spins), 3, 3, 3), strict=True):
+        counts = (len(self.vehicle.mounts), 3, 3, 3)
+        arrays = {name: jnp.asarray(x, self.table.lows.dtype) for name, x in given.items()}
+        for (name, x), count in zip(arrays.items(), counts, strict=True):
             if x.shape[-1:] != (count,):
                 raise InputError(f"{name} has shape {x.shape}", f"its last axis must hold {count}")
         omega, moving, turning, air = arrays.values()
-        through, axis, place = moving - air, vehicle.rotor_axes, vehicle.hub_positions
-        hubs = through[..., None, :] + cross(turning[..., None, :], place, xp)
-        axial = xp.sum(hubs * axis, axis=-1)
+        through, place, axis = moving - air, self.vehicle.hub_positions, self.vehicle.rotor_axes
+        hubs = through[..., None, :] + jnp.cross(turning[..., None, :], place)
+        axial = jnp.sum(hubs * axis, axis=-1)
         across = hubs - axial[..., None] * axis
-        inplane = xp.sqrt(xp.maximum(xp.sum(across**2, axis=-1), SLOW**2))
-        omega, axial, inplane = xp.broadcast_arrays(omega, axial, inplane)
-        seen = xp.stack([inplane, xp.zeros_like(axial), axial], axis=-1)
+        inplane = jnp.sqrt(jnp.maximum(jnp.sum(across**2, axis=-1), SLOW**2))
+        omega, axial, inplane = jnp.broadcast_arrays(omega, axial, inplane)
+        seen = jnp.stack([inplane, jnp.zeros_like(axial), axial], axis=-1)
         loads = self.table.loads_at_velocity(omega, seen, clamp=clamp)
-        downstream = -across / inplane[..., None]
-        flow = HubFlow(omega, axial, inplane, axis, downstream, place, xp.array(spins))
-        force, moment = hub_wrenches(flow, xp.stack(loads[:-1]), xp)
-        moment = moment + cross(place, force, xp)
-        along, aside, density = *jax.lax.stop_gradient((axial, inplane)), vehicle.air.density
-        speed, beta = xp.hypot(along, aside), xp.arctan2(aside, along)
+        along, aside = jax.lax.stop_gradient((axial, inplane))
+        speed, beta = jnp.hypot(along, aside), jnp.arctan2(aside, along)
         code = self.table.code(omega, speed, beta, loads.thrust)
-        free = body_force(vehicle.body, density, through, xp)
-        if vehicle.wing is not None:
-            free = free + wing_force(vehicle.wing, density, through, xp, _wing_lift)
-        return JaxWrench(force.sum(axis=-2) + free, moment.sum(axis=-2), code.max(axis=-1))
+        ahead, spin = across / inplane[..., None], _spins(self.vehicle)
+        left, load = jnp.cross(axis, ahead), JaxLoads(*(x[..., None] for x in loads))
+        # Signs are those of ``propmap.vehicle.wakes.hub_wrenches``.
+        force = load.thrust * axis - load.drag * ahead + spin * load.side_force * left
+        turning = spin * (load.torque * axis + load.roll_moment * ahead)
+        moment = jnp.cross(place, force) - turning - load.pitch_moment * left
+        total = force.sum(axis=-2) + _free_stream_force(self.vehicle, through)
+        return JaxWrench(total, moment.sum(axis=-2), code.max(axis=-1))
 
 
-def _wing_lift(wing: Wing, angle: Any) -> Any:
-    """Return ``wing_lift`` by eq. (3), whose sigma is one less a product of logistic functions."""
-    m, alpha_0 = Airfoil.sharpness, wing.alpha_0
-    attached = jax.nn.sigmoid(m * (alpha_0 - angle)) * jax.nn.sigmoid(m * (alpha_0 + angle))
-    stalled = wing.c_l2 * jnp.sin(angle) * jnp.cos(angle)
-    return wing.area * (attached * wing.c_l1 * angle + (1.0 - attached) * stalled)
+def _spins(vehicle: Vehicle) -> Any:
+    """Return 1 for each rotor that turns counter-clockwise, else -1 (k, 1)."""
+    return jnp.array([[spin_sign(mount.spin)] for mount in vehicle.mounts])
+
+
+def _free_stream_force(vehicle: Vehicle, velocity: Any) -> Any:
+    """Return that of ``propmap.vehicle.vehicle_forces``, with derivatives at rest."""
+    body, wing = vehicle.body, vehicle.wing
+    x, z = velocity[..., 0], velocity[..., 2]
+    still = (x == 0.0) & (z == 0.0)
+    flown = jnp.where(still, 1.0, x)
+    angle, speed = jnp.arctan2(-z, flown), jnp.where(still, 0.0, jnp.hypot(flown, z))
+    lift = body.lift_area * jnp.sin(angle) * jnp.cos(angle)
+    down = jnp.square(velocity[..., :2]) @ jnp.array(body.download_area)
+    force = -jnp.array(body.drag_area) * jnp.abs(velocity) * velocity
+    force = force.at[..., 2].add(-down)
+    if wing is not None:
+        alpha, m = angle + wing.incidence, Airfoil.sharpness
+        # Eq. (3), whose sigma is one less a product of logistic functions.
+        near = [jax.nn.sigmoid(m * (wing.alpha_0 + way * alpha)) for way in (-1.0, 1.0)]
+        attached, stalled = near[0] * near[1], wing.c_l2 * jnp.sin(alpha) * jnp.cos(alpha)
+        carried = wing.area * (attached * wing.c_l1 * alpha + (1.0 - attached) * stalled)
+        lift = lift + carried
+        if wing.span is not None:
+            induced = carried**2 / (math.pi * wing.span**2) * speed
+            force = force - induced[..., None] * velocity * jnp.array([1.0, 0.0, 1.0])
+    across = jnp.stack([-z, jnp.zeros_like(z), x], axis=-1)
+    return 0.5 * vehicle.air.density * (force + (lift * speed)[..., None] * across)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -144,13 +165,16 @@ def _wing_lift(wing: Wing, angle: Any) -> Any:
 class MjxRotors:
     """The rotors of a vehicle on a free body of MJX; a pytree.
 
-    Make one with ``MjxRotors.of``.  What spinning rotors do to a vehicle that turns is not in it.
+    Make one with ``MjxRotors.of``.  Where the vehicle's ``rotor_inertia`` is known, rotors turn it
+    also as they change their speed, and as gyroscopes.
     """
 
     forces: JaxForces
     centre: Any  # of mass, from the body's origin, in its frame (3,) [m]
     lever: Any  # and from where MuJoCo applies forces to it
     left: Any  # share of the difference from the commands that is left after a step [-]
+    step: Any  # of the model's time [s]
+    momenta: Any  # of each rotor at 1 rad/s (k, 3) [kg m^2/s]
     body: int = field(metadata={"static": True})
     qpos: int = field(metadata={"static": True})
     dof: int = field(metadata={"static": True})
@@ -203,6 +227,8 @@ class MjxRotors:
             centre=jnp.asarray((origin - data.xpos[at]) @ turn),
             lever=jnp.asarray((origin - data.xipos[at]) @ turn),
             left=jnp.asarray(math.exp(-steps)),
+            step=jnp.asarray(model.opt.timestep),
+            momenta=vehicle.rotor_inertia * _spins(vehicle) * vehicle.rotor_axes,
             body=at,
             qpos=int(model.jnt_qposadr[joint]),
             dof=int(model.jnt_dofadr[joint]),
@@ -244,8 +270,11 @@ class MjxRotors:
         velocity = turn.apply(moving, inverse=True) + jnp.cross(rates, self.centre)
         air = turn.apply(jnp.asarray(wind), inverse=True)
         found = self.forces.wrench(omegas, velocity, rates, air, clamp=clamp)
-        moment = found.moment + jnp.cross(self.lever, found.force)
+        after = commands + self.left * (omegas - commands)
+        change = (after - omegas) / self.step
+        gained, held = (jnp.sum(x[:, None] * self.momenta, axis=0) for x in (change, omegas))
+        reaction = gained + jnp.cross(rates, held)
+        moment = found.moment - reaction + jnp.cross(self.lever, found.force)
         row = jnp.concatenate([turn.apply(found.force), turn.apply(moment)])
         applied = data.xfrc_applied.at[self.body].set(row)
-        after = commands + self.left * (omegas - commands)
         return data.replace(xfrc_applied=applied), after, found.code

@@ -506,30 +506,26 @@ def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: F
     return force if wing is None else force + wing_force(wing, density, velocity)
 
 
-def body_force(body: Body, density: float, velocity: Floats, xp: Any = np) -> Floats:
-    """Return drag, lift and download of a ``body``, as in ``free_stream_force``; ``xp`` is NumPy or
-    JAX's."""
-    angle, speed, across = _in_plane_of_symmetry(velocity, xp)
-    lift = body.lift_area * xp.sin(angle) * xp.cos(angle)
-    drag = 0.5 * density * np.array(body.drag_area) * xp.abs(velocity) * velocity
-    pressed = xp.square(velocity[..., :2]) @ np.array(body.download_area)
+def body_force(body: Body, density: float, velocity: Floats) -> Floats:
+    """Return drag, lift and download of a ``body``, as in ``free_stream_force``."""
+    angle, speed, across = _in_plane_of_symmetry(velocity)
+    lift = body.lift_area * np.sin(angle) * np.cos(angle)
+    drag = 0.5 * density * np.array(body.drag_area) * np.abs(velocity) * velocity
+    pressed = np.square(velocity[..., :2]) @ np.array(body.download_area)
     down = 0.5 * density * pressed[..., None] * np.array([0.0, 0.0, 1.0])
-    return xp.asarray((0.5 * density * lift * speed)[..., None] * across - drag - down)
+    return np.asarray((0.5 * density * lift * speed)[..., None] * across - drag - down)
 
 
-def wing_force(
-    wing: Wing, density: float, velocity: Floats, xp: Any = np, lift_of: Any = None
-) -> Floats:
-    """Return lift of a ``wing`` and its induced drag, as in ``free_stream_force``; ``lift_of`` is
-    ``wing_lift`` of arrays of ``xp``."""
-    angle, speed, across = _in_plane_of_symmetry(velocity, xp)
-    lift = (lift_of or wing_lift)(wing, angle + wing.incidence)
+def wing_force(wing: Wing, density: float, velocity: Floats) -> Floats:
+    """Return lift of a ``wing`` and its induced drag, as in ``free_stream_force``."""
+    angle, speed, across = _in_plane_of_symmetry(velocity)
+    lift = wing_lift(wing, angle + wing.incidence)
     force = lift[..., None] * across
     if wing.span is not None:
         # Prandtl's D = L^2/(pi q b^2), of an elliptic lift.
         along = velocity * np.array([1.0, 0.0, 1.0])
         force = force - (lift**2 / (math.pi * wing.span**2))[..., None] * along
-    return xp.asarray((0.5 * density * speed)[..., None] * force)
+    return np.asarray((0.5 * density * speed)[..., None] * force)
 
 
 def wing_lift(wing: Wing, angle: Floats) -> Floats:
@@ -539,14 +535,11 @@ def wing_lift(wing: Wing, angle: Floats) -> Floats:
     return wing.area * lift
 
 
-def _in_plane_of_symmetry(velocity: Floats, xp: Any) -> tuple[Floats, Floats, Floats]:
+def _in_plane_of_symmetry(velocity: Floats) -> tuple[Floats, Floats, Floats]:
     """Return angle of attack [rad], speed V [m/s], and V times the unit vector across the flow.
 
     That is (-v_z, 0, v_x)/V; the angle is positive where the air comes from below.
     """
     x, z = velocity[..., 0], velocity[..., 2]
-    # Neither the angle nor the speed has a derivative at rest.
-    still = (x == 0.0) & (z == 0.0)
-    ahead = xp.where(still, 1.0, x)
-    angle, speed = xp.arctan2(-z, ahead), xp.where(still, 0.0, xp.hypot(ahead, z))
-    return angle, speed, xp.stack([-z, xp.zeros_like(angle), x], axis=-1)
+    angle = np.arctan2(-z, x)
+    return angle, np.hypot(x, z), np.stack([-z, np.zeros_like(angle), x], axis=-1)

@@ -317,15 +317,15 @@ def rotor_forces(flow: HubFlow, thrust: Floats, drag: Floats) -> Floats:
     return along + np.einsum("...nm,nmk->...nk", drag, flow.downstream)
 
 
-def hub_wrenches(flow: HubFlow, loads: Floats, xp: Any = np) -> tuple[Floats, Floats]:
+def hub_wrenches(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
     """Return each rotor's force [N] on the vehicle and moment about its hub [N m], (..., n, m, 3).
 
     The ``loads`` (L, ..., n, m) are in the order of ``LOADS``.  Both results are linear in them:
-    derivatives of loads give derivatives of forces and moments.  ``xp`` is NumPy or JAX's.
+    derivatives of loads give derivatives of forces and moments.
     """
     by_name = dict(zip(LOADS, loads[..., None], strict=True))
     ahead = -flow.downstream
-    left, spin = cross(flow.axis, ahead, xp), flow.spin[:, None]
+    left, spin = cross(flow.axis, ahead), flow.spin[:, None]
     force = by_name["thrust"] * flow.axis - by_name["drag"] * ahead
     force = force + spin * by_name["side_force"] * left
     turning = by_name["torque"] * flow.axis + by_name["roll_moment"] * ahead
@@ -615,10 +615,10 @@ def axial_velocity(
     return 0.5 * total
 
 
-def cross(one: Floats, other: Floats, xp: Any = np) -> Floats:
+def cross(one: Floats, other: Floats) -> Floats:
     """Return cross products (..., 3) of vectors (..., 3), to the bits of ``np.cross``.
 
     That spends ten times as long on its axes as on the products of a few rotors.
     """
     (a, b, c), (x, y, z) = ((v[..., 0], v[..., 1], v[..., 2]) for v in (one, other))
-    return xp.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=-1)
+    return np.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=-1)
