@@ -23,7 +23,7 @@ LOADS = 5
 
 RESULT = Path(__file__).parent / "results" / "explore.json"
 
-# A figure is there in the first frame that finds it visible; Playwright looks for it every half second.
+# A figure is there in the first frame that finds it visible; Playwright looks every half second.
 FIGURE = """(function look() {
   const figure = document.querySelector(".js-plotly-plot .main-svg");
   if (figure && figure.checkVisibility({ visibilityProperty: true }) && figure.clientWidth)
