@@ -36,7 +36,7 @@ $(ZIG_TOOLS): $(TOOLS_READY)
 
 # Builds with the tools of $(VENV), so that a changed core is built in the time of what has changed.
 $(READY): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
-	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,jax,mjx,mujoco,targets$(if $(WITH_DOCS),$(COMMA)docs)]'
+	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,figures,jax,logs,mjx,mujoco,netcdf,targets$(if $(WITH_DOCS),$(COMMA)docs)]'
 	touch $@ $(if $(WITH_DOCS),$(DOCS_READY))
 
 # What it takes comes with the rest where CI asks for both at once.
