@@ -56,6 +56,9 @@ NEEDS = {
 }
 """Commands that need an extra."""
 
+NEEDED_BY = {"jax": ["import propmap.jax", "from propmap.table import JaxTable"]}
+"""What needs one in Python alone."""
+
 
 def run(
     commands: Sequence[Sequence[str]], hidden: set[str], folder: Path
@@ -84,9 +87,18 @@ def test_a_missing_extra_is_named_in_one_line(
     assert {path.name for path in tmp_path.iterdir()} == {"a.csv", "a.ulg", "a.parquet"}
 
 
+@pytest.mark.parametrize(("extra", "code"), [(e, code) for e in NEEDED_BY for code in NEEDED_BY[e]])
+def test_an_import_that_lacks_an_extra_says_so(extra: str, code: str) -> None:
+    name = EXTRAS[extra].split()[-1]
+    hidden = f"import sys; sys.modules['{name}'] = None\n"
+    hidden += f"try: {code}\nexcept ImportError as error: sys.exit(str(error))"
+    done = subprocess.run([sys.executable, "-c", hidden], capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr == f"{name} is not installed; run: pip install 'propmap[{extra}]'\n"
+
+
 def test_every_extra_is_tested() -> None:
-    """That of JAX is no command's, see ``tests/rotor/test_jax.py``."""
-    assert {*NEEDS, "jax"} == {*EXTRAS}
+    assert {*NEEDS, *NEEDED_BY} == {*EXTRAS}
 
 
 def installed_by(requirements: Sequence[str], extras: Sequence[str] = ()) -> Iterator[str]:
