@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.errors import InputError
+from propmap.errors import InputError, require
 from propmap.typing import Floats
 from propmap.vehicle.log_readers import COMMANDS, OUTPUTS, ROTORS, parsed_ulog
 
@@ -26,6 +26,7 @@ def draft_vehicle(path: Path) -> str:
     with what the log does not say are comments that begin with "MISSING".  Raises ``InputError``
     where the log says nothing of rotors.
     """
+    require("logs")
     log = parsed_ulog(path)
     stated: Mapping[str, float] = log.initial_parameters
     count = int(stated.get("CA_ROTOR_COUNT", 0))
