@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-slow lint types sanitize bench docs build clean
+.PHONY: demo reproduce test test-fast test-slow lint types sanitize bench docs build wheels clean
 
 # Python compiles what it imports once and keeps it, here too where the environment says otherwise: tests start some hundred
 # processes.  Nothing is compiled that is never imported, as pip would.
@@ -36,7 +36,7 @@ $(ZIG_TOOLS): $(TOOLS_READY)
 
 # Builds with the tools of $(VENV), so that a changed core is built in the time of what has changed.
 $(READY): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
-	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,jax,mjx,mujoco,targets$(if $(WITH_DOCS),$(COMMA)docs)]'
+	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,figures,jax,logs,mjx,mujoco,netcdf,targets$(if $(WITH_DOCS),$(COMMA)docs)]'
 	touch $@ $(if $(WITH_DOCS),$(DOCS_READY))
 
 # What it takes comes with the rest where CI asks for both at once.
@@ -102,6 +102,14 @@ sanitize: $(READY)
 		PYTHONPATH=$(SANITIZED)/site:$$(echo $(VENV)/lib/python3*/site-packages) $(BIN)/python -S -m pytest tests/core \
 		-k 'not changes_no_bit and not other_processes and not thousand_points'
 
+# An sdist, a wheel of it for every processor of this kind, and both tried where there is no checkout.
+wheels: $(TOOLS_READY) $(ZIG_TOOLS)
+	rm -rf dist
+	$(BIN)/python -c 'from scikit_build_core.build import build_sdist; build_sdist("dist")'
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir dist \
+		--config-settings=cmake.define.PROPMAP_PORTABLE=ON dist/*.tar.gz
+	$(BIN)/python -u tools/try_wheel.py dist
+
 # README's times; or one measurement with its arguments, as in `make bench ONLY=choice` and `make bench ONLY='table fine'`.
 # The lifting line's matrices are too small for several threads.
 bench: $(if $(filter peers,$(ONLY)),$(PEERS_READY),$(READY))
@@ -117,4 +125,4 @@ docs: $(DOCS_READY)
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html
 
 clean:
-	rm -rf $(VENV) build .pytest_cache propmap-demo propmap-reproduce docs/_build docs/generated docs/propellers
+	rm -rf $(VENV) build dist .pytest_cache propmap-demo propmap-reproduce docs/_build docs/generated docs/propellers

@@ -88,6 +88,8 @@ html_sidebars = {
     page: []
     for page in (
         "index",
+        "getting-started",
+        "stability",
         "tutorial",
         "choosing",
         "theory",

@@ -15,11 +15,10 @@ import uuid
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from importlib.util import find_spec
 from queue import Empty, Queue
 from typing import TYPE_CHECKING, Any
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, quoted, require
 from propmap.tasks import Common, Result, Task, on_cores
 
 if TYPE_CHECKING:
@@ -60,8 +59,7 @@ def connected(address: str) -> Iterator[DaskWorkers]:
         started = _local(_number(address, local[1]))
     else:
         raise InputError(f"--cluster {quoted(address)} is no address", REMEDY)
-    if find_spec("distributed") is None:
-        raise InputError("this needs distributed", "pip install '.[cluster]' in propmap's checkout")
+    require("cluster")
     with started as workers:
         yield workers
 

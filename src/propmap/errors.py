@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 
 
 class InputError(ValueError):
@@ -25,6 +26,30 @@ class InputError(ValueError):
         # Without line breaks and control characters, which file names may contain.
         words = " ".join((f"{message}; {remedy}" if remedy else message).split())
         super().__init__("".join(c if c.isprintable() else "?" for c in words))
+
+
+class MissingExtraError(InputError, ImportError):
+    """An extra that is not installed, with the command that installs it."""
+
+
+EXTRAS = {
+    "cluster": "distributed xarray zarr",
+    "explore": "dash plotly",
+    "figures": "matplotlib",
+    "jax": "jax",
+    "logs": "pandas pymavlink pyulog rosbags",
+    "netcdf": "h5netcdf xarray",
+    "parquet": "pandas pyarrow",
+}
+"""Packages that are imported, by the extra of ``pyproject.toml`` that brings them."""
+
+
+def require(extra: str) -> None:
+    """Raise ``MissingExtraError`` where a package of an ``extra`` is not installed."""
+    missing = [name for name in EXTRAS[extra].split() if find_spec(name) is None]
+    if missing:
+        found = f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} not installed"
+        raise MissingExtraError(found, f"run: pip install 'propmap[{extra}]'")
 
 
 @contextmanager

@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from propmap.errors import require
 from propmap.loads import FLOW, LOADS
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 
-try:
-    import jax
-    import jax.numpy as jnp
-except ModuleNotFoundError as missing:
-    raise ImportError("JAX is not installed; run: pip install 'propmap[jax]'") from missing
+require("jax")
+import jax  # noqa: E402
+import jax.numpy as jnp  # noqa: E402
 
 _Shape: Any = jax.ShapeDtypeStruct
 

@@ -100,7 +100,7 @@ MAKERS: dict[str, tuple[list[str], Found]] = {
 OTHERS = {
     "show", "report", "fit terms", "explore", "study",
     "plot planform", "props list", "props show", "airfoils list", "airfoils show",
-    "vehicle from-log",
+    "vehicle from-log", "demo",
 }  # fmt: skip
 """Commands that read a model or make none: they have no such option."""
 

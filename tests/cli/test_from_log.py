@@ -54,6 +54,21 @@ def test_a_mass_and_tilted_rotors_are_taken_over(run: Run) -> None:
     np.testing.assert_allclose(vehicle.mounts[1].axis, (0.6, 0.0, 0.8), atol=1e-6)
 
 
+@pytest.mark.parametrize("commands", ["actuator_motors", "actuator_outputs", ""])
+def test_rotor_speeds_that_are_not_there_are_told(run: Run, commands: str) -> None:
+    topics = {name: rows for name, rows in topics_of(LOG, {}).items() if name != "esc_status"}
+    if commands:
+        topics[commands] = topics_of(LOG, {})["esc_status"]
+    write_px4_log(topics, Path("my quad.ulg"), {"CA_ROTOR_COUNT": 4, "CA_ROTOR0_PX": 0.2})
+    done = run("vehicle", "from-log", "my quad.ulg")
+    assert "\nrotor_unit" not in done.out
+    if commands:
+        assert f"`propmap fit flight` takes the throttle of {commands}" in done.out
+        assert "rotor_unit" not in done.err
+    else:
+        assert "propeller, rotor_unit" in done.err
+
+
 def test_generic_places_are_not_taken_for_metres(run: Run) -> None:
     """PX4's airframes that nobody measured have ones for the sides."""
     logged(side=1.0)

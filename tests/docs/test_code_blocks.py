@@ -32,6 +32,9 @@ WRITTEN = {"_build", "generated", "propellers"}
 """Folders that the documentation's build writes."""
 
 PAGES = sorted(p for p in DOCS.rglob("*.md") if not WRITTEN & set(p.parts))
+FOLLOWED = [p for p in (ROOT / "README.md", *PAGES) if p.name != "getting-started.md"]
+"""The page on getting started is followed without extras, by a test of its own."""
+
 BUILT = ("pip install", "make ")
 """What begins a block that installs or builds: CI itself does that, from a fresh clone."""
 
@@ -151,9 +154,7 @@ def own_source(environment: dict[str, str]) -> dict[str, str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "page", [p for p in (ROOT / "README.md", *PAGES) if any(map(runs, steps(p)))], ids=name_of
-)
+@pytest.mark.parametrize("page", [p for p in FOLLOWED if any(map(runs, steps(p)))], ids=name_of)
 def test_a_page_can_be_followed(page: Path, tmp_path: Path, environment: dict[str, str]) -> None:
     """From an empty folder, block by block."""
     SUPPLIED.get(name_of(page), lambda _: None)(tmp_path)

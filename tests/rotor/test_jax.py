@@ -101,18 +101,6 @@ def test_refused_values_tell_why(rotor: propmap.Rotor) -> None:
         propmap.jax.loads(rotor, -1.0, 0.0, 0.0).block_until_ready()
 
 
-@pytest.mark.parametrize(
-    "code", ["import propmap.jax", "from propmap.table import JaxTable"], ids=["loads", "table"]
-)
-def test_without_jax_one_line_says_what_to_install(code: str) -> None:
-    hidden = f"import sys; sys.modules['jax'] = None; {code}"
-    done = subprocess.run(
-        [sys.executable, "-c", hidden], capture_output=True, text=True, check=False
-    )
-    last = done.stderr.strip().splitlines()[-1]
-    assert last == "ImportError: JAX is not installed; run: pip install 'propmap[jax]'"
-
-
 def test_the_command_line_does_without_jax() -> None:
     code = (
         "import sys; sys.modules['jax'] = None; from propmap.cli import main; "

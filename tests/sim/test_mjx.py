@@ -265,7 +265,7 @@ def test_without_jax_one_line_says_what_to_install() -> None:
         [sys.executable, "-c", hidden], capture_output=True, text=True, check=False
     )
     last = done.stderr.strip().splitlines()[-1]
-    assert last.endswith("not installed; run: pip install 'propmap[mjx]'")
+    assert last.endswith("jax is not installed; run: pip install 'propmap[jax]'")
 
 
 WRONG: dict[str, tuple[Callable[[], Any], str]] = {

@@ -159,18 +159,6 @@ def test_a_twist_needs_its_frame(tmp_path: Path) -> None:
     assert "vehicle.toml: [log]: no velocity_in" in message
 
 
-def test_parquet_without_pyarrow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import pandas as pd
-
-    def missing(*_: object, **__: object) -> None:
-        raise ImportError
-
-    monkeypatch.setattr(pd, "read_parquet", missing)
-    vehicle_file = vehicle_with(write_csv(LOG, tmp_path / "a.csv"), tmp_path)
-    (tmp_path / "a.parquet").write_bytes(b"PAR1")
-    assert "pip install '.[parquet]'" in message_of(tmp_path / "a.parquet", vehicle_file)
-
-
 def test_a_gap_is_told_in_seconds_since_the_start(tmp_path: Path) -> None:
     """Bags have stamps since 1970, which say nothing when rounded."""
     part = LOG.picked((LOG.time < 0.9) | (LOG.time > 1.6))

@@ -50,6 +50,7 @@ class Commands(LazyGroup):
     """All commands, in the order in which help lists them."""
 
     places: ClassVar = {
+        "demo": "demo.demo",
         "predict": "predict.predict",
         "sweep": "sweep.sweep",
         "study": "sweep.study",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from typer import Option, echo
 
-from propmap.errors import InputError
+from propmap.errors import InputError, require
 from propmap.io.csv import check_place, csv_text, replacing
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 PICTURES = (".png", ".svg", ".pdf")
+EXTRA_OF = {**dict.fromkeys(PICTURES, "figures"), ".nc": "netcdf"}  # that writes such files
 
 
 def output_option(help_: str, metavar: str = "FILE") -> Any:
@@ -47,9 +48,12 @@ def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool
     """Raise ``InputError`` before any work if no file with one of the ``endings``, if any, can be
     written at the path, or one is there and ``keep_existing``."""
     where = str(path)
-    if endings and path.suffix.lower() not in endings:
+    ending = path.suffix.lower()
+    if endings and ending not in endings:
         found = f"the file's ending is {path.suffix!r}"
         raise InputError(found, f"use {' or '.join(endings)}", where)
+    if endings and ending in EXTRA_OF:
+        require(EXTRA_OF[ending])
     if path.is_dir():
         raise InputError("this is a folder", "name a file inside it", where)
     if check_place(path, where) and keep_existing:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -156,9 +155,6 @@ def explore(
     ] = "127.0.0.1",
 ) -> None:
     """Explore a propeller in the browser."""
-    if importlib.util.find_spec("dash") is None:
-        found = "the package dash is not installed"
-        raise InputError(found, "pip install '.[explore]' in propmap's checkout")
     from propmap.explore.app import Application, guard, is_loopback, listen, names_of, serve
     from propmap.explore.session import Session, Shelf, read_path
     from propmap.explore.views import VIEWS

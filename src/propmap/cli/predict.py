@@ -15,6 +15,7 @@ from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, read_points, std_columns
 from propmap.loads import LOADS
+from propmap.model.corrections import installation_note
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -73,7 +74,6 @@ def predict(
         return
 
     from propmap.hover import HoverModel
-    from propmap.report.words import installation_note
 
     hover = HoverModel.of(rotor).loads(omega)
     hover["power"] = hover["torque"] * omega
@@ -83,7 +83,7 @@ def predict(
         f"{blade.name}, {blade.summary}; airfoil "
         f"{rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3",
         (_many_points if points else _one_point)(where, loads, spread, hover),
-        *([f"note: {installation_note(rotor)}"] if np.any(loads.drag) else []),
+        *([f"note: {installation_note(rotor.model)}"] if np.any(loads.drag) else []),
     )
 
 

@@ -117,7 +117,7 @@ def show_table(
 
 def certificate_of(found: LoadTable) -> Iterator[object]:
     """Say how far the table is from the model, and the model's own uncertainty if it is known."""
-    from propmap.report.words import PLACE, TITLES, claims, largest_at, parameter_claims
+    from propmap.table.certificate import PLACE, TITLES, claims, largest_at, parameter_claims
 
     errors = found.certificate
     if not errors:

@@ -86,7 +86,7 @@ def trim(
     out.check_pictures(picture)
     netcdf = output if output is not None and output.suffix.lower() == ".nc" else None
     if netcdf is not None:
-        out.check_output(netcdf)
+        out.check_output(netcdf, (".nc",))
         if format_ is not None or mission is not None:
             raise InputError("the output is NetCDF", "leave --format and --mission out")
     form = out.chosen_format(format_, None if netcdf else output)

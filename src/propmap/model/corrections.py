@@ -624,3 +624,24 @@ def as_text(value: Correction) -> str:
         f"{name}={own!r}" for name, (own, default) in numbers.items() if own != default
     )
     return f"{name_of(value)}:{given}" if given else name_of(value)
+
+
+def installation_note(model: Model) -> str:
+    """Say whether the rotor drag is that of the blades alone, or of a rotor as it is installed."""
+    mount, radius = model.correction_of(Installed), model.propeller.radius
+    if mount is None:
+        return (
+            "rotor drag is that of the blades alone; on a motor or a stand it was measured to be "
+            f"about {TYPICAL_FACTOR[0]:g} times that, and more by what stands in the slipstream "
+            "(correction installed)"
+        )
+    unknown = mount.deviations(radius)
+    factor, area = f"{mount.blade_factor:g}", f"{1e4 * mount.area(radius):.3g}"
+    if DRAG_FACTOR in unknown:
+        factor += f" (+- {unknown[DRAG_FACTOR]:g})"
+    if MOUNT_AREA in unknown:
+        area += f" (+- {1e4 * unknown[MOUNT_AREA]:.3g})"
+    return (
+        f"rotor drag is that of the installed rotor: {factor} times the blades' own, and the drag "
+        f"of {area} cm^2 in the slipstream"
+    )

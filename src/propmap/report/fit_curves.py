@@ -18,6 +18,7 @@ from propmap.fit.parameters import EVERY, ROTOR
 from propmap.fit.tunnel import TunnelData
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
+from propmap.model.corrections import installation_note
 from propmap.model.model import Model, Section
 from propmap.report.html import (
     COLOURS,
@@ -32,7 +33,6 @@ from propmap.report.html import (
     share_of_weight,
     style,
 )
-from propmap.report.words import installation_note
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
@@ -151,7 +151,7 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
         legend_below(figure, handles, columns=5)
         return figure
 
-    facts = {"rpm": omega / RPM, "draws": len(changes), "motor": installation_note(rotor)}
+    facts = {"rpm": omega / RPM, "draws": len(changes), "motor": installation_note(rotor.model)}
     return FigureRecord("fit-loads", groups, draw), facts
 
 

@@ -17,7 +17,7 @@ from propmap.export.files import evenly
 from propmap.fit.least_squares import rms
 from propmap.loads import LOADS
 from propmap.report import html
-from propmap.report.words import PLACE, TITLES, claims, largest_at, parameter_claims
+from propmap.table.certificate import PLACE, TITLES, claims, largest_at, parameter_claims
 from propmap.table.interpolation import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING, cell_codes
 from propmap.table.query import LoadTable
 from propmap.typing import Floats

@@ -6,20 +6,18 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
 
-try:
-    import jax
-    import jax.numpy as jnp
-    from jax.scipy.spatial.transform import Rotation
-except ModuleNotFoundError as missing:
-    raise ImportError("JAX is not installed; run: pip install 'propmap[mjx]'") from missing
-
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, quoted, require
 from propmap.model.airfoil import Airfoil
 from propmap.results import spin_sign
 from propmap.table import JaxTable, LoadTable
 from propmap.table.query import JaxLoads
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import check_table
+
+require("jax")
+import jax  # noqa: E402
+import jax.numpy as jnp  # noqa: E402
+from jax.scipy.spatial.transform import Rotation  # noqa: E402
 
 SLOW = 1e-3
 """In-plane velocity [m/s] below which the loads by it are linear, so that they have derivatives."""

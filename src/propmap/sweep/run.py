@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import propmap
-from propmap.errors import InputError
+from propmap.errors import InputError, require
 from propmap.results import Loads
 from propmap.rotor import Rotor
 from propmap.sweep.points import (
@@ -370,6 +370,7 @@ class Layout:
 
     def dataset(self, values: Mapping[str, NDArray[Any]]) -> xarray.Dataset:
         """The ``values`` by quantity, of this shape or flat, as an xarray dataset."""
+        require("netcdf")
         import xarray
 
         variables = {
@@ -538,9 +539,7 @@ def _unfilled(kind: np.dtype[Any]) -> float:
 
 
 def _zarr() -> Any:
-    try:
-        import zarr
-    except ImportError:
-        found = "this needs zarr"
-        raise InputError(found, "pip install '.[cluster]' in propmap's checkout") from None
+    require("cluster")
+    import zarr
+
     return zarr

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Self
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from propmap.loads import LOADS
 from propmap.table import interpolation
 from propmap.typing import Floats
+from propmap.units import DEGREE, RPM
 
 if TYPE_CHECKING:
     from propmap.model.airfoil import SectionCovariance
@@ -420,3 +422,59 @@ def _directions() -> NDArray[np.uint32]:
     for k in range(2, BITS):
         found[2, k] = 2 * found[2, k - 1] ^ 4 * found[2, k - 2] ^ found[2, k - 2]
     return found << np.arange(BITS, dtype=np.uint32)[::-1]
+
+
+# -------------------------------------------------------------------------------------------------
+# The certificate in words.
+
+TITLES = {name: load.share for name, load in LOADS.items()}  # what errors are shares of
+PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}  # coordinates in the envelope, with units
+
+
+def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
+    """Find where, as in ``PLACE``, a certificate's largest errors are by load, None without errors;
+    empty for one of earlier versions."""
+    if not found.get("max_omega"):
+        return {}
+    units = {"max_omega": 1.0 / RPM, "max_speed": 1.0, "max_beta": 1.0 / DEGREE}
+    places = {
+        load: [factor * found[name][load] for name, factor in units.items()] for load in LOADS
+    }
+    return {load: place if found["max_error"][load] else None for load, place in places.items()}
+
+
+def claims(found: Mapping[str, Any]) -> Iterator[str]:
+    """Say what a table's certificate claims, a sentence each."""
+    cells = int(found["unresolved_cells"])
+    outside = ", outside unresolved cells" if cells else ""
+    yield (
+        f"tolerance {found['tolerance']:.2%} holds on {found['points']} points that the table was "
+        f"not built from{outside}"
+    )
+    if found.get("search_points"):
+        yield (
+            f"the largest errors were searched for, on {found['search_points']} points more: in "
+            "each cell of the table, and uphill from its worst points"
+        )
+    if cells:
+        worst = max(found["unresolved_max_error"].values())
+        yield (
+            f"unresolved: {cells} cells, {found['unresolved_volume']:.2%} of the envelope, "
+            f"where the loads change too steeply for a table; there errors reach {worst:.2%} on "
+            f"{found['unresolved_points']} points"
+        )
+    yield (
+        f"of the {found['points']} points, {found['vortex_ring']} are vortex ring and "
+        f"{found['no_value']} without loads"
+    )
+
+
+def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
+    """Say from what the uncertainty of the section law's parameters was computed."""
+    yield (
+        "parameters: standard deviation of the loads by the fit's covariance of "
+        f"{', '.join(found['parameters'])}, on {found['points']} points"
+    )
+    if found["not_counted"]:
+        names = ", ".join(found["not_counted"])
+        yield f"not counted, as the fit's data do not determine them: {names}"

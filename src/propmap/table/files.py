@@ -12,7 +12,7 @@ from zipfile import BadZipFile, ZipFile, is_zipfile
 
 import numpy as np
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, quoted, require
 from propmap.io.csv import replacing, write_dataset
 from propmap.loads import LOADS
 from propmap.table.certificate import Certificate
@@ -147,6 +147,7 @@ def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
     Coefficients and cells stand over omega, advance ratio V/(Omega R) and beta; the envelope in V
     is among the attributes.
     """
+    require("netcdf")
     import xarray
 
     content, axes = table.content, ("omega", "advance", "beta")

@@ -9,14 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from propmap.errors import require
 from propmap.table.interpolation import NO_VALUE, OUTSIDE, cell_codes, interval_polynomials
 from propmap.table.query import SLACK, TORQUE, JaxLoads, LoadTable, cartesian_slopes, chain_rule
 
-try:
-    import jax
-    import jax.numpy as jnp
-except ModuleNotFoundError as missing:
-    raise ImportError("JAX is not installed; run: pip install 'propmap[jax]'") from missing
+require("jax")
+import jax  # noqa: E402
+import jax.numpy as jnp  # noqa: E402
 
 
 class JaxTable(NamedTuple):

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.errors import InputError
+from propmap.errors import InputError, require
 from propmap.typing import Floats
-from propmap.vehicle.log_readers import parsed_ulog
+from propmap.vehicle.log_readers import COMMANDS, OUTPUTS, ROTORS, parsed_ulog
 
 UP = (0.0, 0.0, -1.0)  # in FRD
 FIELDS = {"PX": 0.0, "PY": 0.0, "PZ": 0.0, "AX": UP[0], "AY": UP[1], "AZ": UP[2], "KM": 0.05}
@@ -26,7 +26,9 @@ def draft_vehicle(path: Path) -> str:
     with what the log does not say are comments that begin with "MISSING".  Raises ``InputError``
     where the log says nothing of rotors.
     """
-    stated: Mapping[str, float] = parsed_ulog(path).initial_parameters
+    require("logs")
+    log = parsed_ulog(path)
+    stated: Mapping[str, float] = log.initial_parameters
     count = int(stated.get("CA_ROTOR_COUNT", 0))
     if count < 1:
         raise InputError(
@@ -64,8 +66,19 @@ def draft_vehicle(path: Path) -> str:
         ]
         if length > 0.0 and not np.allclose(axis / length, UP, atol=1e-3):
             lines.append(f"axis = {_numbers(axis / length)}")
-    lines += ["", "[log]", 'rotor_unit = "rpm"  # "erpm" and pole_pairs where it is electrical', ""]
+    lines += ["", "[log]", _rotor_unit({data.name for data in log.data_list}), ""]
     return "\n".join(lines)
+
+
+def _rotor_unit(topics: set[str]) -> str:
+    """Say where a log with these topics has the rotors' speeds, or what stands for them."""
+    unit = 'rotor_unit = "rpm"  # "erpm" and pole_pairs where it is electrical'
+    if ROTORS in topics:
+        return unit
+    commands = [name for name in (COMMANDS, OUTPUTS) if name in topics]
+    if commands:
+        return f"# no {ROTORS} in the log: `propmap fit flight` takes the throttle of {commands[0]}"
+    return f"{MISSING}{unit}; no {ROTORS}, {COMMANDS} or {OUTPUTS} in the log"
 
 
 def missing_in(draft: str) -> list[str]:

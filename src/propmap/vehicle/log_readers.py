@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, quoted, require
 from propmap.io.csv import has_decimal_commas, separator_of, too_many_fields
 from propmap.typing import Floats
 from propmap.units import MICROSECOND
@@ -167,12 +167,6 @@ def _table(path: Path, where: str, wanted: Collection[str]) -> Any:
             table = _csv_table(path, where, wanted)
     except InputError:
         raise
-    except ImportError:
-        raise InputError(
-            "Parquet files need pyarrow, which is not installed",
-            "pip install '.[parquet]' in propmap's checkout, or save the log as CSV",
-            where,
-        ) from None
     # Errors of pandas are ValueErrors; those of pyarrow for a damaged file OSErrors, too.
     except (ValueError, OSError) as error:
         raise InputError(f"cannot be read: {error}", "export the log again", where) from None
@@ -754,6 +748,7 @@ def read_recording(path: str | os.PathLike[str], vehicle_file: VehicleFile) -> R
         raise InputError(
             "this folder has no metadata.yaml, expected a ROS 2 bag", "name a file inside it", where
         )
+    require("parquet" if kind in (".parquet", ".pq") else "logs")
     try:
         return (read_rosbag if folder else READERS[kind])(file, vehicle_file.log)
     except InputError as error:

@@ -1,0 +1,205 @@
+"""What the base installs is what it needs; an extra is named where it is missing."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, packages_distributions, requires
+from pathlib import Path
+
+import pytest
+
+from propmap.errors import EXTRAS
+from tests.docs.pages import ROOT
+from tools.import_graph import modules
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+RUN = """
+import json, sys
+sys.modules.update(dict.fromkeys({hidden}))
+from propmap.cli import main
+codes = [main(arguments) for arguments in json.loads(sys.argv[1])]
+print("loaded", *{{name.partition(".")[0] for name, found in sys.modules.items() if found}})
+sys.exit(max(codes))
+"""
+POINT = ["--rpm", "6000", "--speed", "10", "--beta", "60"]
+ENVELOPE = ["--rpm", "6000:7000", "--speed", "0:2", "--beta", "0:20", "--tolerance", "10%"]
+GRID = ["--rpm", "6000,7000", "--speed", "1", "--beta", "20"]
+VEHICLE = str(ROOT / "examples" / "px4" / "vehicle.toml")
+NEEDS = {
+    "cluster": [
+        ["sweep", "apc-8x6e", *GRID, "-o", "a.zarr"],
+        ["table", "apc-8x6e", *ENVELOPE, "--cluster", "local", "-o", "a.npz"],
+    ],
+    "explore": [["explore", "apc-8x6e"]],
+    "figures": [
+        ["plot", "planform", "apc-8x6e", "-o", "a.png"],
+        ["trim", VEHICLE, "--speed", "0", "--picture", "a.png"],
+        ["report", "a.npz", "-o", "page"],
+    ],
+    "logs": [
+        ["fit", "flight", "a.csv", "--vehicle", VEHICLE, "-o", "f.toml"],
+        ["vehicle", "from-log", "a.ulg", "-o", "vehicle.toml"],
+    ],
+    "netcdf": [
+        ["table", "apc-8x6e", *ENVELOPE, "-o", "a.nc"],
+        ["sweep", "apc-8x6e", *GRID, "-o", "a.nc"],
+        ["trim", VEHICLE, "--speed", "0,1", "-o", "a.nc"],
+    ],
+    "parquet": [["fit", "flight", "a.parquet", "--vehicle", VEHICLE, "-o", "f.toml"]],
+}
+"""Commands that need an extra."""
+
+NEEDED_BY = {"jax": ["import propmap.jax", "from propmap.table import JaxTable"]}
+"""What needs one in Python alone."""
+
+
+def run(
+    commands: Sequence[Sequence[str]], hidden: set[str], folder: Path
+) -> subprocess.CompletedProcess[str]:
+    """Run commands one after the other where some packages are not installed."""
+    code = RUN.format(hidden=sorted(hidden))
+    return subprocess.run(
+        [sys.executable, "-c", code, json.dumps(commands)],
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(("extra", "command"), [(e, c) for e in NEEDS for c in NEEDS[e]])
+def test_a_missing_extra_is_named_in_one_line(
+    extra: str, command: list[str], tmp_path: Path
+) -> None:
+    for name in ("a.csv", "a.ulg", "a.parquet"):
+        (tmp_path / name).write_text("time\n")
+    done = run([command], {EXTRAS[extra].split()[-1]}, tmp_path)
+    assert done.returncode == 2, done.stderr
+    (line,) = (text for text in done.stderr.splitlines() if not text.startswith("note: "))
+    assert "not installed" in line and line.endswith(f"; run: pip install 'propmap[{extra}]'")
+    assert {path.name for path in tmp_path.iterdir()} == {"a.csv", "a.ulg", "a.parquet"}
+
+
+@pytest.mark.parametrize(("extra", "code"), [(e, code) for e in NEEDED_BY for code in NEEDED_BY[e]])
+def test_an_import_that_lacks_an_extra_says_so(extra: str, code: str) -> None:
+    name = EXTRAS[extra].split()[-1]
+    hidden = f"import sys; sys.modules['{name}'] = None\n"
+    hidden += f"try: {code}\nexcept ImportError as error: sys.exit(str(error))"
+    done = subprocess.run([sys.executable, "-c", hidden], capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr == f"{name} is not installed; run: pip install 'propmap[{extra}]'\n"
+
+
+def test_every_extra_is_tested() -> None:
+    assert {*NEEDS, *NEEDED_BY} == {*EXTRAS}
+
+
+def installed_by(requirements: Sequence[str], extras: Sequence[str] = ()) -> Iterator[str]:
+    """Names of distributions that the requirements ask for, and those of the extras named."""
+    for requirement in requirements:
+        name = re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
+        marker = re.search(r"extra *== *['\"]([\w-]+)", requirement)
+        if marker is not None and marker[1] not in extras:
+            continue
+        inner = re.search(r"\[([\w,]+)\]", requirement)
+        if name == "propmap" and inner is not None:
+            for extra in inner[1].split(","):
+                yield from installed_by(PROJECT["optional-dependencies"][extra])
+        else:
+            yield name.lower().replace("_", "-")
+
+
+def with_theirs(names: set[str]) -> set[str]:
+    """Distributions, and all that they bring where they are installed here."""
+    found: set[str] = set()
+    while rest := names - found:
+        found |= rest
+        for name in rest:
+            with suppress(PackageNotFoundError):
+                names = names | set(installed_by(requires(name) or []))
+    return found
+
+
+BASE = set(installed_by(PROJECT["dependencies"]))
+OF_EXTRAS = set(installed_by(PROJECT["optional-dependencies"]["all"]))
+THEIRS = packages_distributions()
+
+
+def distributions(module: str) -> set[str]:
+    """Distributions that bring a module; none for Python's own and the package itself."""
+    own = module in sys.stdlib_module_names or module == "propmap" or module.startswith("_")
+    missing = [] if own else [module]
+    found = THEIRS.get(module, missing)
+    return {name.lower().replace("_", "-") for name in found} - {"propmap"}
+
+
+@pytest.mark.slow
+def test_commands_of_the_base_load_what_it_installs(tmp_path: Path) -> None:
+    """All that the extras bring, and the base does not, is hidden."""
+    extra = with_theirs(OF_EXTRAS) - with_theirs(BASE)
+    hidden = {name for name in THEIRS if distributions(name) & extra}
+    commands = [
+        ["--help"],
+        ["demo"],
+        ["predict", "APC 8x6E", *POINT],
+        ["props", "show", "apc-8x6e"],
+        ["table", "apc-8x6e", *ENVELOPE, "-o", "a.npz"],
+        ["show", "a.npz"],
+        ["export", "a.npz", "--to", "c", "-o", "c"],
+        ["sweep", "apc-8x6e", *GRID, "-o", "a.csv"],
+        ["trim", VEHICLE, "--speed", "0,5"],
+        ["explore", "--help"],
+        ["report", "--help"],
+        ["fit", "flight", "--help"],
+    ]
+    done = run(commands, hidden, tmp_path)
+    assert done.returncode == 0, done.stderr
+    _, *loaded = done.stdout.splitlines()[-1].split()
+    assert {"numpy", "rich", "typer"} <= {*loaded}
+    needed = set().union(*(distributions(name) for name in loaded if name in THEIRS))
+    assert needed <= with_theirs(BASE)
+
+
+def imported() -> set[str]:
+    """Packages of others that the source imports, but for the type checker alone."""
+
+    def names(node: ast.AST) -> Iterator[str]:
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            return
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module or ""
+        for child in ast.iter_child_nodes(node):
+            yield from names(child)
+
+    trees = (ast.parse(path.read_text(encoding="utf-8")) for path in modules().values())
+    found = {name.partition(".")[0] for tree in trees for name in names(tree)}
+    return found - {"propmap"} - sys.stdlib_module_names
+
+
+def test_what_the_source_imports_is_stated_and_what_is_stated_is_imported() -> None:
+    needed = [distributions(name) for name in imported()]
+    stated = with_theirs(BASE | OF_EXTRAS)
+    assert not [found for found in needed if not found & stated]
+    assert set().union(*needed) >= BASE
+
+
+@pytest.mark.parametrize("extra", EXTRAS)
+def test_an_extra_installs_what_is_asked_of_it(extra: str) -> None:
+    stated = set(installed_by(PROJECT["optional-dependencies"][extra]))
+    for name in EXTRAS[extra].split():
+        assert distributions(name) & stated, name
+
+
+def test_all_is_all_that_users_have() -> None:
+    others = {"all", "dev", "docs", "peers", "targets"}
+    (whole,) = PROJECT["optional-dependencies"]["all"]
+    assert {*whole[len("propmap[") : -1].split(",")} == {*PROJECT["optional-dependencies"]} - others

@@ -1,0 +1,99 @@
+"""Install a wheel where there is no checkout, and say what that takes and what works there.
+
+Usage: python tools/try_wheel.py DIST
+
+DIST has one wheel and one sdist.  A new environment in a temporary folder gets the wheel alone: the
+commands that need no more are run, some that do, and the page on getting started.  Then it gets
+what tests need, for the fast ones of the sdist.  All is deleted in the end.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tarfile
+import tempfile
+import time
+import venv
+from pathlib import Path
+
+TESTS = "pytest hypothesis"
+FOR_TESTS = "figures,logs,netcdf"
+BASE_TESTS = "tests/docs/test_getting_started.py"
+FAST_TESTS = (
+    "tests/io tests/vehicle tests/model tests/catalogue tests/core/test_core.py tests/table "
+    "tests/rotor/test_limits.py tests/oracle/test_extended_reference.py tests/cli/test_demo.py "
+    "tests/cli/test_predict.py tests/cli/test_table.py --ignore=tests/table/test_jax_query.py"
+)
+COMMANDS = {
+    "--version": 0,
+    "predict 'APC 8x6E' --rpm 6000 --speed 10 --beta 60": 0,
+    "demo": 0,
+    "table apc-8x6e --rpm 5000:7000 --speed 0:10 --beta 0:90 --tolerance 2% -o a.npz": 0,
+    "export a.npz --to c -o c": 0,
+    "explore --help": 0,
+    "plot planform apc-8x6e -o a.png": 2,
+    "sweep apc-8x6e --rpm 6000,7000 --speed 1 --beta 20 -o a.nc": 2,
+    "vehicle from-log a.ulg -o a.toml": 2,
+    "explore apc-8x6e": 2,
+}
+"""Commands and their exit codes where no extra is installed."""
+
+
+def size(folder: Path) -> float:
+    """What the files of a folder take on the disk [MB]."""
+    found = [path.stat() for path in folder.rglob("*") if not path.is_symlink()]
+    return sum(512 * file.st_blocks for file in found) / 1e6
+
+
+def main(dist: Path) -> None:
+    """Try the wheel and the tests of the sdist in ``dist``; ends with an error where one fails."""
+    (wheel,), (sdist,) = (list(dist.resolve().glob(kind)) for kind in ("*.whl", "*.tar.gz"))
+    with tempfile.TemporaryDirectory(prefix="propmap-wheel-") as name:
+        folder = Path(name)
+        work, place = folder / "empty", folder / "venv"
+        work.mkdir()
+        with tarfile.open(sdist) as archive:
+            archive.extractall(folder / "sdist", filter="data")
+        (source,) = (folder / "sdist").iterdir()
+        (source / "src").rename(folder / "not-importable")
+        venv.create(place, with_pip=True)
+        others = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "VIRTUAL_ENV")}
+        environment = {**others, "PATH": os.pathsep.join([str(place / "bin"), os.environ["PATH"]])}
+
+        def run(command: str, where: Path, code: int = 0) -> str:
+            begin = time.monotonic()
+            done = subprocess.run(
+                ["bash", "-c", command], cwd=where, env=environment, capture_output=True, text=True
+            )
+            print(f"exit {done.returncode}, {time.monotonic() - begin:5.1f} s: {command}")
+            if done.returncode != code:
+                sys.exit(f"expected exit {code}\n{done.stdout}\n{done.stderr}")
+            if code:
+                (line,) = done.stderr.splitlines()
+                print(f"    {line}")
+            return done.stdout
+
+        def test(what: str) -> None:
+            print(f"    {run(f'python -m pytest {what}', source).splitlines()[-1]}")
+
+        pip = f"python -m pip install --quiet --constraint {source / 'constraints.txt'}"
+        for file in (sdist, wheel):
+            print(f"{file.name}: {file.stat().st_size / 1e6:.1f} MB")
+        before = size(place)
+        run(f"{pip} {wheel}", work)
+        print(f"    the environment takes {size(place):.0f} MB, {before:.0f} before")
+        for command, code in COMMANDS.items():
+            run(f"propmap {command}", work, code)
+        where = run("python -c 'import propmap; print(propmap.__file__)'", work)
+        assert str(place) in where, where
+        run(f"{pip} {TESTS}", work)
+        test(BASE_TESTS)
+        run(f"{pip} '{wheel}[{FOR_TESTS}]'", work)
+        print(f"    the environment takes {size(place):.0f} MB")
+        test(f"-m 'not slow' {FAST_TESTS}")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
