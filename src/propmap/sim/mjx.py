@@ -233,13 +233,7 @@ class MjxRotors:
         )
 
     def apply(
-        self,
-        data: Any,
-        omegas: Any,
-        commands: Any,
-        wind: Any = (0.0, 0.0, 0.0),
-        *,
-        clamp: bool = False,
+        self, data: Any, omegas: Any, commands: Any, wind: Any = (0.0,) * 3, *, clamp: bool = False
     ) -> tuple[Any, Any, Any]:
         """Write force and moment of the air into ``xfrc_applied``, before ``mjx.step``.
 
