@@ -18,6 +18,7 @@ import time
 import venv
 from pathlib import Path
 
+LARGEST = 300.0  # environment with the base alone [MB]
 TESTS = "pytest hypothesis"
 FOR_TESTS = "figures,logs,netcdf"
 BASE_TESTS = "tests/docs/test_getting_started.py"
@@ -83,7 +84,10 @@ def main(dist: Path) -> None:
             print(f"{file.name}: {file.stat().st_size / 1e6:.1f} MB")
         before = size(place)
         run(f"{pip} {wheel}", work)
-        print(f"    the environment takes {size(place):.0f} MB, {before:.0f} before")
+        base = size(place)
+        print(f"    the environment takes {base:.0f} MB, {before:.0f} before")
+        if base > LARGEST:
+            sys.exit(f"expected {LARGEST:.0f} MB at most; move what was added to an extra")
         for command, code in COMMANDS.items():
             run(f"propmap {command}", work, code)
         where = run("python -c 'import propmap; print(propmap.__file__)'", work)
