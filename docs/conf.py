@@ -96,6 +96,7 @@ html_sidebars = {
         "architecture",
         "propellers",
         "propellers/*",
+        "simulators",
     )
 }
 

@@ -25,6 +25,7 @@ from tools import (
     performance_tables,
     readme_tables,
     scale_tables,
+    simulator_tables,
 )
 from tools.catalogue.verdict import summary
 from tools.drag_effects import drag_effects
@@ -68,6 +69,7 @@ def write(folder: Path) -> None:
             "coaxial",
             "cluster",
             "convergence",
+            "cross_check",
             "demo",
             "fine_table",
             "flight_held_out",
@@ -135,6 +137,11 @@ def write(folder: Path) -> None:
             found["cluster"], found["fine_table"], len(all_identified())
         ),
         "scale-catalogue": scale_tables.catalogue(found["cluster"]),
+        "simulators-agreement": simulator_tables.agreement(found["cross_check"]),
+        "simulators-convergence": simulator_tables.convergence(found["cross_check"]),
+        "simulators-elsewhere": simulator_tables.elsewhere(found["cross_check"]),
+        "simulators-energy": simulator_tables.energy(found["cross_check"]),
+        "simulators-models": simulator_tables.models(found["cross_check"]),
         "exports": exports(),
         "cli": command_reference(),
     }
