@@ -80,6 +80,7 @@ def write(folder: Path) -> None:
             "lifting_line_causes",
             "options",
             "peers",
+            "sim",
             "speed",
             "table",
             "throttle",
@@ -135,6 +136,7 @@ def write(folder: Path) -> None:
             found["cluster"], found["fine_table"], len(all_identified())
         ),
         "scale-catalogue": scale_tables.catalogue(found["cluster"]),
+        "sim-steps": sim_steps(found["sim"]),
         "exports": exports(),
         "cli": command_reference(),
     }
@@ -365,6 +367,21 @@ def identified() -> str:
             f"| {one.tested} | {one.thrust_rms:.4f} | {one.power_rms:.4f} | {one.verdict} |"
             for one in found.worst
         ),
+    ]
+    return "\n".join(rows)
+
+
+def sim_steps(found: dict[str, Any]) -> str:
+    """Time of a step in MuJoCo by what gives the forces."""
+    place, steps = found["machine"], found["step_us"]
+    bare, *others = steps.items()
+    rows = [
+        f"| forces by | step [µs] | beside {bare[0]} [µs] |",
+        "|---|---:|---:|",
+        *(f"| {name} | {cost:.1f} | {cost - bare[1]:.1f} |" for name, cost in others),
+        "",
+        f"On {place['cpu']} with {place['cores']} cores, load {place['load_before']}, MuJoCo "
+        f"{found['mujoco']}.",
     ]
     return "\n".join(rows)
 
