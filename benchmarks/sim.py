@@ -21,7 +21,7 @@ import propmap
 from benchmarks.results_file import machine, write_results
 from propmap.model.model import Model
 from propmap.rotor import Rotor
-from propmap.sim.mujoco import AirForces
+from propmap.sim.mujoco import MujocoRotors
 from propmap.table import build_table
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes
 
@@ -97,7 +97,7 @@ def measure() -> dict[str, float]:
     square = tuple(omega**2 for omega in SPEEDS)
 
     def flown(craft: Vehicle, loads: Any) -> Callable[[Any], Any]:
-        return lambda model: AirForces(model, craft, loads)
+        return lambda model: MujocoRotors(model, craft, loads)
 
     level, alike = (4.0, 0.0, 0.5, 0.0, 0.0, 0.0), (650.0,) * 4
     return {

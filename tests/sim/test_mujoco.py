@@ -82,7 +82,7 @@ def fly() -> Iterator[Callable[..., tuple[Any, Any, Any]]]:
 
     def make(text: str, vehicle: Vehicle, loads: Any, **given: Any) -> tuple[Any, Any, Any]:
         model = mujoco.MjModel.from_xml_string(text)
-        forces = sim.AirForces(model, vehicle, loads, **given)
+        forces = sim.MujocoRotors(model, vehicle, loads, **given)
         mujoco.set_mjcb_passive(forces)
         return model, mujoco.MjData(model), forces
 
@@ -320,7 +320,7 @@ def test_other_models_are_left_alone(fly: Callable[..., Any]) -> None:
     mujoco.set_mjcb_passive(None)  # a model that is compiled is stepped once
     other = mujoco.MjModel.from_xml_string(text.replace("quad", "ball"))
     same = mujoco.MjModel.from_xml_string(text)
-    forces = sim.AirForces(model, PLAIN, table_of(PLAIN))
+    forces = sim.MujocoRotors(model, PLAIN, table_of(PLAIN))
     mujoco.set_mjcb_passive(forces)
     for one, lifted in ((other, False), (same, True), (model, True)):
         state = mujoco.MjData(one)
@@ -392,16 +392,16 @@ def test_what_does_not_fit_is_refused_in_a_line(case: str) -> None:
     text, given, message = WRONG[case]
     model = mujoco.MjModel.from_xml_string(text)
     with pytest.raises(InputError, match=re.escape(message)) as told:
-        sim.AirForces(model, PLAIN, table_of(PLAIN), **given)
+        sim.MujocoRotors(model, PLAIN, table_of(PLAIN), **given)
     assert "\n" not in str(told.value)
 
 
 def test_loads_of_something_else() -> None:
     model = mujoco.MjModel.from_xml_string(GOOD)
     with pytest.raises(InputError, match="loads is str; give a Rotor or a LoadTable"):
-        sim.AirForces(model, PLAIN, "table.npz")
+        sim.MujocoRotors(model, PLAIN, "table.npz")
     with pytest.raises(InputError, match="another propeller or air"):
-        sim.AirForces(model, PLAIN, propmap.Rotor(propmap.known_model("apc-8x6e")))
+        sim.MujocoRotors(model, PLAIN, propmap.Rotor(propmap.known_model("apc-8x6e")))
 
 
 # -------------------------------------------------------------------------------------------------

@@ -36,10 +36,10 @@ MASS = 0.2  # share by which the mass of model and vehicle may differ: a payload
 PLACE = 0.1  # and sites from hubs, as a share of the largest arm
 
 
-class AirForces:
+class MujocoRotors:
     """The air's forces on a vehicle of a MuJoCo model, to be its callback of passive forces.
 
-    ``mujoco.set_mjcb_passive(AirForces(model, vehicle, table))`` lets the vehicle fly wherever
+    ``mujoco.set_mjcb_passive(MujocoRotors(model, vehicle, table))`` lets the vehicle fly wherever
     the model is stepped.  Each rotor is a site, whose z axis is along the thrust, and an actuator
     of one name.  The actuator pushes nothing itself (``gainprm="0"``): its ``ctrl`` is the speed
     that is asked for [rad/s] and, with ``dyntype`` "filter" or "filterexact", its activation is the

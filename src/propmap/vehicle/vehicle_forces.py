@@ -145,7 +145,7 @@ class VehicleForces:
             np.broadcast_to(array, (*shape, array.shape[-1])) for array in given.values()
         )
         through = moving - air
-        hubs = through[..., None, :] + np.cross(turning[..., None, :], self._rotors.position)
+        hubs = through[..., None, :] + cross(turning[..., None, :], self._rotors.position)
         found = self._rotors.wrenches(omega, hubs)
         if self._envelope is not None:
             far = self._rotors.beyond(self._envelope, omega, hubs)
