@@ -2,6 +2,8 @@
 // linear in Omega^(-1/2) between the ends of Omega, as the friction term of eq. (4) is.
 #pragma once
 
+#include <array>
+
 #include "element.hpp"
 
 namespace propmap {
