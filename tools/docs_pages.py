@@ -82,6 +82,7 @@ def write(folder: Path) -> None:
             "lifting_line_causes",
             "options",
             "peers",
+            "sim",
             "speed",
             "table",
             "throttle",
@@ -142,6 +143,7 @@ def write(folder: Path) -> None:
         "simulators-elsewhere": simulator_tables.elsewhere(found["cross_check"]),
         "simulators-energy": simulator_tables.energy(found["cross_check"]),
         "simulators-models": simulator_tables.models(found["cross_check"]),
+        "sim-steps": sim_steps(found["sim"]),
         "exports": exports(),
         "cli": command_reference(),
     }
@@ -372,6 +374,21 @@ def identified() -> str:
             f"| {one.tested} | {one.thrust_rms:.4f} | {one.power_rms:.4f} | {one.verdict} |"
             for one in found.worst
         ),
+    ]
+    return "\n".join(rows)
+
+
+def sim_steps(found: dict[str, Any]) -> str:
+    """Time of a step in MuJoCo by what gives the forces."""
+    place, steps = found["machine"], found["step_us"]
+    bare, *others = steps.items()
+    rows = [
+        f"| forces by | step [µs] | beside {bare[0]} [µs] |",
+        "|---|---:|---:|",
+        *(f"| {name} | {cost:.1f} | {cost - bare[1]:.1f} |" for name, cost in others),
+        "",
+        f"On {place['cpu']} with {place['cores']} cores, load {place['load_before']}, MuJoCo "
+        f"{found['mujoco']}.",
     ]
     return "\n".join(rows)
 

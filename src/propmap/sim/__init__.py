@@ -1,0 +1,1 @@
+"""Vehicles in simulators of rigid bodies: ``propmap.sim.mujoco``."""
