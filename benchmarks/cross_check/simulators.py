@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from scipy.spatial.transform import Rotation
 from benchmarks.cross_check.mission import TIME_CONSTANT, UP, State
 from propmap import VehicleForces
 from propmap.results import spin_sign
+from propmap.rotor import Rotor
+from propmap.table import LoadTable
 from propmap.typing import Floats
 from propmap.units import GRAVITY
 from propmap.vehicle.vehicle import Vehicle
@@ -130,62 +133,55 @@ class RotorPy:
 
 
 class MuJoCo:
-    """A free body of MuJoCo: forces in its passive-force callback, or held over a step."""
+    """A free body of MuJoCo: forces in its callback of passive forces, or held over a step.
+
+    The callback is ``MujocoRotors`` where that has the loads.
+    """
 
     def __init__(
         self, vehicle: Vehicle, loads: LoadSource, start: State, *, held: bool = False
     ) -> None:
         import mujoco
 
+        from propmap.sim.mujoco import MujocoRotors
+
         self.mujoco, self.forces, self.held = mujoco, VehicleForces(vehicle, loads), held
-        self.model = mujoco.MjModel.from_xml_string(
-            f"""
-            <mujoco>
-              <option integrator="{"Euler" if held else "RK4"}" gravity="0 0 {-GRAVITY!r}"/>
-              <worldbody>
-                <body name="vehicle">
-                  <freejoint/>
-                  <inertial pos="0 0 0" mass="{vehicle.mass!r}"
-                    diaginertia="{" ".join(map(repr, vehicle.inertia or ()))}"/>
-                </body>
-              </worldbody>
-            </mujoco>"""
-        )
+        self.model = mujoco.MjModel.from_xml_string(_mjcf(vehicle, "Euler" if held else "RK4"))
+        self.push: Callable[[Any, Any], None] = self.add_forces
+        if isinstance(loads, Rotor | LoadTable):
+            self.push = MujocoRotors(self.model, vehicle, loads)
         self.data = mujoco.MjData(self.model)
         turned = Rotation.from_matrix(start.attitude).as_quat(scalar_first=True)
         self.data.qpos[:] = np.concatenate([start.position, turned])
         self.data.qvel[:] = np.concatenate([start.velocity, start.rates])
-        self.begun, self.omega, self.command = 0.0, start.omega, start.omega
+        self.data.act[:] = start.omega
 
     @property
     def state(self) -> State:
         """Return the state now."""
-        position, turned = np.split(self.data.qpos, [3])
-        velocity, rates = np.split(self.data.qvel, [3])
+        position, turned = np.split(self.data.qpos.copy(), [3])
+        velocity, rates = np.split(self.data.qvel.copy(), [3])
         attitude = Rotation.from_quat(turned, scalar_first=True).as_matrix()
-        return State(position.copy(), velocity.copy(), attitude, rates.copy(), self.turning())
+        return State(position, velocity, attitude, rates, self.data.act.copy())
 
-    def turning(self) -> Floats:
-        """Return rotor speeds now: they follow a command that is held."""
-        gone = math.exp(-(self.data.time - self.begun) / TIME_CONSTANT)
-        return self.command + gone * (self.omega - self.command)
-
-    def push(self, _: Any, data: Any) -> None:
-        """Put force and moment into ``qfrc_passive``, in the axes of a free joint's velocities."""
+    def wrench(self) -> tuple[Floats, Floats]:
+        """Return force and moment of the air in the world's axes."""
         state = self.state
         found = self.forces.wrench(state.omega, state.attitude.T @ state.velocity, state.rates)
-        data.qfrc_passive[:3] += state.attitude @ found.force
-        data.qfrc_passive[3:] += found.moment
+        return state.attitude @ found.force, state.attitude @ found.moment
+
+    def add_forces(self, _: Any, data: Any) -> None:
+        """Add them to ``qfrc_passive``: a free joint turns in the body's axes."""
+        force, moment = self.wrench()
+        data.qfrc_passive[:3] += force
+        data.qfrc_passive[3:] += self.state.attitude.T @ moment
 
     def advance(self, command: Floats, step: float) -> None:
         """Go on for a step."""
-        self.omega, self.begun, self.command = self.turning(), self.data.time, command
         self.model.opt.timestep = step
+        self.data.ctrl[:] = command
         if self.held:
-            state = self.state
-            found = self.forces.wrench(state.omega, state.attitude.T @ state.velocity, state.rates)
-            both = state.attitude @ np.column_stack([found.force, found.moment])
-            self.data.xfrc_applied[1] = both.T.ravel()
+            self.data.xfrc_applied[1] = np.concatenate(self.wrench())
             self.mujoco.mj_step(self.model, self.data)
             return
         self.mujoco.set_mjcb_passive(self.push)
@@ -193,6 +189,30 @@ class MuJoCo:
             self.mujoco.mj_step(self.model, self.data)
         finally:
             self.mujoco.set_mjcb_passive(None)
+
+
+def _mjcf(vehicle: Vehicle, integrator: str) -> str:
+    """Return the vehicle as MuJoCo has it, its rotors as actuators that push nothing themselves."""
+    sites = actuators = ""
+    for k, mount in enumerate(vehicle.mounts, start=1):
+        place, axis = (" ".join(map(repr, vector)) for vector in (mount.position, mount.axis))
+        named = f'name="rotor_{k}"'
+        sites += f'<site {named} pos="{place}" zaxis="{axis}"/>'
+        lag = f'dyntype="filter" dynprm="{TIME_CONSTANT}" gainprm="0"'
+        actuators += f'<general {named} site="rotor_{k}" {lag}/>'
+    turning = " ".join(map(repr, vehicle.inertia or ()))
+    return f"""
+        <mujoco>
+          <option integrator="{integrator}" gravity="0 0 {-GRAVITY!r}"/>
+          <worldbody>
+            <body name="vehicle">
+              <freejoint/>
+              <inertial pos="0 0 0" mass="{vehicle.mass!r}" diaginertia="{turning}"/>
+              {sites}
+            </body>
+          </worldbody>
+          <actuator>{actuators}</actuator>
+        </mujoco>"""
 
 
 class Drake:
