@@ -98,7 +98,7 @@ def models(found: dict[str, Any]) -> str:
 
 
 def elsewhere(found: dict[str, Any]) -> str:
-    """How alike simulators are in these readings, and what a simulated log has."""
+    """How alike simulators are in these readings, what a simulated log has, what is not known."""
     spread = 0.0
     for model in ("propmap", "hover"):
         told = found[model]["told"]
@@ -107,10 +107,13 @@ def elsewhere(found: dict[str, Any]) -> str:
             spread = max(spread, (max(values) - min(values)) / max(map(abs, values)))
     log, mine = found["steady"]["simulated_log"], found["propmap"]["told"]["SciPy"]
     mean = 0.5 * (mine["cruise_front"] + mine["cruise_rear"])
+    drag = found["steady"]["rotor_drag"]
     return (
         f"SciPy, RotorPy, MuJoCo and Drake give each of these figures to {_power(spread)} of it. "
         f"`propmap simulate flight` leans by {log['pitch_deg']:.2f}° at 12 m/s, all rotors at "
-        f"{log['rotor_speed']:.1f} rad/s; the flight's mean is {mean:.1f}."
+        f"{log['rotor_speed']:.1f} rad/s; the flight's mean is {mean:.1f}. The rotors' drag has a "
+        f"standard deviation of {100.0 * drag['relative_std']:.0f} % there, by how rotors are "
+        f"mounted; with bare blades the vehicle leans by {drag['pitch_of_bare_blades_deg']:.1f}°."
     )
 
 

@@ -13,6 +13,7 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -41,7 +42,7 @@ from propmap.aircraft.trim import Aircraft, HoverLoads
 from propmap.flight.simulate import trim
 from propmap.hover import HoverModel
 from propmap.model.airfoil import Airfoil
-from propmap.model.corrections import as_text
+from propmap.model.corrections import Installed, as_text
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
 from propmap.typing import Floats
@@ -113,8 +114,7 @@ def allowed(flights: Mapping[int, Flight], order: int) -> Largest:
 
 
 def hover_of(vehicle: Vehicle, table: LoadTable) -> HoverModel:
-    """Take the hover model from the table where its rotors carry the vehicle, so that it is right
-    in hover."""
+    """Take the hover model of the table's rotors where they carry the vehicle at rest."""
     omega = np.linspace(SLOWEST, FASTEST, 6001)
     share, still = vehicle.mass * GRAVITY / len(vehicle.mounts), table.loads(omega, 0.0, 0.0)
     n = int(np.argmax(still.thrust >= share))
@@ -166,7 +166,7 @@ def position_error(flight: Flight, course: Course) -> Floats:
 
 
 def told(flight: Flight, course: Course) -> dict[str, float]:
-    """Return what one would read off a flight: rotors in front and in the rear, their power, ..."""
+    """Return what one would read off a flight's instruments."""
     front, rear = flight.at_ends.omega[:, 0], flight.at_ends.omega[:, 1]
     power, degrees = flight.wrench.power[:: flight.steps], np.degrees(flight.pitch)
     error = position_error(flight, course)
@@ -218,7 +218,22 @@ def steady(vehicle: Vehicle, table: LoadTable, rotor: Rotor) -> dict[str, Any]:
         "pitch_deg": float(np.degrees(pitch_and_roll(circles.up)[0][0])),
         "rotor_speed": float(circles.rotor_speed.mean()),
     }
-    return found
+    return found | {"rotor_drag": rotor_drag(vehicle, rotor, forward[1])}
+
+
+def rotor_drag(vehicle: Vehicle, rotor: Rotor, speed: float) -> dict[str, float]:
+    """Return how well the rotors' drag is known at a ``speed`` [m/s], and the pitch without that of
+    their mounts."""
+    aircraft, model = Aircraft(vehicle, rotor), rotor.model
+    states = aircraft.steady(speed, margin=False)
+    omega, hubs = aircraft.rotor_motion(states)
+    loads = rotor.loads_at_velocity(omega, hubs)
+    blades = tuple(c for c in model.corrections if not isinstance(c, Installed))
+    bare = Aircraft(vehicle, Rotor(replace(model, corrections=blades)))
+    return {
+        "relative_std": float((loads.std.drag / loads.drag).mean()),
+        "pitch_of_bare_blades_deg": float(np.degrees(bare.steady(speed, margin=False).pitch[0])),
+    }
 
 
 def measure() -> dict[str, Any]:

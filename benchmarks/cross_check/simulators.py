@@ -44,6 +44,7 @@ class SciPy:
             velocity, turn, rates, omega = np.split(packed, SPLIT)[1:]
             turned = self._turned * Rotation.from_rotvec(turn)
             found = self.forces.wrench(omega, turned.inv().apply(velocity), rates)
+            # The third entry is the rotation vector's rate, to the fourth order of its length.
             return np.concatenate(
                 [
                     velocity,
