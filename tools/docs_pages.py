@@ -385,7 +385,10 @@ def sim_steps(found: dict[str, Any]) -> str:
     rows = [
         f"| forces by | step [µs] | beside {bare[0]} [µs] |",
         "|---|---:|---:|",
-        *(f"| {name} | {cost:.1f} | {cost - bare[1]:.1f} |" for name, cost in others),
+        *(
+            f"| {name} | {cost:.1f} | {round(cost - bare[1], 1) + 0.0:.1f} |"
+            for name, cost in others
+        ),
         "",
         f"On {place['cpu']} with {place['cores']} cores, load {place['load_before']}, MuJoCo "
         f"{found['mujoco']}.",

@@ -329,6 +329,24 @@ def test_other_models_are_left_alone(fly: Callable[..., Any]) -> None:
         assert (state.qfrc_passive[2] > 0.0) == lifted
 
 
+def test_rollouts_in_threads_are_the_flights(fly: Callable[..., Any]) -> None:
+    rollout = package("mujoco.rollout")
+    model, data, _ = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN))
+    kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    data.act[:], data.qvel[0] = 600.0, 1.0
+    start = np.empty((4, mujoco.mj_stateSize(model, kind)))
+    for row in start:
+        mujoco.mj_getState(model, data, row, kind)
+    commands = np.broadcast_to(np.linspace(580.0, 640.0, 4)[:, None, None], (4, 50, 4)).copy()
+    states, _ = rollout.rollout(model, [mujoco.MjData(model) for _ in range(2)], start, commands)
+    for row, command, found in zip(start, commands, states, strict=True):
+        mujoco.mj_setState(model, data, row, kind)
+        data.ctrl[:] = command[0]
+        for _ in range(50):
+            mujoco.mj_step(model, data)
+        np.testing.assert_array_equal(found[-1, 1 : 1 + model.nq], data.qpos)
+
+
 GOOD = mjcf(PLAIN)
 SITE = re.search(r'<site name="rotor_4".*', GOOD)
 ACTUATOR = re.search(r'<general name="rotor_4".*', GOOD)

@@ -8,9 +8,11 @@ integrates, keeps and resets as all of its state; forces are a function of that 
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -106,7 +108,9 @@ class MujocoRotors:
             clamp,
         )
         if clamp and isinstance(loads, LoadTable):
-            rotors = Rotors(self.vehicle, [(_Clamped(loads), np.arange(len(rotors)))])
+            at_velocity = functools.partial(loads.loads_at_velocity, clamp=True)
+            clamped: Any = SimpleNamespace(loads_at_velocity=at_velocity)
+            rotors = Rotors(self.vehicle, [(clamped, np.arange(len(rotors)))])
         self._rotors, self._alone = rotors, np.zeros(len(rotors))
         self._words = np.array(STATUSES if isinstance(loads, Rotor) else TABLE_STATUSES)
         self._codes = np.zeros((2, len(rotors)), np.uint8)
@@ -163,22 +167,12 @@ class MujocoRotors:
         """Raise the error of rotor ``k``, whose ``hub`` moves so (3,), that has no loads."""
         along = float(hub @ self._rotors.axis[k])
         beta = np.arctan2(np.sqrt(max(float(hub @ hub) - along**2, 0.0)), along)
+        tabulated = "build a table of this range, keep the flight in its own, or pass clamp=True"
         raise InputError(
             f"at {time:.4g} s {self.names[k]} has no loads ({self.status[k]}), at "
             f"{omega[k]:.4g} rad/s, {np.linalg.norm(hub):.3g} m/s and beta {beta / DEGREE:.0f} deg",
-            "build a table of this range, keep the flight in its own, or pass clamp=True",
+            tabulated if self.status[k] in TABLE_STATUSES else "Rotor.explain says where",
         )
-
-
-class _Clamped:
-    """Loads of a table, beyond it those of the nearest point."""
-
-    def __init__(self, table: LoadTable) -> None:
-        self._table = table
-
-    def loads_at_velocity(self, omega: Any, velocity: Any) -> Any:
-        """Return the table's."""
-        return self._table.loads_at_velocity(omega, velocity, clamp=True)
 
 
 class _Speeds:
@@ -201,10 +195,10 @@ class _Speeds:
                 )
         limited, ends = model.actuator_ctrllimited[found] > 0, model.actuator_ctrlrange[found].T
         self._ctrl, (self._low, self._high) = found, np.where(limited, ends, [[0.0], [np.inf]])
-        kind = {int(model.actuator_dyntype[k]) in lags for k in found}
-        if len(kind) > 1:
+        lagging = {int(model.actuator_dyntype[k]) in lags for k in found}
+        if len(lagging) > 1:
             raise InputError("some of the rotors' actuators have a lag, some none", "give all one")
-        self._act = model.actuator_actadr[found] if kind == {True} else None
+        self._act = model.actuator_actadr[found] if lagging == {True} else None
         self._rate = 1.0 / np.maximum(model.actuator_dynprm[found, 0], mujoco.mjMINVAL)
         self._steady = np.zeros(len(found))
 
