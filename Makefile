@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-slow lint types sanitize bench docs build wheels clean
+.PHONY: demo reproduce test test-fast test-slow lint types sanitize bench bench-sim docs build wheels clean
 
 # Python compiles what it imports once and keeps it, here too where the environment says otherwise: tests start some hundred
 # processes.  Nothing is compiled that is never imported, as pip would.
@@ -120,6 +120,11 @@ else
 	$(BIN)/python -m benchmarks.identification seconds
 	$(BIN)/python -m benchmarks.table
 endif
+
+# What a step costs where people simulate.
+bench-sim: $(READY)
+	$(BIN)/python -m benchmarks.sim
+	$(BIN)/python -m benchmarks.mjx
 
 docs: $(DOCS_READY)
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html

@@ -1,6 +1,8 @@
 // The Python module: rotors by their numbers, operating points as arrays, loads as arrays.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -16,6 +18,7 @@
 #include "propmap/dynamic_inflow.hpp"
 #include "propmap/instructions.hpp"
 #include "propmap/laws.hpp"
+#include "propmap/vehicle.hpp"
 
 namespace nb = nanobind;
 using namespace propmap;
@@ -324,6 +327,14 @@ class CoreRotor {
         }, solver_);
     }
 
+    // Loads at one operating point, and the status.
+    Status loads_at(const Flow<double>& flow, Loads<double>& into) const {
+        thread_local Solution s;
+        std::visit([&](const auto& solver) { solver.solve(flow, s); }, solver_);
+        into = s.result.loads;
+        return s.result.status;
+    }
+
     nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }
 
   private:
@@ -412,9 +423,230 @@ class CoreRotor {
     AnySolver solver_;
 };
 
+// A table of loads: knots and polynomials of its axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), envelope (3, 2).
+class CoreTable {
+  public:
+    using Values = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+    using Cells = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+    CoreTable(const nb::tuple& advance, const nb::tuple& beta, Values values, Cells cells, const nb::tuple& box, double radius) {
+        of_.advance = {array_of(advance[0]), array_of(advance[1])}, of_.beta = {array_of(beta[0]), array_of(beta[1])};
+        of_.values.resize(values.size() / std::tuple_size_v<LoadTable::Row>);
+        std::copy_n(values.data(), values.size(), of_.values.front().data());
+        for (std::size_t k = 0; k < cells.size(); ++k) of_.cells.push_back(TableStatus(cells.data()[k]));
+        for (int k = 0; k < 3; ++k) of_.low[k] = nb::cast<double>(box[k][0]), of_.high[k] = nb::cast<double>(box[k][1]);
+        of_.radius = radius;
+    }
+
+    const LoadTable& table() const { return of_; }
+
+    // Loads with the power, and the code of the status, at one point.
+    nb::tuple point(double omega, double speed, double beta, bool clamp) const {
+        const auto f = of_.loads(omega, speed, beta, clamp);
+        std::array<double, LoadTable::count + 1> values;
+        *std::copy_n(f.loads.begin(), LoadTable::count, values.begin()) = f.loads.torque * f.omega;
+        return nb::make_tuple(values, int(f.status));
+    }
+
+    // Loads and power (L + 1, N) and codes (N).
+    nb::tuple loads(Vector omega, Vector speed, Vector beta, bool clamp) const {
+        const std::size_t n = omega.size();
+        double* to;
+        auto loads = make_array({LoadTable::count + 1, n}, to);
+        auto* codes = new std::uint8_t[std::max<std::size_t>(n, 1)]();
+        nb::capsule owner(codes, [](void* p) noexcept { delete[] static_cast<std::uint8_t*>(p); });
+        nb::ndarray<nb::numpy, std::uint8_t> code_array(codes, {n}, owner);
+        for (std::size_t k = 0; k < n; ++k) {
+            const auto f = of_.loads(omega.data()[k], speed.data()[k], beta.data()[k], clamp);
+            for (int j = 0; j < LoadTable::count; ++j) to[j * n + k] = f.loads.begin()[j];
+            to[LoadTable::count * n + k] = f.loads.torque * f.omega, codes[k] = std::uint8_t(f.status);
+        }
+        return nb::make_tuple(loads, code_array);
+    }
+
+    // Points brought into the envelope (3, N), omega NaN outside.
+    Numbers bounded(Vector omega, Vector speed, Vector beta) const {
+        const std::size_t n = omega.size();
+        double* to;
+        auto points = make_array({3, n}, to);
+        for (std::size_t k = 0; k < n; ++k) {
+            const auto at = of_.bounded(omega.data()[k], speed.data()[k], beta.data()[k], false);
+            to[k] = at.omega, to[n + k] = at.speed, to[2 * n + k] = at.beta;
+        }
+        return points;
+    }
+
+    // Values and derivatives (N, 2, 2, 2 L) at J and beta.
+    Numbers slopes(Vector advance, Vector beta) const {
+        double* to;
+        auto array = make_array({advance.size(), 2, 2, std::tuple_size_v<LoadTable::Row>}, to);
+        for (std::size_t k = 0; k < advance.size(); ++k)
+            for (const auto& row : of_.slopes(advance.data()[k], beta.data()[k])) to = std::copy(row.begin(), row.end(), to);
+        return array;
+    }
+
+  private:
+    LoadTable of_;
+};
+
+// Vectors (N, 3) in a row.
+using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+Vector3 vector(const double* from) { return {from[0], from[1], from[2]}; }
+double* keep(const Vector3& v, double* to) { return std::copy(v.begin(), v.end(), to); }
+
+// Axial and in-plane velocity (n m) and the direction against the latter (n m, 3) of hubs (n m, 3) with m axes (m, 3).
+nb::tuple hub_flows(Vectors axes, Vectors hubs) {
+    double *along, *across, *downstream;
+    const std::size_t n = hubs.shape(0), m = axes.shape(0);
+    auto axial = make_array({n}, along), inplane = make_array({n}, across), away = make_array({n, 3}, downstream);
+    for (std::size_t k = 0; k < n; ++k) {
+        const HubFlow flow = hub_flow(vector(axes.data() + 3 * (k % m)), vector(hubs.data() + 3 * k));
+        along[k] = flow.axial, across[k] = flow.inplane;
+        for (int j = 0; j < 3; ++j) downstream[3 * k + j] = -flow.ahead[j];
+    }
+    return nb::make_tuple(axial, inplane, away);
+}
+
+// Forces and moments (P, n m, 3) about the hubs of loads (L, P, n m).
+nb::tuple hub_wrenches(Vectors axes, Vector spins, Vectors downstream,
+                       nb::ndarray<const double, nb::shape<Loads<double>::count, -1, -1>, nb::c_contig, nb::device::cpu> loads) {
+    double *force, *moment;
+    const std::size_t p = loads.shape(1), n = loads.shape(2), m = axes.shape(0);
+    auto forces = make_array({p, n, 3}, force), moments = make_array({p, n, 3}, moment);
+    for (std::size_t k = 0; k < p * n; ++k) {
+        Loads<double> one;
+        for (int j = 0; j < Loads<double>::count; ++j) one.begin()[j] = loads.data()[j * p * n + k];
+        const std::size_t at = k % n;
+        const Vector3 ahead = add({}, -1.0, vector(downstream.data() + 3 * at));
+        const Wrench w = hub_wrench(vector(axes.data() + 3 * (at % m)), spins.data()[at % m], ahead, one);
+        force = keep(w.force, force), moment = keep(w.moment, moment);
+    }
+    return nb::make_tuple(forces, moments);
+}
+
+Airframe airframe(const nb::dict& from) {
+    Airframe of{number(from, "density")};
+    const auto drag = array_of(from["drag_area"]), download = array_of(from["download_area"]);
+    std::copy_n(drag.begin(), 3, of.drag_area.begin()), std::copy_n(download.begin(), 2, of.download_area);
+    of.lift_area = number(from, "lift_area");
+    if (!from.contains("wing")) return of;
+    of.wing_area = number(from, "wing_area"), of.incidence = number(from, "incidence"), of.span = number(from, "span");
+    of.wing = std::get<BlendedLaw<double>>(Variants<Laws>::read(nb::cast<nb::dict>(from["wing"])));
+    return of;
+}
+
+// Forces of body and wing (N, 3) each.
+nb::tuple free_stream_forces(const nb::dict& of, Vectors velocity) {
+    const Airframe frame = airframe(of);
+    double *body, *wing;
+    const std::size_t n = velocity.shape(0);
+    auto bodies = make_array({n, 3}, body), wings = make_array({n, 3}, wing);
+    for (std::size_t k = 0; k < n; ++k) {
+        const Vector3 v = vector(velocity.data() + 3 * k);
+        body = keep(frame.body_force(v), body), wing = keep(frame.wing_force(v), wing);
+    }
+    return nb::make_tuple(bodies, wings);
+}
+
+// A vehicle as a free body of a simulator: the air's and the spinning rotors' forces on it, a state at a time.
+class FreeBody {
+  public:
+    using State = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+    using Forces = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+    using Codes = nb::ndarray<std::uint8_t, nb::shape<2, -1>, nb::c_contig, nb::device::cpu>;
+
+    using Mounts = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
+
+    // Rows of `mounts` (k, 7): position, axis, spin; `sources` are a rotor or a table for each.
+    FreeBody(Mounts mounts, const nb::dict& frame,
+             const nb::list& sources, double heavy, Vector centre, bool clamp)
+        : frame_(airframe(frame)), sources_(sources), heavy_(heavy), centre_(vector(centre.data())), clamp_(clamp) {
+        for (std::size_t k = 0; k < mounts.shape(0); ++k) {
+            const double* row = mounts.data() + 7 * k;
+            mounts_.push_back({vector(row), vector(row + 3), row[6]});
+            const CoreRotor* rotor = nullptr;
+            const CoreTable* table = nullptr;
+            if (!nb::try_cast(sources[k], rotor)) table = nb::cast<const CoreTable*>(sources[k]);
+            of_.push_back({rotor, table});
+        }
+    }
+
+    // Adds force in the world's frame and moment about the body's origin in its own to `forces`; or nothing, and gives the
+    // first rotor without loads.  `pose` is position and quaternion, `motion` the velocity of the origin in
+    // the world's frame and the rates, `omega` and `change` are of each rotor, `added` is axial flow by wakes; `codes` has
+    // each rotor's status, and the worst so far.
+    std::optional<std::size_t> push(State pose, State motion, State wind, State omega, State change, State added, Forces forces, Codes codes) const {
+        const std::size_t k_all = mounts_.size();
+        const double* q = pose.data() + 3;
+        const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+        const Attitude attitude{q[0] / size, {q[1] / size, q[2] / size, q[3] / size}};
+        const Vector3 rates = vector(motion.data() + 3);
+        const Vector3 through = attitude.to_vehicle(add(vector(motion.data()), -1.0, vector(wind.data())));
+        const Vector3 velocity = add(through, 1.0, cross(rates, centre_));
+        std::vector<Known> known;
+        for (std::size_t k = 0; k < k_all; ++k) {
+            const HubFlow at = hub_flow(mounts_[k].axis, add(velocity, 1.0, cross(rates, mounts_[k].position)));
+            known.push_back({{std::max(omega.data()[k], 0.0), at.axial + added.data()[k], at.inplane}});
+        }
+        look_up(known);
+        std::uint8_t *now = codes.data(), *worst = now + k_all;
+        for (std::size_t k = 0; k < k_all; ++k) now[k] = known[k].code, worst[k] = std::max(worst[k], now[k]);
+        Wrench all = vehicle_wrench(mounts_, frame_, velocity, rates,
+                                    [&](std::size_t k, const HubFlow&) { return known[k].loads; });
+        all.moment = add(all.moment, 1.0, spin_moment(mounts_, heavy_, omega.data(), change.data(), rates));
+        const Vector3 force = attitude.to_world(all.force), moment = add(all.moment, 1.0, cross(centre_, all.force));
+        for (std::size_t k = 0; k < k_all; ++k)
+            if (!std::isfinite(known[k].loads.thrust)) return k;
+        for (int j = 0; j < 3; ++j) forces.data()[j] += force[j], forces.data()[3 + j] += moment[j];
+        return {};
+    }
+
+  private:
+    struct Known {
+        Flow<double> flow;
+        Loads<double> loads{};
+        std::uint8_t code = 0;
+    };
+
+    void look_up(std::vector<Known>& known) const {
+        for (std::size_t k = 0; k < known.size(); ++k) {
+            const auto [rotor, table] = of_[k];
+            auto& [flow, loads, code] = known[k];
+            if (table != nullptr) {
+                const double speed = std::hypot(flow.v_axial, flow.v_inplane), beta = std::atan2(flow.v_inplane, flow.v_axial);
+                const auto found = table->table().loads(flow.omega, speed, beta, clamp_);
+                loads = found.loads, code = std::uint8_t(found.status);
+                continue;
+            }
+            // Half the rotors of a symmetric vehicle see what the other half sees.
+            std::size_t like = 0;
+            while (like < k && !(of_[like].rotor == rotor && alike(known[like].flow, flow))) ++like;
+            if (like < k) loads = known[like].loads, code = known[like].code;
+            else code = std::uint8_t(rotor->loads_at(flow, loads));
+        }
+    }
+    static bool alike(const Flow<double>& a, const Flow<double>& b) {
+        const auto near = [](double x, double y) { return std::fabs(x - y) <= 1e-11 * std::max(std::fabs(x), 1.0); };
+        return near(a.omega, b.omega) && near(a.v_axial, b.v_axial) && near(a.v_inplane, b.v_inplane);
+    }
+
+    struct Source {
+        const CoreRotor* rotor;
+        const CoreTable* table;
+    };
+    std::vector<Mount> mounts_;
+    Airframe frame_;
+    nb::list sources_;  // keeps them
+    double heavy_;
+    Vector3 centre_;
+    bool clamp_;
+    std::vector<Source> of_;
+};
+
 }  // namespace
 
 NB_MODULE(PROPMAP_MODULE, m) {
+    nb::set_leak_warnings(false);  // MuJoCo keeps its callbacks when Python ends
     m.def("instructions", [] { return PROPMAP_INSTRUCTIONS; });
     m.def("best_instructions", &best_instructions);
     m.def("section_coefficients", &section_coefficients);
@@ -429,4 +661,16 @@ NB_MODULE(PROPMAP_MODULE, m) {
         .def("disk_field", &CoreRotor::disk_field)
         .def("attached_thrust", &CoreRotor::attached_thrust)
         .def_prop_ro("span", &CoreRotor::span);
+    nb::class_<CoreTable>(m, "Table")
+        .def(nb::init<const nb::tuple&, const nb::tuple&, CoreTable::Values, CoreTable::Cells, const nb::tuple&, double>())
+        .def("point", &CoreTable::point)
+        .def("loads", &CoreTable::loads)
+        .def("bounded", &CoreTable::bounded)
+        .def("slopes", &CoreTable::slopes);
+    m.def("hub_flows", &hub_flows);
+    m.def("hub_wrenches", &hub_wrenches);
+    m.def("free_stream_forces", &free_stream_forces);
+    nb::class_<FreeBody>(m, "FreeBody")
+        .def(nb::init<FreeBody::Mounts, const nb::dict&, const nb::list&, double, Vector, bool>())
+        .def("push", &FreeBody::push);
 }

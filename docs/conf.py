@@ -98,6 +98,7 @@ html_sidebars = {
         "architecture",
         "propellers",
         "propellers/*",
+        "simulators",
     )
 }
 

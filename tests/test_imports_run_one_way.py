@@ -43,9 +43,17 @@ LEFT_TO_RIGHT = (
 )
 """Rooms of the package; none knows of one to its right."""
 
-FACES = ("rotor", "model.airfoil")
-"""The modules through which all others use the compiled core; sections ask for their own
-coefficients."""
+FACES = (
+    "rotor",
+    "results",
+    "model.airfoil",
+    "vehicle.wakes",
+    "vehicle.vehicle_forces",
+    "table.query",
+    "sim.mujoco",
+)
+"""The modules through which all others use the compiled core: sections ask for their own
+coefficients, tables for their loads, vehicles for the flow at hubs and the forces there."""
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Draw the figures of the documentation: angles, a blade element, cost against error, layers.
+"""Draw the figures of the documentation: angles, a blade element, results, layers.
 
 Usage: python -m tools.docs_figures FOLDER
 
@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon
 
 from propmap.io.csv import replacing
-from propmap.report.html import COLOURS, MARKERS, new_figure, style
+from propmap.report.html import COLOURS, MARKERS, key, new_figure, style
 from tools import architecture_picture
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
@@ -32,11 +32,15 @@ Point = tuple[float, float]
 
 def write(folder: Path) -> None:
     """All figures, as SVG with text as outlines, so that they look alike everywhere."""
-    choice = json.loads((RESULTS / "choice.json").read_text(encoding="utf-8"))
+    choice, checked = (
+        json.loads((RESULTS / name).read_text(encoding="utf-8"))
+        for name in ("choice.json", "cross_check.json")
+    )
     figures = {
         "angles": angles(),
         "element": element(),
         "choice": cost_against_error(choice),
+        "mission": mission(checked),
         "architecture": architecture_picture.picture(),
     }
     for name, figure in figures.items():
@@ -186,6 +190,35 @@ def cost_against_error(found: dict[str, Any]) -> Figure:
         against_data.set_ylim(bottom=0.0)
         handles = against_data.get_legend_handles_labels()
         figure.legend(*handles, loc="outside lower center", ncols=4)
+    return figure
+
+
+def mission(found: dict[str, Any]) -> Figure:
+    """The mission of the cross-check with propmap's loads and with the hover model."""
+    panels = (
+        ("pitch, nose down [deg]", ("pitch_deg",)),
+        ("rotor speeds [rad/s]", ("front", "rear")),
+        ("shaft power [W]", ("power",)),
+        ("distance from the course [m]", ("error",)),
+    )
+    with style():
+        figure = new_figure(8.4, 5.0)
+        rows = figure.subplots(2, 2, sharex=True)
+        for axes, (title, names) in zip(rows.flat, panels, strict=True):
+            for model, colour in (("propmap", BLUE), ("hover", RED)):
+                columns = found[model]["series"]
+                for name, line in zip(names, ("-", "--"), strict=False):
+                    axes.plot(columns["time"], columns[name], line, color=colour, linewidth=1.2)
+            axes.set_title(title, fontsize=9.0)
+        for axes in rows[1]:
+            axes.set_xlabel("time [s]")
+        handles = [
+            key("propmap", color=BLUE),
+            key("hover model", color=RED),
+            key("rotors in front", color=INK),
+            key("in the rear", color=INK, linestyle="--"),
+        ]
+        figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
 
 

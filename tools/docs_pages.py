@@ -25,6 +25,7 @@ from tools import (
     performance_tables,
     readme_tables,
     scale_tables,
+    simulator_tables,
 )
 from tools.catalogue.verdict import summary
 from tools.drag_effects import drag_effects
@@ -68,6 +69,7 @@ def write(folder: Path) -> None:
             "coaxial",
             "cluster",
             "convergence",
+            "cross_check",
             "demo",
             "fine_table",
             "flight_held_out",
@@ -81,6 +83,7 @@ def write(folder: Path) -> None:
             "mjx",
             "options",
             "peers",
+            "sim",
             "speed",
             "table",
             "throttle",
@@ -137,6 +140,12 @@ def write(folder: Path) -> None:
             found["cluster"], found["fine_table"], len(all_identified())
         ),
         "scale-catalogue": scale_tables.catalogue(found["cluster"]),
+        "simulators-agreement": simulator_tables.agreement(found["cross_check"]),
+        "simulators-convergence": simulator_tables.convergence(found["cross_check"]),
+        "simulators-elsewhere": simulator_tables.elsewhere(found["cross_check"]),
+        "simulators-energy": simulator_tables.energy(found["cross_check"]),
+        "simulators-models": simulator_tables.models(found["cross_check"]),
+        "sim-steps": sim_steps(found["sim"]),
         "exports": exports(),
         "cli": command_reference(),
     }
@@ -367,6 +376,24 @@ def identified() -> str:
             f"| {one.tested} | {one.thrust_rms:.4f} | {one.power_rms:.4f} | {one.verdict} |"
             for one in found.worst
         ),
+    ]
+    return "\n".join(rows)
+
+
+def sim_steps(found: dict[str, Any]) -> str:
+    """Time of a step in MuJoCo by what gives the forces."""
+    place, steps = found["machine"], found["step_us"]
+    bare, *others = steps.items()
+    rows = [
+        f"| forces by | step [µs] | beside {bare[0]} [µs] |",
+        "|---|---:|---:|",
+        *(
+            f"| {name} | {cost:.1f} | {round(cost - bare[1], 1) + 0.0:.1f} |"
+            for name, cost in others
+        ),
+        "",
+        f"On {place['cpu']} with {place['cores']} cores, load {place['load_before']}, MuJoCo "
+        f"{found['mujoco']}.",
     ]
     return "\n".join(rows)
 

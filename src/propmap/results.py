@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
+from propmap.loads import LOADS
 from propmap.typing import Floats
 
 STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
@@ -303,14 +304,9 @@ def spin_sign(spin: str) -> float:
 def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
     """Make vectors of loads (...) in the right-handed rotor frame with z along the thrust, for the
     unit vector ``direction`` (..., 3) of the in-plane velocity and the ``sign`` of the spin."""
-    # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.  What is to
-    # the left acts along (-y, x).
-    x, y = direction[..., 0], direction[..., 1]
-    side, roll = sign * loads.side_force, sign * loads.roll_moment
-    drag, pitch = loads.drag, loads.pitch_moment
-    force, moment = np.empty(direction.shape), np.empty(direction.shape)
-    force[..., 0], force[..., 1] = -drag * x - side * y, -drag * y + side * x
-    force[..., 2] = loads.thrust
-    moment[..., 0], moment[..., 1] = -roll * x + pitch * y, -roll * y - pitch * x
-    moment[..., 2] = -sign * loads.torque
-    return Wrench(force, moment)
+    from propmap import core
+
+    rows = np.stack([np.ravel(getattr(loads, name)) for name in LOADS])[:, None]
+    up, against = np.array([[0.0, 0.0, 1.0]]), -direction.reshape(-1, 3)
+    found = core.hub_wrenches(up, np.array([sign]), against, rows)
+    return Wrench(*(vectors.reshape(direction.shape) for vectors in found))

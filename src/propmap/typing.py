@@ -9,4 +9,6 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-CoreRotor: TypeAlias = Any  # ``propmap.core.Rotor``, which has no annotations
+# Of ``propmap.core``, which has no annotations.
+CoreRotor: TypeAlias = Any
+CoreTable: TypeAlias = Any

@@ -38,14 +38,23 @@ FOLLOWED = [p for p in (ROOT / "README.md", *PAGES) if p.name != "getting-starte
 BUILT = ("pip install", "make ")
 """What begins a block that installs or builds: CI itself does that, from a fresh clone."""
 
-OTHER = {"toml", "text", "{toctree}", "{include}", "{eval-rst}", "{literalinclude}", "{math}"}
+OTHER = {
+    "toml",
+    "text",
+    "xml",
+    "{toctree}",
+    "{include}",
+    "{eval-rst}",
+    "{literalinclude}",
+    "{math}",
+}
 """Blocks that show a file's form or are the documentation's own directives."""
 
 OPTIMIZED = "-DCMAKE_BUILD_TYPE=Release"
 UNOPTIMIZED = f"{OPTIMIZED} -DCMAKE_CXX_FLAGS_RELEASE=-O0"
 """The page's core is built a few times as fast; what it computes there is little."""
 
-NEEDS = {"# needs rotorpy": "rotorpy", "# needs casadi": "casadi"}
+NEEDS = {f"# needs {name}": name for name in ("rotorpy", "casadi", "mujoco")}
 
 
 def vehicle_in(folder: Path) -> Path:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import re
 import shutil
@@ -17,6 +16,7 @@ import propmap
 from propmap.export import export_table
 from propmap.table import LoadTable, build_table
 
+from ..export.needed import package
 from .pages import ROOT
 
 EXAMPLES = ROOT / "examples"
@@ -88,11 +88,22 @@ def scripts() -> list[str]:
     return sorted(path.name for path in EXAMPLES.glob("*.py") if path.name != "demo.py")
 
 
+def test_drake_s_example_slows_down() -> None:
+    """Without a controller: rotor drag and body drag, and a nose that the rotors lift."""
+    package("pydrake")
+    script = EXAMPLES / "drake" / "rotor_forces.py"
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+    vectors = np.array([row.split() for row in re.findall(r"\[([^]]+)\]", done.stdout)], float)
+    forward, pitching = vectors[::2, 0], vectors[1::2, 1]
+    assert (np.diff([10.0, *forward]) < -0.2).all() and (np.diff([0.0, *pitching]) < -0.3).all()
+
+
 @pytest.mark.parametrize("name", scripts())
 def test_an_example_runs(name: str, table: LoadTable, tmp_path: Path) -> None:
-    target, package = EXPORTED.get(name, (None, None))
-    if package is not None and importlib.util.find_spec(package) is None:
-        pytest.skip(f"there is no {package}")
+    target, needed = EXPORTED.get(name, (None, None))
+    if needed is not None:
+        package(needed)
     table.save(tmp_path / "map.npz")
     if target is not None:
         export_table(table, target, tmp_path)

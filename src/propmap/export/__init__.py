@@ -68,6 +68,8 @@ EXPORTS = (
            "everything, wakes included"),
     Export("rotorpy", "vehicle", "simple_models.vehicle_rotorpy_files", "a multirotor of RotorPy",
            "everything, wakes included; needs propmap"),
+    Export("mujoco", "vehicle", "simple_models.vehicle_mujoco_files", "an MJCF model that flies",
+           "everything, wakes included; needs propmap"),
     Export("px4", "autopilot", "px4.parameters", "parameters of PX4",
            f"{_DRAG}; places of the rotors, torque over thrust, thrust curve", "wakes, wings"),
     Export("ardupilot", "autopilot", "ardupilot.parameters", "parameters of ArduPilot",

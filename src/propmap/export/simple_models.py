@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.export import files
 from propmap.loads import LOADS
@@ -22,6 +23,7 @@ from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.units import FOOT, INCH, POUND, RPM, SLUG_PER_FT3
 from propmap.vehicle.powertrain import Powertrain
+from propmap.vehicle.throttle import LAG, USUAL
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import Rotors
 
@@ -67,7 +69,7 @@ def gazebo_files(table: LoadTable) -> files.Files:
 
 
 # -------------------------------------------------------------------------------------------------
-# Target ``rotorpy``: the rotor's part of a RotorPy vehicle, or a whole RotorPy vehicle.
+# Target ``rotorpy``: the rotor's part of a RotorPy vehicle, or a whole RotorPy vehicle; ``mujoco``.
 
 
 class RotorPyRotor(NamedTuple):
@@ -146,6 +148,32 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
         f"{name}_rotorpy.py": module,
         f"{rotor}.npz": table.save,
         "README-rotorpy.txt": files.note("rotorpy", table, vehicle=vehicle),
+    }
+
+
+def vehicle_mujoco_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
+    """Write an MJCF model in hover, a script that flies it by ``propmap.sim.mujoco``, the table and
+    the note; ``InputError`` for a vehicle without inertia and a table that does not let it hover.
+    """
+    if vehicle.inertia is None:
+        fault = "the vehicle's file has no inertia, without which nothing turns"
+        raise InputError(fault, "add inertia = [about x, about y, about z] in kg m^2")
+    hover = Aircraft(vehicle, table).steady(0.0, margin=False)
+    if not hover.found[0]:
+        fault = f"the vehicle does not hover on this table ({hover.status[0]})"
+        raise InputError(fault, "build a table with hover, at the rotor speeds that carry its mass")
+    name, rotor, lag = files.vehicle_name(vehicle, table), files.identifier(table), USUAL[LAG]
+    (cp, cr), (sp, sr) = (
+        f(0.5 * np.array([hover.pitch[0], hover.roll[0]])) for f in (np.cos, np.sin)
+    )
+    turned = [float(part) for part in (cp * cr, cp * sr, sp * cr, -sp * sr)]  # pitch, then roll
+    parts = {"v": name, "vehicle": vehicle, "hover": hover.rotor_speed[0].tolist()}
+    parts |= {"made": literal(dataclasses.replace(vehicle, powertrain=Powertrain())), "lag": lag}
+    return {
+        f"{name}.xml": files.rendered("mujoco.xml", table, turned=turned, **parts),
+        f"{name}_mujoco.py": files.rendered("mujoco_fly.py", table, **parts),
+        f"{rotor}.npz": table.save,
+        "README-mujoco.txt": files.note("mujoco", table, vehicle=vehicle, lag=lag),
     }
 
 

@@ -1,1 +1,1 @@
-"""Vehicles in simulators of rigid bodies."""
+"""Vehicles in simulators of rigid bodies: ``propmap.sim.mujoco``, ``propmap.sim.mjx``."""

@@ -1,6 +1,6 @@
-"""Loads from a table: build and certify one with the model, then ask it with NumPy alone.
+"""Loads from a table: build and certify one with the model, then ask it without.
 
-Importing this package, loading a table and asking it need NumPy alone.
+Importing this package, loading a table and asking it take NumPy and the core alone.
 """
 
 from __future__ import annotations

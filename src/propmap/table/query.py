@@ -1,7 +1,8 @@
-"""``LoadTable``: loads from a table with NumPy alone, their derivatives, and omega from a load."""
+"""``LoadTable``: loads from a table, their derivatives, and omega from a load."""
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import os
@@ -18,20 +19,10 @@ from propmap.loads import LOADS
 from propmap.operating_points import arrays_of, components
 from propmap.table import interpolation
 from propmap.table.files import read_table, write_table
-from propmap.typing import Floats
+from propmap.typing import CoreTable, Floats
 
 if TYPE_CHECKING:
     from propmap.model.model import Propeller
-
-
-def fold(beta: Floats) -> tuple[Floats, Floats]:
-    """Bring beta to 0...pi by the loads' mirror symmetry; return the sign of its change too."""
-    if ((beta >= 0.0) & (beta <= np.pi)).all():
-        return beta, np.ones_like(beta)
-    with np.errstate(invalid="ignore"):
-        turned = np.remainder(beta + np.pi, 2.0 * np.pi) - np.pi
-        within = (beta >= 0.0) & (beta <= np.pi)
-    return np.where(within, beta, np.abs(turned)), np.where(within | (turned >= 0.0), 1.0, -1.0)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -104,10 +95,9 @@ for _kind in (TableLoads, Gradient, Deviation, JaxLoads):
     _kind.__doc__ = "\n".join(_parts)
 
 
-CHUNK = 1024  # points that are interpolated together, so that what they gather stays in the cache
+CHUNK = 1024  # points that are differentiated together, so that what they take stays in the cache
 SLACK = 1e-9  # share of an axis by which points may lie beyond its end for rounding
 HALF = len(LOADS)  # values per knot that are loads; as many slopes with Omega^(-1/2) follow
-_NOWHERE = TableLoads(*(HALF + 1) * [math.nan], interpolation.OUTSIDE)
 
 
 class LoadTable:
@@ -124,12 +114,24 @@ class LoadTable:
 
     def __init__(self, content: interpolation.TableContent) -> None:
         self.content = content
-        self._lookup = interpolation.Lookup(content)
         ends = (content.omega, content.speed, content.beta[[0, -1]])
         self._box = tuple((float(low), float(high)) for low, high in ends)
-        self._slack = tuple(SLACK * (high - low) for low, high in self._box)
-        self._radius = content.radius
-        self._root = float(content.omega[0]) ** -0.5
+
+    def __reduce__(self) -> tuple[type[Self], tuple[interpolation.TableContent]]:
+        return type(self), (self.content,)
+
+    @functools.cached_property
+    def _core(self) -> CoreTable:
+        """The table in the compiled core."""
+        from propmap import core
+
+        content = self.content
+        axes = (
+            (np.ascontiguousarray(knots), interpolation.interval_polynomials(knots).ravel())
+            for knots in (content.advance, content.beta)
+        )
+        codes = interpolation.cell_codes(content)
+        return core.Table(*axes, content.padded(), codes, self._box, content.radius)
 
     def __repr__(self) -> str:
         box = ", ".join(f"{k} {low:g} to {high:g}" for k, (low, high) in self.envelope.items())
@@ -199,10 +201,11 @@ class LoadTable:
             and isinstance(speed, (float, int))
             and isinstance(beta, (float, int))
         ):
-            return self._point(omega, speed, beta, clamp)
+            values, code = self._core.point(omega, speed, beta, clamp)
+            return TableLoads(*values, code)
         w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         if w.ndim == 0:
-            return self._point(float(w), float(v), float(b), clamp)
+            return self.loads(float(w), float(v), float(b), clamp=clamp)
         return self._points(w, v, b, clamp)
 
     def loads_at_velocity(
@@ -222,7 +225,7 @@ class LoadTable:
         if isinstance(omega, (float, int)) and np.shape(velocity) == (3,):
             x, y, z = map(float, velocity)
             across = math.hypot(x, y)
-            return self._point(omega, math.hypot(across, z), math.atan2(across, z), clamp)
+            return self.loads(omega, math.hypot(across, z), math.atan2(across, z), clamp=clamp)
         w, x, y, z = arrays_of(omega=omega, **components(velocity))
         across = np.hypot(x, y)
         return self.loads(w, np.hypot(across, z), np.arctan2(across, z), clamp=clamp)
@@ -249,7 +252,7 @@ class LoadTable:
             remedy = "build it of constants identified or expected by name, or of a fit's file"
             raise InputError(found, remedy)
         w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
-        rate, speeds, folded, _ = self._bounded(w, v, fold(b)[0], clamp=False)
+        rate, speeds, folded = self._inside(w, v, b)
         lost = np.isnan(rate)
         advance = speeds / (np.where(lost, content.omega[0], rate) * content.radius)
         at = np.clip(advance, content.advance[0], content.advance[-1])
@@ -266,9 +269,9 @@ class LoadTable:
         Arguments are those of ``loads``.
         """
         w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
-        folded, sign = fold(b)
-        w, v, folded, _ = self._bounded(w, v, folded, clamp=False)
-        return self._by_chunks(self._polar_gradient, w, v, folded, sign)
+        with np.errstate(invalid="ignore"):
+            sign = np.where(np.remainder(b, 2.0 * np.pi) > np.pi, -1.0, 1.0)
+        return self._by_chunks(self._polar_gradient, *self._inside(w, v, b), sign)
 
     def gradient_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Gradient:
         """Differentiate by ``omega`` and x, y, z of ``velocity``, the last axis (4,); NaN outside.
@@ -278,9 +281,8 @@ class LoadTable:
         """
         w, x, y, z = arrays_of(omega=omega, **components(velocity))
         across = np.hypot(x, y)
-        speed, beta = np.hypot(across, z), np.arctan2(across, z)
-        w, speed, beta, _ = self._bounded(w, speed, beta, clamp=False)
-        return self._by_chunks(self._velocity_gradient, w, speed, beta, x, y)
+        points = self._inside(w, np.hypot(across, z), np.arctan2(across, z))
+        return self._by_chunks(self._velocity_gradient, *points, x, y)
 
     def omega_for(
         self, quantity: str, value: ArrayLike, speed: ArrayLike, beta: ArrayLike
@@ -296,67 +298,19 @@ class LoadTable:
         """
 
         wanted, v, b = arrays_of(value=value, speed=speed, beta=beta)
-        return solve(self, quantity, wanted, v, fold(b)[0])
-
-    def _point(self, omega: float, speed: float, beta: float, clamp: bool) -> TableLoads:
-        (w0, w1), (v0, v1), (b0, b1) = self._box
-        if not 0.0 <= beta <= math.pi and math.isfinite(beta):
-            beta = abs(math.remainder(beta, 2.0 * math.pi))
-        clamped = False
-        if not (w0 <= omega <= w1 and v0 <= speed <= v1 and b0 <= beta <= b1):
-            w, v, b = min(max(omega, w0), w1), min(max(speed, v0), v1), min(max(beta, b0), b1)
-            dw, dv, db = self._slack
-            beyond = not (abs(w - omega) <= dw and abs(v - speed) <= dv and abs(b - beta) <= db)
-            if beyond and not (clamp and omega == omega and speed == speed and beta == beta):
-                return _NOWHERE
-            omega, speed, beta, clamped = w, v, b, beyond
-        square = omega * omega
-        friction = square * (omega**-0.5 - self._root)
-        loads, code = self._lookup.point(speed / (omega * self._radius), beta, square, friction)
-        if loads[0] != loads[0]:
-            code = interpolation.NO_VALUE
-        elif clamped:
-            code = interpolation.CLAMPED
-        return TableLoads(*loads, loads[TORQUE] * omega, code)
+        return solve(self, quantity, wanted, v, b)
 
     def _points(self, omega: Floats, speed: Floats, beta: Floats, clamp: bool) -> TableLoads:
-        shape = omega.shape
-        folded, _ = fold(beta.ravel())
-        w, v, b, outside = self._bounded(omega.ravel(), speed.ravel(), folded, clamp=clamp)
-        loads = np.empty((HALF, w.size))
-        code = np.empty(w.size, np.uint8)
-        for start in range(0, w.size, CHUNK):
-            cut = slice(start, start + CHUNK)
-            rate = w[cut]
-            values, code[cut] = self._lookup.points(v[cut] / (rate * self._radius), b[cut])
-            values[:, HALF:] *= (rate**-0.5 - self._root)[:, None]
-            total = values[:, :HALF] + values[:, HALF:]
-            total *= (rate * rate)[:, None]
-            loads[:, cut] = total.T
-        code[outside] = interpolation.CLAMPED
-        code[np.isnan(loads[0])] = interpolation.NO_VALUE
-        code[np.isnan(w)] = interpolation.OUTSIDE
-        fields = (*loads, loads[TORQUE] * w, code)
-        return TableLoads(*(field.reshape(shape) for field in fields))
+        points = (np.ascontiguousarray(each.ravel()) for each in (omega, speed, beta))
+        rows, code = self._core.loads(*points, clamp)
+        return TableLoads(*(row.reshape(omega.shape) for row in (*rows, code)))
 
-    def _bounded(
-        self, omega: Floats, speed: Floats, beta: Floats, *, clamp: bool
-    ) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
-        """Bring points into the envelope and say which were not; NaN there unless ``clamp``."""
-        given = (omega, speed, beta)
-        held = [
-            np.array(np.clip(x, low, high)) for x, (low, high) in zip(given, self._box, strict=True)
-        ]
-        # Written so that NaN counts as outside.
-        within = [
-            np.abs(x - y) <= slack for x, y, slack in zip(given, held, self._slack, strict=True)
-        ]
-        outside = ~(within[0] & within[1] & within[2])
-        if outside.any():
-            lost = outside & np.isnan(omega + speed + beta) if clamp else outside
-            for x, value in zip(held, (np.nan, self._box[1][0], self._box[2][0]), strict=True):
-                x[lost] = value
-        return held[0], held[1], held[2], outside
+    def _inside(self, omega: Floats, speed: Floats, beta: Floats) -> Floats:
+        """Bring points (...) into the envelope where mere rounding has them outside; omega, speed
+        and beta in 0...pi (3, ...), omega NaN for all others outside."""
+        points = (np.ascontiguousarray(each.ravel()) for each in (omega, speed, beta))
+        found: Floats = self._core.bounded(*points).reshape(3, *omega.shape)
+        return found
 
     def _by_chunks(self, gradient: Callable[..., Floats], *arrays: Floats) -> Gradient:
         """Gather a ``gradient`` (n, L + 1, k) of chunks; fields of the points' shape and k."""
@@ -391,9 +345,9 @@ class LoadTable:
     def _derivatives(
         self, omega: Floats, speed: Floats, beta: Floats
     ) -> tuple[Floats, Floats, Floats, Floats]:
-        tip_speed = omega * self._radius
-        advance, root = speed / tip_speed, omega**-0.5 - self._root
-        found = self._lookup.slopes(advance, beta)
+        tip_speed = omega * self.content.radius
+        advance, root = speed / tip_speed, omega**-0.5 - float(self.content.omega[0]) ** -0.5
+        found = self._core.slopes(advance, beta)
         return chain_rule(found, omega, advance, tip_speed, root, np.where)
 
 
@@ -407,8 +361,8 @@ def chain_rule(
     found: Any, omega: Any, advance: Any, tip_speed: Any, root: Any, where: Callable[..., Any]
 ) -> tuple[Any, Any, Any, Any]:
     """Find loads and their derivatives by omega, speed, and beta over the speed, (..., L), of what
-    ``Lookup.slopes`` ``found`` at omega [rad/s], J [-] and Omega R [m/s]; ``root`` is Omega^(-1/2)
-    above the least, ``where`` NumPy's or JAX's."""
+    the core's ``Table.slopes`` ``found`` at omega [rad/s], J [-] and Omega R [m/s]; ``root`` is
+    Omega^(-1/2) above the least, ``where`` NumPy's or JAX's."""
     both = found[..., :HALF] + root[..., None, None, None] * found[..., HALF:]
     value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
     by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]

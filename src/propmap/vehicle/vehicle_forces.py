@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
@@ -146,17 +145,15 @@ class VehicleForces:
             np.broadcast_to(array, (*shape, array.shape[-1])) for array in given.values()
         )
         through = moving - air
-        hubs = through[..., None, :] + np.cross(turning[..., None, :], self._rotors.position)
+        hubs = through[..., None, :] + cross(turning[..., None, :], self._rotors.position)
         found = self._rotors.wrenches(omega, hubs)
         if self._envelope is not None:
             far = self._rotors.beyond(self._envelope, omega, hubs)
             words = np.where(far, "extrapolated", SEVERITY[0])
             found = found._replace(status=worst(np.stack([found.status, words], axis=-1)))
         moment = self._rotors.moment(found.force, found.moment)
-        vehicle, density = self.vehicle, self.vehicle.air.density
-        body, wing = body_force(vehicle.body, density, through), np.zeros_like(through)
-        if vehicle.wing is not None:
-            wing = wing_force(vehicle.wing, density, through)
+        vehicle = self.vehicle
+        body, wing = body_and_wing(vehicle.body, vehicle.wing, vehicle.air.density, through)
         return VehicleWrench(
             force=found.force.sum(axis=-2) + body + wing,
             moment=moment.sum(axis=-2),
@@ -259,6 +256,14 @@ class Rotors:
             added = alone.known(added_flow(self.vehicle, self.wakes, flow, alone.thrust))
             loads, status = self._in_wakes(flow, added, alone)
         return _as_wrenches(flow, loads, added, status, omega.shape)
+
+    def added(self, omega: Floats, velocity: Floats) -> Floats:
+        """Return what the wakes add to V cos(beta) (..., k) [m/s], as ``wrenches`` has it."""
+        assert self.wakes is not None
+        flow = self._flow(omega, velocity)
+        alone = self._alone(flow)
+        found = alone.known(added_flow(self.vehicle, self.wakes, flow, alone.thrust))
+        return found.reshape(omega.shape)
 
     def beyond(self, envelope: Envelope, omega: Floats, velocity: Floats) -> NDArray[np.bool_]:
         """Return which rotors (..., k) are outside an ``envelope``, as in ``wrenches``."""
@@ -502,44 +507,37 @@ def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: F
 
     Both are in the vehicle's frame; ``density`` is that of the air [kg/m^3].
     """
-    force = body_force(body, density, velocity)
-    return force if wing is None else force + wing_force(wing, density, velocity)
+    return np.asarray(sum(body_and_wing(body, wing, density, velocity)))
 
 
-def body_force(body: Body, density: float, velocity: Floats) -> Floats:
-    """Return drag, lift and download of a ``body``, as in ``free_stream_force``."""
-    angle, speed, across = _in_plane_of_symmetry(velocity)
-    lift = body.lift_area * np.sin(angle) * np.cos(angle)
-    drag = 0.5 * density * np.array(body.drag_area) * np.abs(velocity) * velocity
-    pressed = np.square(velocity[..., :2]) @ np.array(body.download_area)
-    down = 0.5 * density * pressed[..., None] * np.array([0.0, 0.0, 1.0])
-    return np.asarray((0.5 * density * lift * speed)[..., None] * across - drag - down)
+def body_and_wing(
+    body: Body, wing: Wing | None, density: float, velocity: Floats
+) -> tuple[Floats, Floats]:
+    """Return the parts of ``free_stream_force``, zero where there is no ``wing``."""
+    from propmap import core
+
+    rows = np.ascontiguousarray(velocity).reshape(-1, 3)
+    found = core.free_stream_forces(airframe(body, wing, density), rows)
+    of_body, of_wing = (each.reshape(velocity.shape) for each in found)
+    return of_body, of_wing
 
 
-def wing_force(wing: Wing, density: float, velocity: Floats) -> Floats:
-    """Return lift of a ``wing`` and its induced drag, as in ``free_stream_force``."""
-    angle, speed, across = _in_plane_of_symmetry(velocity)
-    lift = wing_lift(wing, angle + wing.incidence)
-    force = lift[..., None] * across
-    if wing.span is not None:
-        # Prandtl's D = L^2/(pi q b^2), of an elliptic lift.
-        along = velocity * np.array([1.0, 0.0, 1.0])
-        force = force - (lift**2 / (math.pi * wing.span**2))[..., None] * along
-    return np.asarray((0.5 * density * speed)[..., None] * force)
+def airframe(body: Body, wing: Wing | None, density: float) -> dict[str, Any]:
+    """Write body and wing in air of a ``density`` [kg/m^3] as the core takes them."""
+    found: dict[str, Any] = {"density": float(density), "lift_area": float(body.lift_area)}
+    for name in ("drag_area", "download_area"):
+        found[name] = np.array(getattr(body, name), np.float64)
+    if wing is not None:
+        found |= {"wing": _section(wing).core_law(), "wing_area": float(wing.area)}
+        found |= {"incidence": float(wing.incidence), "span": float(wing.span or 0.0)}
+    return found
 
 
 def wing_lift(wing: Wing, angle: Floats) -> Floats:
     """Return lift over dynamic pressure [m^2] of a ``wing`` at an ``angle`` of attack [rad]."""
-    section = Airfoil(c_l1=wing.c_l1, c_l2=wing.c_l2, c_d=0.0, alpha_0=wing.alpha_0)
-    lift, _ = section.coefficients(angle, 1.0)  # eq. (3), which does not depend on Re
+    lift, _ = _section(wing).coefficients(angle, 1.0)  # eq. (3), which does not depend on Re
     return wing.area * lift
 
 
-def _in_plane_of_symmetry(velocity: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return angle of attack [rad], speed V [m/s], and V times the unit vector across the flow.
-
-    That is (-v_z, 0, v_x)/V; the angle is positive where the air comes from below.
-    """
-    x, z = velocity[..., 0], velocity[..., 2]
-    angle = np.arctan2(-z, x)
-    return angle, np.hypot(x, z), np.stack([-z, np.zeros_like(angle), x], axis=-1)
+def _section(wing: Wing) -> Airfoil:
+    return Airfoil(c_l1=wing.c_l1, c_l2=wing.c_l2, c_d=0.0, alpha_0=wing.alpha_0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -300,15 +301,13 @@ def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
 
     They are in the vehicle's frame [m/s]; ``omega`` is (n, m) [rad/s].
     """
+    from propmap import core
+
     position, axis = vehicle.hub_positions, vehicle.rotor_axes
     spin = np.array([spin_sign(mount.spin) for mount in vehicle.mounts])
-    axial = np.sum(hubs * axis, axis=-1)
-    across = hubs - axial[..., None] * axis
-    inplane = np.linalg.norm(across, axis=-1)
-    still = inplane < 1e-12
-    downstream = -across / np.where(still, 1.0, inplane)[..., None]
-    inplane = np.where(still, 0.0, inplane)
-    return HubFlow(omega, axial, inplane, axis, downstream, position, spin)
+    axial, inplane, downstream = core.hub_flows(axis, np.ascontiguousarray(hubs).reshape(-1, 3))
+    axial, inplane = axial.reshape(omega.shape), inplane.reshape(omega.shape)
+    return HubFlow(omega, axial, inplane, axis, downstream.reshape(hubs.shape), position, spin)
 
 
 def rotor_forces(flow: HubFlow, thrust: Floats, drag: Floats) -> Floats:
@@ -323,13 +322,13 @@ def hub_wrenches(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
     The ``loads`` (L, ..., n, m) are in the order of ``LOADS``.  Both results are linear in them:
     derivatives of loads give derivatives of forces and moments.
     """
-    by_name = dict(zip(LOADS, loads[..., None], strict=True))
-    ahead = -flow.downstream
-    left, spin = cross(flow.axis, ahead), flow.spin[:, None]
-    force = by_name["thrust"] * flow.axis - by_name["drag"] * ahead
-    force = force + spin * by_name["side_force"] * left
-    turning = by_name["torque"] * flow.axis + by_name["roll_moment"] * ahead
-    return force, -spin * turning - by_name["pitch_moment"] * left
+    from propmap import core
+
+    size = flow.inplane.size
+    rows = np.ascontiguousarray(loads).reshape(len(LOADS), math.prod(loads.shape[1:-2]), size)
+    found = core.hub_wrenches(flow.axis, flow.spin, flow.downstream.reshape(-1, 3), rows)
+    force, moment = (each.reshape(*loads.shape[1:], 3) for each in found)
+    return force, moment
 
 
 def rotor_wrench(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:

@@ -1,0 +1,312 @@
+"""All loads of a vehicle's rotors, body and wing in MuJoCo, with ``propmap[mujoco]``.
+
+MuJoCo's callback of passive forces is what applies them: it is asked at each evaluation of the
+forces, four times a step by RK4, by ``mj_forward`` and in the viewer, and leaves ``xfrc_applied``
+to whoever pulls at the vehicle.  The rotors' speeds are activations of actuators, which MuJoCo
+integrates, keeps and resets as all of its state; forces are a function of that state.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from propmap import core
+from propmap.errors import InputError
+from propmap.results import STATUSES
+from propmap.rotor import Rotor
+from propmap.table import STATUSES as TABLE_STATUSES
+from propmap.table import LoadTable
+from propmap.typing import Floats
+from propmap.units import DEGREE
+from propmap.vehicle.vehicle import Mount, Vehicle
+from propmap.vehicle.vehicle_forces import Rotors, VehicleForces, VehicleWrench, airframe
+from propmap.vehicle.wakes import cross
+
+try:
+    import mujoco
+except ModuleNotFoundError as missing:
+    raise ImportError("MuJoCo is not installed; run: pip install 'propmap[mujoco]'") from missing
+
+MASS = 0.2  # share by which the mass of model and vehicle may differ: a payload
+PLACE = 0.1  # and sites from hubs, as a share of the largest arm
+
+
+class MujocoRotors:
+    """The air's forces on a vehicle of a MuJoCo model, to be its callback of passive forces.
+
+    ``mujoco.set_mjcb_passive(MujocoRotors(model, vehicle, table))`` lets the vehicle fly wherever
+    the model is stepped.  Each rotor is a site, whose z axis is along the thrust, and an actuator
+    of one name.  The actuator pushes nothing itself (``gainprm="0"``): its ``ctrl`` is the speed
+    that is asked for [rad/s] and, with ``dyntype`` "filter" or "filterexact", its activation is the
+    rotor's speed, which follows with the time constant ``dynprm`` [s]; without, they are one.
+
+    Forces act at the sites, in air that moves with ``model.opt.wind`` [m/s] and has the density of
+    the vehicle's file.  Where its ``rotor_inertia`` is known, rotors turn the vehicle also as they
+    change their speed, and as gyroscopes.
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+        The vehicle is a body with a free joint, x forward, y left and z up.
+    vehicle : Vehicle
+        Its rotors, in the order of ``names``, with body, wing and wakes.
+    loads : Rotor or LoadTable
+        Gives its rotors' loads.
+    names : sequence of str
+        Of sites and actuators; by default "rotor_1", "rotor_2" and so on.
+    clamp : bool
+        Whether rotors beyond a table have the loads of the nearest point of it, with the status
+        "clamped", in place of an error.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        With its rotors where the sites are, about the model's centre of mass.
+
+    Raises
+    ------
+    InputError
+        Where model and vehicle do not fit together, and, when called, where a rotor has no loads.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        vehicle: Vehicle,
+        loads: Rotor | LoadTable,
+        *,
+        names: Sequence[str] = (),
+        clamp: bool = False,
+    ) -> None:
+        if not isinstance(loads, Rotor | LoadTable):
+            raise InputError(
+                f"loads is {type(loads).__name__}", "give a Rotor or a LoadTable of its rotors"
+            )
+        self.model = model
+        self.names = tuple(names) or tuple(f"rotor_{k + 1}" for k in range(len(vehicle.mounts)))
+        _check_options(model)
+        sites = _sites(model, self.names, vehicle, given=bool(names))
+        body, self._pose, self._motion = _free_body(model, sites)
+        mounts, self._centre = _mounts(model, body, sites, vehicle, self.names)
+        self.vehicle = replace(vehicle, mounts=mounts)
+        self._speeds = _Speeds(model, self.names)
+        self._forces, rotors = VehicleForces(self.vehicle, loads), Rotors.of(self.vehicle, loads)
+        of_rotor: dict[int, Any] = {k: one for one, mine in rotors.sources for k in mine.tolist()}
+        self._core = core.FreeBody(
+            np.column_stack([rotors.position, rotors.axis, rotors.spin]),
+            airframe(vehicle.body, vehicle.wing, vehicle.air.density),
+            [of_rotor[k]._core for k in range(len(rotors))],
+            float(vehicle.rotor_inertia),
+            self._centre,
+            clamp,
+        )
+        if clamp and isinstance(loads, LoadTable):
+            at_velocity = functools.partial(loads.loads_at_velocity, clamp=True)
+            clamped: Any = SimpleNamespace(loads_at_velocity=at_velocity)
+            rotors = Rotors(self.vehicle, [(clamped, np.arange(len(rotors)))])
+        self._rotors, self._alone = rotors, np.zeros(len(rotors))
+        self._words = np.array(STATUSES if isinstance(loads, Rotor) else TABLE_STATUSES)
+        self._codes = np.zeros((2, len(rotors)), np.uint8)
+
+    def __call__(self, model: Any, data: Any) -> None:
+        """Add the forces to ``data.qfrc_passive``, where ``model`` is the vehicle's or a copy."""
+        if model is not self.model and model.names != self.model.names:
+            return
+        omega, change = self._speeds.of(data)
+        added = self._alone
+        if self.vehicle.wakes is not None:
+            added = self._rotors.added(np.maximum(omega, 0.0), self._hubs(model, data))
+        pose, motion = data.qpos[self._pose], data.qvel[self._motion]
+        wind, forces = model.opt.wind, data.qfrc_passive[self._motion]
+        lost = self._core.push(pose, motion, wind, omega, change, added, forces, self._codes)
+        if lost is not None:
+            self._refuse(lost, omega, self._hubs(model, data)[lost], data.time)
+
+    @property
+    def status(self) -> tuple[str, ...]:
+        """Status of each rotor when the forces were last evaluated, as that of ``loads``."""
+        return tuple(self._words[self._codes[0]].tolist())
+
+    @property
+    def worst_status(self) -> tuple[str, ...]:
+        """The worst status of each rotor so far."""
+        return tuple(self._words[self._codes[1]].tolist())
+
+    def wrench(self, data: Any) -> VehicleWrench:
+        """All that ``VehicleForces.wrench`` tells of the state of ``data``, in the vehicle's frame.
+
+        Without what spinning rotors do to a vehicle that turns.
+        """
+        velocity, rates, wind = self._flight(self.model, data)
+        omega = np.maximum(self._speeds.of(data)[0], 0.0)
+        return self._forces.wrench(omega, velocity, rates, wind)
+
+    def _flight(self, model: Any, data: Any) -> tuple[Floats, Floats, Floats]:
+        """Return velocity of the centre of mass, rates and wind in the vehicle's frame, (3,)."""
+        turn, quaternion = np.empty(9), data.qpos[self._pose][3:].copy()
+        mujoco.mju_normalize4(quaternion)
+        mujoco.mju_quat2Mat(turn, quaternion)
+        to_vehicle, motion = turn.reshape(3, 3).T, data.qvel[self._motion]
+        rates = motion[3:].copy()
+        velocity = to_vehicle @ motion[:3] + cross(rates, self._centre)
+        return velocity, rates, to_vehicle @ model.opt.wind
+
+    def _hubs(self, model: Any, data: Any) -> Floats:
+        """Return velocities of the hubs through the air (k, 3) [m/s]."""
+        velocity, rates, wind = self._flight(model, data)
+        return velocity - wind + cross(rates, self._rotors.position)
+
+    def _refuse(self, k: int, omega: Floats, hub: Floats, time: float) -> None:
+        """Raise the error of rotor ``k``, whose ``hub`` moves so (3,), that has no loads."""
+        along = float(hub @ self._rotors.axis[k])
+        beta = np.arctan2(np.sqrt(max(float(hub @ hub) - along**2, 0.0)), along)
+        tabulated = "build a table of this range, keep the flight in its own, or pass clamp=True"
+        raise InputError(
+            f"at {time:.4g} s {self.names[k]} has no loads ({self.status[k]}), at "
+            f"{omega[k]:.4g} rad/s, {np.linalg.norm(hub):.3g} m/s and beta {beta / DEGREE:.0f} deg",
+            tabulated if self.status[k] in TABLE_STATUSES else "Rotor.explain says where",
+        )
+
+
+class _Speeds:
+    """Rotor speeds in the state of a model, by the actuators of such ``names``."""
+
+    def __init__(self, model: Any, names: Sequence[str]) -> None:
+        kinds = mujoco.mjtDyn
+        lags = {int(kinds.mjDYN_FILTER), int(kinds.mjDYN_FILTEREXACT)}
+        found = [_find(model, mujoco.mjtObj.mjOBJ_ACTUATOR, "actuator", name) for name in names]
+        for name, k in zip(names, found, strict=True):
+            if model.actuator_gainprm[k].any() or model.actuator_biasprm[k].any():
+                raise InputError(
+                    f"the actuator {name!r} pushes the vehicle itself, beside the air",
+                    'give it gainprm="0" and no bias: its activation is a rotor speed',
+                )
+            if int(model.actuator_dyntype[k]) not in {int(kinds.mjDYN_NONE), *lags}:
+                raise InputError(
+                    f"the actuator {name!r} has a dyntype of another kind",
+                    'give it dyntype="filter", whose dynprm is the lag [s], or none',
+                )
+        limited, ends = model.actuator_ctrllimited[found] > 0, model.actuator_ctrlrange[found].T
+        self._ctrl, (self._low, self._high) = found, np.where(limited, ends, [[0.0], [np.inf]])
+        lagging = {int(model.actuator_dyntype[k]) in lags for k in found}
+        if len(lagging) > 1:
+            raise InputError("some of the rotors' actuators have a lag, some none", "give all one")
+        self._act = model.actuator_actadr[found] if lagging == {True} else None
+        self._rate = 1.0 / np.maximum(model.actuator_dynprm[found, 0], mujoco.mjMINVAL)
+        self._steady = np.zeros(len(found))
+
+    def of(self, data: Any) -> tuple[Floats, Floats]:
+        """Return the rotors' speeds (k,) [rad/s] and how fast they change [rad/s^2]."""
+        wanted = np.minimum(np.maximum(data.ctrl[self._ctrl], self._low), self._high)
+        if self._act is None:
+            return wanted, self._steady
+        omega = data.act[self._act]
+        return omega, (wanted - omega) * self._rate
+
+
+# -------------------------------------------------------------------------------------------------
+# Whether a model is this vehicle.
+
+
+def _check_options(model: Any) -> None:
+    """Refuse options of a ``model`` under which the vehicle would fly otherwise."""
+    if model.opt.density or model.opt.viscosity:
+        raise InputError(
+            "the model's option density or viscosity is not 0: MuJoCo drags the vehicle as well",
+            "leave them out: the air is that of the vehicle's file, and its body has drag there",
+        )
+    off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
+    if model.opt.disableflags & off == off:
+        raise InputError("passive forces are switched off in the model", "take out the flags")
+
+
+def _find(model: Any, kind: Any, word: str, name: str) -> int:
+    """Return the index of what has a ``name`` in the model."""
+    found = int(mujoco.mj_name2id(model, kind, name))
+    if found < 0:
+        fault = f"the model has no {word} {name!r}"
+        raise InputError(fault, "each rotor is a site and an actuator of one name")
+    return found
+
+
+def _sites(model: Any, names: Sequence[str], vehicle: Vehicle, *, given: bool) -> list[int]:
+    """Return the sites of the rotors."""
+    rotors = len(vehicle.mounts)
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            raise InputError(f"two rotors are named {name!r}", "give each its own name")
+    if len(names) != rotors:
+        fault = f"{len(names)} names are given, the vehicle has {rotors} rotors"
+        raise InputError(fault, "give one for each, in the order of the vehicle's file")
+    if not given:
+        every = [model.site(k).name for k in range(model.nsite)]
+        more = [name for name in every if re.fullmatch(r"rotor_\d+", name) and name not in names]
+        if more:
+            fault = f"the site {more[0]!r} is that of no rotor: the vehicle has {rotors}"
+            raise InputError(fault, "take the site out, or add [[rotors]] to the vehicle's file")
+    return [_find(model, mujoco.mjtObj.mjOBJ_SITE, "site", name) for name in names]
+
+
+def _free_body(model: Any, sites: list[int]) -> tuple[int, slice, slice]:
+    """Return the body that the ``sites`` are fixed to, and where its pose and motion are."""
+    bodies = model.body_weldid[model.site_bodyid[sites]]
+    body = int(bodies[0])
+    if (bodies != body).any():
+        raise InputError(
+            "the rotors' sites are on bodies that move against each other",
+            "put all on one body: rotors that tilt in flight are not modelled",
+        )
+    joint = int(model.body_jntadr[body])
+    # A body with a free joint has no other.
+    if joint < 0 or model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_FREE:
+        fault = f"the body {model.body(body).name!r} of the rotors' sites has no free joint"
+        raise InputError(fault, "add <freejoint/> to the vehicle's body")
+    pose, motion = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+    return body, slice(pose, pose + 7), slice(motion, motion + 6)
+
+
+def _mounts(
+    model: Any, body: int, sites: list[int], vehicle: Vehicle, names: Sequence[str]
+) -> tuple[tuple[Mount, ...], Floats]:
+    """Return the rotors at their ``sites``, and the centre of mass (3,) in the frame of the body.
+
+    Raises ``InputError`` where these or the mass are not those of the ``vehicle``.
+    """
+    mass = float(model.body_subtreemass[body])
+    if abs(mass - vehicle.mass) > MASS * vehicle.mass:
+        fault = f"the model has {mass:.4g} kg there, the vehicle's file {vehicle.mass:.4g} kg"
+        grams = 300.0 < mass / vehicle.mass < 3000.0
+        raise InputError(fault, "MJCF is in kg, not g" if grams else "give both the same mass")
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    origin, to_vehicle = data.xpos[body], data.xmat[body].reshape(3, 3).T
+    centre = to_vehicle @ (data.subtree_com[body] - origin)
+    placed = []
+    arm = np.linalg.norm(vehicle.hub_positions, axis=1).max()
+    for mount, site, name in zip(vehicle.mounts, sites, names, strict=True):
+        place = to_vehicle @ (data.site_xpos[site] - origin) - centre
+        axis = to_vehicle @ data.site_xmat[site].reshape(3, 3)[:, 2]
+        if np.linalg.norm(place - mount.position) > PLACE * max(arm, vehicle.propeller.radius):
+            remedy = "give names in the vehicle's order, and a body with x forward, y left, z up"
+            raise InputError(
+                f"the site {name!r} is at {_text(place)} m from the centre of mass, the vehicle's "
+                f"rotor at {_text(mount.position)} m",
+                "MJCF is in m, not mm" if np.linalg.norm(place) > 100.0 * arm else remedy,
+            )
+        if axis @ mount.axis < 1.0 - 0.5 * PLACE**2:
+            fault = f"the site {name!r} points along {_text(axis)}, the rotor {_text(mount.axis)}"
+            raise InputError(fault, "turn the site: its z axis is along the thrust")
+        placed.append(replace(mount, position=tuple(place.tolist()), axis=tuple(axis.tolist())))
+    return tuple(placed), centre
+
+
+def _text(vector: Any) -> str:
+    return "(" + ", ".join(f"{x:.3g}" for x in np.round(vector, 6) + 0.0) + ")"

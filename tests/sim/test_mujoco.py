@@ -1,0 +1,462 @@
+"""A vehicle in MuJoCo: forces beside ``VehicleForces``, flights beside mechanics, bad models."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import propmap
+from propmap import InputError, VehicleForces
+from propmap.export import export_vehicle
+from propmap.table import LoadTable
+from propmap.vehicle.vehicle import Body, Vehicle
+from tests.export.conftest import invented_content
+from tests.export.needed import package
+from tests.export.test_vehicle_export import ASKEW, PLAIN, VEHICLES, WAKES
+from tests.vehicle.test_vehicle_wrench import QUAD, ROTOR
+
+mujoco = package("mujoco")
+sim = package("propmap.sim.mujoco")
+
+INERTIA = (0.004, 0.005, 0.008)
+GRAVITY = 9.81
+LAG = 0.03
+CENTRE = (0.02, -0.01, 0.03)
+
+
+def table_of(vehicle: Vehicle, *, scale: float = 1.0, gap: bool = False) -> LoadTable:
+    """The invented table as one of the vehicle's propeller, with loads times ``scale``."""
+    content = invented_content(gap=gap)
+    content.info["propeller"]["geometry_sha256"] = vehicle.propeller.fingerprint()
+    return LoadTable(replace(content, coefficients=scale * content.coefficients))
+
+
+def mjcf(
+    vehicle: Vehicle,
+    *,
+    option: str = "",
+    centre: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    actuator: str = f'dyntype="filter" dynprm="{LAG}" gainprm="0"',
+) -> str:
+    """The vehicle, with its centre of mass at ``centre`` of its body's frame."""
+
+    def words(vector: Any) -> str:
+        return " ".join(repr(float(x)) for x in vector)
+
+    sites = "\n".join(
+        f'<site name="rotor_{k}" pos="{words(np.add(mount.position, centre))}"'
+        f' zaxis="{words(mount.axis)}"/>'
+        for k, mount in enumerate(vehicle.mounts, start=1)
+    )
+    actuators = "\n".join(
+        f'<general name="rotor_{k}" site="rotor_{k}" {actuator}/>'
+        for k in range(1, len(vehicle.mounts) + 1)
+    )
+    return f"""<mujoco>
+<option timestep="0.001" integrator="RK4" {option}/>
+<worldbody>
+<body name="quad">
+<freejoint/>
+<inertial pos="{words(centre)}" mass="{vehicle.mass}" diaginertia="{words(INERTIA)}"/>
+{sites}
+</body>
+</worldbody>
+<actuator>
+{actuators}
+</actuator>
+</mujoco>"""
+
+
+@pytest.fixture
+def fly() -> Iterator[Callable[..., tuple[Any, Any, Any]]]:
+    """Make model, state and forces, which act until the test ends."""
+
+    def make(text: str, vehicle: Vehicle, loads: Any, **given: Any) -> tuple[Any, Any, Any]:
+        model = mujoco.MjModel.from_xml_string(text)
+        forces = sim.MujocoRotors(model, vehicle, loads, **given)
+        mujoco.set_mjcb_passive(forces)
+        return model, mujoco.MjData(model), forces
+
+    yield make
+    mujoco.set_mjcb_passive(None)
+
+
+def random_state(data: Any, rng: np.random.Generator, low: float, high: float) -> None:
+    data.qpos[:3], data.qpos[3:] = rng.normal(0.0, 5.0, 3), rng.normal(0.0, 1.0, 4)
+    data.qpos[3:] /= np.linalg.norm(data.qpos[3:])
+    data.qvel[:3], data.qvel[3:] = rng.normal(0.0, 3.0, 3), rng.normal(0.0, 1.0, 3)
+    data.act[:] = rng.uniform(low, high, data.act.size)
+    data.ctrl[:] = data.act
+
+
+@pytest.mark.parametrize("case", [*VEHICLES, "on the core"])
+def test_forces_are_those_of_vehicle_forces(fly: Callable[..., Any], case: str) -> None:
+    """At any attitude, spin, motion and wind, with the body's origin beside its centre of mass."""
+    vehicle = VEHICLES.get(case, QUAD)
+    loads = ROTOR if case == "on the core" else table_of(vehicle)
+    wind = np.array([2.0, -1.0, 0.5])
+    text = mjcf(vehicle, option='wind="2 -1 0.5"', centre=CENTRE)
+    model, data, forces = fly(text, vehicle, loads)
+    rng, direct = np.random.default_rng(0), VehicleForces(vehicle, loads)
+    compared = 0
+    for _ in range(30):
+        random_state(data, rng, 450.0, 900.0)
+        turn = Rotation.from_quat(data.qpos[[4, 5, 6, 3]])
+        rates = data.qvel[3:].copy()
+        centre = turn.inv().apply(data.qvel[:3]) + np.cross(rates, CENTRE)
+        want = direct.wrench(data.act, centre, rates, turn.inv().apply(wind))
+        if np.isnan(want.force).any():
+            with pytest.raises(InputError, match="has no loads"):
+                mujoco.mj_forward(model, data)
+            continue
+        compared += 1
+        mujoco.mj_forward(model, data)
+        place = data.qpos[:3] + turn.apply(CENTRE)
+        expected = np.zeros(model.nv)
+        body = model.body("quad").id
+        force, moment = turn.apply(want.force), turn.apply(want.moment)
+        mujoco.mj_applyFT(model, data, force, moment, place, body, expected)
+        size = np.abs(expected).max()
+        np.testing.assert_allclose(data.qfrc_passive, expected, rtol=0.0, atol=1e-12 * size)
+        told = forces.wrench(data)
+        np.testing.assert_allclose(told.moment, want.moment, rtol=0.0, atol=1e-12 * size)
+        words = [forces._words[code] for code in forces._codes[0]]
+        assert words == list(forces.status)
+        if case != "on the core":
+            assert list(forces.status) == want.rotor_status.tolist()
+    assert compared >= 10
+
+
+def hover_speed(vehicle: Vehicle, table: LoadTable) -> float:
+    share = vehicle.mass * GRAVITY / len(vehicle.mounts)
+    return float(table.omega_for("thrust", share, 0.0, 0.0).omega)
+
+
+AT = tuple(
+    (*(float(np.sign(x)) * 0.16 for x in mount.position[:2]), 0.02) for mount in PLAIN.mounts
+)
+SQUARE = replace(
+    PLAIN, mounts=tuple(replace(m, position=at) for m, at in zip(PLAIN.mounts, AT, strict=True))
+)
+
+
+def test_hover_holds_and_rotors_lag(fly: Callable[..., Any]) -> None:
+    table = table_of(SQUARE)
+    model, data, forces = fly(mjcf(SQUARE), SQUARE, table)
+    omega = hover_speed(SQUARE, table)
+    data.act[:] = data.ctrl[:] = omega
+    while data.time < 1.0:
+        mujoco.mj_step(model, data)
+    np.testing.assert_allclose(data.qpos, [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], atol=1e-9)
+    assert forces.worst_status == ("ok",) * 4
+    # A faster command lifts it; the speed follows with the lag.
+    data.ctrl[:] = 1.1 * omega
+    start = data.time
+    while data.time - start < 0.05 - 1e-9:
+        mujoco.mj_step(model, data)
+    np.testing.assert_allclose(data.act, omega * (1.1 - 0.1 * np.exp(-0.05 / LAG)), rtol=1e-9)
+    assert data.qvel[2] > 0.01
+
+
+def test_without_a_lag_the_command_is_the_speed(fly: Callable[..., Any]) -> None:
+    table = table_of(SQUARE)
+    actuator = 'gainprm="0" ctrlrange="300 700"'
+    model, data, _ = fly(mjcf(SQUARE, actuator=actuator), SQUARE, table)
+    lifts = []
+    for command in (500.0, 700.0, 900.0):
+        data.ctrl[:] = command
+        mujoco.mj_forward(model, data)
+        lifts.append(data.qfrc_passive[2])
+    thrust = [4.0 * table.loads(omega, 0.0, 0.0).thrust for omega in (500.0, 700.0)]
+    np.testing.assert_allclose(lifts, [*thrust, thrust[1]], rtol=1e-12)
+
+
+def test_a_fall_ends_at_the_terminal_velocity(fly: Callable[..., Any]) -> None:
+    """Rotors without loads: weight against the drag of the body."""
+    model, data, forces = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN, scale=0.0), clamp=True)
+    while data.time < 15.0:
+        mujoco.mj_step(model, data)
+    terminal = np.sqrt(2.0 * PLAIN.mass * GRAVITY / (PLAIN.air.density * PLAIN.body.drag_area[2]))
+    assert data.qvel[2] == pytest.approx(-terminal, rel=1e-3)
+    assert set(forces.worst_status) == {"clamped"}
+
+
+def test_work_and_impulse_are_the_changes_of_energy_and_momentum(fly: Callable[..., Any]) -> None:
+    vehicle = VEHICLES["askew, with a wing and lift"]
+    model, data, forces = fly(mjcf(vehicle), vehicle, table_of(vehicle))
+    data.qvel[:] = [3.0, 1.0, 0.5, 0.4, -0.3, 0.2]
+    data.act[:] = [600.0, 620.0, 640.0, 580.0]
+    data.ctrl[:] = [640.0, 600.0, 610.0, 620.0]
+    inertia, rows = np.array(INERTIA), []
+    while data.time < 0.4:
+        turn = Rotation.from_quat(data.qpos[[4, 5, 6, 3]])
+        told, rates = forces.wrench(data), data.qvel[3:]
+        push = turn.apply(told.force)
+        energy = 0.5 * vehicle.mass * data.qvel[:3] @ data.qvel[:3] + 0.5 * rates @ (
+            inertia * rates
+        )
+        energy += vehicle.mass * GRAVITY * data.qpos[2]
+        spin = turn.apply(inertia * rates)
+        power = push @ data.qvel[:3] + told.moment @ rates
+        weight = [0.0, 0.0, -vehicle.mass * GRAVITY]
+        momentum = vehicle.mass * data.qvel[:3]
+        moment = turn.apply(told.moment)
+        rows.append([[energy, *momentum, *spin], [power, *(push + weight), *moment]])
+        mujoco.mj_step(model, data)
+    have, rate = np.array(rows).swapaxes(0, 1)
+    # Simpson's rule over the steps.
+    odd = len(have) - 1 + len(have) % 2
+    weights = np.ones(odd)
+    weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
+    done = model.opt.timestep / 3.0 * weights @ rate[:odd]
+    change = have[odd - 1] - have[0]
+    assert np.abs(change).max() > 0.5
+    np.testing.assert_allclose(done, change, rtol=0.0, atol=2e-6 * np.abs(change).max())
+
+
+def test_a_mirrored_vehicle_flies_a_mirrored_flight(fly: Callable[..., Any]) -> None:
+    def mirrored(mount: Any) -> Any:
+        (x, y, z), (u, v, w) = mount.position, mount.axis
+        spin = {"cw": "ccw", "ccw": "cw"}[mount.spin]
+        return replace(mount, position=(x, -y, z), axis=(u, -v, w), spin=spin)
+
+    flights = []
+    for mounts, side in ((ASKEW, 1.0), (tuple(map(mirrored, ASKEW)), -1.0)):
+        vehicle = replace(PLAIN, mounts=mounts, rotor_inertia=2e-5)
+        model, data, _ = fly(mjcf(vehicle), vehicle, table_of(vehicle))
+        data.qvel[:] = [2.0, side, 0.3, side * 0.4, 0.3, side * 0.5]
+        data.act[:], data.ctrl[:] = [600.0, 620.0, 640.0, 610.0], 630.0
+        while data.time < 0.3:
+            mujoco.mj_step(model, data)
+        flights.append(data.qpos * [1.0, side, 1.0, 1.0, side, 1.0, side])
+        mujoco.set_mjcb_passive(None)
+    assert np.abs(flights[0][[1, 4, 6]]).max() > 0.05
+    np.testing.assert_allclose(flights[0], flights[1], rtol=0.0, atol=1e-12)
+
+
+def test_angular_momentum_of_vehicle_and_rotors_is_kept(fly: Callable[..., Any]) -> None:
+    """In space: rotors that change their speed turn the vehicle, and are gyroscopes."""
+    heavy = 3e-5
+    vehicle = replace(PLAIN, mounts=ASKEW, rotor_inertia=heavy, body=Body())
+    text = mjcf(vehicle, option='gravity="0 0 0"')
+    model, data, forces = fly(text, vehicle, table_of(vehicle, scale=0.0), clamp=True)
+    data.qvel[3:] = [1.0, -0.7, 0.4]
+    data.act[:], data.ctrl[:] = 500.0, [300.0, 700.0, 800.0, 900.0]
+    spin = np.array([{"ccw": 1.0, "cw": -1.0}[mount.spin] for mount in ASKEW])
+
+    def momentum() -> np.ndarray:
+        turn = Rotation.from_quat(data.qpos[[4, 5, 6, 3]])
+        rotors = heavy * (spin * data.act) @ forces.vehicle.rotor_axes
+        return turn.apply(np.array(INERTIA) * data.qvel[3:] + rotors)
+
+    before, rates = momentum(), data.qvel[3:].copy()
+    while data.time < 0.5:
+        mujoco.mj_step(model, data)
+    assert np.abs(data.qvel[3:] - rates).max() > 0.5
+    np.testing.assert_allclose(momentum(), before, rtol=0.0, atol=1e-6 * np.abs(before).max())
+
+
+# -------------------------------------------------------------------------------------------------
+# Loads that are not there, and what is no flight of this model.
+
+
+def test_a_table_that_does_not_cover_the_flight_is_told(fly: Callable[..., Any]) -> None:
+    table = table_of(PLAIN)
+    model, data, forces = fly(mjcf(PLAIN), PLAIN, table)
+    data.act[:], data.ctrl[:] = [600.0, 600.0, 150.0, 600.0], 600.0
+    with pytest.raises(InputError, match=r"rotor_3 has no loads \(outside\), at 150 rad/s") as told:
+        mujoco.mj_step(model, data)
+    assert "\n" not in str(told.value) and "clamp=True" in str(told.value)
+    assert forces.status == ("ok", "ok", "outside", "ok")
+    mujoco.mj_resetData(model, data)
+    data.act[:] = data.ctrl[:] = 600.0
+    mujoco.mj_step(model, data)
+    assert np.isfinite(data.qpos).all()
+    assert forces.status == ("ok",) * 4 and forces.worst_status[2] == "outside"
+
+
+@pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])
+def test_beyond_the_table_by_its_nearest_point(fly: Callable[..., Any], wakes: Any) -> None:
+    vehicle = replace(PLAIN, wakes=wakes)
+    model, data, forces = fly(mjcf(vehicle), vehicle, table_of(vehicle), clamp=True)
+    lifts = []
+    for omega in (150.0, 200.0):
+        data.act[:] = data.ctrl[:] = omega
+        mujoco.mj_forward(model, data)
+        lifts.append(data.qfrc_passive[2])
+        if omega < 200.0:
+            assert forces.status == ("clamped",) * 4
+    assert lifts[0] == pytest.approx(lifts[1], rel=1e-12) and lifts[0] > 0.0
+
+
+def test_the_vortex_ring_is_told(fly: Callable[..., Any]) -> None:
+    model, data, forces = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN, gap=True))
+    found = set()
+    for speed in np.linspace(0.0, 10.0, 60):
+        for angle in np.linspace(0.0, np.pi, 25):
+            data.qvel[:3] = speed * np.sin(angle), 0.0, speed * np.cos(angle)
+            data.act[:] = data.ctrl[:] = 600.0
+            try:
+                mujoco.mj_forward(model, data)
+            except InputError as error:
+                assert "(no_value)" in str(error) or "(outside)" in str(error)
+            found |= set(forces.status)
+    assert {"ok", "vortex_ring", "unresolved", "no_value"} <= found
+
+
+def test_other_models_are_left_alone(fly: Callable[..., Any]) -> None:
+    text = mjcf(PLAIN)
+    model, data, _ = fly(text, PLAIN, table_of(PLAIN))
+    data.act[:] = data.ctrl[:] = 600.0
+    mujoco.set_mjcb_passive(None)  # a model that is compiled is stepped once
+    other = mujoco.MjModel.from_xml_string(text.replace("quad", "ball"))
+    same = mujoco.MjModel.from_xml_string(text)
+    forces = sim.MujocoRotors(model, PLAIN, table_of(PLAIN))
+    mujoco.set_mjcb_passive(forces)
+    for one, lifted in ((other, False), (same, True), (model, True)):
+        state = mujoco.MjData(one)
+        state.act[:] = state.ctrl[:] = 600.0
+        mujoco.mj_forward(one, state)
+        assert (state.qfrc_passive[2] > 0.0) == lifted
+
+
+def test_rollouts_in_threads_are_the_flights(fly: Callable[..., Any]) -> None:
+    rollout = package("mujoco.rollout")
+    model, data, _ = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN))
+    kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    data.act[:], data.qvel[0] = 600.0, 1.0
+    start = np.empty((4, mujoco.mj_stateSize(model, kind)))
+    for row in start:
+        mujoco.mj_getState(model, data, row, kind)
+    commands = np.broadcast_to(np.linspace(580.0, 640.0, 4)[:, None, None], (4, 50, 4)).copy()
+    states, _ = rollout.rollout(model, [mujoco.MjData(model) for _ in range(2)], start, commands)
+    for row, command, found in zip(start, commands, states, strict=True):
+        mujoco.mj_setState(model, data, row, kind)
+        data.ctrl[:] = command[0]
+        for _ in range(50):
+            mujoco.mj_step(model, data)
+        np.testing.assert_array_equal(found[-1, 1 : 1 + model.nq], data.qpos)
+
+
+GOOD = mjcf(PLAIN)
+SITE = re.search(r'<site name="rotor_4".*', GOOD)
+ACTUATOR = re.search(r'<general name="rotor_4".*', GOOD)
+assert SITE is not None and ACTUATOR is not None
+WRONG: dict[str, tuple[str, dict[str, Any], str]] = {
+    "a rotor without a site": (
+        GOOD.replace('name="rotor_4" pos', 'name="x" pos').replace('site="rotor_4"', 'site="x"'),
+        {}, "has no site 'rotor_4'"
+    ),
+    "a site without a rotor": (
+        GOOD.replace(SITE[0], SITE[0] + SITE[0].replace("rotor_4", "rotor_5")),
+        {}, "the site 'rotor_5' is that of no rotor: the vehicle has 4"
+    ),
+    "a rotor without an actuator": (GOOD.replace(ACTUATOR[0], ""), {}, "no actuator 'rotor_4'"),
+    "two names alike": (
+        GOOD, {"names": ("rotor_1", "rotor_2", "rotor_1", "rotor_4")},
+        "two rotors are named 'rotor_1'"
+    ),
+    "too few names": (GOOD, {"names": ("rotor_1", "rotor_2")}, "2 names are given, the vehicle"),
+    "names in another order": (
+        GOOD, {"names": ("rotor_2", "rotor_1", "rotor_3", "rotor_4")}, "in the vehicle's order"
+    ),
+    "grams": (
+        GOOD.replace('mass="1.2"', 'mass="1200"').replace('"0.004 0.005 0.008"', '"4 5 8"'),
+        {}, "has 1200 kg there, the vehicle's file 1.2 kg; MJCF is in kg, not g"
+    ),
+    "another mass": (GOOD.replace('mass="1.2"', 'mass="2"'), {}, "give both the same mass"),
+    "millimetres": (
+        mjcf(replace(PLAIN, mounts=tuple(
+            replace(m, position=tuple(1e3 * x for x in m.position)) for m in PLAIN.mounts))),
+        {}, "is at (160, 170, 20) m from the centre of mass, the vehicle's rotor at "
+        "(0.16, 0.17, 0.02) m; MJCF is in m, not mm"
+    ),
+    "z down": (
+        mjcf(replace(PLAIN, mounts=tuple(replace(m, axis=(0.0, 0.0, -1.0)) for m in PLAIN.mounts))),
+        {}, "turn the site: its z axis is along the thrust"
+    ),
+    "no free joint": (GOOD.replace("<freejoint/>", '<joint type="hinge"/>'), {}, "no free joint"),
+    "fixed": (GOOD.replace("<freejoint/>", ""), {}, "no free joint"),
+    "a rotor that tilts": (
+        GOOD.replace(SITE[0], f'<body><joint/><geom size="0.01" mass="0.01"/>{SITE[0]}</body>'),
+        {}, "are on bodies that move against each other"
+    ),
+    "an actuator that pushes": (GOOD.replace('gainprm="0"', ""), {}, "pushes the vehicle itself"),
+    "an integrator": (
+        GOOD.replace('"filter"', '"integrator"'), {}, "has a dyntype of another kind"
+    ),
+    "two kinds": (
+        GOOD.replace(ACTUATOR[0], ACTUATOR[0].replace('"filter"', '"none"')), {}, "some none"
+    ),
+    "air": (mjcf(PLAIN, option='density="1.2"'), {}, "option density or viscosity is not 0"),
+    "nothing passive": (
+        GOOD.replace("/>", '><flag spring="disable" damper="disable"/></option>', 1),
+        {}, "passive forces are switched off"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_does_not_fit_is_refused_in_a_line(case: str) -> None:
+    text, given, message = WRONG[case]
+    model = mujoco.MjModel.from_xml_string(text)
+    with pytest.raises(InputError, match=re.escape(message)) as told:
+        sim.MujocoRotors(model, PLAIN, table_of(PLAIN), **given)
+    assert "\n" not in str(told.value)
+
+
+def test_loads_of_something_else() -> None:
+    model = mujoco.MjModel.from_xml_string(GOOD)
+    with pytest.raises(InputError, match="loads is str; give a Rotor or a LoadTable"):
+        sim.MujocoRotors(model, PLAIN, "table.npz")
+    with pytest.raises(InputError, match="another propeller or air"):
+        sim.MujocoRotors(model, PLAIN, propmap.Rotor(propmap.known_model("apc-8x6e")))
+
+
+# -------------------------------------------------------------------------------------------------
+# ``propmap export --to mujoco``.
+
+
+@pytest.mark.parametrize("case", ["plain", "askew, with a wing and lift", "wakes"])
+def test_an_exported_vehicle_hovers_in_a_process_of_its_own(tmp_path: Path, case: str) -> None:
+    vehicle = replace(VEHICLES[case], inertia=INERTIA, rotor_inertia=1e-5)
+    paths = export_vehicle(vehicle, table_of(vehicle), "mujoco", tmp_path)
+    assert sorted(path.name for path in paths) == [
+        "README-mujoco.txt", "invented.npz", "test_quad.xml", "test_quad_mujoco.py"
+    ]  # fmt: skip
+    command = [sys.executable, str(tmp_path / "test_quad_mujoco.py"), "--headless", "0.5"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    found = re.fullmatch(
+        r"after 0\.50\d s at \((\S+), (\S+), (\S+)\) m, status ok, ok, ok, ok\n", done.stdout
+    )
+    assert found is not None, done.stdout
+    np.testing.assert_allclose([float(word) for word in found.groups()], [0, 0, 2], atol=2e-3)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "test_quad.xml"))
+    assert model.body_mass.sum() == pytest.approx(vehicle.mass, rel=1e-12)
+    np.testing.assert_allclose(model.body("test_quad").inertia, INERTIA, rtol=1e-12)
+    assert "written by propmap" in (tmp_path / "test_quad.xml").read_text()
+    assert "0.05 s: assumed" in " ".join((tmp_path / "README-mujoco.txt").read_text().split())
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "message"),
+    [
+        (PLAIN, "has no inertia"),
+        (replace(PLAIN, inertia=INERTIA, mass=30.0), "does not hover on this table"),
+    ],
+    ids=["no inertia", "too heavy"],
+)
+def test_what_cannot_be_exported(tmp_path: Path, vehicle: Vehicle, message: str) -> None:
+    with pytest.raises(InputError, match=message) as told:
+        export_vehicle(vehicle, table_of(vehicle), "mujoco", tmp_path / "out")
+    assert "\n" not in str(told.value) and not (tmp_path / "out").exists()

@@ -1,0 +1,121 @@
+"""Tables of the simulators' page, from benchmarks/results/cross_check.json."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+QUANTITIES = {
+    "position": ("position", "m", 1.0),
+    "velocity": ("velocity", "m/s", 1.0),
+    "attitude": ("attitude", "deg", 57.29577951308232),
+    "energy": ("shaft energy", "J", 1.0),
+}
+READINGS = (
+    ("hover: rotor speed [rad/s]", "hover_front", 1),
+    ("hover: shaft power [W]", "hover_power", 1),
+    ("12 m/s: pitch, nose down [deg]", "cruise_pitch_deg", 2),
+    ("12 m/s: rotor speed in front [rad/s]", "cruise_front", 1),
+    ("12 m/s: rotor speed in the rear [rad/s]", "cruise_rear", 1),
+    ("12 m/s: shaft power [W]", "cruise_power", 1),
+    ("braking: largest pitch, nose up [deg]", "braking_nose_up_deg", 1),
+    ("3 m/s down: rotor speed [rad/s]", "descent_front", 1),
+    ("3 m/s down: shaft power [W]", "descent_power", 1),
+    ("largest distance from the course [m]", "largest_error", 3),
+    ("shaft energy of the mission [J]", "energy", 1),
+)
+
+
+def convergence(found: dict[str, Any]) -> str:
+    """What halving the step does to a simulator's velocity, against SciPy's."""
+    steps = " | ".join(f"{step:g} ms" for step in found["steps_ms"])
+    rows = [
+        f"| simulator | integrator | order | {steps} | observed at the last halving |",
+        "|---|---|---:|---:|---:|---:|---:|",
+    ]
+    for name, one in found["propmap"]["integrators"].items():
+        errors = [each["velocity"] for each in one["from_scipy"]]
+        cells = [*map(_power, errors), f"{math.log2(errors[-2] / errors[-1]):.1f}"]
+        rows.append(f"| {name} | {one['method']} | {one['order']} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def agreement(found: dict[str, Any]) -> str:
+    """What two simulators differ by, and may."""
+    names = " | ".join(f"{name} [{unit}]" for name, unit, _ in QUANTITIES.values())
+    rows = [f"| | {names} |", "|---|" + "---:|" * len(QUANTITIES)]
+    for pair, one in found["propmap"]["pairs"].items():
+        cells = [
+            f"{_power(scale * one['found'][name])} of {_power(scale * one['allowed'][name])}"
+            for name, (_, _, scale) in QUANTITIES.items()
+        ]
+        rows.append(f"| {pair.replace(' - ', ', ')} | {' | '.join(cells)} |")
+    shares = [
+        one["found"][name] / one["allowed"][name]
+        for model in ("propmap", "hover")
+        for one in found[model]["pairs"].values()
+        for name in QUANTITIES
+    ]
+    rows += [
+        "",
+        f"At most {max(shares):.2f} of what is allowed is used, with the hover model too.",
+    ]
+    return "\n".join(rows)
+
+
+def energy(found: dict[str, Any]) -> str:
+    """What each simulator's states gained, and what the air did to them."""
+    rows = [
+        "| simulator | loads | kinetic and potential energy gained [J] | work of the air [J] "
+        "| largest difference on the way [J] | shaft energy [J] |",
+        "|---|---|---:|---:|---:|---:|",
+    ]
+    for model, words in (("propmap", "propmap"), ("hover", "hover model")):
+        for name, one in found[model]["energy"].items():
+            values = [f"{one['stored']:.6f}", f"{one['work']:.6f}"]
+            values += [_power(one["largest_imbalance"]), f"{one['used']:.4f}"]
+            rows.append(f"| {name} | {words} | {' | '.join(values)} |")
+    return "\n".join(rows)
+
+
+def models(found: dict[str, Any]) -> str:
+    """What the hover model makes of the mission."""
+    rows = [
+        "| | propmap | hover model | error of the hover model | `propmap trim` |",
+        "|---|---:|---:|---:|---:|",
+    ]
+    mine, other = (found[model]["told"]["SciPy"] for model in ("propmap", "hover"))
+    for words, name, digits in READINGS:
+        leg, _, quantity = name.partition("_")
+        trimmed = found["steady"].get(leg, {}).get(quantity)
+        change = f"{other[name] - mine[name]:+.{digits}f}"
+        if "deg" not in name:
+            change += f" ({100.0 * (other[name] / mine[name] - 1.0):+.0f} %)"
+        steady = "" if trimmed is None else f"{trimmed:.{digits}f}"
+        values = f"{mine[name]:.{digits}f} | {other[name]:.{digits}f}"
+        rows.append(f"| {words} | {values} | {change} | {steady} |")
+    return "\n".join(rows)
+
+
+def elsewhere(found: dict[str, Any]) -> str:
+    """How alike simulators are in these readings, what a simulated log has, what is not known."""
+    spread = 0.0
+    for model in ("propmap", "hover"):
+        told = found[model]["told"]
+        for name in told["SciPy"]:
+            values = [one[name] for which, one in told.items() if "held" not in which]
+            spread = max(spread, (max(values) - min(values)) / max(map(abs, values)))
+    log, mine = found["steady"]["simulated_log"], found["propmap"]["told"]["SciPy"]
+    mean = 0.5 * (mine["cruise_front"] + mine["cruise_rear"])
+    drag = found["steady"]["rotor_drag"]
+    return (
+        f"SciPy, RotorPy, MuJoCo and Drake give each of these figures to {_power(spread)} of it. "
+        f"`propmap simulate flight` leans by {log['pitch_deg']:.2f}° at 12 m/s, all rotors at "
+        f"{log['rotor_speed']:.1f} rad/s; the flight's mean is {mean:.1f}. The rotors' drag has a "
+        f"standard deviation of {100.0 * drag['relative_std']:.0f} % there, by how rotors are "
+        f"mounted; with bare blades the vehicle leans by {drag['pitch_of_bare_blades_deg']:.1f}°."
+    )
+
+
+def _power(value: float) -> str:
+    return f"{value:.1e}".replace("e-0", "e-")
