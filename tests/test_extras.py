@@ -56,7 +56,10 @@ NEEDS = {
 }
 """Commands that need an extra."""
 
-NEEDED_BY = {"jax": ["import propmap.jax", "from propmap.table import JaxTable"]}
+NEEDED_BY = {
+    "jax": ["import propmap.jax", "from propmap.table import JaxTable", "import propmap.sim.mjx"],
+    "mujoco": ["import propmap.sim.mujoco"],
+}
 """What needs one in Python alone."""
 
 

@@ -38,6 +38,7 @@ EXTRAS = {
     "figures": "matplotlib",
     "jax": "jax",
     "logs": "pandas pymavlink pyulog rosbags",
+    "mujoco": "mujoco",
     "netcdf": "h5netcdf xarray",
     "parquet": "pandas pyarrow",
 }

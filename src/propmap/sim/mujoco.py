@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from propmap import core
-from propmap.errors import InputError
+from propmap.errors import InputError, require
 from propmap.results import STATUSES
 from propmap.rotor import Rotor
 from propmap.table import STATUSES as TABLE_STATUSES
@@ -29,10 +29,8 @@ from propmap.vehicle.vehicle import Mount, Vehicle
 from propmap.vehicle.vehicle_forces import Rotors, VehicleForces, VehicleWrench, airframe
 from propmap.vehicle.wakes import cross
 
-try:
-    import mujoco
-except ModuleNotFoundError as missing:
-    raise ImportError("MuJoCo is not installed; run: pip install 'propmap[mujoco]'") from missing
+require("mujoco")
+import mujoco  # noqa: E402
 
 MASS = 0.2  # share by which the mass of model and vehicle may differ: a payload
 PLACE = 0.1  # and sites from hubs, as a share of the largest arm
