@@ -369,6 +369,7 @@ def test_by_command(
     for arguments, message in (
         (("--to", "c"), "give it as --table FILE.npz"),
         (("--to", "gazebo", "--table", "map.npz"), "gazebo is written of a table alone"),
+        (("--to", "mujoco", "--table", "map.npz"), "the vehicle's file has no inertia"),
         (("--to", "c", "--table", "map.npz", "--prop", "apc-8x6e"), "--prop is given with --to c"),
         (("--to", "c", "--table", "map.npz", "--charge", "1"), "--charge is given with --to c"),
         (("--to", "c", "--table", "none.npz"), "none.npz"),
