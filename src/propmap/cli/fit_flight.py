@@ -34,31 +34,9 @@ from propmap.cli.fit import (
     settings_of,
 )
 from propmap.errors import InputError, quoted
-from propmap.fit.comparison import (
-    RecordedFlight,
-    Step,
-    body_terms_verdict,
-    by_flight,
-    fit_terms,
-    residual_trends,
-    unlikely_constants,
-)
+from propmap.fit import comparison, flight
 from propmap.fit.files import fit_text
 from propmap.fit.fit import fit, range_warnings
-from propmap.fit.flight import (
-    BIAS,
-    CLOCK_DEVIATION,
-    OFFSET,
-    OVER_FLIGHTS,
-    TILT,
-    ForceModel,
-    HoverScale,
-    balance_rows,
-    hover_rows,
-    level_rows,
-    of_each,
-    wing_values,
-)
 from propmap.fit.moments import CENTRE, FACTORS
 from propmap.fit.parameters import (
     BODY,
@@ -72,19 +50,7 @@ from propmap.fit.parameters import (
     SectionPrior,
 )
 from propmap.fit.tunnel import first_guess, model_with, section_with
-from propmap.flight.checks import (
-    check_rotor_order,
-    check_rotor_speed,
-    drive_in_hover,
-    mixed_vehicles,
-)
-from propmap.flight.steady import (
-    airborne,
-    is_level_table,
-    operating_points,
-    read_level_table,
-    steady_stretches,
-)
+from propmap.flight import checks, steady
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
 from propmap.model.envelope import MAIN_PART
 from propmap.model.model import Model
@@ -150,25 +116,22 @@ def read_flights(
     names = flight_names([str(path) for path in paths])
     if all_level_tables(paths):
         if method == "balance":
-            raise InputError(
-                "a level-flight table has no accelerations", "fit it with --method level"
-            )
-        tables = [read_level_table(path, file.vehicle) for path in paths]
+            fault = "a level-flight table has no accelerations"
+            raise InputError(fault, "fit it with --method level")
+        tables = [steady.read_level_table(path, file.vehicle) for path in paths]
         nominal, found = _nominal_rotor(file), list[str]()
         for table in tables:
             try:
-                found += check_rotor_speed(table, nominal, file.vehicle, "rpm")
+                found += checks.check_rotor_speed(table, nominal, file.vehicle, "rpm")
             except InputError as error:
                 remedy = "give rpm_1, rpm_2 ... in revolutions per minute of the propeller"
                 raise InputError(error.found, remedy, table.source) from None
         return Flights(True, joined(tables, names), tuple(found))
     logs, remarks, curve = _recorded(paths, file, curve)
     if method == "level" and any(log.commanded for log in logs):
-        raise InputError(
-            "steady stretches with throttle in place of rotor speeds say nothing of the blade: "
-            "they carry the weight at any",
-            "use --method balance, or log rotor speeds",
-        )
+        fault = "steady stretches with throttle in place of rotor speeds say nothing of the blade: "
+        fault += "they carry the weight at any"
+        raise InputError(fault, "use --method balance, or log rotor speeds")
     if method != "balance" and not any(log.commanded for log in logs):
         points = _points(logs, seconds, picture, needed=method == "level")
         if points is not None:
@@ -187,7 +150,7 @@ def read_flights(
                 f"slowest signal faster, or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
             )
     logs = _turning([low_passed(log, low_pass) for log in logs], file.vehicle, curve)
-    flying = joined([log.picked(airborne(log)) for log in logs], names)
+    flying = joined([log.picked(steady.airborne(log)) for log in logs], names)
     picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))
     return Flights(False, flying.picked(picked), tuple(remarks), curve)
 
@@ -209,21 +172,19 @@ def _recorded(
     if driven:
         remarks.append(FROM_THROTTLE)
         if curve is None:
-            curve = {HOVER_DRIVE: drive_in_hover(logs)}
+            curve = {HOVER_DRIVE: checks.drive_in_hover(logs)}
         if HOVER_DRIVE not in curve:
-            raise InputError(
-                "there is throttle and no rotor speed, and the constants are of measured ones",
-                "compare with a log of rotor speeds, or fit logs with throttle as well",
-                driven[0],
-            )
+            found = "there is throttle and no rotor speed, and the constants are of measured ones"
+            remedy = "compare with a log of rotor speeds, or fit logs with throttle as well"
+            raise InputError(found, remedy, driven[0])
     curve = curve or {}
     logs = _turning(logs, file.vehicle, curve)
     for log in logs:
         # Where it need not be stated, it is rpm.
         unit = file.log.rotor_unit or "rpm"
-        remarks += check_rotor_speed(log, _nominal_rotor(file), file.vehicle, unit)
-        check_rotor_order(log, file.vehicle)
-    return logs, [*remarks, *mixed_vehicles(logs, file.vehicle)], curve
+        remarks += checks.check_rotor_speed(log, _nominal_rotor(file), file.vehicle, unit)
+        checks.check_rotor_order(log, file.vehicle)
+    return logs, [*remarks, *checks.mixed_vehicles(logs, file.vehicle)], curve
 
 
 def _turning(
@@ -241,7 +202,7 @@ def _points(
     found = []
     for log in logs:
         try:
-            stretches = steady_stretches(log, seconds=seconds)
+            stretches = steady.steady_stretches(log, seconds=seconds)
         except InputError:
             if needed and len(logs) == 1:
                 raise
@@ -250,13 +211,11 @@ def _points(
             from propmap.report.fit_curves import steady_parts
 
             out.save_picture(steady_parts(log, stretches), picture)
-        found.append(operating_points(log, stretches))
+        found.append(steady.operating_points(log, stretches))
     if not found or (not needed and sum(len(p) for p in found) < ENOUGH_STRETCHES):
         if needed:
-            raise InputError(
-                f"no log has a steady stretch of {seconds:g} s",
-                "lower --seconds, or use --method balance",
-            )
+            fault = f"no log has a steady stretch of {seconds:g} s"
+            raise InputError(fault, "lower --seconds, or use --method balance")
         return None
     return joined(found)
 
@@ -267,7 +226,7 @@ def _nominal_rotor(file: VehicleFile) -> Rotor:
 
 def all_level_tables(paths: Sequence[Path]) -> bool:
     """Return whether all files are tables of operating points."""
-    return all(is_level_table(path) for path in paths)
+    return all(steady.is_level_table(path) for path in paths)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -295,7 +254,7 @@ WAKE_PRIORS = {
 the disk (1) or far below it (2) or by less, as air at the rim is slower."""
 # Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
 UNTWIST = Prior(0.02, 0.02)
-CLOCK = Prior(0.0, CLOCK_DEVIATION)
+CLOCK = Prior(0.0, flight.CLOCK_DEVIATION)
 TURNED, BIASED = Prior(0.0, 0.02), Prior(0.0, 0.1)  # [rad], [m/s^2], as boards are mounted
 # In flow the air's own moments, which controllers balance, leave little of the rotors' to be seen.
 MOMENT_FACTOR = Prior(1.0, 1.0)
@@ -335,7 +294,7 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
     places = [math.hypot(*mount.position) for mount in vehicle.mounts]
     arm = sum(places) / len(places) or vehicle.propeller.radius
     heavy = ROTOR_SHARE * vehicle.mass * vehicle.propeller.radius**2
-    scale = HoverScale.of(vehicle, log)
+    scale = flight.HoverScale.of(vehicle, log)
     if not hover:
         scale = replace(scale, measured={})
     return {
@@ -344,11 +303,12 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
         "drag_factor": DRAG_IN_FLIGHT,
         "mount_area": Prior(0.0, MOUNT_SHARE * disk),
         "untwist": UNTWIST,
-        **dict.fromkeys(OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
-        **dict.fromkeys(TILT, TURNED),
-        **dict.fromkeys(BIAS, BIASED),
+        **dict.fromkeys(flight.OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
+        **dict.fromkeys(flight.TILT, TURNED),
+        **dict.fromkeys(flight.BIAS, BIASED),
         **dict.fromkeys(
-            ("clock_offset", *of_each("clock_offset", log)), Prior(0.0, CLOCK_DEVIATION)
+            ("clock_offset", *flight.of_each("clock_offset", log)),
+            Prior(0.0, flight.CLOCK_DEVIATION),
         ),
         **dict.fromkeys(CENTRE, Prior(0.0, CENTRE_SHARE * arm)),
         "rotor_inertia": Prior(0.0, heavy),
@@ -356,7 +316,7 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
         **WAKE_PRIORS,
         "rotor_speed_scale": ROTOR_SPEEDS,
         **THROTTLE_PRIORS,
-        "thrust_scale": Prior(1.0, OVER_FLIGHTS),
+        "thrust_scale": Prior(1.0, flight.OVER_FLIGHTS),
         **scale.priors,
     }
 
@@ -374,10 +334,10 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     turning = tuple(TURNING) if vehicle.inertia else ()
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(INSTALLED)
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
-    scales = of_each("thrust_scale", log) if len(log.flights) > 1 else ()
-    driven = (*CURVE, *TILT) if log.commanded else ()
-    own = (*of_each("clock_offset", log), *scales, *driven)
-    return (*BLADE, *FLEX, *mount, *BODY_ALONG_Z, *OFFSET, *turning, *wakes, *own)
+    scales = flight.of_each("thrust_scale", log) if len(log.flights) > 1 else ()
+    driven = (*CURVE, *flight.TILT) if log.commanded else ()
+    own = (*flight.of_each("clock_offset", log), *scales, *driven)
+    return (*BLADE, *FLEX, *mount, *BODY_ALONG_Z, *flight.OFFSET, *turning, *wakes, *own)
 
 
 def with_flight_priors(choice: Choice, known: Mapping[str, Prior]) -> Choice:
@@ -471,7 +431,7 @@ def fit_flight(
     by_default = free is None and base is None
     blade = file.vehicle.propeller
     expected = section_prior(prior_from, blade.name, blade, by_default=by_default)
-    wing = wing_values(file.vehicle)
+    wing = flight.wing_values(file.vehicle)
     if not flights.level and free is None:
         # With one blade in one air, what hardly moves stays where other propellers have it.
         held, believed = (
@@ -488,26 +448,26 @@ def fit_flight(
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
     law = opt.with_physics(law, physics, correction)
-    model = ForceModel(file.vehicle, flights.log, law)
-    make = level_rows if flights.level else balance_rows
+    model = flight.ForceModel(file.vehicle, flights.log, law)
+    make = flight.level_rows if flights.level else flight.balance_rows
     fewer = None
     if not flights.level and flights.log.rotor_speed.size >= FEW:
         part = flights.log.picked(slice(None, None, EVERY))
-        fewer = make(ForceModel(file.vehicle, part, law), chosen)
+        fewer = make(flight.ForceModel(file.vehicle, part, law), chosen)
     remake = functools.partial(make, model, chosen)
     with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
         fitted = fit(remake(), chosen, settings, fewer, workers=workers, remake=remake)
     if flights.curve:
         (turning,) = _turning([flights.log], file.vehicle, fitted.values)
-        model = ForceModel(file.vehicle, turning, law)
+        model = flight.ForceModel(file.vehicle, turning, law)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
-    remarks += residual_trends(fitted, model.log)
-    remarks += unlikely_constants(fitted)
+    remarks += comparison.residual_trends(fitted, model.log)
+    remarks += comparison.unlikely_constants(fitted)
     if body_study:
-        remarks += body_terms_verdict(fitted, lambda c: make(model, c))
-    flown = by_flight(fitted, flights.log)
+        remarks += comparison.body_terms_verdict(fitted, lambda c: make(model, c))
+    flown = comparison.by_flight(fitted, flights.log)
     wanted = hover_scale and not flights.level
-    hovers = HoverScale.of(file.vehicle, model.log) if wanted else None
+    hovers = flight.HoverScale.of(file.vehicle, model.log) if wanted else None
     text = fit_text(
         fitted,
         kind="level flight" if flights.level else "flight",
@@ -516,7 +476,7 @@ def fit_flight(
         data=[*logs, vehicle],
         covered=model.coverage(),
         envelope=model.envelope((0.0, 100.0) if flights.level else MAIN_PART),
-        hover=hover_rows(model, fitted.values, fitted.rows),
+        hover=flight.hover_rows(model, fitted.values, fitted.rows),
         remarks=[*note_prior(expected), *remarks, *warnings],
         options={
             "seconds": seconds,
@@ -585,7 +545,7 @@ def fit_terms_page(
     prior = expected(prior_from, file.vehicle)
     known = flight_priors(file.vehicle, flights[0].passed, hover=False)
     law = prior.airfoil.with_corrections(["pitt-peters"])
-    found = fit_terms(
+    found = comparison.fit_terms(
         file.vehicle,
         flights,
         steps(file.vehicle, prior, known),
@@ -609,7 +569,9 @@ def expected(prior_from: str | None, vehicle: Vehicle) -> SectionPrior:
     return prior
 
 
-def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> list[Step]:
+def steps(
+    vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]
+) -> list[comparison.Step]:
     """List models of a vehicle's flights, each with one term more.
 
     Other propellers give the ``prior`` of the blade; ``known`` are the priors of other terms.
@@ -617,11 +579,11 @@ def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> 
     own_mounts = any(one.drag for one in vehicle.mounts)
     mount = () if own_mounts else tuple(INSTALLED)
     drag = DRAGS if own_mounts else (*mount, "drag_area_z")
-    blade = (*BLADE, *drag, *OFFSET, "clock_offset")
+    blade = (*BLADE, *drag, *flight.OFFSET, "clock_offset")
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
     named = {
         "three axes, body drag": (*BLADE, *DRAGS),
-        "accelerometer's place and clock": (*BLADE, *DRAGS, *OFFSET, "clock_offset"),
+        "accelerometer's place and clock": (*BLADE, *DRAGS, *flight.OFFSET, "clock_offset"),
         "drag of installed rotors for the body's in x, y": () if own_mounts else blade,
         "the rotors' wakes": (*blade, *wakes) if wakes else (),
         "blades that give way": (*blade, *wakes, *FLEX),
@@ -638,13 +600,13 @@ def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> 
         start = {name: value for name, value in at.items() if name in free}
         return with_flight_priors(Choice(free, fixed, {}, start, prior), known)
 
-    found = [Step("vertical balance alone", choice(STALL), vertical=True)]
-    return found + [Step(name, choice(f)) for name, f in named.items() if f]
+    found = [comparison.Step("vertical balance alone", choice(STALL), vertical=True)]
+    return found + [comparison.Step(name, choice(f)) for name, f in named.items() if f]
 
 
 def read_pairs(
     paths: Sequence[Path], file: VehicleFile, cutoff: float, prediction: str | None
-) -> tuple[list[RecordedFlight], list[str]]:
+) -> tuple[list[comparison.RecordedFlight], list[str]]:
     """Read flights, their signals low-passed below ``cutoff`` [Hz] and raw, and remarks on them.
 
     Raises ``InputError`` for bad logs, and for columns of the ``prediction`` that are not there.
@@ -653,26 +615,22 @@ def read_pairs(
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise InputError(f"two logs are called {twice[0]!r}", "give each flight once")
-    found: list[RecordedFlight] = []
+    found: list[comparison.RecordedFlight] = []
     remarks: list[str] = []
     for path in paths:
         passed, raw = (read_flights([path], file, "balance", low_pass=hz) for hz in (cutoff, 0.0))
         remarks += passed.remarks
         if passed.log.commanded:
-            raise InputError(
-                "there are commands to the motors in place of rotor speeds",
-                "compare terms on flights with measured speeds",
-                str(path),
-            )
+            fault = "there are commands to the motors in place of rotor speeds"
+            raise InputError(fault, "compare terms on flights with measured speeds", str(path))
         if not np.isfinite(passed.log.specific_force).all():
-            raise InputError(
-                "there is no specific force (accelerometer) for all samples", "log it", str(path)
-            )
+            fault = "there is no specific force (accelerometer) for all samples"
+            raise InputError(fault, "log it", str(path))
         both = [
             _predicted(path, file, flown.log.time, hz, prediction)
             for flown, hz in ((passed, cutoff), (raw, 0.0))
         ]
-        found.append(RecordedFlight(path.stem, passed.log, raw.log, *both))
+        found.append(comparison.RecordedFlight(path.stem, passed.log, raw.log, *both))
     return found, remarks
 
 

@@ -109,11 +109,9 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = CORRELAT
     """
     log = model.log
     if not np.isfinite(log.specific_force).all():
-        raise InputError(
-            "there is no specific force (accelerometer) for all samples",
-            "add it to the log, or fit steady stretches with --method level",
-            log.source,
-        )
+        found = "there is no specific force (accelerometer) for all samples"
+        remedy = "add it to the log, or fit steady stretches with --method level"
+        raise InputError(found, remedy, log.source)
     group = log.stretches(stretch)
     measured = model.vehicle.mass * log.specific_force
     turning = measured_moment(model.vehicle, log)
@@ -252,11 +250,9 @@ class ForceModel:
         self, vehicle: Vehicle, log: FlightLog, base: Airfoil, setting: str = "standard"
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
-            raise InputError(
-                f"{log.rotor_speed.shape[1]} rotor speeds for {len(vehicle.mounts)} rotors",
-                "give the vehicle file one [[rotors]] table per rotor of the log",
-                log.source,
-            )
+            found = f"{log.rotor_speed.shape[1]} rotor speeds for {len(vehicle.mounts)} rotors"
+            remedy = "give the vehicle file one [[rotors]] table per rotor of the log"
+            raise InputError(found, remedy, log.source)
         self.vehicle, self.log, self.base, self.setting = vehicle, log, base, setting
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
@@ -502,11 +498,9 @@ def sensor_force(
     if not fitted and (points or not place.any()):
         return force, slopes
     if not np.isfinite(log.angular_acceleration).all():
-        raise InputError(
-            "a sensor's place or clock acts on a log without time derivatives",
-            "fit whole flights with --method balance, or leave the sensor's parameters out",
-            log.source,
-        )
+        found = "a sensor's place or clock acts on a log without time derivatives"
+        remedy = "fit whole flights with --method balance, or leave the sensor's parameters out"
+        raise InputError(found, remedy, log.source)
     rates, turning = log.rates, log.angular_acceleration
     by_place = [
         vehicle.mass * (np.cross(turning, e) + np.cross(rates, np.cross(rates, e)))
@@ -670,10 +664,8 @@ def check_flights(names: Sequence[str], log: FlightLog) -> None:
     here = [one for name in PER_FLIGHT for one in of_each(name, log)]
     for name in names:
         if general(name) != name and name not in here:
-            raise InputError(
-                f"{quoted(name)} is of no flight of these",
-                f"name one of {', '.join(log.flights)}, or leave the brackets out for all",
-            )
+            remedy = f"name one of {', '.join(log.flights)}, or leave the brackets out for all"
+            raise InputError(f"{quoted(name)} is of no flight of these", remedy)
 
 
 def of_others(values: Mapping[str, float]) -> dict[str, float]:

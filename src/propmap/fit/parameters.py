@@ -120,10 +120,8 @@ def constants_of(section: Section) -> Airfoil:
     """The section law if it has the parameters of ``SECTION``; refuse a section table."""
     if isinstance(section, Airfoil):
         return section
-    raise InputError(
-        f"{section.name!r} is no set of constants such as c_l1",
-        "a fit and a simulated flight need constants: give a parameter set",
-    )
+    found = f"{section.name!r} is no set of constants such as c_l1"
+    raise InputError(found, "a fit and a simulated flight need constants: give a parameter set")
 
 
 @dataclass(frozen=True)
@@ -185,16 +183,13 @@ class Choice:
             if not np.isfinite(prior.mean):
                 raise InputError(f"the prior of {name} has no number as mean", "give one")
             if not prior.deviation > 0.0:
-                raise InputError(
-                    f"the prior of {name} has the deviation {prior.deviation:g}",
-                    "give one above zero, as in c_l2=2.0:0.3",
-                )
+                found = f"the prior of {name} has the deviation {prior.deviation:g}"
+                raise InputError(found, "give one above zero, as in c_l2=2.0:0.3")
         for name, value in (*self.fixed.items(), *self.start.items()):
             p = described(name)
             if not p.lower <= value <= p.upper:
-                raise InputError(
-                    f"{name} is {value:g} {p.unit}", f"give a value from {p.lower:g} to {p.upper:g}"
-                )
+                fault = f"{name} is {value:g} {p.unit}"
+                raise InputError(fault, f"give a value from {p.lower:g} to {p.upper:g}")
 
     def values(self, x: Floats) -> dict[str, float]:
         """All parameters by name.

@@ -405,11 +405,9 @@ class StallDelay(Correction):
     def check(self, model: Model) -> None:
         """Refuse a ``model`` whose section law says that it has no attached lift."""
         if not getattr(model.airfoil, "has_attached_lift", True):
-            raise InputError(
-                "stall-delay gives lift back that stall takes, but this section law has no "
-                "attached lift that could be continued",
-                "leave the correction out, or give another law",
-            )
+            found = "stall-delay gives lift back that stall takes, but this section law has no "
+            found += "attached lift that could be continued"
+            raise InputError(found, "leave the correction out, or give another law")
 
 
 @dataclass(frozen=True)

@@ -623,11 +623,10 @@ def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[
     for k in (np.flatnonzero(station[1:] <= station[:-1]) + 1).tolist():
         repeated = station[k] == station[k - 1]
         how = "repeated" if repeated else f"unsorted (it follows {station[k - 1]:g} m)"
-        raise InputError(
-            f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
-            "root to tip",
-            "keep one row per station" if repeated else "sort the rows by station",
-        )
+        fault = f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
+        fault += "root to tip"
+        remedy = "keep one row per station" if repeated else "sort the rows by station"
+        raise InputError(fault, remedy)
     radius, low, high = float(station[-1]), int(np.argmin(chord)), int(np.argmax(chord))
     if radius > MAX_RADIUS:
         raise InputError(

@@ -142,11 +142,9 @@ def build_table(
         where = (content.cells & UNRESOLVED_BIT) > 0
         rows, columns = (k[:-1] + 0.5 * np.diff(k) for k in (content.advance, content.beta))
         place = _place(rows[np.nonzero(where)[0]], columns[np.nonzero(where)[1]])
-        raise InputError(
-            f"the tolerance of {tolerance:.2%} is not met: errors up to {worst:.2%}, and "
-            f"{unresolved:.1%} of the envelope unresolved{place}",
-            "allow more, or make the envelope smaller",
-        )
+        fault = f"the tolerance of {tolerance:.2%} is not met: errors up to {worst:.2%}, and "
+        fault += f"{unresolved:.1%} of the envelope unresolved{place}"
+        raise InputError(fault, "allow more, or make the envelope smaller")
     filed: dict[str, Any] = {"certificate": certificate.as_dict()}
     known, deviations = rotor.model.uncertainty, None
     if known is not None:
@@ -173,11 +171,9 @@ def check_tolerance(tolerance: float, accuracy: str) -> None:
     least = 2.0 * MODEL_ERROR[accuracy]
     if not least <= tolerance <= LARGEST_TOLERANCE:
         hint = " (0.02% with accuracy fine)" if accuracy == "standard" else ""
-        raise InputError(
-            f"the tolerance is {tolerance:.3g}, with the model's accuracy {accuracy!r} it must "
-            f"lie between {least:.2%} and {LARGEST_TOLERANCE:.0%}{hint}",
-            "choose another tolerance or accuracy",
-        )
+        found = f"the tolerance is {tolerance:.3g}, with the model's accuracy {accuracy!r} it must "
+        found += f"lie between {least:.2%} and {LARGEST_TOLERANCE:.0%}{hint}"
+        raise InputError(found, "choose another tolerance or accuracy")
 
 
 def _envelope(*ranges: Range) -> tuple[Floats, Floats, Floats]:
@@ -607,11 +603,9 @@ class CachedModel:
         static = dict(zip(LOADS, loads.T, strict=True))
         scales = np.array(list(error_scales(static, self.rotor.model.propeller.radius).values())).T
         if not (scales > 0.0).all():
-            raise InputError(
-                "at rest in the air this rotor has no positive thrust and torque, to which a "
-                "table's errors could be related",
-                "check the propeller's pitch and the section law",
-            )
+            found = "at rest in the air this rotor has no positive thrust and torque, to which a "
+            found += "table's errors could be related"
+            raise InputError(found, "check the propeller's pitch and the section law")
         return scales
 
     def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
