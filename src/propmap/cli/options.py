@@ -19,7 +19,6 @@ from typing import (
     Literal,
     ParamSpec,
     TypeVar,
-    cast,
     get_type_hints,
 )
 
@@ -41,7 +40,7 @@ from propmap.cli.output import note
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_value, read_lines
 from propmap.io.geometry import blades_in_title, how_read
-from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
+from propmap.model.airfoil import Airfoil, SectionLaw, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
 from propmap.model.plausibility import air_warnings, blade_warnings, point_warnings
@@ -60,7 +59,7 @@ if TYPE_CHECKING:
 
 Others = ParamSpec("Others")
 SAME_BLADE = 0.02  # share within which radius and chord are those of one blade
-Law = TypeVar("Law", bound=Airfoil | SectionTable)
+Law = TypeVar("Law", bound=SectionLaw)
 
 PROP_HELP = "Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file."
 PropArgument = Annotated[str, Argument(metavar="PROP", help=PROP_HELP)]
@@ -238,9 +237,9 @@ def with_physics(
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)
     if model is None and not physics and own is not None:
-        return cast(Law, law.with_corrections([*split_mount(own)[0], *mount]))
+        return law.with_corrections([*split_mount(own)[0], *mount])
     chosen = corrections_of(model or "recommended", more, installed=installed)
-    return cast(Law, law.with_corrections([as_text(value) for value in chosen]))
+    return law.with_corrections([as_text(value) for value in chosen])
 
 
 def constants(name_or_path: str) -> Airfoil:
