@@ -37,10 +37,11 @@ from propmap.errors import InputError, quoted
 from propmap.fit import comparison, flight
 from propmap.fit.files import fit_text
 from propmap.fit.fit import fit, range_warnings
-from propmap.fit.moments import CENTRE, FACTORS
+from propmap.fit.moments import CENTRE
 from propmap.fit.parameters import (
     BODY,
     FLEX,
+    IN_FLIGHT,
     INSTALLED,
     SECTION,
     TURNING,
@@ -244,28 +245,6 @@ BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
 """Constants of the blade that a flight moves; it says nothing of the others."""
 BODY_ALONG_Z = ("drag_area_z", "download_area_x", "download_area_y")
 """Terms of the body that the drag of the rotors' mounts does not take the place of."""
-WAKE_PRIORS = {
-    "wake_ahead": Prior(1.0, 3.0),
-    "wake_beside": Prior(1.0, 1.0),
-    "wake_downwash": Prior(1.0, 1.0),
-    "wake_share": Prior(1.0, 0.5),
-}
-"""The vortex cylinder is right within a factor of about two, and a wake is skewed by the inflow at
-the disk (1) or far below it (2) or by less, as air at the rim is slower."""
-# Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
-UNTWIST = Prior(0.02, 0.02)
-CLOCK = Prior(0.0, flight.CLOCK_DEVIATION)
-TURNED, BIASED = Prior(0.0, 0.02), Prior(0.0, 0.1)  # [rad], [m/s^2], as boards are mounted
-# In flow the air's own moments, which controllers balance, leave little of the rotors' to be seen.
-MOMENT_FACTOR = Prior(1.0, 1.0)
-# What motor controllers report is right within a hundredth: a clock's error, and rounding.
-ROTOR_SPEEDS = Prior(1.0, 0.01)
-# In oblique flow blades stall later than in the axial tests that other propellers' constants are
-# from: at 0.42 rad in the campaign of 2019 (apc-8x6e-2019), at 0.35 in a second tunnel.
-STALL_IN_FLIGHT = Prior(0.36, 0.08)
-# The factor of rotors on stands is 1.9 +- 0.6, and the area 0.03 of the disk or less; of two whole
-# quadrotors, fitted without either prior, 3.5 and above, with next to no area.
-DRAG_IN_FLIGHT = Prior(2.5, 1.5)
 
 # Standard deviations: areas of a body over that of all disks, and of a mount over that of its
 # disk; places of the accelerometer and of the centre of mass over the hubs' mean distance; mass of
@@ -273,15 +252,6 @@ DRAG_IN_FLIGHT = Prior(2.5, 1.5)
 BODY_SHARE, MOUNT_SHARE = 0.4, 0.1
 SENSOR_SHARE, CENTRE_SHARE = 0.5, 0.1
 ROTOR_SHARE = 0.01
-
-
-# Which share of the throttle is the square's, what the blade makes of the weight's rotor speed, and
-# how fast motors of 5 to 15 in propellers are.
-THROTTLE_PRIORS = {
-    "throttle_speed": Prior(1.0, 0.25),
-    "throttle_expo": Prior(0.5, 0.25),
-    "motor_lag": Prior(0.05, 0.03),
-}
 
 
 def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, Prior]:
@@ -298,24 +268,16 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
     if not hover:
         scale = replace(scale, measured={})
     return {
+        **IN_FLIGHT,
         **dict.fromkeys(BODY, bodies),
-        "alpha_0": STALL_IN_FLIGHT,
-        "drag_factor": DRAG_IN_FLIGHT,
         "mount_area": Prior(0.0, MOUNT_SHARE * disk),
-        "untwist": UNTWIST,
         **dict.fromkeys(flight.OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
-        **dict.fromkeys(flight.TILT, TURNED),
-        **dict.fromkeys(flight.BIAS, BIASED),
         **dict.fromkeys(
             ("clock_offset", *flight.of_each("clock_offset", log)),
             Prior(0.0, flight.CLOCK_DEVIATION),
         ),
         **dict.fromkeys(CENTRE, Prior(0.0, CENTRE_SHARE * arm)),
         "rotor_inertia": Prior(0.0, heavy),
-        **dict.fromkeys(FACTORS, MOMENT_FACTOR),
-        **WAKE_PRIORS,
-        "rotor_speed_scale": ROTOR_SPEEDS,
-        **THROTTLE_PRIORS,
         "thrust_scale": Prior(1.0, flight.OVER_FLIGHTS),
         **scale.priors,
     }
