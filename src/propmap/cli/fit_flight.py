@@ -15,23 +15,13 @@ from typer import Argument, Option, echo
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.cli.fit import (
-    Bootstrap,
-    Fix,
-    Folds,
-    Free,
+    FitChoice,
     Output,
-    Picture,
     PriorFrom,
-    Priors,
-    Robust,
-    Seed,
-    Starts,
     check_outputs,
-    choice_of,
     finish,
     note_prior,
     section_prior,
-    settings_of,
 )
 from propmap.errors import InputError, quoted
 from propmap.fit import comparison, flight
@@ -315,6 +305,7 @@ def with_flight_priors(choice: Choice, known: Mapping[str, Prior]) -> Choice:
 EVERY, FEW = 3, 1500
 
 
+@opt.takes_choices
 def fit_flight(
     logs: Annotated[
         list[Path],
@@ -331,10 +322,6 @@ def fit_flight(
             "forces at all times; auto: level if there are enough steady stretches."
         ),
     ] = "auto",
-    free: Free = None,
-    fix: Fix = None,
-    prior: Priors = None,
-    prior_from: PriorFrom = None,
     name_or_file: Annotated[
         str | None,
         Option(
@@ -358,23 +345,18 @@ def fit_flight(
     body_study: Annotated[
         bool, Option("--body-study", help="Say whether terms for body lift and drag pay.")
     ] = False,
-    starts: Starts = 2,
-    robust: Robust = False,
-    folds: Folds = 5,
-    bootstrap: Bootstrap = 0,
-    seed: Seed = 2017,
-    picture: Picture = None,
     stretches_picture: Annotated[
         Path | None, Option("--stretches", metavar="FILE", help="Draw the steady stretches.")
     ] = None,
     cluster: opt.Cluster = None,
+    asked: FitChoice = FitChoice(starts=2),  # noqa: B008 - frozen
 ) -> None:
     """Fit flight logs of a vehicle.
 
     Whole flights have a thrust scale (where there are several) and a clock each. Wind is not
     estimated: state it in the vehicle file.
     """
-    check_outputs(output, picture, stretches_picture)
+    check_outputs(output, asked.picture, stretches_picture)
     base = opt.constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
     warnings = [*blade_warnings(file.vehicle.propeller), *air_warnings(file.vehicle.air)]
@@ -390,24 +372,24 @@ def fit_flight(
         picture=stretches_picture,
     )
     default = free_by_default(file.vehicle, flights.log, level=flights.level)
-    by_default = free is None and base is None
     blade = file.vehicle.propeller
-    expected = section_prior(prior_from, blade.name, blade, by_default=by_default)
+    expected = asked.expected(blade.name, blade, base)
     wing = flight.wing_values(file.vehicle)
-    if not flights.level and free is None:
+    if not flights.level and asked.free is None:
         # With one blade in one air, what hardly moves stays where other propellers have it.
         held, believed = (
-            [text.partition("=")[0].strip() for text in texts or ()] for texts in (fix, prior)
+            [text.partition("=")[0].strip() for text in texts or ()]
+            for texts in (asked.fix, asked.prior)
         )
-        free = ",".join(name for name in dict.fromkeys((*default, *believed)) if name not in held)
-    chosen = choice_of(free, fix, prior, default, base, wing, expected)
+        free = [name for name in dict.fromkeys((*default, *believed)) if name not in held]
+        asked = replace(asked, free=",".join(free))
+    chosen = asked.chosen(default, base, wing, expected)
     chosen = replace(chosen, fixed={**flights.curve, **chosen.fixed})
     if not flights.level:
         known = flight_priors(file.vehicle, flights.log, hover=hover_scale)
         if expected is None:
             del known["alpha_0"]
         chosen = with_flight_priors(chosen, known)
-    settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
     law = opt.with_physics(law, physics, correction)
     model = flight.ForceModel(file.vehicle, flights.log, law)
@@ -417,8 +399,8 @@ def fit_flight(
         part = flights.log.picked(slice(None, None, EVERY))
         fewer = make(flight.ForceModel(file.vehicle, part, law), chosen)
     remake = functools.partial(make, model, chosen)
-    with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
-        fitted = fit(remake(), chosen, settings, fewer, workers=workers, remake=remake)
+    with opt.workers_of_bootstrap(cluster, asked.bootstrap) as workers:
+        fitted = fit(remake(), chosen, asked.settings, fewer, workers=workers, remake=remake)
     if flights.curve:
         (turning,) = _turning([flights.log], file.vehicle, fitted.values)
         model = flight.ForceModel(file.vehicle, turning, law)
@@ -449,11 +431,11 @@ def fit_flight(
         },
         flights=flown,
     )
-    if picture is not None:
+    if asked.picture is not None:
         from propmap.report.fit_curves import level_flight
 
         drawn = section_with(model.model.airfoil, fitted.values)
-        out.save_picture(level_flight(file.vehicle, model.log, drawn), picture)
+        out.save_picture(level_flight(file.vehicle, model.log, drawn), asked.picture)
     finish(fitted, model_with(model.model, fitted.values), remarks, text, output, flown)
 
 

@@ -9,15 +9,13 @@ import math
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, fields, replace
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import (
     TYPE_CHECKING,
     Annotated,
     Any,
-    Concatenate,
     Literal,
-    ParamSpec,
     TypeVar,
     get_type_hints,
 )
@@ -57,7 +55,6 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # PROP and the options that choose a rotor.
 
-Others = ParamSpec("Others")
 SAME_BLADE = 0.02  # share within which radius and chord are those of one blade
 Law = TypeVar("Law", bound=SectionLaw)
 
@@ -252,29 +249,32 @@ def constants(name_or_path: str) -> Airfoil:
     return found
 
 
-def takes_rotor(
-    command: Callable[Concatenate[RotorChoice, Others], None], prop: Any = PropArgument
-) -> Callable[..., None]:
-    """Give a command the parameters of ``RotorChoice``; ``prop`` is an argument or an option."""
-    own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
-    types = get_type_hints(RotorChoice, include_extras=True)
-    shared = [
-        inspect.Parameter(
-            field.name,
-            inspect.Parameter.KEYWORD_ONLY,
-            annotation=types[field.name] if field.name != "prop" else prop,
-            default=field.default if field.name != "prop" else inspect.Parameter.empty,
-        )
-        for field in fields(RotorChoice)
-    ]
-    own = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
+def takes_choices(command: Callable[..., None], prop: Any = PropArgument) -> Callable[..., None]:
+    """Give a command the fields of its parameters that are dataclasses as options, by default as in
+    such a parameter's default; ``prop``, of ``RotorChoice``, is an argument or an option."""
+    own = inspect.signature(command, eval_str=True).parameters
+    kinds: dict[str, Any] = {n: p.annotation for n, p in own.items() if is_dataclass(p.annotation)}
+    plain = [one.replace(kind=one.KEYWORD_ONLY) for n, one in own.items() if n not in kinds]
+    needed, shared = [], []
+    for name, kind in kinds.items():
+        types = get_type_hints(kind, include_extras=True) | {"prop": prop}
+        for field in fields(kind):
+            default = getattr(own[name].default, field.name, field.default)
+            option = inspect.Parameter(
+                field.name, inspect.Parameter.KEYWORD_ONLY, annotation=types[field.name]
+            )
+            if default is MISSING:
+                needed.append(option)
+            else:
+                shared.append(option.replace(default=default))
 
     @functools.wraps(command)
     def run(**given: Any) -> None:
-        choice = RotorChoice(**{parameter.name: given.pop(parameter.name) for parameter in shared})
-        command(choice, **given)  # type: ignore[call-arg]
+        for name, kind in kinds.items():
+            given[name] = kind(**{field.name: given.pop(field.name) for field in fields(kind)})
+        command(**given)
 
-    parameters = [shared[0], *own, *shared[1:]]
+    parameters = [*needed, *plain, *shared]
     run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return run

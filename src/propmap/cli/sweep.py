@@ -118,7 +118,7 @@ MOST_POINTS = 10_000_000  # of a grid that is computed in memory
 SOME = 30  # values of each axis at which a streamed sweep looks for what is implausible
 
 
-@opt.takes_rotor
+@opt.takes_choices
 def sweep(
     choice: opt.RotorChoice,
     context: typer.Context,
