@@ -65,8 +65,7 @@ def export(
     airfoil: Annotated[
         str | None,
         Option(
-            metavar="NAME|FILE",
-            help="For a vehicle or propeller: section law, as for predict.",
+            metavar="NAME|FILE", help="For a vehicle or propeller: section law, as for predict."
         ),
     ] = None,
     table: Annotated[

@@ -56,6 +56,9 @@ BODY, WING, SENSOR, TURNING = map(_listed, ("body", "wing", "sensor", "turning")
 WAKES = _listed("wakes")  # what is neither free nor fixed is the vehicle file's
 FLIGHT, THROTTLE = _listed("flight"), _listed("throttle")
 ROTOR_SPEED = "rotor_speed_scale"
+BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
+"""What acts in flight alone, without the wing's: the table ``[fit.body]`` of a fit's file."""
+
 PER_FLIGHT = ("thrust_scale", "clock_offset")  # named as ``thrust_scale[FLIGHT]``
 
 EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE

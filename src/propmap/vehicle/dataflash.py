@@ -15,13 +15,7 @@ from propmap.errors import InputError
 from propmap.typing import Floats
 from propmap.units import MICROSECOND
 from propmap.vehicle.files import LogMap
-from propmap.vehicle.log import (
-    Recording,
-    Signal,
-    known_at,
-    motor_slots,
-    quaternion_of_angles,
-)
+from propmap.vehicle.log import Recording, Signal, known_at, motor_slots, quaternion_of_angles
 from propmap.vehicle.throttle import PULSES, share_of_full, worth_of_throttle
 
 # Fields by message, of which the first that the log has is used; units and frames by ArduPilot's
