@@ -17,6 +17,7 @@ from propmap.model.corrections import (
     INSTALLED,
     BladeToHub,
     Correction,
+    InflowShape,
     agreed,
     as_text,
     correction,
@@ -280,7 +281,7 @@ class Model:
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"correction {name} is given twice: give it once")
-        shapes = [name_of(value) for value in self.corrections if value.inflow_shape]
+        shapes = [name_of(one) for one in self.corrections if isinstance(one, InflowShape)]
         if len(shapes) > 1:
             found = f"{' and '.join(shapes)} both set how the inflow varies around the disk"
             raise InputError(found, "give one of them")
