@@ -24,22 +24,10 @@ from propmap.cli.fit import (
     section_prior,
 )
 from propmap.errors import InputError, quoted
-from propmap.fit import comparison, flight
+from propmap.fit import comparison, flight, parameters
 from propmap.fit.files import fit_text
 from propmap.fit.fit import fit, range_warnings
 from propmap.fit.moments import CENTRE
-from propmap.fit.parameters import (
-    BODY,
-    FLEX,
-    IN_FLIGHT,
-    INSTALLED,
-    SECTION,
-    TURNING,
-    WAKES,
-    Choice,
-    Prior,
-    SectionPrior,
-)
 from propmap.fit.tunnel import first_guess, model_with, section_with
 from propmap.flight import checks, steady
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
@@ -244,13 +232,13 @@ SENSOR_SHARE, CENTRE_SHARE = 0.5, 0.1
 ROTOR_SHARE = 0.01
 
 
-def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, Prior]:
+def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, parameters.Prior]:
     """Give priors of all parameters but the section's, and of stall, by the vehicle's size.
 
     With ``hover``, the thrust scale of each flight is expected where its own hover has it.
     """
     disk = math.pi * vehicle.propeller.radius**2
-    bodies = Prior(0.0, BODY_SHARE * disk * len(vehicle.mounts))
+    bodies = parameters.Prior(0.0, BODY_SHARE * disk * len(vehicle.mounts))
     places = [math.hypot(*mount.position) for mount in vehicle.mounts]
     arm = sum(places) / len(places) or vehicle.propeller.radius
     heavy = ROTOR_SHARE * vehicle.mass * vehicle.propeller.radius**2
@@ -258,17 +246,17 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
     if not hover:
         scale = replace(scale, measured={})
     return {
-        **IN_FLIGHT,
-        **dict.fromkeys(BODY, bodies),
-        "mount_area": Prior(0.0, MOUNT_SHARE * disk),
-        **dict.fromkeys(flight.OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
+        **parameters.IN_FLIGHT,
+        **dict.fromkeys(parameters.BODY, bodies),
+        "mount_area": parameters.Prior(0.0, MOUNT_SHARE * disk),
+        **dict.fromkeys(flight.OFFSET, parameters.Prior(0.0, SENSOR_SHARE * arm)),
         **dict.fromkeys(
             ("clock_offset", *flight.of_each("clock_offset", log)),
-            Prior(0.0, flight.CLOCK_DEVIATION),
+            parameters.Prior(0.0, flight.CLOCK_DEVIATION),
         ),
-        **dict.fromkeys(CENTRE, Prior(0.0, CENTRE_SHARE * arm)),
-        "rotor_inertia": Prior(0.0, heavy),
-        "thrust_scale": Prior(1.0, flight.OVER_FLIGHTS),
+        **dict.fromkeys(CENTRE, parameters.Prior(0.0, CENTRE_SHARE * arm)),
+        "rotor_inertia": parameters.Prior(0.0, heavy),
+        "thrust_scale": parameters.Prior(1.0, flight.OVER_FLIGHTS),
         **scale.priors,
     }
 
@@ -283,16 +271,18 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     """
     if level:
         return PAPER_FOUR
-    turning = tuple(TURNING) if vehicle.inertia else ()
-    mount = () if any(one.drag for one in vehicle.mounts) else tuple(INSTALLED)
-    wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
+    turning = tuple(parameters.TURNING) if vehicle.inertia else ()
+    mount = () if any(one.drag for one in vehicle.mounts) else tuple(parameters.INSTALLED)
+    wakes = tuple(parameters.WAKES) if len(vehicle.mounts) > 1 else ()
     scales = flight.of_each("thrust_scale", log) if len(log.flights) > 1 else ()
     driven = (*CURVE, *flight.TILT) if log.commanded else ()
     own = (*flight.of_each("clock_offset", log), *scales, *driven)
-    return (*BLADE, *FLEX, *mount, *BODY_ALONG_Z, *flight.OFFSET, *turning, *wakes, *own)
+    return (*BLADE, *parameters.FLEX, *mount, *BODY_ALONG_Z, *flight.OFFSET, *turning, *wakes, *own)
 
 
-def with_flight_priors(choice: Choice, known: Mapping[str, Prior]) -> Choice:
+def with_flight_priors(
+    choice: parameters.Choice, known: Mapping[str, parameters.Prior]
+) -> parameters.Choice:
     """Add what is known of those free parameters that have no prior."""
     more = {n: p for n, p in known.items() if n in choice.free and n not in choice.priors}
     return replace(choice, priors={**more, **choice.priors}) if more else choice
@@ -504,7 +494,7 @@ def fit_terms_page(
     echo(f"wrote {output / PAGE} and {len(pages) - 1} files beside it")
 
 
-def expected(prior_from: str | None, vehicle: Vehicle) -> SectionPrior:
+def expected(prior_from: str | None, vehicle: Vehicle) -> parameters.SectionPrior:
     """Predict the constants of the vehicle's blade; ``InputError`` where no prior is wanted."""
     blade = vehicle.propeller
     prior = section_prior(prior_from, blade.name, blade, by_default=True)
@@ -514,35 +504,35 @@ def expected(prior_from: str | None, vehicle: Vehicle) -> SectionPrior:
 
 
 def steps(
-    vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]
+    vehicle: Vehicle, prior: parameters.SectionPrior, known: Mapping[str, parameters.Prior]
 ) -> list[comparison.Step]:
     """List models of a vehicle's flights, each with one term more.
 
     Other propellers give the ``prior`` of the blade; ``known`` are the priors of other terms.
     """
     own_mounts = any(one.drag for one in vehicle.mounts)
-    mount = () if own_mounts else tuple(INSTALLED)
+    mount = () if own_mounts else tuple(parameters.INSTALLED)
     drag = DRAGS if own_mounts else (*mount, "drag_area_z")
     blade = (*BLADE, *drag, *flight.OFFSET, "clock_offset")
-    wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
+    wakes = tuple(parameters.WAKES) if len(vehicle.mounts) > 1 else ()
     named = {
         "three axes, body drag": (*BLADE, *DRAGS),
         "accelerometer's place and clock": (*BLADE, *DRAGS, *flight.OFFSET, "clock_offset"),
         "drag of installed rotors for the body's in x, y": () if own_mounts else blade,
         "the rotors' wakes": (*blade, *wakes) if wakes else (),
-        "blades that give way": (*blade, *wakes, *FLEX),
-        "download of the body": (*blade, *wakes, *FLEX, *DOWN),
+        "blades that give way": (*blade, *wakes, *parameters.FLEX),
+        "download of the body": (*blade, *wakes, *parameters.FLEX, *DOWN),
     }
 
-    at = {name: float(getattr(prior.airfoil, name)) for name in SECTION}
-    bare = {name: max(INSTALLED[name].start, ALMOST_NONE) for name in mount}
-    absent = {**bare, **dict.fromkeys(FLEX, 0.0)}
+    at = {name: float(getattr(prior.airfoil, name)) for name in parameters.SECTION}
+    bare = {name: max(parameters.INSTALLED[name].start, ALMOST_NONE) for name in mount}
+    absent = {**bare, **dict.fromkeys(parameters.FLEX, 0.0)}
 
-    def choice(free: tuple[str, ...]) -> Choice:
+    def choice(free: tuple[str, ...]) -> parameters.Choice:
         """Hold what is not free where other propellers have it, or absent."""
         fixed = {name: value for name, value in {**at, **absent}.items() if name not in free}
         start = {name: value for name, value in at.items() if name in free}
-        return with_flight_priors(Choice(free, fixed, {}, start, prior), known)
+        return with_flight_priors(parameters.Choice(free, fixed, {}, start, prior), known)
 
     found = [comparison.Step("vertical balance alone", choice(STALL), vertical=True)]
     return found + [comparison.Step(name, choice(f)) for name, f in named.items() if f]
