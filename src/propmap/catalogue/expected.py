@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -122,6 +122,10 @@ class ExpectedBlade:
             f"in thrust and torque by less than {half[0]:.0%} and {half[1]:.0%} (rms) in axial "
             f"flow, nine in ten by less than {most[0]:.0%} and {most[1]:.0%}"
         )
+
+
+Meant: TypeAlias = catalogue.Entry | ExpectedBlade | None
+"""What a name or designation means; None for a file."""
 
 
 def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ()) -> ExpectedBlade:
@@ -273,7 +277,7 @@ def siblings(family: str | None, without: str | None = None) -> int:
     return sum(one.tested != without for one in _members(family, "measured"))
 
 
-def size_of(meant: catalogue.Entry | ExpectedBlade | None, blade: Propeller) -> Size:
+def size_of(meant: Meant, blade: Propeller) -> Size:
     """Read diameter and pitch [m] from the label of what ``lookup.meant_by`` has found; for a file,
     None, from the blade, whose pitch at 0.75 R is 3 % of the diameter above labels in the mean."""
     if isinstance(meant, ExpectedBlade):

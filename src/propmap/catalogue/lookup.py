@@ -75,18 +75,14 @@ def propeller(
     return found if root_cutout is None else found.with_root_cutout(root_cutout)
 
 
-def meant_by(
-    name_or_path: str | os.PathLike[str], blades: int | None = None
-) -> catalogue.Entry | expected.ExpectedBlade | None:
+def meant_by(name_or_path: str | os.PathLike[str], blades: int | None = None) -> expected.Meant:
     """Find what ``propeller`` would give the blade of, and so many ``blades`` where they are asked
     for; None for a file, but for one of APC the propeller that its title names. Errors are those of
     ``propeller``."""
     return _named(name_or_path, blades) or _of_apc_file(Path(name_or_path))
 
 
-def _named(
-    name_or_path: str | os.PathLike[str], blades: int | None
-) -> catalogue.Entry | expected.ExpectedBlade | None:
+def _named(name_or_path: str | os.PathLike[str], blades: int | None) -> expected.Meant:
     """Find what is meant by a name or a designation; None for a file."""
     text = os.fspath(name_or_path)
     name = text.strip().lower()
@@ -241,18 +237,14 @@ def known_model(
     return Model(blade, known.airfoil, air or Air(), added)
 
 
-def own_constants(
-    meant: Entry | expected.ExpectedBlade | None, blades: int
-) -> identified.Identified | None:
+def own_constants(meant: expected.Meant, blades: int) -> identified.Identified | None:
     """Find the constants identified from a propeller's own loads with so many ``blades``."""
     if isinstance(meant, expected.ExpectedBlade):
         return meant.own if meant.own is not None and meant.own.blades == blades else None
     return identified.identified(meant.name, blades) if meant is not None else None
 
 
-def predicted_constants(
-    meant: Entry | expected.ExpectedBlade | None, blade: Propeller
-) -> expected.ExpectedConstants:
+def predicted_constants(meant: expected.Meant, blade: Propeller) -> expected.ExpectedConstants:
     """Predict constants of a propeller not identified itself; ``meant`` is None for a file's."""
     family = meant.family if meant is not None else None
     return expected.expected_constants(
@@ -260,7 +252,7 @@ def predicted_constants(
     )
 
 
-def geometry_of(meant: Entry | expected.ExpectedBlade | None, blade: Propeller) -> str:
+def geometry_of(meant: expected.Meant, blade: Propeller) -> str:
     """Say whose the ``blade`` of what is ``meant`` is, as ``expected_constants`` takes it."""
     if not isinstance(meant, expected.ExpectedBlade):
         return meant.geometry if meant is not None else "measured"

@@ -262,7 +262,7 @@ def _printed(
     residuals = []
     for k, (name, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
         e = errors(*fitted.compared(k))
-        relative, crossed = f"{100.0 * e.relative_rms:.2f} %", _rms(fitted.cross_validated[k])
+        relative, crossed = f"{100.0 * e.relative_rms:.2f} %", out.digits(fitted.cross_validated[k])
         size = (str(e.rows), f"{e.rms:.4g}", relative, f"{e.bias:+.3g}", f"{e.worst:+.3g}")
         residuals.append((name, *size, crossed, unit))
     heads = "<load|rows|rms|relative|bias|worst|cross-validated|<unit"
@@ -271,7 +271,7 @@ def _printed(
         by_flight = []
         for load, unit in zip(rows.names, rows.units, strict=True):
             for k, (flight, f) in enumerate(flights[load].items()):
-                crossed = _rms(f.cross_validated_rms)
+                crossed = out.digits(f.cross_validated_rms)
                 part = (str(f.rows), f"{f.rms:.4g}", f"{f.bias:+.3g}", crossed)
                 by_flight.append(("" if k else load, flight, *part, unit))
         heads = "<load|<flight|rows|rms|bias|cross-validated|<unit"
@@ -282,10 +282,6 @@ def _printed(
     yield f"{many}; {fitted.seconds:.1f} s"
     yield f"with {in_words(corrections)}, which comes along wherever the fit is used"
     yield from (f"note: {remark}" for remark in remarks)
-
-
-def _rms(value: float) -> str:
-    return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
 MOST_LEFT = 0.5  # rms error over what was measured, beyond which no fit is of any use

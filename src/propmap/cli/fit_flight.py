@@ -14,15 +14,7 @@ from typer import Argument, Option, echo
 
 from propmap.cli import options as opt
 from propmap.cli import output as out
-from propmap.cli.fit import (
-    FitChoice,
-    Output,
-    PriorFrom,
-    check_outputs,
-    finish,
-    note_prior,
-    section_prior,
-)
+from propmap.cli.fit import FitChoice, Output, PriorFrom, check_outputs, finish, note_prior
 from propmap.errors import InputError, quoted
 from propmap.fit import comparison, flight, parameters
 from propmap.fit.files import fit_text
@@ -497,7 +489,7 @@ def fit_terms_page(
 def expected(prior_from: str | None, vehicle: Vehicle) -> parameters.SectionPrior:
     """Predict the constants of the vehicle's blade; ``InputError`` where no prior is wanted."""
     blade = vehicle.propeller
-    prior = section_prior(prior_from, blade.name, blade, by_default=True)
+    prior = FitChoice(prior_from=prior_from).expected(blade.name, blade, None)
     if prior is None:
         raise InputError("the terms are fitted with a prior", "leave --prior-from none out")
     return prior

@@ -19,14 +19,8 @@ from typer import Argument, Option, echo
 
 from propmap import catalogue
 from propmap.bands import MEASURED_TO
+from propmap.catalogue import lookup
 from propmap.catalogue.expected import ExpectedBlade
-from propmap.catalogue.lookup import (
-    airfoil,
-    meant_by,
-    own_constants,
-    predicted_constants,
-    propeller,
-)
 from propmap.cli.output import note
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_value, read_lines
@@ -166,7 +160,7 @@ def propeller_noted(
     root_cutout: float | None = None,
 ) -> Propeller:
     """Read PROP, with notes on how, on a blade not measured and on what is implausible."""
-    found = propeller(prop, blades, radius, root_cutout)
+    found = lookup.propeller(prop, blades, radius, root_cutout)
     note_reading(prop, found, blades)
     note(*blade_warnings(found))
     return found
@@ -174,7 +168,7 @@ def propeller_noted(
 
 def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
     """Note how PROP, no name of the catalogue, was read as ``found`` with ``asked`` blades."""
-    meant = meant_by(prop, asked)
+    meant = lookup.meant_by(prop, asked)
     if isinstance(meant, ExpectedBlade):
         note(meant.summary)
     elif meant is None:
@@ -194,9 +188,9 @@ def section_law(
     PROP with so many ``blades`` as were asked for."""
     if asked is not None:
         note(*_of_another_propeller(asked, blade))
-        return airfoil(asked)
-    meant = meant_by(prop, blades)
-    found = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
+        return lookup.airfoil(asked)
+    meant = lookup.meant_by(prop, blades)
+    found = lookup.own_constants(meant, blade.blades) or lookup.predicted_constants(meant, blade)
     if not (isinstance(meant, ExpectedBlade) and meant.own is None):
         # Else the note on the blade has said what the constants rest on too.
         note(f"{found.summary}; another law by --airfoil")
@@ -234,7 +228,7 @@ def with_physics(
 
 def constants(name_or_path: str) -> Airfoil:
     """Read the constants that ``--airfoil`` names; ``InputError`` for a section table."""
-    found = airfoil(name_or_path)
+    found = lookup.airfoil(name_or_path)
     if isinstance(found, SectionTable):
         fault = "this is a section table, which has no constants such as c_l1 to fit or to fly with"
         remedy = f"give one of {', '.join(airfoil_names())}, or a .toml file"

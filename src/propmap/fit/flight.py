@@ -14,6 +14,7 @@ from propmap.fit.fit import Coverage, coverage
 from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.moments import measured_moment, moment_of_all
 from propmap.fit.parameters import (
+    BODY,
     EVERY,
     MOUNT,
     PER_FLIGHT,
@@ -418,9 +419,7 @@ def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Forces of the body and the wing on the vehicle: section III.A and footnote 4.
 
-STEPS = {"drag_area_x": 1e-3, "drag_area_y": 1e-3, "drag_area_z": 1e-3, "lift_area": 1e-3}
-STEPS |= {"download_area_x": 1e-3, "download_area_y": 1e-3}
-STEPS |= {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
+STEPS = dict.fromkeys(BODY, 1e-3) | {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
 """Steps of central differences; the forces are linear in all but the last parameter."""
 
 

@@ -68,6 +68,21 @@ CONSTANTS = {
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")  # what (18) identifies
 
 
+class ByValue:
+    """Equality and hash of a dataclass by what its fields hold, arrays among them."""
+
+    def _key(self) -> tuple[Any, ...]:
+        made: Any = self
+        values = (getattr(self, one.name) for one in fields(made) if one.compare)
+        return tuple(v.tobytes() if isinstance(v, np.ndarray) else v for v in values)
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, type(self)) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+
 class SectionLaw:
     """What constants and tables of a blade section have in common."""
 
@@ -308,7 +323,7 @@ MOST_ANGLES = 4000  # angles at which a function is sampled, at most
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SectionTable(SectionLaw):
+class SectionTable(ByValue, SectionLaw):
     """C_L and C_D of a blade section, all the way round, at one or more Reynolds numbers.
 
     Attributes
@@ -341,7 +356,7 @@ class SectionTable(SectionLaw):
     name: str = "unnamed"
     source: str = ""
     corrections: tuple[str, ...] | None = None
-    sampling_error: float = 0.0
+    sampling_error: float = field(default=0.0, compare=False)
 
     parameters: ClassVar[tuple[str, ...]] = ("zero_lift_angle",)
     """Names of what loads can be differentiated by."""
@@ -498,21 +513,11 @@ class SectionTable(SectionLaw):
         flat = np.concatenate([a.ravel() for a in arrays])
         return hashlib.sha256(flat.astype("<f8").tobytes()).hexdigest()
 
-    def __eq__(self, other: object) -> bool:
-        return self._key() == other._key() if isinstance(other, SectionTable) else NotImplemented
-
-    def __hash__(self) -> int:
-        return hash(self._key())
-
     def __repr__(self) -> str:
         return (
             f"SectionTable({self.name!r}, {self.angle.size} angles, "
             f"Re {self.reynolds[0]:.3g} to {self.reynolds[-1]:.3g})"
         )
-
-    def _key(self) -> tuple[Any, ...]:
-        arrays = (a.tobytes() for a in (self.angle, self.reynolds, self.lift, self.drag))
-        return (*arrays, self.name, self.source, self.corrections)
 
 
 # -------------------------------------------------------------------------------------------------

@@ -452,20 +452,11 @@ def _log_map(log: _Log, rotors: int, where: str) -> LogMap:
     if limits is not None and not limits[0] < limits[1]:
         remedy = "give the command at rest, then that at full throttle, such as [1000, 2000]"
         raise InputError(f"throttle_range is {quoted(list(limits))}", remedy, f"{where}: [log]")
-    return LogMap(
-        log.body_frame,
-        log.world_frame,
-        log.velocity_in,
-        log.rotor_unit,
-        log.pole_pairs,
-        order or None,
-        limits,
-        log.wind,
-        {
-            key: (names,) if isinstance(names, str) else tuple(names)
-            for key, names in columns.items()
-            if names
-        },
-        {role: topic for role, topic in asdict(log.topics).items() if topic},
-        where,
-    )
+    by_key = {
+        key: (names,) if isinstance(names, str) else tuple(names)
+        for key, names in columns.items()
+        if names
+    }
+    topics = {role: topic for role, topic in asdict(log.topics).items() if topic}
+    own = {"rotor_order": order or None, "columns": by_key, "topics": topics, "file": where}
+    return LogMap(**asdict(log) | own)
