@@ -228,11 +228,9 @@ def expected_constants(
     of += ", for the blade of its maker's file" if geometry == "maker" else ""
     known = members and geometry != "population"
     likely = MEDIAN_ERRORS["family" if known else "population"]
-    summary = (
-        f"constants predicted from {of}, as it was not identified itself: half of such propellers "
-        f"have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is off by "
-        "twice that"
-    )
+    summary = f"constants predicted from {of}, as it was not identified itself: half of such "
+    summary += f"propellers have thrust and torque within {likely:.0%} (rms) in axial flow, one in "
+    summary += "ten is off by twice that"
     thrust, power = bundled_population(_population_of(geometry)).errors.tolist()
     measured = None if geometry == "measured" else expected_prior(family, size)
     if measured and geometry == "multirotor":
@@ -379,10 +377,8 @@ class MeanBlade:
         """Make a propeller of this shape, labelled ``diameter`` and ``pitch`` [m]."""
         radius = 0.5 * diameter
         of = self.families[0] if len(self.families) == 1 else f"{len(self.families)} series"
-        source = (
-            "not measured: chord over radius, and twist less that of a screw of the labelled "
-            f"pitch, are the means of {self.propellers} propellers of {of}"
-        )
+        source = "not measured: chord over radius, and twist less that of a screw of the labelled "
+        source += f"pitch, are the means of {self.propellers} propellers of {of}"
         twist = self.offset + screw_angle(self.share, pitch / diameter)
         blade = self.share * radius, self.chord * radius, twist, None
         citation = "geometry: that of the propellers of the catalogue"

@@ -96,10 +96,8 @@ def choose(
     judge = ranking.Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
     with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:
         judged = _judged(judge, candidates, top, workers)
-    title = (
-        f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
-        f"rho = {read.air.density:.4g} kg/m^3{without_body_drag(read)}"
-    )
+    title = f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
+    title += f"rho = {read.air.density:.4g} kg/m^3{without_body_drag(read)}"
     if form == "table":
         fit = [one for one in judged if one.feasible]
         shown = fit if all_ else fit[:top]

@@ -58,10 +58,8 @@ def check_rotor_speed(
             raise InputError(fault, remedy, log.source)
     slow = log.picked(slow_flight(log))
     share = _thrust_share(slow, rotor, vehicle)
-    found = (
-        f"in slow flight the rotors would carry {share:.3g} times the weight "
-        f"at {float(np.mean(slow.rotor_speed)) / RPM:.0f} rpm"
-    )
+    found = f"in slow flight the rotors would carry {share:.3g} times the weight "
+    found += f"at {float(np.mean(slow.rotor_speed)) / RPM:.0f} rpm"
     if unit_errors(1.0 / share, CARRIED, UNIT_ERRORS["mass"]):
         fault = f"{found}: the mass of {vehicle.mass:g} kg looks like grams"
         raise InputError(fault, "write kilograms in the vehicle file", log.source)

@@ -167,10 +167,8 @@ def _none_steady(
         stretch = slice(longest.start - piece.first, longest.stop - piece.first)
         each.append((float(np.ptp(piece.time[stretch])), piece, stretch))
     lasts, best, stretch = max(each, key=lambda one: one[0])
-    found = (
-        f"no steady stretch of {seconds:g} s: the longest lasts {lasts:.2f} s, "
-        f"from {best.time[stretch.start]:.6g} s"
-    )
+    found = f"no steady stretch of {seconds:g} s: the longest lasts {lasts:.2f} s, "
+    found += f"from {best.time[stretch.start]:.6g} s"
     if stretch.stop < best.time.size:
         with_next, verb = slice(stretch.start, stretch.stop + 1), "ended"
     elif stretch.start > 0:

@@ -484,11 +484,9 @@ class SectionTable(ByValue, SectionLaw):
             alpha = np.unique(np.concatenate([alpha, more]))
         if not error.max() <= tolerance:
             worst = math.degrees(middle[int(np.argmax(error))])
-            raise InputError(
-                f"a table of {alpha.size} angles differs from the section law by {error.max():.2g} "
-                f"at {worst:.2f} deg, expected at most {tolerance:g}",
-                "make the law continuous there, or give a larger tolerance",
-            )
+            found = f"a table of {alpha.size} angles differs from the section law by "
+            found += f"{error.max():.2g} at {worst:.2f} deg, expected at most {tolerance:g}"
+            raise InputError(found, "make the law continuous there, or give a larger tolerance")
         between = np.sqrt(rows[:-1] * rows[1:])
         whole = max(error.max(), errors(table, alpha, between).max() if between.size else 0.0)
         return replace(table, sampling_error=float(whole))

@@ -143,10 +143,9 @@ class BladeUntwist(Correction):
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.tip_angle) and abs(self.tip_angle) <= LARGEST_UNTWIST):
-            raise InputError(
-                f"tip_angle is {self.tip_angle}: give what the tip's twist loses at a tip speed of "
-                f"100 m/s, in rad, from {-LARGEST_UNTWIST:g} to {LARGEST_UNTWIST:g}"
-            )
+            found = f"tip_angle is {self.tip_angle}: give what the tip's twist loses at a tip "
+            found += f"speed of 100 m/s, in rad, from {-LARGEST_UNTWIST:g} to {LARGEST_UNTWIST:g}"
+            raise InputError(found)
 
 
 @dataclass(frozen=True)

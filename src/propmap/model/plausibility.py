@@ -212,10 +212,8 @@ def _fast_tip(tip: Floats, speed: Floats) -> list[str]:
     mach = float(helical[k]) / SPEED_OF_SOUND
     if mach <= FAST_TIP_MACH:
         return []
-    motion = (
-        f"the tip moves at {helical[k]:.4g} m/s, Mach {mach:.3g}, with {tip[k]:.4g} m/s from the "
-        f"rotation and {speed[k]:.4g} m/s from the flight"
-    )
+    motion = f"the tip moves at {helical[k]:.4g} m/s, Mach {mach:.3g}, with {tip[k]:.4g} m/s from "
+    motion += f"the rotation and {speed[k]:.4g} m/s from the flight"
     if speed[k] > tip[k]:
         like = _cause(float(speed[k]), Range(1.0, 130.0), "speed", "the speed")
     else:
@@ -223,8 +221,8 @@ def _fast_tip(tip: Floats, speed: Floats) -> list[str]:
         like = _cause(float(tip[k]), usual, "fast rotation", "the rotational speed")
         like += ", or the radius like the diameter" if like else ""
     if mach > 1.0:
-        found = f"{motion}{like}"
-        raise InputError(found, "check rpm, speed and radius: nothing here holds above Mach 1")
+        remedy = "check rpm, speed and radius: nothing here holds above Mach 1"
+        raise InputError(motion + like, remedy)
     drag = f"above {FAST_TIP_MACH:g} drag rises, which the section law does not have"
     return [f"{motion}; {drag}{like}"]
 
@@ -567,30 +565,24 @@ def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[
         raise InputError(fault, remedy)
     radius, low, high = float(station[-1]), int(np.argmin(chord)), int(np.argmax(chord))
     if radius > MAX_RADIUS:
-        raise InputError(
-            f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
-            + _cause(radius, LIKELY_RADIUS, "length"),
-            "check the units; lengths are in metres",
-        )
+        found = f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
+        found += _cause(radius, LIKELY_RADIUS, "length")
+        raise InputError(found, "check the units; lengths are in metres")
     if chord[low] < 0.0:
         found = f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more"
         raise InputError(found, "correct the negative chord")
     if chord[high] == 0.0:
         raise InputError("every chord is 0", "give the chord of each station")
     if chord[high] >= radius:
-        raise InputError(
-            f"{labels[high]}: chord is {chord[high]:g} m, "
-            f"expected less than the radius of {radius:g} m"
-            + _cause(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius"),
-            "check the units of chord and radius",
-        )
+        found = f"{labels[high]}: chord is {chord[high]:g} m, expected less than the radius of "
+        found += f"{radius:g} m"
+        found += _cause(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius")
+        raise InputError(found, "check the units of chord and radius")
     steepest = int(np.argmax(np.abs(twist)))
     if abs(twist[steepest]) > MAX_TWIST:
-        raise InputError(
-            f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most {MAX_TWIST}; "
-            "it looks like degrees",
-            "the column must be in radians or be named twist_deg",
-        )
+        found = f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most "
+        found += f"{MAX_TWIST}; it looks like degrees"
+        raise InputError(found, "the column must be in radians or be named twist_deg")
 
 
 def check_blades(blades: Any) -> int:
