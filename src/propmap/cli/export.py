@@ -65,7 +65,8 @@ def export(
     airfoil: Annotated[
         str | None,
         Option(
-            metavar="NAME|FILE", help="For a vehicle or propeller: section law, as for predict."
+            metavar="NAME|FILE",
+            help="For a vehicle or propeller: section law, as for predict.",
         ),
     ] = None,
     table: Annotated[
