@@ -10,7 +10,7 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap import bands
+from propmap import bands, results
 from propmap.errors import InputError
 from propmap.loads import DRAG_FACTOR, GEOMETRY, LOADS, MOUNT_AREA
 from propmap.model.corrections import Installed, name_of
@@ -25,24 +25,12 @@ from propmap.operating_points import (
     resolved,
     split_velocity,
 )
-from propmap.results import (
-    STATUSES,
-    Deviations,
-    Inflow,
-    LoadGradients,
-    Loads,
-    LoadValues,
-    SearchReport,
-    Wrench,
-    hub_wrench,
-    spin_sign,
-)
 from propmap.tasks import cores
 from propmap.typing import CoreRotor, Floats
 
 ACCURACIES = ("standard", "fine")
 
-_STATUSES = np.asarray(STATUSES)
+_STATUSES = np.asarray(results.STATUSES)
 
 RADII_TOGETHER = 1000  # radii at which the core gives fields over the disk in one call, at most
 
@@ -116,7 +104,7 @@ class Rotor:
 
     def loads(
         self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, **further: Unpack[Further]
-    ) -> Loads:
+    ) -> results.Loads:
         """Loads at operating points.
 
         Parameters
@@ -140,7 +128,7 @@ class Rotor:
 
     def loads_at_velocity(
         self, omega: ArrayLike, velocity: ArrayLike, **further: Unpack[Further]
-    ) -> Loads:
+    ) -> results.Loads:
         """Loads for a velocity vector in the rotor frame.
 
         Parameters
@@ -158,7 +146,7 @@ class Rotor:
 
     def wrench(
         self, omega: ArrayLike, velocity: ArrayLike, spin: str = "ccw", **further: Unpack[Further]
-    ) -> Wrench:
+    ) -> results.Wrench:
         """Force and moment on the vehicle, as vectors in the rotor frame.
 
         The frame is right-handed with z along the thrust.
@@ -172,9 +160,9 @@ class Rotor:
         **further
             ``height``, as in ``loads``.
         """
-        sign = spin_sign(spin)
+        sign = results.spin_sign(spin)
         points, direction = split_velocity(omega, velocity, **further)
-        return hub_wrench(self._loads(self._allowed(points)), direction, sign)
+        return results.hub_wrench(self._loads(self._allowed(points)), direction, sign)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -198,7 +186,7 @@ class Rotor:
         v_axial: ArrayLike,
         v_inplane: ArrayLike,
         **further: Unpack[Further],
-    ) -> LoadGradients:
+    ) -> results.LoadGradients:
         """Loads and their derivatives by section constants, blade, mount and flow.
 
         They follow from the implicit function theorem at the inflow found.  The flow is given by
@@ -227,7 +215,7 @@ class Rotor:
         """
         return self.gradients_at(names, along_and_across(omega, v_axial, v_inplane, **further))
 
-    def gradients_at(self, names: Iterable[str], points: FlowPoints) -> LoadGradients:
+    def gradients_at(self, names: Iterable[str], points: FlowPoints) -> results.LoadGradients:
         """``gradients`` by ``names`` at ``points`` that are checked and of one shape."""
         wanted = list(names)
         unknown = [name for name in wanted if name not in self.parameters]
@@ -237,7 +225,7 @@ class Rotor:
         points = self._allowed(points)
         shape = points.omega.shape
         loads, slopes = self._core.gradients(wanted, points.rows, cores())
-        return LoadGradients(
+        return results.LoadGradients(
             loads.reshape(len(LOADS), *shape), slopes.reshape(len(LOADS), len(wanted), *shape)
         )
 
@@ -293,7 +281,7 @@ class Rotor:
         *,
         radius: ArrayLike | None = None,
         azimuth: ArrayLike | None = None,
-    ) -> Inflow:
+    ) -> results.Inflow:
         """The inflow v_i(y), the angle of attack and the loads along the blade.
 
         What a wing behind the rotor sees is v_i (the paper's footnote 3).
@@ -322,9 +310,9 @@ class Rotor:
         joined = {name: np.concatenate([field[name] for field in fields]) for name in fields[0]}
         found = {sums.get(name, name): values[: y.size] for name, values in joined.items()}
         stalled, reverse = found["past_stall"] > 0.0, found["u_tangential"] < 0.0
-        return Inflow(radius=y, azimuth=psi, stalled=stalled, reverse=reverse, **found)
+        return results.Inflow(radius=y, azimuth=psi, stalled=stalled, reverse=reverse, **found)
 
-    def explain(self, omega: float, speed: float, beta: float) -> SearchReport:
+    def explain(self, omega: float, speed: float, beta: float) -> results.SearchReport:
         """How the inflow equation (11) was solved at one operating point, station by station.
 
         The place to look where a status is "not_converged": ``print(rotor.explain(...))`` names
@@ -341,7 +329,7 @@ class Rotor:
             For arrays, and for values that ``loads`` refuses.
         """
         found = self._core.solution(resolved(omega, speed, beta, one=True).rows)
-        return SearchReport(
+        return results.SearchReport(
             radius=found["radius"],
             inflow=found["inflow"],
             residual=found["residual"],
@@ -361,7 +349,7 @@ class Rotor:
             )
         return points
 
-    def _loads(self, points: FlowPoints) -> Loads:
+    def _loads(self, points: FlowPoints) -> results.Loads:
         shape, rows = points.omega.shape, points.rows
         loads, found = self._core.loads(rows, cores())
         if not self._has_deviations:
@@ -375,7 +363,7 @@ class Rotor:
 
     def _deviations(
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
-    ) -> dict[str, LoadValues]:
+    ) -> dict[str, results.LoadValues]:
         """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``; NaN
         where loads or their derivatives were not found."""
         found = bands.deviations(self, at, loads)
@@ -383,7 +371,7 @@ class Rotor:
         for source, rows in found.items():
             lost = np.where(np.isnan(loads), np.nan, rows)
             by_name = dict(zip(LOADS, (row.reshape(shape) for row in lost), strict=True))
-            values[source] = LoadValues(
+            values[source] = results.LoadValues(
                 **by_name, power=by_name["torque"] * at.omega.reshape(shape)
             )
         return values
@@ -394,12 +382,12 @@ class Rotor:
         found: Floats,
         omega: Floats,
         shape: tuple[int, ...],
-        deviations: Deviations | None = None,
-    ) -> Loads:
+        deviations: results.Deviations | None = None,
+    ) -> results.Loads:
         """Make ``Loads`` of loads (L, N) and the core's other results of each point (5, N)."""
         by_name = {name: row.reshape(shape) for name, row in zip(LOADS, loads, strict=True)}
         status, roots, ring, mean_inflow, reverse = (row.reshape(shape) for row in found)
-        return Loads(
+        return results.Loads(
             **by_name,
             power=by_name["torque"] * omega.reshape(shape),
             status=np.asarray(_STATUSES[status.astype(np.int64)]),

@@ -10,11 +10,11 @@ import pytest
 
 import propmap
 from propmap.catalogue.identified import PARAMETERS
-from propmap.cli.fit import choice_of, section_prior
+from propmap.cli.fit import FitChoice, section_prior
 from propmap.fit.files import FitFile, read_fit
 from propmap.fit.parameters import Choice
 from propmap.loads import LOADS
-from propmap.model.airfoil import parameter_set
+from propmap.model.airfoil import Airfoil, parameter_set
 
 from .conftest import Run
 from .fit_inputs import fit_record
@@ -22,12 +22,13 @@ from .fit_inputs import fit_record
 FIVE = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
 
 
-def chosen(wanted: str | None = None, prop: str = "apc-8x6e", **stated: Any) -> Choice:
+def chosen(
+    wanted: str | None = None, prop: str = "apc-8x6e", base: Airfoil | None = None, **stated: Any
+) -> Choice:
     """As `fit tunnel` chooses."""
-    named = {"free": None, "fix": None, "priors": None, "base": None} | stated
-    by_default = named["free"] is None and named["base"] is None
-    expected = section_prior(wanted, prop, propmap.propeller("apc-8x6e"), by_default=by_default)
-    return choice_of(**named, default=FIVE, expected=expected)
+    asked = FitChoice(prior_from=wanted, **stated)
+    expected = asked.expected(prop, propmap.propeller("apc-8x6e"), base)
+    return asked.chosen(FIVE, base, expected=expected)
 
 
 def test_all_constants_from_the_family_by_default() -> None:
@@ -49,7 +50,7 @@ def test_whoever_says_what_to_fit_gets_that_and_no_more() -> None:
 
 
 def test_what_is_stated_wins_over_the_prior() -> None:
-    choice = chosen(fix=["c_d=1.5"], priors=["c_l2=1.9:0.2", "c_l1=5:0.1"])
+    choice = chosen(fix=["c_d=1.5"], prior=["c_l2=1.9:0.2", "c_l1=5:0.1"])
     assert "c_d" not in choice.free and choice.fixed["c_d"] == 1.5
     assert "c_l2" in choice.free and "c_l2" not in choice.fixed
     told = choice.prior_of("c_l1")

@@ -39,7 +39,7 @@ def made_up(
 @pytest.fixture
 def flown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Two logs with a prediction beside them, the vehicle, and no fitting."""
-    monkeypatch.setattr("propmap.cli.fit_flight.fit_terms", made_up)
+    monkeypatch.setattr("propmap.fit.comparison.fit_terms", made_up)
     ASKED.clear()
     log = turning_log(tmp_path, 400)
     with log.open() as lines:

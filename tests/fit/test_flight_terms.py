@@ -99,9 +99,9 @@ def test_each_flight_is_left_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
     class Found:
         values = FIRST_GUESS | {name: getattr(LAW, name) for name in SECTION}
 
-    monkeypatch.setattr(comparison, "ForceModel", Model)
-    monkeypatch.setattr(comparison, "vertical_rows", lambda *_: "vertical")
-    monkeypatch.setattr(comparison, "balance_rows", lambda *_: "balance")
+    monkeypatch.setattr("propmap.fit.flight.ForceModel", Model)
+    monkeypatch.setattr("propmap.fit.flight.vertical_rows", lambda *_: "vertical")
+    monkeypatch.setattr("propmap.fit.flight.balance_rows", lambda *_: "balance")
     monkeypatch.setattr(comparison, "fit", lambda *_: Found)
     zero = np.zeros((COUNT, 3))
     monkeypatch.setattr(

@@ -382,11 +382,9 @@ def catalogue_candidates(
             known = SectionCovariance(PARAMETERS, one.covariance)
             found.append(Candidate(name, blade, one.airfoil, known, one.verdict))
     if not found:
-        raise InputError(
-            f"no propeller of the catalogue has {low / INCH:.3g} to {high / INCH:.3g} in"
-            + (f" and {blades} blades" if blades else ""),
-            "ask for other diameters, see `propmap props`",
-        )
+        fault = f"no propeller of the catalogue has {low / INCH:.3g} to {high / INCH:.3g} in"
+        fault += f" and {blades} blades" if blades else ""
+        raise InputError(fault, "ask for other diameters, see `propmap props`")
     return found
 
 

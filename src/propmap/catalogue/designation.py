@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from propmap import catalogue
 from propmap.errors import InputError, quoted
@@ -18,7 +20,7 @@ class Rule(NamedTuple):
     form: str  # pattern of what is printed, in lower case
     blades: int
     means: str
-    size: tuple[float, float] | None = None  # diameter and pitch [in] that the form stands for
+    size: tuple[float, ...] = ()  # diameter and pitch [in] that the form stands for
 
 
 class Maker(NamedTuple):
@@ -29,36 +31,14 @@ class Maker(NamedTuple):
     rules: tuple[Rule, ...] = ()
 
 
-_THREE_BY_T = r"t[2-7]\d{3}"  # T1045 of T-Motor has two
+def _rule(row: dict[str, Any]) -> Rule:
+    return Rule(row["form"], row["blades"], row["means"], tuple(row.get("size", ())))
 
-MAKERS = (
-    Maker(
-        "DALPROP",
-        "dal|dalprop|cyclone",
-        (
-            Rule(_THREE_BY_T, 3, "T is its mark of three"),
-            Rule(r"q\d{4}", 4, "Q is its mark of four"),
-        ),
-    ),
-    Maker("T-Motor", "t[- ]?motor", (Rule(_THREE_BY_T, 3, "its T below eight inches have three"),)),
-    Maker(
-        "Gemfan",
-        "gemfan|gf|hurricane",
-        (Rule(r"\d{5}", 3, "its sizes in five digits have three"),),
-    ),
-    Maker(
-        "Ethix",
-        "ethix",
-        tuple(
-            Rule(name, 3, f"{name.upper()} is its 5x{pitch:g}x3", (5.0, pitch))
-            for name, pitch in (("s3", 3.1), ("s4", 3.7), ("s5", 4.0))
-        ),
-    ),
-    Maker("HQProp", "hq|hqprop"),
-    Maker("DJI", "dji"),
-    Maker("Lumenier", "lumenier"),
-    Maker("EMAX", "emax|avan"),
-    Maker("Azure Power", "azure"),
+
+_KNOWN = tomllib.loads(Path(__file__).with_name("makers.toml").read_text(encoding="utf-8"))
+MAKERS = tuple(
+    Maker(maker["name"], maker["words"], tuple(map(_rule, maker.get("rules", ()))))
+    for maker in _KNOWN["makers"]
 )  # makers with the rules that are known of them; shops' and makers' pages agree on these
 
 _NAMES = {maker: rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS}
@@ -78,7 +58,7 @@ def ruled(text: str) -> tuple[str, Rule] | None:
     for maker in named or MAKERS:
         for rule in maker.rules:
             found = re.search(rf"(?<![\w.]){rule.form}(?!\d)", text)
-            if found and (named or rule.size is None):
+            if found and (named or not rule.size):
                 return maker.name, rule
     return None
 
@@ -93,14 +73,8 @@ MOST_BLADES = 8
 SAME = 0.006  # relative difference of lengths that are the same, as makers round to 1/20 in
 NO_MAKER = ("mm", "in", "inch", "uiuc")  # units, and where names in the catalogue are from
 
-WITHOUT_BLADE = {
-    "ance": "Aeronaut CAM Carbon Electric",
-    "ancf": "Aeronaut CAM Carbon Folding",
-    "apccf": "APC Carbon Fiber",
-    "kavfk": "Kavon FK",
-    "rusp": "Rev Up Special",
-    "zin": "Zingali",
-}  # series of which loads were measured and no blade
+WITHOUT_BLADE: dict[str, str] = _KNOWN["without_blade"]
+"""Titles of series of which loads were measured and no blade, by their codes."""
 
 _NUMBER = r"(\d{1,3}(?:[.,]\d+)?)"
 _TIMES = "[x\u00d7*]"
@@ -160,7 +134,7 @@ def designation(text: str) -> Designation | None:
     by_rule = ruled(rest)
     said: str | None
     if found is None:
-        if by_rule is None or by_rule[1].size is None:
+        if by_rule is None or not by_rule[1].size:
             return None
         numbers, said, other = list(by_rule[1].size), None, ""
     elif found.re is _SIZE:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -124,6 +124,10 @@ class ExpectedBlade:
         )
 
 
+Meant: TypeAlias = catalogue.Entry | ExpectedBlade | None
+"""What a name or designation means; None for a file."""
+
+
 def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ()) -> ExpectedBlade:
     """Expect the blade of ``wanted``, by the series that its words name or by all; ``measured`` are
     names of propellers of its size in the catalogue, for the summary."""
@@ -224,11 +228,9 @@ def expected_constants(
     of += ", for the blade of its maker's file" if geometry == "maker" else ""
     known = members and geometry != "population"
     likely = MEDIAN_ERRORS["family" if known else "population"]
-    summary = (
-        f"constants predicted from {of}, as it was not identified itself: half of such propellers "
-        f"have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is off by "
-        "twice that"
-    )
+    summary = f"constants predicted from {of}, as it was not identified itself: half of such "
+    summary += f"propellers have thrust and torque within {likely:.0%} (rms) in axial flow, one in "
+    summary += "ten is off by twice that"
     thrust, power = bundled_population(_population_of(geometry)).errors.tolist()
     measured = None if geometry == "measured" else expected_prior(family, size)
     if measured and geometry == "multirotor":
@@ -273,7 +275,7 @@ def siblings(family: str | None, without: str | None = None) -> int:
     return sum(one.tested != without for one in _members(family, "measured"))
 
 
-def size_of(meant: catalogue.Entry | ExpectedBlade | None, blade: Propeller) -> Size:
+def size_of(meant: Meant, blade: Propeller) -> Size:
     """Read diameter and pitch [m] from the label of what ``lookup.meant_by`` has found; for a file,
     None, from the blade, whose pitch at 0.75 R is 3 % of the diameter above labels in the mean."""
     if isinstance(meant, ExpectedBlade):
@@ -375,10 +377,8 @@ class MeanBlade:
         """Make a propeller of this shape, labelled ``diameter`` and ``pitch`` [m]."""
         radius = 0.5 * diameter
         of = self.families[0] if len(self.families) == 1 else f"{len(self.families)} series"
-        source = (
-            "not measured: chord over radius, and twist less that of a screw of the labelled "
-            f"pitch, are the means of {self.propellers} propellers of {of}"
-        )
+        source = "not measured: chord over radius, and twist less that of a screw of the labelled "
+        source += f"pitch, are the means of {self.propellers} propellers of {of}"
         twist = self.offset + screw_angle(self.share, pitch / diameter)
         blade = self.share * radius, self.chord * radius, twist, None
         citation = "geometry: that of the propellers of the catalogue"

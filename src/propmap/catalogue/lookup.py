@@ -14,28 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from propmap import catalogue
-from propmap.catalogue import Entry
-from propmap.catalogue.designation import (
-    WITHOUT_BLADE,
-    Designation,
-    candidates,
-    designation,
-    series_named,
-)
-from propmap.catalogue.expected import (
-    ExpectedBlade,
-    ExpectedConstants,
-    blade_of,
-    expected_blade,
-    expected_constants,
-    size_of,
-)
-from propmap.catalogue.identified import (
-    Identified,
-    identified,
-    identified_without_blade,
-    named_without_blade,
-)
+from propmap.catalogue import Entry, designation, expected, identified
 from propmap.errors import InputError, located, quoted
 from propmap.io.csv import read_lines
 from propmap.io.formats import PE0, format_of
@@ -87,7 +66,7 @@ def propeller(
     if meant is None:
         found = read_geometry_file(os.fspath(name_or_path), blades=blades, radius=radius)
     else:
-        if isinstance(meant, ExpectedBlade):
+        if isinstance(meant, expected.ExpectedBlade):
             found = meant.propeller
         else:
             found = replace(catalogue.load(meant.name), blades=meant.blades)
@@ -96,31 +75,29 @@ def propeller(
     return found if root_cutout is None else found.with_root_cutout(root_cutout)
 
 
-def meant_by(
-    name_or_path: str | os.PathLike[str], blades: int | None = None
-) -> catalogue.Entry | ExpectedBlade | None:
+def meant_by(name_or_path: str | os.PathLike[str], blades: int | None = None) -> expected.Meant:
     """Find what ``propeller`` would give the blade of, and so many ``blades`` where they are asked
     for; None for a file, but for one of APC the propeller that its title names. Errors are those of
     ``propeller``."""
     return _named(name_or_path, blades) or _of_apc_file(Path(name_or_path))
 
 
-def _named(
-    name_or_path: str | os.PathLike[str], blades: int | None
-) -> catalogue.Entry | ExpectedBlade | None:
+def _named(name_or_path: str | os.PathLike[str], blades: int | None) -> expected.Meant:
     """Find what is meant by a name or a designation; None for a file."""
     text = os.fspath(name_or_path)
     name = text.strip().lower()
-    found: catalogue.Entry | ExpectedBlade
+    found: catalogue.Entry | expected.ExpectedBlade
     if name in catalogue.names():
         found = catalogue.entry(name)
-    elif (one := named_without_blade(name)) is not None:
-        found = blade_of(text, Designation((one.family,), *one.size, None), one)
+    elif (one := identified.named_without_blade(name)) is not None:
+        found = expected.blade_of(
+            text, designation.Designation((one.family,), *one.size, None), one
+        )
     elif looks_like_path(name_or_path):
         return None
     else:
         found = designated(text)
-    if isinstance(found, ExpectedBlade):
+    if isinstance(found, expected.ExpectedBlade):
         return found.with_blades(blades)
     return found if blades is None else replace(found, blades=blades)
 
@@ -132,21 +109,21 @@ def _of_apc_file(path: Path) -> catalogue.Entry | None:
         return None
     title = next(iter(lines[0].split()), "")
     try:
-        size = designation(title)
+        size = designation.designation(title)
     except InputError:  # no propeller has such a size: the title is of something else
         return None
     return catalogue.of_makers_file(title, size.blades or 2, size.diameter) if size else None
 
 
-def designated(text: str) -> catalogue.Entry | ExpectedBlade:
+def designated(text: str) -> catalogue.Entry | expected.ExpectedBlade:
     """Find the propeller of the catalogue that a designation means, with the blades that it says,
     else expect its blade: a size or a maker alone means none, nor a series one with three blades.
     ``InputError`` for no designation, for what is written like a name of the catalogue and is none,
     and where several series have it."""
-    wanted = designation(text)
+    wanted = designation.designation(text)
     if wanted is None:
         raise catalogue.unknown_name(text)
-    found, series = candidates(wanted), series_named(wanted.words)[0]
+    found, series = designation.candidates(wanted), designation.series_named(wanted.words)[0]
     meant = [
         one
         for one in found
@@ -160,7 +137,7 @@ def designated(text: str) -> catalogue.Entry | ExpectedBlade:
         names = ", ".join(entry.name for entry in meant)
         remedy = "give one of these names; see `propmap props`"
         raise InputError(f"{quoted(text)} may be {names}", remedy)
-    return expected_blade(text, wanted, [entry.name for entry in found])
+    return expected.expected_blade(text, wanted, [entry.name for entry in found])
 
 
 def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
@@ -189,12 +166,12 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
 
 def search(text: str) -> list[catalogue.Entry]:
     """Search as ``catalogue.search``, and among propellers known by their loads alone."""
-    others = map(_without_blade, identified_without_blade())
+    others = map(_without_blade, identified.identified_without_blade())
     return catalogue.matching(text, [*catalogue.entries(), *others])
 
 
-def _without_blade(one: Identified) -> catalogue.Entry:
-    series = WITHOUT_BLADE.get(one.family)
+def _without_blade(one: identified.Identified) -> catalogue.Entry:
+    series = designation.WITHOUT_BLADE.get(one.family)
     if series is None:
         titles = [entry.title for entry in catalogue.entries() if entry.family == one.family]
         # The database's entries come after the makers', and have the size at the end.
@@ -260,22 +237,24 @@ def known_model(
     return Model(blade, known.airfoil, air or Air(), added)
 
 
-def own_constants(meant: Entry | ExpectedBlade | None, blades: int) -> Identified | None:
+def own_constants(meant: expected.Meant, blades: int) -> identified.Identified | None:
     """Find the constants identified from a propeller's own loads with so many ``blades``."""
-    if isinstance(meant, ExpectedBlade):
+    if isinstance(meant, expected.ExpectedBlade):
         return meant.own if meant.own is not None and meant.own.blades == blades else None
-    return identified(meant.name, blades) if meant is not None else None
+    return identified.identified(meant.name, blades) if meant is not None else None
 
 
-def predicted_constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
+def predicted_constants(meant: expected.Meant, blade: Propeller) -> expected.ExpectedConstants:
     """Predict constants of a propeller not identified itself; ``meant`` is None for a file's."""
     family = meant.family if meant is not None else None
-    return expected_constants(family, size_of(meant, blade), geometry_of(meant, blade))
+    return expected.expected_constants(
+        family, expected.size_of(meant, blade), geometry_of(meant, blade)
+    )
 
 
-def geometry_of(meant: Entry | ExpectedBlade | None, blade: Propeller) -> str:
+def geometry_of(meant: expected.Meant, blade: Propeller) -> str:
     """Say whose the ``blade`` of what is ``meant`` is, as ``expected_constants`` takes it."""
-    if not isinstance(meant, ExpectedBlade):
+    if not isinstance(meant, expected.ExpectedBlade):
         return meant.geometry if meant is not None else "measured"
     # The blade may have more than the name says, by an option.
     return meant.with_blades(blade.blades if blade.blades > 2 else None).geometry

@@ -81,11 +81,8 @@ def _compare(
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is None:
         if fitted is None and prop is None:
-            raise InputError(
-                "which propeller is not said: the file has no table [fit]",
-                "add --prop NAME",
-                str(fit),
-            )
+            fault = "which propeller is not said: the file has no table [fit]"
+            raise InputError(fault, "add --prop NAME", str(fit))
         air = fitted.model.air if fitted else Air()
         blade = fitted.model.propeller if fitted and prop is None else propeller(prop or "")
         model = Model(blade, law, air)
@@ -180,20 +177,15 @@ def report(
         files = fit_pages(file, source.name, digest, given)
     elif ending == ".npz":
         if data or vehicle is not None:
-            raise InputError(
-                "--data and --vehicle are for fits",
-                "compare data with the fit the table was built from",
-            )
+            found = "--data and --vehicle are for fits"
+            raise InputError(found, "compare data with the fit the table was built from")
         from propmap.report.table_page import table_pages
         from propmap.table import LoadTable
 
         files = table_pages(LoadTable.load(source), source.name)
     else:
-        raise InputError(
-            f"the file's ending is {source.suffix!r}",
-            "give a fit (.toml) or a table (.npz)",
-            str(source),
-        )
+        found = f"the file's ending is {source.suffix!r}"
+        raise InputError(found, "give a fit (.toml) or a table (.npz)", str(source))
     write_folder(output, files, REPORT_FILES)
     echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")
 

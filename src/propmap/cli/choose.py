@@ -10,19 +10,9 @@ from typing import Annotated, Any, Literal
 
 from typer import Option
 
+from propmap.aircraft import ranking
 from propmap.aircraft.assumptions import assumption_lines, assumptions, without_body_drag
 from propmap.aircraft.mission import Mission, read_mission
-from propmap.aircraft.ranking import (
-    MEASURES,
-    Candidate,
-    Judged,
-    Ranking,
-    Task,
-    beats,
-    catalogue_candidates,
-    file_candidate,
-    pareto,
-)
 from propmap.aircraft.trim import STATUSES
 from propmap.catalogue.lookup import airfoil as section_law
 from propmap.cli import options as opt
@@ -93,23 +83,21 @@ def choose(
 
     legs = _legs(task)
     name = "mission" if legs else task
-    wanted = Task(name, speed, legs, thrust_margin, by or "")
+    wanted = ranking.Task(name, speed, legs, thrust_margin, by or "")
     if by in ("time", "range") and read.powertrain.battery is None:
         raise InputError(f"--by {by}: the vehicle file has no [battery]", "add it")
     law = section_law(airfoil) if airfoil else None
-    own = [file_candidate(name, law) for name in propeller or ()]
+    own = [ranking.file_candidate(name, law) for name in propeller or ()]
     there = {one.name for one in own if law is None}
-    others = catalogue_candidates(sizes, blades)
+    others = ranking.catalogue_candidates(sizes, blades)
     candidates = [*own, *(one for one in others if one.name not in there)]
     corrections = corrections_of(model or "recommended", correction or (), installed=law is None)
     rests_on = assumptions(read, None, [as_text(value) for value in corrections])
-    ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
+    judge = ranking.Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
     with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:
-        judged = _judged(ranking, candidates, top, workers)
-    title = (
-        f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
-        f"rho = {read.air.density:.4g} kg/m^3{without_body_drag(read)}"
-    )
+        judged = _judged(judge, candidates, top, workers)
+    title = f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
+    title += f"rho = {read.air.density:.4g} kg/m^3{without_body_drag(read)}"
     if form == "table":
         fit = [one for one in judged if one.feasible]
         shown = fit if all_ else fit[:top]
@@ -125,7 +113,7 @@ def choose(
     if picture is not None:
         from propmap.report.pictures import propeller_choice
 
-        out.save_picture(propeller_choice(title, judged, pareto(judged).tolist()), picture)
+        out.save_picture(propeller_choice(title, judged, ranking.pareto(judged).tolist()), picture)
 
 
 def _diameters(text: str | None) -> tuple[float, float]:
@@ -144,26 +132,26 @@ def _diameters(text: str | None) -> tuple[float, float]:
 
 def _legs(task: str) -> Mission | None:
     """Read the mission that ``--task`` names, None for another task."""
-    if task != "mission" and task in MEASURES:
+    if task != "mission" and task in ranking.MEASURES:
         return None
     if not task.lower().endswith(".csv"):
-        known = ", ".join(name for name in MEASURES if name != "mission")
+        known = ", ".join(name for name in ranking.MEASURES if name != "mission")
         found = f"--task {quoted(task)} is not known"
         raise InputError(found, f"choose from {known}, or name a mission's .csv")
     return read_mission(task)
 
 
 def _judged(
-    ranking: Ranking, candidates: list[Candidate], top: int, workers: Workers
-) -> list[Judged]:
+    judge: ranking.Ranking, candidates: list[ranking.Candidate], top: int, workers: Workers
+) -> list[ranking.Judged]:
     """Rank the candidates, with standard deviations of the first ``top``."""
     count = itertools.count(1)
     with out.progress_bar("propellers") as update:
-        found = ranking.judged(candidates, lambda: update(next(count), len(candidates)), workers)
+        found = judge.judged(candidates, lambda: update(next(count), len(candidates)), workers)
     first = [one for one in found if one.feasible][:top]
     again = itertools.count(1)
     with out.progress_bar("uncertainty") as update:
-        closer = ranking.with_deviations(first, lambda: update(next(again), len(first)), workers)
+        closer = judge.with_deviations(first, lambda: update(next(again), len(first)), workers)
     return [*closer, *found[len(closer) :]]
 
 
@@ -171,30 +159,30 @@ def _judged(
 # A ranking as `propmap choose` shows it: a table, what it leaves open, and rows for files.
 
 
-def _table(task: Task, judged: list[Judged], caution: str) -> out.WideGrid:
+def _table(task: ranking.Task, judged: list[ranking.Judged], caution: str) -> out.WideGrid:
     unit, size = SHOWN.get(task.unit, (task.unit, 1.0))
     times = any(math.isfinite(one.hover_time) for one in judged)
     cruise = "" if task.speed is None else f"{task.speed:g} m/s"
     rows = []
     for k, one in enumerate(judged):
-        nearer = beats(one, judged[k + 1]) if k + 1 < len(judged) else math.nan
+        nearer = ranking.beats(one, judged[k + 1]) if k + 1 < len(judged) else math.nan
         cells = {
             "": str(k + 1),
             "<propeller": one.candidate.name,
-            unit: _digits(one.score / size),
-            "+-": _digits(one.deviation / size, 2),
+            unit: out.digits(one.score / size),
+            "+-": out.digits(one.deviation / size, 2),
             "beats next": _share(nearer),
-            "1 beats it": _share(beats(judged[0], one) if k else math.nan),
-            "hover [W]": _digits(one.hover_power),
+            "1 beats it": _share(ranking.beats(judged[0], one) if k else math.nan),
+            "hover [W]": out.digits(one.hover_power),
         }
         if times:
-            cells["hover [min]"] = _digits(one.hover_time / 60.0, 3)
+            cells["hover [min]"] = out.digits(one.hover_time / 60.0, 3)
         if cruise:
-            cells[f"{cruise} [W]"] = _digits(one.cruise_power)
+            cells[f"{cruise} [W]"] = out.digits(one.cruise_power)
             if times:
-                cells[f"{cruise} [min]"] = _digits(one.cruise_time / 60.0, 3)
+                cells[f"{cruise} [min]"] = out.digits(one.cruise_time / 60.0, 3)
         cells["margin"], cells["top [m/s]"] = (
-            _digits(value, 3) for value in (one.thrust_margin, one.top_speed)
+            out.digits(value, 3) for value in (one.thrust_margin, one.top_speed)
         )
         cells["<constants"] = "good" if one.candidate.verdict == "good" else "doubtful"
         rows.append(cells)
@@ -214,7 +202,7 @@ def _share(probability: float) -> str:
     return f"{100.0 * probability:.0f} %" if math.isfinite(probability) else "-"
 
 
-def _remarks(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
+def _remarks(judged: list[ranking.Judged], top: int, *, all_: bool) -> list[Any]:
     """Say what the uncertainty does not separate, and why the rest do not fit."""
     fit = [one for one in judged if one.feasible]
     rest = [one for one in judged if not one.feasible]
@@ -222,11 +210,11 @@ def _remarks(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
     close = [
         f"{k + 1} and {k + 2}"
         for k, (a, b) in enumerate(itertools.pairwise(fit[:top]))
-        if beats(a, b) < SURE
+        if ranking.beats(a, b) < SURE
     ]
     if close:
         remarks.append(f"neighbours not separated to {SURE:.0%}: {', '.join(close)}")
-    level = [k + 2 for k, one in enumerate(fit[1:top]) if beats(fit[0], one) < SURE]
+    level = [k + 2 for k, one in enumerate(fit[1:top]) if ranking.beats(fit[0], one) < SURE]
     if level:
         remarks.append(f"not separated from the first: {', '.join(map(str, level))}")
     limits = Counter(one.limit for one in fit[:top] if one.limit in STATUSES)
@@ -245,19 +233,19 @@ def _remarks(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
     return remarks
 
 
-def _rows(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
+def _rows(task: ranking.Task, judged: list[ranking.Judged]) -> list[dict[str, Any]]:
     """List the ranking as rows for files, None for NaN."""
     name = f"{task.ranked_by}_{task.unit.replace('/', '_per_')}"
     rows = []
     for k, one in enumerate(judged):
         following = judged[k + 1] if k + 1 < len(judged) else None
-        sure = beats(one, following) if following is not None else math.nan
+        sure = ranking.beats(one, following) if following is not None else math.nan
         numbers = {
             "diameter_m": one.candidate.propeller.diameter,
             name: one.score,
             "standard_deviation": one.deviation,
             "probability_beats_next": sure,
-            "probability_first_beats": beats(judged[0], one) if k else math.nan,
+            "probability_first_beats": ranking.beats(judged[0], one) if k else math.nan,
             "hover_power_W": one.hover_power,
             "cruise_power_W": one.cruise_power,
             "hover_time_s": one.hover_time,
@@ -272,7 +260,3 @@ def _rows(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
             | {"constants": one.candidate.verdict}
         )
     return rows
-
-
-def _digits(value: float, digits: int = 4) -> str:
-    return f"{value:.{digits}g}" if math.isfinite(value) else "-"

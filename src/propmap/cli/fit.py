@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import functools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -55,21 +55,6 @@ fit_app = typer.Typer(
 # -------------------------------------------------------------------------------------------------
 # Options that all fits share, and what they mean.
 
-Free = Annotated[
-    str | None, Option("--free", metavar="NAMES", help="Free parameters, separated by commas.")
-]
-Fix = Annotated[
-    list[str] | None,
-    Option("--fix", metavar="NAME=VALUE", help="Hold this parameter; may be repeated."),
-]
-Priors = Annotated[
-    list[str] | None,
-    Option(
-        "--prior",
-        metavar="NAME=MEAN:SD",
-        help="What is known of a free parameter; may be repeated.",
-    ),
-]
 PriorFrom = Annotated[
     str | None,
     Option(
@@ -80,62 +65,92 @@ PriorFrom = Annotated[
         "default family, and none where --free or --airfoil says what to fit.",
     ),
 ]
-Starts = Annotated[int, Option("--starts", min=1, help="Number of searches from different starts.")]
-Robust = Annotated[bool, Option("--robust", help="Let outliers count less (soft L1 loss).")]
-Folds = Annotated[int, Option("--folds", min=0, help="Number of folds of the cross-validation.")]
-Bootstrap = Annotated[
-    int, Option("--bootstrap", min=0, help="Number of refits to rows drawn with replacement.")
-]
-Seed = Annotated[int, Option("--seed", help="Seed of the random starts, folds and draws.")]
 WRITTEN = out.output_option("Write the fit to this file.", "FIT.toml")
 Output = Annotated[Path, WRITTEN]
 Accept = Annotated[
     bool, Option("--accept", help="Write the fit however much of the loads it leaves unexplained.")
 ]
-Picture = Annotated[
-    Path | None, Option("--picture", metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
-]
 
 
-def choice_of(
-    free: str | None,
-    fix: Sequence[str] | None,
-    priors: Sequence[str] | None,
-    default: Sequence[str],
-    base: Airfoil | None,
-    also_fixed: Mapping[str, float] | None = None,
-    expected: SectionPrior | None = None,
-) -> Choice:
-    """Choose what is free, by default ``default`` or the constants of a prior ``expected`` from
-    other propellers, less those fixed. What holds the others and starts it is of ``base``, and of
-    ``also_fixed``, as of a vehicle's wing."""
-    law = base or (expected.airfoil if expected else None)
-    given = {name: getattr(law, name) for name in SECTION} if law else {}
-    stated = dict(_pair(text, "--fix") for text in fix or ())
-    believed = dict(_pair(text, "--prior") for text in priors or ())
-    wanted = tuple(default)
-    if free is not None:
-        wanted = tuple(name.strip() for name in free.split(","))
-    elif expected is not None:
-        more = [name for name in (*default, *believed) if name not in SECTION or name in believed]
-        wanted = tuple(dict.fromkeys((*PARAMETERS, *more)))
-        wanted = tuple(name for name in wanted if name not in stated)
-    values = {**given, **(also_fixed or {})}
-    values |= {name: _number(value, f"--fix {name}") for name, value in stated.items()}
-    fixed = {n: v for n, v in values.items() if n not in wanted or n in stated}
-    beliefs = {}
-    for name, text in believed.items():
-        mean, colon, deviation = text.partition(":")
-        if not colon:
-            raise InputError(f"--prior {name} has no deviation", "write --prior c_l2=2.0:0.3")
-        beliefs[name] = Prior(*(_number(v, f"--prior {name}") for v in (mean, deviation)))
-    start = {n: v for n, v in values.items() if n in wanted}
-    return Choice(wanted, fixed, beliefs, start, expected)
+@dataclass(frozen=True)
+class FitChoice:
+    """What is free in a fit, what is known of it, and how it is done; its fields are options."""
 
+    free: Annotated[
+        str | None, Option("--free", metavar="NAMES", help="Free parameters, separated by commas.")
+    ] = None
+    fix: Annotated[
+        list[str] | None,
+        Option("--fix", metavar="NAME=VALUE", help="Hold this parameter; may be repeated."),
+    ] = None
+    prior: Annotated[
+        list[str] | None,
+        Option(
+            "--prior",
+            metavar="NAME=MEAN:SD",
+            help="What is known of a free parameter; may be repeated.",
+        ),
+    ] = None
+    prior_from: PriorFrom = None
+    starts: Annotated[int, Option(min=1, help="Number of searches from different starts.")] = 4
+    robust: Annotated[bool, Option("--robust", help="Let outliers count less (soft L1 loss).")] = (
+        False
+    )
+    folds: Annotated[int, Option(min=0, help="Number of folds of the cross-validation.")] = 5
+    bootstrap: Annotated[
+        int, Option(min=0, help="Number of refits to rows drawn with replacement.")
+    ] = 0
+    seed: Annotated[int, Option(help="Seed of the random starts, folds and draws.")] = 2017
+    picture: Annotated[
+        Path | None, Option(metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
+    ] = None
 
-def settings_of(starts: int, robust: bool, folds: int, bootstrap: int, seed: int) -> Settings:
-    """Make the settings of a fit from its options."""
-    return Settings(starts, "soft_l1" if robust else "linear", folds, bootstrap, seed)
+    @property
+    def settings(self) -> Settings:
+        """How the fit is done."""
+        loss = "soft_l1" if self.robust else "linear"
+        return Settings(self.starts, loss, self.folds, self.bootstrap, self.seed)
+
+    def expected(self, prop: str, blade: Propeller, base: Airfoil | None) -> SectionPrior | None:
+        """Predict the constants of ``prop``, by default where neither they nor a ``base`` are
+        given."""
+        by_default = self.free is None and base is None
+        return section_prior(self.prior_from, prop, blade, by_default=by_default)
+
+    def chosen(
+        self,
+        default: Sequence[str],
+        base: Airfoil | None,
+        also_fixed: Mapping[str, float] | None = None,
+        expected: SectionPrior | None = None,
+    ) -> Choice:
+        """Choose what is free, by default ``default`` or the constants of a prior ``expected`` from
+        other propellers, less those fixed. What holds the others and starts it is of ``base``, and
+        of ``also_fixed``, as of a vehicle's wing."""
+        law = base or (expected.airfoil if expected else None)
+        given = {name: getattr(law, name) for name in SECTION} if law else {}
+        stated = dict(_pair(text, "--fix") for text in self.fix or ())
+        believed = dict(_pair(text, "--prior") for text in self.prior or ())
+        wanted = tuple(default)
+        if self.free is not None:
+            wanted = tuple(name.strip() for name in self.free.split(","))
+        elif expected is not None:
+            more = [
+                name for name in (*default, *believed) if name not in SECTION or name in believed
+            ]
+            wanted = tuple(dict.fromkeys((*PARAMETERS, *more)))
+            wanted = tuple(name for name in wanted if name not in stated)
+        values = {**given, **(also_fixed or {})}
+        values |= {name: _number(value, f"--fix {name}") for name, value in stated.items()}
+        fixed = {n: v for n, v in values.items() if n not in wanted or n in stated}
+        beliefs = {}
+        for name, text in believed.items():
+            mean, colon, deviation = text.partition(":")
+            if not colon:
+                raise InputError(f"--prior {name} has no deviation", "write --prior c_l2=2.0:0.3")
+            beliefs[name] = Prior(*(_number(v, f"--prior {name}") for v in (mean, deviation)))
+        start = {n: v for n, v in values.items() if n in wanted}
+        return Choice(wanted, fixed, beliefs, start, expected)
 
 
 def _pair(text: str, option: str) -> tuple[str, str]:
@@ -247,7 +262,7 @@ def _printed(
     residuals = []
     for k, (name, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
         e = errors(*fitted.compared(k))
-        relative, crossed = f"{100.0 * e.relative_rms:.2f} %", _rms(fitted.cross_validated[k])
+        relative, crossed = f"{100.0 * e.relative_rms:.2f} %", out.digits(fitted.cross_validated[k])
         size = (str(e.rows), f"{e.rms:.4g}", relative, f"{e.bias:+.3g}", f"{e.worst:+.3g}")
         residuals.append((name, *size, crossed, unit))
     heads = "<load|rows|rms|relative|bias|worst|cross-validated|<unit"
@@ -256,7 +271,7 @@ def _printed(
         by_flight = []
         for load, unit in zip(rows.names, rows.units, strict=True):
             for k, (flight, f) in enumerate(flights[load].items()):
-                crossed = _rms(f.cross_validated_rms)
+                crossed = out.digits(f.cross_validated_rms)
                 part = (str(f.rows), f"{f.rms:.4g}", f"{f.bias:+.3g}", crossed)
                 by_flight.append(("" if k else load, flight, *part, unit))
         heads = "<load|<flight|rows|rms|bias|cross-validated|<unit"
@@ -267,10 +282,6 @@ def _printed(
     yield f"{many}; {fitted.seconds:.1f} s"
     yield f"with {in_words(corrections)}, which comes along wherever the fit is used"
     yield from (f"note: {remark}" for remark in remarks)
-
-
-def _rms(value: float) -> str:
-    return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
 MOST_LEFT = 0.5  # rms error over what was measured, beyond which no fit is of any use
@@ -331,39 +342,28 @@ def _finish_tunnel(
     finish(fitted, rotor.model, remarks, text, output)
 
 
-@opt.takes_rotor
+@opt.takes_choices
 def fit_tunnel(
     choice: opt.RotorChoice,
     data: Annotated[
         list[str], Argument(metavar="DATA...", help="CSV or UIUC files, or measurements by name.")
     ],
     output: Output,
-    free: Free = None,
     loads: Annotated[str | None, Option(help="Loads to fit, separated by commas.")] = None,
     weight: Annotated[
         list[str] | None, Option(metavar="LOAD=W", help="Count this load's residuals W times.")
     ] = None,
-    fix: Fix = None,
-    prior: Priors = None,
-    prior_from: PriorFrom = None,
-    starts: Starts = 4,
-    robust: Robust = False,
-    folds: Folds = 5,
-    bootstrap: Bootstrap = 0,
-    seed: Seed = 2017,
     accept: Accept = False,
-    picture: Picture = None,
     cluster: opt.Cluster = None,
+    asked: FitChoice = FitChoice(),
 ) -> None:
     """Fit loads measured in a tunnel or on a bench."""
-    check_outputs(output, picture)
+    check_outputs(output, asked.picture)
     base = opt.constants(choice.airfoil) if choice.airfoil else None
     blade = choice.blade()
     default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
-    by_default = free is None and base is None
-    expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
-    chosen = choice_of(free, fix, prior, default, base, expected=expected)
-    settings = settings_of(starts, robust, folds, bootstrap, seed)
+    expected = asked.expected(choice.prop, blade, base)
+    chosen = asked.chosen(default, base, expected=expected)
     weights = {}
     for text in weight or ():
         name, _, value = text.partition("=")
@@ -388,14 +388,14 @@ def fit_tunnel(
         return tunnel.tunnel_rows(model, measured, c, **options)
 
     remake = functools.partial(tunnel.tunnel_rows, model, measured, chosen, **options)
-    with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
-        fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
+    with opt.workers_of_bootstrap(cluster, asked.bootstrap) as workers:
+        fitted = fit(remake(), chosen, asked.settings, workers=workers, remake=remake)
     _refuse_poor(fitted, warnings, accept=accept)
     remarks = [*range_warnings(fitted.rows), *comparison.failing_assumptions(fitted, rows_for)]
     remarks += comparison.unlikely_constants(fitted)
     said: Any = {"prior": expected, "remarks": remarks, "warnings": warnings}
     said |= {"data": tunnel.sources(data), "weights": weights}
-    _finish_tunnel(choice, model, measured, fitted, output, picture, **said)
+    _finish_tunnel(choice, model, measured, fitted, output, asked.picture, **said)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -405,7 +405,7 @@ LIKE_ELECTRICAL = 1.2  # measured power over what the prior predicts; from there
 STILL = 0.5  # [m/s], what an anemometer at rest may show
 
 
-@functools.partial(opt.takes_rotor, prop=opt.PropOption)
+@functools.partial(opt.takes_choices, prop=opt.PropOption)
 def fit_static(
     choice: opt.RotorChoice,
     files: Annotated[
@@ -417,41 +417,31 @@ def fit_static(
         ),
     ],
     output: Annotated[Path | None, WRITTEN] = None,
-    free: Free = None,
-    fix: Fix = None,
-    prior: Priors = None,
-    prior_from: PriorFrom = None,
-    starts: Starts = 1,
-    robust: Robust = False,
-    folds: Folds = 0,
-    bootstrap: Bootstrap = 0,
-    seed: Seed = 2017,
     accept: Accept = False,
-    picture: Picture = None,
+    asked: FitChoice = FitChoice(starts=1, folds=0),
 ) -> None:
     """Fit a static test, and predict forward flight."""
-    check_outputs(output, picture)
+    check_outputs(output, asked.picture)
     base = opt.constants(choice.airfoil) if choice.airfoil else None
     blade, air = choice.blade(), choice.medium()
     parts = [_read_static(path, blade, air) for path in files]
     warnings = [text for part in parts for text in tunnel.data_warnings(part, blade, air)]
     out.note(*warnings)
     measured = tunnel.merged(parts)
-    by_default = free is None and base is None
-    expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
-    chosen = choice_of(free, fix, prior, ("c_l1", "zero_lift_angle"), base, expected=expected)
-    settings = settings_of(starts, robust, folds, bootstrap, seed)
+    expected = asked.expected(choice.prop, blade, base)
+    chosen = asked.chosen(("c_l1", "zero_lift_angle"), base, expected=expected)
     law = base or (expected.airfoil if expected else tunnel.first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     setting = choice.accuracy
-    fitted = fit(tunnel.tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
+    rows = tunnel.tunnel_rows(model, measured, chosen, setting=setting)
+    fitted = fit(rows, chosen, asked.settings)
     _refuse_poor(fitted, warnings, accept=accept)
     remarks = [*range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]
     if expected is not None:
         remarks += _like_electrical(fitted, measured)
     said: Any = {"prior": expected, "remarks": remarks, "warnings": warnings}
     said |= {"data": files, "weights": {}}
-    _finish_tunnel(choice, model, measured, fitted, output, picture, **said)
+    _finish_tunnel(choice, model, measured, fitted, output, asked.picture, **said)
     _show_trust(comparison.forward_trust(model, fitted, float(np.median(measured.omega)), setting))
 
 

@@ -14,77 +14,14 @@ from typer import Argument, Option, echo
 
 from propmap.cli import options as opt
 from propmap.cli import output as out
-from propmap.cli.fit import (
-    Bootstrap,
-    Fix,
-    Folds,
-    Free,
-    Output,
-    Picture,
-    PriorFrom,
-    Priors,
-    Robust,
-    Seed,
-    Starts,
-    check_outputs,
-    choice_of,
-    finish,
-    note_prior,
-    section_prior,
-    settings_of,
-)
+from propmap.cli.fit import FitChoice, Output, PriorFrom, check_outputs, finish, note_prior
 from propmap.errors import InputError, quoted
-from propmap.fit.comparison import (
-    RecordedFlight,
-    Step,
-    body_terms_verdict,
-    by_flight,
-    fit_terms,
-    residual_trends,
-    unlikely_constants,
-)
+from propmap.fit import comparison, flight, parameters
 from propmap.fit.files import fit_text
 from propmap.fit.fit import fit, range_warnings
-from propmap.fit.flight import (
-    BIAS,
-    CLOCK_DEVIATION,
-    OFFSET,
-    OVER_FLIGHTS,
-    TILT,
-    ForceModel,
-    HoverScale,
-    balance_rows,
-    hover_rows,
-    level_rows,
-    of_each,
-    wing_values,
-)
-from propmap.fit.moments import CENTRE, FACTORS
-from propmap.fit.parameters import (
-    BODY,
-    FLEX,
-    INSTALLED,
-    SECTION,
-    TURNING,
-    WAKES,
-    Choice,
-    Prior,
-    SectionPrior,
-)
+from propmap.fit.moments import CENTRE
 from propmap.fit.tunnel import first_guess, model_with, section_with
-from propmap.flight.checks import (
-    check_rotor_order,
-    check_rotor_speed,
-    drive_in_hover,
-    mixed_vehicles,
-)
-from propmap.flight.steady import (
-    airborne,
-    is_level_table,
-    operating_points,
-    read_level_table,
-    steady_stretches,
-)
+from propmap.flight import checks, steady
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
 from propmap.model.envelope import MAIN_PART
 from propmap.model.model import Model
@@ -150,25 +87,22 @@ def read_flights(
     names = flight_names([str(path) for path in paths])
     if all_level_tables(paths):
         if method == "balance":
-            raise InputError(
-                "a level-flight table has no accelerations", "fit it with --method level"
-            )
-        tables = [read_level_table(path, file.vehicle) for path in paths]
+            fault = "a level-flight table has no accelerations"
+            raise InputError(fault, "fit it with --method level")
+        tables = [steady.read_level_table(path, file.vehicle) for path in paths]
         nominal, found = _nominal_rotor(file), list[str]()
         for table in tables:
             try:
-                found += check_rotor_speed(table, nominal, file.vehicle, "rpm")
+                found += checks.check_rotor_speed(table, nominal, file.vehicle, "rpm")
             except InputError as error:
                 remedy = "give rpm_1, rpm_2 ... in revolutions per minute of the propeller"
                 raise InputError(error.found, remedy, table.source) from None
         return Flights(True, joined(tables, names), tuple(found))
     logs, remarks, curve = _recorded(paths, file, curve)
     if method == "level" and any(log.commanded for log in logs):
-        raise InputError(
-            "steady stretches with throttle in place of rotor speeds say nothing of the blade: "
-            "they carry the weight at any",
-            "use --method balance, or log rotor speeds",
-        )
+        fault = "steady stretches with throttle in place of rotor speeds say nothing of the blade: "
+        fault += "they carry the weight at any"
+        raise InputError(fault, "use --method balance, or log rotor speeds")
     if method != "balance" and not any(log.commanded for log in logs):
         points = _points(logs, seconds, picture, needed=method == "level")
         if points is not None:
@@ -187,7 +121,7 @@ def read_flights(
                 f"slowest signal faster, or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
             )
     logs = _turning([low_passed(log, low_pass) for log in logs], file.vehicle, curve)
-    flying = joined([log.picked(airborne(log)) for log in logs], names)
+    flying = joined([log.picked(steady.airborne(log)) for log in logs], names)
     picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))
     return Flights(False, flying.picked(picked), tuple(remarks), curve)
 
@@ -209,21 +143,19 @@ def _recorded(
     if driven:
         remarks.append(FROM_THROTTLE)
         if curve is None:
-            curve = {HOVER_DRIVE: drive_in_hover(logs)}
+            curve = {HOVER_DRIVE: checks.drive_in_hover(logs)}
         if HOVER_DRIVE not in curve:
-            raise InputError(
-                "there is throttle and no rotor speed, and the constants are of measured ones",
-                "compare with a log of rotor speeds, or fit logs with throttle as well",
-                driven[0],
-            )
+            found = "there is throttle and no rotor speed, and the constants are of measured ones"
+            remedy = "compare with a log of rotor speeds, or fit logs with throttle as well"
+            raise InputError(found, remedy, driven[0])
     curve = curve or {}
     logs = _turning(logs, file.vehicle, curve)
     for log in logs:
         # Where it need not be stated, it is rpm.
         unit = file.log.rotor_unit or "rpm"
-        remarks += check_rotor_speed(log, _nominal_rotor(file), file.vehicle, unit)
-        check_rotor_order(log, file.vehicle)
-    return logs, [*remarks, *mixed_vehicles(logs, file.vehicle)], curve
+        remarks += checks.check_rotor_speed(log, _nominal_rotor(file), file.vehicle, unit)
+        checks.check_rotor_order(log, file.vehicle)
+    return logs, [*remarks, *checks.mixed_vehicles(logs, file.vehicle)], curve
 
 
 def _turning(
@@ -241,7 +173,7 @@ def _points(
     found = []
     for log in logs:
         try:
-            stretches = steady_stretches(log, seconds=seconds)
+            stretches = steady.steady_stretches(log, seconds=seconds)
         except InputError:
             if needed and len(logs) == 1:
                 raise
@@ -250,13 +182,11 @@ def _points(
             from propmap.report.fit_curves import steady_parts
 
             out.save_picture(steady_parts(log, stretches), picture)
-        found.append(operating_points(log, stretches))
+        found.append(steady.operating_points(log, stretches))
     if not found or (not needed and sum(len(p) for p in found) < ENOUGH_STRETCHES):
         if needed:
-            raise InputError(
-                f"no log has a steady stretch of {seconds:g} s",
-                "lower --seconds, or use --method balance",
-            )
+            fault = f"no log has a steady stretch of {seconds:g} s"
+            raise InputError(fault, "lower --seconds, or use --method balance")
         return None
     return joined(found)
 
@@ -267,7 +197,7 @@ def _nominal_rotor(file: VehicleFile) -> Rotor:
 
 def all_level_tables(paths: Sequence[Path]) -> bool:
     """Return whether all files are tables of operating points."""
-    return all(is_level_table(path) for path in paths)
+    return all(steady.is_level_table(path) for path in paths)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -285,28 +215,6 @@ BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
 """Constants of the blade that a flight moves; it says nothing of the others."""
 BODY_ALONG_Z = ("drag_area_z", "download_area_x", "download_area_y")
 """Terms of the body that the drag of the rotors' mounts does not take the place of."""
-WAKE_PRIORS = {
-    "wake_ahead": Prior(1.0, 3.0),
-    "wake_beside": Prior(1.0, 1.0),
-    "wake_downwash": Prior(1.0, 1.0),
-    "wake_share": Prior(1.0, 0.5),
-}
-"""The vortex cylinder is right within a factor of about two, and a wake is skewed by the inflow at
-the disk (1) or far below it (2) or by less, as air at the rim is slower."""
-# Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.
-UNTWIST = Prior(0.02, 0.02)
-CLOCK = Prior(0.0, CLOCK_DEVIATION)
-TURNED, BIASED = Prior(0.0, 0.02), Prior(0.0, 0.1)  # [rad], [m/s^2], as boards are mounted
-# In flow the air's own moments, which controllers balance, leave little of the rotors' to be seen.
-MOMENT_FACTOR = Prior(1.0, 1.0)
-# What motor controllers report is right within a hundredth: a clock's error, and rounding.
-ROTOR_SPEEDS = Prior(1.0, 0.01)
-# In oblique flow blades stall later than in the axial tests that other propellers' constants are
-# from: at 0.42 rad in the campaign of 2019 (apc-8x6e-2019), at 0.35 in a second tunnel.
-STALL_IN_FLIGHT = Prior(0.36, 0.08)
-# The factor of rotors on stands is 1.9 +- 0.6, and the area 0.03 of the disk or less; of two whole
-# quadrotors, fitted without either prior, 3.5 and above, with next to no area.
-DRAG_IN_FLIGHT = Prior(2.5, 1.5)
 
 # Standard deviations: areas of a body over that of all disks, and of a mount over that of its
 # disk; places of the accelerometer and of the centre of mass over the hubs' mean distance; mass of
@@ -316,47 +224,31 @@ SENSOR_SHARE, CENTRE_SHARE = 0.5, 0.1
 ROTOR_SHARE = 0.01
 
 
-# Which share of the throttle is the square's, what the blade makes of the weight's rotor speed, and
-# how fast motors of 5 to 15 in propellers are.
-THROTTLE_PRIORS = {
-    "throttle_speed": Prior(1.0, 0.25),
-    "throttle_expo": Prior(0.5, 0.25),
-    "motor_lag": Prior(0.05, 0.03),
-}
-
-
-def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, Prior]:
+def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, parameters.Prior]:
     """Give priors of all parameters but the section's, and of stall, by the vehicle's size.
 
     With ``hover``, the thrust scale of each flight is expected where its own hover has it.
     """
     disk = math.pi * vehicle.propeller.radius**2
-    bodies = Prior(0.0, BODY_SHARE * disk * len(vehicle.mounts))
+    bodies = parameters.Prior(0.0, BODY_SHARE * disk * len(vehicle.mounts))
     places = [math.hypot(*mount.position) for mount in vehicle.mounts]
     arm = sum(places) / len(places) or vehicle.propeller.radius
     heavy = ROTOR_SHARE * vehicle.mass * vehicle.propeller.radius**2
-    scale = HoverScale.of(vehicle, log)
+    scale = flight.HoverScale.of(vehicle, log)
     if not hover:
         scale = replace(scale, measured={})
     return {
-        **dict.fromkeys(BODY, bodies),
-        "alpha_0": STALL_IN_FLIGHT,
-        "drag_factor": DRAG_IN_FLIGHT,
-        "mount_area": Prior(0.0, MOUNT_SHARE * disk),
-        "untwist": UNTWIST,
-        **dict.fromkeys(OFFSET, Prior(0.0, SENSOR_SHARE * arm)),
-        **dict.fromkeys(TILT, TURNED),
-        **dict.fromkeys(BIAS, BIASED),
+        **parameters.IN_FLIGHT,
+        **dict.fromkeys(parameters.BODY, bodies),
+        "mount_area": parameters.Prior(0.0, MOUNT_SHARE * disk),
+        **dict.fromkeys(flight.OFFSET, parameters.Prior(0.0, SENSOR_SHARE * arm)),
         **dict.fromkeys(
-            ("clock_offset", *of_each("clock_offset", log)), Prior(0.0, CLOCK_DEVIATION)
+            ("clock_offset", *flight.of_each("clock_offset", log)),
+            parameters.Prior(0.0, flight.CLOCK_DEVIATION),
         ),
-        **dict.fromkeys(CENTRE, Prior(0.0, CENTRE_SHARE * arm)),
-        "rotor_inertia": Prior(0.0, heavy),
-        **dict.fromkeys(FACTORS, MOMENT_FACTOR),
-        **WAKE_PRIORS,
-        "rotor_speed_scale": ROTOR_SPEEDS,
-        **THROTTLE_PRIORS,
-        "thrust_scale": Prior(1.0, OVER_FLIGHTS),
+        **dict.fromkeys(CENTRE, parameters.Prior(0.0, CENTRE_SHARE * arm)),
+        "rotor_inertia": parameters.Prior(0.0, heavy),
+        "thrust_scale": parameters.Prior(1.0, flight.OVER_FLIGHTS),
         **scale.priors,
     }
 
@@ -371,16 +263,18 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     """
     if level:
         return PAPER_FOUR
-    turning = tuple(TURNING) if vehicle.inertia else ()
-    mount = () if any(one.drag for one in vehicle.mounts) else tuple(INSTALLED)
-    wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
-    scales = of_each("thrust_scale", log) if len(log.flights) > 1 else ()
-    driven = (*CURVE, *TILT) if log.commanded else ()
-    own = (*of_each("clock_offset", log), *scales, *driven)
-    return (*BLADE, *FLEX, *mount, *BODY_ALONG_Z, *OFFSET, *turning, *wakes, *own)
+    turning = tuple(parameters.TURNING) if vehicle.inertia else ()
+    mount = () if any(one.drag for one in vehicle.mounts) else tuple(parameters.INSTALLED)
+    wakes = tuple(parameters.WAKES) if len(vehicle.mounts) > 1 else ()
+    scales = flight.of_each("thrust_scale", log) if len(log.flights) > 1 else ()
+    driven = (*CURVE, *flight.TILT) if log.commanded else ()
+    own = (*flight.of_each("clock_offset", log), *scales, *driven)
+    return (*BLADE, *parameters.FLEX, *mount, *BODY_ALONG_Z, *flight.OFFSET, *turning, *wakes, *own)
 
 
-def with_flight_priors(choice: Choice, known: Mapping[str, Prior]) -> Choice:
+def with_flight_priors(
+    choice: parameters.Choice, known: Mapping[str, parameters.Prior]
+) -> parameters.Choice:
     """Add what is known of those free parameters that have no prior."""
     more = {n: p for n, p in known.items() if n in choice.free and n not in choice.priors}
     return replace(choice, priors={**more, **choice.priors}) if more else choice
@@ -393,6 +287,7 @@ def with_flight_priors(choice: Choice, known: Mapping[str, Prior]) -> Choice:
 EVERY, FEW = 3, 1500
 
 
+@opt.takes_choices
 def fit_flight(
     logs: Annotated[
         list[Path],
@@ -409,10 +304,6 @@ def fit_flight(
             "forces at all times; auto: level if there are enough steady stretches."
         ),
     ] = "auto",
-    free: Free = None,
-    fix: Fix = None,
-    prior: Priors = None,
-    prior_from: PriorFrom = None,
     name_or_file: Annotated[
         str | None,
         Option(
@@ -436,23 +327,18 @@ def fit_flight(
     body_study: Annotated[
         bool, Option("--body-study", help="Say whether terms for body lift and drag pay.")
     ] = False,
-    starts: Starts = 2,
-    robust: Robust = False,
-    folds: Folds = 5,
-    bootstrap: Bootstrap = 0,
-    seed: Seed = 2017,
-    picture: Picture = None,
     stretches_picture: Annotated[
         Path | None, Option("--stretches", metavar="FILE", help="Draw the steady stretches.")
     ] = None,
     cluster: opt.Cluster = None,
+    asked: FitChoice = FitChoice(starts=2),  # noqa: B008 - frozen
 ) -> None:
     """Fit flight logs of a vehicle.
 
     Whole flights have a thrust scale (where there are several) and a clock each. Wind is not
     estimated: state it in the vehicle file.
     """
-    check_outputs(output, picture, stretches_picture)
+    check_outputs(output, asked.picture, stretches_picture)
     base = opt.constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
     warnings = [*blade_warnings(file.vehicle.propeller), *air_warnings(file.vehicle.air)]
@@ -468,46 +354,46 @@ def fit_flight(
         picture=stretches_picture,
     )
     default = free_by_default(file.vehicle, flights.log, level=flights.level)
-    by_default = free is None and base is None
     blade = file.vehicle.propeller
-    expected = section_prior(prior_from, blade.name, blade, by_default=by_default)
-    wing = wing_values(file.vehicle)
-    if not flights.level and free is None:
+    expected = asked.expected(blade.name, blade, base)
+    wing = flight.wing_values(file.vehicle)
+    if not flights.level and asked.free is None:
         # With one blade in one air, what hardly moves stays where other propellers have it.
         held, believed = (
-            [text.partition("=")[0].strip() for text in texts or ()] for texts in (fix, prior)
+            [text.partition("=")[0].strip() for text in texts or ()]
+            for texts in (asked.fix, asked.prior)
         )
-        free = ",".join(name for name in dict.fromkeys((*default, *believed)) if name not in held)
-    chosen = choice_of(free, fix, prior, default, base, wing, expected)
+        free = [name for name in dict.fromkeys((*default, *believed)) if name not in held]
+        asked = replace(asked, free=",".join(free))
+    chosen = asked.chosen(default, base, wing, expected)
     chosen = replace(chosen, fixed={**flights.curve, **chosen.fixed})
     if not flights.level:
         known = flight_priors(file.vehicle, flights.log, hover=hover_scale)
         if expected is None:
             del known["alpha_0"]
         chosen = with_flight_priors(chosen, known)
-    settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
     law = opt.with_physics(law, physics, correction)
-    model = ForceModel(file.vehicle, flights.log, law)
-    make = level_rows if flights.level else balance_rows
+    model = flight.ForceModel(file.vehicle, flights.log, law)
+    make = flight.level_rows if flights.level else flight.balance_rows
     fewer = None
     if not flights.level and flights.log.rotor_speed.size >= FEW:
         part = flights.log.picked(slice(None, None, EVERY))
-        fewer = make(ForceModel(file.vehicle, part, law), chosen)
+        fewer = make(flight.ForceModel(file.vehicle, part, law), chosen)
     remake = functools.partial(make, model, chosen)
-    with opt.workers_of_bootstrap(cluster, bootstrap) as workers:
-        fitted = fit(remake(), chosen, settings, fewer, workers=workers, remake=remake)
+    with opt.workers_of_bootstrap(cluster, asked.bootstrap) as workers:
+        fitted = fit(remake(), chosen, asked.settings, fewer, workers=workers, remake=remake)
     if flights.curve:
         (turning,) = _turning([flights.log], file.vehicle, fitted.values)
-        model = ForceModel(file.vehicle, turning, law)
+        model = flight.ForceModel(file.vehicle, turning, law)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
-    remarks += residual_trends(fitted, model.log)
-    remarks += unlikely_constants(fitted)
+    remarks += comparison.residual_trends(fitted, model.log)
+    remarks += comparison.unlikely_constants(fitted)
     if body_study:
-        remarks += body_terms_verdict(fitted, lambda c: make(model, c))
-    flown = by_flight(fitted, flights.log)
+        remarks += comparison.body_terms_verdict(fitted, lambda c: make(model, c))
+    flown = comparison.by_flight(fitted, flights.log)
     wanted = hover_scale and not flights.level
-    hovers = HoverScale.of(file.vehicle, model.log) if wanted else None
+    hovers = flight.HoverScale.of(file.vehicle, model.log) if wanted else None
     text = fit_text(
         fitted,
         kind="level flight" if flights.level else "flight",
@@ -516,7 +402,7 @@ def fit_flight(
         data=[*logs, vehicle],
         covered=model.coverage(),
         envelope=model.envelope((0.0, 100.0) if flights.level else MAIN_PART),
-        hover=hover_rows(model, fitted.values, fitted.rows),
+        hover=flight.hover_rows(model, fitted.values, fitted.rows),
         remarks=[*note_prior(expected), *remarks, *warnings],
         options={
             "seconds": seconds,
@@ -527,11 +413,11 @@ def fit_flight(
         },
         flights=flown,
     )
-    if picture is not None:
+    if asked.picture is not None:
         from propmap.report.fit_curves import level_flight
 
         drawn = section_with(model.model.airfoil, fitted.values)
-        out.save_picture(level_flight(file.vehicle, model.log, drawn), picture)
+        out.save_picture(level_flight(file.vehicle, model.log, drawn), asked.picture)
     finish(fitted, model_with(model.model, fitted.values), remarks, text, output, flown)
 
 
@@ -585,7 +471,7 @@ def fit_terms_page(
     prior = expected(prior_from, file.vehicle)
     known = flight_priors(file.vehicle, flights[0].passed, hover=False)
     law = prior.airfoil.with_corrections(["pitt-peters"])
-    found = fit_terms(
+    found = comparison.fit_terms(
         file.vehicle,
         flights,
         steps(file.vehicle, prior, known),
@@ -600,51 +486,53 @@ def fit_terms_page(
     echo(f"wrote {output / PAGE} and {len(pages) - 1} files beside it")
 
 
-def expected(prior_from: str | None, vehicle: Vehicle) -> SectionPrior:
+def expected(prior_from: str | None, vehicle: Vehicle) -> parameters.SectionPrior:
     """Predict the constants of the vehicle's blade; ``InputError`` where no prior is wanted."""
     blade = vehicle.propeller
-    prior = section_prior(prior_from, blade.name, blade, by_default=True)
+    prior = FitChoice(prior_from=prior_from).expected(blade.name, blade, None)
     if prior is None:
         raise InputError("the terms are fitted with a prior", "leave --prior-from none out")
     return prior
 
 
-def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> list[Step]:
+def steps(
+    vehicle: Vehicle, prior: parameters.SectionPrior, known: Mapping[str, parameters.Prior]
+) -> list[comparison.Step]:
     """List models of a vehicle's flights, each with one term more.
 
     Other propellers give the ``prior`` of the blade; ``known`` are the priors of other terms.
     """
     own_mounts = any(one.drag for one in vehicle.mounts)
-    mount = () if own_mounts else tuple(INSTALLED)
+    mount = () if own_mounts else tuple(parameters.INSTALLED)
     drag = DRAGS if own_mounts else (*mount, "drag_area_z")
-    blade = (*BLADE, *drag, *OFFSET, "clock_offset")
-    wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
+    blade = (*BLADE, *drag, *flight.OFFSET, "clock_offset")
+    wakes = tuple(parameters.WAKES) if len(vehicle.mounts) > 1 else ()
     named = {
         "three axes, body drag": (*BLADE, *DRAGS),
-        "accelerometer's place and clock": (*BLADE, *DRAGS, *OFFSET, "clock_offset"),
+        "accelerometer's place and clock": (*BLADE, *DRAGS, *flight.OFFSET, "clock_offset"),
         "drag of installed rotors for the body's in x, y": () if own_mounts else blade,
         "the rotors' wakes": (*blade, *wakes) if wakes else (),
-        "blades that give way": (*blade, *wakes, *FLEX),
-        "download of the body": (*blade, *wakes, *FLEX, *DOWN),
+        "blades that give way": (*blade, *wakes, *parameters.FLEX),
+        "download of the body": (*blade, *wakes, *parameters.FLEX, *DOWN),
     }
 
-    at = {name: float(getattr(prior.airfoil, name)) for name in SECTION}
-    bare = {name: max(INSTALLED[name].start, ALMOST_NONE) for name in mount}
-    absent = {**bare, **dict.fromkeys(FLEX, 0.0)}
+    at = {name: float(getattr(prior.airfoil, name)) for name in parameters.SECTION}
+    bare = {name: max(parameters.INSTALLED[name].start, ALMOST_NONE) for name in mount}
+    absent = {**bare, **dict.fromkeys(parameters.FLEX, 0.0)}
 
-    def choice(free: tuple[str, ...]) -> Choice:
+    def choice(free: tuple[str, ...]) -> parameters.Choice:
         """Hold what is not free where other propellers have it, or absent."""
         fixed = {name: value for name, value in {**at, **absent}.items() if name not in free}
         start = {name: value for name, value in at.items() if name in free}
-        return with_flight_priors(Choice(free, fixed, {}, start, prior), known)
+        return with_flight_priors(parameters.Choice(free, fixed, {}, start, prior), known)
 
-    found = [Step("vertical balance alone", choice(STALL), vertical=True)]
-    return found + [Step(name, choice(f)) for name, f in named.items() if f]
+    found = [comparison.Step("vertical balance alone", choice(STALL), vertical=True)]
+    return found + [comparison.Step(name, choice(f)) for name, f in named.items() if f]
 
 
 def read_pairs(
     paths: Sequence[Path], file: VehicleFile, cutoff: float, prediction: str | None
-) -> tuple[list[RecordedFlight], list[str]]:
+) -> tuple[list[comparison.RecordedFlight], list[str]]:
     """Read flights, their signals low-passed below ``cutoff`` [Hz] and raw, and remarks on them.
 
     Raises ``InputError`` for bad logs, and for columns of the ``prediction`` that are not there.
@@ -653,26 +541,22 @@ def read_pairs(
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise InputError(f"two logs are called {twice[0]!r}", "give each flight once")
-    found: list[RecordedFlight] = []
+    found: list[comparison.RecordedFlight] = []
     remarks: list[str] = []
     for path in paths:
         passed, raw = (read_flights([path], file, "balance", low_pass=hz) for hz in (cutoff, 0.0))
         remarks += passed.remarks
         if passed.log.commanded:
-            raise InputError(
-                "there are commands to the motors in place of rotor speeds",
-                "compare terms on flights with measured speeds",
-                str(path),
-            )
+            fault = "there are commands to the motors in place of rotor speeds"
+            raise InputError(fault, "compare terms on flights with measured speeds", str(path))
         if not np.isfinite(passed.log.specific_force).all():
-            raise InputError(
-                "there is no specific force (accelerometer) for all samples", "log it", str(path)
-            )
+            fault = "there is no specific force (accelerometer) for all samples"
+            raise InputError(fault, "log it", str(path))
         both = [
             _predicted(path, file, flown.log.time, hz, prediction)
             for flown, hz in ((passed, cutoff), (raw, 0.0))
         ]
-        found.append(RecordedFlight(path.stem, passed.log, raw.log, *both))
+        found.append(comparison.RecordedFlight(path.stem, passed.log, raw.log, *both))
     return found, remarks
 
 

@@ -12,7 +12,7 @@ from typer import Argument, echo
 from typer.core import TyperGroup
 
 from propmap.catalogue import Entry
-from propmap.catalogue.expected import ExpectedBlade
+from propmap.catalogue.expected import Meant
 from propmap.catalogue.identified import PARAMETERS, all_identified
 from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, search
 from propmap.cli import options as opt
@@ -150,7 +150,7 @@ def outline(blade: Propeller) -> list[str]:
     return ["".join(line).rstrip() for line in lines]
 
 
-def _constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> list[object]:
+def _constants(meant: Meant, blade: Propeller) -> list[object]:
     """Show the constants that commands take for PROP by default, and how sure they are."""
     if meant is None:
         return []

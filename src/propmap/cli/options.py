@@ -9,19 +9,9 @@ import math
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, fields, replace
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from pathlib import Path
-from typing import (
-    TYPE_CHECKING,
-    Annotated,
-    Any,
-    Concatenate,
-    Literal,
-    ParamSpec,
-    TypeVar,
-    cast,
-    get_type_hints,
-)
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hints
 
 import numpy as np
 import typer
@@ -29,19 +19,13 @@ from typer import Argument, Option, echo
 
 from propmap import catalogue
 from propmap.bands import MEASURED_TO
+from propmap.catalogue import lookup
 from propmap.catalogue.expected import ExpectedBlade
-from propmap.catalogue.lookup import (
-    airfoil,
-    meant_by,
-    own_constants,
-    predicted_constants,
-    propeller,
-)
 from propmap.cli.output import note
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_value, read_lines
 from propmap.io.geometry import blades_in_title, how_read
-from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
+from propmap.model.airfoil import Airfoil, SectionLaw, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
 from propmap.model.plausibility import air_warnings, blade_warnings, point_warnings
@@ -58,9 +42,8 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # PROP and the options that choose a rotor.
 
-Others = ParamSpec("Others")
 SAME_BLADE = 0.02  # share within which radius and chord are those of one blade
-Law = TypeVar("Law", bound=Airfoil | SectionTable)
+Law = TypeVar("Law", bound=SectionLaw)
 
 PROP_HELP = "Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file."
 PropArgument = Annotated[str, Argument(metavar="PROP", help=PROP_HELP)]
@@ -177,7 +160,7 @@ def propeller_noted(
     root_cutout: float | None = None,
 ) -> Propeller:
     """Read PROP, with notes on how, on a blade not measured and on what is implausible."""
-    found = propeller(prop, blades, radius, root_cutout)
+    found = lookup.propeller(prop, blades, radius, root_cutout)
     note_reading(prop, found, blades)
     note(*blade_warnings(found))
     return found
@@ -185,7 +168,7 @@ def propeller_noted(
 
 def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
     """Note how PROP, no name of the catalogue, was read as ``found`` with ``asked`` blades."""
-    meant = meant_by(prop, asked)
+    meant = lookup.meant_by(prop, asked)
     if isinstance(meant, ExpectedBlade):
         note(meant.summary)
     elif meant is None:
@@ -205,9 +188,9 @@ def section_law(
     PROP with so many ``blades`` as were asked for."""
     if asked is not None:
         note(*_of_another_propeller(asked, blade))
-        return airfoil(asked)
-    meant = meant_by(prop, blades)
-    found = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
+        return lookup.airfoil(asked)
+    meant = lookup.meant_by(prop, blades)
+    found = lookup.own_constants(meant, blade.blades) or lookup.predicted_constants(meant, blade)
     if not (isinstance(meant, ExpectedBlade) and meant.own is None):
         # Else the note on the blade has said what the constants rest on too.
         note(f"{found.summary}; another law by --airfoil")
@@ -238,14 +221,14 @@ def with_physics(
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)
     if model is None and not physics and own is not None:
-        return cast(Law, law.with_corrections([*split_mount(own)[0], *mount]))
+        return law.with_corrections([*split_mount(own)[0], *mount])
     chosen = corrections_of(model or "recommended", more, installed=installed)
-    return cast(Law, law.with_corrections([as_text(value) for value in chosen]))
+    return law.with_corrections([as_text(value) for value in chosen])
 
 
 def constants(name_or_path: str) -> Airfoil:
     """Read the constants that ``--airfoil`` names; ``InputError`` for a section table."""
-    found = airfoil(name_or_path)
+    found = lookup.airfoil(name_or_path)
     if isinstance(found, SectionTable):
         fault = "this is a section table, which has no constants such as c_l1 to fit or to fly with"
         remedy = f"give one of {', '.join(airfoil_names())}, or a .toml file"
@@ -253,29 +236,32 @@ def constants(name_or_path: str) -> Airfoil:
     return found
 
 
-def takes_rotor(
-    command: Callable[Concatenate[RotorChoice, Others], None], prop: Any = PropArgument
-) -> Callable[..., None]:
-    """Give a command the parameters of ``RotorChoice``; ``prop`` is an argument or an option."""
-    own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
-    types = get_type_hints(RotorChoice, include_extras=True)
-    shared = [
-        inspect.Parameter(
-            field.name,
-            inspect.Parameter.KEYWORD_ONLY,
-            annotation=types[field.name] if field.name != "prop" else prop,
-            default=field.default if field.name != "prop" else inspect.Parameter.empty,
-        )
-        for field in fields(RotorChoice)
-    ]
-    own = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
+def takes_choices(command: Callable[..., None], prop: Any = PropArgument) -> Callable[..., None]:
+    """Give a command the fields of its parameters that are dataclasses as options, by default as in
+    such a parameter's default; ``prop``, of ``RotorChoice``, is an argument or an option."""
+    own = inspect.signature(command, eval_str=True).parameters
+    kinds: dict[str, Any] = {n: p.annotation for n, p in own.items() if is_dataclass(p.annotation)}
+    plain = [one.replace(kind=one.KEYWORD_ONLY) for n, one in own.items() if n not in kinds]
+    needed, shared = [], []
+    for name, kind in kinds.items():
+        types = get_type_hints(kind, include_extras=True) | {"prop": prop}
+        for field in fields(kind):
+            default = getattr(own[name].default, field.name, field.default)
+            option = inspect.Parameter(
+                field.name, inspect.Parameter.KEYWORD_ONLY, annotation=types[field.name]
+            )
+            if default is MISSING:
+                needed.append(option)
+            else:
+                shared.append(option.replace(default=default))
 
     @functools.wraps(command)
     def run(**given: Any) -> None:
-        choice = RotorChoice(**{parameter.name: given.pop(parameter.name) for parameter in shared})
-        command(choice, **given)  # type: ignore[call-arg]
+        for name, kind in kinds.items():
+            given[name] = kind(**{field.name: given.pop(field.name) for field in fields(kind)})
+        command(**given)
 
-    parameters = [shared[0], *own, *shared[1:]]
+    parameters = [*needed, *plain, *shared]
     run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return run

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -128,6 +129,11 @@ def blamed_on(file: Path) -> Iterator[None]:
         yield
     except InputError as error:
         raise InputError(error.found, error.remedy, error.where or str(file)) from None
+
+
+def digits(value: float, count: int = 4) -> str:
+    """Write so many significant digits, a dash for what is not finite."""
+    return f"{value:.{count}g}" if math.isfinite(value) else "-"
 
 
 def json_text(value: Any) -> str:

@@ -32,7 +32,7 @@ plot_app = typer.Typer(
 
 
 @plot_app.command("map")
-@opt.takes_rotor
+@opt.takes_choices
 def plot_map(
     choice: opt.RotorChoice,
     rpm: Annotated[float, Option(help="Rotational speed [1/min].")],
@@ -84,7 +84,7 @@ def plot_planform(
 
 
 @plot_app.command("disk")
-@opt.takes_rotor
+@opt.takes_choices
 def plot_disk(
     choice: opt.RotorChoice,
     rpm: Annotated[float, Option(help="Rotational speed [1/min].")],

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from propmap.typing import Floats
 
 
-@opt.takes_rotor
+@opt.takes_choices
 def predict(
     choice: opt.RotorChoice,
     rpm: Annotated[float | None, Option(help="Rotational speed [1/min].")] = None,

@@ -97,18 +97,9 @@ def simulate_flight(
     out.check_output(output, (".csv",), keep_existing=not force)
     law = opt.with_physics(opt.constants(section), model, correction)
 
-    from propmap.flight.simulate import (
-        SensorNoise,
-        check_sampling,
-        expectation,
-        fly,
-        log_csv,
-        log_map,
-        log_table,
-        trim,
-    )
+    from propmap.flight import simulate
 
-    check_sampling(dwell, rate)
+    simulate.check_sampling(dwell, rate)
     names = Choice(tuple(name.strip() for name in free.split(","))).free
     read = read_vehicle(vehicle)
     flown = replace(read.vehicle, wakes=None) if no_wakes else read.vehicle
@@ -118,25 +109,25 @@ def simulate_flight(
 
     # Another stream than that of the sensors.
     error = noise * np.random.default_rng([seed, 1]).standard_normal(speeds.size)
-    points = trim(flown, law, speeds, radius=radius, tether=not banked, disturbance=error)
-    sensors = SensorNoise(
+    points = simulate.trim(flown, law, speeds, radius=radius, tether=not banked, disturbance=error)
+    sensors = simulate.SensorNoise(
         rotor_noise, velocity_noise, math.radians(attitude_noise), accelerometer_noise
     )
-    log = fly(points, dwell=dwell, rate=rate, noise=sensors, seed=seed)
+    log = simulate.fly(points, dwell=dwell, rate=rate, noise=sensors, seed=seed)
     if not no_expectation:
-        expected = expectation(flown, law, points, free=names, error=noise)
+        expected = simulate.expectation(flown, law, points, free=names, error=noise)
         out.show(None, _expected(expected, len(points)))
-    out.write_text(log_csv(log), output)
+    out.write_text(simulate.log_csv(log), output)
     echo(
         f"wrote {output}: {speeds.size} speeds, {log.time[-1]:.0f} s, "
         f"{np.min(points.rotor_speed) / RPM:.0f} to {np.max(points.rotor_speed) / RPM:.0f} rpm, "
         f"flown with {' + '.join([law.name, *(law.corrections or ())])}"
     )
     rotors = len(read.vehicle.mounts)
-    if replace(log_map(rotors), file=read.log.file) == read.log:
+    if replace(simulate.log_map(rotors), file=read.log.file) == read.log:
         echo(f"{vehicle} reads it as it is")
     else:
-        echo(f"to read it, let the vehicle file say:\n\n{log_table(rotors)}", nl=False)
+        echo(f"to read it, let the vehicle file say:\n\n{simulate.log_table(rotors)}", nl=False)
 
 
 def _expected(expected: Expectation, flights: int) -> Table:

@@ -94,11 +94,9 @@ def run_announced(
         )
         if not yes and (layout.bytes > ASK_ABOVE_BYTES or needed > ASK_ABOVE_SECONDS):
             if not sys.stdin.isatty():
-                raise InputError(
-                    f"a run of {decimal(layout.bytes)} and {time_text(needed)} is not begun "
-                    "unasked",
-                    "pass --yes, or ask for fewer points",
-                )
+                found = f"a run of {decimal(layout.bytes)} and {time_text(needed)} is not begun "
+                found += "unasked"
+                raise InputError(found, "pass --yes, or ask for fewer points")
             typer.confirm("begin?", abort=True, err=True)
         with out.progress_bar("tasks") as update:
             evaluation.run(store, layout, workers, update)
@@ -120,7 +118,7 @@ MOST_POINTS = 10_000_000  # of a grid that is computed in memory
 SOME = 30  # values of each axis at which a streamed sweep looks for what is implausible
 
 
-@opt.takes_rotor
+@opt.takes_choices
 def sweep(
     choice: opt.RotorChoice,
     context: typer.Context,

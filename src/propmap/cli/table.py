@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from propmap.table import LoadTable
 
 
-@opt.takes_rotor
+@opt.takes_choices
 def table(
     choice: opt.RotorChoice,
     context: typer.Context,

@@ -12,16 +12,9 @@ import typer
 from typer import Option, echo
 
 import propmap
+from propmap.aircraft import performance
 from propmap.aircraft.assumptions import assumption_lines, assumptions, without_body_drag
 from propmap.aircraft.mission import Mission, fly, read_mission
-from propmap.aircraft.performance import (
-    FASTEST,
-    NamedState,
-    Performance,
-    columns,
-    performance,
-    rows,
-)
 from propmap.aircraft.sensitivity import StateChange, spread
 from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft, SteadyStates
 from propmap.catalogue.identified import identified
@@ -112,7 +105,9 @@ def trim(
     _note_beyond_data(craft, flown)
     found = None
     if not bank and climbs.size == 1 and speeds.size > 1:
-        found = performance(craft, flown[0], climb=float(climbs[0]), wind=wind, bands=bands)
+        found = performance.performance(
+            craft, flown[0], climb=float(climbs[0]), wind=wind, bands=bands
+        )
         if found.fastest is not None and found.fastest.speed > speeds[-1]:
             top = craft.steady(found.fastest.speed, climbs[0], margin=False, near=flown[0])
             _note_beyond_data(craft, [top], "at the top speed, ")
@@ -130,7 +125,7 @@ def trim(
         lines = assumption_lines(rests_on)
         out.show(output, _title(craft), *lines, *tables, *_named_lines(craft, found))
     else:
-        listed = [row for both in zip(flown, sure, strict=True) for row in rows(*both)]
+        listed = [row for both in zip(flown, sure, strict=True) for row in performance.rows(*both)]
         if found is not None:
             for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
                 row["endurance_s"] = number_or_none(time)
@@ -203,7 +198,7 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
     out.note(*(f"{where}{warning}" for warning in warnings))
 
 
-def plain(state: NamedState | None) -> dict[str, float | None] | None:
+def plain(state: performance.NamedState | None) -> dict[str, float | None] | None:
     """Return the fields of a state for JSON, None where there is none."""
     return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
 
@@ -224,7 +219,7 @@ def _digits(value: float) -> str:
 
 
 def _table(
-    states: SteadyStates, sure: StateChange | None, found: Performance | None
+    states: SteadyStates, sure: StateChange | None, found: performance.Performance | None
 ) -> out.WideGrid:
     """Make a table of states at one climb rate and bank."""
 
@@ -279,7 +274,7 @@ def _span(rpm: Any) -> str:
     return low if low == high else f"{low}-{high}"
 
 
-def _named_lines(craft: Aircraft, found: Performance | None) -> list[str]:
+def _named_lines(craft: Aircraft, found: performance.Performance | None) -> list[str]:
     if found is None:
         return []
     lines = []
@@ -288,7 +283,7 @@ def _named_lines(craft: Aircraft, found: Performance | None) -> list[str]:
         words = "straight up or down" if climbs and name == "hover" else label
         if state is None:
             if name == "fastest" and not found.limit:
-                lines.append(f"{words}: above {FASTEST:g} m/s, no limit was met")
+                lines.append(f"{words}: above {performance.FASTEST:g} m/s, no limit was met")
             else:
                 why = found.at_rest if name == "hover" else found.limit
                 lines.append(f"{words}: none; {STATUSES.get(why, 'not found')}")
@@ -327,7 +322,7 @@ def _dataset(
     """Pack states at the same speeds for each of several climb rates, with provenance."""
     import xarray
 
-    parts = [columns(*both) for both in zip(flown, sure, strict=True)]
+    parts = [performance.columns(*both) for both in zip(flown, sure, strict=True)]
     speed, climb = parts[0]["speed_mps"], parts[0]["climb_mps"]
     rates = np.array([states.climb[0] for states in flown])
     coordinates: dict[str, Any] = {

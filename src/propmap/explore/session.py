@@ -259,12 +259,9 @@ def read_upload(name: str, data: bytes) -> Given:
 def _read(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
     ending = path.suffix.lower()
     if ending not in ENDINGS:
-        raise InputError(
-            f"the file's ending is {quoted(path.suffix)}",
-            "give a propeller, constants, a fit, a table, a vehicle or measured loads: "
-            f"{', '.join(ENDINGS)}",
-            str(path),
-        )
+        remedy = "give a propeller, constants, a fit, a table, a vehicle or measured loads: "
+        remedy += f"{', '.join(ENDINGS)}"
+        raise InputError(f"the file's ending is {quoted(path.suffix)}", remedy, str(path))
     if ending == ".npz":
         return "table", LoadTable.load(path)
     if ending == ".toml":

@@ -167,11 +167,7 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
             "wakes": vehicle.wakes,
             "wake": wake_geometry(vehicle, vehicle.wakes),
             "disk": vehicle.air.density * np.pi * vehicle.propeller.radius**2,
-            "steps": wakes.STEPS,
-            "largest": wakes.LARGEST_INFLOW,
-            "slow": wakes.SLOW,
-            "upwash": wakes.UPWASH,
-            "largest_upwash": wakes.LARGEST_UPWASH,
+            "cylinder": wakes,
         }
     return rendered(
         "vehicle.h",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import propmap
-from propmap.export.files import Files
+from propmap.export.files import Files, filled
 from propmap.rotor import Rotor, core_corrections
 
 FIELDS = {
@@ -24,25 +24,6 @@ FIELDS = {
     "prandtl-glauert": "rotor.law.speed_of_sound = {}",
 }
 """How the core's corrections are switched on, by their names in ``core_corrections``."""
-
-HEADER = """\
-// {title}
-// Written by propmap {version}.  Compile as C++20 with `-I $(propmap --include-dir)`; link nothing.
-#pragma once
-
-#include <propmap/laws.hpp>
-#include <propmap/rotor.hpp>
-
-// A solver for any operating point: `solve({{omega, v_axial, v_inplane}}, solution)`, rad/s, m/s,
-// leaves loads [N], [N m] and a status in `solution.result`.
-inline propmap::RotorSolver<propmap::{law}> make_{name}() {{
-    static const propmap::BladeShape blade = {blade};
-    propmap::Rotor<double, propmap::{law}> rotor;
-    rotor.blade = &blade;
-    {statements}
-    return {{rotor, propmap::{accuracy}_accuracy}};
-}}
-"""
 
 
 def rotor_files(rotor: Rotor) -> Files:
@@ -61,13 +42,14 @@ def rotor_files(rotor: Rotor) -> Files:
         statements.append(f"rotor.inflow_shape = propmap::InflowShape::{inflow.replace('-', '_')}")
     statements += [FIELDS[key].format(repr(float(value))) for key, value in corrections.items()]
     title = " ".join(f"{blade.name}, {rotor.model.law_title}".replace("\\", "/").split())
-    text = HEADER.format(
+    text = filled(
+        "rotor.hpp",
         title=title,
         version=propmap.__version__,
         law=law,
         name=name,
         blade=made,
-        statements="\n    ".join(f"{line};" for line in statements),
+        statements=statements,
         accuracy=rotor.accuracy,
     )
     return {f"{name}.hpp": text}

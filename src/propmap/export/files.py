@@ -112,8 +112,6 @@ def _xml_comment(lines: Sequence[str]) -> str:
 # -------------------------------------------------------------------------------------------------
 # Names of files, and where an export comes from, as lines for notes and comments.
 
-ABSENT = "not stated"
-
 
 def identifier(table: LoadTable) -> str:
     """Return the propeller's name as one that programs and file systems accept."""
@@ -140,41 +138,10 @@ def provenance(table: LoadTable) -> list[str]:
 
 def origin(table: LoadTable) -> list[str]:
     """Say in printable lines what the table was built from, how well, and which it is."""
-    info, content, found = table.info, table.content, table.certificate
-    blade, section = info["propeller"], info.get("airfoil") or {}
-    (w0, w1), (v0, v1), (b0, b1) = table.envelope.values()
-    certified = "not certified"
-    if found:
-        worst, loose = (max(found[key].values()) for key in ("max_error", "unresolved_max_error"))
-        certified = f"within {worst:.2%} of the model on {found['points']} points"
-        if found["unresolved_cells"]:
-            certified += (
-                f", and within {loose:.2%} on {found['unresolved_points']} points of the cells "
-                f"marked unresolved, {found['unresolved_volume']:.2%} of the envelope"
-            )
-    lines = [
-        f"propeller: {blade.get('name', ABSENT)}, {blade.get('blades', ABSENT)} blades, "
-        f"R = {content.radius:.6g} m, from {blade.get('source') or ABSENT}",
-        f"section law: {section.get('name', ABSENT)}",
-        f"corrections: {', '.join(info.get('corrections') or ['none'])}",
-        f"air: {content.density:.6g} kg/m^3, viscosity "
-        f"{info['air'].get('viscosity_Pa_s', ABSENT)} Pa s",
-        f"envelope: {w0 / RPM:.6g} to {w1 / RPM:.6g} rpm, {v0:g} to {v1:g} m/s, "
-        f"beta {b0 / DEGREE:.6g} to {b1 / DEGREE:.6g} deg",
-        f"table: {certified}",
-    ]
-    if known := info.get("parameter_uncertainty"):
-        each = (f"{LOADS[load].label} {share:.2%}" for load, share in known["median"].items())
-        lines.append(
-            f"section law known to one standard deviation of: {', '.join(each)} of static, in the "
-            "median over the envelope"
-        )
-    version = info.get("propmap_version", ABSENT)
-    lines += [
-        f"table built: {info.get('created', ABSENT)}, propmap {version}",
-        f"table's SHA-256: {table.content.sha256}",
-    ]
-    clean = ("".join(c if c.isprintable() else "?" for c in line) for line in lines)
+    (w0, w1), speeds, (b0, b1) = table.envelope.values()
+    ends = w0 / RPM, w1 / RPM, *speeds, b0 / DEGREE, b1 / DEGREE
+    text = filled("origin.txt", table=table, ends=ends, loads=LOADS, share="{:.2%}".format)
+    clean = ("".join(c if c.isprintable() else "?" for c in line) for line in text.splitlines())
     return [part for line in clean for part in textwrap.wrap(line, 88, subsequent_indent="  ")]
 
 

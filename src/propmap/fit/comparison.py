@@ -11,28 +11,9 @@ from numpy.typing import NDArray
 
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
-from propmap.fit import parameters
+from propmap.fit import flight, parameters
 from propmap.fit.files import DataSource, FitFile
 from propmap.fit.fit import Fitted, Settings, fit
-from propmap.fit.flight import (
-    AXES,
-    CLOCK,
-    CLOCK_DEVIATION,
-    CORRELATED,
-    MOMENTS,
-    OVER_FLIGHTS,
-    TILT,
-    UNITS,
-    ForceModel,
-    HoverScale,
-    balance_rows,
-    hover_loads,
-    of_others,
-    on_vehicle,
-    six_loads,
-    vertical_rows,
-    wakes_with,
-)
 from propmap.fit.least_squares import (
     FlightErrors,
     ResidualErrors,
@@ -137,7 +118,7 @@ def flight_forces(
     model = Model(vehicle.propeller, law, vehicle.air)
     logged = hub_flow(vehicle, log)
     flow = logged._replace(omega=values.get(parameters.ROTOR_SPEED, 1.0) * logged.omega)
-    wakes = wakes_with(vehicle, values)
+    wakes = flight.wakes_with(vehicle, values)
     near = flow if wakes is None else in_wakes(vehicle, wakes, model, flow)
     velocity = np.stack([near.inplane, np.zeros_like(near.inplane), near.axial], axis=-1)
     loads = np.empty((len(LOADS), *near.omega.shape))
@@ -145,15 +126,19 @@ def flight_forces(
         found = Rotor(mounted).loads_at_velocity(near.omega[:, mine], velocity[:, mine])
         loads[..., mine] = [getattr(found, name) for name in LOADS]
     none = np.zeros((0, len(log), 6))
-    rotors = six_loads(flow, loads)
-    whole = on_vehicle(vehicle, log, logged, rotors, none, {**parameters.FIRST_GUESS, **values}, ())
-    return FlightForces(whole.loads, hover_loads(HoverModel.of(Rotor(model)), logged))
+    rotors = flight.six_loads(flow, loads)
+    whole = flight.on_vehicle(
+        vehicle, log, logged, rotors, none, {**parameters.FIRST_GUESS, **values}, ()
+    )
+    return FlightForces(whole.loads, flight.hover_loads(HoverModel.of(Rotor(model)), logged))
 
 
 PER_FLIGHT_DEVIATION = {
-    "thrust_scale": OVER_FLIGHTS,
-    CLOCK: CLOCK_DEVIATION,
-    **dict.fromkeys(TILT, 0.01),  # [rad], as attitudes are trimmed, and frames of markers set
+    "thrust_scale": flight.OVER_FLIGHTS,
+    flight.CLOCK: flight.CLOCK_DEVIATION,
+    **dict.fromkeys(
+        flight.TILT, 0.01
+    ),  # [rad], as attitudes are trimmed, and frames of markers set
 }  # standard deviations of what flights have of their own, before one of them is known
 
 BAND = 1.96  # half the width of a band that holds 95 %, in standard deviations
@@ -181,7 +166,7 @@ def force_deviations(
     own = {name: getattr(law, name) for name in parameters.SECTION}
     whole = {**parameters.FIRST_GUESS, **own, **record.fixed, **found, **values}
     names = tuple(dict.fromkeys((*known.names, *PER_FLIGHT_DEVIATION)))
-    loads, derivatives = ForceModel(vehicle, log, law).at(whole, names)
+    loads, derivatives = flight.ForceModel(vehicle, log, law).at(whole, names)
     slopes = dict(zip(names, derivatives, strict=True))
     by_known = np.stack([slopes[name] for name in known.names])
     variance = np.einsum("pnl,pq,qnl->nl", by_known, known.matrix, by_known)
@@ -189,10 +174,10 @@ def force_deviations(
         variance += (deviation * slopes[name]) ** 2
     beyond = file.beyond(hub_flow(vehicle, log)[:3], vehicle.propeller.radius)
     fitted = {one.name: one for one in record.loads}
-    trained = sum(fitted[name].measured_rms ** 2 for name in AXES)
+    trained = sum(fitted[name].measured_rms ** 2 for name in flight.AXES)
     growth = np.sum(loads[:, :3] ** 2, axis=1) / trained
     growth = np.maximum(growth, 1.0 if beyond is None else beyond.reach**2)
-    for k, name in enumerate((*AXES, *MOMENTS)):
+    for k, name in enumerate((*flight.AXES, *flight.MOMENTS)):
         left = np.nan
         if name in fitted:
             left = fitted[name].cross_validated
@@ -219,7 +204,7 @@ def compare_forces(
     )
     if not np.isfinite(measured[:, :3]).any():
         raise InputError("there is no specific force to compare with", "log it", log.source)
-    names = (*AXES, *MOMENTS) if np.isfinite(measured[:, 3:]).any() else AXES
+    names = (*flight.AXES, *flight.MOMENTS) if np.isfinite(measured[:, 3:]).any() else flight.AXES
     found = {}
     for k, name in enumerate(names):
         both = forces.model[:, k], measured[:, k]
@@ -230,7 +215,7 @@ def compare_forces(
             if known.any():
                 inside = (off <= BAND * deviations[:, k])[known]
                 one = replace(one, in_band=float(np.mean(inside)))
-        found[f"{name}_{UNITS[name].replace(' ', '')}"] = one
+        found[f"{name}_{flight.UNITS[name].replace(' ', '')}"] = one
     return found
 
 
@@ -239,7 +224,7 @@ def useless(load: str, share: float) -> list[str]:
 
     Forces next to nothing across a flight are no fault of a model; moments are all of that size.
     """
-    if load not in MOMENTS or not share >= 1.0:
+    if load not in flight.MOMENTS or not share >= 1.0:
         return []
     return [
         f"{load}: the error is {100.0 * share:.0f} % of what was measured, no better than "
@@ -250,8 +235,8 @@ def useless(load: str, share: float) -> list[str]:
 def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list[list[Trend]]:
     """Find what the error of each force depends on, the strongest first; see ``compare_forces``."""
     off = forces.model[:, :3] - vehicle.mass * log.specific_force
-    block = log.stretches(CORRELATED)
-    return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(AXES)]
+    block = log.stretches(flight.CORRELATED)
+    return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(flight.AXES)]
 
 
 def compare_flight(
@@ -631,10 +616,12 @@ def fit_terms(
         for left_out in range(len(flights)) if len(flights) > 1 else (None,):
             seen = joined([f.passed for k, f in enumerate(flights) if k != left_out])
             picked = np.unique(np.linspace(0, len(seen) - 1, min(samples, len(seen))).astype(int))
-            model = ForceModel(vehicle, seen.picked(picked), law)
-            rows = (vertical_rows if step.vertical else balance_rows)(model, step.choice)
+            model = flight.ForceModel(vehicle, seen.picked(picked), law)
+            rows = (flight.vertical_rows if step.vertical else flight.balance_rows)(
+                model, step.choice
+            )
             values = fit(rows, step.choice, Settings(starts=1, folds=0)).values
-            pairs = [_off(vehicle, flight, law, values) for flight in flights]
+            pairs = [_off(vehicle, flown, law, values) for flown in flights]
             off, hover = zip(*pairs, strict=True)
             free = {name: values[name] for name in step.choice.free}
             found.append(FittedStep(step.name, left_out, free, off, hover))
@@ -650,9 +637,9 @@ def gain(
     """Fall of the mean square of the force error from one model to another and its deviation [N^2];
     errors within a second count as one, as they are correlated."""
     means = []
-    for a, b, flight in zip(old, new, flights, strict=True):
+    for a, b, flown in zip(old, new, flights, strict=True):
         fall = np.sum(a.passed**2 - b.passed**2, axis=1)
-        block = flight.passed.stretches(CORRELATED)
+        block = flown.passed.stretches(flight.CORRELATED)
         known = np.isfinite(fall)
         total = np.bincount(block[known], fall[known])
         count = np.bincount(block[known])
@@ -671,18 +658,18 @@ def judged(fall: float, deviation: float) -> str:
     return "no sure gain"
 
 
-def measured_off(vehicle: Vehicle, flight: RecordedFlight) -> AxisErrors | None:
+def measured_off(vehicle: Vehicle, flown: RecordedFlight) -> AxisErrors | None:
     """Errors of the prediction that comes with a flight; None where there is none."""
-    if flight.prediction is None or flight.raw_prediction is None:
+    if flown.prediction is None or flown.raw_prediction is None:
         return None
     return AxisErrors(
-        flight.prediction - vehicle.mass * flight.passed.specific_force,
-        flight.raw_prediction - vehicle.mass * flight.raw.specific_force,
+        flown.prediction - vehicle.mass * flown.passed.specific_force,
+        flown.raw_prediction - vehicle.mass * flown.raw.specific_force,
     )
 
 
 def _off(
-    vehicle: Vehicle, flight: RecordedFlight, base: Airfoil, values: dict[str, float]
+    vehicle: Vehicle, flown: RecordedFlight, base: Airfoil, values: dict[str, float]
 ) -> tuple[AxisErrors, AxisErrors]:
     """Errors of a fit's model and of the hover model."""
     found = model_with(Model(vehicle.propeller, base, vehicle.air), values)
@@ -692,7 +679,7 @@ def _off(
         for n in (parameters.BODY | parameters.SENSOR | parameters.WAKES)
         if n in values
     }
-    logs = (flight.passed, flight.raw)
+    logs = (flown.passed, flown.raw)
     forces = [flight_forces(vehicle, log, law, parameters.FIRST_GUESS | others) for log in logs]
     measured = [vehicle.mass * log.specific_force for log in logs]
     model = (f.model[:, :3] - m for f, m in zip(forces, measured, strict=True))
@@ -709,25 +696,25 @@ def values_for(
     logs = file.record.data[:-1]  # The vehicle's file is the last.
     names = flight_names([source.file for source in logs])
     seen = {source.sha256: name for source, name in zip(logs, names, strict=True)}
-    values, remarks = of_others(file.values), []
+    values, remarks = flight.of_others(file.values), []
     by_hover, applied = dict[str, float](), dict[str, float]()
     if file.hover_reference:
-        hovers = HoverScale.of(vehicle, log, file.hover_reference)
+        hovers = flight.HoverScale.of(vehicle, log, file.hover_reference)
         by_hover, applied = hovers.scales, hovers.remarkable
-    for flight, path in zip(log.flights, paths, strict=True):
+    for named, path in zip(log.flights, paths, strict=True):
         name = seen.get(DataSource.of(path).sha256)
         for one in parameters.PER_FLIGHT:
-            here = parameters.of_flight(one, flight)
+            here = parameters.of_flight(one, named)
             values.pop(here, None)
             if name is not None:
                 common = values.get(one, parameters.EVERY[one].start)
                 values[here] = file.values.get(parameters.of_flight(one, name), common)
-        scale = parameters.of_flight("thrust_scale", flight)
+        scale = parameters.of_flight("thrust_scale", named)
         if name is None and scale in by_hover:
             values |= {scale: applied[scale]} if scale in applied else {}
             why = "so much is applied" if scale in applied else "too near to 1 to be applied"
             remarks.append(
-                f"in its hover flight {flight} has {by_hover[scale]:.3f} times the thrust of the "
+                f"in its hover flight {named} has {by_hover[scale]:.3f} times the thrust of the "
                 f"fit's flights at the same rotor speeds: {why}"
             )
     return values, remarks
@@ -738,10 +725,10 @@ def by_flight(fitted: Fitted, log: FlightLog) -> dict[str, dict[str, FlightError
     if len(log.flights) < 2:
         return {}
     rows = fitted.rows
-    flight = log.flight[rows.point]
+    numbers = log.flight[rows.point]
 
     def of(load: int, number: int) -> FlightErrors:
-        mine = rows.of_load(load) & (flight == number) & np.isfinite(fitted.residual)
+        mine = rows.of_load(load) & (numbers == number) & np.isfinite(fitted.residual)
         off = fitted.residual[mine]
         bias = float(off.mean()) if off.size else float("nan")
         return FlightErrors(off.size, rms_known(off), bias, rms_known(fitted.left_out[mine]))

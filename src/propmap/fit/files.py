@@ -18,18 +18,7 @@ import propmap
 from propmap.errors import InputError
 from propmap.fit.fit import Coverage, Fitted
 from propmap.fit.least_squares import End, FlightErrors, ResidualErrors, by_band, errors
-from propmap.fit.parameters import (
-    BODY,
-    FLIGHT,
-    ROTOR,
-    SENSOR,
-    THROTTLE,
-    TURNING,
-    WAKES,
-    WING,
-    described,
-    general,
-)
+from propmap.fit.parameters import BEYOND_ROTORS, ROTOR, THROTTLE, WING, described, general
 from propmap.fit.tunnel import model_with, section_with
 from propmap.hover import HoverModel
 from propmap.io.sections import looks_like_section_table
@@ -38,8 +27,6 @@ from propmap.model.envelope import Beyond, Envelope
 from propmap.model.model import Air, Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-
-BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE  # the table ``[fit.body]``
 
 
 @dataclass(frozen=True, eq=False)

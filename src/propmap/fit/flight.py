@@ -14,6 +14,7 @@ from propmap.fit.fit import Coverage, coverage
 from propmap.fit.least_squares import Evaluation, RowModel, Rows
 from propmap.fit.moments import measured_moment, moment_of_all
 from propmap.fit.parameters import (
+    BODY,
     EVERY,
     MOUNT,
     PER_FLIGHT,
@@ -109,11 +110,9 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = CORRELAT
     """
     log = model.log
     if not np.isfinite(log.specific_force).all():
-        raise InputError(
-            "there is no specific force (accelerometer) for all samples",
-            "add it to the log, or fit steady stretches with --method level",
-            log.source,
-        )
+        found = "there is no specific force (accelerometer) for all samples"
+        remedy = "add it to the log, or fit steady stretches with --method level"
+        raise InputError(found, remedy, log.source)
     group = log.stretches(stretch)
     measured = model.vehicle.mass * log.specific_force
     turning = measured_moment(model.vehicle, log)
@@ -252,11 +251,9 @@ class ForceModel:
         self, vehicle: Vehicle, log: FlightLog, base: Airfoil, setting: str = "standard"
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
-            raise InputError(
-                f"{log.rotor_speed.shape[1]} rotor speeds for {len(vehicle.mounts)} rotors",
-                "give the vehicle file one [[rotors]] table per rotor of the log",
-                log.source,
-            )
+            found = f"{log.rotor_speed.shape[1]} rotor speeds for {len(vehicle.mounts)} rotors"
+            remedy = "give the vehicle file one [[rotors]] table per rotor of the log"
+            raise InputError(found, remedy, log.source)
         self.vehicle, self.log, self.base, self.setting = vehicle, log, base, setting
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
@@ -422,9 +419,7 @@ def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Forces of the body and the wing on the vehicle: section III.A and footnote 4.
 
-STEPS = {"drag_area_x": 1e-3, "drag_area_y": 1e-3, "drag_area_z": 1e-3, "lift_area": 1e-3}
-STEPS |= {"download_area_x": 1e-3, "download_area_y": 1e-3}
-STEPS |= {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
+STEPS = dict.fromkeys(BODY, 1e-3) | {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
 """Steps of central differences; the forces are linear in all but the last parameter."""
 
 
@@ -502,11 +497,9 @@ def sensor_force(
     if not fitted and (points or not place.any()):
         return force, slopes
     if not np.isfinite(log.angular_acceleration).all():
-        raise InputError(
-            "a sensor's place or clock acts on a log without time derivatives",
-            "fit whole flights with --method balance, or leave the sensor's parameters out",
-            log.source,
-        )
+        found = "a sensor's place or clock acts on a log without time derivatives"
+        remedy = "fit whole flights with --method balance, or leave the sensor's parameters out"
+        raise InputError(found, remedy, log.source)
     rates, turning = log.rates, log.angular_acceleration
     by_place = [
         vehicle.mass * (np.cross(turning, e) + np.cross(rates, np.cross(rates, e)))
@@ -670,10 +663,8 @@ def check_flights(names: Sequence[str], log: FlightLog) -> None:
     here = [one for name in PER_FLIGHT for one in of_each(name, log)]
     for name in names:
         if general(name) != name and name not in here:
-            raise InputError(
-                f"{quoted(name)} is of no flight of these",
-                f"name one of {', '.join(log.flights)}, or leave the brackets out for all",
-            )
+            remedy = f"name one of {', '.join(log.flights)}, or leave the brackets out for all"
+            raise InputError(f"{quoted(name)} is of no flight of these", remedy)
 
 
 def of_others(values: Mapping[str, float]) -> dict[str, float]:

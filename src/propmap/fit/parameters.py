@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -37,74 +39,25 @@ SECTION = {
     if constant.fit is not None
 }  # parameters of the section law; x0 of (18) is that of the first four
 
-MOUNT = {"mount_area": Parameter("m^2", 0.0, 0.0, 0.1, 5e-4, "what is mounted in the slipstream")}
-"""What stands in the slipstream of the correction ``installed``, see ``INSTALLED``."""
+_TABLES = tomllib.loads(Path(__file__).with_name("parameters.toml").read_text(encoding="utf-8"))
 
-INSTALLED = {"drag_factor": Parameter("-", 1.0, 0.0, 10.0, 0.5, "on the blades' own drag")} | MOUNT
+
+def _listed(table: str) -> dict[str, Parameter]:
+    return {name: Parameter(*row) for name, row in _TABLES[table].items()}
+
+
+MOUNT = _listed("mount")
+INSTALLED = _listed("installed") | MOUNT
 """The correction ``installed``, the model's own where it is neither free nor fixed."""
 
-FLEX = {
-    "untwist": Parameter("rad", 0.0, -0.05, 0.15, 0.01, "twist lost at the tip at 100 m/s there")
-}  # the correction ``blade-untwist``, the model's own where it is neither free nor fixed
-
+FLEX = _listed("flex")  # the model's own where it is neither free nor fixed
 ROTOR = SECTION | FLEX | INSTALLED  # what changes the loads of a rotor at a given flow
-
-BODY = {
-    "drag_area_x": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along x"),
-    "drag_area_y": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along y"),
-    "drag_area_z": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along z"),
-    "lift_area": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "lift of the body"),
-    "download_area_x": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "download of flow along x"),
-    "download_area_y": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "download of flow along y"),
-}  # terms of section III.A, and what flow along the body presses it down
-
-WING = {
-    "wing_c_l1": Parameter("1/rad", 5.0, 0.5, 12.0, 1.0, "slope of the wing's attached lift"),
-    "wing_c_l2": Parameter("-", 1.0, 0.0, 6.0, 0.5, "the wing's lift after stall"),
-    "wing_alpha_0": Parameter("rad", 0.3, 0.1, 0.9, 0.06, "the wing's angle of stall"),
-}  # the wing of footnote 4, whose lift has the form (3)
-
-SENSOR = {
-    "sensor_x": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, forward"),
-    "sensor_y": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, left"),
-    "sensor_z": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, up"),
-    "clock_offset": Parameter("s", 0.0, -0.1, 0.1, 0.01, "how late the accelerometer's stamps are"),
-    "sensor_tilt_x": Parameter("rad", 0.0, -0.1, 0.1, 0.01, "the accelerometer turned about x"),
-    "sensor_tilt_y": Parameter("rad", 0.0, -0.1, 0.1, 0.01, "the accelerometer turned about y"),
-    "sensor_bias_x": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along x"),
-    "sensor_bias_y": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along y"),
-    "sensor_bias_z": Parameter("m/s^2", 0.0, -1.0, 1.0, 0.1, "read too much along z"),
-}  # the accelerometer, from the centre of mass; its place adds to the vehicle file's
-
-TURNING = {
-    "centre_x": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, forward"),
-    "centre_y": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, left"),
-    "centre_z": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, up"),
-    "rotor_inertia": Parameter("kg m^2", 0.0, 0.0, 0.1, 1e-6, "inertia of a rotor with its motor"),
-    "moment_scale_xy": Parameter("-", 1.0, 0.0, 3.0, 0.1, "moment about x and y over the model's"),
-    "moment_scale_z": Parameter("-", 1.0, 0.0, 3.0, 0.1, "moment about z over the model's"),
-}  # parameters of the balance of moments, which add to the vehicle file's; see ``moments.py``
-
-WAKES = {
-    "wake_ahead": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash ahead of a wake"),
-    "wake_beside": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash beside a wake"),
-    "wake_downwash": Parameter("-", 1.0, 0.0, 12.0, 1.0, "downwash of a wake"),
-    "wake_share": Parameter("-", 1.0, 0.0, 2.0, 0.5, "share of the inflow that skews a wake"),
-}  # see ``propmap.vehicle.wakes``; what is neither free nor fixed is the vehicle file's
-
+BODY, WING, SENSOR, TURNING = map(_listed, ("body", "wing", "sensor", "turning"))
+WAKES = _listed("wakes")  # what is neither free nor fixed is the vehicle file's
+FLIGHT, THROTTLE = _listed("flight"), _listed("throttle")
 ROTOR_SPEED = "rotor_speed_scale"
-
-FLIGHT = {
-    "thrust_scale": Parameter("-", 1.0, 0.8, 1.25, 0.02, "thrust over that of the rotors' model"),
-    ROTOR_SPEED: Parameter("-", 1.0, 0.9, 1.1, 0.01, "rotor speeds over those logged"),
-}  # battery and mass of a flight, and what a motor controller takes for its motor's speed
-
-THROTTLE = {
-    "throttle_speed": Parameter("-", 1.0, 0.3, 3.0, 0.1, "rotor speed at the throttle of hover"),
-    "throttle_expo": Parameter("-", 0.5, -0.5, 2.0, 0.2, "share of the throttle's square"),
-    "motor_lag": Parameter("s", 0.05, 0.0, 0.2, 0.02, "time in which a motor follows its throttle"),
-    "hover_drive": Parameter("-", 1.0, 1e-6, 1e6, 1.0, "throttle in hover, times voltage"),
-}  # see ``propmap.vehicle.throttle``: where a log has throttle and no rotor speeds
+BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
+"""What acts in flight alone, without the wing's: the table ``[fit.body]`` of a fit's file."""
 
 PER_FLIGHT = ("thrust_scale", "clock_offset")  # named as ``thrust_scale[FLIGHT]``
 
@@ -120,10 +73,8 @@ def constants_of(section: Section) -> Airfoil:
     """The section law if it has the parameters of ``SECTION``; refuse a section table."""
     if isinstance(section, Airfoil):
         return section
-    raise InputError(
-        f"{section.name!r} is no set of constants such as c_l1",
-        "a fit and a simulated flight need constants: give a parameter set",
-    )
+    found = f"{section.name!r} is no set of constants such as c_l1"
+    raise InputError(found, "a fit and a simulated flight need constants: give a parameter set")
 
 
 @dataclass(frozen=True)
@@ -138,6 +89,10 @@ class Prior:
 
     mean: float
     deviation: float
+
+
+IN_FLIGHT = {name: Prior(*known) for name, known in _TABLES["in_flight"].items()}
+"""What is known of some parameters before a fit of whole flights, of vehicles of any size."""
 
 
 @dataclass(frozen=True)
@@ -185,16 +140,13 @@ class Choice:
             if not np.isfinite(prior.mean):
                 raise InputError(f"the prior of {name} has no number as mean", "give one")
             if not prior.deviation > 0.0:
-                raise InputError(
-                    f"the prior of {name} has the deviation {prior.deviation:g}",
-                    "give one above zero, as in c_l2=2.0:0.3",
-                )
+                found = f"the prior of {name} has the deviation {prior.deviation:g}"
+                raise InputError(found, "give one above zero, as in c_l2=2.0:0.3")
         for name, value in (*self.fixed.items(), *self.start.items()):
             p = described(name)
             if not p.lower <= value <= p.upper:
-                raise InputError(
-                    f"{name} is {value:g} {p.unit}", f"give a value from {p.lower:g} to {p.upper:g}"
-                )
+                fault = f"{name} is {value:g} {p.unit}"
+                raise InputError(fault, f"give a value from {p.lower:g} to {p.upper:g}")
 
     def values(self, x: Floats) -> dict[str, float]:
         """All parameters by name.

@@ -52,24 +52,17 @@ def check_rotor_speed(
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:
-            raise InputError(
-                f"rotor {k} stands still in the whole log (0 rad/s)",
-                "check rotor_speed and rotor_order in [log] of the vehicle file, and that the "
-                "motor controllers report their speed",
-                log.source,
-            )
+            fault = f"rotor {k} stands still in the whole log (0 rad/s)"
+            remedy = "check rotor_speed and rotor_order in [log] of the vehicle file, and that the "
+            remedy += "motor controllers report their speed"
+            raise InputError(fault, remedy, log.source)
     slow = log.picked(slow_flight(log))
     share = _thrust_share(slow, rotor, vehicle)
-    found = (
-        f"in slow flight the rotors would carry {share:.3g} times the weight "
-        f"at {float(np.mean(slow.rotor_speed)) / RPM:.0f} rpm"
-    )
+    found = f"in slow flight the rotors would carry {share:.3g} times the weight "
+    found += f"at {float(np.mean(slow.rotor_speed)) / RPM:.0f} rpm"
     if unit_errors(1.0 / share, CARRIED, UNIT_ERRORS["mass"]):
-        raise InputError(
-            f"{found}: the mass of {vehicle.mass:g} kg looks like grams",
-            "write kilograms in the vehicle file",
-            log.source,
-        )
+        fault = f"{found}: the mass of {vehicle.mass:g} kg looks like grams"
+        raise InputError(fault, "write kilograms in the vehicle file", log.source)
     read = slow.rotor_speed / (1.0 if rotor_unit == "rad/s" else RPM)
     low, high = np.percentile(read, [1.0, 99.0])
     pulses = share not in POSSIBLE and rotor_unit != "erpm" and low in PWM and high in PWM
@@ -118,12 +111,10 @@ def _thrust_share(log: FlightLog, rotor: Rotor, vehicle: Vehicle) -> float:
         np.mean(np.square(log.rotor_speed) @ vehicle.rotor_axes[:, 2])
     )
     if not (needed > 0.0 and force > 0.0):
-        raise InputError(
-            f"slow flight takes {needed:.3g} N along the vehicle's z axis, of rotors that give "
-            f"{force:.3g} N",
-            "check body_frame, world_frame and the axes of the rotors in the vehicle file",
-            log.source,
-        )
+        found = f"slow flight takes {needed:.3g} N along the vehicle's z axis, of rotors that give "
+        found += f"{force:.3g} N"
+        remedy = "check body_frame, world_frame and the axes of the rotors in the vehicle file"
+        raise InputError(found, remedy, log.source)
     return float(force / needed)
 
 

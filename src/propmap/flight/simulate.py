@@ -223,10 +223,8 @@ def trim(
         remedy = f"{slower.max():.4g} m/s can be" if slower.size else "give slower ones"
         if not tether and math.isfinite(radius):
             remedy += ", or fly wider circles"
-        raise InputError(
-            f"{first:.4g} m/s cannot be flown: no rotor speed and attitude balance the forces",
-            f"{remedy}; check mass, propeller and body of the vehicle",
-        )
+        found = f"{first:.4g} m/s cannot be flown: no rotor speed and attitude balance the forces"
+        raise InputError(found, f"{remedy}; check mass, propeller and body of the vehicle")
     return problem.log(unknowns)
 
 
@@ -335,10 +333,8 @@ def expectation(
     for name in EVERY.keys() & set(free):
         low, high = EVERY[name].lower, EVERY[name].upper
         if not low <= truth[name] <= high:
-            raise InputError(
-                f"{name} is {truth[name]:g}, a fit looks from {low:g} to {high:g}",
-                "simulate another airfoil or leave it out of the free ones",
-            )
+            fault = f"{name} is {truth[name]:g}, a fit looks from {low:g} to {high:g}"
+            raise InputError(fault, "simulate another airfoil or leave it out of the free ones")
     choice = Choice(free, start={name: truth[name] for name in free if name in EVERY})
     rows = level_rows(ForceModel(vehicle, points, airfoil), choice)
     _, slopes = rows.model(truth, free)

@@ -154,9 +154,8 @@ def _none_steady(
 ) -> InputError:
     """Make the error that says what ended the longest stretch; ``names`` are of channels."""
     if not pieces:
-        return InputError(
-            "the rotors never carry the vehicle", "give the log of a flight", log.source
-        )
+        fault = "the rotors never carry the vehicle"
+        return InputError(fault, "give the log of a flight", log.source)
 
     each = []
     for piece in pieces:
@@ -168,26 +167,18 @@ def _none_steady(
         stretch = slice(longest.start - piece.first, longest.stop - piece.first)
         each.append((float(np.ptp(piece.time[stretch])), piece, stretch))
     lasts, best, stretch = max(each, key=lambda one: one[0])
-    found = (
-        f"no steady stretch of {seconds:g} s: the longest lasts {lasts:.2f} s, "
-        f"from {best.time[stretch.start]:.6g} s"
-    )
+    found = f"no steady stretch of {seconds:g} s: the longest lasts {lasts:.2f} s, "
+    found += f"from {best.time[stretch.start]:.6g} s"
     if stretch.stop < best.time.size:
         with_next, verb = slice(stretch.start, stretch.stop + 1), "ended"
     elif stretch.start > 0:
         with_next, verb = slice(stretch.start - 1, stretch.stop), "began"
     else:
-        return InputError(
-            f"{found}, a gap, a landing or the log's end ended it",
-            "lower seconds, or fly constant speeds for longer",
-            log.source,
-        )
+        fault = f"{found}, a gap, a landing or the log's end ended it"
+        return InputError(fault, "lower seconds, or fly constant speeds for longer", log.source)
     worst = names[int(np.argmax(np.ptp(best.scaled[with_next], axis=0)))]
-    return InputError(
-        f"{found}, {worst} = {limits[worst]:g} {verb} it",
-        f"raise {worst} or lower seconds, or fly constant speeds for longer",
-        log.source,
-    )
+    remedy = f"raise {worst} or lower seconds, or fly constant speeds for longer"
+    return InputError(f"{found}, {worst} = {limits[worst]:g} {verb} it", remedy, log.source)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -219,18 +210,12 @@ def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLo
     header = file.header if file else []
     for name in REQUIRED:
         if name not in header:
-            raise InputError(
-                f"line 1: column {name} is missing",
-                f"the first line must name {', '.join([*REQUIRED, *speeds])}",
-                where,
-            )
+            remedy = f"the first line must name {', '.join([*REQUIRED, *speeds])}"
+            raise InputError(f"line 1: column {name} is missing", remedy, where)
     found = sum(RPM_COLUMN.fullmatch(name) is not None for name in header)
     if found != rotors or not set(speeds) <= set(header):
-        raise InputError(
-            f"line 1: {found} columns rpm_1, rpm_2 ..., the vehicle has {rotors} rotors",
-            f"name {', '.join(speeds)}",
-            where,
-        )
+        fault = f"line 1: {found} columns rpm_1, rpm_2 ..., the vehicle has {rotors} rotors"
+        raise InputError(fault, f"name {', '.join(speeds)}", where)
     names = [*REQUIRED, *(name for name in OPTIONAL if name in header), *speeds]
     repeated = [name for name in names if header.count(name) > 1]
     if repeated:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+import tomllib
 import unicodedata
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 from propmap.errors import InputError, quoted
-from propmap.loads import LOADS, Load
+from propmap.loads import LOADS
 from propmap.units import DEGREE, FOOT, GRAVITY, HORSEPOWER, INCH, KMH, KNOT, MPH, POUND, RPM
 
 # -------------------------------------------------------------------------------------------------
@@ -47,57 +49,26 @@ class Quantity(NamedTuple):
     bare: str = ""  # a pattern of the names that say the unit themselves
 
 
-def _quantity(load: Load) -> Quantity:
-    names = (f"{load.name}|{load.label}".replace("_", " "),)
-    return Quantity(load.label, names, MOMENT if load.moment else FORCE)
-
-
 _TURNS = "(rotor|motor|prop|propeller|shaft|optical|motor optical)"
-_SPIN = f"(rotational|rotation|{_TURNS}) speed"
-_ELECTRIC_SPEED = "(motor )?electrical speed"
+_UNITS = {"SPIN": SPIN, "SPEED": SPEED, "ANGLE": ANGLE, "LENGTH": LENGTH, "FORCE": FORCE}
+_UNITS |= {"MOMENT": MOMENT, "POWER": POWER, "VOLT": VOLT, "AMPERE": AMPERE, "SHARE": SHARE}
 
-QUANTITIES = {
-    "rpm": Quantity(
-        "the rotational speed",
-        (f"rpm|omega|n|w|speed|rot|rotation|drehzahl|{_SPIN}|{_TURNS} rpm", _ELECTRIC_SPEED),
-        SPIN,
-        f"({_TURNS} )?rpm",
-    ),
-    "speed_mps": Quantity(
-        "the flight speed",
-        ("(flight |tunnel |wind |air |free ?stream )?(speed|velocity)|airspeed|wind|v|v inf|vinf",),
-        SPEED,
-    ),
-    "beta_deg": Quantity("beta", ("beta",), ANGLE),
-    "height_m": Quantity("the height", ("height( above ground)?",), LENGTH),
-    "thrust_N": Quantity("thrust", ("thrust( force)?|t|lift|pull|schub", "force|load|fz|f"), FORCE),
-    "torque_Nm": Quantity(
-        "torque", ("((shaft|motor|reaction) )?torque|q|moment|mz|drehmoment",), MOMENT
-    ),
-    **{load.column: _quantity(load) for load in LOADS.values() if load.inplane},
-    "power_W": Quantity(
-        "the shaft's power",
-        ("((shaft|mech|mechanical|brake) )?power|p( (shaft|mech))?|pshaft|pmech",),
-        POWER,
-    ),
-    "voltage_V": Quantity("the voltage", ("((battery|input|esc) )?voltage|u|v",), VOLT),
-    "current_A": Quantity("the current", ("((battery|input|esc) )?current|i",), AMPERE),
-    # A blade's geometry.
-    "radius_m": Quantity("the station", ("radius|r|station|radial (position|station)",), LENGTH),
-    "r_over_R": Quantity(
-        "the station", ("r (over )?r|radius (over )?r|r rtip|r tip|rr",), SHARE, ".*"
-    ),
-    "chord_m": Quantity("the chord", ("chord|c|chord length",), LENGTH),
-    "c_over_R": Quantity("the chord", ("c (over )?r|chord (over )?r",), SHARE, ".*"),
-    "twist_deg": Quantity(
-        "the twist", ("(geometric )?twist( angle)?|beta|(blade|pitch) angle|theta",), ANGLE, "beta"
-    ),
-    # A section's polar.
-    "alpha_deg": Quantity("the angle", ("alpha|aoa|angle( of attack)?",), ANGLE, ".*"),
-    "re": Quantity("Re", ("re|reynolds( number)?",), SHARE, ".*"),
-    "cl": Quantity("C_L", ("cl|c l|lift coefficient",), SHARE, ".*"),
-    "cd": Quantity("C_D", ("cd|c d|drag coefficient",), SHARE, ".*"),
-}
+
+def _quantities() -> dict[str, Quantity]:
+    """Read the table of columns; loads in the disk plane go by their own names."""
+    text = Path(__file__).with_name("columns.toml").read_text(encoding="utf-8")
+    found = {}
+    for column, row in tomllib.loads(text.replace("TURNS", _TURNS)).items():
+        units = _UNITS[row["units"]]
+        found[column] = Quantity(row["words"], tuple(row["names"]), units, row.get("bare", ""))
+    for load in LOADS.values():
+        if load.inplane:
+            names = (f"{load.name}|{load.label}".replace("_", " "),)
+            found[load.column] = Quantity(load.label, names, MOMENT if load.moment else FORCE)
+    return found
+
+
+QUANTITIES = _quantities()
 """By the column that propmap writes, whose name ends with its unit."""
 
 NOT_TAKEN = {
@@ -227,7 +198,9 @@ class Header:
             if taken.rank >= 0:
                 unit = f" in {taken.unit}" if taken.unit else ""
                 parts.append(f"{quoted(taken.name)} is {QUANTITIES[column].words}{unit}")
-                if re.fullmatch(_ELECTRIC_SPEED, _words(taken.name.lower().partition("(")[0])):
+                if re.fullmatch(
+                    QUANTITIES["rpm"].names[1], _words(taken.name.lower().partition("(")[0])
+                ):
                     parts[-1] += ", divided by pole pairs if the stand was told how many"
         mine = {taken.place for taken in used.values()}
         left = []

@@ -155,9 +155,8 @@ def too_many_fields(found: int, expected: int, separator: str, where: str) -> In
     if separator == ",":
         advice = f"use a decimal point or semicolons between columns, or {advice}"
     marks = SEPARATORS[separator]
-    return InputError(
-        f"found {found} figures separated by {marks}, expected {expected}", advice, where
-    )
+    fault = f"found {found} figures separated by {marks}, expected {expected}"
+    return InputError(fault, advice, where)
 
 
 def is_comment(line: str) -> bool:

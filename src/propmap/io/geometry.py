@@ -513,11 +513,9 @@ def read_geometry_file(
     where, lines = os.fspath(path), read_lines(path)
     kind = format_of(lines)
     if kind not in READERS or (kind is None and len(_columns_in(lines)) < 1):
-        wanted = (
-            "give an APC PE0 file, a UIUC geometry file (r/R c/R beta), one of QPROP, XROTOR or "
-            "OpenVSP (.bem), a catalogue TOML file, or a CSV file with columns such as "
-            "radius_m,chord_m,twist_deg"
-        )
+        wanted = "give an APC PE0 file, a UIUC geometry file (r/R c/R beta), one of QPROP, XROTOR "
+        wanted += "or OpenVSP (.bem), a catalogue TOML file, or a CSV file with columns such as "
+        wanted += "radius_m,chord_m,twist_deg"
         raise not_read(lines, "propeller geometry that propmap knows", wanted, where)
     return READERS[kind](path, blades=blades, radius=radius)
 

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -68,8 +68,62 @@ CONSTANTS = {
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")  # what (18) identifies
 
 
+class ByValue:
+    """Equality and hash of a dataclass by what its fields hold, arrays among them."""
+
+    def _key(self) -> tuple[Any, ...]:
+        made: Any = self
+        values = (getattr(self, one.name) for one in fields(made) if one.compare)
+        return tuple(v.tobytes() if isinstance(v, np.ndarray) else v for v in values)
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, type(self)) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+
+class SectionLaw:
+    """What constants and tables of a blade section have in common."""
+
+    name: str
+    corrections: tuple[str, ...] | None
+
+    def core_law(self) -> dict[str, Any]:
+        """Give the law as the compiled core takes it, by name."""
+        raise NotImplementedError
+
+    def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
+        """Lift and drag of the section by itself: eqs. (3) and (4), or between a table's figures.
+
+        Parameters
+        ----------
+        alpha : array_like, shape (...)
+            Angle of attack from the chord line [rad].
+        reynolds : array_like, shape (...)
+            Re [-], of constants also that of the rotation alone; outside a table's Reynolds numbers
+            that of the nearest row holds.  Both broadcast.
+
+        Returns
+        -------
+        lift, drag : ndarray, shape (...)
+            C_L and C_D [-].
+        """
+        from propmap import core
+
+        at = np.broadcast_arrays(np.asarray(alpha, np.float64), np.asarray(reynolds, np.float64))
+        flat = (np.ascontiguousarray(a.ravel()) for a in at)
+        lift, drag = core.section_coefficients(self.core_law(), *flat)
+        return lift.reshape(at[0].shape), drag.reshape(at[0].shape)
+
+    def with_corrections(self, texts: Sequence[str]) -> Self:
+        """Set the corrections to use it with, by their ``texts``, which must be its own if any."""
+        law: Any = self
+        return replace(law, corrections=agreed(self.name, self.corrections, texts))
+
+
 @dataclass(frozen=True)
-class Airfoil:
+class Airfoil(SectionLaw):
     """Constants of the blade-section law, eqs. (3) and (4).
 
     Attributes
@@ -154,23 +208,6 @@ class Airfoil:
         """Whether lift rises with the angle of attack up to stall: not by footnote 1."""
         return self.lift_law != "simplified" and self.c_l1 > 0.0
 
-    def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
-        """Lift and drag of the section by itself, eqs. (3) and (4).
-
-        Parameters
-        ----------
-        alpha : array_like, shape (...)
-            Angle of attack from the chord line [rad].
-        reynolds : array_like, shape (...)
-            Re [-], also that of the rotation alone; both broadcast.
-
-        Returns
-        -------
-        lift, drag : ndarray, shape (...)
-            C_L and C_D [-].
-        """
-        return section_coefficients(self.core_law(), alpha, reynolds)
-
     def core_law(self) -> dict[str, Any]:
         """Give the law as the compiled core takes it: its numbers by name."""
         attached = 0.0 if self.lift_law == "simplified" else 1.0
@@ -181,10 +218,6 @@ class Airfoil:
     def with_parameters(self, **changes: Any) -> Airfoil:
         """Copy it with ``changes`` by name; its uncertainty no longer holds and is left out."""
         return replace(self, **{"uncertainty": None, **changes})
-
-    def with_corrections(self, texts: Sequence[str]) -> Airfoil:
-        """Set the corrections to use it with, by their ``texts``, which must be its own if any."""
-        return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def to_toml(self) -> str:
         """Write the set as the text of a parameter file."""
@@ -290,7 +323,7 @@ MOST_ANGLES = 4000  # angles at which a function is sampled, at most
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SectionTable:
+class SectionTable(ByValue, SectionLaw):
     """C_L and C_D of a blade section, all the way round, at one or more Reynolds numbers.
 
     Attributes
@@ -323,7 +356,7 @@ class SectionTable:
     name: str = "unnamed"
     source: str = ""
     corrections: tuple[str, ...] | None = None
-    sampling_error: float = 0.0
+    sampling_error: float = field(default=0.0, compare=False)
 
     parameters: ClassVar[tuple[str, ...]] = ("zero_lift_angle",)
     """Names of what loads can be differentiated by."""
@@ -451,31 +484,12 @@ class SectionTable:
             alpha = np.unique(np.concatenate([alpha, more]))
         if not error.max() <= tolerance:
             worst = math.degrees(middle[int(np.argmax(error))])
-            raise InputError(
-                f"a table of {alpha.size} angles differs from the section law by {error.max():.2g} "
-                f"at {worst:.2f} deg, expected at most {tolerance:g}",
-                "make the law continuous there, or give a larger tolerance",
-            )
+            found = f"a table of {alpha.size} angles differs from the section law by "
+            found += f"{error.max():.2g} at {worst:.2f} deg, expected at most {tolerance:g}"
+            raise InputError(found, "make the law continuous there, or give a larger tolerance")
         between = np.sqrt(rows[:-1] * rows[1:])
         whole = max(error.max(), errors(table, alpha, between).max() if between.size else 0.0)
         return replace(table, sampling_error=float(whole))
-
-    def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
-        """Interpolate lift and drag between the figures of the table.
-
-        Parameters
-        ----------
-        alpha : array_like, shape (...)
-            Angle of attack from the chord line [rad].
-        reynolds : array_like, shape (...)
-            Re [-]; outside the table's that of the nearest row holds.  Both broadcast.
-
-        Returns
-        -------
-        lift, drag : ndarray, shape (...)
-            C_L and C_D [-].
-        """
-        return section_coefficients(self.core_law(), alpha, reynolds)
 
     def core_law(self) -> dict[str, Any]:
         """Give the law as the compiled core takes it: its figures by name."""
@@ -484,10 +498,6 @@ class SectionTable:
             for name in ("angle", "reynolds", "lift", "drag")
         }
         return {"kind": "tabulated", **figures}
-
-    def with_corrections(self, texts: Sequence[str]) -> SectionTable:
-        """Set the corrections to use it with, by their ``texts``, as ``Airfoil``."""
-        return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def metadata(self) -> dict[str, Any]:
         """Name, source and Reynolds numbers; not the coefficients."""
@@ -501,21 +511,11 @@ class SectionTable:
         flat = np.concatenate([a.ravel() for a in arrays])
         return hashlib.sha256(flat.astype("<f8").tobytes()).hexdigest()
 
-    def __eq__(self, other: object) -> bool:
-        return self._key() == other._key() if isinstance(other, SectionTable) else NotImplemented
-
-    def __hash__(self) -> int:
-        return hash(self._key())
-
     def __repr__(self) -> str:
         return (
             f"SectionTable({self.name!r}, {self.angle.size} angles, "
             f"Re {self.reynolds[0]:.3g} to {self.reynolds[-1]:.3g})"
         )
-
-    def _key(self) -> tuple[Any, ...]:
-        arrays = (a.tobytes() for a in (self.angle, self.reynolds, self.lift, self.drag))
-        return (*arrays, self.name, self.source, self.corrections)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -681,15 +681,3 @@ class SectionCovariance:
         """Give plain data, with None for an infinite variance."""
         rows = [[v if np.isfinite(v) else None for v in row] for row in self.matrix.tolist()]
         return {"names": list(self.names), "matrix": rows}
-
-
-def section_coefficients(
-    law: dict[str, Any], alpha: ArrayLike, reynolds: ArrayLike
-) -> tuple[Floats, Floats]:
-    """Compute C_L and C_D [-] at angles [rad] from the chord line and Reynolds numbers."""
-    from propmap import core
-
-    at = np.broadcast_arrays(np.asarray(alpha, np.float64), np.asarray(reynolds, np.float64))
-    flat = [np.ascontiguousarray(a.ravel()) for a in at]
-    lift, drag = core.section_coefficients(law, *flat)
-    return lift.reshape(at[0].shape), drag.reshape(at[0].shape)

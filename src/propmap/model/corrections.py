@@ -9,7 +9,7 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,18 +36,21 @@ STALL_DELAY_STRENGTH = 3.0  # Snel's factor of (c/y)^2 [-]
 class Correction:
     """A change to the physics, as a validated value: a frozen dataclass of numbers."""
 
-    inflow_shape: ClassVar[bool] = False
-    """Whether it sets how the inflow varies around the disk: of these a model has one at most."""
-
     def check(self, model: Model) -> None:
         """Raise ``InputError`` where it does not fit a ``model`` that has it."""
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:  # noqa: ARG002
         """Give the core what it needs of it in a ``model``, by ``name``: its only number, or 1."""
-        if self.inflow_shape:
-            return {"inflow": name}
         values = list(vars(self).values())
         return {name: values[0] if values else 1.0}
+
+
+class InflowShape(Correction):
+    """How the inflow varies around the disk: of these a model has one at most."""
+
+    def core_numbers(self, name: str, model: Model) -> dict[str, Any]:  # noqa: ARG002
+        """Give the core the ``name`` of the shape."""
+        return {"inflow": name}
 
 
 @dataclass(frozen=True)
@@ -140,10 +143,9 @@ class BladeUntwist(Correction):
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.tip_angle) and abs(self.tip_angle) <= LARGEST_UNTWIST):
-            raise InputError(
-                f"tip_angle is {self.tip_angle}: give what the tip's twist loses at a tip speed of "
-                f"100 m/s, in rad, from {-LARGEST_UNTWIST:g} to {LARGEST_UNTWIST:g}"
-            )
+            found = f"tip_angle is {self.tip_angle}: give what the tip's twist loses at a tip "
+            found += f"speed of 100 m/s, in rad, from {-LARGEST_UNTWIST:g} to {LARGEST_UNTWIST:g}"
+            raise InputError(found)
 
 
 @dataclass(frozen=True)
@@ -200,7 +202,7 @@ class HubLoss(Correction):
 
 
 @dataclass(frozen=True)
-class PittPeters(Correction):
+class PittPeters(InflowShape):
     """Static inflow of Pitt and Peters, with the moments' feedback.
 
     With coefficients by rho A (Omega R)^2, times R for moments, chi the wake's skew and V its
@@ -221,21 +223,17 @@ class PittPeters(Correction):
     J. American Helicopter Society 33(4), 1988.
     """
 
-    inflow_shape: ClassVar[bool] = True
-
 
 @dataclass(frozen=True)
-class PittPetersGradient(Correction):
+class PittPetersGradient(InflowShape):
     """The gradient of Pitt and Peters that thrust drives, without the moments' feedback.
 
     v_c = 15 pi/32 tan(chi/2) times the mean inflow; see ``PittPeters``.
     """
 
-    inflow_shape: ClassVar[bool] = True
-
 
 @dataclass(frozen=True)
-class Coleman(Correction):
+class Coleman(InflowShape):
     """v_c = tan(chi/2) times the mean inflow.
 
     References
@@ -244,11 +242,9 @@ class Coleman(Correction):
     Idealized Helicopter Rotor", NACA ARR L5E10, 1945.
     """
 
-    inflow_shape: ClassVar[bool] = True
-
 
 @dataclass(frozen=True)
-class Drees(Correction):
+class Drees(InflowShape):
     """v_c = 4/3 (1 - cos(chi) - 1.8 mu^2) / sin(chi) and v_s = -2 mu, times the mean inflow.
 
     mu = V sin(beta)/(Omega R), held at 0.5 above it.
@@ -259,11 +255,9 @@ class Drees(Correction):
     Problems", J. Helicopter Association of Great Britain 3(2), 1949.
     """
 
-    inflow_shape: ClassVar[bool] = True
-
 
 @dataclass(frozen=True)
-class WhiteBlake(Correction):
+class WhiteBlake(InflowShape):
     """v_c = sqrt(2) sin(chi) times the mean inflow.
 
     References
@@ -271,8 +265,6 @@ class WhiteBlake(Correction):
     F. White, B. B. Blake, "Improved Method of Predicting Helicopter Control Response and Gust
     Sensitivity", 35th Annual Forum of the American Helicopter Society, 1979.
     """
-
-    inflow_shape: ClassVar[bool] = True
 
 
 @dataclass(frozen=True)
@@ -405,11 +397,9 @@ class StallDelay(Correction):
     def check(self, model: Model) -> None:
         """Refuse a ``model`` whose section law says that it has no attached lift."""
         if not getattr(model.airfoil, "has_attached_lift", True):
-            raise InputError(
-                "stall-delay gives lift back that stall takes, but this section law has no "
-                "attached lift that could be continued",
-                "leave the correction out, or give another law",
-            )
+            found = "stall-delay gives lift back that stall takes, but this section law has no "
+            found += "attached lift that could be continued"
+            raise InputError(found, "leave the correction out, or give another law")
 
 
 @dataclass(frozen=True)
@@ -565,9 +555,14 @@ def corrections_of(
     more = tuple(correction(text) for text in added)
     if installed and model == "recommended" and not split_mount(list(added))[1]:
         more = (*more, Installed())
-    kinds, shaped = {type(one) for one in more}, any(one.inflow_shape for one in more)
+    kinds = {type(one) for one in more}
+    shaped = any(isinstance(one, InflowShape) for one in more)
     own = [correction(text) for text in MODELS[model]]
-    kept = [one for one in own if type(one) not in kinds and not (shaped and one.inflow_shape)]
+    kept = [
+        one
+        for one in own
+        if type(one) not in kinds and not (shaped and isinstance(one, InflowShape))
+    ]
     return *kept, *more
 
 

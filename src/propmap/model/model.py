@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike
 
 from propmap.errors import InputError, quoted
 from propmap.loads import DRAG_FACTOR, MOUNT_AREA
-from propmap.model.airfoil import SectionUncertainty
+from propmap.model.airfoil import ByValue, SectionUncertainty
 from propmap.model.corrections import (
     CORRECTIONS,
     INSTALLED,
     BladeToHub,
     Correction,
+    InflowShape,
     agreed,
     as_text,
     correction,
@@ -28,7 +29,7 @@ from propmap.typing import Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Propeller:
+class Propeller(ByValue):
     """Chord and twist of a blade at its measured stations, and how many blades there are.
 
     The arrays are kept as read-only float64 copies.
@@ -115,21 +116,11 @@ class Propeller:
         figures = (self.station, self.chord, self.twist, [self.root, float(self.blades)])
         return hashlib.sha256(np.concatenate(figures).astype("<f8").tobytes()).hexdigest()
 
-    def __eq__(self, other: object) -> bool:
-        return self._key() == other._key() if isinstance(other, Propeller) else NotImplemented
-
-    def __hash__(self) -> int:
-        return hash(self._key())
-
     def __repr__(self) -> str:
         return (
             f"Propeller({self.name!r}, {self.blades} blades, diameter {self.diameter:.4g} m, "
             f"{self.station.size} stations)"
         )
-
-    def _key(self) -> tuple[object, ...]:
-        arrays = (self.station.tobytes(), self.chord.tobytes(), self.twist.tobytes())
-        return (self.name, self.blades, *arrays, self.root_cutout, self.source, self.citation)
 
 
 def _frozen_array(values: Any, field: str) -> Floats:
@@ -280,7 +271,7 @@ class Model:
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"correction {name} is given twice: give it once")
-        shapes = [name_of(value) for value in self.corrections if value.inflow_shape]
+        shapes = [name_of(one) for one in self.corrections if isinstance(one, InflowShape)]
         if len(shapes) > 1:
             found = f"{' and '.join(shapes)} both set how the inflow varies around the disk"
             raise InputError(found, "give one of them")

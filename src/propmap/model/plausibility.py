@@ -5,8 +5,10 @@ from __future__ import annotations
 import itertools
 import math
 import operator
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from statistics import median  # without numpy.ma, which takes longer to load than one point
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +16,7 @@ import numpy as np
 
 from propmap.errors import InputError, quoted
 from propmap.typing import Floats
-from propmap.units import FOOT, GRAVITY, INCH, KMH, MPH, POUND, RPM, SLUG_PER_FT3, SPEED_OF_SOUND
+from propmap.units import RPM, SPEED_OF_SOUND
 
 if TYPE_CHECKING:
     from propmap.model.model import Air, Propeller
@@ -38,74 +40,10 @@ class Range:
         return abs(math.log(value / math.sqrt(self.low * self.high)))
 
 
+_SIZES = tomllib.loads(Path(__file__).with_name("unit_errors.toml").read_text(encoding="utf-8"))
 UNIT_ERRORS: dict[str, dict[str, float]] = {
-    "length": {  # given in metres unless something else is said
-        "millimetres": 1e3,
-        "centimetres": 1e2,
-        "inches": 1.0 / INCH,
-        "inches taken for millimetres": 1e-3 / INCH,
-        "millimetres taken for inches": 1e3 * INCH,
-        "metres taken for millimetres": 1e-3,
-        "metres taken for inches": INCH,
-    },
-    "chord over radius": {
-        "millimetres beside a radius in metres": 1e3,
-        "per cent of the radius, or centimetres beside metres": 1e2,
-        "inches beside a radius in metres": 1.0 / INCH,
-        "millimetres beside a radius in inches": 1e3 * INCH,
-        "millimetres beside a radius in centimetres": 10.0,
-        "a fraction of the diameter, or the radius like the diameter": 0.5,
-        "centimetres taken for millimetres": 0.1,
-        "inches taken for millimetres": 1e-3 / INCH,
-        "metres taken for inches": INCH,
-        "metres taken for millimetres": 1e-3,
-    },
-    "twist": {"radians converted twice": math.pi / 180.0},
-    "density": {
-        "g/m^3": 1e3,
-        "g/cm^3": 1e-3,
-        "slug/ft^3": 1.0 / SLUG_PER_FT3,
-        "lb/ft^3": 1.0 / 16.01846,
-    },
-    "viscosity": {"microPa s": 1e6, "mPa s, or centipoise": 1e3, "poise": 10.0},
-    "speed": {
-        "km/h": 1.0 / KMH,
-        "miles an hour": 1.0 / MPH,
-        "knots": 3600.0 / 1852.0,
-        "feet per second": 1.0 / FOOT,
-    },
-    "fine speed": {"cm/s": 1e2, "mm/s": 1e3},
-    "slow rotation": {"rad/s": RPM, "revolutions per second": 1.0 / 60.0, "thousands of rpm": 1e-3},
-    "fast rotation": {
-        "rpm converted from rad/s twice": 1.0 / RPM,
-        "electrical rpm, of 7 pole pairs for example": 7.0,
-        "electrical rpm, of 12 pole pairs for example": 12.0,
-        "rpm times 60": 60.0,
-    },
-    "thrust": {
-        "grams": 1e3 / GRAVITY,
-        "kilograms": 1.0 / GRAVITY,
-        "millinewtons": 1e3,
-        "ounces": 16.0 / POUND,
-        "pounds": 1.0 / POUND,
-    },
-    "torque": {
-        "N cm": 1e2,
-        "N mm": 1e3,
-        "kg m": 1.0 / GRAVITY,
-        "kg cm": 1e2 / GRAVITY,
-        "g cm": 1e5 / GRAVITY,
-        "ounce-inches": 16.0 / (POUND * INCH),
-        "pound-inches": 1.0 / (POUND * INCH),
-    },
-    "power": {"kilowatts": 1e-3, "milliwatts": 1e3, "horsepower": 1.0 / 745.69987},
-    "mass": {"grams": 1e3},
-    # Signals of a log, compared with each other instead of with a usual range.
-    "angular rate": {
-        "degrees per second": 180.0 / math.pi,
-        "rad/s, converted from degrees twice": math.pi / 180.0,
-    },
-    "specific force": {"units of g": 1.0 / GRAVITY},
+    quantity: {name: 1.0 / size for name, size in errors.items()}
+    for quantity, errors in _SIZES.items()
 }  # what a figure of some quantity looks like, and the factor by which it is then wrong
 
 # Names of errors whose size follows from the loads.
@@ -274,10 +212,8 @@ def _fast_tip(tip: Floats, speed: Floats) -> list[str]:
     mach = float(helical[k]) / SPEED_OF_SOUND
     if mach <= FAST_TIP_MACH:
         return []
-    motion = (
-        f"the tip moves at {helical[k]:.4g} m/s, Mach {mach:.3g}, with {tip[k]:.4g} m/s from the "
-        f"rotation and {speed[k]:.4g} m/s from the flight"
-    )
+    motion = f"the tip moves at {helical[k]:.4g} m/s, Mach {mach:.3g}, with {tip[k]:.4g} m/s from "
+    motion += f"the rotation and {speed[k]:.4g} m/s from the flight"
     if speed[k] > tip[k]:
         like = _cause(float(speed[k]), Range(1.0, 130.0), "speed", "the speed")
     else:
@@ -285,8 +221,8 @@ def _fast_tip(tip: Floats, speed: Floats) -> list[str]:
         like = _cause(float(tip[k]), usual, "fast rotation", "the rotational speed")
         like += ", or the radius like the diameter" if like else ""
     if mach > 1.0:
-        found = f"{motion}{like}"
-        raise InputError(found, "check rpm, speed and radius: nothing here holds above Mach 1")
+        remedy = "check rpm, speed and radius: nothing here holds above Mach 1"
+        raise InputError(motion + like, remedy)
     drag = f"above {FAST_TIP_MACH:g} drag rises, which the section law does not have"
     return [f"{motion}; {drag}{like}"]
 
@@ -623,37 +559,30 @@ def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[
     for k in (np.flatnonzero(station[1:] <= station[:-1]) + 1).tolist():
         repeated = station[k] == station[k - 1]
         how = "repeated" if repeated else f"unsorted (it follows {station[k - 1]:g} m)"
-        raise InputError(
-            f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
-            "root to tip",
-            "keep one row per station" if repeated else "sort the rows by station",
-        )
+        fault = f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
+        fault += "root to tip"
+        remedy = "keep one row per station" if repeated else "sort the rows by station"
+        raise InputError(fault, remedy)
     radius, low, high = float(station[-1]), int(np.argmin(chord)), int(np.argmax(chord))
     if radius > MAX_RADIUS:
-        raise InputError(
-            f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
-            + _cause(radius, LIKELY_RADIUS, "length"),
-            "check the units; lengths are in metres",
-        )
+        found = f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
+        found += _cause(radius, LIKELY_RADIUS, "length")
+        raise InputError(found, "check the units; lengths are in metres")
     if chord[low] < 0.0:
         found = f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more"
         raise InputError(found, "correct the negative chord")
     if chord[high] == 0.0:
         raise InputError("every chord is 0", "give the chord of each station")
     if chord[high] >= radius:
-        raise InputError(
-            f"{labels[high]}: chord is {chord[high]:g} m, "
-            f"expected less than the radius of {radius:g} m"
-            + _cause(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius"),
-            "check the units of chord and radius",
-        )
+        found = f"{labels[high]}: chord is {chord[high]:g} m, expected less than the radius of "
+        found += f"{radius:g} m"
+        found += _cause(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius")
+        raise InputError(found, "check the units of chord and radius")
     steepest = int(np.argmax(np.abs(twist)))
     if abs(twist[steepest]) > MAX_TWIST:
-        raise InputError(
-            f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most {MAX_TWIST}; "
-            "it looks like degrees",
-            "the column must be in radians or be named twist_deg",
-        )
+        found = f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most "
+        found += f"{MAX_TWIST}; it looks like degrees"
+        raise InputError(found, "the column must be in radians or be named twist_deg")
 
 
 def check_blades(blades: Any) -> int:

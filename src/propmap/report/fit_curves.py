@@ -139,8 +139,7 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
             data = "" if covered else ", no data"
             ax.set_title(f"β = {one['beta_deg']:.0f}°{data}", fontsize=9.0)
         for ax in axes[-1]:
-            ax.set_xlabel("flight speed V [m/s]")
-            ax.set_xlim(0.0, speed[-1])
+            ax.set(xlabel="flight speed V [m/s]", xlim=(0.0, speed[-1]))
         handles = [
             key("this model", color=COLOURS[0], **MODEL),
             *([Patch(label="95 % by the parameters", **BAND)] if len(changes) else []),
@@ -283,8 +282,7 @@ def tunnel_fit(data: TunnelData, rotor: Rotor) -> FigureRecord:
             ax.plot(truth[known], model[known], color=COLOURS[0], marker="o", **MEASURED)
             error = rms((model - truth)[known])
             ax.set_title(f"{load.label}: rms error {error:.3g} {load.unit}", fontsize=9.0)
-            ax.set_xlabel(f"measured {load.title}")
-            ax.set_ylabel(f"predicted {load.title}")
+            ax.set(xlabel=f"measured {load.title}", ylabel=f"predicted {load.title}")
         handles = [
             key("predicted = measured", color="0.6", linewidth=1.0),
             key("this model", color=COLOURS[0], marker="o", linestyle="none", markersize=4.5),
@@ -320,8 +318,7 @@ def steady_parts(log: FlightLog, stretches: Sequence[slice]) -> Figure:
         for pair in ends:
             ax.axvspan(*pair, **SHADE)
         ax.set_ylabel(label)
-    rotors.set_xlabel("time [s]")
-    rotors.set_xlim(0.0, time[-1])
+    rotors.set(xlabel="time [s]", xlim=(0.0, time[-1]))
     dots: dict[str, Any] = {"marker": ".", "linestyle": "none"}
     handles: list[Any] = [
         Patch(label="steady stretch", **SHADE),

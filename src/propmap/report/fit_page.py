@@ -21,20 +21,7 @@ from propmap.fit.parameters import EVERY, general
 from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
 from propmap.model.envelope import Beyond
-from propmap.report import fit_curves
-from propmap.report.html import (
-    BAND,
-    COLOURS,
-    HOVER,
-    MARKERS,
-    FigureRecord,
-    columns_of,
-    key,
-    legend_below,
-    new_figure,
-    number,
-    record_files,
-)
+from propmap.report import fit_curves, html
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY
@@ -110,12 +97,12 @@ def fit_pages(
             def draw() -> Figure:
                 return fit_curves.level_flight(vehicle, log, file.airfoil)
 
-            records.append(FigureRecord("fit-measured", [columns], draw))
+            records.append(html.FigureRecord("fit-measured", [columns], draw))
         records += [
             residuals(f"fit-residuals-{k}", trends)
             for k, trends in enumerate(given.residuals, start=1)
         ]
-    return record_files(
+    return html.record_files(
         "report/fit_page.html.j2",
         records,
         file=file,
@@ -178,8 +165,8 @@ def _errors_beyond(errors: Mapping[str, SpeedErrors]) -> list[str]:
     for name, one in errors.items():
         load, unit = _load_and_unit(name)
         inside = one.by_envelope.get(INSIDE)
-        beside = f" ({number(inside.rms)} inside)" if inside else ""
-        parts.append(f"{label_of(load)} {number(one.by_envelope[OUTSIDE].rms)} {unit}{beside}")
+        beside = f" ({html.number(inside.rms)} inside)" if inside else ""
+        parts.append(f"{label_of(load)} {html.number(one.by_envelope[OUTSIDE].rms)} {unit}{beside}")
     return [f"the rms errors there are {', '.join(parts)}"] if parts else []
 
 
@@ -285,7 +272,7 @@ def speed_rows(fit: FitRecord) -> list[tuple[str, ...]]:
     for band in dict.fromkeys(band for one in fit.loads for band in one.by_speed):
         pairs = [(one, one.load.by_speed.get(band)) for one in loads]
         cells = [
-            " / ".join(number(100.0 * v / one.reference, 2) for v in (e.rms, e.hover_rms))
+            " / ".join(html.number(100.0 * v / one.reference, 2) for v in (e.rms, e.hover_rms))
             if e
             else ""
             for one, e in pairs
@@ -306,10 +293,11 @@ def whole_rows(fit: FitRecord) -> list[tuple[str, ...]]:
     for one in judged(fit):
         errors = (one.load.rms, one.load.cross_validated, one.load.hover_rms)
         cells = [
-            (f"{number(e)} {one.load.unit}", number(100.0 * e / one.reference, 2)) for e in errors
+            (f"{html.number(e)} {one.load.unit}", html.number(100.0 * e / one.reference, 2))
+            for e in errors
         ]
         if not math.isfinite(one.load.cross_validated):
-            cells[1] = ("not done", number(None))
+            cells[1] = ("not done", html.number(None))
         rows.append((one.label, str(one.load.rows), *itertools.chain(*cells)))
     return rows
 
@@ -356,14 +344,14 @@ def unfitted(fit: FitRecord) -> list[str]:
 # What a fit was fitted to, and where it extrapolates.
 
 
-def coverage(fit: FitRecord) -> FigureRecord:
+def coverage(fit: FitRecord) -> html.FigureRecord:
     """Record the operating points of the data: boxes over advance ratio and angle, with counts."""
     covered = fit.covered
     rest = [] if covered.at_rest is None else [("at rest", covered.at_rest)]
     named = [*rest, *((f"{one.typical_beta:.0f}°", one) for one in covered.angles)]
 
     def draw() -> Figure:
-        figure = new_figure(8.6, 3.6)
+        figure = html.new_figure(8.6, 3.6)
         ax = figure.subplots()
         small: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.0}
         for one in covered.angles:
@@ -371,12 +359,12 @@ def coverage(fit: FitRecord) -> FigureRecord:
             # A single angle gets a box that can be seen.
             low = min(one.beta[0], one.typical_beta - 1.5)
             high = max(one.beta[1], one.typical_beta + 1.5)
-            ax.fill([left, right, right, left], [low, low, high, high], facecolor=COLOURS[0],
-                    alpha=0.35, edgecolor=COLOURS[0], linewidth=1.2)  # fmt: skip
+            ax.fill([left, right, right, left], [low, low, high, high], facecolor=html.COLOURS[0],
+                    alpha=0.35, edgecolor=html.COLOURS[0], linewidth=1.2)  # fmt: skip
             ax.annotate(str(one.points), (right, 0.5 * (low + high)), (4, 0), va="center", **small)
         if covered.at_rest is not None:
             ax.plot(0.0, 0.0, marker="X", markersize=7.0, linestyle="none", clip_on=False,
-                    color=COLOURS[1])  # fmt: skip
+                    color=html.COLOURS[1])  # fmt: skip
             ax.annotate(f"at rest: {covered.at_rest.points}", (0.0, 0.0), (8, 5), **small)
         top = max((one.advance[1] for one in covered.angles), default=0.2)
         descent = max((one.beta[1] for one in covered.angles), default=90.0) > 95.0
@@ -388,7 +376,7 @@ def coverage(fit: FitRecord) -> FigureRecord:
         ax.set_title("numbers: operating points in each group", fontsize=9.0)
         return figure
 
-    columns = columns_of(
+    columns = html.columns_of(
         "group points beta_from_deg beta_to_deg speed_from_mps speed_to_mps rpm_from rpm_to "
         "advance_from advance_to",
         [
@@ -414,7 +402,7 @@ def coverage(fit: FitRecord) -> FigureRecord:
         )
         for name, one in named
     ]
-    return FigureRecord("fit-coverage", columns, draw, ranges)
+    return html.FigureRecord("fit-coverage", columns, draw, ranges)
 
 
 def angles_without_data(fit: FitRecord) -> str:
@@ -430,7 +418,7 @@ def angles_without_data(fit: FitRecord) -> str:
 
 def band_errors(
     name: str, bands: Mapping[tuple[str, str], Mapping[str, ResidualErrors]]
-) -> FigureRecord:
+) -> html.FigureRecord:
     """Record errors by (load, unit) and by band of speed, in the order of speed; a panel a load."""
     groups: list[dict[str, Any]] = [
         {
@@ -449,16 +437,16 @@ def band_errors(
     def draw() -> Figure:
         across = min(len(groups), 3)
         down = -(-len(groups) // across)
-        figure = new_figure(8.6, 2.7 * down + 0.4)
+        figure = html.new_figure(8.6, 2.7 * down + 0.4)
         axes = figure.subplots(down, across, squeeze=False).ravel()
         for ax in axes[len(groups) :]:
             ax.axis("off")
         for ax, one in zip(axes, groups, strict=False):
             x = range(len(one["speed_band"]))
             ax.plot(x, one["hover_rms_in_unit"], marker="x", markersize=5.0, label="hover model",
-                    **HOVER)  # fmt: skip
-            ax.plot(x, one["rms_in_unit"], color=COLOURS[0], marker=MARKERS[0], markersize=4.5,
-                    linewidth=1.6, label="this model")  # fmt: skip
+                    **html.HOVER)  # fmt: skip
+            ax.plot(x, one["rms_in_unit"], **html.marked(0), markersize=4.5, linewidth=1.6,
+                    label="this model")  # fmt: skip
             short = [
                 _shown_band(band.removesuffix(" m/s")).replace("above\N{NO-BREAK SPACE}", "> ")
                 for band in one["speed_band"]
@@ -469,7 +457,7 @@ def band_errors(
             ax.margins(x=0.08)
             ax.set_ylabel(f"{label_of(one['load'])}: rms error [{one['unit']}]")
             ax.set_xlabel("flight speed V [m/s]")
-        legend_below(figure, axes[0].get_legend_handles_labels()[0][::-1])
+        html.legend_below(figure, axes[0].get_legend_handles_labels()[0][::-1])
         return figure
 
     cells = [
@@ -477,32 +465,34 @@ def band_errors(
             f"{label_of(load)} [{unit}]" if k == 0 else "",
             _shown_band(band),
             str(e.rows),
-            *(number(v, 2) for v in (e.rms, e.hover_rms, e.bias, e.worst)),
+            *(html.number(v, 2) for v in (e.rms, e.hover_rms, e.bias, e.worst)),
         )
         for (load, unit), found in bands.items()
         for k, (band, e) in enumerate(found.items())
     ]
-    return FigureRecord(name, groups, draw, cells)
+    return html.FigureRecord(name, groups, draw, cells)
 
 
 # -------------------------------------------------------------------------------------------------
 # The fitted parameters: values, intervals, verdicts, and correlations.
 
 
-def parameters(fit: FitRecord) -> FigureRecord:
+def parameters(fit: FitRecord) -> html.FigureRecord:
     """Record each parameter's value, interval, bounds and verdict: a line from bound to bound."""
 
     def draw() -> Figure:
         count = len(fit.parameters)
-        figure = new_figure(8.6, 0.32 * count + 0.8)
+        figure = html.new_figure(8.6, 0.32 * count + 0.8)
         ax = figure.subplots()
         for k, p in enumerate(fit.parameters):
             width = p.upper - p.lower
             low, value, high = ((v - p.lower) / width for v in (p.low, p.value, p.high))
-            face = COLOURS[0] if p.identified else "white"
+            face = html.COLOURS[0] if p.identified else "white"
             ax.plot([0.0, 1.0], [k, k], color="0.85", linewidth=5.0, solid_capstyle="butt")
-            ax.plot([low, high], [k, k], color=COLOURS[0], linewidth=2.0)
-            ax.plot(value, k, marker="o", color=COLOURS[0], markerfacecolor=face, clip_on=False)
+            ax.plot([low, high], [k, k], color=html.COLOURS[0], linewidth=2.0)
+            ax.plot(
+                value, k, marker="o", color=html.COLOURS[0], markerfacecolor=face, clip_on=False
+            )
         ax.set_yticks(range(count), [p.name for p in fit.parameters])
         ax.set_ylim(count - 0.5, -0.5)
         ax.set_xticks([0.0, 1.0], ["lower bound", "upper bound"])
@@ -512,7 +502,7 @@ def parameters(fit: FitRecord) -> FigureRecord:
             side.set_visible(False)
         return figure
 
-    columns = columns_of(
+    columns = html.columns_of(
         "parameter unit value low_95 high_95 lower_bound upper_bound identified verdict",
         [
             (p.name, p.unit, p.value, p.low, p.high, p.lower, p.upper, int(p.identified), p.verdict)
@@ -523,27 +513,27 @@ def parameters(fit: FitRecord) -> FigureRecord:
         (
             p.name,
             EVERY[general(p.name)].meaning if general(p.name) in EVERY else "",
-            number(p.value, 4),
-            f"{number(p.low)} to {number(p.high)}",
+            html.number(p.value, 4),
+            f"{html.number(p.low)} to {html.number(p.high)}",
             p.unit,
             "identified" if p.identified else "weak",
             p.verdict.removeprefix("weak").removeprefix("identified").lstrip(":, "),
         )
         for p in fit.parameters
     ]
-    return FigureRecord("fit-parameters", columns, draw, cells)
+    return html.FigureRecord("fit-parameters", columns, draw, cells)
 
 
-def correlations(fit: FitRecord) -> FigureRecord:
+def correlations(fit: FitRecord) -> html.FigureRecord:
     """Record the correlations of the parameters' errors; a row per parameter, no picture."""
     names = [p.name for p in fit.parameters]
     rows = list(zip(names, fit.correlation.tolist(), strict=True))
     cells = [
-        (name, *(number(round(v, 2) + 0.0 if math.isfinite(v) else None, 2) for v in row))
+        (name, *(html.number(round(v, 2) + 0.0 if math.isfinite(v) else None, 2) for v in row))
         for name, row in rows
     ]
-    columns = columns_of(" ".join(("parameter", *names)), [(name, *row) for name, row in rows])
-    return FigureRecord("fit-correlations", columns, cells=cells)
+    columns = html.columns_of(" ".join(("parameter", *names)), [(name, *row) for name, row in rows])
+    return html.FigureRecord("fit-correlations", columns, cells=cells)
 
 
 def strong_pairs(fit: FitRecord) -> list[str]:
@@ -576,7 +566,7 @@ def binned(trend: Trend) -> dict[str, Floats]:
     return dict(zip(heads.split(), np.array(rows).T, strict=True))
 
 
-def residuals(name: str, trends: Sequence[Trend]) -> FigureRecord:
+def residuals(name: str, trends: Sequence[Trend]) -> html.FigureRecord:
     """Record binned residuals of one load against every candidate, the strongest first."""
     load, unit = trends[0].load, trends[0].unit
     groups: list[dict[str, Any]] = []
@@ -597,14 +587,16 @@ def residuals(name: str, trends: Sequence[Trend]) -> FigureRecord:
 
     def draw() -> Figure:
         rows = -(-len(trends) // PANELS)
-        figure = new_figure(11.5, 2.25 * rows + 0.7)
+        figure = html.new_figure(11.5, 2.25 * rows + 0.7)
         axes = figure.subplots(rows, PANELS, squeeze=False, sharey=True)
         for ax in axes.ravel()[len(trends) :]:
             ax.axis("off")
         for ax, trend, one in zip(axes.ravel(), trends, groups, strict=False):
-            colour, x = COLOURS[1 if trend.sure else 0], one["bin_middle"]
+            colour, x = html.COLOURS[1 if trend.sure else 0], one["bin_middle"]
             ax.axhline(0.0, color="0.5", linewidth=0.8)
-            ax.fill_between(x, one["low_10_in_unit"], one["high_90_in_unit"], color=colour, **BAND)
+            ax.fill_between(
+                x, one["low_10_in_unit"], one["high_90_in_unit"], color=colour, **html.BAND
+            )
             ax.errorbar(
                 x, one["mean_in_unit"], 2.0 * one["mean_error_in_unit"], color=colour, marker="o",
                 markersize=3.5, linewidth=1.3, elinewidth=1.0, capsize=2.0,
@@ -617,20 +609,22 @@ def residuals(name: str, trends: Sequence[Trend]) -> FigureRecord:
         for ax in axes[:, 0]:
             ax.set_ylabel(f"error [{unit}]")
         look: dict[str, Any] = {"marker": "o", "markersize": 4.0, "linewidth": 1.3}
-        legend_below(
+        html.legend_below(
             figure,
             [
-                key("still explains something", color=COLOURS[1], **look),
-                key("no more than chance, or little", color=COLOURS[0], **look),
-                key("mean and two standard errors of it, by stretches of 1 s", color="0.3", **look),
-                key("middle 80 % of the samples", color="0.7", linewidth=6.0),
+                html.key("still explains something", color=html.COLOURS[1], **look),
+                html.key("no more than chance, or little", color=html.COLOURS[0], **look),
+                html.key(
+                    "mean and two standard errors of it, by stretches of 1 s", color="0.3", **look
+                ),
+                html.key("middle 80 % of the samples", color="0.7", linewidth=6.0),
             ],
             fontsize=8.5,
         )
         figure.suptitle(f"{label_of(load)}: model minus measurement")
         return figure
 
-    return FigureRecord(name, groups, draw)
+    return html.FigureRecord(name, groups, draw)
 
 
 def sentences(loads: Sequence[Sequence[Trend]]) -> list[str]:

@@ -251,26 +251,11 @@ HOVER: dict[str, Any] = {**DASHED, "color": "0.35"}
 MEASURED: dict[str, Any] = {"linestyle": "none", "markersize": 4.5, "clip_on": False}
 BAND: dict[str, Any] = {"alpha": 0.25, "linewidth": 0.0}
 
-_SETTINGS: dict[Any, Any] = {
-    "font.size": 9.0,
-    "axes.grid": True,
-    "grid.color": "0.88",
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "legend.frameon": False,
-    "figure.dpi": 150.0,
-    "savefig.facecolor": "white",
-    "svg.fonttype": "none",
-    "pdf.fonttype": 42,
-}
-
 
 @contextmanager
 def style() -> Iterator[None]:
     """Draw in the package's style, also as a decorator; the settings of the process stay."""
-    with mpl.rc_context(_SETTINGS):
+    with mpl.rc_context(fname=Path(__file__).with_name("propmap.mplstyle")):
         yield
 
 

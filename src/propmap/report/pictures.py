@@ -137,9 +137,7 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
         azimuth, MM * radius, degrees, cmap="viridis", vmin=low, vmax=max(high, low + 1.0),
         shading="gouraud", rasterized=True,
     )  # fmt: skip
-    disk.set_ylim(0.0, MM * radius[-1])
-    disk.set_xticks([])
-    disk.set_yticks([])
+    disk.set(ylim=(0.0, MM * radius[-1]), xticks=[], yticks=[])
     bar = figure.colorbar(mesh, cax=figure.add_axes((0.53, 0.22, 0.014, 0.52)), extend="both")
     bar.set_label(r"angle of attack $\alpha$ [deg]")
     _directions(disk, MM * blade.radius, oblique=speed * abs(np.sin(beta)) > 1e-9)
@@ -151,8 +149,7 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
     inflow.plot(MM * radius, field.inflow, color=COLOURS[0])
     inflow.set_ylabel("inflow $v_i$ [m/s]")
     thrust.plot(MM * radius, field.thrust_per_radius, color=COLOURS[0])
-    thrust.set_ylabel("thrust dT/dy [N/m]")
-    thrust.set_xlabel("radius y [mm]")
+    thrust.set(ylabel="thrust dT/dy [N/m]", xlabel="radius y [mm]")
     figure.suptitle(
         f"{blade.name}, airfoil {rotor.model.law_title}: {omega / RPM:.0f} rpm, "
         f"V = {speed:g} m/s, β = {np.degrees(beta):.4g}°"
@@ -235,12 +232,9 @@ def planform(propeller: Propeller) -> Figure:
     outline.set_ylabel("outline [mm]")
     points = {"marker": "o", "markersize": 3.0}
     chords.plot(station, chord, color=COLOURS[0], **points)
-    chords.set_ylabel("chord c [mm]")
-    chords.set_ylim(bottom=0.0)
+    chords.set(ylabel="chord c [mm]", ylim=(0.0, None))
     twists.plot(station, np.degrees(propeller.twist), color=COLOURS[1], **points)
-    twists.set_ylabel("twist θ [deg]")
-    twists.set_xlabel("radius y [mm]")
-    twists.set_xlim(0.0, 1.02 * station[-1])
+    twists.set(ylabel="twist θ [deg]", xlabel="radius y [mm]", xlim=(0.0, 1.02 * station[-1]))
     upper = outline.secondary_xaxis("top", functions=(lambda y: y / tip, lambda x: x * tip))
     upper.set_xlabel("y/R")
     number = f"{propeller.blades} blades" if propeller.blades > 1 else "1 blade"
@@ -366,8 +360,7 @@ def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int])
             va="bottom" if up else "top",
         )
     ax.margins(0.12)
-    ax.set_xlabel("power in hover [W]")
-    ax.set_ylabel("top speed [m/s]")
+    ax.set(xlabel="power in hover [W]", ylabel="top speed [m/s]")
     figure.suptitle(title)
     legend_below(
         figure,
@@ -393,11 +386,9 @@ def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
     motion.plot(over, np.repeat(legs.climb, 2), color=COLOURS[1], **DASHED)
     motion.set_ylabel("speed; climb [m/s]")
     power.plot(over, np.repeat(flown.states.power, 2), color=COLOURS[0], **MODEL)
-    power.set_ylabel("power [W]")
-    power.set_ylim(0.0, 1.1 * max(power.get_ylim()[1], 1.0))
+    power.set(ylabel="power [W]", ylim=(0.0, 1.1 * max(power.get_ylim()[1], 1.0)))
     charge.plot(time.ravel(), 100.0 * flown.course.charge.ravel(), color=COLOURS[0], **MODEL)
-    charge.set_ylabel("state of charge [%]")
-    charge.set_ylim(0.0, 105.0)
+    charge.set(ylabel="state of charge [%]", ylim=(0.0, 105.0))
     voltage.plot(time.ravel(), flown.course.voltage.ravel(), color=COLOURS[0], **MODEL)
     voltage.set_ylabel("battery's voltage [V]")
     for ax in (charge, voltage):
@@ -449,16 +440,14 @@ def response_picture(
     ax.clabel(lines, fontsize=7.5)
     figure.colorbar(filled, ax=ax, label=label)
     ax.plot(rows[axes[0]], rows[axes[1]], ".", color="black", markersize=2.5, alpha=0.6)
-    ax.set_xlabel(labels[0])
-    ax.set_ylabel(labels[1])
+    ax.set(xlabel=labels[0], ylabel=labels[1])
     rest = [f"{n.replace('_', ' ')} {v:.3g}" for n, v in middle.items() if n not in axes]
     notes = [f"surface at {', '.join(rest)}", "dots: designs, at any of these"] if rest else []
     ax.set_title("\n".join(notes), fontsize=8.0)
     check.plot(values, surface(rows), ".", markersize=3.5)
     line = [np.nanmin(values), np.nanmax(values)]
     check.plot(line, line, color="0.35", linewidth=0.9)
-    check.set_xlabel(f"computed: {label}")
-    check.set_ylabel("by the quadratic, fitted to them")
+    check.set(xlabel=f"computed: {label}", ylabel="by the quadratic, fitted to them")
     spread = float(np.nanstd(values))
     unit = label[label.find("[") + 1 : -1]
     share = f", {100.0 * surface.left_out_rms / spread:.2g} % of the spread" if spread else ""

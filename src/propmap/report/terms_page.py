@@ -114,9 +114,7 @@ def errors_by_step(
                     ax.plot(seen, place, linestyle=":", linewidth=0.9, markersize=4.0, **hollow)
                 if (own := off.get((PREDICTION, flight, False, False))) is not None:
                     ax.axvline(own[axis], **{**html.DASHED, "color": look["color"]})
-            ax.set_xlim(left=0.0)
-            ax.set_xlabel("rms error [N]")
-            ax.set_title(f"force along {AXES[axis]}")
+            ax.set(xlim=(0.0, None), xlabel="rms error [N]", title=f"force along {AXES[axis]}")
         panels[0].set_yticks(place, steps)
         panels[0].invert_yaxis()
         keys = [

@@ -39,7 +39,25 @@ class Part(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class _Values:
+    """Values of what makes operating points, checked."""
+
+    rpm: Floats
+    speed_mps: Floats
+    beta_deg: Floats
+
+    def __post_init__(self) -> None:
+        for name, unit, _ in AXES.values():
+            values = np.asarray(getattr(self, name), np.float64)
+            object.__setattr__(self, name, values)
+            if values.ndim != 1 or not values.size or not np.isfinite(values).all():
+                found = f"{name} is no list of finite numbers [{unit}]"
+                raise InputError(found, "give at least one")
+            if name != "beta_deg" and (values < 0.0).any():
+                raise InputError(f"{name} is negative", "give 0 or more")
+
+
+class Grid(_Values):
     """All combinations of rotational speeds, flight speeds and angles.
 
     Attributes
@@ -47,13 +65,6 @@ class Grid:
     rpm, speed_mps, beta_deg : ndarray, shape (n,) each
         [1/min], [m/s], [degree].
     """
-
-    rpm: Floats
-    speed_mps: Floats
-    beta_deg: Floats
-
-    def __post_init__(self) -> None:
-        _check(self)
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -74,8 +85,7 @@ class Grid:
         return Part(w[:, None, None], v[:, None], b)
 
 
-@dataclass(frozen=True, eq=False)
-class PointList:
+class PointList(_Values):
     """Operating points one by one.
 
     Attributes
@@ -84,12 +94,8 @@ class PointList:
         [1/min], [m/s], [degree].
     """
 
-    rpm: Floats
-    speed_mps: Floats
-    beta_deg: Floats
-
     def __post_init__(self) -> None:
-        _check(self)
+        super().__post_init__()
         if len({getattr(self, name).size for name, _, _ in AXES.values()}) > 1:
             raise InputError("rpm, speed and beta differ in length", "give a value of each")
 
@@ -110,16 +116,6 @@ class PointList:
 
 
 Points: TypeAlias = Grid | PointList
-
-
-def _check(points: Points) -> None:
-    for name, unit, _ in AXES.values():
-        values = np.asarray(getattr(points, name), np.float64)
-        object.__setattr__(points, name, values)
-        if values.ndim != 1 or not values.size or not np.isfinite(values).all():
-            raise InputError(f"{name} is no list of finite numbers [{unit}]", "give at least one")
-        if name != "beta_deg" and (values < 0.0).any():
-            raise InputError(f"{name} is negative", "give 0 or more")
 
 
 def chunk_shape(shape: Sequence[int], most: int) -> tuple[int, ...]:

@@ -15,16 +15,7 @@ from propmap.errors import InputError
 from propmap.loads import LOADS, error_scales
 from propmap.model.envelope import Range
 from propmap.rotor import Rotor
-from propmap.table.certificate import (
-    POINTS,
-    TableErrors,
-    certify,
-    compare,
-    parameter_uncertainty,
-    quasi_random,
-    sobol,
-    unresolved_share,
-)
+from propmap.table import certificate
 from propmap.table.interpolation import (
     PARITY,
     UNRESOLVED_BIT,
@@ -66,7 +57,7 @@ def build_table(
     beta: Range,
     tolerance: float = 0.005,
     leave_out_vortex_ring: bool = False,
-    certificate_points: int = POINTS,
+    certificate_points: int = certificate.POINTS,
     progress: Progress | None = None,
     workers: Workers | None = None,
 ) -> LoadTable:
@@ -117,17 +108,17 @@ def build_table(
         content = _content(model, refined, ends, info)
         narrow = ~refined.advance.divisible[:, None] & ~refined.beta.divisible[None, :]
         content = find_jumps(content, model, POINT_SHARE * tolerance, narrow)
-        before, left = left, unresolved_share(LoadTable(content))
+        before, left = left, certificate.unresolved_share(LoadTable(content))
         if left <= NARROW_ABOVE or left > WORTH * before or narrowing == NARROWINGS:
             break
         if not _halved((content.cells & UNRESOLVED_BIT) > 0, refined):
             break
     for attempt in range(1, ATTEMPTS + 1):
         table = LoadTable(content)
-        certificate, found = certify(
+        proof, found = certificate.certify(
             table, model, tolerance, points=certificate_points, seed=FIRST_SEED + attempt
         )
-        if certificate.holds:
+        if proof.holds:
             break
         # Points that failed have been seen now: refine there, certify on others.
         too_large = exceeding(content, found, tolerance)
@@ -136,22 +127,20 @@ def build_table(
             content = with_marks_of(content, _content(model, refined, ends, info))
         else:
             content = marked(content, found, CELL_SHARE * tolerance)
-    unresolved = certificate.unresolved_volume
-    if not certificate.holds or unresolved > MOST_UNRESOLVED:
-        worst = max(certificate.max_error.values())
+    unresolved = proof.unresolved_volume
+    if not proof.holds or unresolved > MOST_UNRESOLVED:
+        worst = max(proof.max_error.values())
         where = (content.cells & UNRESOLVED_BIT) > 0
         rows, columns = (k[:-1] + 0.5 * np.diff(k) for k in (content.advance, content.beta))
         place = _place(rows[np.nonzero(where)[0]], columns[np.nonzero(where)[1]])
-        raise InputError(
-            f"the tolerance of {tolerance:.2%} is not met: errors up to {worst:.2%}, and "
-            f"{unresolved:.1%} of the envelope unresolved{place}",
-            "allow more, or make the envelope smaller",
-        )
-    filed: dict[str, Any] = {"certificate": certificate.as_dict()}
+        fault = f"the tolerance of {tolerance:.2%} is not met: errors up to {worst:.2%}, and "
+        fault += f"{unresolved:.1%} of the envelope unresolved{place}"
+        raise InputError(fault, "allow more, or make the envelope smaller")
+    filed: dict[str, Any] = {"certificate": proof.as_dict()}
     known, deviations = rotor.model.uncertainty, None
     if known is not None:
         if known.covariance.determined.names:
-            uncertainty = parameter_uncertainty(table, model, known.covariance)
+            uncertainty = certificate.parameter_uncertainty(table, model, known.covariance)
             filed["parameter_uncertainty"] = uncertainty
         model.stage = "standard deviations"
         deviations = deviation_coefficients(rotor, content)
@@ -173,11 +162,9 @@ def check_tolerance(tolerance: float, accuracy: str) -> None:
     least = 2.0 * MODEL_ERROR[accuracy]
     if not least <= tolerance <= LARGEST_TOLERANCE:
         hint = " (0.02% with accuracy fine)" if accuracy == "standard" else ""
-        raise InputError(
-            f"the tolerance is {tolerance:.3g}, with the model's accuracy {accuracy!r} it must "
-            f"lie between {least:.2%} and {LARGEST_TOLERANCE:.0%}{hint}",
-            "choose another tolerance or accuracy",
-        )
+        found = f"the tolerance is {tolerance:.3g}, with the model's accuracy {accuracy!r} it must "
+        found += f"lie between {least:.2%} and {LARGEST_TOLERANCE:.0%}{hint}"
+        raise InputError(found, "choose another tolerance or accuracy")
 
 
 def _envelope(*ranges: Range) -> tuple[Floats, Floats, Floats]:
@@ -262,7 +249,7 @@ def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
 # -------------------------------------------------------------------------------------------------
 # What no knots mend: loads between the least and the largest omega, which are interpolated.
 
-PROBED = sobol(1024, 1).T  # places in the envelope
+PROBED = certificate.sobol(1024, 1).T  # places in the envelope
 BETWEEN = np.array([0.25, 0.5, 0.75])  # of the way from end to end
 NARROWER = np.linspace(0.1, 0.9, 9)  # of the way, in the logarithm of omega, the least is raised
 
@@ -513,8 +500,8 @@ def find_jumps(
     seldom alone."""
     model.stage = "looking for jumps"
     rng, table = np.random.default_rng(PATROL_POINTS), LoadTable(content)
-    points = quasi_random(table, PATROL_POINTS, seed=PATROL_POINTS)
-    content = marked(content, compare(table, model, *points), limit)
+    points = certificate.quasi_random(table, PATROL_POINTS, seed=PATROL_POINTS)
+    content = marked(content, certificate.compare(table, model, *points), limit)
     content = _searched(content, model, limit, suspects, GLANCES, rng)
     done: NDArray[np.bool_] = np.zeros(content.cells.shape, bool)
     for _ in range(PATROL_ROUNDS):
@@ -541,10 +528,10 @@ def _searched(
         return content
     i, j = (np.repeat(index, tries) for index in np.nonzero(cells))
     points = points_at(content, np.stack([i, j, 0 * i], axis=1) + rng.random((3, i.size)).T)
-    return marked(content, compare(LoadTable(content), model, *points), limit)
+    return marked(content, certificate.compare(LoadTable(content), model, *points), limit)
 
 
-def marked(content: TableContent, found: TableErrors, limit: float) -> TableContent:
+def marked(content: TableContent, found: certificate.TableErrors, limit: float) -> TableContent:
     """Mark the cells in which an error exceeds the limit, and those around."""
     cells = exceeding(content, found, limit)
     unresolved = spread(cells) | ((content.cells & UNRESOLVED_BIT) > 0)
@@ -553,7 +540,9 @@ def marked(content: TableContent, found: TableErrors, limit: float) -> TableCont
     return replace(content, cells=content.cells | flags)
 
 
-def exceeding(content: TableContent, found: TableErrors, limit: float) -> NDArray[np.bool_]:
+def exceeding(
+    content: TableContent, found: certificate.TableErrors, limit: float
+) -> NDArray[np.bool_]:
     """Find the cells (n - 1, m - 1) in which an error exceeds the limit."""
     bad = (np.abs(found.errors) > limit).any(axis=1)
     cells: NDArray[np.bool_] = np.zeros(content.cells.shape, bool)
@@ -607,11 +596,9 @@ class CachedModel:
         static = dict(zip(LOADS, loads.T, strict=True))
         scales = np.array(list(error_scales(static, self.rotor.model.propeller.radius).values())).T
         if not (scales > 0.0).all():
-            raise InputError(
-                "at rest in the air this rotor has no positive thrust and torque, to which a "
-                "table's errors could be related",
-                "check the propeller's pitch and the section law",
-            )
+            found = "at rest in the air this rotor has no positive thrust and torque, to which a "
+            found += "table's errors could be related"
+            raise InputError(found, "check the propeller's pitch and the section law")
         return scales
 
     def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:

@@ -15,13 +15,7 @@ from propmap.errors import InputError
 from propmap.typing import Floats
 from propmap.units import MICROSECOND
 from propmap.vehicle.files import LogMap
-from propmap.vehicle.log import (
-    Recording,
-    Signal,
-    known_at,
-    motor_slots,
-    quaternion_of_angles,
-)
+from propmap.vehicle.log import Recording, Signal, known_at, motor_slots, quaternion_of_angles
 from propmap.vehicle.throttle import PULSES, share_of_full, worth_of_throttle
 
 # Fields by message, of which the first that the log has is used; units and frames by ArduPilot's
@@ -150,9 +144,8 @@ def _messages(path: Path) -> tuple[Samples, dict[str, float]]:
         raise
     # Damaged bytes make its parser fail in ways that it does not list.
     except Exception as error:
-        raise InputError(
-            f"not a DataFlash log: {str(error) or type(error).__name__}", AS_WRITTEN
-        ) from None
+        found = f"not a DataFlash log: {str(error) or type(error).__name__}"
+        raise InputError(found, AS_WRITTEN) from None
     names = [name.rstrip(b"\0").decode(errors="replace") for name in stated.get("Name", ())]
     return samples, dict(zip(names, stated.get("Value", ()), strict=True))
 
@@ -164,11 +157,9 @@ def _columns(file: Any, kind: str, fields: tuple[str, ...]) -> dict[str, list[An
     """
     layout = file.formats[file.name_to_id[kind]]
     if not {*fields} <= {*layout.columns}:
-        raise InputError(
-            f"message {kind} has the fields {', '.join(layout.columns)}, expected "
-            f"{', '.join(fields)}",
-            "give a log of a later release of ArduPilot",
-        )
+        fault = f"message {kind} has the fields {', '.join(layout.columns)}, expected "
+        fault += f"{', '.join(fields)}"
+        raise InputError(fault, "give a log of a later release of ArduPilot")
     unpack = struct.Struct(layout.msg_struct).unpack_from
     whole = file.data_len - layout.len
     rows = [unpack(file.data_map, at + 3) for at in file.offsets[layout.type] if at <= whole]
@@ -187,10 +178,8 @@ def _check_present(present: set[str]) -> None:
     missing = [" or ".join(kinds) for kinds in wanted if not present & {*kinds}]
     if missing:
         found = ", ".join(sorted(present & {*FIELDS, COMMANDS})) or "none of use"
-        raise InputError(
-            f"no message {', no '.join(missing)}; found {found}",
-            "set LOG_BITMASK so that it is logged",
-        )
+        fault = f"no message {', no '.join(missing)}; found {found}"
+        raise InputError(fault, "set LOG_BITMASK so that it is logged")
 
 
 def _commands(

@@ -31,11 +31,9 @@ def draft_vehicle(path: Path) -> str:
     stated: Mapping[str, float] = log.initial_parameters
     count = int(stated.get("CA_ROTOR_COUNT", 0))
     if count < 1:
-        raise InputError(
-            "its parameters have no rotors: no CA_ROTOR_COUNT above 0",
-            "give a log of PX4 1.14 or later, whose geometry is set, or write the file by hand",
-            str(path),
-        )
+        found = "its parameters have no rotors: no CA_ROTOR_COUNT above 0"
+        remedy = "give a log of PX4 1.14 or later, whose geometry is set, or write the file by hand"
+        raise InputError(found, remedy, str(path))
     mass = float(stated.get(MASS, -1.0))
     rotors = [
         {name: float(stated.get(f"CA_ROTOR{k}_{name}", FIELDS[name])) for name in FIELDS}

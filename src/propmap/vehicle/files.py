@@ -124,10 +124,8 @@ class _Battery(TomlTable):
 
     def __post_init__(self) -> None:
         if 0.0 < self.capacity_mAh < 50.0:
-            raise InputError(
-                f"capacity_mAh is {self.capacity_mAh:g}",
-                f"give milliampere hours: {1000.0 * self.capacity_mAh:g}, if this is A h",
-            )
+            remedy = f"give milliampere hours: {1000.0 * self.capacity_mAh:g}, if this is A h"
+            raise InputError(f"capacity_mAh is {self.capacity_mAh:g}", remedy)
 
 
 class _Wakes(TomlTable):
@@ -431,11 +429,8 @@ class LogMap:
         if unit == "rpm":
             return RPM
         if self.pole_pairs is None:
-            raise InputError(
-                "rotor_unit is 'erpm' and there is no pole_pairs",
-                "add pole_pairs = half the number of the motor's magnets",
-                self.where,
-            )
+            remedy = "add pole_pairs = half the number of the motor's magnets"
+            raise InputError("rotor_unit is 'erpm' and there is no pole_pairs", remedy, self.where)
         return RPM / self.pole_pairs
 
 
@@ -450,32 +445,18 @@ def _log_map(log: _Log, rotors: int, where: str) -> LogMap:
     for key in ("rotor_speed", "throttle"):
         named = len(columns[key])
         if named not in (0, rotors):
-            raise InputError(
-                f"{key} names {named} columns, the vehicle has {rotors} rotors",
-                "name one column per rotor, or add the missing [[rotors]] tables",
-                f"{where}: [log.columns]",
-            )
+            found = f"{key} names {named} columns, the vehicle has {rotors} rotors"
+            remedy = "name one column per rotor, or add the missing [[rotors]] tables"
+            raise InputError(found, remedy, f"{where}: [log.columns]")
     limits = log.throttle_range
     if limits is not None and not limits[0] < limits[1]:
-        raise InputError(
-            f"throttle_range is {quoted(list(limits))}",
-            "give the command at rest, then that at full throttle, such as [1000, 2000]",
-            f"{where}: [log]",
-        )
-    return LogMap(
-        log.body_frame,
-        log.world_frame,
-        log.velocity_in,
-        log.rotor_unit,
-        log.pole_pairs,
-        order or None,
-        limits,
-        log.wind,
-        {
-            key: (names,) if isinstance(names, str) else tuple(names)
-            for key, names in columns.items()
-            if names
-        },
-        {role: topic for role, topic in asdict(log.topics).items() if topic},
-        where,
-    )
+        remedy = "give the command at rest, then that at full throttle, such as [1000, 2000]"
+        raise InputError(f"throttle_range is {quoted(list(limits))}", remedy, f"{where}: [log]")
+    by_key = {
+        key: (names,) if isinstance(names, str) else tuple(names)
+        for key, names in columns.items()
+        if names
+    }
+    topics = {role: topic for role, topic in asdict(log.topics).items() if topic}
+    own = {"rotor_order": order or None, "columns": by_key, "topics": topics, "file": where}
+    return LogMap(**asdict(log) | own)

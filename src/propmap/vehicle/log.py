@@ -224,9 +224,8 @@ def low_passed(log: FlightLog, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
         For a cut-off that is no frequency.
     """
     if not (np.isfinite(cutoff) and cutoff >= 0.0):
-        raise InputError(
-            f"the low-pass is at {cutoff:g} Hz", "give a frequency, or 0 for no filter"
-        )
+        found = f"the low-pass is at {cutoff:g} Hz"
+        raise InputError(found, "give a frequency, or 0 for no filter")
     steps = np.diff(log.time)
     ends = [0, *(np.flatnonzero(steps > LONGEST_GAP) + 1), len(log)]
     parts = [
@@ -426,11 +425,8 @@ def cleaned(recording: Recording) -> Recording:
         for reason, remedy, good in reasons:
             lost = int(np.sum(~good))
             if lost > MOST_DROPPED * good.size:
-                raise InputError(
-                    f"{lost} of {good.size} samples of {signal.name} are {reason}",
-                    remedy,
-                    recording.source,
-                )
+                found = f"{lost} of {good.size} samples of {signal.name} are {reason}"
+                raise InputError(found, remedy, recording.source)
             if lost:
                 # Columns of one table lose the same rows: these are not counted twice.
                 dropped[reason] = max(dropped.get(reason, 0), lost)
@@ -445,11 +441,8 @@ def cleaned(recording: Recording) -> Recording:
 def _check_count(signal: Signal, count: int, source: str) -> None:
     """Raise ``InputError`` for a signal with fewer samples than a flight needs."""
     if count < FEWEST_SAMPLES:
-        raise InputError(
-            f"{signal.name} has {count} samples, expected at least {FEWEST_SAMPLES}",
-            "give a log with some seconds of flight",
-            source,
-        )
+        found = f"{signal.name} has {count} samples, expected at least {FEWEST_SAMPLES}"
+        raise InputError(found, "give a log with some seconds of flight", source)
 
 
 def motor_slots(functions: list[int], motors: dict[int, int]) -> list[int] | None:
@@ -658,9 +651,6 @@ def _check_frames(log: FlightLog, vehicle_file: VehicleFile) -> None:
         remedy = "gravity was taken off: give what the accelerometer reads, +g upwards in hover"
     elif abs(mean + GRAVITY) < 0.5:
         remedy = f"it points down: change its sign, or {remedy}"
-    raise InputError(
-        f"the specific force along the vertical averages {mean:.3g} m/s^2, expected about "
-        f"{GRAVITY:.3g}",
-        remedy,
-        log.source,
-    )
+    found = f"the specific force along the vertical averages {mean:.3g} m/s^2, expected about "
+    found += f"{GRAVITY:.3g}"
+    raise InputError(found, remedy, log.source)

@@ -14,28 +14,16 @@ from propmap.errors import InputError
 from propmap.model.plausibility import UNIT_ERRORS
 from propmap.typing import Floats
 from propmap.units import GRAVITY
-from propmap.vehicle.log import (
-    LONGEST_GAP,
-    Recording,
-    Signal,
-    attitude_to_flu_enu,
-    body_to_flu,
-    cleaned,
-    common_clock,
-    continuous,
-    interpolated,
-    low_pass,
-    world_to_enu,
-)
+from propmap.vehicle import log
 
 
-def check_recording(recording: Recording) -> list[str]:
+def check_recording(recording: log.Recording) -> list[str]:
     """Warn of sensors that failed, and of frames, units, columns and clocks that do not agree.
 
     Raises ``InputError`` for a mistake that is certain.  Checks that need the vehicle and its
     rotors are in ``propmap.flight.checks``.  Times in messages are since the log's start.
     """
-    recording = cleaned(recording).from_start()
+    recording = log.cleaned(recording).from_start()
     found = [*recording.notes, *_gaps(recording), *_dead_sensors(recording)]
     for signal in (recording.rates, recording.specific_force):
         found += _saturated(signal) if signal else []
@@ -87,7 +75,7 @@ class Pair:
         return float(off.max()) if off.size else np.nan
 
 
-def _disagreements(recording: Recording) -> list[str]:
+def _disagreements(recording: log.Recording) -> list[str]:
     """Compare attitude with gyro, velocity with accelerometer; raise what explains all."""
     turning, moving = pairs(recording)
     if any(pair.mismatch() > DISAGREE for pair in (turning, moving)):
@@ -105,7 +93,7 @@ def _disagreements(recording: Recording) -> list[str]:
     return _late(recording, turning) or _broken_stretches(recording, turning, moving)
 
 
-def pairs(recording: Recording) -> tuple[Pair, Pair]:
+def pairs(recording: log.Recording) -> tuple[Pair, Pair]:
     """Pair rates by attitude and gyro, and accelerations by velocity and accelerometer.
 
     The latter have no samples where there is no accelerometer.
@@ -114,9 +102,9 @@ def pairs(recording: Recording) -> tuple[Pair, Pair]:
     force = recording.specific_force
     rest += [force] if force is not None else []
     # At their own times the signs of quaternions must not jump.
-    smooth = Signal(own.name, own.time, continuous(own.values))
-    time = common_clock([own], rest, recording.source)
-    ends = np.flatnonzero(np.diff(time) > LONGEST_GAP) + 1
+    smooth = log.Signal(own.name, own.time, log.continuous(own.values))
+    time = log.common_clock([own], rest, recording.source)
+    ends = np.flatnonzero(np.diff(time) > log.LONGEST_GAP) + 1
     parts = [part for part in np.split(time, ends) if part.size > 3]
     each = [_compared(recording, smooth, part) for part in parts]
     when, turned, gyro, accelerated, pushed = (
@@ -129,30 +117,30 @@ def pairs(recording: Recording) -> tuple[Pair, Pair]:
     )
 
 
-def _compared(recording: Recording, attitude: Signal, time: Floats) -> tuple[Floats, ...]:
+def _compared(recording: log.Recording, attitude: log.Signal, time: Floats) -> tuple[Floats, ...]:
     """Return times between samples of a stretch without gaps, and what is compared there."""
     step = float(np.median(np.diff(time)))
 
     def smooth(values: Floats) -> Floats:
         if 4.0 * CUTOFF * step > 1.0 or time.size < 20:
             return values
-        return low_pass(values, 2.0 * CUTOFF * step, round(0.5 / step))
+        return log.low_pass(values, 2.0 * CUTOFF * step, round(0.5 / step))
 
-    def in_flu(signal: Signal) -> Floats:
-        return smooth(body_to_flu(interpolated(signal, time), recording.body_frame))
+    def in_flu(signal: log.Signal) -> Floats:
+        return smooth(log.body_to_flu(log.interpolated(signal, time), recording.body_frame))
 
     def between(values: Floats) -> Floats:
         return 0.5 * (values[1:] + values[:-1])
 
-    quaternions = smooth(interpolated(attitude, time))
-    turn = attitude_to_flu_enu(quaternions, recording.body_frame, recording.world_frame)
+    quaternions = smooth(log.interpolated(attitude, time))
+    turn = log.attitude_to_flu_enu(quaternions, recording.body_frame, recording.world_frame)
     steps = np.diff(time)[:, None]
     turned = (turn[:-1].inv() * turn[1:]).as_rotvec() / steps
     if recording.velocity_in == "body":
         velocity = turn.apply(in_flu(recording.velocity))
     else:
-        over_ground = interpolated(recording.velocity, time)
-        velocity = smooth(world_to_enu(over_ground, recording.world_frame))
+        over_ground = log.interpolated(recording.velocity, time)
+        velocity = smooth(log.world_to_enu(over_ground, recording.world_frame))
     accelerated = np.diff(velocity, axis=0) / steps
     pushed = np.full_like(accelerated, np.nan)
     if recording.specific_force is not None:
@@ -161,7 +149,7 @@ def _compared(recording: Recording, attitude: Signal, time: Floats) -> tuple[Flo
     return between(time), turned, between(in_flu(recording.rates)), accelerated, pushed
 
 
-def _late(recording: Recording, turning: Pair) -> list[str]:
+def _late(recording: log.Recording, turning: Pair) -> list[str]:
     """Warn where gyro and attitude agree much better with a delay between their clocks."""
     now = turning.mismatch()
     if not now > 0.5 * AGREE:
@@ -179,7 +167,7 @@ def _late(recording: Recording, turning: Pair) -> list[str]:
     ]
 
 
-def _broken_stretches(recording: Recording, turning: Pair, moving: Pair) -> list[str]:
+def _broken_stretches(recording: log.Recording, turning: Pair, moving: Pair) -> list[str]:
     """Warn of stretches in which the signals disagree."""
     force = recording.specific_force
     names = [(turning, recording.rates.name, recording.attitude.name)]
@@ -212,13 +200,13 @@ HALF_TURN = np.array([1.0, -1.0, -1.0])  # FLU to FRD and back
 OFF_TIME = 0.2  # relative error of the time from which it is named
 
 
-def mistakes(recording: Recording, turning: Pair) -> Iterator[tuple[str, str, Recording]]:
+def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str, log.Recording]]:
     """Yield each mistake that may have been made: cause, remedy, and the recording without it.
 
     The ``recording`` is cleaned, ``turning`` are its rates by attitude and gyro.
     """
 
-    def corrected(values: Floats, signal: Signal, **more: Any) -> Recording:
+    def corrected(values: Floats, signal: log.Signal, **more: Any) -> log.Recording:
         name = next(n for n, one in recording.signals().items() if one is signal)
         changed: Any = {name: replace(signal, values=values)}
         return replace(recording, **changed, **more)
@@ -247,8 +235,8 @@ def mistakes(recording: Recording, turning: Pair) -> Iterator[tuple[str, str, Re
     ):
         cause = f"{attitude.name} has its numbers in the order {first}"
         yield cause, f"correct the columns, {named}", corrected(q[:, order], attitude)
-    meant = attitude_to_flu_enu(q, OTHER[body], OTHER[world]).as_quat(scalar_first=True)
-    stated = attitude_to_flu_enu(meant, body, world).as_quat(scalar_first=True)
+    meant = log.attitude_to_flu_enu(q, OTHER[body], OTHER[world]).as_quat(scalar_first=True)
+    stated = log.attitude_to_flu_enu(meant, body, world).as_quat(scalar_first=True)
     yield (
         f"{attitude.name} turns {OTHER[body].upper()} to {OTHER[world].upper()}, stated are "
         f"{body.upper()} and {world.upper()}",
@@ -265,7 +253,10 @@ def mistakes(recording: Recording, turning: Pair) -> Iterator[tuple[str, str, Re
     if frame == "body":
         turned, remedy = velocity.values * HALF_TURN, "change the signs of its y and z"
     else:
-        turned, remedy = world_to_enu(velocity.values, "ned"), "give it along world_frame's axes"
+        turned, remedy = (
+            log.world_to_enu(velocity.values, "ned"),
+            "give it along world_frame's axes",
+        )
     axes = body if frame == "body" else world
     cause = f"{velocity.name} is along the axes of {OTHER[axes].upper()}, not {axes.upper()}"
     yield cause, remedy, corrected(turned, velocity)
@@ -290,9 +281,9 @@ def mistakes(recording: Recording, turning: Pair) -> Iterator[tuple[str, str, Re
 
     if force is not None:
         at = np.clip(force.time, attitude.time[0], attitude.time[-1])
-        smooth = replace(attitude, values=continuous(q))
-        turn = attitude_to_flu_enu(interpolated(smooth, at), body, world)
-        flu = body_to_flu(force.values, body)
+        smooth = replace(attitude, values=log.continuous(q))
+        turn = log.attitude_to_flu_enu(log.interpolated(smooth, at), body, world)
+        flu = log.body_to_flu(force.values, body)
         upward = turn.apply(np.tile([0.0, 0.0, GRAVITY], (at.size, 1)), inverse=True)
         for cause, remedy, values in (
             (
@@ -312,7 +303,7 @@ def mistakes(recording: Recording, turning: Pair) -> Iterator[tuple[str, str, Re
                 for like, factor in UNIT_ERRORS["specific force"].items()
             ),
         ):
-            yield cause, remedy, corrected(body_to_flu(values, body), force)
+            yield cause, remedy, corrected(log.body_to_flu(values, body), force)
 
     along = float(np.sum(turning.expected * turning.measured))
     size = float(np.sum(turning.expected**2))
@@ -342,13 +333,13 @@ MOST_GAPS = 3  # gaps that are listed
 AXES = "xyz"
 
 
-def _gaps(recording: Recording) -> list[str]:
+def _gaps(recording: log.Recording) -> list[str]:
     """Warn where a signal is silent, or its clock jumped ahead; once for those of one table."""
     found: dict[tuple[float, float], str] = {}
     for signal in recording.signals().values():
         if signal is recording.supply:  # a battery is slow, and its voltage bridged
             continue
-        for k in np.flatnonzero(np.diff(signal.time) > LONGEST_GAP):
+        for k in np.flatnonzero(np.diff(signal.time) > log.LONGEST_GAP):
             found.setdefault((signal.time[k], signal.time[k + 1]), signal.name)
     return [
         f"{name} has no sample from {begin:.6g} to {end:.6g} s, which is left out: if its clock "
@@ -357,7 +348,7 @@ def _gaps(recording: Recording) -> list[str]:
     ]
 
 
-def _dead_sensors(recording: Recording) -> list[str]:
+def _dead_sensors(recording: log.Recording) -> list[str]:
     """Warn of signals that never change, some axes or rotors of them or all."""
     found = []
     for signal in recording.signals().values():
@@ -376,7 +367,7 @@ def _dead_sensors(recording: Recording) -> list[str]:
     return found
 
 
-def _saturated(signal: Signal) -> list[str]:
+def _saturated(signal: log.Signal) -> list[str]:
     """Warn where a sensor is at the end of its range."""
     found = []
     for axis, column in zip(AXES, signal.values.T, strict=True):

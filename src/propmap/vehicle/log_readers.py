@@ -68,20 +68,14 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
         bool(set(names) & set(log.columns)) for names in (EULER_COLUMNS, QUATERNION_COLUMNS)
     )
     if angles and quaternion:
-        raise InputError(
-            "the attitude is given twice, as quaternion and as angles",
-            "keep one of them",
-            f"{log.file}: [log.columns]",
-        )
+        found = "the attitude is given twice, as quaternion and as angles"
+        raise InputError(found, "keep one of them", f"{log.file}: [log.columns]")
     attitude = EULER_COLUMNS if angles else QUATERNION_COLUMNS
     wanted = [*QUANTITIES, turning, *OPTIONAL, *attitude]
     unnamed = [key for key in wanted if key not in log.columns and key not in OPTIONAL]
     if unnamed:
-        raise InputError(
-            f"no {', '.join(unnamed)}",
-            f"name the columns, such as {unnamed[0]} = ...",
-            f"{log.file}: [log.columns]",
-        )
+        remedy = f"name the columns, such as {unnamed[0]} = ..."
+        raise InputError(f"no {', '.join(unnamed)}", remedy, f"{log.file}: [log.columns]")
     names = {key: log.columns[key] for key in wanted if key in log.columns}
     table = _table(path, where, {name for several in names.values() for name in several})
     _check_columns(list(table.columns), names, where, log)
@@ -148,11 +142,8 @@ def _quaternions(columns: list[Floats], where: str) -> Floats:
     largest = max(float(np.nanmax(np.abs(column), initial=0.0)) for column in columns)
     # Yaw may be unwrapped over many turns, roll and pitch may not.
     if float(np.nanmax(np.abs(columns[:2]), initial=0.0)) > 2.0 * np.pi:
-        raise InputError(
-            f"roll, pitch and yaw reach {largest:.4g}, which looks like degrees",
-            "convert these columns to radians",
-            where,
-        )
+        found = f"roll, pitch and yaw reach {largest:.4g}, which looks like degrees"
+        raise InputError(found, "convert these columns to radians", where)
     return quaternion_of_angles(*columns)
 
 
@@ -254,11 +245,9 @@ def _numbers(column: Any, name: str, where: str) -> Floats:
     if text.size:
         row = int(text[0])
         # pandas reads "nan" as an empty cell; line 1 is the header.
-        raise InputError(
-            f"{quoted(column.iloc[row])} is not a number",
-            "give a number with a decimal point, or leave the cell empty",
-            f"{where}, line {row + 2}, column {name}",
-        )
+        found = f"{quoted(column.iloc[row])} is not a number"
+        remedy = "give a number with a decimal point, or leave the cell empty"
+        raise InputError(found, remedy, f"{where}, line {row + 2}, column {name}")
     return values
 
 
@@ -365,10 +354,8 @@ def parsed_ulog(path: Path) -> Any:
         raise InputError(f"cannot be read: {error.strerror}", "check the path") from None
     # Damaged bytes make its parser fail in ways that it does not list.
     except Exception as error:
-        raise InputError(
-            f"not a ULog file: {str(error) or type(error).__name__}",
-            "give the .ulg file as the flight controller wrote it",
-        ) from None
+        found = f"not a ULog file: {str(error) or type(error).__name__}"
+        raise InputError(found, "give the .ulg file as the flight controller wrote it") from None
 
 
 def _dataset(file: Any, topic: str) -> Any:
@@ -408,10 +395,9 @@ def _ulog_rotor_speed(file: Any, factor: float) -> tuple[Signal, tuple[str, ...]
     count = int(np.max(_field(data, ROTORS, "esc_count")))
     columns = [_field(data, ROTORS, f"esc[{k}].esc_rpm") for k in range(count)]
     if not columns:
-        raise InputError(
-            "esc_count of topic esc_status is 0: no motor controller reports its speed",
-            "fly with controllers that report rpm, by DShot telemetry or UAVCAN",
-        )
+        found = "esc_count of topic esc_status is 0: no motor controller reports its speed"
+        remedy = "fly with controllers that report rpm, by DShot telemetry or UAVCAN"
+        raise InputError(found, remedy)
     logged = [data.data.get(f"esc[{k}].actuator_function", np.zeros(1)) for k in range(count)]
     own = motor_slots([int(np.median(values)) for values in logged], MOTORS)
     slots = own or next(filter(None, _slots_stated(file, count)), None)
@@ -483,10 +469,8 @@ def _time(data: Any, field: str = "") -> Floats:
 
 def _field(data: Any, topic: str, field: str) -> Floats:
     if field not in data.data:
-        raise InputError(
-            f"topic {topic} has no field {field}, it has {', '.join(data.data)}",
-            "give a log of PX4 1.11 or later",
-        )
+        found = f"topic {topic} has no field {field}, it has {', '.join(data.data)}"
+        raise InputError(found, "give a log of PX4 1.11 or later")
     return np.asarray(data.data[field], dtype=np.float64)
 
 
@@ -538,21 +522,16 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
     topics = log.topics
     turning = "throttle" if "throttle" in topics else "rotor_speed"
     if turning not in topics or not ("odometry" in topics or {"pose", "velocity"} <= {*topics}):
-        raise InputError(
-            "bags need topics: odometry, or pose and velocity; and rotor_speed, or throttle",
-            'add [log.topics] with odometry = "/...", imu = "/...", rotor_speed = "/..."',
-            log.where,
-        )
+        found = "bags need topics: odometry, or pose and velocity; and rotor_speed, or throttle"
+        remedy = 'add [log.topics] with odometry = "/...", imu = "/...", rotor_speed = "/..."'
+        raise InputError(found, remedy, log.where)
     read = _messages(path, log)
     odometry = "odometry" in topics
     velocity_in = (log.velocity_in or "body") if odometry else log.stated("velocity_in")
     twist_role = "odometry" if odometry else "velocity"
     if "imu" not in topics and velocity_in == "world":
-        raise InputError(
-            "the twist is in the world frame, and no topic gives rates about body axes",
-            'add imu = "/..." to [log.topics]',
-            log.where,
-        )
+        found = "the twist is in the world frame, and no topic gives rates about body axes"
+        raise InputError(found, 'add imu = "/..." to [log.topics]', log.where)
 
     def signal(name: str, role: str, extract: Extract) -> Signal:
         time, messages = read[role]
@@ -614,29 +593,25 @@ def _messages(path: Path, log: LogMap) -> dict[str, tuple[Floats, list[Any]]]:
             missing = {r: topic for r, topic in log.topics.items() if topic not in present}
             if missing:
                 listed = ", ".join(f"{topic} ({present[topic]})" for topic in sorted(present))
-                raise InputError(
-                    f"no topic {', no '.join(missing.values())}; the bag has {listed or 'none'}",
-                    f"correct {', '.join(missing)} in [log.topics] of {log.file}",
-                )
+                found = f"no topic {', no '.join(missing.values())}; the bag has {listed or 'none'}"
+                remedy = f"correct {', '.join(missing)} in [log.topics] of {log.file}"
+                raise InputError(found, remedy)
             return {role: _topic(bag, role, topic) for role, topic in log.topics.items()}
     except InputError:
         raise
     # Damaged bytes make SQLite, MCAP and YAML parsers fail in ways that rosbags does not list.
     except Exception as error:
-        raise InputError(
-            f"not a bag that can be read: {str(error) or type(error).__name__}",
-            "give a ROS 1 .bag, a ROS 2 folder with metadata.yaml, or an .mcap file",
-        ) from None
+        found = f"not a bag that can be read: {str(error) or type(error).__name__}"
+        remedy = "give a ROS 1 .bag, a ROS 2 folder with metadata.yaml, or an .mcap file"
+        raise InputError(found, remedy) from None
 
 
 def _topic(bag: Any, role: str, topic: str) -> tuple[Floats, list[Any]]:
     connections = [c for c in bag.connections if c.topic == topic]
     wanted, found = TYPES.get(role), connections[0].msgtype
     if wanted not in (None, found):
-        raise InputError(
-            f"topic {topic} is of type {_short(found)}, expected {_short(str(wanted))}",
-            f"name a topic of that type as {role} in [log.topics]",
-        )
+        fault = f"topic {topic} is of type {_short(found)}, expected {_short(str(wanted))}"
+        raise InputError(fault, f"name a topic of that type as {role} in [log.topics]")
     times, messages = [], []
     for connection, recorded, data in bag.messages(connections):
         message = bag.deserialize(data, connection.msgtype)
@@ -658,18 +633,14 @@ def _bag_rotor_speed(time: Floats, messages: list[Any], factor: float, name: str
         arrays = [one for one in fields if isinstance(getattr(messages[0], one), np.ndarray)]
         if len(arrays) != 1:
             found = f"{len(arrays)} arrays of numbers, expected 1"
-            raise InputError(
-                f"{name} is of type {_short(kind)} with {found}",
-                f"record the speeds as one of {', '.join(map(_short, ROTOR_FIELDS))}",
-            )
+            remedy = f"record the speeds as one of {', '.join(map(_short, ROTOR_FIELDS))}"
+            raise InputError(f"{name} is of type {_short(kind)} with {found}", remedy)
         field = arrays[0]
     rows = [np.asarray(getattr(message, field), dtype=np.float64).ravel() for message in messages]
     lengths = sorted({row.size for row in rows})
     if len(lengths) > 1:
-        raise InputError(
-            f"messages of {name} have from {lengths[0]} to {lengths[-1]} values",
-            "record one value per rotor in every message",
-        )
+        fault = f"messages of {name} have from {lengths[0]} to {lengths[-1]} values"
+        raise InputError(fault, "record one value per rotor in every message")
     return Signal(name, time, np.stack(rows) * factor)
 
 
@@ -739,15 +710,12 @@ def read_recording(path: str | os.PathLike[str], vehicle_file: VehicleFile) -> R
         raise InputError("the file is empty", "give the log of a flight", where)
     kind = file.suffix.lower()
     if not folder and kind not in READERS:
-        raise InputError(
-            f"the file's ending is {kind!r}, expected one of {', '.join(READERS)}",
-            "give a log of one of these kinds, or the folder of a ROS 2 bag",
-            where,
-        )
+        found = f"the file's ending is {kind!r}, expected one of {', '.join(READERS)}"
+        remedy = "give a log of one of these kinds, or the folder of a ROS 2 bag"
+        raise InputError(found, remedy, where)
     if folder and not (file / "metadata.yaml").exists():
-        raise InputError(
-            "this folder has no metadata.yaml, expected a ROS 2 bag", "name a file inside it", where
-        )
+        fault = "this folder has no metadata.yaml, expected a ROS 2 bag"
+        raise InputError(fault, "name a file inside it", where)
     require("parquet" if kind in (".parquet", ".pq") else "logs")
     try:
         return (read_rosbag if folder else READERS[kind])(file, vehicle_file.log)

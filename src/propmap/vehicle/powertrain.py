@@ -56,10 +56,8 @@ class Powertrain:
     def __post_init__(self) -> None:
         if self.motor is None and (self.battery or self.controller):
             has = "[battery]" if self.battery else "[esc]"
-            raise InputError(
-                f"there is {has} and no [motor]",
-                f"add [motor], or remove {has}: without a motor only shaft power is known",
-            )
+            remedy = f"add [motor], or remove {has}: without a motor only shaft power is known"
+            raise InputError(f"there is {has} and no [motor]", remedy)
 
     def check_blade(self, radius: float) -> None:
         """Refuse a Kv that cannot be, for a blade of this ``radius`` [m] on this battery."""
@@ -173,24 +171,17 @@ class Motor:
         if not currents or min(currents) < 0.0:
             raise InputError("no_load_current is negative or empty", "give amperes, 0 or more")
         if (len(currents) > 1 or voltages) and len(currents) != len(voltages):
-            raise InputError(
-                f"{len(currents)} no_load_current for {len(voltages)} no_load_voltage",
-                "give the voltage of each current",
-            )
+            found = f"{len(currents)} no_load_current for {len(voltages)} no_load_voltage"
+            raise InputError(found, "give the voltage of each current")
         if len(currents) > 3 or len(set(voltages)) != len(voltages):
-            raise InputError(
-                f"no_load_voltage is {list(voltages)}", "give one, two or three voltages, each once"
-            )
+            fault = f"no_load_voltage is {list(voltages)}"
+            raise InputError(fault, "give one, two or three voltages, each once")
         if any(v <= i * self.resistance for i, v in zip(currents, voltages, strict=False)):
-            raise InputError(
-                "the winding alone takes more than the no_load_voltage",
-                "give volts, and the resistance in ohms, not milliohms",
-            )
+            found = "the winding alone takes more than the no_load_voltage"
+            raise InputError(found, "give volts, and the resistance in ohms, not milliohms")
         if not -60.0 <= self.temperature <= 250.0:
-            raise InputError(
-                f"temperature is {self.temperature:g} degrees C",
-                "give that of the winding in flight, -60 to 250",
-            )
+            found = f"temperature is {self.temperature:g} degrees C"
+            raise InputError(found, "give that of the winding in flight, -60 to 250")
 
     @property
     def hot_resistance(self) -> float:
@@ -268,21 +259,18 @@ class Battery:
 
     def __post_init__(self) -> None:
         if type(self.cells) is not int or not 1 <= self.cells <= 200:
-            raise InputError(
-                f"cells is {self.cells!r}", "give how many are in series, 1 to 200, 4 for a 4S pack"
-            )
+            found = f"cells is {self.cells!r}"
+            raise InputError(found, "give how many are in series, 1 to 200, 4 for a 4S pack")
         if not self.capacity > 0.0:
             raise InputError(f"capacity is {self.capacity / 3600.0:g} A h", "give it, above 0")
         if not self.resistance >= 0.0:
             raise InputError(f"resistance is {self.resistance:g} ohm", "give 0 or more")
         if not 0.0 < self.usable_share <= 1.0:
-            raise InputError(
-                f"usable_share is {self.usable_share:g}", "give a share such as 0.8, not percent"
-            )
+            found = f"usable_share is {self.usable_share:g}"
+            raise InputError(found, "give a share such as 0.8, not percent")
         if not self.maximum_current > 0.0:
-            raise InputError(
-                f"maximum_current is {self.maximum_current:g} A", "give it, or leave it out"
-            )
+            found = f"maximum_current is {self.maximum_current:g} A"
+            raise InputError(found, "give it, or leave it out")
         if not self.auxiliary_power >= 0.0:
             raise InputError(f"auxiliary_power is {self.auxiliary_power:g} W", "give 0 or more")
 
@@ -428,9 +416,8 @@ class SpeedController:
         if not self.resistance >= 0.0:
             raise InputError(f"resistance is {self.resistance:g} ohm", "give 0 or more")
         if not 0.5 <= self.efficiency <= 1.0:
-            raise InputError(
-                f"efficiency is {self.efficiency:g}", "give a share from 0.5 to 1, such as 0.95"
-            )
+            found = f"efficiency is {self.efficiency:g}"
+            raise InputError(found, "give a share from 0.5 to 1, such as 0.95")
 
     def power(self, motor: MotorState) -> Floats:
         """Return what is taken from the battery for a ``motor`` in this state [W]."""

@@ -45,10 +45,8 @@ def share_of_full(commands: Floats, limits: tuple[float, float], name: str) -> F
             "pulses, [48, 2047] for Betaflight, [0, 1]",
         )
     if not np.ptp(share, axis=0).any():
-        raise InputError(
-            f"{name} never changes ({commands.flat[0]:.4g})",
-            "give a flight in which the motors were armed, and name the commands to them",
-        )
+        remedy = "give a flight in which the motors were armed, and name the commands to them"
+        raise InputError(f"{name} never changes ({commands.flat[0]:.4g})", remedy)
     return np.clip(share, 0.0, 1.0)
 
 

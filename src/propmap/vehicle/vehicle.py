@@ -184,25 +184,19 @@ class Vehicle:
             if not min(self.inertia) > 0.0:
                 raise InputError(what, "give three numbers above zero, or leave it out")
             if largest > (sum(self.inertia) - largest) * 1.001:
-                raise InputError(
-                    f"{what}, one of which is more than the other two together",
-                    "check the order [about x, about y, about z] and the units",
-                )
+                found = f"{what}, one of which is more than the other two together"
+                raise InputError(found, "check the order [about x, about y, about z] and the units")
         if not 0.0 <= self.rotor_inertia < 0.1 * self.mass:
-            raise InputError(
-                f"rotor_inertia is {self.rotor_inertia:g} kg m^2",
-                "give that of one rotor with its motor's bell about its axis, or leave it out",
-            )
+            remedy = "give that of one rotor with its motor's bell about its axis, or leave it out"
+            raise InputError(f"rotor_inertia is {self.rotor_inertia:g} kg m^2", remedy)
         for k, mount in enumerate(self.mounts, start=1):
             if mount.spin not in SPINS:
-                raise InputError(
-                    f"rotor {k}: spin is {mount.spin!r}", "give 'ccw' or 'cw', seen from above"
-                )
+                fault = f"rotor {k}: spin is {mount.spin!r}"
+                raise InputError(fault, "give 'ccw' or 'cw', seen from above")
             length = sum(a * a for a in mount.axis) ** 0.5
             if abs(length - 1.0) > 1e-6:
-                raise InputError(
-                    f"rotor {k}: the axis has length {length:g}", "give a unit vector, [0, 0, 1]"
-                )
+                fault = f"rotor {k}: the axis has length {length:g}"
+                raise InputError(fault, "give a unit vector, [0, 0, 1]")
 
     @property
     def hub_positions(self) -> Floats:

@@ -16,6 +16,7 @@ from propmap.io.csv import disk_csv
 from propmap.report.html import COLOURS
 from propmap.report.pictures import share_of_disk
 from propmap.results import Inflow
+from propmap.table.interpolation import bilinear
 from propmap.typing import Floats
 from propmap.units import MM
 
@@ -131,7 +132,7 @@ def _disk(field: Inflow, values: Values) -> view.Figure:
     if which == "margin":
         low, high = -max(abs(low), abs(high)), max(abs(low), abs(high))
 
-    over = _interpolated(field, drawn, away / MM, psi)
+    over = bilinear(field.radius, field.azimuth, drawn, away / MM, psi)
     over[outside] = np.nan
     words = {"text": title, "side": "right", "font": {"size": 12}}
     traces: list[dict[str, Any]] = [
@@ -183,19 +184,3 @@ def _outline(field: Inflow, values: Floats, colour: str, dash: str) -> list[dict
         along += [*(radius * np.sin(psi)).tolist(), np.nan]
         across += [*(-radius * np.cos(psi)).tolist(), np.nan]
     return [view.line(along, across, "", colour, dash, hoverinfo="skip")]
-
-
-def _interpolated(field: Inflow, values: Floats, radius: Floats, psi: Floats) -> Floats:
-    """Interpolate ``values`` (S, P) at other radii and azimuths, linearly between the nodes."""
-    stations, azimuths = values.shape
-    step = field.radius[1] - field.radius[0]
-    row = np.clip((radius - field.radius[0]) / step, 0.0, stations - 1.000001)
-    column = np.clip(psi / (2.0 * np.pi) * (azimuths - 1), 0.0, azimuths - 1.000001)
-    i, j = row.astype(int), column.astype(int)
-    a, b = row - i, column - j
-    return np.asarray(
-        (1 - a) * (1 - b) * values[i, j]
-        + a * (1 - b) * values[i + 1, j]
-        + (1 - a) * b * values[i, j + 1]
-        + a * b * values[i + 1, j + 1]
-    )
