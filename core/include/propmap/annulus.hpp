@@ -116,29 +116,17 @@ template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>
     return sure;
 }
 
-// Samples of the residual over v_i at one radius, v_i falling.
-struct Samples {
-    static constexpr int most = 400;
-    int count = 0;
-    std::array<double, most> inflow, value, slope;
+// The cubic between two samples, in t from 0 at the first to 1 at the second: its derivative is a + b t + c t^2.
+template <class T> struct Cubic {
+    T start, a, b, c;
 
-    void append(double v, double g, double s) {
-        inflow[count] = v, value[count] = g, slope[count] = s;
-        ++count;
-    }
-};
-
-// The cubic between two samples, in t from 0 at sample k to 1 at the next: its derivative is a + b t + c t^2.
-struct Cubic {
-    double start, a, b, c;
-
-    Cubic(const Samples& s, int k) {
-        const double run = s.inflow[k] - s.inflow[k + 1], rise = s.value[k + 1] - s.value[k];
-        const double end = -s.slope[k + 1] * run;
-        start = s.value[k], a = -s.slope[k] * run;
+    // From values and slopes by v_i at two v_i, `run` apart and falling.
+    Cubic(T run, T value, T slope, T next_value, T next_slope) {
+        const T rise = next_value - value, end = -next_slope * run;
+        start = value, a = -slope * run;
         c = 3.0 * (a + end - 2.0 * rise), b = end - a - c;
     }
-    double at(double t) const { return start + t * (a + t * (0.5 * b + t * c / 3.0)); }
+    T at(T t) const { return start + t * (a + t * (0.5 * b + t * c / 3.0)); }
 
     // Places of its extremes inside, how many.
     int extremes(double (&t)[2]) const {
@@ -150,6 +138,22 @@ struct Cubic {
             if (place > 0.0 && place < 1.0) t[count++] = place;
         if (count == 2 && t[0] > t[1]) std::swap(t[0], t[1]);
         return count;
+    }
+};
+
+// Samples of the residual over v_i at one radius, v_i falling.
+struct Samples {
+    static constexpr int most = 400;
+    int count = 0;
+    std::array<double, most> inflow, value, slope;
+
+    void append(double v, double g, double s) {
+        inflow[count] = v, value[count] = g, slope[count] = s;
+        ++count;
+    }
+    // Between sample k and the next.
+    Cubic<double> cubic(int k) const {
+        return {inflow[k] - inflow[k + 1], value[k], slope[k], value[k + 1], slope[k + 1]};
     }
 };
 
@@ -221,7 +225,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         for (int k = 0; k + 1 < samples.count; ++k) {
             const double run = samples.inflow[k] - samples.inflow[k + 1];
             if (run < 1e-7 * whole || samples.count + more + between > Samples::most) continue;
-            const Cubic cubic(samples, k);
+            const Cubic<double> cubic = samples.cubic(k);
             const double g0 = samples.value[k], g1 = samples.value[k + 1];
             double t[2];
             const int extremes = cubic.extremes(t);
@@ -261,7 +265,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         result.found = true;
         result.high = samples.inflow[k], result.low = samples.inflow[k + 1];
         // The cubic's zero by bisection: cheap beside an evaluation.
-        const Cubic cubic(samples, k);
+        const Cubic<double> cubic = samples.cubic(k);
         double low = 0.0, high = 1.0;
         for (int step = 0; step < 30; ++step) {
             const double middle = 0.5 * (low + high);
@@ -323,29 +327,39 @@ struct Hump {
     bool touching;  // stations may take it through zero
 };
 
-// The maximum in samples of falling v_i that decides on the largest root, the first one above zero or else the
-// highest; where there is none, the shoulder.
-inline bool deciding_top(const Samples& s, double& inflow, double& height) {
-    double gentlest = INFINITY, highest = -INFINITY;
-    for (int k = 0; k + 1 < s.count && highest <= 0.0; ++k) {
-        const Cubic cubic(s, k);
-        const double run = s.inflow[k] - s.inflow[k + 1];
-        double lowest = cubic.c > 0.0 ? std::clamp(-0.5 * cubic.b / cubic.c, 0.0, 1.0)
-                                      : (cubic.b + cubic.c > 0.0 ? 0.0 : 1.0);
-        const double least = cubic.a + (cubic.b + cubic.c * lowest) * lowest;
-        const bool falls = cubic.a > 0.0 && least < 0.0;
-        if (falls) {
-            const double root = std::sqrt(std::max(cubic.b * cubic.b - 4.0 * cubic.a * cubic.c, 0.0));
-            lowest = std::clamp(2.0 * cubic.a / std::max(root - cubic.b, 1e-300), 0.0, 1.0);
-        }
-        const double here = cubic.at(lowest);
-        if (falls ? here > highest : highest == -INFINITY && least / run < gentlest) {
-            gentlest = least / run;
-            inflow = s.inflow[k] - lowest * run, height = here;
-        }
-        if (falls) highest = std::max(highest, here);
+// Samples of the residual at a radius per lane, v_i falling; NaN where a lane has none.
+struct LaneSamples {
+    int count = 0;
+    std::array<Lanes, 24> inflow, value, slope;
+
+    void append(Lanes v, const Dual<Lanes, 1>& g) {
+        inflow[count] = v, value[count] = g.v, slope[count] = g.d[0];
+        ++count;
     }
-    return highest > -INFINITY;
+};
+
+// The maximum in samples that decides on the largest root, the first one above zero or else the highest; where there is
+// none, the shoulder.  Returns where there is one.
+inline Mask deciding_top(const LaneSamples& s, Lanes& inflow, Lanes& height) {
+    const Lanes none = broadcast(-INFINITY), one = broadcast(1.0);
+    const auto clamped = [&](Lanes t) { return minimum(maximum(t, 0.0), one); };
+    Lanes gentlest = -none, highest = none;
+    for (int k = 0; k + 1 < s.count; ++k) {
+        const Lanes run = s.inflow[k] - s.inflow[k + 1];
+        const Cubic<Lanes> cubic(run, s.value[k], s.slope[k], s.value[k + 1], s.slope[k + 1]);
+        Lanes lowest = cubic.b + cubic.c > 0.0 ? Lanes{} : one;
+        lowest = cubic.c > 0.0 ? clamped(-0.5 * cubic.b / cubic.c) : lowest;
+        const Lanes least = cubic.a + (cubic.b + cubic.c * lowest) * lowest;
+        const Mask falls = (cubic.a > 0.0) & (least < 0.0);
+        const Lanes root = square_root(maximum(cubic.b * cubic.b - 4.0 * cubic.a * cubic.c, 0.0));
+        lowest = falls ? clamped(2.0 * cubic.a / maximum(root - cubic.b, 1e-300)) : lowest;
+        const Lanes here = cubic.at(lowest), steep = least / run;
+        const Mask better = (highest <= 0.0) & ((falls & (here > highest)) | (~falls & (highest == none) & (steep < gentlest)));
+        gentlest = better ? steep : gentlest;
+        inflow = better ? s.inflow[k] - lowest * run : inflow, height = better ? here : height;
+        highest = better & falls ? here : highest;
+    }
+    return highest > none;
 }
 
 template <class R> Lanes stall_angles(const Annuli<R>& of, const Station<Lanes>& at, double side) {
@@ -376,52 +390,38 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
     const Station<Lanes> at = {radius, moving.chord.v, {moving.line.sine, moving.line.cosine, {}},
                                {moving.drag_line.sine, moving.drag_line.cosine, {}}, moving.reynolds_per_speed.v,
                                moving.inverse_root.v};
-    const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side);
-    Samples s[width];
-    const auto append = [&](Lanes v, Mask asked, const Dual<Lanes, 1>& g) {
-        for (int k = 0; k < width; ++k)
-            if (asked[k]) s[k].append(v[k], g.v[k], g.d[0][k]);
-    };
-    const auto sample = [&](Lanes v, Mask asked) {
-        asked &= v == v;
-        append(v, asked, of.residual(at, asked ? v : Lanes{}, of.few));
-    };
-    const Mask all = ~Mask{};
+    const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side), unknown = broadcast(std::nan(""));
+    LaneSamples s;
+    const auto sample = [&](Lanes v) { s.append(v, of.residual(at, v, of.few)); };
     const Lanes spread = stall_spread(of, at, stall);
     for (double off : {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15})
-        sample(inflow_at_angle(of, at, speed, stall + off * spread), all);
+        sample(inflow_at_angle(of, at, speed, stall + off * spread));
     if (!of.plain())
         for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85})
-            sample(inflow_at_angle(of, at, speed, stall + off), all);
-    Lanes inflow{}, below = broadcast(std::nan("")), depth = broadcast(INFINITY);
-    Mask open{}, deeper{};
-    for (int k = 0; k < width; ++k) {
-        found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false, false, false};
-        if (s[k].count < 3) continue;
-        found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
-        inflow[k] = found[k].inflow;
-        open[k] = -1, deeper[k] = -!(found[k].top && found[k].height > 0.0);
-    }
+            sample(inflow_at_angle(of, at, speed, stall + off));
+    Lanes inflow = unknown, top_height = unknown, below = unknown, depth = broadcast(INFINITY);
+    Mask top = deciding_top(s, inflow, top_height);
     // Where flow stalls, see how the residual goes on.
+    const Mask known = inflow == inflow, deeper = known & ~(top & (top_height > 0.0));
     if (any(deeper) && of.plain())
-        for (double off : {0.25, 0.45, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), deeper);
-    for (int k = 0; k < width; ++k) {
-        bool rising = false;
-        for (int j = 0; j < s[k].count; ++j) {
-            found[k].falls &= s[k].slope[j] < 0.0;
-            if (s[k].inflow[j] >= inflow[k]) continue;
-            depth[k] = std::min(depth[k], s[k].value[j]);
-            if (std::isnan(below[k])) found[k].clear &= !(rising && s[k].slope[j] > 0.0);
-            rising |= s[k].slope[j] < 0.0;
-            if (s[k].value[j] > 0.0 && std::isnan(below[k])) below[k] = s[k].inflow[j];
+        for (double off : {0.25, 0.45, 0.85}) {
+            const Lanes v = inflow_at_angle(of, at, speed, stall + off);
+            sample(deeper ? v : unknown);
         }
-        // What follows a shoulder rises.
-        if (!found[k].top) found[k].clear = found[k].falls;
+    Mask falls = known, clear = known, rising{};
+    for (int j = 0; j < s.count; ++j) {
+        const Mask taken = s.inflow[j] == s.inflow[j], past = s.inflow[j] < inflow, not_yet = past & (below != below);
+        falls &= (s.slope[j] < 0.0) | ~taken;
+        depth = past ? minimum(depth, s.value[j]) : depth;
+        clear &= ~(not_yet & rising & (s.slope[j] > 0.0));
+        rising |= past & (s.slope[j] < 0.0);
+        below = not_yet & (s.value[j] > 0.0) ? s.inflow[j] : below;
     }
+    // What follows a shoulder rises.
+    clear = top ? clear : falls;
     // More closely, and over all azimuths where the height is small.
     const Lanes wake = absolute(wake_thrust(of.rotor, radius, of.flow, of.windmill, inflow));
-    Mask small{};
-    for (int k = 0; k < width; ++k) small[k] = -(std::fabs(found[k].height) < 0.2 * wake[k]);
+    const Mask small = absolute(top_height) < 0.2 * wake;
     const auto closely = [&](auto residual) {
         Dual<Lanes, 1> g = residual(any(~small) ? of.few : of.psi);
         if (any(~small) && any(small) && of.few.count < of.psi.count) {
@@ -431,19 +431,19 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
         return g;
     };
     const Lanes reach = 0.012 * of.stall_scale() * speed;
+    Mask open = known;
     for (int round = 0; round < 3 && any(open); ++round) {
-        for (int k = 0; k < width; ++k)
-            if (open[k]) s[k].count = 0;
+        s.count = 0;
         for (double off : {1.0, 0.0, -1.0}) {
             const Lanes v = inflow + off * reach;
-            append(v, open, closely([&](const Azimuths& over) { return of.residual(at, v, over); }));
+            s.append(v, closely([&](const Azimuths& over) { return of.residual(at, v, over); }));
         }
-        for (int k = 0; k < width; ++k) {
-            if (!open[k]) continue;
-            found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
-            open[k] = -(std::fabs(found[k].inflow - inflow[k]) > 0.9 * reach[k]);
-            inflow[k] = found[k].inflow;
-        }
+        Lanes now = inflow;
+        const Mask there = deciding_top(s, now, top_height);
+        top = open ? there : top;
+        now = open ? now : inflow;
+        open &= absolute(now - inflow) > 0.9 * reach;
+        inflow = now;
     }
     // At the top the residual's slope by v_i is zero: along the blade the height changes as the residual does.
     const Dual<Lanes, 1> height = closely([&](const Azimuths& over) {
@@ -452,14 +452,11 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
     });
     const Lanes past = angle_at(at, speed, of.flow.v_axial + inflow) - stall;
     below = angle_at(at, speed, of.flow.v_axial + below) - stall;
-    for (int k = 0; k < width; ++k) {
-        if (std::isnan(found[k].height)) continue;
-        found[k].height = height.v[k], found[k].slope = height.d[0][k];
-        found[k].past = past[k], found[k].below = below[k];
-        found[k].near = std::fabs(height.v[k]) < 0.3 * wake[k];
-        found[k].touching = std::fabs(height.v[k]) < 0.04 * wake[k];
-        found[k].folded = found[k].top && found[k].height > 0.0 && depth[k] < 0.0;
-    }
+    const Mask near = absolute(height.v) < 0.3 * wake, touching = absolute(height.v) < 0.04 * wake;
+    const Mask folded = top & (height.v > 0.0) & (depth < 0.0);
+    for (int k = 0; k < width; ++k)
+        found[k] = {radius[k], known[k] ? height.v[k] : std::nan(""), inflow[k], past[k], height.d[0][k], below[k], clear[k] != 0,
+                    falls[k] != 0, top[k] != 0, folded[k] != 0, near[k] != 0, touching[k] != 0};
 }
 
 // A radius at which the largest root jumps from one branch to another, or rises steeply.

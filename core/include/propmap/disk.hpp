@@ -273,9 +273,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             const Hump &a = seen[k], &b = seen[k + 1];
             const double gap = b.radius - a.radius;
             if (gap < 1e-5 * tip || gap > 0.2 * tip) continue;
-            Samples s;  // of the height over minus the radius
-            s.append(-a.radius, a.height, -a.slope), s.append(-b.radius, b.height, -b.slope);
-            const Cubic cubic(s, 0);
+            const Cubic<double> cubic(gap, a.height, -a.slope, b.height, -b.slope);  // over minus the radius
             double t[2];
             const bool crosses = (a.height < 0.0) != (b.height < 0.0);
             const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
