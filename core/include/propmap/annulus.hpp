@@ -72,25 +72,6 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
     return v;
 }
 
-// Newton's method at all lanes at once, from `v`: at most `most` steps, in each lane until one is shorter than
-// `close` times `scale` and the residual falls.  Returns where that came about.
-template <class R>
-Mask newton(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths& over, Lanes scale, double close, int most,
-            Lanes& v) {
-    Mask ended{};
-    for (int k = 0; k < most; ++k) {
-        const auto g = of.residual(at, v, over);
-        const Mask falls = g.d[0] < 0.0;
-        const Lanes far = 0.3 * scale;
-        Lanes step = falls ? g.v / g.d[0] : far;
-        step = step > far ? far : (step < -far ? -far : step);
-        v = ended ? v : v - step;
-        ended |= falls & (absolute(step) <= close * scale);
-        if (!any(~ended)) break;
-    }
-    return ended;
-}
-
 // Whether a root v is in attached flow at all azimuths, so that there is none above.
 //
 // Above it the blades' thrust falls with v_i and the momentum's rises, where the lift is positive.  With negative
