@@ -532,9 +532,14 @@ template <template <class> class LawOf> class RotorSolver {
             const auto& at = s.disk.at[g];
             const Lanes& weight = s.disk.weight[g];
             Lanes mean{}, sine{}, slope{}, slope_sine{}, slope_square{};
+            const auto flow_at = [&](int k) {
+                return element_flow(at, s.flow, Dual<Lanes, 1>{inflow[g], {broadcast(1.0)}}, psi.sine[k]);
+            };
+            auto next = flow_at(0);
             for (int k = 0; k < psi.count; ++k) {
-                const Dual<Lanes, 1> v{inflow[g], {broadcast(1.0)}};
-                const auto f = element_forces(rotor_, at, s.flow, v, psi.sine[k]).normal;
+                const auto here = next;
+                if (k + 1 < psi.count) next = flow_at(k + 1);
+                const auto f = forces_in(rotor_, at, here).normal;
                 const double x = psi.sine[k];
                 mean += f.v, sine += f.v * x, slope += f.d[0], slope_sine += f.d[0] * x, slope_square += f.d[0] * (x * x);
             }
