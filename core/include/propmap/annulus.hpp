@@ -308,15 +308,45 @@ struct Hump {
     bool touching;  // stations may take it through zero
 };
 
+// Residuals at a few of the lanes, each at as many inflows, packed so that none are idle.
+template <class R, std::size_t N>
+void residuals(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, const std::array<Lanes, N>& v, int count,
+               const Azimuths& over, std::array<Dual<Lanes, 1>, N>& found) {
+    std::array<int, width> lanes;
+    int n = 0;
+    for (int k = 0; k < width; ++k)
+        if (asked[k]) lanes[n++] = k;
+    const int all = n * count;
+    if (all > (count - 1) * width) {
+        for (int j = 0; j < count; ++j) {
+            const auto g = of.residual(at, v[j], over);
+            found[j].v = asked ? g.v : found[j].v, found[j].d[0] = asked ? g.d[0] : found[j].d[0];
+        }
+        return;
+    }
+    const auto from = std::bit_cast<std::array<Lanes, sizeof(at) / sizeof(Lanes)>>(at);
+    for (int first = 0; first < all; first += width) {
+        auto packed = from;
+        Lanes inflow;
+        for (int k = 0; k < width; ++k) {
+            const int task = std::min(first + k, all - 1), lane = lanes[task % n];
+            inflow[k] = v[task / n][lane];
+            for (std::size_t f = 0; f < from.size(); ++f) packed[f][k] = from[f][lane];
+        }
+        const auto g = of.residual(std::bit_cast<Station<Lanes>>(packed), inflow, over);
+        for (int k = 0; k < width && first + k < all; ++k) {
+            const int task = first + k, lane = lanes[task % n];
+            found[task / n].v[lane] = g.v[k], found[task / n].d[0][lane] = g.d[0][k];
+        }
+    }
+}
+
 // Samples of the residual at a radius per lane, v_i falling; NaN where a lane has none.
 struct LaneSamples {
+    static constexpr std::size_t most = 24;
     int count = 0;
-    std::array<Lanes, 24> inflow, value, slope;
-
-    void append(Lanes v, const Dual<Lanes, 1>& g) {
-        inflow[count] = v, value[count] = g.v, slope[count] = g.d[0];
-        ++count;
-    }
+    std::array<Lanes, most> inflow;
+    std::array<Dual<Lanes, 1>, most> residual;  // with its slope by v_i
 };
 
 // The maximum in samples that decides on the largest root, the first one above zero or else the highest; where there is
@@ -327,7 +357,8 @@ inline Mask deciding_top(const LaneSamples& s, Lanes& inflow, Lanes& height) {
     Lanes gentlest = -none, highest = none;
     for (int k = 0; k + 1 < s.count; ++k) {
         const Lanes run = s.inflow[k] - s.inflow[k + 1];
-        const Cubic<Lanes> cubic(run, s.value[k], s.slope[k], s.value[k + 1], s.slope[k + 1]);
+        const auto &above = s.residual[k], &below = s.residual[k + 1];
+        const Cubic<Lanes> cubic(run, above.v, above.d[0], below.v, below.d[0]);
         Lanes lowest = cubic.b + cubic.c > 0.0 ? Lanes{} : one;
         lowest = cubic.c > 0.0 ? clamped(-0.5 * cubic.b / cubic.c) : lowest;
         const Lanes least = cubic.a + (cubic.b + cubic.c * lowest) * lowest;
@@ -364,61 +395,58 @@ template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>&
     return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
 }
 
-// The humps about the stall at positive (side = 1) or negative angles, at a radius per lane.
-template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side, Hump (&found)[width]) {
+// The humps about the stall at positive (side = 1) or negative angles, at a radius per lane, in the first of them.
+template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, double side, Hump (&found)[width]) {
     const Dual<Lanes, 1> moved{radius, {broadcast(1.0)}};
     const Station<Dual<Lanes, 1>> moving = station_at(of.rotor, of.flow.omega, moved);
     const Station<Lanes> at = {radius, moving.chord.v, {moving.line.sine, moving.line.cosine, {}},
                                {moving.drag_line.sine, moving.drag_line.cosine, {}}, moving.reynolds_per_speed.v,
                                moving.inverse_root.v};
     const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side), unknown = broadcast(std::nan(""));
+    const Mask asked = each_lane([](int k) { return k; }) < double(radii);
     LaneSamples s;
-    const auto sample = [&](Lanes v) { s.append(v, of.residual(at, v, of.few)); };
-    const Lanes spread = stall_spread(of, at, stall);
-    for (double off : {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15})
-        sample(inflow_at_angle(of, at, speed, stall + off * spread));
-    if (!of.plain())
-        for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85})
-            sample(inflow_at_angle(of, at, speed, stall + off));
+    const auto sample = [&](Mask lanes, std::initializer_list<double> offsets, Lanes times) {
+        std::array<Lanes, LaneSamples::most> v;
+        std::array<Dual<Lanes, 1>, LaneSamples::most> g;
+        int count = 0;
+        for (double off : offsets) {
+            const Lanes there = inflow_at_angle(of, at, speed, stall + off * times);
+            v[count] = lanes ? there : unknown, g[count] = {unknown, {unknown}};
+            ++count;
+        }
+        residuals(of, at, lanes, v, count, of.few, g);
+        for (int j = 0; j < count; ++j, ++s.count) s.inflow[s.count] = v[j], s.residual[s.count] = g[j];
+    };
+    sample(asked, {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15}, stall_spread(of, at, stall));
+    const Lanes whole = broadcast(1.0);
+    if (!of.plain()) sample(asked, {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85}, whole);
     Lanes inflow = unknown, top_height = unknown, below = unknown, depth = broadcast(INFINITY);
     Mask top = deciding_top(s, inflow, top_height);
     // Where flow stalls, see how the residual goes on.
     const Mask known = inflow == inflow, deeper = known & ~(top & (top_height > 0.0));
-    if (any(deeper) && of.plain())
-        for (double off : {0.25, 0.45, 0.85}) {
-            const Lanes v = inflow_at_angle(of, at, speed, stall + off);
-            sample(deeper ? v : unknown);
-        }
+    if (of.plain()) sample(deeper, {0.25, 0.45, 0.85}, whole);
     Mask falls = known, clear = known, rising{};
     for (int j = 0; j < s.count; ++j) {
         const Mask taken = s.inflow[j] == s.inflow[j], past = s.inflow[j] < inflow, not_yet = past & (below != below);
-        falls &= (s.slope[j] < 0.0) | ~taken;
-        depth = past ? minimum(depth, s.value[j]) : depth;
-        clear &= ~(not_yet & rising & (s.slope[j] > 0.0));
-        rising |= past & (s.slope[j] < 0.0);
-        below = not_yet & (s.value[j] > 0.0) ? s.inflow[j] : below;
+        const Lanes value = s.residual[j].v, slope = s.residual[j].d[0];
+        falls &= (slope < 0.0) | ~taken;
+        depth = past ? minimum(depth, value) : depth;
+        clear &= ~(not_yet & rising & (slope > 0.0));
+        rising |= past & (slope < 0.0);
+        below = not_yet & (value > 0.0) ? s.inflow[j] : below;
     }
     // What follows a shoulder rises.
     clear = top ? clear : falls;
     // More closely, and over all azimuths where the height is small.
     const Lanes wake = absolute(wake_thrust(of.rotor, radius, of.flow, of.windmill, inflow));
     const Mask small = absolute(top_height) < 0.2 * wake;
-    const auto closely = [&](auto residual) {
-        Dual<Lanes, 1> g = residual(any(~small) ? of.few : of.psi);
-        if (any(~small) && any(small) && of.few.count < of.psi.count) {
-            const Dual<Lanes, 1> over_all = residual(of.psi);
-            g.v = small ? over_all.v : g.v, g.d[0] = small ? over_all.d[0] : g.d[0];
-        }
-        return g;
-    };
     const Lanes reach = 0.012 * of.stall_scale() * speed;
     Mask open = known;
     for (int round = 0; round < 3 && any(open); ++round) {
-        s.count = 0;
-        for (double off : {1.0, 0.0, -1.0}) {
-            const Lanes v = inflow + off * reach;
-            s.append(v, closely([&](const Azimuths& over) { return of.residual(at, v, over); }));
-        }
+        s.count = 3;
+        for (int j = 0; j < 3; ++j) s.inflow[j] = inflow + (1.0 - j) * reach;
+        residuals(of, at, open & ~small, s.inflow, 3, of.few, s.residual);
+        residuals(of, at, open & small, s.inflow, 3, of.psi, s.residual);
         Lanes now = inflow;
         const Mask there = deciding_top(s, now, top_height);
         top = open ? there : top;
@@ -427,10 +455,16 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
         inflow = now;
     }
     // At the top the residual's slope by v_i is zero: along the blade the height changes as the residual does.
-    const Dual<Lanes, 1> height = closely([&](const Azimuths& over) {
-        return annulus_thrust(of.rotor, moving, of.flow, inflow, over) -
+    const auto over = [&](const Azimuths& psi) {
+        return annulus_thrust(of.rotor, moving, of.flow, inflow, psi) -
                wake_thrust(of.rotor, moved, of.flow, of.windmill, inflow);
-    });
+    };
+    const bool same = of.few.count == of.psi.count;
+    Dual<Lanes, 1> height = over(any(known & ~small) || same ? of.few : of.psi);
+    if (any(known & ~small) && any(small) && !same) {
+        const Dual<Lanes, 1> over_all = over(of.psi);
+        height.v = small ? over_all.v : height.v, height.d[0] = small ? over_all.d[0] : height.d[0];
+    }
     const Lanes past = angle_at(at, speed, of.flow.v_axial + inflow) - stall;
     below = angle_at(at, speed, of.flow.v_axial + below) - stall;
     const Mask near = absolute(height.v) < 0.3 * wake, touching = absolute(height.v) < 0.04 * wake;
@@ -529,7 +563,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
             const double from = share + spread * (2.0 * k / (looks - 1.0) - 1.0);
             return low.radius + std::clamp(from, 0.01 * (k + 1), 1.0 - 0.01 * (looks - k)) * gap;
         });
-        humps_at(of, radius, side, inside);
+        humps_at(of, radius, looks, side, inside);
         for (int k = 0; k < looks; ++k) {
             const Hump& h = inside[k];
             if (std::isnan(h.height) || h.radius <= low.radius || h.radius >= high.radius) continue;

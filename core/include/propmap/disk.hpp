@@ -241,7 +241,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     seen.clear(), folds.count = 0, folds.side = side;
     const auto look = [&](Lanes radius, int count) {
         Hump found[width];
-        humps_at(of, radius, side, found);
+        humps_at(of, radius, count, side, found);
         for (int k = 0; k < count; ++k)
             if (!std::isnan(found[k].height)) seen.push_back(found[k]);
     };
