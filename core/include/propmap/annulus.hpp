@@ -374,6 +374,18 @@ inline Mask deciding_top(const LaneSamples& s, Lanes& inflow, Lanes& height) {
     return highest > none;
 }
 
+// Where the residual's top near this inflow, in lanes asked for, is found below zero.
+template <class R> Mask top_below_zero(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, Lanes top) {
+    if (!any(asked)) return asked;
+    const Lanes reach = 0.012 * of.stall_scale() * of.rms_speed(at);
+    LaneSamples s;
+    s.count = 3, s.inflow = {top + reach, top, top - reach};
+    residuals(of, at, asked, s.inflow, s.count, of.psi, s.residual);
+    Lanes inflow = top, height{};
+    deciding_top(s, inflow, height);
+    return asked & (height < 0.0) & (absolute(inflow - top) < 0.9 * reach);
+}
+
 template <class R> Lanes stall_angles(const Annuli<R>& of, const Station<Lanes>& at, double side) {
     return each_lane([&](int k) { return of.stall_angle(at.reynolds_per_speed[k], at.radius[k], side); });
 }

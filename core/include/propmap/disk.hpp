@@ -454,9 +454,12 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
             const Outlook& o = outlooks[g];
             const Lanes near = 0.003 * speed_scale(of, at);
             const Mask above = v > o.top + near, about = v > o.top - near;
-            const Mask below = o.stalled & o.clear & (v < o.top + near) & (folds->side < 0.0 ? v == v : v > o.below - near);
-            const Mask supported = above | o.single | (o.attached & about) | below;
-            found |= disk.ended[g] & o.known & (v >= rises) & supported;
+            Mask stalled = o.stalled;
+            const Mask beneath = o.clear & (v < o.top + near) & (folds->side < 0.0 ? v == v : v > o.below - near);
+            const Mask settled = above | o.single | (o.attached & about), open = disk.ended[g] & o.known & (v >= rises);
+            // Between a hump above zero and one below it, where no jump is known, look at the one here.
+            if (folds->side > 0.0) stalled |= top_below_zero(of, at, open & beneath & ~(found | settled | o.stalled | o.attached), o.top);
+            found |= open & (settled | (stalled & beneath));
         }
         if (!disk.several && !of.windmill) disk.several = several_roots(of, at, v, sure & Disk::every_third_run(g));
         for (int k = 0; k < width; ++k)
