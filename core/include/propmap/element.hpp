@@ -119,13 +119,18 @@ template <class R, class St, class F, class V, class S>
     const auto share = at.radius * (1.0 / rotor.tip());
     const auto even = inflow + harmonics.mean;
     const auto lateral = share * harmonics.lateral, longitudinal = share * harmonics.longitudinal;
-    using T = decltype(element_forces(rotor, at, flow, even + lateral, 0.0).normal);
+    const auto flow_at = [&](int k, double side) {
+        return element_flow(at, flow, even + lateral * psi.sine[k] + longitudinal * (side * psi.cosine[k]), psi.sine[k]);
+    };
+    auto behind = flow_at(0, 1.0);
+    using T = decltype(forces_in(rotor, at, behind).normal);
     TurnForces<T> sums{};
     for (int k = 0; k < psi.count; ++k) {
         const double sine = psi.sine[k], cosine = psi.cosine[k];
-        const auto middle = even + lateral * sine, more = longitudinal * cosine;
-        const auto rear = element_forces(rotor, at, flow, middle + more, sine);
-        const auto front = element_forces(rotor, at, flow, middle - more, sine);
+        const auto before = flow_at(k, -1.0);
+        const auto rear = forces_in(rotor, at, behind);
+        if (k + 1 < psi.count) behind = flow_at(k + 1, 1.0);
+        const auto front = forces_in(rotor, at, before);
         add(sums.normal, T(0.5 * (rear.normal + front.normal)), T(0.5 * (rear.normal - front.normal)), sine, cosine);
         add(sums.tangential, T(0.5 * (rear.tangential + front.tangential)),
             T(0.5 * (rear.tangential - front.tangential)), sine, cosine);
