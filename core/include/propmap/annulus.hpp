@@ -567,6 +567,8 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
                 break;
             }
         }
+        // In climb no top was ever found between two shoulders.
+        if (!low.top && !high.top && of.flow.v_axial >= 0.0) break;
         Hump inside[width];
         const double spread = narrowing < 2 ? 0.05 : 0.25;
         constexpr int looks = 4;
@@ -588,7 +590,8 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
     if (near.top) return {near.radius, near.inflow, Fold::Kind::top, side};
     // The residual is nowhere flat.
     double y = 0.5 * (first + last), step = last - first;
-    for (int k = 0; k < 20 && std::fabs(step) > 1e-12 * y; ++k) {
+    // Newton's steps: after one of 1e-7 the next would be 1e-14.
+    for (int k = 0; k < 20 && std::fabs(step) > 1e-7 * y; ++k) {
         const Dual<Lanes, 1> moved{broadcast(y), {broadcast(1.0)}};
         const auto at = station_at(of.rotor, of.flow.omega, moved);
         const auto g = residual_at_stall(of.rotor, at, of.flow, of.psi, of.windmill, side);
@@ -596,7 +599,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         y -= step;
         if (!(y > first - (last - first) && y < last + (last - first))) return {std::nan(""), 0.0, Fold::Kind::angle, side};
     }
-    if (!(std::fabs(step) < 1e-9 * y)) y = std::nan("");
+    if (!(std::fabs(step) <= 1e-7 * y)) y = std::nan("");
     return {y, 0.0, Fold::Kind::angle, side};
 }
 
