@@ -540,7 +540,7 @@ template <template <class> class LawOf> class RotorSolver {
     }
 
     // Loads per density without harmonics, and the derivatives that the first step needs.
-    void without_harmonics(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, Loads<double>& loads,
+    [[gnu::flatten]] void without_harmonics(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, Loads<double>& loads,
                            Loads<double> (&by)[3]) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
         for (int g = 0; g < s.disk.groups; ++g) {
