@@ -131,11 +131,11 @@ template <class R, class St, class F, class V, class S>
         const auto rear = forces_in(rotor, at, behind);
         if (k + 1 < psi.count) behind = flow_at(k + 1, 1.0);
         const auto front = forces_in(rotor, at, before);
-        add(sums.normal, T(0.5 * (rear.normal + front.normal)), T(0.5 * (rear.normal - front.normal)), sine, cosine);
-        add(sums.tangential, T(0.5 * (rear.tangential + front.tangential)),
-            T(0.5 * (rear.tangential - front.tangential)), sine, cosine);
+        add(sums.normal, T(rear.normal + front.normal), T(rear.normal - front.normal), sine, cosine);
+        add(sums.tangential, T(rear.tangential + front.tangential), T(rear.tangential - front.tangential), sine, cosine);
     }
-    scale(sums.normal, 1.0 / psi.count), scale(sums.tangential, 1.0 / psi.count);
+    const double per = 0.5 / psi.count;  // the rear and the front
+    scale(sums.normal, per), scale(sums.tangential, per);
     return sums;
 }
 
@@ -164,8 +164,8 @@ template <class R, class St, class F>
         if (k + 1 < psi.count) behind = flow_at(k + 1, 1.0);
         const auto front = forces_in(rotor, at, before);
         const auto both = [&](const auto& r, const auto& f, Turn<Lanes>& force, Turn<Lanes>& slope, Turn<Lanes>& square) {
-            add(force, Lanes(0.5 * (r.v + f.v)), Lanes(0.5 * (r.v - f.v)), sine, cosine);
-            const Lanes even_slope = 0.5 * (r.d[0] + f.d[0]), odd_slope = 0.5 * (r.d[0] - f.d[0]);
+            add(force, Lanes(r.v + f.v), Lanes(r.v - f.v), sine, cosine);
+            const Lanes even_slope = r.d[0] + f.d[0], odd_slope = r.d[0] - f.d[0];
             add(slope, even_slope, odd_slope, sine, cosine);
             square.sine += even_slope * (sine * sine);
             square.cosine += odd_slope * (sine * cosine);
@@ -173,7 +173,7 @@ template <class R, class St, class F>
         both(rear.normal, front.normal, sums.forces.normal, sums.by_mean.normal, square_n);
         both(rear.tangential, front.tangential, sums.forces.tangential, sums.by_mean.tangential, square_t);
     }
-    const double per = 1.0 / psi.count;
+    const double per = 0.5 / psi.count;  // the rear and the front
     const auto finish = [&](Turn<Lanes>& force, Turn<Lanes>& mean, Turn<Lanes>& sine, Turn<Lanes>& cosine,
                             Turn<Lanes>& square) {
         scale(force, per), scale(mean, per), scale(square, per);
