@@ -192,8 +192,10 @@ class _StatePoints:
                 "gradients"
             )
         flow, direction = split_velocity(omega, velocity)
-        (time,) = broadcast(dt=dt)
-        if time.min(initial=0.0) < 0.0:
+        # Simulators step by one number; `broadcast` takes as long as all else here.
+        good = isinstance(dt, float) and 0.0 <= dt < np.inf
+        (time,) = (np.array(dt),) if good else broadcast(dt=dt)
+        if not good and (time < 0.0).any():
             raise InputError(f"dt is negative ({time.min():g}): give the step's length [s]")
         shapes = {"omega": flow.omega.shape, "state": given.shape[:-1], "dt": time.shape}
         alike = flow.omega.shape == given.shape[:-1] == time.shape
