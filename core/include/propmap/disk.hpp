@@ -379,18 +379,18 @@ struct Outlook {
 };
 template <class R>
 Outlook outlook(const Annuli<R>& of, const Folds& folds, bool follow, const Station<Lanes>& at, Lanes speed) {
-    Outlook o;
+    Outlook o{};
     const auto& seen = folds.seen;
-    const double tip = of.rotor.tip();
+    const double tip = of.rotor.tip(), reach = 0.12 * tip;
+    if (seen.empty() || !any((at.radius >= seen.front().radius - reach) & (at.radius <= seen.back().radius + reach))) return o;
     Lanes past, below;
     for (int k = 0; k < width; ++k) {
         const double y = at.radius[k];
         past[k] = below[k] = std::nan("");
-        if (seen.empty()) continue;
         auto after = std::lower_bound(seen.begin(), seen.end(), y, [](const Hump& h, double x) { return h.radius < x; });
         const Hump& a = after == seen.begin() ? *after : *(after - 1);
         const Hump& b = after == seen.end() ? a : *after;
-        if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > 0.12 * tip) continue;
+        if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > reach) continue;
         // A hump beyond a jump tells nothing of the state on this side.
         bool within = true, without = true;
         for (int f = 0; follow && f < folds.count; ++f) {
@@ -462,6 +462,7 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
             found |= open & (settled | (stalled & beneath));
         }
         if (!disk.several && !of.windmill) disk.several = several_roots(of, at, v, sure & Disk::every_third_run(g));
+        if (!any(~found)) continue;
         for (int k = 0; k < width; ++k)
             if (!found[k] && g * width + k < disk.nodes) open[left++] = g * width + k;
     }
