@@ -242,23 +242,27 @@ class CoreRotor {
         return array;
     }
 
-    // States of the inflow (N, 3) and times: static states, rates, states later (N, 3), loads (6, N), and derivatives of
-    // the rates (N, 3, 3).
-    nb::tuple inflow_motion(const Points& points, Vector states, Vector times, int threads) const {
+    // States of the inflow (N, 3) in the rotor frame, the flight's directions (N, 3), the rotor's spin, and times: static
+    // states, rates, states later (N, 3), loads (6, N), and derivatives of the rates with the state along the flight.
+    nb::tuple inflow_motion(const Points& points, Vector states, Vector directions, double spin, Vector times, int threads) const {
         const std::size_t n = points.shape(1);
         double *steady, *rates, *later, *loads, *linear, *other;
         auto steadies = make_array({n, 3}, steady), rate_array = make_array({n, 3}, rates);
         auto laters = make_array({n, 3}, later), load_array = make_array({Loads<double>::count, n}, loads);
         auto matrices = make_array({n, 3, 3}, linear), others = make_array({5, n}, other);
         std::visit([&](const auto& solver) {
-            for_each_point(n, threads, [&, x = states.data(), t = times.data()](std::size_t k) {
+            for_each_point(n, threads, [&](std::size_t k) {
                 thread_local Solution s;
                 solver.solve(point(points, k), s);
-                const auto m = propmap::inflow_motion(solver, s, {x[3 * k], x[3 * k + 1], x[3 * k + 2]}, t[k]);
-                for (int j = 0; j < 3; ++j) {
-                    steady[3 * k + j] = m.steady[j], rates[3 * k + j] = m.rates[j], later[3 * k + j] = m.later[j];
-                    for (int c = 0; c < 3; ++c) linear[9 * k + 3 * j + c] = m.linear.m[j][c];
-                }
+                const double* toward = directions.data() + 3 * k;
+                const Heading heading{toward[0], toward[1], spin};
+                const auto m = propmap::inflow_motion(solver, s, heading.along_flight(states.data() + 3 * k), times.data()[k]);
+                const auto tell = [&](const State& state, double* into) {
+                    const State turned = heading.in_rotor_frame(state);
+                    std::copy(turned.begin(), turned.end(), into + 3 * k);
+                };
+                tell(m.steady, steady), tell(m.rates, rates), tell(m.later, later);
+                for (int j = 0; j < 9; ++j) linear[9 * k + j] = m.linear.m[j / 3][j % 3];
                 for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = m.loads.begin()[j];
                 keep(s, solver.rotor(), other, k, n);
             });

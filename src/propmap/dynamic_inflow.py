@@ -67,8 +67,8 @@ class DynamicInflow:
         InputError
             For values that are not finite, negative omega and shapes that do not fit together.
         """
-        points = _StatePoints(self._sign, omega, velocity)
-        return points.in_rotor_frame(self._motion(points).steady)
+        points = _StatePoints(omega, velocity)
+        return points.shaped(self._motion(points).steady)
 
     def rates(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Floats:
         """The rates (..., 3) [m/s^2] at which a state changes.
@@ -80,8 +80,8 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _StatePoints(self._sign, omega, velocity, state=state)
-        return points.in_rotor_frame(self._motion(points).rates)
+        points = _StatePoints(omega, velocity, state=state)
+        return points.shaped(self._motion(points).rates)
 
     def step(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
@@ -105,8 +105,8 @@ class DynamicInflow:
         InputError
             Also for a negative ``dt``.
         """
-        points = _StatePoints(self._sign, omega, velocity, state=state, dt=dt)
-        return points.in_rotor_frame(self._motion(points).later)
+        points = _StatePoints(omega, velocity, state=state, dt=dt)
+        return points.shaped(self._motion(points).later)
 
     def loads(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Loads:
         """Loads of the blades in the inflow of a state.
@@ -118,7 +118,7 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _StatePoints(self._sign, omega, velocity, state=state)
+        points = _StatePoints(omega, velocity, state=state)
         return self._loads(points)
 
     def wrench(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Wrench:
@@ -131,7 +131,7 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _StatePoints(self._sign, omega, velocity, state=state)
+        points = _StatePoints(omega, velocity, state=state)
         return hub_wrench(self._loads(points), points.direction, self._sign)
 
     def time_constants(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
@@ -145,7 +145,7 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _StatePoints(self._sign, omega, velocity)
+        points = _StatePoints(omega, velocity)
         matrices = self._motion(points).linear
         known = np.isfinite(matrices).all(axis=(1, 2))
         values = np.full((len(matrices), 3), np.nan)
@@ -154,13 +154,13 @@ class DynamicInflow:
             return points.shaped(-1.0 / values)
 
     def _motion(self, points: _StatePoints) -> _Motion:
-        state, dt = np.ascontiguousarray(points.state.ravel()), np.ascontiguousarray(points.dt)
-        return _Motion(*self.rotor._core.inflow_motion(points.flow.rows, state, dt, cores()))
+        of = points.state, points.direction.ravel(), self._sign, points.dt
+        return _Motion(*self.rotor._core.inflow_motion(points.flow.rows, *of, cores()))
 
     def _loads(self, points: _StatePoints) -> Loads:
         motion = self._motion(points)
         static = self.rotor._as_loads(motion.loads, motion.found, points.flow.omega, points.shape)
-        return replace(static, mean_inflow=points.state[:, 0].reshape(points.shape))
+        return replace(static, mean_inflow=points.state[::3].reshape(points.shape))
 
 
 class _Motion(NamedTuple):
@@ -170,16 +170,15 @@ class _Motion(NamedTuple):
     rates: Floats
     later: Floats  # a step later
     loads: Floats
-    linear: Floats  # derivatives of the rates (N, 3, 3)
+    linear: Floats  # derivatives of the rates with the state along the flight (N, 3, 3)
     found: Floats  # of the static solution (5, N)
 
 
 class _StatePoints:
-    """Operating points and states, broadcast and flat, with states along and across the flight."""
+    """Operating points and states, broadcast and flat."""
 
     def __init__(
         self,
-        sign: float,
         omega: ArrayLike,
         velocity: ArrayLike,
         *,
@@ -193,8 +192,10 @@ class _StatePoints:
                 "gradients"
             )
         flow, direction = split_velocity(omega, velocity)
-        (time,) = broadcast(dt=dt)
-        if (time < 0.0).any():
+        # Simulators step by one number; `broadcast` takes as long as all else here.
+        good = isinstance(dt, float) and 0.0 <= dt < np.inf
+        (time,) = (np.array(dt),) if good else broadcast(dt=dt)
+        if not good and (time < 0.0).any():
             raise InputError(f"dt is negative ({time.min():g}): give the step's length [s]")
         shapes = {"omega": flow.omega.shape, "state": given.shape[:-1], "dt": time.shape}
         alike = flow.omega.shape == given.shape[:-1] == time.shape
@@ -213,29 +214,7 @@ class _StatePoints:
 
         self.direction = spread(direction, (*self.shape, 3))
         self.flow = FlowPoints(flat(flow.omega), flat(flow.v_axial), flat(flow.v_inplane))
-        self.dt = flat(time)
-        self._sign = sign
-        self._x, self._y = flat(direction[..., 0]), flat(direction[..., 1])
-        self.state = self._turned(spread(given, self.direction.shape).reshape(-1, 3))
-
-    def _turned(self, vectors: Floats) -> Floats:
-        """Turn mean, x and y to mean, v_s and v_c (N, 3)."""
-        # The rear is against the flight. The advancing side is on the right of it where the rotor
-        # turns counter-clockwise.
-        mean, x, y = vectors.T
-        found = np.empty(vectors.shape)
-        found[:, 0], found[:, 1] = mean, self._sign * (x * self._y - y * self._x)
-        found[:, 2] = -(x * self._x + y * self._y)
-        return found
-
-    def in_rotor_frame(self, vectors: Floats) -> Floats:
-        """Turn mean, v_s and v_c (N, 3) to mean, x and y (..., 3)."""
-        mean, lateral, longitudinal = vectors.T
-        right = self._sign * lateral
-        found = np.empty(vectors.shape)
-        found[:, 0], found[:, 1] = mean, right * self._y - longitudinal * self._x
-        found[:, 2] = -right * self._x - longitudinal * self._y
-        return self.shaped(found)
+        self.dt, self.state = flat(time), spread(given, self.direction.shape).ravel()
 
     def shaped(self, vectors: Floats) -> Floats:
         """Give flat (N, 3) the shape (..., 3) of the points."""

@@ -72,25 +72,6 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
     return v;
 }
 
-// Newton's method at all lanes at once, from `v`: at most `most` steps, in each lane until one is shorter than
-// `close` times `scale` and the residual falls.  Returns where that came about.
-template <class R>
-Mask newton(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths& over, Lanes scale, double close, int most,
-            Lanes& v) {
-    Mask ended{};
-    for (int k = 0; k < most; ++k) {
-        const auto g = of.residual(at, v, over);
-        const Mask falls = g.d[0] < 0.0;
-        const Lanes far = 0.3 * scale;
-        Lanes step = falls ? g.v / g.d[0] : far;
-        step = step > far ? far : (step < -far ? -far : step);
-        v = ended ? v : v - step;
-        ended |= falls & (absolute(step) <= close * scale);
-        if (!any(~ended)) break;
-    }
-    return ended;
-}
-
 // Whether a root v is in attached flow at all azimuths, so that there is none above.
 //
 // Above it the blades' thrust falls with v_i and the momentum's rises, where the lift is positive.  With negative
@@ -116,29 +97,17 @@ template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>
     return sure;
 }
 
-// Samples of the residual over v_i at one radius, v_i falling.
-struct Samples {
-    static constexpr int most = 400;
-    int count = 0;
-    std::array<double, most> inflow, value, slope;
+// The cubic between two samples, in t from 0 at the first to 1 at the second: its derivative is a + b t + c t^2.
+template <class T> struct Cubic {
+    T start, a, b, c;
 
-    void append(double v, double g, double s) {
-        inflow[count] = v, value[count] = g, slope[count] = s;
-        ++count;
-    }
-};
-
-// The cubic between two samples, in t from 0 at sample k to 1 at the next: its derivative is a + b t + c t^2.
-struct Cubic {
-    double start, a, b, c;
-
-    Cubic(const Samples& s, int k) {
-        const double run = s.inflow[k] - s.inflow[k + 1], rise = s.value[k + 1] - s.value[k];
-        const double end = -s.slope[k + 1] * run;
-        start = s.value[k], a = -s.slope[k] * run;
+    // From values and slopes by v_i at two v_i, `run` apart and falling.
+    Cubic(T run, T value, T slope, T next_value, T next_slope) {
+        const T rise = next_value - value, end = -next_slope * run;
+        start = value, a = -slope * run;
         c = 3.0 * (a + end - 2.0 * rise), b = end - a - c;
     }
-    double at(double t) const { return start + t * (a + t * (0.5 * b + t * c / 3.0)); }
+    T at(T t) const { return start + t * (a + t * (0.5 * b + t * c / 3.0)); }
 
     // Places of its extremes inside, how many.
     int extremes(double (&t)[2]) const {
@@ -150,6 +119,22 @@ struct Cubic {
             if (place > 0.0 && place < 1.0) t[count++] = place;
         if (count == 2 && t[0] > t[1]) std::swap(t[0], t[1]);
         return count;
+    }
+};
+
+// Samples of the residual over v_i at one radius, v_i falling.
+struct Samples {
+    static constexpr int most = 400;
+    int count = 0;
+    std::array<double, most> inflow, value, slope;
+
+    void append(double v, double g, double s) {
+        inflow[count] = v, value[count] = g, slope[count] = s;
+        ++count;
+    }
+    // Between sample k and the next.
+    Cubic<double> cubic(int k) const {
+        return {inflow[k] - inflow[k + 1], value[k], slope[k], value[k + 1], slope[k + 1]};
     }
 };
 
@@ -221,7 +206,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         for (int k = 0; k + 1 < samples.count; ++k) {
             const double run = samples.inflow[k] - samples.inflow[k + 1];
             if (run < 1e-7 * whole || samples.count + more + between > Samples::most) continue;
-            const Cubic cubic(samples, k);
+            const Cubic<double> cubic = samples.cubic(k);
             const double g0 = samples.value[k], g1 = samples.value[k + 1];
             double t[2];
             const int extremes = cubic.extremes(t);
@@ -261,7 +246,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         result.found = true;
         result.high = samples.inflow[k], result.low = samples.inflow[k + 1];
         // The cubic's zero by bisection: cheap beside an evaluation.
-        const Cubic cubic(samples, k);
+        const Cubic<double> cubic = samples.cubic(k);
         double low = 0.0, high = 1.0;
         for (int step = 0; step < 30; ++step) {
             const double middle = 0.5 * (low + high);
@@ -323,29 +308,82 @@ struct Hump {
     bool touching;  // stations may take it through zero
 };
 
-// The maximum in samples of falling v_i that decides on the largest root, the first one above zero or else the
-// highest; where there is none, the shoulder.
-inline bool deciding_top(const Samples& s, double& inflow, double& height) {
-    double gentlest = INFINITY, highest = -INFINITY;
-    for (int k = 0; k + 1 < s.count && highest <= 0.0; ++k) {
-        const Cubic cubic(s, k);
-        const double run = s.inflow[k] - s.inflow[k + 1];
-        double lowest = cubic.c > 0.0 ? std::clamp(-0.5 * cubic.b / cubic.c, 0.0, 1.0)
-                                      : (cubic.b + cubic.c > 0.0 ? 0.0 : 1.0);
-        const double least = cubic.a + (cubic.b + cubic.c * lowest) * lowest;
-        const bool falls = cubic.a > 0.0 && least < 0.0;
-        if (falls) {
-            const double root = std::sqrt(std::max(cubic.b * cubic.b - 4.0 * cubic.a * cubic.c, 0.0));
-            lowest = std::clamp(2.0 * cubic.a / std::max(root - cubic.b, 1e-300), 0.0, 1.0);
+// Residuals at a few of the lanes, each at as many inflows, packed so that none are idle.
+template <class R, std::size_t N>
+void residuals(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, const std::array<Lanes, N>& v, int count,
+               const Azimuths& over, std::array<Dual<Lanes, 1>, N>& found) {
+    std::array<int, width> lanes;
+    int n = 0;
+    for (int k = 0; k < width; ++k)
+        if (asked[k]) lanes[n++] = k;
+    const int all = n * count;
+    if (all > (count - 1) * width) {
+        for (int j = 0; j < count; ++j) {
+            const auto g = of.residual(at, v[j], over);
+            found[j].v = asked ? g.v : found[j].v, found[j].d[0] = asked ? g.d[0] : found[j].d[0];
         }
-        const double here = cubic.at(lowest);
-        if (falls ? here > highest : highest == -INFINITY && least / run < gentlest) {
-            gentlest = least / run;
-            inflow = s.inflow[k] - lowest * run, height = here;
-        }
-        if (falls) highest = std::max(highest, here);
+        return;
     }
-    return highest > -INFINITY;
+    const auto from = std::bit_cast<std::array<Lanes, sizeof(at) / sizeof(Lanes)>>(at);
+    for (int first = 0; first < all; first += width) {
+        auto packed = from;
+        Lanes inflow;
+        for (int k = 0; k < width; ++k) {
+            const int task = std::min(first + k, all - 1), lane = lanes[task % n];
+            inflow[k] = v[task / n][lane];
+            for (std::size_t f = 0; f < from.size(); ++f) packed[f][k] = from[f][lane];
+        }
+        const auto g = of.residual(std::bit_cast<Station<Lanes>>(packed), inflow, over);
+        for (int k = 0; k < width && first + k < all; ++k) {
+            const int task = first + k, lane = lanes[task % n];
+            found[task / n].v[lane] = g.v[k], found[task / n].d[0][lane] = g.d[0][k];
+        }
+    }
+}
+
+// Samples of the residual at a radius per lane, v_i falling; NaN where a lane has none.
+struct LaneSamples {
+    static constexpr std::size_t most = 24;
+    int count = 0;
+    std::array<Lanes, most> inflow;
+    std::array<Dual<Lanes, 1>, most> residual;  // with its slope by v_i
+};
+
+// The maximum in samples that decides on the largest root, the first one above zero or else the highest; where there is
+// none, the shoulder.  Returns where there is one.
+inline Mask deciding_top(const LaneSamples& s, Lanes& inflow, Lanes& height) {
+    const Lanes none = broadcast(-INFINITY), one = broadcast(1.0);
+    const auto clamped = [&](Lanes t) { return minimum(maximum(t, 0.0), one); };
+    Lanes gentlest = -none, highest = none;
+    for (int k = 0; k + 1 < s.count; ++k) {
+        const Lanes run = s.inflow[k] - s.inflow[k + 1];
+        const auto &above = s.residual[k], &below = s.residual[k + 1];
+        const Cubic<Lanes> cubic(run, above.v, above.d[0], below.v, below.d[0]);
+        Lanes lowest = cubic.b + cubic.c > 0.0 ? Lanes{} : one;
+        lowest = cubic.c > 0.0 ? clamped(-0.5 * cubic.b / cubic.c) : lowest;
+        const Lanes least = cubic.a + (cubic.b + cubic.c * lowest) * lowest;
+        const Mask falls = (cubic.a > 0.0) & (least < 0.0);
+        const Lanes root = square_root(maximum(cubic.b * cubic.b - 4.0 * cubic.a * cubic.c, 0.0));
+        lowest = falls ? clamped(2.0 * cubic.a / maximum(root - cubic.b, 1e-300)) : lowest;
+        const Lanes here = cubic.at(lowest), steep = least / run;
+        const Mask better = (highest <= 0.0) & ((falls & (here > highest)) | (~falls & (highest == none) & (steep < gentlest)));
+        gentlest = better ? steep : gentlest;
+        inflow = better ? s.inflow[k] - lowest * run : inflow, height = better ? here : height;
+        highest = better & falls ? here : highest;
+    }
+    return highest > none;
+}
+
+// Where the residual's top near this inflow, in lanes asked for, is found below zero.
+template <class R> Mask top_below_zero(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, Lanes top) {
+    if (!any(asked)) return asked;
+    const Lanes reach = 0.012 * of.stall_scale() * of.rms_speed(at);
+    LaneSamples s;
+    s.count = 3, s.inflow = {top + reach, top, top - reach};
+    residuals(of, at, asked, s.inflow, s.count, of.psi, s.residual);
+    Lanes inflow = top, height{};
+    deciding_top(s, inflow, height);
+    return asked & (height < 0.0) & (absolute(inflow - top) < 0.9 * reach);
 }
 
 template <class R> Lanes stall_angles(const Annuli<R>& of, const Station<Lanes>& at, double side) {
@@ -369,97 +407,83 @@ template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>&
     return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
 }
 
-// The humps about the stall at positive (side = 1) or negative angles, at a radius per lane.
-template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side, Hump (&found)[width]) {
+// The humps about the stall at positive (side = 1) or negative angles, at a radius per lane, in the first of them.
+template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, double side, Hump (&found)[width]) {
     const Dual<Lanes, 1> moved{radius, {broadcast(1.0)}};
     const Station<Dual<Lanes, 1>> moving = station_at(of.rotor, of.flow.omega, moved);
     const Station<Lanes> at = {radius, moving.chord.v, {moving.line.sine, moving.line.cosine, {}},
                                {moving.drag_line.sine, moving.drag_line.cosine, {}}, moving.reynolds_per_speed.v,
                                moving.inverse_root.v};
-    const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side);
-    Samples s[width];
-    const auto append = [&](Lanes v, Mask asked, const Dual<Lanes, 1>& g) {
-        for (int k = 0; k < width; ++k)
-            if (asked[k]) s[k].append(v[k], g.v[k], g.d[0][k]);
-    };
-    const auto sample = [&](Lanes v, Mask asked) {
-        asked &= v == v;
-        append(v, asked, of.residual(at, asked ? v : Lanes{}, of.few));
-    };
-    const Mask all = ~Mask{};
-    const Lanes spread = stall_spread(of, at, stall);
-    for (double off : {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15})
-        sample(inflow_at_angle(of, at, speed, stall + off * spread), all);
-    if (!of.plain())
-        for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85})
-            sample(inflow_at_angle(of, at, speed, stall + off), all);
-    Lanes inflow{}, below = broadcast(std::nan("")), depth = broadcast(INFINITY);
-    Mask open{}, deeper{};
-    for (int k = 0; k < width; ++k) {
-        found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false, false, false};
-        if (s[k].count < 3) continue;
-        found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
-        inflow[k] = found[k].inflow;
-        open[k] = -1, deeper[k] = -!(found[k].top && found[k].height > 0.0);
-    }
-    // Where flow stalls, see how the residual goes on.
-    if (any(deeper) && of.plain())
-        for (double off : {0.25, 0.45, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), deeper);
-    for (int k = 0; k < width; ++k) {
-        bool rising = false;
-        for (int j = 0; j < s[k].count; ++j) {
-            found[k].falls &= s[k].slope[j] < 0.0;
-            if (s[k].inflow[j] >= inflow[k]) continue;
-            depth[k] = std::min(depth[k], s[k].value[j]);
-            if (std::isnan(below[k])) found[k].clear &= !(rising && s[k].slope[j] > 0.0);
-            rising |= s[k].slope[j] < 0.0;
-            if (s[k].value[j] > 0.0 && std::isnan(below[k])) below[k] = s[k].inflow[j];
+    const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side), unknown = broadcast(std::nan(""));
+    const Mask asked = each_lane([](int k) { return k; }) < double(radii);
+    LaneSamples s;
+    const auto sample = [&](Mask lanes, std::initializer_list<double> offsets, Lanes times) {
+        std::array<Lanes, LaneSamples::most> v;
+        std::array<Dual<Lanes, 1>, LaneSamples::most> g;
+        int count = 0;
+        for (double off : offsets) {
+            const Lanes there = inflow_at_angle(of, at, speed, stall + off * times);
+            v[count] = lanes ? there : unknown, g[count] = {unknown, {unknown}};
+            ++count;
         }
-        // What follows a shoulder rises.
-        if (!found[k].top) found[k].clear = found[k].falls;
+        residuals(of, at, lanes, v, count, of.few, g);
+        for (int j = 0; j < count; ++j, ++s.count) s.inflow[s.count] = v[j], s.residual[s.count] = g[j];
+    };
+    sample(asked, {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15}, stall_spread(of, at, stall));
+    const Lanes whole = broadcast(1.0);
+    if (!of.plain()) sample(asked, {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85}, whole);
+    Lanes inflow = unknown, top_height = unknown, below = unknown, depth = broadcast(INFINITY);
+    Mask top = deciding_top(s, inflow, top_height);
+    // Where flow stalls, see how the residual goes on.
+    const Mask known = inflow == inflow, deeper = known & ~(top & (top_height > 0.0));
+    if (of.plain()) sample(deeper, {0.25, 0.45, 0.85}, whole);
+    Mask falls = known, clear = known, rising{};
+    for (int j = 0; j < s.count; ++j) {
+        const Mask taken = s.inflow[j] == s.inflow[j], past = s.inflow[j] < inflow, not_yet = past & (below != below);
+        const Lanes value = s.residual[j].v, slope = s.residual[j].d[0];
+        falls &= (slope < 0.0) | ~taken;
+        depth = past ? minimum(depth, value) : depth;
+        clear &= ~(not_yet & rising & (slope > 0.0));
+        rising |= past & (slope < 0.0);
+        below = not_yet & (value > 0.0) ? s.inflow[j] : below;
     }
+    // What follows a shoulder rises.
+    clear = top ? clear : falls;
     // More closely, and over all azimuths where the height is small.
     const Lanes wake = absolute(wake_thrust(of.rotor, radius, of.flow, of.windmill, inflow));
-    Mask small{};
-    for (int k = 0; k < width; ++k) small[k] = -(std::fabs(found[k].height) < 0.2 * wake[k]);
-    const auto closely = [&](auto residual) {
-        Dual<Lanes, 1> g = residual(any(~small) ? of.few : of.psi);
-        if (any(~small) && any(small) && of.few.count < of.psi.count) {
-            const Dual<Lanes, 1> over_all = residual(of.psi);
-            g.v = small ? over_all.v : g.v, g.d[0] = small ? over_all.d[0] : g.d[0];
-        }
-        return g;
-    };
+    const Mask small = absolute(top_height) < 0.2 * wake;
     const Lanes reach = 0.012 * of.stall_scale() * speed;
+    Mask open = known;
     for (int round = 0; round < 3 && any(open); ++round) {
-        for (int k = 0; k < width; ++k)
-            if (open[k]) s[k].count = 0;
-        for (double off : {1.0, 0.0, -1.0}) {
-            const Lanes v = inflow + off * reach;
-            append(v, open, closely([&](const Azimuths& over) { return of.residual(at, v, over); }));
-        }
-        for (int k = 0; k < width; ++k) {
-            if (!open[k]) continue;
-            found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
-            open[k] = -(std::fabs(found[k].inflow - inflow[k]) > 0.9 * reach[k]);
-            inflow[k] = found[k].inflow;
-        }
+        s.count = 3;
+        for (int j = 0; j < 3; ++j) s.inflow[j] = inflow + (1.0 - j) * reach;
+        residuals(of, at, open & ~small, s.inflow, 3, of.few, s.residual);
+        residuals(of, at, open & small, s.inflow, 3, of.psi, s.residual);
+        Lanes now = inflow;
+        const Mask there = deciding_top(s, now, top_height);
+        top = open ? there : top;
+        now = open ? now : inflow;
+        open &= absolute(now - inflow) > 0.9 * reach;
+        inflow = now;
     }
     // At the top the residual's slope by v_i is zero: along the blade the height changes as the residual does.
-    const Dual<Lanes, 1> height = closely([&](const Azimuths& over) {
-        return annulus_thrust(of.rotor, moving, of.flow, inflow, over) -
+    const auto over = [&](const Azimuths& psi) {
+        return annulus_thrust(of.rotor, moving, of.flow, inflow, psi) -
                wake_thrust(of.rotor, moved, of.flow, of.windmill, inflow);
-    });
+    };
+    const bool same = of.few.count == of.psi.count;
+    Dual<Lanes, 1> height = over(any(known & ~small) || same ? of.few : of.psi);
+    if (any(known & ~small) && any(small) && !same) {
+        const Dual<Lanes, 1> over_all = over(of.psi);
+        height.v = small ? over_all.v : height.v, height.d[0] = small ? over_all.d[0] : height.d[0];
+    }
     const Lanes past = angle_at(at, speed, of.flow.v_axial + inflow) - stall;
     below = angle_at(at, speed, of.flow.v_axial + below) - stall;
-    for (int k = 0; k < width; ++k) {
-        if (std::isnan(found[k].height)) continue;
-        found[k].height = height.v[k], found[k].slope = height.d[0][k];
-        found[k].past = past[k], found[k].below = below[k];
-        found[k].near = std::fabs(height.v[k]) < 0.3 * wake[k];
-        found[k].touching = std::fabs(height.v[k]) < 0.04 * wake[k];
-        found[k].folded = found[k].top && found[k].height > 0.0 && depth[k] < 0.0;
-    }
+    const Mask near = absolute(height.v) < 0.3 * wake, touching = absolute(height.v) < 0.04 * wake;
+    const Mask folded = top & (height.v > 0.0) & (depth < 0.0);
+    for (int k = 0; k < width; ++k)
+        found[k] = {radius[k], known[k] ? height.v[k] : std::nan(""), inflow[k], past[k], height.d[0][k], below[k], clear[k] != 0,
+                    falls[k] != 0, top[k] != 0, folded[k] != 0, near[k] != 0, touching[k] != 0};
 }
 
 // A radius at which the largest root jumps from one branch to another, or rises steeply.
@@ -543,6 +567,8 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
                 break;
             }
         }
+        // In climb no top was ever found between two shoulders.
+        if (!low.top && !high.top && of.flow.v_axial >= 0.0) break;
         Hump inside[width];
         const double spread = narrowing < 2 ? 0.05 : 0.25;
         constexpr int looks = 4;
@@ -551,7 +577,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
             const double from = share + spread * (2.0 * k / (looks - 1.0) - 1.0);
             return low.radius + std::clamp(from, 0.01 * (k + 1), 1.0 - 0.01 * (looks - k)) * gap;
         });
-        humps_at(of, radius, side, inside);
+        humps_at(of, radius, looks, side, inside);
         for (int k = 0; k < looks; ++k) {
             const Hump& h = inside[k];
             if (std::isnan(h.height) || h.radius <= low.radius || h.radius >= high.radius) continue;
@@ -564,7 +590,8 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
     if (near.top) return {near.radius, near.inflow, Fold::Kind::top, side};
     // The residual is nowhere flat.
     double y = 0.5 * (first + last), step = last - first;
-    for (int k = 0; k < 20 && std::fabs(step) > 1e-12 * y; ++k) {
+    // Newton's steps: after one of 1e-7 the next would be 1e-14.
+    for (int k = 0; k < 20 && std::fabs(step) > 1e-7 * y; ++k) {
         const Dual<Lanes, 1> moved{broadcast(y), {broadcast(1.0)}};
         const auto at = station_at(of.rotor, of.flow.omega, moved);
         const auto g = residual_at_stall(of.rotor, at, of.flow, of.psi, of.windmill, side);
@@ -572,7 +599,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         y -= step;
         if (!(y > first - (last - first) && y < last + (last - first))) return {std::nan(""), 0.0, Fold::Kind::angle, side};
     }
-    if (!(std::fabs(step) < 1e-9 * y)) y = std::nan("");
+    if (!(std::fabs(step) <= 1e-7 * y)) y = std::nan("");
     return {y, 0.0, Fold::Kind::angle, side};
 }
 

@@ -52,14 +52,14 @@ template <class R, class W, class T> [[gnu::flatten]] auto station_at(const R& r
                       untwisting(change.untwist, rotor.tip(), radius, omega);
     const auto per_speed = wide * (rotor.density / rotor.viscosity);
     // At a pointed tip Re goes to zero and C_D to infinity, but C_D times the chord goes to zero.
-    const auto root = inverse_fourth_root(maximum(per_speed, 0.0 * per_speed + 1e-30));
+    const auto per_root = 1.0 / square_root(maximum(per_speed, 0.0 * per_speed + 1e-30));
     const auto reynolds = per_speed * (omega * radius);
     const auto lift_line = line - rotor.law.zero_lift_angle_at(reynolds);
     const auto drag_line = line - rotor.law.least_drag_angle_at(reynolds);
     using A = decltype(lift_line + drag_line + wide + radius);
     const A none{};
     return Station<A>{radius + none,    wide + none, angle_from(lift_line + none), angle_from(drag_line + none),
-                      per_speed + none, root * root + none};
+                      per_speed + none, per_root + none};
 }
 
 }  // namespace propmap

@@ -90,6 +90,7 @@ struct Disk {
     std::vector<Station<Lanes>> at;  // the blade at the nodes; those beyond the last repeat it
     std::vector<Lanes> weight;       // of the nodes [m], zero beyond the last
     std::vector<Lanes> inflow;       // v_i [m/s], NaN where not found
+    std::vector<Mask> ended;         // where Newton's method came to an end
     bool several = false;            // whether (11) has several roots somewhere
 
     double radius(int node) const { return at[node / width].radius[node % width]; }
@@ -169,33 +170,52 @@ template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>&
 
 inline constexpr double close_enough = 3e-6;  // a Newton step, in shares of the speed: the next would be 1e-11
 
+template <class R> Lanes speed_scale(const Annuli<R>& of, const Station<Lanes>& at) {
+    return of.rms_speed(at) + std::fabs(of.flow.v_axial);
+}
+
+// Newton's method at all nodes, from their inflow: at most `most` steps, at each until one is shorter than `close` times
+// the speed and the residual falls.  One step is taken everywhere before the next, as groups do not wait for each other.
+template <class R> void newton(const Annuli<R>& of, Disk& disk, const Azimuths& over, double close, int most) {
+    disk.ended.assign(disk.groups, Mask{});
+    bool open = true;
+    for (int k = 0; k < most && open; ++k) {
+        open = false;
+        for (int g = 0; g < disk.groups; ++g) {
+            Mask& ended = disk.ended[g];
+            if (!any(~ended)) continue;
+            Lanes& v = disk.inflow[g];
+            const auto r = of.residual(disk.at[g], v, over);
+            const Mask falls = r.d[0] < 0.0;
+            const Lanes scale = speed_scale(of, disk.at[g]), far = 0.3 * scale;
+            Lanes step = falls ? r.v / r.d[0] : far;
+            step = step > far ? far : (step < -far ? -far : step);
+            v = ended ? v : v - step;
+            ended |= falls & (absolute(step) <= close * scale);
+            open |= any(~ended);
+        }
+    }
+}
+
 // The inflow at the nodes by Newton's method from attached flow, first over a few azimuths.  Nothing is found
 // where some node is near stall, whose run is marked then.
 template <class R> bool solve_attached(const Annuli<R>& of, Disk& disk, std::vector<bool>& near_stall) {
-    const auto scale_of = [&](int g) { return of.rms_speed(disk.at[g]) + std::fabs(of.flow.v_axial); };
     near_stall.assign(disk.runs(), false);
-    const auto first_in = [&](int g, Mask lanes) {
-        int k = 0;
-        while (k < width && !lanes[k]) ++k;
-        return std::min(g * width + k, disk.nodes - 1) / run;
+    const auto all_sure = [&](const Azimuths& over, double close, int most) {
+        newton(of, disk, over, close, most);
+        bool all = true;
+        for (int g = 0; g < disk.groups; ++g) {
+            const Mask sure = disk.ended[g] & surely_largest(of, disk.at[g], disk.inflow[g]);
+            if (!any(~sure)) continue;
+            for (int k = 0; k < width && g * width + k < disk.nodes; ++k)
+                if (!sure[k]) near_stall[(g * width + k) / run] = true, all = false;
+        }
+        return all;
     };
-    bool all = true;
-    for (int g = 0; g < disk.groups; ++g) {
-        Lanes& v = disk.inflow[g];
-        v = attached_guess(of, disk.at[g]);
-        Mask sure = newton(of, disk.at[g], of.few, scale_of(g), 3e-3, 5, v);
-        sure &= surely_largest(of, disk.at[g], v);
-        for (int k = 0; k < width && g * width + k < disk.nodes; ++k)
-            if (!sure[k]) near_stall[(g * width + k) / run] = true, all = false;
-    }
-    if (!all) return false;
-    for (int g = 0; g < disk.groups; ++g) {
-        Lanes& v = disk.inflow[g];
-        Mask sure = newton(of, disk.at[g], of.psi, scale_of(g), close_enough, 6, v);
-        sure &= surely_largest(of, disk.at[g], v);
-        if (any(~sure)) return near_stall[first_in(g, ~sure)] = true, false;
-        if (!disk.several) disk.several = several_roots(of, disk.at[g], v, Disk::every_third_run(g));
-    }
+    for (int g = 0; g < disk.groups; ++g) disk.inflow[g] = attached_guess(of, disk.at[g]);
+    if (!all_sure(of.few, 3e-3, 5) || !all_sure(of.psi, close_enough, 6)) return false;
+    for (int g = 0; g < disk.groups && !disk.several; ++g)
+        disk.several = several_roots(of, disk.at[g], disk.inflow[g], Disk::every_third_run(g));
     return true;
 }
 
@@ -221,7 +241,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     seen.clear(), folds.count = 0, folds.side = side;
     const auto look = [&](Lanes radius, int count) {
         Hump found[width];
-        humps_at(of, radius, side, found);
+        humps_at(of, radius, count, side, found);
         for (int k = 0; k < count; ++k)
             if (!std::isnan(found[k].height)) seen.push_back(found[k]);
     };
@@ -273,9 +293,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             const Hump &a = seen[k], &b = seen[k + 1];
             const double gap = b.radius - a.radius;
             if (gap < 1e-5 * tip || gap > 0.2 * tip) continue;
-            Samples s;  // of the height over minus the radius
-            s.append(-a.radius, a.height, -a.slope), s.append(-b.radius, b.height, -b.slope);
-            const Cubic cubic(s, 0);
+            const Cubic<double> cubic(gap, a.height, -a.slope, b.height, -b.slope);  // over minus the radius
             double t[2];
             const bool crosses = (a.height < 0.0) != (b.height < 0.0);
             const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
@@ -361,18 +379,18 @@ struct Outlook {
 };
 template <class R>
 Outlook outlook(const Annuli<R>& of, const Folds& folds, bool follow, const Station<Lanes>& at, Lanes speed) {
-    Outlook o;
+    Outlook o{};
     const auto& seen = folds.seen;
-    const double tip = of.rotor.tip();
+    const double tip = of.rotor.tip(), reach = 0.12 * tip;
+    if (seen.empty() || !any((at.radius >= seen.front().radius - reach) & (at.radius <= seen.back().radius + reach))) return o;
     Lanes past, below;
     for (int k = 0; k < width; ++k) {
         const double y = at.radius[k];
         past[k] = below[k] = std::nan("");
-        if (seen.empty()) continue;
         auto after = std::lower_bound(seen.begin(), seen.end(), y, [](const Hump& h, double x) { return h.radius < x; });
         const Hump& a = after == seen.begin() ? *after : *(after - 1);
         const Hump& b = after == seen.end() ? a : *after;
-        if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > 0.12 * tip) continue;
+        if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > reach) continue;
         // A hump beyond a jump tells nothing of the state on this side.
         bool within = true, without = true;
         for (int f = 0; follow && f < folds.count; ++f) {
@@ -409,35 +427,42 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
     const auto turn = turning_points(of.flow.v_axial, of.flow.v_inplane);
     // Above this inflow the wake's thrust rises.
     const double rises = of.windmill || turn.second <= turn.first ? -INFINITY : turn.second;
+    std::array<Outlook, most_nodes / width + 1> outlooks;
     for (int g = 0; g < disk.groups; ++g) {
         const auto& at = disk.at[g];
         Lanes& v = disk.inflow[g];
-        const Lanes speed = of.rms_speed(at), scale = speed + std::fabs(of.flow.v_axial);
         v = attached_guess(of, at);
-        Outlook o{};
-        if (folds) {
-            o = outlook(of, *folds, follow, at, speed);
-            // About stall at negative angles it is the other way round: above the top flow is stalled.
-            if (folds->side > 0.0) {
-                v = o.stalled & (o.below == o.below) ? o.below : v;
-            } else if (any(o.attached & o.known)) {
-                const Lanes guess = inflow_past_stall(of, at, speed, stall_angles(of, at, -1.0), -0.1);
-                v = o.attached & o.known & (guess == guess) ? guess : v;
-            }
+        if (!folds) continue;
+        const Lanes speed = of.rms_speed(at);
+        const Outlook& o = outlooks[g] = outlook(of, *folds, follow, at, speed);
+        // About stall at negative angles it is the other way round: above the top flow is stalled.
+        if (folds->side > 0.0) {
+            v = o.stalled & (o.below == o.below) ? o.below : v;
+        } else if (any(o.attached & o.known)) {
+            const Lanes guess = inflow_past_stall(of, at, speed, stall_angles(of, at, -1.0), -0.1);
+            v = o.attached & o.known & (guess == guess) ? guess : v;
         }
-        newton(of, at, of.few, scale, 3e-3, 4, v);
-        Mask found = newton(of, at, of.psi, scale, close_enough, 6, v);
-        const Mask sure = found & surely_largest(of, at, v);
+    }
+    newton(of, disk, of.few, 3e-3, 4);
+    newton(of, disk, of.psi, close_enough, 6);
+    for (int g = 0; g < disk.groups; ++g) {
+        const auto& at = disk.at[g];
+        const Lanes v = disk.inflow[g];
+        const Mask sure = disk.ended[g] & surely_largest(of, at, v);
+        Mask found = sure;
         if (folds) {
-            const Lanes near = 0.003 * scale;
+            const Outlook& o = outlooks[g];
+            const Lanes near = 0.003 * speed_scale(of, at);
             const Mask above = v > o.top + near, about = v > o.top - near;
-            const Mask below = o.stalled & o.clear & (v < o.top + near) & (folds->side < 0.0 ? v == v : v > o.below - near);
-            const Mask supported = above | o.single | (o.attached & about) | below;
-            found &= sure | (o.known & (v >= rises) & supported);
-        } else {
-            found = sure;
+            Mask stalled = o.stalled;
+            const Mask beneath = o.clear & (v < o.top + near) & (folds->side < 0.0 ? v == v : v > o.below - near);
+            const Mask settled = above | o.single | (o.attached & about), open = disk.ended[g] & o.known & (v >= rises);
+            // Between a hump above zero and one below it, where no jump is known, look at the one here.
+            if (folds->side > 0.0) stalled |= top_below_zero(of, at, open & beneath & ~(found | settled | o.stalled | o.attached), o.top);
+            found |= open & (settled | (stalled & beneath));
         }
         if (!disk.several && !of.windmill) disk.several = several_roots(of, at, v, sure & Disk::every_third_run(g));
+        if (!any(~found)) continue;
         for (int k = 0; k < width; ++k)
             if (!found[k] && g * width + k < disk.nodes) open[left++] = g * width + k;
     }

@@ -167,10 +167,6 @@ template <IsDual T> auto square_root(const T& x) {
     return chain(x, s, 0.5 / s);
 }
 template <IsDual T> auto logarithm(const T& x) { return chain(x, logarithm(x.v), 1.0 / x.v); }
-template <IsDual T> auto inverse_fourth_root(const T& x) {
-    auto r = inverse_fourth_root(x.v), square = r * r;
-    return chain(x, r, -0.25 * r * square * square);
-}
 template <IsDual T> auto power_of_two(const T& x) {
     auto p = power_of_two(x.v);
     return chain(x, p, 0.69314718055994530942 * p);
@@ -194,7 +190,10 @@ template <class T> struct Angle {
     T change;
 };
 template <class A, class B> auto operator-(const Angle<A>& a, const Angle<B>& b) {
-    const auto change = a.change - b.change;
+    auto change = a.change - b.change;
+    using C = decltype(change);
+    if constexpr (IsDual<C>) change.v = ValueOf<C>{};
+    else change = C{};
     return Angle<std::remove_const_t<decltype(change)>>{a.sine * b.cosine - a.cosine * b.sine,
                                                        a.cosine * b.cosine + a.sine * b.sine, change};
 }

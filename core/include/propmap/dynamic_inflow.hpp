@@ -81,6 +81,18 @@ inline Matrix exponential(const Matrix& a) {
 
 using State = std::array<double, 3>;  // mean inflow, v_s and v_c [m/s]
 
+// The direction of the flight in the disk plane, and the spin: 1 for a rotor that turns counter-clockwise.  The rear is
+// against the flight, the advancing side on the right of it where `spin` is 1.
+struct Heading {
+    double x, y, spin;
+
+    // From gradients along x and y of the rotor frame, and to these.
+    State along_flight(const double* s) const { return {s[0], spin * (s[1] * y - s[2] * x), -(s[1] * x + s[2] * y)}; }
+    State in_rotor_frame(const State& s) const {
+        return {s[0], spin * s[1] * y - s[2] * x, -spin * s[1] * x - s[2] * y};
+    }
+};
+
 struct Motion {
     State steady;         // the static solution
     State rates;          // of the state asked for [m/s^2]
@@ -97,10 +109,14 @@ Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const 
     // flow the static solution has one azimuth, a state with gradients needs several.
     const Azimuths psi = s.psi.count < 8 ? azimuths(16) : s.psi;
     const std::vector<Lanes> inflow = solver.blended_inflow(s);
-    std::vector<double> unused(2 * most_nodes);
-    Loads<double> there, here, slopes[3], others[3];
-    solver.loads_and_slopes(s, psi, inflow, s.harmonics, there, slopes, unused.data());
-    solver.loads_and_slopes(s, psi, inflow, {state[0] - s.mean.inflow, state[1], state[2]}, here, others, unused.data());
+    Loads<double> there, slopes[3] = {s.by[0], s.by[1], s.by[2]};
+    if (psi.count == s.psi.count && solver.has_harmonics(s)) {
+        there = solver.loads_with(s, psi, inflow, s.harmonics);
+    } else {
+        std::vector<double> unused(2 * most_nodes);
+        solver.loads_and_slopes(s, psi, inflow, s.harmonics, there, slopes, unused.data());
+    }
+    Loads<double> here = solver.loads_with(s, psi, inflow, {state[0] - s.mean.inflow, state[1], state[2]});
 
     if (rotor.installed) there.drag = rotor.drag_factor * there.drag, here.drag = rotor.drag_factor * here.drag;
 

@@ -14,35 +14,62 @@ template <class T> struct Forces {
 //
 // By sin(phi) = U_P/U and cos(phi) = U_T/U reverse flow needs no case of its own: phi is atan2(U_P, U_T),
 // where the paper's arctan would give the retreating root a force of the wrong sign.
-template <class R, class St, class F, class V, class A>
-auto element_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const A& sine_psi) {
+// The velocity at a blade element at an azimuth with this sin(psi) and inflow v_i [m/s].
+template <class T, class P, class Section> struct ElementFlow {
+    T u_t;
+    P u_p;
+    Section section;
+};
+
+// By sin(phi) = U_P/U and cos(phi) = U_T/U reverse flow needs no case of its own: phi is atan2(U_P, U_T),
+// where the paper's arctan would give the retreating root a force of the wrong sign.
+template <class St, class F, class V, class A>
+auto element_flow(const St& at, const F& flow, const V& inflow, const A& sine_psi) {
     const auto u_t = flow.omega * at.radius + flow.v_inplane * sine_psi;  // Eq. (1)
     const auto u_p = flow.v_axial + inflow;                               // Eq. (2)
     const auto squared = speed_squared(value(u_t), value(u_p));
-    const auto per_root = inverse_fourth_root(squared);  // U^(-1/2)
-    const auto per_u = per_root * per_root;
+    const auto speed = square_root(squared), per_u = 1.0 / speed;
+    const auto per_root = square_root(per_u);  // U^(-1/2)
     const auto sin_phi = value(u_p) * per_u, cos_phi = value(u_t) * per_u;
     // U changes with the velocity along the flow, phi with that across it.
-    const auto u = chain(u_t, u_p, squared * per_u, cos_phi, sin_phi);
+    const auto u = chain(u_t, u_p, speed, cos_phi, sin_phi);
     const auto turned = chain(u_t, u_p, 0.0 * per_u, -sin_phi * per_u, cos_phi * per_u);
     const Angle<std::remove_const_t<decltype(turned)>> phi{sin_phi, cos_phi, turned};
     const auto alpha = at.line - phi, drag_alpha = at.drag_line - phi;
     const auto reynolds = at.reynolds_per_speed * u;
     const auto root_re = at.inverse_root * chain(u, per_root, -0.5 * per_root * per_u);
     const SectionFlow section{alpha, drag_alpha, u, reynolds, root_re};
-    const auto c = rotor.law.corrected(section, at.radius, at.chord);  // Eqs. (3)(4)
+    return ElementFlow<std::remove_const_t<decltype(u_t)>, std::remove_const_t<decltype(u_p)>, std::remove_const_t<decltype(section)>>{u_t, u_p, section};
+}
+
+// Forces of a blade element in this flow.
+template <class R, class St, class E> auto forces_in(const R& rotor, const St& at, const E& e) {
+    const auto c = rotor.law.corrected(e.section, at.radius, at.chord);  // Eqs. (3)(4)
     // dL = 1/2 rho U^2 C_L c dy, dD = 1/2 rho U^2 C_D c dy
-    const auto half = 0.5 * at.chord * u;
-    const auto normal = half * (c.lift * u_t - c.drag * u_p);      // dL cos(phi) - dD sin(phi)
-    const auto tangential = half * (c.lift * u_p + c.drag * u_t);  // dL sin(phi) + dD cos(phi)
+    const auto half = 0.5 * at.chord * e.section.speed;
+    const auto normal = half * (c.lift * e.u_t - c.drag * e.u_p);      // dL cos(phi) - dD sin(phi)
+    const auto tangential = half * (c.lift * e.u_p + c.drag * e.u_t);  // dL sin(phi) + dD cos(phi)
     return Forces<std::remove_const_t<decltype(normal)>>{normal, tangential};
 }
 
+template <class R, class St, class F, class V, class A>
+auto element_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const A& sine_psi) {
+    return forces_in(rotor, at, element_flow(at, flow, inflow, sine_psi));
+}
+
 // Thrust of the blade elements per radius and density [m^3/s^2], eq. (5), with one inflow at all azimuths.
+//
+// The flow at the next azimuth is taken before the forces at this one: its roots and quotients take a processor long,
+// which meanwhile does something else.
 template <class R, class St, class F, class V>
 [[gnu::flatten]] auto annulus_thrust(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
-    auto total = element_forces(rotor, at, flow, inflow, psi.sine[0]).normal;
-    for (int k = 1; k < psi.count; ++k) total += element_forces(rotor, at, flow, inflow, psi.sine[k]).normal;
+    auto next = element_flow(at, flow, inflow, psi.sine[0]);
+    decltype(forces_in(rotor, at, next).normal) total{};
+    for (int k = 0; k < psi.count; ++k) {
+        const auto here = next;
+        if (k + 1 < psi.count) next = element_flow(at, flow, inflow, psi.sine[k + 1]);
+        total += forces_in(rotor, at, here).normal;
+    }
     return total * (rotor.blade->blades / double(psi.count));
 }
 
@@ -72,12 +99,14 @@ template <class T> void scale(Turn<T>& sums, double by) {
 // Forces of annuli averaged over a turn, where the inflow is the same at psi and pi - psi.
 template <class R, class St, class F, class V>
 [[gnu::flatten]] auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
-    using T = decltype(element_forces(rotor, at, flow, inflow, 0.0).normal);
-    TurnForces<T> sums{};
+    auto next = element_flow(at, flow, inflow, psi.sine[0]);
+    TurnForces<decltype(forces_in(rotor, at, next).normal)> sums{};
     for (int k = 0; k < psi.count; ++k) {
-        const auto f = element_forces(rotor, at, flow, inflow, psi.sine[k]);
-        add(sums.normal, f.normal, T{}, psi.sine[k], 0.0);
-        add(sums.tangential, f.tangential, T{}, psi.sine[k], 0.0);
+        const auto here = next;
+        if (k + 1 < psi.count) next = element_flow(at, flow, inflow, psi.sine[k + 1]);
+        const auto f = forces_in(rotor, at, here);
+        sums.normal.mean += f.normal, sums.normal.sine += f.normal * psi.sine[k];
+        sums.tangential.mean += f.tangential, sums.tangential.sine += f.tangential * psi.sine[k];
     }
     scale(sums.normal, 1.0 / psi.count), scale(sums.tangential, 1.0 / psi.count);
     return sums;
@@ -90,18 +119,23 @@ template <class R, class St, class F, class V, class S>
     const auto share = at.radius * (1.0 / rotor.tip());
     const auto even = inflow + harmonics.mean;
     const auto lateral = share * harmonics.lateral, longitudinal = share * harmonics.longitudinal;
-    using T = decltype(element_forces(rotor, at, flow, even + lateral, 0.0).normal);
+    const auto flow_at = [&](int k, double side) {
+        return element_flow(at, flow, even + lateral * psi.sine[k] + longitudinal * (side * psi.cosine[k]), psi.sine[k]);
+    };
+    auto behind = flow_at(0, 1.0);
+    using T = decltype(forces_in(rotor, at, behind).normal);
     TurnForces<T> sums{};
     for (int k = 0; k < psi.count; ++k) {
         const double sine = psi.sine[k], cosine = psi.cosine[k];
-        const auto middle = even + lateral * sine, more = longitudinal * cosine;
-        const auto rear = element_forces(rotor, at, flow, middle + more, sine);
-        const auto front = element_forces(rotor, at, flow, middle - more, sine);
-        add(sums.normal, T(0.5 * (rear.normal + front.normal)), T(0.5 * (rear.normal - front.normal)), sine, cosine);
-        add(sums.tangential, T(0.5 * (rear.tangential + front.tangential)),
-            T(0.5 * (rear.tangential - front.tangential)), sine, cosine);
+        const auto before = flow_at(k, -1.0);
+        const auto rear = forces_in(rotor, at, behind);
+        if (k + 1 < psi.count) behind = flow_at(k + 1, 1.0);
+        const auto front = forces_in(rotor, at, before);
+        add(sums.normal, T(rear.normal + front.normal), T(rear.normal - front.normal), sine, cosine);
+        add(sums.tangential, T(rear.tangential + front.tangential), T(rear.tangential - front.tangential), sine, cosine);
     }
-    scale(sums.normal, 1.0 / psi.count), scale(sums.tangential, 1.0 / psi.count);
+    const double per = 0.5 / psi.count;  // the rear and the front
+    scale(sums.normal, per), scale(sums.tangential, per);
     return sums;
 }
 
@@ -118,15 +152,20 @@ template <class R, class St, class F>
     const Lanes lateral = share * harmonics.lateral, longitudinal = share * harmonics.longitudinal;
     TurnSlopes sums{};
     Turn<Lanes> square_n{}, square_t{};  // derivatives with sin^2, sin cos
+    const auto flow_at = [&](int k, double side) {
+        const Lanes v = even + lateral * psi.sine[k] + longitudinal * (side * psi.cosine[k]);
+        return element_flow(at, flow, Dual<Lanes, 1>{v, {broadcast(1.0)}}, psi.sine[k]);
+    };
+    auto behind = flow_at(0, 1.0);
     for (int k = 0; k < psi.count; ++k) {
         const double sine = psi.sine[k], cosine = psi.cosine[k];
-        const Lanes middle = even + lateral * sine, more = longitudinal * cosine;
-        const Dual<Lanes, 1> behind{middle + more, {broadcast(1.0)}}, before{middle - more, {broadcast(1.0)}};
-        const auto rear = element_forces(rotor, at, flow, behind, sine);
-        const auto front = element_forces(rotor, at, flow, before, sine);
+        const auto before = flow_at(k, -1.0);
+        const auto rear = forces_in(rotor, at, behind);
+        if (k + 1 < psi.count) behind = flow_at(k + 1, 1.0);
+        const auto front = forces_in(rotor, at, before);
         const auto both = [&](const auto& r, const auto& f, Turn<Lanes>& force, Turn<Lanes>& slope, Turn<Lanes>& square) {
-            add(force, Lanes(0.5 * (r.v + f.v)), Lanes(0.5 * (r.v - f.v)), sine, cosine);
-            const Lanes even_slope = 0.5 * (r.d[0] + f.d[0]), odd_slope = 0.5 * (r.d[0] - f.d[0]);
+            add(force, Lanes(r.v + f.v), Lanes(r.v - f.v), sine, cosine);
+            const Lanes even_slope = r.d[0] + f.d[0], odd_slope = r.d[0] - f.d[0];
             add(slope, even_slope, odd_slope, sine, cosine);
             square.sine += even_slope * (sine * sine);
             square.cosine += odd_slope * (sine * cosine);
@@ -134,7 +173,7 @@ template <class R, class St, class F>
         both(rear.normal, front.normal, sums.forces.normal, sums.by_mean.normal, square_n);
         both(rear.tangential, front.tangential, sums.forces.tangential, sums.by_mean.tangential, square_t);
     }
-    const double per = 1.0 / psi.count;
+    const double per = 0.5 / psi.count;  // the rear and the front
     const auto finish = [&](Turn<Lanes>& force, Turn<Lanes>& mean, Turn<Lanes>& sine, Turn<Lanes>& cosine,
                             Turn<Lanes>& square) {
         scale(force, per), scale(mean, per), scale(square, per);
@@ -182,10 +221,9 @@ template <class R, class St, class T> auto loads_of(const R& rotor, const St& at
 template <class R, class St, class F, class V>
 [[gnu::flatten]] auto radial_friction(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
     const auto viscous = [&](const auto& square) {
-        const auto per_root = inverse_fourth_root(square);
-        const auto speed = square * per_root * per_root;
+        const auto speed = square_root(square);
         const auto reynolds = at.reynolds_per_speed * speed;
-        const auto root_re = at.inverse_root * per_root;
+        const auto root_re = at.inverse_root * square_root(1.0 / speed);
         const auto none = 0.0 * speed;
         const Angle<std::remove_const_t<decltype(none)>> zero{value(none), value(none) + 1.0, none};
         const SectionFlow section{zero, zero, speed, reynolds, root_re};

@@ -95,19 +95,6 @@ template <std::size_t N, class T> T polynomial(const double (&c)[N], T x) {
     return part[0];
 }
 
-// x^(-1/4) for x > 0 within the normal range: to 12 % of x from the exponent's bits, then by the series of
-// (1 - h)^(-1/4), fitted for |h| < 0.13, and a step of Newton's: to 3e-16.
-inline constexpr double fourth_root_series[] = {1.000000010942146,  0.250000034302656,  0.15623837674770472,
-                                                0.1171713110532247, 0.0970391168892508, 0.08283693018752687};
-
-template <class T, class I> T inverse_fourth_root(T x) {
-    T y = std::bit_cast<T>(0x4feaf9a7f45b9d4c - (std::bit_cast<I>(x) >> 2));
-    T square = y * y;
-    y = y * polynomial(fourth_root_series, 1.0 - x * square * square);
-    square = y * y;
-    return y + 0.25 * y * (1.0 - x * square * square);
-}
-
 // 2^x for |x| <= 100: a polynomial (error 2e-14) of the fraction, the whole part by the bits.
 inline constexpr double power_series[] = {
     1.000000000000013487,    0.693147180559946159,    0.2402265069564033974,   0.05550410866465167201,
@@ -137,9 +124,6 @@ template <class T> T angle_of(T cosine, T sine) {
 }
 
 }  // namespace detail
-
-inline double inverse_fourth_root(double x) { return detail::inverse_fourth_root<double, std::int64_t>(x); }
-inline Lanes inverse_fourth_root(Lanes x) { return detail::inverse_fourth_root<Lanes, Mask>(x); }
 
 inline double power_of_two(double x) { return detail::power_of_two<double, std::int64_t>(x); }
 inline Lanes power_of_two(Lanes x) { return detail::power_of_two<Lanes, Mask>(x); }

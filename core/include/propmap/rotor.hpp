@@ -93,6 +93,7 @@ struct Solution {
     Azimuths psi;
     bool windmill = false;
     Harmonics<double> harmonics{};
+    Loads<double> by[3];  // derivatives of loads per density by the harmonics, where there are any
     DiskFlow<double> mean;
     double thrust_tail = 0.0, torque_tail = 0.0;
     Result result;
@@ -406,6 +407,19 @@ template <template <class> class LawOf> class RotorSolver {
         }
     }
 
+    // Loads per density of the disk with harmonics.
+    Loads<double> loads_with(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow,
+                             const Harmonics<double>& h) const {
+        Loads<double> total;
+        for (int g = 0; g < s.disk.groups; ++g) {
+            const auto& at = s.disk.at[g];
+            const auto per_radius = loads_of(rotor_, at, turn_forces(rotor_, at, s.flow, inflow[g], psi, h));
+            for (int k = 0; k < Loads<double>::count; ++k)
+                total.begin()[k] += sum(s.disk.weight[g] * per_radius.begin()[k]);
+        }
+        return total;
+    }
+
   private:
     static void keep_integrand(const Solution& s, int g, Lanes weight, const Loads<Lanes>& per_radius, double* into) {
         for (int k = 0; k < width && g * width + k < s.disk.nodes; ++k) {
@@ -512,6 +526,7 @@ template <template <class> class LawOf> class RotorSolver {
             if (!std::isfinite(size)) break;
         }
         s.harmonics = h;
+        std::copy(std::begin(by), std::end(by), s.by);
         if (!(size <= harmonics_close))
             for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] = std::nan("");
         return loads;
@@ -525,16 +540,21 @@ template <template <class> class LawOf> class RotorSolver {
     }
 
     // Loads per density without harmonics, and the derivatives that the first step needs.
-    void without_harmonics(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, Loads<double>& loads,
+    [[gnu::flatten]] void without_harmonics(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, Loads<double>& loads,
                            Loads<double> (&by)[3]) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
         for (int g = 0; g < s.disk.groups; ++g) {
             const auto& at = s.disk.at[g];
             const Lanes& weight = s.disk.weight[g];
             Lanes mean{}, sine{}, slope{}, slope_sine{}, slope_square{};
+            const auto flow_at = [&](int k) {
+                return element_flow(at, s.flow, Dual<Lanes, 1>{inflow[g], {broadcast(1.0)}}, psi.sine[k]);
+            };
+            auto next = flow_at(0);
             for (int k = 0; k < psi.count; ++k) {
-                const Dual<Lanes, 1> v{inflow[g], {broadcast(1.0)}};
-                const auto f = element_forces(rotor_, at, s.flow, v, psi.sine[k]).normal;
+                const auto here = next;
+                if (k + 1 < psi.count) next = flow_at(k + 1);
+                const auto f = forces_in(rotor_, at, here).normal;
                 const double x = psi.sine[k];
                 mean += f.v, sine += f.v * x, slope += f.d[0], slope_sine += f.d[0] * x, slope_square += f.d[0] * (x * x);
             }

@@ -45,6 +45,7 @@ template <class S> struct BlendedLaw {
     double attached;    // 1 for eq. (3); 0 for the simplified lift of footnote 1, whose c_l is c_l2
     double plate;       // 0.44 for separated lift as that of a plate, 0 for the paper's
     S far;              // exp(-2 M alpha_0), of the stall blend's other side
+    double most = 40.0; // size of exponents of the blend [-] beyond which it does not change
 
     static constexpr bool plain_stall = true;  // lift has no bends beyond that about stall
     static constexpr const char* kind = "blended";
@@ -97,7 +98,7 @@ template <class S> struct BlendedLaw {
     // e = exp(-2 M a0): a single exponential, whose argument is limited.
     template <class A> auto attached_share(const A& angle) const {
         const auto exponent = sharpness * (absolute(angle) - alpha_0);
-        const auto limit = broadcast_like(value(exponent), 40.0);
+        const auto limit = broadcast_like(value(exponent), most);
         const auto x = power_of_two(log2_e * maximum(minimum(value(exponent), limit), -limit));
         const auto per = 1.0 / ((1.0 + x) * (x + value(far)));
         const auto share = attached * x * per;
