@@ -180,8 +180,10 @@ MJCF = """<mujoco><option timestep="0.002" gravity="0 0 -9.81"/><worldbody>
 </body></body><body name="post"><geom size="0.1"/></body></worldbody></mujoco>"""
 
 
-def model_of(place: str = "-0.02 0 0", nose: float = 0.2) -> mujoco.MjModel:
-    return mujoco.MjModel.from_xml_string(MJCF.format(place=place, nose=nose))
+def model_of(place: str = "-0.02 0 0", nose: float = 0.2, air: float = 0.0) -> mujoco.MjModel:
+    model = mujoco.MjModel.from_xml_string(MJCF.format(place=place, nose=nose))
+    model.opt.density = air
+    return model
 
 
 def rotors_on(model: mujoco.MjModel, **changes: Any) -> MjxRotors:
@@ -302,6 +304,7 @@ WRONG: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: rotors_on(model_of(nose=1200.0)),
         "'quad' has 1201 kg, the vehicle 1.2; give both in SI units",
     ),
+    "air of its own": (lambda: rotors_on(model_of(air=1.2)), "density or viscosity is not 0"),
     "negative lag": (lambda: rotors_on(model_of(), time_constant=-0.1), "time_constant is -0.1 s"),
 }
 

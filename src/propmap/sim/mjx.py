@@ -197,11 +197,14 @@ class MjxRotors:
         Raises
         ------
         InputError
-            As ``JaxForces.of``, for a body that is not there, is not free or has another mass, and
-            for a negative time constant.
+            As ``JaxForces.of``, for a body that is not there, is not free or has another mass, for
+            a model with air of its own and for a negative time constant.
         """
         import mujoco
 
+        from propmap.sim.mujoco import check_air
+
+        check_air(model)
         known = [model.body(k).name for k in range(1, model.nbody)]
         if body not in known:
             found = f"the model has no body {quoted(body)}"

@@ -213,13 +213,18 @@ class _Speeds:
 # Whether a model is this vehicle.
 
 
-def _check_options(model: Any) -> None:
-    """Refuse options of a ``model`` under which the vehicle would fly otherwise."""
+def check_air(model: Any) -> None:
+    """Refuse a ``model`` whose own air would drag the vehicle a second time."""
     if model.opt.density or model.opt.viscosity:
         raise InputError(
             "the model's option density or viscosity is not 0: MuJoCo drags the vehicle as well",
             "leave them out: the air is that of the vehicle's file, and its body has drag there",
         )
+
+
+def _check_options(model: Any) -> None:
+    """Refuse options of a ``model`` under which the vehicle would fly otherwise."""
+    check_air(model)
     off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
     if model.opt.disableflags & off == off:
         raise InputError("passive forces are switched off in the model", "take out the flags")
