@@ -576,7 +576,7 @@ class FreeBody {
     }
 
     // Adds force in the world's frame and moment about the body's origin in its own to `forces`; or nothing, and gives the
-    // first rotor without loads.  `pose` is position and quaternion, `motion` the velocity of the origin in
+    // first rotor without loads or with a speed that is no number.  `pose` is position and quaternion, `motion` the velocity of the origin in
     // the world's frame and the rates, `omega` and `change` are of each rotor, `added` is axial flow by wakes; `codes` has
     // each rotor's status, and the worst so far.
     std::optional<std::size_t> push(State pose, State motion, State wind, State omega, State change, State added, Forces forces, Codes codes) const {
@@ -600,7 +600,7 @@ class FreeBody {
         all.moment = add(all.moment, 1.0, spin_moment(mounts_, heavy_, omega.data(), change.data(), rates));
         const Vector3 force = attitude.to_world(all.force), moment = add(all.moment, 1.0, cross(centre_, all.force));
         for (std::size_t k = 0; k < k_all; ++k)
-            if (!std::isfinite(known[k].loads.thrust)) return k;
+            if (!std::isfinite(known[k].loads.thrust) || !std::isfinite(omega.data()[k] + change.data()[k])) return k;
         for (int j = 0; j < 3; ++j) forces.data()[j] += force[j], forces.data()[3 + j] += moment[j];
         return {};
     }

@@ -101,3 +101,20 @@ def test_netcdf_and_missions_carry_it(run: Run) -> None:
     mission = ["trim", "x.toml", *law, "--mission", "legs.csv"]
     lines_of(run(*mission).out, ["body drag 0.015 m^2 ahead"])
     assert json.loads(run(*mission, "--format", "json").out)["assumptions"]["power"]
+
+
+def test_a_table_need_not_have_the_speed_that_is_tried_first(run: Run) -> None:
+    """Hover is at 6444 rpm; rotors are tried at a tip speed of 60 m/s first, 5639 rpm."""
+    Path("x.toml").write_text((EXAMPLES.parent / "quadrotor.toml").read_text(encoding="utf-8"))
+    law = ["--airfoil", "paper-apc", "--beta", "0:180", "--tolerance", "5%"]
+    for rpm, speed, code in (("6000:8000", "0:6", 0), ("5000:7000", "3:6", 2)):
+        built = run("table", "apc-8x6e", *law, "--rpm", rpm, "--speed", speed, "-o", f"{code}.npz")
+        assert built.code == 0, built.err
+        done = run(
+            "trim", "x.toml", "--table", f"{code}.npz", "--speed", "0:4:2", "--format", "csv"
+        )
+        assert done.code == code, done.err
+        if code:
+            assert "the rotors have no thrust (outside); give loads that cover hover" in done.err
+        else:
+            assert ",6444" in done.out or "6443" in done.out

@@ -276,3 +276,16 @@ def test_what_it_cannot_do_is_refused() -> None:
         dynamic().rates([1.0, 2.0], OMEGA, [0.0, 0.0, 0.0])
     with pytest.raises(pm.InputError, match="dt is negative"):
         dynamic().step([1.0, 0.0, 0.0], -1e-3, OMEGA, [0.0, 0.0, 0.0])
+
+
+def test_a_rotor_at_rest_knows_nothing_of_the_point_before() -> None:
+    inflow = dynamic()
+    still, alone = (0.0, 0.0, 0.0), None
+    for before in (0.0, 600.0):
+        inflow.steady(before, (8.0, 0.0, 2.0))
+        found = inflow.step((1.0, 0.3, -0.2), 0.01, 0.0, still)
+        np.testing.assert_array_equal(inflow.steady(0.0, still), still)
+        alone = found if alone is None else alone
+        np.testing.assert_array_equal(found, alone)
+    barely = inflow.step((1.0, 0.3, -0.2), 0.01, 1e-9, still)
+    np.testing.assert_allclose(alone, barely, atol=1e-5)

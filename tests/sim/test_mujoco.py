@@ -265,6 +265,23 @@ def test_angular_momentum_of_vehicle_and_rotors_is_kept(fly: Callable[..., Any])
     np.testing.assert_allclose(momentum(), before, rtol=0.0, atol=1e-6 * np.abs(before).max())
 
 
+def test_exact_filters_keep_the_angular_momentum(fly: Callable[..., Any]) -> None:
+    """About the axis, as above: Euler's steps take the mean change of the speeds over a step."""
+    heavy = 4e-5
+    vehicle = replace(PLAIN, rotor_inertia=heavy, body=Body())
+    text = mjcf(vehicle, option='gravity="0 0 0"').replace("RK4", "Euler")
+    text = text.replace('"filter"', '"filterexact"')
+    model, data, _ = fly(text, vehicle, table_of(vehicle, scale=0.0), clamp=True)
+    spin = np.array([{"ccw": 1.0, "cw": -1.0}[mount.spin] for mount in vehicle.mounts])
+    data.act[:], data.ctrl[:] = 600.0, 600.0 + 200.0 * (spin > 0.0)
+    before = heavy * spin @ data.act
+    while data.time < 0.3:
+        mujoco.mj_step(model, data)
+    rotors = heavy * spin @ data.act
+    assert rotors - before > 0.01
+    assert INERTIA[2] * data.qvel[5] + rotors == pytest.approx(before, abs=1e-9)
+
+
 # -------------------------------------------------------------------------------------------------
 # Loads that are not there, and what is no flight of this model.
 
@@ -277,11 +294,27 @@ def test_a_table_that_does_not_cover_the_flight_is_told(fly: Callable[..., Any])
         mujoco.mj_step(model, data)
     assert "\n" not in str(told.value) and "clamp=True" in str(told.value)
     assert forces.status == ("ok", "ok", "outside", "ok")
+    assert np.isnan(forces.wrench(data).thrust[2])
     mujoco.mj_resetData(model, data)
     data.act[:] = data.ctrl[:] = 600.0
     mujoco.mj_step(model, data)
     assert np.isfinite(data.qpos).all()
     assert forces.status == ("ok",) * 4 and forces.worst_status[2] == "outside"
+
+
+@pytest.mark.parametrize("clamp", [False, True])
+def test_a_command_that_is_no_number_is_told(fly: Callable[..., Any], clamp: bool) -> None:
+    model, data, _ = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN), clamp=clamp)
+    data.act[:], data.ctrl[:] = 600.0, [600.0, np.nan, 600.0, 600.0]
+    with pytest.raises(InputError, match="the command or the speed of rotor_2 is no number"):
+        mujoco.mj_step(model, data)
+
+
+def test_what_is_no_model_and_no_vehicle_is_named() -> None:
+    model = mujoco.MjModel.from_xml_string(GOOD)
+    for given in ((model, "quad.toml"), ("quad.xml", PLAIN)):
+        with pytest.raises(InputError, match="not MjModel and Vehicle; give an MjModel and"):
+            sim.MujocoRotors(*given, table_of(PLAIN))
 
 
 @pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])
@@ -295,6 +328,8 @@ def test_beyond_the_table_by_its_nearest_point(fly: Callable[..., Any], wakes: A
         lifts.append(data.qfrc_passive[2])
         if omega < 200.0:
             assert forces.status == ("clamped",) * 4
+            assert set(forces.wrench(data).rotor_status) == {"clamped"}
+            assert forces.wrench(data).force[2] == pytest.approx(lifts[0], rel=1e-9)
     assert lifts[0] == pytest.approx(lifts[1], rel=1e-12) and lifts[0] > 0.0
 
 
@@ -380,6 +415,15 @@ WRONG: dict[str, tuple[str, dict[str, Any], str]] = {
         {}, "is at (160, 170, 20) m from the centre of mass, the vehicle's rotor at "
         "(0.16, 0.17, 0.02) m; MJCF is in m, not mm"
     ),
+    "a limited activation": (
+        GOOD.replace('dyntype="filter"', 'dyntype="filter" actlimited="true" actrange="0 600"'),
+        {}, "the activation of the actuator 'rotor_1' is limited; limit its ctrl"
+    ),
+    "no actuators": (
+        GOOD.replace("<worldbody>", '<option><flag actuation="disable"/></option><worldbody>'),
+        {}, "switches off actuators"
+    ),
+    "one text for names": (GOOD, {"names": "rotor_1"}, "names is 'rotor_1', one text"),
     "z down": (
         mjcf(replace(PLAIN, mounts=tuple(replace(m, axis=(0.0, 0.0, -1.0)) for m in PLAIN.mounts))),
         {}, "turn the site: its z axis is along the thrust"

@@ -169,6 +169,8 @@ template <template <class> class LawOf> class RotorSolver {
             place_nodes(rotor_, 0.0, s.disk);
             std::fill(s.disk.inflow.begin(), s.disk.inflow.end(), broadcast(inflow));
             s.disk.several = s.windmill = false;
+            // A trace of flow along the axis, so that the wake of a rotor at rest has a direction.
+            s.mean = {omega, inflow + 1e3 * speed_floor, 0.0, inflow};
             s.result.loads.thrust = inflow;
             set_status(s, false);
             return;

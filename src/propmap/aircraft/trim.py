@@ -19,7 +19,7 @@ from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
-from propmap.units import GRAVITY, SPEED_OF_SOUND
+from propmap.units import GRAVITY, RPM, SPEED_OF_SOUND
 from propmap.vehicle.log import in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle, Wing
 from propmap.vehicle.vehicle_forces import Rotors, RotorWrenches, free_stream_force, wing_lift
@@ -338,9 +338,17 @@ class SteadyBalance:
         self.weight = vehicle.mass * GRAVITY
         reach = np.linalg.norm(rotors.position, axis=1).max()
         self.arm = float(max(reach, vehicle.propeller.radius))
-        omega = np.full((1, len(rotors)), REFERENCE_TIP_SPEED / rotors.radius)
+        turning = REFERENCE_TIP_SPEED / rotors.radius
+        for loads, _ in rotors.sources:
+            if isinstance(loads, LoadTable):
+                turning = float(np.clip(turning, *loads.envelope["omega"]))
+        omega = np.full((1, len(rotors)), turning)
         still = rotors.wrenches(omega, np.zeros((*omega.shape, 3)))
         thrust = float(still.thrust.mean())
+        if not thrust > 0.0:
+            lost = still.status[0, 0] if np.isnan(thrust) else f"{thrust:.3g} N"
+            found = f"at rest, at {turning / RPM:.0f} rpm, the rotors have no thrust ({lost})"
+            raise InputError(found, "give loads that cover hover: speed from 0, beta up to 180 deg")
         self.controls = controls(rotors, float(still.torque.mean()) / thrust)
         upward = max(float(rotors.axis[:, 2].mean()), 0.2)
         lifted = self.weight / (len(rotors) * upward)

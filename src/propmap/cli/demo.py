@@ -13,9 +13,9 @@ from propmap.loads import LOADS
 
 NAME, DATA = "APC 8x6E", "gill-dandrea-2019-8x6e"
 NEXT = f"""\
-the same for a point:   propmap predict "{NAME}" --rpm 6000 --speed 10 --beta 60
-what else is known:     propmap props
-a table to fly with:    propmap table "{NAME}" --rpm 4000:8000 --speed 0:20 -o map.npz"""
+the same for a point: propmap predict "{NAME}" --rpm 6000 --speed 10 --beta 60
+what else is known:   propmap props
+a table to fly with:  propmap table "{NAME}" --rpm 4000:8000 --speed 0:20 --tolerance 2% -o a.npz"""
 
 
 def demo() -> None:

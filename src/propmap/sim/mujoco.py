@@ -8,21 +8,20 @@ integrates, keeps and resets as all of its state; forces are a function of that 
 
 from __future__ import annotations
 
-import functools
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from propmap import core
 from propmap.errors import InputError, require
 from propmap.results import STATUSES
 from propmap.rotor import Rotor
 from propmap.table import STATUSES as TABLE_STATUSES
-from propmap.table import LoadTable
+from propmap.table import LoadTable, TableLoads
 from propmap.typing import Floats
 from propmap.units import DEGREE
 from propmap.vehicle.vehicle import Mount, Vehicle
@@ -87,6 +86,12 @@ class MujocoRotors:
             raise InputError(
                 f"loads is {type(loads).__name__}", "give a Rotor or a LoadTable of its rotors"
             )
+        if not isinstance(vehicle, Vehicle) or not isinstance(model, mujoco.MjModel):
+            found = f"model and vehicle are {type(model).__name__} and {type(vehicle).__name__}"
+            remedy = "give an MjModel and propmap.read_vehicle(path).vehicle"
+            raise InputError(f"{found}, not MjModel and Vehicle", remedy)
+        if isinstance(names, str):
+            raise InputError(f"names is {names!r}, one text", "give a list of names, one per rotor")
         self.model = model
         self.names = tuple(names) or tuple(f"rotor_{k + 1}" for k in range(len(vehicle.mounts)))
         _check_options(model)
@@ -95,7 +100,9 @@ class MujocoRotors:
         mounts, self._centre = _mounts(model, body, sites, vehicle, self.names)
         self.vehicle = replace(vehicle, mounts=mounts)
         self._speeds = _Speeds(model, self.names)
-        self._forces, rotors = VehicleForces(self.vehicle, loads), Rotors.of(self.vehicle, loads)
+        if clamp and isinstance(loads, LoadTable):
+            loads = _ClampedTable(loads.content)
+        rotors, self._forces = Rotors.of(self.vehicle, loads), VehicleForces(self.vehicle, loads)
         of_rotor: dict[int, Any] = {k: one for one, mine in rotors.sources for k in mine.tolist()}
         self._core = core.FreeBody(
             np.column_stack([rotors.position, rotors.axis, rotors.spin]),
@@ -105,10 +112,6 @@ class MujocoRotors:
             self._centre,
             clamp,
         )
-        if clamp and isinstance(loads, LoadTable):
-            at_velocity = functools.partial(loads.loads_at_velocity, clamp=True)
-            clamped: Any = SimpleNamespace(loads_at_velocity=at_velocity)
-            rotors = Rotors(self.vehicle, [(clamped, np.arange(len(rotors)))])
         self._rotors, self._alone = rotors, np.zeros(len(rotors))
         self._words = np.array(STATUSES if isinstance(loads, Rotor) else TABLE_STATUSES)
         self._codes = np.zeros((2, len(rotors)), np.uint8)
@@ -125,7 +128,7 @@ class MujocoRotors:
         wind, forces = model.opt.wind, data.qfrc_passive[self._motion]
         lost = self._core.push(pose, motion, wind, omega, change, added, forces, self._codes)
         if lost is not None:
-            self._refuse(lost, omega, self._hubs(model, data)[lost], data.time)
+            self._refuse(lost, omega, change, self._hubs(model, data)[lost], data.time)
 
     @property
     def status(self) -> tuple[str, ...]:
@@ -161,16 +164,29 @@ class MujocoRotors:
         velocity, rates, wind = self._flight(model, data)
         return velocity - wind + cross(rates, self._rotors.position)
 
-    def _refuse(self, k: int, omega: Floats, hub: Floats, time: float) -> None:
+    def _refuse(self, k: int, omega: Floats, change: Floats, hub: Floats, time: float) -> None:
         """Raise the error of rotor ``k``, whose ``hub`` moves so (3,), that has no loads."""
         along = float(hub @ self._rotors.axis[k])
         beta = np.arctan2(np.sqrt(max(float(hub @ hub) - along**2, 0.0)), along)
+        if not np.isfinite(omega[k] + change[k]):
+            found = f"at {time:.4g} s the command or the speed of {self.names[k]} is no number"
+            raise InputError(found, "give numbers in data.ctrl and data.act")
         tabulated = "build a table of this range, keep the flight in its own, or pass clamp=True"
         raise InputError(
             f"at {time:.4g} s {self.names[k]} has no loads ({self.status[k]}), at "
             f"{omega[k]:.4g} rad/s, {np.linalg.norm(hub):.3g} m/s and beta {beta / DEGREE:.0f} deg",
             tabulated if self.status[k] in TABLE_STATUSES else "Rotor.explain says where",
         )
+
+
+class _ClampedTable(LoadTable):
+    """A table that gives the loads of its nearest point."""
+
+    def loads_at_velocity(
+        self, omega: ArrayLike, velocity: ArrayLike, *, clamp: bool = True
+    ) -> TableLoads:
+        """Interpolate the loads there."""
+        return super().loads_at_velocity(omega, velocity, clamp=clamp)
 
 
 class _Speeds:
@@ -197,7 +213,15 @@ class _Speeds:
         if len(lagging) > 1:
             raise InputError("some of the rotors' actuators have a lag, some none", "give all one")
         self._act = model.actuator_actadr[found] if lagging == {True} else None
+        limited = model.actuator_actlimited[found] > 0
         self._rate = 1.0 / np.maximum(model.actuator_dynprm[found, 0], mujoco.mjMINVAL)
+        if self._act is not None and limited.any():
+            name = names[int(np.argmax(limited))]
+            fault = f"the activation of the actuator {name!r} is limited"
+            raise InputError(fault, "limit its ctrl instead: the speed then stays in its range")
+        exact = model.actuator_dyntype[found] == int(kinds.mjDYN_FILTEREXACT)
+        step = model.opt.timestep
+        self._rate = np.where(exact, -np.expm1(-step * self._rate) / step, self._rate)
         self._steady = np.zeros(len(found))
 
     def of(self, data: Any) -> tuple[Floats, Floats]:
@@ -228,6 +252,12 @@ def _check_options(model: Any) -> None:
     off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
     if model.opt.disableflags & off == off:
         raise InputError("passive forces are switched off in the model", "take out the flags")
+    off = mujoco.mjtDisableBit.mjDSBL_ACTUATION | mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
+    if model.opt.disableflags & off or model.opt.disableactuator:
+        raise InputError(
+            "the model switches off actuators or their range, by which rotors turn",
+            "take out the flags actuation, clampctrl and actuatorgroupdisable",
+        )
 
 
 def _find(model: Any, kind: Any, word: str, name: str) -> int:

@@ -26,6 +26,8 @@ def draft_vehicle(path: Path) -> str:
     with what the log does not say are comments that begin with "MISSING".  Raises ``InputError``
     where the log says nothing of rotors.
     """
+    if not path.is_file():
+        raise InputError("there is no such file", "give the .ulg file of a flight", str(path))
     require("logs")
     log = parsed_ulog(path)
     stated: Mapping[str, float] = log.initial_parameters
