@@ -305,7 +305,7 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
         REMARKS[1],
         f"The simulator's air has {SEA_LEVEL:g} kg/m^3 at any height, this vehicle's {density:g}.",
         "Its torque turns an airplane to the right, as a rotor with spin cw does, and a "
-        "tailsitter with two rotors the first of which is cw.",
+        "tailsitter with two rotors the right one of which is cw.",
     ]
     kinds = []
     each = (thrust / size, 2.0 * np.pi * torque / (size * diameter))
@@ -342,6 +342,9 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
     purpose = "propeller of simulation in hardware (SIH) since PX4 1.17"
     left_out = [
         NotWritten("SIH_F_T_MAX, SIH_F_Q_MAX", "the simulator computes them from these"),
+        NotWritten(
+            "SIH_L_ROLL", "set a tailsitter's distance from its plane of symmetry to a rotor"
+        ),
         NotWritten("SIH_VEHICLE_TYPE and the airframe", "set what else flies, and which outputs"),
     ]
     sets = [ParameterSet("px4_sih.params", purpose, kinds)]
