@@ -84,7 +84,8 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
         sets.append(ParameterSet("px4_sih.params", "simulation in hardware (SIH)", simulated))
     else:
         left_out.append(NotWritten("SIH_T_MAX, SIH_Q_MAX, SIH_KDV and the like", why))
-    remarks = [*common_remarks(aircraft), *REMARKS, _gazebo(flights, still)]
+    fastest = flights[0].hover_speed if curve is None else curve.full_speed
+    remarks = [*common_remarks(aircraft, fastest), *REMARKS, _gazebo(flights, still)]
     return AutopilotParameters("PX4", sets, left_out, comparisons, remarks, file_text)
 
 
@@ -301,7 +302,7 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
     still = static_loads(aircraft, curve.full_speed)
     rest = [still.std_of(1.0 / still.thrust, 0.0), still.std_of(0.0, 1.0 / still.torque)]
     remarks = [
-        *common_remarks(aircraft),
+        *common_remarks(aircraft, curve.full_speed),
         REMARKS[1],
         f"The simulator's air has {SEA_LEVEL:g} kg/m^3 at any height, this vehicle's {density:g}.",
         "Its torque turns an airplane to the right, as a rotor with spin cw does, and a "
