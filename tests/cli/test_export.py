@@ -13,11 +13,13 @@ import pytest
 import propmap
 from propmap.export import EXPORTS
 from propmap.table import LoadTable
+from tests.export.test_vehicle_export import TEXT
 from tests.fit.fit_records import fit_text
 
 from .conftest import Run
 from .invented_tables import invented
 
+QUAD = TEXT.replace("blade.csv", "apc-8x6e")
 DELIVERY = Path(__file__).parents[2] / "examples" / "aircraft" / "delivery.toml"
 
 
@@ -117,6 +119,36 @@ def test_a_vehicle_goes_into_an_autopilot(run: Run, tmp_path: Path) -> None:
     assert done.code == 0 and "installed rotors (installed:factor=1" in done.err
     changed = (tmp_path / "ap" / "README-ardupilot.md").read_text()
     assert "rotors: paper-apc + installed" in changed and "battery at 50%" in changed
+
+
+@pytest.mark.parametrize("target", ["c", "rotorpy", "mujoco"])
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "no such file"),
+        ("schema = ", "TOML"),
+        (QUAD.replace("[[rotors]]", "[[rotor]]"), "'rotor'"),
+        (QUAD[: QUAD.index("[[rotors]]")], "rotors"),
+    ],
+    ids=["absent", "no TOML", "misspelt", "without rotors"],
+)
+def test_a_broken_vehicle_is_told_by_its_reader(
+    run: Run, tmp_path: Path, target: str, text: str | None, message: str
+) -> None:
+    if text is not None:
+        (tmp_path / "bad.toml").write_text(text)
+    done = run("export", "bad.toml", "--table", "map.npz", "--to", target, "-o", "to")
+    assert done.code == 2 and done.err.count("\n") == 1
+    assert done.err == run("trim", "bad.toml").err
+    assert "bad.toml" in done.err and message in done.err and "leave it out" not in done.err
+
+
+def test_mujoco_takes_a_vehicle_alone(run: Run) -> None:
+    assert "no such file" in run("export", "absent.toml", "--to", "mujoco", "-o", "to").err
+    assert (
+        "mujoco is not made from a table"
+        in run("export", "map.npz", "--to", "mujoco", "-o", "to").err
+    )
 
 
 @pytest.mark.parametrize(

@@ -568,7 +568,7 @@ def test_a_quadratic_comes_back() -> None:
         expected = constant * np.pi ** (4 - k) / 4.0
         assert values[f"SIH_F_CP{k}"] == pytest.approx(expected, abs=2e-4)
     assert "within 0.0000, 0.0% of the largest C_T" in told[0]
-    assert not any("no quadratic" in line for line in told)
+    assert not any("no quadratic" in line or "extrapolated" in line for line in told)
 
 
 def test_thrust_that_falls_ever_slower_gets_a_line() -> None:
@@ -584,6 +584,10 @@ def test_a_tailsitter_s_curve_that_is_no_quadratic_is_said() -> None:
     told = autopilot_parameters(Aircraft(vehicle, rotor), "px4")
     assert any("C_P is no quadratic: it errs by" in remark for remark in told.remarks)
     assert "standard deviation at rest" in told.sets[0].kinds[0].holds
+    fastest = told.sets[0].values["SIH_F_RPM_MAX"]
+    assert any(f"at up to {fastest:.0f} rpm" in remark for remark in told.remarks)
+    assert any("the right one of which is cw" in remark for remark in told.remarks)
+    assert "SIH_L_ROLL" in {left.name for left in told.left_out}
     # Beside what PX4's airframe 10043 has for UIUC's APC 8x6: 0.131 + 0.004 J - 0.146 J^2.
     values = told.sets[0].values
     ratio = np.linspace(0.2, 0.8, 20)
@@ -594,7 +598,9 @@ def test_a_tailsitter_s_curve_that_is_no_quadratic_is_said() -> None:
 def test_a_propeller_without_full_throttle_or_thrust_is_refused() -> None:
     with pytest.raises(InputError, match=r"no \[motor\] and no \[battery\].*full throttle"):
         autopilot_parameters(aircraft_of(replace(PUSHER, powertrain=Powertrain())), "px4")
-    with pytest.raises(InputError, match="ardupilot is not made from a pusher or tailsitter"):
+    with pytest.raises(
+        InputError, match="but from a vehicle with 3 or more rotors; choose one of px4"
+    ):
         autopilot_parameters(aircraft_of(PUSHER), "ardupilot")
     backwards = replace(PUSHER.propeller, twist=-PUSHER.propeller.twist)
     with pytest.raises(InputError, match="have no thrust; check the propeller"):

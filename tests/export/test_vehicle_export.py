@@ -313,7 +313,7 @@ WRONG: dict[str, tuple[Vehicle, str, str]] = {
         replace(PLAIN, mounts=(*UP, Mount((0.3, 0.0, 0.0)), Mount((-0.3, 0.0, 0.0)))),
         "rotorpy", "has 6 rotors, RotorPy's Multirotor 4",
     ),
-    "another target": (PLAIN, "gazebo", "gazebo is not made from a vehicle and a table"),
+    "another target": (PLAIN, "gazebo", "from a vehicle and a table, but from a table"),
     "no target": (PLAIN, "x-plane", "there is no target"),
     "one place": (
         replace(PLAIN, wakes=WAKES, mounts=(*UP[:3], replace(UP[0], spin="ccw"))),

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -492,15 +492,60 @@ def test_an_exported_vehicle_hovers_in_a_process_of_its_own(tmp_path: Path, case
     assert "0.05 s: assumed" in " ".join((tmp_path / "README-mujoco.txt").read_text().split())
 
 
+def spun(*spins: Literal["cw", "ccw"]) -> Vehicle:
+    """The vehicle with other spins."""
+    mounts = zip(PLAIN.mounts, spins, strict=True)
+    return replace(
+        PLAIN, inertia=INERTIA, mounts=tuple(replace(mount, spin=spin) for mount, spin in mounts)
+    )
+
+
+AHEAD = tuple(replace(mount, position=(0.16, *mount.position[1:])) for mount in PLAIN.mounts)
+
+
 @pytest.mark.parametrize(
     ("vehicle", "message"),
     [
         (PLAIN, "has no inertia"),
-        (replace(PLAIN, inertia=INERTIA, mass=30.0), "does not hover on this table"),
+        (replace(PLAIN, inertia=INERTIA, mass=30.0), "does not hover: .* rotor speeds"),
+        (spun("cw", "cw", "cw", "cw"), "cannot hover without a moment .* position and spin"),
+        (spun("ccw", "ccw", "cw", "ccw"), "cannot hover without a moment; .* position and spin"),
+        (
+            replace(PLAIN, inertia=INERTIA, mounts=AHEAD),
+            "cannot hover without a moment .* position and spin",
+        ),
     ],
-    ids=["no inertia", "too heavy"],
+    ids=["no inertia", "too heavy", "one spin for all", "one wrong spin", "rotors ahead"],
 )
 def test_what_cannot_be_exported(tmp_path: Path, vehicle: Vehicle, message: str) -> None:
     with pytest.raises(InputError, match=message) as told:
         export_vehicle(vehicle, table_of(vehicle), "mujoco", tmp_path / "out")
     assert "\n" not in str(told.value) and not (tmp_path / "out").exists()
+
+
+def test_a_table_without_descent_is_refused(tmp_path: Path) -> None:
+    vehicle = replace(PLAIN, inertia=INERTIA)
+    content = invented_content(beta=(0.0, np.pi / 2.0))
+    content.info["propeller"]["geometry_sha256"] = vehicle.propeller.fingerprint()
+    with pytest.raises(InputError, match=r"beta is 0 to 90 deg.*--beta 0:180"):
+        export_vehicle(vehicle, LoadTable(content), "mujoco", tmp_path / "out")
+
+
+def test_headless_flight_without_loads_ends_with_a_line(tmp_path: Path) -> None:
+    """Rotors slower than the table's slowest."""
+    vehicle = replace(PLAIN, inertia=INERTIA)
+    export_vehicle(vehicle, table_of(vehicle), "mujoco", tmp_path)
+    model = tmp_path / "test_quad.xml"
+    slow = re.sub(r'act="[^"]*"', 'act="100 100 100 100"', model.read_text())
+    model.write_text(slow)
+    command = [sys.executable, str(tmp_path / "test_quad_mujoco.py"), "--headless", "5"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and done.stdout == ""
+    assert done.stderr.count("\n") == 1 and "no loads" in done.stderr, done.stderr
+
+
+def test_the_keyframe_has_no_rounding_in_it(tmp_path: Path) -> None:
+    vehicle = replace(PLAIN, inertia=INERTIA)
+    export_vehicle(vehicle, table_of(vehicle), "mujoco", tmp_path)
+    (attitude,) = re.findall(r'qpos="0 0 2 ([^"]*)"', (tmp_path / "test_quad.xml").read_text())
+    assert attitude == "1.0 0.0 0.0 0.0"

@@ -15,7 +15,14 @@ from propmap.catalogue.lookup import propeller
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
-from propmap.export import AUTOPILOTS, EXPORTS, ROTOR_TARGETS, VEHICLE_TARGETS, find_export
+from propmap.export import (
+    AUTOPILOTS,
+    EXPORTS,
+    ROTOR_TARGETS,
+    TARGETS,
+    VEHICLE_TARGETS,
+    find_export,
+)
 from propmap.fit.files import is_fit, read_fit
 from propmap.model.model import Model
 from propmap.rotor import Rotor
@@ -125,23 +132,25 @@ def export(
         check_folder(output)
         asked = opt.RotorChoice(str(source), airfoil=airfoil, model=model, correction=correction)
         paths = export_rotor(asked.rotor(), to, output, replace=force)
-    elif _is_vehicle(source):
+    elif _is_vehicle(source) or _meant_as_vehicle(source, to, table):
         refuse(prop=prop, model=model, correction=correction or None)
         refuse(airfoil=airfoil, speed=speed, charge=charge)
         if to not in VEHICLE_TARGETS:
             fault = f"this is a vehicle file, and {to} is written of a table alone"
             remedy = f"give the table, or --to {', '.join(VEHICLE_TARGETS)}, px4 or ardupilot"
             raise InputError(fault, remedy, str(source))
+        vehicle = opt.vehicle_of(source, no_wakes=no_wakes)
         if table is None:
             fault = "this is a vehicle file, and the loads of its rotors are not given"
             remedy = "build a table with propmap table and give it as --table FILE.npz"
             raise InputError(fault, remedy, str(source))
         check_folder(output)
-        vehicle, loads = opt.vehicle_of(source, no_wakes=no_wakes), LoadTable.load(table)
+        loads = LoadTable.load(table)
         with out.blamed_on(source):
             paths = export_vehicle(vehicle, loads, to, output, replace=force)
         out.note(*assumption_lines(assumptions(vehicle, loads)))
     else:
+        find_export(to, "table")
         refuse(airfoil=airfoil, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None)
         check_folder(output)
         found = _table_of(source, prop, model, correction)
@@ -159,6 +168,14 @@ def _is_vehicle(path: Path) -> bool:
         return "rotors" in tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return False
+
+
+def _meant_as_vehicle(source: Path, to: str, table: Path | None) -> bool:
+    """Return whether the file, however broken, has to be a vehicle's: nothing else goes ``to`` this
+    target, or goes there with a ``table``."""
+    if source.suffix.lower() in TABLES or to not in VEHICLE_TARGETS:
+        return False
+    return table is not None or to not in TARGETS
 
 
 def _table_of(

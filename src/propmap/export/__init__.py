@@ -38,7 +38,8 @@ SOURCES = {
     "table": "a table",  # function(table) returns ``propmap.export.files.Files``
     "rotor": "a propeller",  # function(rotor) returns ``Files``
     "vehicle": "a vehicle and a table",  # function(vehicle, table) returns ``Files``
-    "autopilot": "a vehicle",  # function(aircraft, flights) returns ``AutopilotParameters``
+    # function(aircraft, flights) returns ``AutopilotParameters``
+    "autopilot": "a vehicle with 3 or more rotors",
     "pusher": "a pusher or tailsitter",  # function(aircraft), likewise
 }
 
@@ -104,7 +105,7 @@ def find_export(target: str, source: str | None = None) -> Export:
             return export
     found = f"there is no target {quoted(target)}"
     if source and named:
-        made = SOURCES[named[0].source]
+        made = " or ".join(SOURCES[export.source] for export in named)
         found = f"{target} is not made from {SOURCES[source]}, but from {made}"
     known = _targets(source) if source else dict.fromkeys(export.target for export in EXPORTS)
     raise InputError(found, f"choose one of {', '.join(known)}")

@@ -62,7 +62,8 @@ def parameters(aircraft: Aircraft, flights: autopilot.Flights) -> autopilot.Auto
     else:
         kinds.append(_expo(aircraft, flights, curve))
     sets = [autopilot.ParameterSet("ardupilot.param", "wind estimation and thrust curve", kinds)]
-    remarks = [*autopilot.common_remarks(aircraft), *REMARKS]
+    fastest = flights[0].hover_speed if curve is None else curve.full_speed
+    remarks = [*autopilot.common_remarks(aircraft, fastest), *REMARKS]
     return autopilot.AutopilotParameters(
         "ArduPilot", sets, left_out, comparisons, remarks, file_text
     )

@@ -13,6 +13,7 @@ import numpy as np
 import propmap
 from propmap.aircraft.assumptions import assumption_lines, assumptions
 from propmap.aircraft.trim import STATUSES, Aircraft
+from propmap.catalogue.identified import identified
 from propmap.errors import InputError
 from propmap.export import find_export
 from propmap.export.files import check_folder, filled, vehicle_identifier, write_files
@@ -27,6 +28,7 @@ from propmap.export.steady_loads import (
 )
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.units import RPM
 from propmap.vehicle.vehicle import Vehicle
 
 
@@ -203,8 +205,9 @@ def comment_lines(part: ParameterSet, vehicle: Vehicle, target: str) -> list[str
     ]
 
 
-def common_remarks(aircraft: Aircraft) -> list[str]:
-    """Say what the drag coefficients of an ``aircraft`` have in them and what not."""
+def common_remarks(aircraft: Aircraft, omega: float) -> list[str]:
+    """Say what the drag coefficients of an ``aircraft`` have in them and what not, and whether
+    ``omega`` [rad/s], of its fastest rotors here, is beyond the data of the section constants."""
     words = assumption_lines(assumptions(aircraft.vehicle, aircraft.loads))
     remarks = [f"{each[:1].upper()}{each[1:]}." for each in words]
     tilted = any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts)
@@ -213,6 +216,14 @@ def common_remarks(aircraft: Aircraft) -> list[str]:
             "Rotors are tilted: what their thrust adds along x and y in forward flight is part of "
             "the fitted coefficients."
         )
+    loads, blade, rpm = aircraft.loads, aircraft.vehicle.propeller, omega / RPM
+    if isinstance(loads, Rotor):
+        own, name = identified(blade.name, blade.blades), loads.model.airfoil.name
+        if own is not None and own.airfoil.name == name and rpm > own.rpm_high:
+            remarks.append(
+                f"The section constants are extrapolated: rotors turn at up to {rpm:.0f} rpm for "
+                f"these parameters, and the data of the constants end at {own.rpm_high:.0f}."
+            )
     return remarks
 
 

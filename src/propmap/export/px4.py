@@ -84,7 +84,8 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
         sets.append(ParameterSet("px4_sih.params", "simulation in hardware (SIH)", simulated))
     else:
         left_out.append(NotWritten("SIH_T_MAX, SIH_Q_MAX, SIH_KDV and the like", why))
-    remarks = [*common_remarks(aircraft), *REMARKS, _gazebo(flights, still)]
+    fastest = flights[0].hover_speed if curve is None else curve.full_speed
+    remarks = [*common_remarks(aircraft, fastest), *REMARKS, _gazebo(flights, still)]
     return AutopilotParameters("PX4", sets, left_out, comparisons, remarks, file_text)
 
 
@@ -301,11 +302,11 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
     still = static_loads(aircraft, curve.full_speed)
     rest = [still.std_of(1.0 / still.thrust, 0.0), still.std_of(0.0, 1.0 / still.torque)]
     remarks = [
-        *common_remarks(aircraft),
+        *common_remarks(aircraft, curve.full_speed),
         REMARKS[1],
         f"The simulator's air has {SEA_LEVEL:g} kg/m^3 at any height, this vehicle's {density:g}.",
         "Its torque turns an airplane to the right, as a rotor with spin cw does, and a "
-        "tailsitter with two rotors the first of which is cw.",
+        "tailsitter with two rotors the right one of which is cw.",
     ]
     kinds = []
     each = (thrust / size, 2.0 * np.pi * torque / (size * diameter))
@@ -342,6 +343,9 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
     purpose = "propeller of simulation in hardware (SIH) since PX4 1.17"
     left_out = [
         NotWritten("SIH_F_T_MAX, SIH_F_Q_MAX", "the simulator computes them from these"),
+        NotWritten(
+            "SIH_L_ROLL", "set a tailsitter's distance from its plane of symmetry to a rotor"
+        ),
         NotWritten("SIH_VEHICLE_TYPE and the airframe", "set what else flies, and which outputs"),
     ]
     sets = [ParameterSet("px4_sih.params", purpose, kinds)]

@@ -17,6 +17,7 @@ import numpy as np
 from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.export import files
+from propmap.export.steady_loads import check_hover
 from propmap.loads import LOADS
 from propmap.results import spin_sign
 from propmap.table.query import LoadTable
@@ -153,20 +154,23 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
 
 def vehicle_mujoco_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
     """Write an MJCF model in hover, a script that flies it by ``propmap.sim.mujoco``, the table and
-    the note; ``InputError`` for a vehicle without inertia and a table that does not let it hover.
-    """
+    the note; ``InputError`` for a vehicle without inertia or hover, and a table without descent."""
     if vehicle.inertia is None:
         fault = "the vehicle's file has no inertia, without which nothing turns"
         raise InputError(fault, "add inertia = [about x, about y, about z] in kg m^2")
-    hover = Aircraft(vehicle, table).steady(0.0, margin=False)
-    if not hover.found[0]:
-        fault = f"the vehicle does not hover on this table ({hover.status[0]})"
-        raise InputError(fault, "build a table with hover, at the rotor speeds that carry its mass")
+    low, high = np.degrees(table.envelope["beta"])
+    if low > 1e-6 or high < 180.0 - 1e-6:
+        fault = f"the table's beta is {low:g} to {high:g} deg, and every hover rises and sinks"
+        raise InputError(fault, "build it with --beta 0:180")
+    craft = Aircraft(vehicle, table)
+    hover = craft.steady(0.0, margin=False)
+    check_hover(craft, hover)
     name, rotor, lag = files.vehicle_name(vehicle, table), files.identifier(table), USUAL[LAG]
     (cp, cr), (sp, sr) = (
         f(0.5 * np.array([hover.pitch[0], hover.roll[0]])) for f in (np.cos, np.sin)
     )
-    turned = [float(part) for part in (cp * cr, cp * sr, sp * cr, -sp * sr)]  # pitch, then roll
+    # Pitch, then roll; what is left of the solver's rounding, signs of zero too, is cut off.
+    turned = [round(float(part), 12) + 0.0 for part in (cp * cr, cp * sr, sp * cr, -sp * sr)]
     parts = {"v": name, "vehicle": vehicle, "hover": hover.rotor_speed[0].tolist()}
     parts |= {"made": literal(dataclasses.replace(vehicle, powertrain=Powertrain())), "lag": lag}
     return {

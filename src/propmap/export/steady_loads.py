@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.aircraft.trim import STATUSES, Aircraft
+from propmap.aircraft.trim import STATUSES, Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.operating_points import split_velocity
@@ -51,14 +51,7 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
     ``InputError`` where it cannot hover, with thrust along z, or flies fewer than two."""
     turned = aircraft if axis == "x" else _turned(aircraft)
     states = turned.steady(np.concatenate([[0.0], speeds]), margin=False)
-    if not states.found[0]:
-        found = f"the vehicle does not hover: {STATUSES[str(states.status[0])]}"
-        raise InputError(found, "check mass, propeller and motor, or the table")
-    vehicle, moment = turned.vehicle, states.moment[0]
-    if np.abs(moment).max() > 1e-3 * vehicle.mass * GRAVITY * vehicle.propeller.radius:
-        left = ", ".join(f"{m:.2g}" for m in moment)
-        found = f"the rotors cannot hover without a moment (about x, y, z: {left} N m)"
-        raise InputError(found, "check position and spin of each rotor")
+    check_hover(turned, states)
     size = len(states)
     up = in_vehicle_frame(np.zeros(size), np.zeros(size), np.ones(size), states.pitch, states.roll)
     specific = -GRAVITY * up[:, 0]
@@ -91,6 +84,37 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
         hover_speed=float(states.rotor_speed[0].mean()),
         lost=tuple((float(states.speed[k]), str(states.status[k])) for k in lost),
     )
+
+
+def check_hover(aircraft: Aircraft, states: SteadyStates) -> None:
+    """Raise ``InputError`` where the first of an aircraft's ``states``, at rest, is no hover in
+    which the rotors balance all moments."""
+    vehicle, left = aircraft.vehicle, ""
+    if states.found[0]:
+        moment = states.moment[0]
+        if np.abs(moment).max() <= 1e-3 * vehicle.mass * GRAVITY * vehicle.propeller.radius:
+            return
+        left = f" (about x, y, z: {', '.join(f'{m:.2g}' for m in moment)} N m)"
+    elif _balances(aircraft):
+        found = f"the vehicle does not hover: {STATUSES[str(states.status[0])]}"
+        remedy = "or the table: it needs rest, at the rotor speeds that carry the mass"
+        raise InputError(found, f"check mass, propeller and motor, {remedy}")
+    found = f"the rotors cannot hover without a moment{left}"
+    raise InputError(found, "check position and spin of each rotor")
+
+
+def _balances(aircraft: Aircraft) -> bool:
+    """Return whether thrusts of a tenth of their mean or more, with torques of the usual arm, would
+    hold an aircraft without a moment, whatever the rotors can carry."""
+    from scipy.optimize import nnls
+
+    rotors = aircraft.rotors
+    turning = np.cross(rotors.position, rotors.axis)
+    turning = turning - 0.1 * rotors.radius * rotors.spin[:, None] * rotors.axis
+    turning /= np.maximum(np.abs(turning).max(axis=0), 0.01 * rotors.radius)
+    effect = np.vstack([rotors.axis @ rotors.axis.mean(axis=0), turning.T])
+    least = np.full(len(rotors), 0.1 / len(rotors))
+    return bool(nnls(effect, np.array([1.0, 0.0, 0.0, 0.0]) - effect @ least)[1] < 0.01)
 
 
 def _turned(aircraft: Aircraft) -> Aircraft:
