@@ -115,6 +115,6 @@ def test_a_table_need_not_have_the_speed_that_is_tried_first(run: Run) -> None:
         )
         assert done.code == code, done.err
         if code:
-            assert "the rotors have no thrust (outside); give loads that cover hover" in done.err
+            assert "the rotors have no loads (outside); give loads that cover hover" in done.err
         else:
             assert ",6444" in done.out or "6443" in done.out

@@ -345,9 +345,9 @@ class SteadyBalance:
         omega = np.full((1, len(rotors)), turning)
         still = rotors.wrenches(omega, np.zeros((*omega.shape, 3)))
         thrust = float(still.thrust.mean())
-        if not thrust > 0.0:
-            lost = still.status[0, 0] if np.isnan(thrust) else f"{thrust:.3g} N"
-            found = f"at rest, at {turning / RPM:.0f} rpm, the rotors have no thrust ({lost})"
+        if np.isnan(thrust):
+            lost = still.status[0, 0]
+            found = f"at rest, at {turning / RPM:.0f} rpm, the rotors have no loads ({lost})"
             raise InputError(found, "give loads that cover hover: speed from 0, beta up to 180 deg")
         self.controls = controls(rotors, float(still.torque.mean()) / thrust)
         upward = max(float(rotors.axis[:, 2].mean()), 0.2)
