@@ -95,7 +95,7 @@ def scheduler() -> dict[str, Any]:
             }
         )
         print(rows[-1], flush=True)
-    # Of a machine that is not as busy as this one may have been.
+    # This machine may have been busier than another.
     costs = Costs(min(dispatch, *(row["dispatch_s"] for row in rows)), costs.gap)
     beyond = {
         str(seconds): {str(n): efficiency(seconds, n, costs) for n in MANY}

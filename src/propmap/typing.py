@@ -9,6 +9,6 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# Of ``propmap.core``, which has no annotations.
+# Classes of ``propmap.core``, which has no annotations.
 CoreRotor: TypeAlias = Any
 CoreTable: TypeAlias = Any

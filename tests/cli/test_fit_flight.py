@@ -89,7 +89,7 @@ def test_without_steady_stretches_all_forces_are_fitted(run: Run, tmp_path: Path
     assert set(checked) == {"corrections", "rows", "loads"} and checked["rows"] == 200
     assert set(checked["loads"]) == {"force_x_N", "force_y_N", "force_z_N"}
     assert set(checked["loads"]["force_z_N"]) == CHECKED | {"by_speed", "by_envelope", "in_band"}
-    # Of whole flights the main part is the envelope.
+    # In fits of whole flights the main part is the envelope.
     assert found["envelope"]["percentiles"] == [1.0, 99.0]
     apart = checked["loads"]["force_z_N"]["by_envelope"]
     assert sum(one["rows"] for one in apart.values()) == 200

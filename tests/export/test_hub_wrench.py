@@ -135,7 +135,7 @@ def test_the_inflow_in_c_decays_for_any_step(oblique: Both, tmp_path: Path) -> N
     near = in_c(table, tmp_path / "near", np.column_stack([rows, found[:, 12] + 1e-4]))
     want = 1e-4 * np.exp(-1e-3 / found[:, 13])
     np.testing.assert_allclose(near[:, 14] - near[:, 12], want, rtol=1e-3)
-    # Of the parts of its rate that are known: without blades 3 pi/4 times 2 v over R.
+    # Those parts of its rate that are known: without blades 3 pi/4 times 2 v over R.
     hover = np.column_stack([600.0, 0.0, 0.0, 0.0, 1.0, 0.0])
     v, time = in_c(table, tmp_path / "hover", hover)[0, 12:14]
     thrust = float(table.loads(600.0, 0.0, 0.0).thrust)

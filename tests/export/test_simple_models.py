@@ -137,7 +137,7 @@ def test_the_sdf_gives_the_motor_model(table: LoadTable, tmp_path: Path) -> None
         np.testing.assert_allclose(found[name], values, rtol=1e-8)
     assert value["maxRotVelocity"] == pytest.approx(table.envelope["omega"][1])
     still = table.loads(600.0, 0.0, 0.0)
-    # Of hover; the Reynolds number moves the torque.
+    # In hover; the Reynolds number moves the torque.
     assert value["motorConstant"] * 600.0**2 == pytest.approx(still.thrust, rel=0.01)
     assert value["momentConstant"] * still.thrust == pytest.approx(still.torque, rel=0.03)
     edgewise = table.loads(600.0, 3.0, np.pi / 2)

@@ -41,7 +41,7 @@ def test_the_points_come_back(vehicle: Vehicle, points: FlightLog, tmp_path: Pat
     stretches = steady_stretches(log)
     assert len(stretches) == SPEEDS.size
     found = operating_points(log, stretches)
-    # Of 600 samples, with a margin for the moments around each stretch that are not steady.
+    # There are 600 samples; a margin for the moments around each stretch that are not steady.
     mean = 5.0 / np.sqrt(600.0)
     assert found.velocity == pytest.approx(points.velocity, abs=mean * noise.velocity + 0.01)
     assert found.up == pytest.approx(points.up, abs=mean * noise.attitude + 0.002)

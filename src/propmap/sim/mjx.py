@@ -63,7 +63,7 @@ class JaxForces:
             raise InputError(f"table is {type(table).__name__}", "give a LoadTable of its rotors")
         check_table(vehicle, table)
         if vehicle.wakes is not None:
-            found = "the vehicle has wakes, which JAX has not"
+            found = "the vehicle has wakes, which are not computed in JAX"
             raise InputError(found, "use VehicleForces, or leave them out")
         return cls(JaxTable.of(table), vehicle)
 
