@@ -53,7 +53,7 @@ template <class R> struct Annuli {
 
 // The angle of attack from zero lift [rad] at a tangential velocity.
 inline Lanes angle_at(const Station<Lanes>& at, Lanes u_t, Lanes u_p) {
-    const Lanes per = 1.0 / square_root(u_t * u_t + u_p * u_p + 1e-30);
+    const Lanes per = inverse_square_root(u_t * u_t + u_p * u_p + 1e-30);
     return radians(at.line - Angle<Lanes>{u_p * per, u_t * per, {}});
 }
 
@@ -66,8 +66,8 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
     Lanes v = square_root(maximum(lift, 0.0)) + 1.5 * std::max(-f.v_axial, 0.0);
     for (int step = 0; step < 4; ++step) {
         const Lanes u = f.v_axial + v;
-        const Lanes w = square_root(speed_squared(f.v_inplane, u));
-        v = v + (lift - loss * u - v * w) / (loss + maximum(w + v * u / w, 1e-3 * w));
+        const Lanes square = speed_squared(f.v_inplane, u), per = inverse_square_root(square), w = square * per;
+        v = v + (lift - loss * u - v * w) / (loss + maximum(w + v * u * per, 1e-3 * w));
     }
     return v;
 }
@@ -418,7 +418,7 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
     const Mask asked = each_lane([](int k) { return k; }) < double(radii);
     LaneSamples s;
     const auto sample = [&](Mask lanes, std::initializer_list<double> offsets, Lanes times) {
-        std::array<Lanes, LaneSamples::most> v;
+        std::array<Lanes, LaneSamples::most> v{};
         std::array<Dual<Lanes, 1>, LaneSamples::most> g;
         int count = 0;
         for (double off : offsets) {

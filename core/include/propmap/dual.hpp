@@ -163,8 +163,12 @@ template <IsDual T> T absolute(const T& x) {
 }
 
 template <IsDual T> auto square_root(const T& x) {
-    auto s = square_root(x.v);
-    return chain(x, s, 0.5 / s);
+    auto per = inverse_square_root(x.v);
+    return chain(x, x.v * per, 0.5 * per);
+}
+template <IsDual T> auto inverse_fourth_root(const T& x) {
+    auto r = inverse_fourth_root(x.v), square = r * r;
+    return chain(x, r, -0.25 * r * square * square);
 }
 template <IsDual T> auto logarithm(const T& x) { return chain(x, logarithm(x.v), 1.0 / x.v); }
 template <IsDual T> auto power_of_two(const T& x) {
