@@ -119,7 +119,7 @@ class DynamicInflow:
             As in ``steady``.
         """
         points = _StatePoints(omega, velocity, state=state)
-        return self._loads(points)
+        return self._loads(points, self._motion(points))
 
     def wrench(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Wrench:
         """Force and moment on the vehicle in the rotor frame, as ``Rotor.wrench``.
@@ -132,7 +132,21 @@ class DynamicInflow:
             As in ``steady``.
         """
         points = _StatePoints(omega, velocity, state=state)
-        return hub_wrench(self._loads(points), points.direction, self._sign)
+        return self._wrench(points, self._motion(points))
+
+    def advance(
+        self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
+    ) -> tuple[Wrench, Floats]:
+        """``wrench`` now and the state (..., 3) [m/s] of ``step``, in little more than one's time.
+
+        Parameters
+        ----------
+        state, dt, omega, velocity : array_like
+            As in ``step``.
+        """
+        points = _StatePoints(omega, velocity, state=state, dt=dt)
+        motion = self._motion(points)
+        return self._wrench(points, motion), points.shaped(motion.later)
 
     def time_constants(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
         """Times (..., 3) [s] in which small deviations fall to 1/e, the longest first.
@@ -157,8 +171,10 @@ class DynamicInflow:
         of = points.state, points.direction.ravel(), self._sign, points.dt
         return _Motion(*self.rotor._core.inflow_motion(points.flow.rows, *of, cores()))
 
-    def _loads(self, points: _StatePoints) -> Loads:
-        motion = self._motion(points)
+    def _wrench(self, points: _StatePoints, motion: _Motion) -> Wrench:
+        return hub_wrench(self._loads(points, motion), points.direction, self._sign)
+
+    def _loads(self, points: _StatePoints, motion: _Motion) -> Loads:
         static = self.rotor._as_loads(motion.loads, motion.found, points.flow.omega, points.shape)
         return replace(static, mean_inflow=points.state[::3].reshape(points.shape))
 

@@ -253,6 +253,15 @@ def test_a_mirrored_rotor_moves_as_a_mirror_image() -> None:
     np.testing.assert_allclose(other.moment, one.moment * [-1.0, 1.0, -1.0], rtol=1e-9)
 
 
+def test_advancing_is_a_wrench_and_a_step_by_one_solution() -> None:
+    inflow, state = dynamic("paper-apc", "cw"), np.array([3.0, 1.0, -2.0])
+    wrench, later = inflow.advance(state, 1e-3, OMEGA, OBLIQUE)
+    alone = inflow.wrench(state, OMEGA, OBLIQUE)
+    np.testing.assert_array_equal(later, inflow.step(state, 1e-3, OMEGA, OBLIQUE))
+    np.testing.assert_array_equal(wrench.force, alone.force)
+    np.testing.assert_array_equal(wrench.moment, alone.moment)
+
+
 def test_points_broadcast_over_leading_axes() -> None:
     inflow = dynamic()
     state, omega = np.array([3.0, 1.0, 0.0]), np.array([[500.0], [700.0]])
