@@ -167,12 +167,12 @@ def with_shares(shares: Mapping[str, float]) -> ExitStack:
 
 
 def shares_of(every: Sequence[Campaign]) -> dict[str, float]:
-    """Root mean squares over campaigns of the shares that fit each."""
+    """The larger of the shares that fit each campaign: two do not tell how a third would differ."""
     found = {}
     for name in (*bands.OBLIQUE, *bands.INPLANE):
         each = [share_that_fits(one, name) for one in every if name in one.measured]
         if each:
-            found[name] = float(np.sqrt(np.mean(np.square(each))))
+            found[name] = max(each)
     return found
 
 
