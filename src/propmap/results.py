@@ -77,8 +77,8 @@ class Loads(LoadValues):
     vortex_ring : ndarray
         Share of the measured vortex-ring inflow in the inflow used [-].
     mean_inflow : ndarray
-        v_i of eq. (11) averaged over the disk [m/s]; the mean that harmonics of the inflow add, less
-        than 1 % of it, is left out.
+        v_i of eq. (11) averaged over the disk [m/s]; the mean that harmonics of the inflow add,
+        less than 1 % of it, is left out.
     deviations : callable, optional
         Gives ``std_by_source``.
     """
