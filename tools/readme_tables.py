@@ -155,6 +155,7 @@ def _stated(value: float | None, unit: str, digits: int, missing: str) -> str:
 def speed(found: dict[str, Any]) -> str:
     """Times of whole processes and of calls, with the machine they come from."""
     place, growth = found["machine"], found["growth"]["cpu_microseconds_per_point"]
+    state = found["inflow_as_state_us"]
     rows = [
         f"{place['cpu']}, {place['cores']} cores, Python {place['python']}, core for "
         f"{place['instructions']}; medians; the machine's load was {place['load_before']} at the "
@@ -181,7 +182,8 @@ def speed(found: dict[str, Any]) -> str:
             for name, cost in (found["batches"] | found["gradients"]).items()
         ),
         "",
-        f"A step of the dynamic inflow takes {found['inflow_step_us']:.0f} µs; `fine` "
+        f"One rotor's wrench takes {state['wrench']:.0f} µs, with the inflow as a state and its step "
+        f"{state['advance']:.0f} µs, the step alone {state['step']:.0f} µs; `fine` takes "
         f"{found['fine_over_standard']:.1f} times as long as `standard`; a thousand oblique points "
         f"{growth['1000']:.0f} µs of processor time each, a million {growth['1000000']:.0f}, in "
         f"{found['growth']['peak_megabytes'] / 1e3:.1f} GB at most.",

@@ -119,7 +119,9 @@ class DynamicInflow:
             As in ``steady``.
         """
         points = _StatePoints(omega, velocity, state=state)
-        return self._loads(points, self._motion(points))
+        motion = self._motion(points)
+        static = self.rotor._as_loads(motion.loads, motion.found, points.flow.omega, points.shape)
+        return replace(static, mean_inflow=points.state[::3].reshape(points.shape))
 
     def wrench(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Wrench:
         """Force and moment on the vehicle in the rotor frame, as ``Rotor.wrench``.
@@ -132,7 +134,7 @@ class DynamicInflow:
             As in ``steady``.
         """
         points = _StatePoints(omega, velocity, state=state)
-        return self._wrench(points, self._motion(points))
+        return hub_wrench(self._motion(points).loads, points.direction, self._sign)
 
     def advance(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
@@ -146,7 +148,8 @@ class DynamicInflow:
         """
         points = _StatePoints(omega, velocity, state=state, dt=dt)
         motion = self._motion(points)
-        return self._wrench(points, motion), points.shaped(motion.later)
+        wrench = hub_wrench(motion.loads, points.direction, self._sign)
+        return wrench, points.shaped(motion.later)
 
     def time_constants(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
         """Times (..., 3) [s] in which small deviations fall to 1/e, the longest first.
@@ -170,13 +173,6 @@ class DynamicInflow:
     def _motion(self, points: _StatePoints) -> _Motion:
         of = points.state, points.direction.ravel(), self._sign, points.dt
         return _Motion(*self.rotor._core.inflow_motion(points.flow.rows, *of, cores()))
-
-    def _wrench(self, points: _StatePoints, motion: _Motion) -> Wrench:
-        return hub_wrench(self._loads(points, motion), points.direction, self._sign)
-
-    def _loads(self, points: _StatePoints, motion: _Motion) -> Loads:
-        static = self.rotor._as_loads(motion.loads, motion.found, points.flow.omega, points.shape)
-        return replace(static, mean_inflow=points.state[::3].reshape(points.shape))
 
 
 class _Motion(NamedTuple):

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
-from propmap.loads import LOADS
 from propmap.typing import Floats
 
 STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
@@ -302,12 +301,13 @@ def spin_sign(spin: str) -> float:
     return 1.0 if spin == "ccw" else -1.0
 
 
-def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
-    """Make vectors of loads (...) in the right-handed rotor frame with z along the thrust, for the
+_UP = np.array([[0.0, 0.0, 1.0]])
+
+
+def hub_wrench(loads: Floats, direction: Floats, sign: float) -> Wrench:
+    """Make vectors of loads (L, N) in the right-handed rotor frame with z along the thrust, for the
     unit vector ``direction`` (..., 3) of the in-plane velocity and the ``sign`` of the spin."""
     from propmap import core
 
-    rows = np.stack([np.ravel(getattr(loads, name)) for name in LOADS])[:, None]
-    up, against = np.array([[0.0, 0.0, 1.0]]), -direction.reshape(-1, 3)
-    found = core.hub_wrenches(up, np.array([sign]), against, rows)
+    found = core.hub_wrenches(_UP, np.array([sign]), -direction.reshape(-1, 3), loads[:, None])
     return Wrench(*(vectors.reshape(direction.shape) for vectors in found))

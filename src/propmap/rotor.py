@@ -162,7 +162,8 @@ class Rotor:
         """
         sign = results.spin_sign(spin)
         points, direction = split_velocity(omega, velocity, **further)
-        return results.hub_wrench(self._loads(self._allowed(points)), direction, sign)
+        loads, _ = self._core.loads(self._allowed(points).rows, cores())
+        return results.hub_wrench(loads, direction, sign)
 
     @property
     def parameters(self) -> tuple[str, ...]:

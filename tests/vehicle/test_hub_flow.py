@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 
 import propmap
@@ -44,8 +42,7 @@ def test_force_and_moment_of_each_rotor_are_those_of_its_own_frame() -> None:
         seen = hubs[:, rotor] @ frame.T
         across = seen * [1.0, 1.0, 0.0]
         direction = across / np.linalg.norm(across, axis=1, keepdims=True)
-        named = SimpleNamespace(**dict(zip(LOADS, loads[:, :, rotor], strict=True)))
-        want = hub_wrench(named, direction, 1.0 if spin == "ccw" else -1.0)
+        want = hub_wrench(loads[:, :, rotor], direction, 1.0 if spin == "ccw" else -1.0)
         np.testing.assert_allclose(force[:, rotor], want.force @ frame, atol=1e-12)
         np.testing.assert_allclose(moment[:, rotor], want.moment @ frame, atol=1e-12)
 
