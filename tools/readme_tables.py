@@ -182,8 +182,8 @@ def speed(found: dict[str, Any]) -> str:
             for name, cost in (found["batches"] | found["gradients"]).items()
         ),
         "",
-        f"One rotor's wrench takes {state['wrench']:.0f} µs, with the inflow as a state and its step "
-        f"{state['advance']:.0f} µs, the step alone {state['step']:.0f} µs; `fine` takes "
+        f"A rotor's wrench takes {state['wrench']:.0f} µs, with the inflow as a state and its "
+        f"step {state['advance']:.0f} µs, the step alone {state['step']:.0f} µs; `fine` takes "
         f"{found['fine_over_standard']:.1f} times as long as `standard`; a thousand oblique points "
         f"{growth['1000']:.0f} µs of processor time each, a million {growth['1000000']:.0f}, in "
         f"{found['growth']['peak_megabytes'] / 1e3:.1f} GB at most.",
