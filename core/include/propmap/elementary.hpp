@@ -104,24 +104,6 @@ template <class T, class I> T power_of_two(T x) {
     return std::bit_cast<T>(std::bit_cast<I>(power) + (std::bit_cast<I>(large) << 52));
 }
 
-// 1/x^(1/4) and 1/x for x > 0, but the smallest and largest: processors take ten times as long for a root or a quotient
-// as for a product.  The bits give a first value to 3 and 5 %, a polynomial of what is missing one to 3e-6 and 3e-5, its
-// Taylor series the last.
-template <class T, class I> T inverse_fourth_root(T x) {
-    T r = std::bit_cast<T>(0x4feb03120f70692b - (std::bit_cast<I>(x) >> 2));
-    T square = r * r, missing = 1.0 - x * square * square;
-    r = r * (0.99999719066 + missing * (0.249992529705 + missing * (0.157717979383 + missing * 0.118880081769)));
-    square = r * r, missing = 1.0 - x * square * square;
-    return r + r * missing * (0.25 + 0.15625 * missing);
-}
-template <class T, class I> T reciprocal(T x) {
-    T r = std::bit_cast<T>(0x7fde623850248534 - std::bit_cast<I>(x));
-    T missing = 1.0 - x * r;
-    r = r * (1.00000000002 + missing * (1.0019171333 + missing * 1.00191711913));
-    missing = 1.0 - x * r;
-    return r + r * (missing + missing * missing);
-}
-
 // An angle over its sine, as a polynomial of 2 cos - 1 for cosines from 0 to 1 (error 4e-13).
 inline constexpr double angle_series[] = {
     1.209199576155869516,     -0.263600141281195541,     0.06973319208731127941,  -0.01983714693391221358,
@@ -140,14 +122,28 @@ template <class T> T angle_of(T cosine, T sine) {
 inline double power_of_two(double x) { return detail::power_of_two<double, std::int64_t>(x); }
 inline Lanes power_of_two(Lanes x) { return detail::power_of_two<Lanes, Mask>(x); }
 
-inline double inverse_fourth_root(double x) { return detail::inverse_fourth_root<double, std::int64_t>(x); }
-inline Lanes inverse_fourth_root(Lanes x) { return detail::inverse_fourth_root<Lanes, Mask>(x); }
+// 1/x^(1/4) and 1/x for x > 0, but the smallest and largest: processors take ten times as long for a root or a quotient
+// as for a product.  The bits give a first value to 3 and 5 %, a polynomial of what is missing one to 3e-6 and 3e-5, its
+// Taylor series the last.
+inline Lanes inverse_fourth_root(Lanes x) {
+    Lanes r = std::bit_cast<Lanes>(0x4feb03120f70692b - (std::bit_cast<Mask>(x) >> 2));
+    Lanes square = r * r, missing = 1.0 - x * square * square;
+    r = r * (0.99999719066 + missing * (0.249992529705 + missing * (0.157717979383 + missing * 0.118880081769)));
+    square = r * r, missing = 1.0 - x * square * square;
+    return r + r * missing * (0.25 + 0.15625 * missing);
+}
+inline double reciprocal(double x) { return 1.0 / x; }
+inline Lanes reciprocal(Lanes x) {
+    Lanes r = std::bit_cast<Lanes>(0x7fde623850248534 - std::bit_cast<Mask>(x));
+    Lanes missing = 1.0 - x * r;
+    r = r * (1.00000000002 + missing * (1.0019171333 + missing * 1.00191711913));
+    missing = 1.0 - x * r;
+    return r + r * (missing + missing * missing);
+}
 inline double inverse_square_root(double x) { return 1.0 / std::sqrt(x); }
 inline Lanes inverse_square_root(Lanes x) { return square(inverse_fourth_root(x)); }
 inline double square_root(double x) { return std::sqrt(x); }
 inline Lanes square_root(Lanes x) { return x * inverse_square_root(x); }  // also of zero
-inline double reciprocal(double x) { return detail::reciprocal<double, std::int64_t>(x); }
-inline Lanes reciprocal(Lanes x) { return detail::reciprocal<Lanes, Mask>(x); }
 
 // The angle [rad] in (-pi, pi] with this cosine and sine.
 inline double angle_of(double cosine, double sine) { return detail::angle_of(cosine, sine); }

@@ -1,0 +1,85 @@
+"""The core's elementary functions, beside the mathematics library's."""
+
+from __future__ import annotations
+
+import subprocess
+
+import pytest
+
+from propmap.rotor import include_folder
+from tests.export.needed import program
+from tests.export.test_cpp_rotor import FAST, FLAGS
+
+PROGRAM = r"""
+#include <cstdio>
+#include <propmap/elementary.hpp>
+using namespace propmap;
+
+template <class Ours, class Theirs>
+void compare(const char* name, double low, double high, bool evenly, Ours ours, Theirs theirs) {
+    double worst = 0.0;
+    const int count = 400000;
+    for (int k = 0; k < count; k += width) {
+        const Lanes x = each_lane([&](int j) {
+            const double t = low + (high - low) * (k + j) / (count - 1.0);
+            return evenly ? t : std::pow(10.0, t);
+        });
+        const Lanes found = ours(x);
+        for (int j = 0; j < width; ++j)
+            if (const double e = std::fabs(found[j] / theirs(x[j]) - 1.0); !(e <= worst)) worst = e;
+    }
+    std::printf("%s %.3g\n", name, worst);
+}
+
+int main() {
+    const auto fourth = [](Lanes x) { return inverse_fourth_root(x); };
+    const auto fourth_by_roots = [](double x) { return 1.0 / std::sqrt(std::sqrt(x)); };
+    compare("fourth", -300.0, 300.0, false, fourth, fourth_by_roots);
+    const auto root = [](Lanes x) { return square_root(x); };
+    compare("root", -300.0, 300.0, false, root, [](double x) { return std::sqrt(x); });
+    const auto per = [](Lanes x) { return reciprocal(x); };
+    compare("reciprocal", -300.0, 300.0, false, per, [](double x) { return 1.0 / x; });
+    const auto power = [](Lanes x) { return power_of_two(x); };
+    compare("power", -100.0, 100.0, true, power, [](double x) { return std::exp2(x); });
+    const auto sine = [](Lanes x) { return sine_cosine(x).sine; };
+    compare("sine", 1e-6, 3.1, true, sine, [](double x) { return std::sin(x); });
+    const auto angle = [](Lanes x) {
+        const auto cosine = each_lane([&](int k) { return std::cos(x[k]); });
+        return angle_of(cosine, each_lane([&](int k) { return std::sin(x[k]); }));
+    };
+    compare("angle", 1e-3, 3.14, true, angle, [](double x) { return x; });
+    std::printf("zero %g\n", square_root(Lanes{})[0]);
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def errors(tmp_path_factory: pytest.TempPathFactory) -> dict[str, float]:
+    folder = tmp_path_factory.mktemp("elementary")
+    (folder / "errors.cpp").write_text(PROGRAM, encoding="utf-8")
+    headers = ["-I", include_folder()]
+    build = [program("c++"), *FLAGS, *FAST, *headers, "errors.cpp", "-o", "errors"]
+    subprocess.run(build, cwd=folder, check=True)
+    told = subprocess.run([folder / "errors"], check=True, capture_output=True, text=True).stdout
+    return {name: float(error) for name, error in map(str.split, told.splitlines())}
+
+
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [
+        ("fourth", 2e-15),
+        ("root", 2e-15),
+        ("reciprocal", 5e-14),
+        ("power", 3e-14),
+        ("sine", 1e-14),
+        ("angle", 1e-12),
+    ],
+)
+def test_relative_errors_are_those_of_rounding_or_as_the_header_says(
+    errors: dict[str, float], name: str, most: float
+) -> None:
+    assert errors[name] <= most
+
+
+def test_the_root_of_zero_is_zero(errors: dict[str, float]) -> None:
+    assert errors["zero"] == 0.0
