@@ -532,7 +532,7 @@ Airframe airframe(const nb::dict& from) {
     Airframe of{number(from, "density")};
     const auto drag = array_of(from["drag_area"]), download = array_of(from["download_area"]);
     std::copy_n(drag.begin(), 3, of.drag_area.begin()), std::copy_n(download.begin(), 2, of.download_area);
-    of.lift_area = number(from, "lift_area");
+    of.lift_area = number(from, "lift_area"), of.plate_area = number(from, "plate_area");
     if (!from.contains("wing")) return of;
     of.wing_area = number(from, "wing_area"), of.incidence = number(from, "incidence"), of.span = number(from, "span");
     of.wing = std::get<BlendedLaw<double>>(Variants<Laws>::read(nb::cast<nb::dict>(from["wing"])));

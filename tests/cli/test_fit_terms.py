@@ -68,6 +68,7 @@ def test_the_page_and_what_was_asked(run: Run, flown: list[str], tmp_path: Path)
     assert names[4] - names[3] == {"wake_ahead", "wake_beside", "wake_downwash", "wake_share"}
     assert names[5] - names[4] == {"untwist"}
     assert names[6] - names[5] == {"download_area_x", "download_area_y"}
+    assert names[7] - names[6] == {"plate_area"}
     # What is not free is absent, but with the same shape of the model.
     for step in steps[1:]:
         assert {"mount_area", "untwist"} <= set(step.choice.free) | set(step.choice.fixed)

@@ -52,7 +52,7 @@ VEHICLES = {
     "askew, with a wing and lift": replace(
         PLAIN,
         mounts=ASKEW,
-        body=Body((0.015, 0.02, 0.03), 0.01, (0.004, 0.006)),
+        body=Body((0.015, 0.02, 0.03), 0.01, (0.004, 0.006), 0.02),
         wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25),
     ),
     "on a wing with a span": replace(PLAIN, wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25, 0.6)),

@@ -30,7 +30,7 @@ class Line:
     def made(cls) -> Line:
         rng = np.random.default_rng(5)
         slopes = rng.standard_normal((120, 3)) * np.exp(rng.standard_normal((24, 3))).repeat(5, 0)
-        return cls(slopes, np.arange(24).repeat(5))
+        return cls(slopes, 2 * np.arange(24).repeat(5))  # none follows another
 
     def fitted(self, measured: np.ndarray, kept: np.ndarray) -> np.ndarray:
         return np.linalg.lstsq(self.slopes[kept], measured[kept], rcond=None)[0]
@@ -44,7 +44,7 @@ def test_stretches_count_as_refits_without_them_say() -> None:
     residual = line.slopes @ every - measured
     whole = line.slopes.T @ line.slopes
     middle, freedom = block_errors(line.slopes, residual, line.group, whole, NONE)
-    moves = np.array([line.fitted(measured, line.group != k) - every for k in range(24)])
+    moves = np.array([line.fitted(measured, line.group != 2 * k) - every for k in range(24)])
     wanted = 23.0 / 24.0 * moves.T @ moves
     inverse = np.linalg.inv(whole)
     np.testing.assert_allclose(inverse @ middle @ inverse, wanted, rtol=1e-8)
@@ -78,6 +78,26 @@ def test_intervals_hold_the_truth_where_independent_rows_would_not() -> None:
         naive.append(np.abs(x) <= 1.98 * alone)
     assert (np.mean(inside, axis=0) > 0.90).all() and (np.mean(inside, axis=0) < 0.99).all()
     assert np.mean(naive) < 0.8
+
+
+@pytest.mark.parametrize(("alike", "least"), [(3, 1.15), (1, 1.0)])
+def test_errors_go_on_past_the_end_of_a_stretch(alike: int, least: float) -> None:
+    """A mean's variance where errors last three stretches of ten rows, and where they last one."""
+    rng, count = np.random.default_rng(10), 300
+    one, whole, found = np.ones((10 * count, 1)), np.array([[10.0 * count]]), []
+    for _ in range(40):
+        errors = np.convolve(rng.standard_normal(count + alike - 1), np.ones(alike), "valid")
+        errors = errors.repeat(10)
+        errors -= errors.mean()
+        following, apart = (
+            block_errors(one, errors, step * np.arange(count).repeat(10), whole, np.zeros((1, 1)))
+            for step in (1, 2)
+        )
+        found.append((following[0] / apart[0]).item())
+    # Neighbours share 2/3 of their variance, or none but by chance.
+    assert least <= min(found) and np.mean(found) == pytest.approx(
+        7.0 / 3.0 if alike == 3 else 1.05, rel=0.05
+    )
 
 
 def test_errors_of_each_flight() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.cli.fit_flight import flight_priors, free_by_default, with_flight_priors
 from propmap.errors import InputError
 from propmap.fit.comparison import compare_flight
 from propmap.fit.fit import range_warnings
@@ -182,6 +183,21 @@ def test_body_drag_per_axis() -> None:
     np.testing.assert_allclose(both[0], 3.0 * found[0])
 
 
+def test_a_plate_s_force_goes_with_the_sine_of_the_angle() -> None:
+    """It is across the plate, that of drag where the flow is, and larger than Newton's beside."""
+    angle = np.radians([0.0, 20.0, -45.0, 90.0])
+    bearing = np.array([0.0, 0.3, 2.0, 0.0])
+    ahead = np.cos(angle)[:, None] * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
+    velocity = 8.0 * np.column_stack([ahead, np.sin(angle)])
+    found = body(velocity, {"plate_area": 0.03})
+    most = body(((0.0, 0.0, 8.0),), {"drag_area_z": 0.03})[0, 2]
+    np.testing.assert_allclose(found[:, :2], 0.0)
+    np.testing.assert_allclose(found[:, 2], most * np.sin(angle), atol=1e-12)
+    assert abs(found[1, 2]) > 2.0 * abs(body(velocity[1:2], {"drag_area_z": 0.03})[0, 2])
+    by_file = body(velocity, body=Body(plate_area=0.03))
+    np.testing.assert_allclose(by_file, found)
+
+
 def test_body_lift_is_across_the_flow() -> None:
     """1/2 rho V^2 A sin(a) cos(a), upwards where the air comes from below."""
     sinking = body(((6.0, 0.0, -2.0),), {"lift_area": 0.05})[0]
@@ -279,3 +295,15 @@ def test_what_the_range_of_speeds_cannot_tell(speeds: tuple[float, ...], says: s
     rows = level_rows(model(log([(v, 0.0, 0.0) for v in speeds])), TWO)
     told = range_warnings(rows)
     assert (told == []) if says is None else (len(told) == 1 and says in told[0])
+
+
+def test_a_wing_takes_the_place_of_the_plate_in_fits() -> None:
+    flown, rotors = log(((5.0, 0.0, 1.0),)), vehicle()
+    free = free_by_default(rotors, flown, level=False)
+    winged = free_by_default(replace(rotors, wing=Wing(0.1)), flown, level=False)
+    assert "plate_area" in free and "drag_area_z" not in free
+    assert "drag_area_z" in winged and "plate_area" not in winged
+    # A search would hardly leave a bound that it starts at.
+    known = flight_priors(rotors, flown, hover=False)
+    choice = with_flight_priors(Choice(free), known)
+    assert choice.first[free.index("plate_area")] == known["plate_area"].deviation > 0.0

@@ -184,6 +184,7 @@ spin = "ccw"
         ("rotor_inertia = -1e-5", "rotor_inertia"),
         ("[body]\ndownload_area = [0.01]", "along x, along y"),
         ("[body]\ndownload_area = 0.01", "expected a list"),
+        ("[body]\nplate_area = -0.01", "0 or more"),
     ],
 )
 def test_bad_inertia_and_areas(tmp_path, line: str, told: str) -> None:  # type: ignore[no-untyped-def]

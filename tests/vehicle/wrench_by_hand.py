@@ -99,6 +99,7 @@ def by_hand(
         force[k] -= pressure * vehicle.body.drag_area[k] * abs(through[k]) * through[k]
     for k in range(2):
         force[2] -= pressure * vehicle.body.download_area[k] * through[k] ** 2
+    force[2] -= pressure * vehicle.body.plate_area * math.hypot(*through) * through[2]
     angle, speed2 = math.atan2(-through[2], through[0]), through[0] ** 2 + through[2] ** 2
     lift = vehicle.body.lift_area * math.sin(angle) * math.cos(angle)
     if vehicle.wing is not None:

@@ -53,7 +53,7 @@ inline Wrench hub_wrench(const Vector3& axis, double spin, const Vector3& ahead,
 struct Airframe {
     double density;  // of the air [kg/m^3]
     Vector3 drag_area{};
-    double lift_area = 0.0, download_area[2]{};
+    double lift_area = 0.0, plate_area = 0.0, download_area[2]{};
     double wing_area = 0.0, incidence = 0.0, span = 0.0;  // no span: without the drag of lift
     BlendedLaw<double> wing{};                            // eq. (3)
 
@@ -62,7 +62,8 @@ struct Airframe {
         const double angle = std::atan2(-v[2], v[0]), pressure = 0.5 * density;
         const double lift = pressure * lift_area * std::sin(angle) * std::cos(angle) * std::hypot(v[0], v[2]);
         const double down = pressure * (download_area[0] * v[0] * v[0] + download_area[1] * v[1] * v[1]);
-        Vector3 force{-lift * v[2], 0.0, lift * v[0] - down};
+        const double plate = pressure * plate_area * std::sqrt(dot(v, v)) * v[2];
+        Vector3 force{-lift * v[2], 0.0, lift * v[0] - down - plate};
         for (int k = 0; k < 3; ++k) force[k] -= pressure * drag_area[k] * std::fabs(v[k]) * v[k];
         return force;
     }

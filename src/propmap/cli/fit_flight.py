@@ -213,7 +213,8 @@ LowPass = Annotated[
 ]
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
 """Constants of the blade that a flight moves; it says nothing of the others."""
-BODY_ALONG_Z = ("drag_area_z", "download_area_x", "download_area_y")
+PLATE = "plate_area"
+BODY_ALONG_Z = (PLATE, "download_area_x", "download_area_y")
 """Terms of the body that the drag of the rotors' mounts does not take the place of."""
 
 # Standard deviations: areas of a body over that of all disks, and of a mount over that of its
@@ -269,15 +270,22 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     scales = flight.of_each("thrust_scale", log) if len(log.flights) > 1 else ()
     driven = (*CURVE, *flight.TILT) if log.commanded else ()
     own = (*flight.of_each("clock_offset", log), *scales, *driven)
-    return (*BLADE, *parameters.FLEX, *mount, *BODY_ALONG_Z, *flight.OFFSET, *turning, *wakes, *own)
+    # A wing is a plate itself, with the lift of one at an angle.
+    body = BODY_ALONG_Z if vehicle.wing is None else ("drag_area_z", *BODY_ALONG_Z[1:])
+    return (*BLADE, *parameters.FLEX, *mount, *body, *flight.OFFSET, *turning, *wakes, *own)
 
 
 def with_flight_priors(
     choice: parameters.Choice, known: Mapping[str, parameters.Prior]
 ) -> parameters.Choice:
-    """Add what is known of those free parameters that have no prior."""
+    """Add what is known of those free parameters that have no prior.
+
+    The body's plate starts at a deviation: 0 is its bound, which searches leave so slowly that they
+    end in other minima.
+    """
     more = {n: p for n, p in known.items() if n in choice.free and n not in choice.priors}
-    return replace(choice, priors={**more, **choice.priors}) if more else choice
+    start = {n: p.deviation for n, p in more.items() if n == PLATE}
+    return replace(choice, priors={**more, **choice.priors}, start={**start, **choice.start})
 
 
 # -------------------------------------------------------------------------------------------------
@@ -514,6 +522,7 @@ def steps(
         "the rotors' wakes": (*blade, *wakes) if wakes else (),
         "blades that give way": (*blade, *wakes, *parameters.FLEX),
         "download of the body": (*blade, *wakes, *parameters.FLEX, *DOWN),
+        "the body as a plate": (*blade, *wakes, *parameters.FLEX, *DOWN, PLATE),
     }
 
     at = {name: float(getattr(prior.airfoil, name)) for name in parameters.SECTION}

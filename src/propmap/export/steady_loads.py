@@ -121,7 +121,8 @@ def _turned(aircraft: Aircraft) -> Aircraft:
     """Turn an aircraft so that its left is where the nose was."""
     vehicle = aircraft.vehicle
     x, y, z = vehicle.body.drag_area
-    body = Body((y, x, z), download_area=vehicle.body.download_area[::-1])
+    down, plate = vehicle.body.download_area[::-1], vehicle.body.plate_area
+    body = Body((y, x, z), download_area=down, plate_area=plate)
 
     def turn(vector: Vector) -> Vector:
         return (vector[1], -vector[0], vector[2])

@@ -452,7 +452,8 @@ def _force(vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]) -> Flo
     area = np.array([values[f"drag_area_{a}"] for a in "xyz"]) + vehicle.body.drag_area
     down = np.array([values[f"download_area_{a}"] for a in "xy"]) + vehicle.body.download_area
     lift = values["lift_area"] + vehicle.body.lift_area
-    body = Body(tuple(area.tolist()), lift, tuple(down.tolist()))
+    plate = values["plate_area"] + vehicle.body.plate_area
+    body = Body(tuple(area.tolist()), lift, tuple(down.tolist()), plate)
     wing = vehicle.wing
     if wing is not None:
         wing = replace(wing, **{n.removeprefix("wing_"): values[n] for n in WING})

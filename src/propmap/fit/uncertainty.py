@@ -314,24 +314,30 @@ def block_errors(
     """Cluster-robust covariance (P, P) of slopes (M, P) of half the squares in stretches ``group``,
     each with residuals of a fit that left it out (CR3 of Bell and McCaffrey, Survey Methodology 28,
     2002, page 169), as few stretches would have too small ones, and Satterthwaite's degrees of
-    freedom (P,). ``whole`` is the information of data and priors, ``by_priors`` what priors add."""
+    freedom (P,). Errors go on past the end of a stretch: where that adds to a parameter's variance,
+    it is that of neighbours together (stretches whose numbers follow). ``whole`` is the information
+    of data and priors, ``by_priors`` what priors add."""
     labels, index = np.unique(group, return_inverse=True)
     floor = np.where(np.abs(residual) < NOISE_FLOOR, NOISE_FLOOR * np.sign(residual), residual)
     values, vectors = np.linalg.eigh(whole)
     seen = values > 1e-12 * max(float(values[-1]), 1e-300)
     root = vectors[:, seen] * np.sqrt(values[seen])
     back = (vectors[:, seen] / np.sqrt(values[seen])).T
-    middle, evenness = np.zeros_like(whole), np.zeros((labels.size, whole.shape[0]))
+    each, evenness = np.zeros((2, labels.size, whole.shape[0]))
     for k in range(labels.size):
         mine = slopes[index == k]
         score = back @ (mine.T @ floor[index == k])
         share = back @ mine.T @ mine @ back.T
         alone, ways = np.linalg.eigh(share)
-        one = root @ ways @ ((ways.T @ score) / (1.0 - np.minimum(alone, MOST_ALONE)))
-        middle += np.outer(one, one)
+        each[k] = root @ ways @ ((ways.T @ score) / (1.0 - np.minimum(alone, MOST_ALONE)))
         evenness[k] = np.einsum("sp,st,tp->p", back, share, back)
     small = max(labels.size - 1, 1) / labels.size
     inverse = back.T @ back
+    moved, follows = each @ inverse, np.diff(labels) == 1
+    shared = 2.0 * np.sum((moved[:-1] * moved[1:])[follows], axis=0)
+    wider = np.sqrt(1.0 + np.maximum(shared, 0.0) / np.maximum(np.sum(moved**2, axis=0), 1e-300))
+    turned = whole * wider
+    middle = turned @ inverse @ each.T @ each @ inverse @ turned.T
     of_data = np.einsum("pq,qr,rp->p", inverse, small * middle, inverse)
     of_priors = np.einsum("pq,qr,rp->p", inverse, by_priors, inverse)
     squares = np.sum(evenness**2, axis=0)

@@ -139,7 +139,10 @@ def _free_stream_force(vehicle: Vehicle, velocity: Any) -> Any:
     lift = body.lift_area * jnp.sin(angle) * jnp.cos(angle)
     down = jnp.square(velocity[..., :2]) @ jnp.array(body.download_area)
     force = -jnp.array(body.drag_area) * jnp.abs(velocity) * velocity
-    force = force.at[..., 2].add(-down)
+    # Zero and without a slope at rest, where the size of the velocity has none.
+    whole = jnp.sum(jnp.square(velocity), axis=-1)
+    size = jnp.where(whole > 0.0, jnp.sqrt(jnp.where(whole > 0.0, whole, 1.0)), 0.0)
+    force = force.at[..., 2].add(-down - body.plate_area * size * z)
     if wing is not None:
         alpha, m = angle + wing.incidence, Airfoil.sharpness
         # Eq. (3), whose sigma is one less a product of logistic functions.

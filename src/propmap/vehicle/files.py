@@ -78,6 +78,7 @@ class _Body(TomlTable):
     download_area: Annotated[tuple[Number, Number], "[along x, along y], two areas in m^2"] = (
         Body.download_area
     )
+    plate_area: Annotated[Area, "an area of 0 or more in m^2"] = Body.plate_area
 
 
 class _Wing(TomlTable):
@@ -229,7 +230,8 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     ``Vehicle``; ``[air]`` ``density``, ``viscosity`` (by default the paper's);
     ``[mount]``, what is in the rotors' slipstreams, see ``Installed``: ``area`` [m^2], one for all
     rotors or a list with one for each, ``wake`` (by default 1); ``[body]``
-    ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]);
+    ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]),
+    ``plate_area`` [m^2];
     ``[wing]`` ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad], ``span``
     [m], with which it has induced drag;
     ``[motor]`` ``kv_rpm_per_volt``, ``resistance`` [ohm], ``no_load_current`` [A] and, optional,

@@ -59,11 +59,15 @@ class Body:
     download_area : tuple of 2 float
         For flow along x and along y [m^2]: F_z = -1/2 rho download_area_k v_k^2, whichever way it
         flows; negative where it lifts.
+    plate_area : float
+        What lies level, as a plate does [m^2]: F_z = -1/2 rho plate_area V v_z, along z as
+        ``drag_area`` of z, and more where it meets the flow at an angle.
     """
 
     drag_area: Vector = (0.0, 0.0, 0.0)
     lift_area: float = 0.0
     download_area: tuple[float, float] = (0.0, 0.0)
+    plate_area: float = 0.0
 
 
 @dataclass(frozen=True)

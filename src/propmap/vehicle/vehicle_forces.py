@@ -525,6 +525,7 @@ def body_and_wing(
 def airframe(body: Body, wing: Wing | None, density: float) -> dict[str, Any]:
     """Write body and wing in air of a ``density`` [kg/m^3] as the core takes them."""
     found: dict[str, Any] = {"density": float(density), "lift_area": float(body.lift_area)}
+    found["plate_area"] = float(body.plate_area)
     for name in ("drag_area", "download_area"):
         found[name] = np.array(getattr(body, name), np.float64)
     if wing is not None:
