@@ -36,7 +36,7 @@ TRUTH: dict[str, float] = {
     "c_l1": LAW.c_l1,
     "c_d0": 0.015,
     "mount_area": 0.003,
-    "drag_area_z": 0.01,
+    "plate_area": 0.01,
     "sensor_x": -0.02,
     "sensor_y": 0.03,
     "sensor_z": 0.015,
@@ -58,7 +58,7 @@ TRUTH: dict[str, float] = {
 """Values of all that is free."""
 
 BEFOREHAND: dict[str, float] = {
-    "drag_area_z": 0.02,
+    "plate_area": 0.02,
     "mount_area": 0.005,
     "rotor_inertia": 1e-5,
     "moment_scale_xy": 0.3,
