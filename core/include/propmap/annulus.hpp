@@ -146,23 +146,32 @@ struct Scan {
     int roots = 0;
 };
 
-// Scan the residual over all inflows at one radius.
-template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples) {
+// Scan the residual over all inflows at one radius, about stall at each or only `every` so many of its places.
+template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples, int every = 1) {
     const auto& f = of.flow;
     const Station<Lanes> at = of.station(broadcast(radius));
     const double speed = std::max(of.rms_speed(at)[0], 0.1 * std::fabs(f.v_axial) + 1e-9);
     const double line = radians(at.line)[0];
     std::array<double, 96> grid;
     int count = 0;
+    // Places by the angle of the flow, in lanes as far as they fill them.
+    std::array<double, 48> angle;
+    int angles = 0;
     const auto add_angle = [&](double phi) {
-        if (std::fabs(phi) < 1.45) grid[count++] = speed * std::tan(phi) - f.v_axial;
+        if (std::fabs(phi) < 1.45) angle[angles++] = phi;
     };
     for (int k = -7; k <= 7; ++k) add_angle(0.2 * k);
     // About stall the residual bends most.
     for (double side : {1.0, -1.0}) {
         const double stall = of.stall_angle(at.reynolds_per_speed[0], radius, side);
-        for (double off : {-0.2, -0.15, -0.11, -0.08, -0.055, -0.03, -0.01, 0.01, 0.03, 0.055, 0.09, 0.14})
-            add_angle(line - (stall + side * of.stall_scale() * off));
+        constexpr double offsets[] = {-0.2, -0.15, -0.11, -0.08, -0.055, -0.03, -0.01, 0.01, 0.03, 0.055, 0.09, 0.14};
+        for (std::size_t k = 0; k < std::size(offsets); k += every)
+            add_angle(line - (stall + side * of.stall_scale() * offsets[k]));
+    }
+    for (int k = 0; k < angles; k += width) {
+        const auto phi = sine_cosine(each_lane([&](int j) { return angle[std::min(k + j, angles - 1)]; }));
+        const Lanes v = speed * phi.sine / phi.cosine - f.v_axial;
+        for (int j = 0; j < width && k + j < angles; ++j) grid[count++] = v[j];
     }
     grid[count++] = 0.0;
     grid[count++] = -f.v_axial;  // the air at the disk stands still
@@ -185,18 +194,20 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
             for (int j = 0; j < width && k + j < n; ++j) into.append(x[j], g.v[j], g.d[0][j]);
         }
     };
+    evaluate(grid.data(), count, samples);
     // Above all roots the residual is negative, below all it is positive.
     const double whole = speed + std::fabs(f.v_axial);
     for (double more = 100.0; more < 1e7; more *= 10.0) {
-        const double v[2] = {grid[0], grid[count - 1]};
+        const bool high = samples.value[0] < 0.0, low = samples.value[count - 1] > 0.0;
+        if (high && low) break;
+        const double v[2] = {high ? grid[0] : more * whole - f.v_axial, low ? grid[count - 1] : -more * whole - f.v_axial};
         Samples ends;
         evaluate(v, 2, ends);
-        const bool high = ends.value[0] < 0.0, low = ends.value[1] > 0.0;
-        if (high && low) break;
-        if (!high) grid[0] = more * whole - f.v_axial;
-        if (!low) grid[count - 1] = -more * whole - f.v_axial;
+        const auto replace = [&](int k, int end) {
+            samples.inflow[k] = ends.inflow[end], samples.value[k] = ends.value[end], samples.slope[k] = ends.slope[end];
+        };
+        replace(0, 0), replace(count - 1, 1);
     }
-    evaluate(grid.data(), count, samples);
 
     // Where a cubic between two samples turns towards zero, roots may hide: look closer there.
     constexpr int between = 4;
@@ -255,19 +266,6 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         result.guess = result.high - 0.5 * (low + high) * (result.high - result.low);
     }
     return result;
-}
-
-// Scan at one radius; in climb deep in reverse flow, where stall lasts over most azimuths, a few of these tell
-// as much, if they find one root and all agree to it.
-template <class R> Scan scan_of(const Annuli<R>& of, double radius, Samples& samples) {
-    const auto& f = of.flow;
-    if (f.v_axial >= 0.0 && of.few.count < of.psi.count && f.v_inplane > f.omega * radius) {
-        const Scan found = scan(of, radius, of.few, samples);
-        const auto at = of.station(broadcast(radius));
-        const auto ends = of.residual(at, each_lane([&](int k) { return k % 2 ? found.low : found.high; })).v;
-        if (found.roots == 1 && ends[0] < 0.0 && ends[1] >= 0.0) return found;
-    }
-    return scan(of, radius, of.psi, samples);
 }
 
 // Roots between `low` and `high` by Newton's method, held between the two: NaN where it does not converge.

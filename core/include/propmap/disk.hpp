@@ -468,21 +468,28 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
     }
     Samples samples;
     for (int first = 0; first < left; first += width) {
-        Lanes radius{}, low{}, high{}, guess{};
+        const int count = std::min(width, left - first);
+        const Lanes radius = each_lane([&](int k) { return disk.radius(open[first + std::min(k, count - 1)]); });
+        const auto at = of.station(radius);
+        Lanes low{}, high{}, guess{};
+        const auto look = [&](int k, const Azimuths& over, int every) {
+            const Scan found = scan(of, radius[k], over, samples, every);
+            low[k] = found.low, high[k] = found.high;
+            guess[k] = found.found ? found.guess : std::nan("");
+            return found.roots;
+        };
+        // In climb deep in reverse flow, where stall lasts over most azimuths, a few of these and of the places about it
+        // tell as much, if they find one root and all azimuths agree to it.
+        Mask agreed{};
+        for (int k = 0; k < count && of.flow.v_axial >= 0.0 && of.few.count < of.psi.count; ++k)
+            agreed[k] = -(of.flow.v_inplane > of.flow.omega * radius[k] && look(k, of.few, 2) == 1);
+        if (any(agreed)) agreed &= (of.residual(at, high).v < 0.0) & (of.residual(at, low).v >= 0.0);
         for (int k = 0; k < width; ++k) {
-            if (first + k < left) {
-                const int node = open[first + k];
-                radius[k] = disk.at[node / width].radius[node % width];
-                const Scan found = scan_of(of, radius[k], samples);
-                low[k] = found.low, high[k] = found.high;
-                guess[k] = found.found ? found.guess : std::nan("");
-                disk.several |= found.roots > 1;
-            } else {
-                radius[k] = radius[k - 1], low[k] = low[k - 1], high[k] = high[k - 1], guess[k] = guess[k - 1];
-            }
+            if (k >= count) low[k] = low[k - 1], high[k] = high[k - 1], guess[k] = guess[k - 1];
+            else if (!agreed[k]) disk.several |= look(k, of.psi, 1) > 1;
         }
-        const Lanes v = polished_roots(of, of.station(radius), low, high, guess);
-        for (int k = 0; k < width && first + k < left; ++k)
+        const Lanes v = polished_roots(of, at, low, high, guess);
+        for (int k = 0; k < count; ++k)
             disk.inflow[open[first + k] / width][open[first + k] % width] = v[k];
     }
     // Nodes beyond the last have its inflow.
