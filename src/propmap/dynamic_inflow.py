@@ -139,12 +139,19 @@ class DynamicInflow:
     def advance(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
     ) -> tuple[Wrench, Floats]:
-        """``wrench`` now and the state (..., 3) [m/s] of ``step``, in little more than one's time.
+        """The ``wrench`` at the step's beginning, and the state (..., 3) [m/s] that ``step`` gives.
+
+        Both follow from one static solution, so that they take little longer than either alone.
 
         Parameters
         ----------
         state, dt, omega, velocity : array_like
             As in ``step``.
+
+        Raises
+        ------
+        InputError
+            As ``step`` does.
         """
         points = _StatePoints(omega, velocity, state=state, dt=dt)
         motion = self._motion(points)

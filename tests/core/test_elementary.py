@@ -60,8 +60,8 @@ def errors(tmp_path_factory: pytest.TempPathFactory) -> dict[str, float]:
     headers = ["-I", include_folder()]
     build = [program("c++"), *FLAGS, *FAST, *headers, "errors.cpp", "-o", "errors"]
     subprocess.run(build, cwd=folder, check=True)
-    told = subprocess.run([folder / "errors"], check=True, capture_output=True, text=True).stdout
-    return {name: float(error) for name, error in map(str.split, told.splitlines())}
+    done = subprocess.run([folder / "errors"], check=True, capture_output=True, text=True)
+    return {name: float(error) for name, error in map(str.split, done.stdout.splitlines())}
 
 
 @pytest.mark.parametrize(

@@ -89,11 +89,11 @@ def test_errors_go_on_past_the_end_of_a_stretch(alike: int, least: float) -> Non
         errors = np.convolve(rng.standard_normal(count + alike - 1), np.ones(alike), "valid")
         errors = errors.repeat(10)
         errors -= errors.mean()
-        following, apart = (
+        following, separate = (
             block_errors(one, errors, step * np.arange(count).repeat(10), whole, np.zeros((1, 1)))
             for step in (1, 2)
         )
-        found.append((following[0] / apart[0]).item())
+        found.append((following[0] / separate[0]).item())
     # Neighbours share 2/3 of their variance, or none but by chance.
     assert least <= min(found) and np.mean(found) == pytest.approx(
         7.0 / 3.0 if alike == 3 else 1.05, rel=0.05

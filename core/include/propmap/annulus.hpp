@@ -146,22 +146,22 @@ struct Scan {
     int roots = 0;
 };
 
-// Scan the residual over all inflows at one radius, about stall at each or only `every` so many of its places.
-template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples, int every = 1) {
+// Scan the residual over all inflows at one radius; about stall, where it bends most, only at one of `every` so many
+// places.
+template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples, int every) {
     const auto& f = of.flow;
     const Station<Lanes> at = of.station(broadcast(radius));
     const double speed = std::max(of.rms_speed(at)[0], 0.1 * std::fabs(f.v_axial) + 1e-9);
     const double line = radians(at.line)[0];
     std::array<double, 96> grid;
     int count = 0;
-    // Places by the angle of the flow, in lanes as far as they fill them.
+    // Places are chosen by the angle of the flow.
     std::array<double, 48> angle;
     int angles = 0;
     const auto add_angle = [&](double phi) {
         if (std::fabs(phi) < 1.45) angle[angles++] = phi;
     };
     for (int k = -7; k <= 7; ++k) add_angle(0.2 * k);
-    // About stall the residual bends most.
     for (double side : {1.0, -1.0}) {
         const double stall = of.stall_angle(at.reynolds_per_speed[0], radius, side);
         constexpr double offsets[] = {-0.2, -0.15, -0.11, -0.08, -0.055, -0.03, -0.01, 0.01, 0.03, 0.055, 0.09, 0.14};

@@ -478,8 +478,8 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
             guess[k] = found.found ? found.guess : std::nan("");
             return found.roots;
         };
-        // In climb deep in reverse flow, where stall lasts over most azimuths, a few of these and of the places about it
-        // tell as much, if they find one root and all azimuths agree to it.
+        // In climb deep in reverse flow, where stall lasts over most azimuths, a few azimuths and half of the places about
+        // stall will do, if they find one root and all azimuths confirm that it is there.
         Mask agreed{};
         for (int k = 0; k < count && of.flow.v_axial >= 0.0 && of.few.count < of.psi.count; ++k)
             agreed[k] = -(of.flow.v_inplane > of.flow.omega * radius[k] && look(k, of.few, 2) == 1);

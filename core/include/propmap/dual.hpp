@@ -163,8 +163,7 @@ template <IsDual T> T absolute(const T& x) {
 }
 
 template <IsDual T> auto square_root(const T& x) {
-    auto per = inverse_square_root(x.v);
-    return chain(x, x.v * per, 0.5 * per);
+    return chain(x, square_root(x.v), 0.5 * inverse_square_root(x.v));
 }
 template <IsDual T> auto inverse_fourth_root(const T& x) {
     auto r = inverse_fourth_root(x.v), square = r * r;

@@ -213,8 +213,8 @@ LowPass = Annotated[
 ]
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
 """Constants of the blade that a flight moves; it says nothing of the others."""
-PLATE = "plate_area"
-BODY_ALONG_Z = (PLATE, "download_area_x", "download_area_y")
+BODY_PLATE = "plate_area"
+BODY_ALONG_Z = (BODY_PLATE, "download_area_x", "download_area_y")
 """Terms of the body that the drag of the rotors' mounts does not take the place of."""
 
 # Standard deviations: areas of a body over that of all disks, and of a mount over that of its
@@ -284,7 +284,7 @@ def with_flight_priors(
     end in other minima.
     """
     more = {n: p for n, p in known.items() if n in choice.free and n not in choice.priors}
-    start = {n: p.deviation for n, p in more.items() if n == PLATE}
+    start = {n: p.deviation for n, p in more.items() if n == BODY_PLATE}
     return replace(choice, priors={**more, **choice.priors}, start={**start, **choice.start})
 
 
@@ -522,7 +522,7 @@ def steps(
         "the rotors' wakes": (*blade, *wakes) if wakes else (),
         "blades that give way": (*blade, *wakes, *parameters.FLEX),
         "download of the body": (*blade, *wakes, *parameters.FLEX, *DOWN),
-        "the body as a plate": (*blade, *wakes, *parameters.FLEX, *DOWN, PLATE),
+        "the body as a plate": (*blade, *wakes, *parameters.FLEX, *DOWN, BODY_PLATE),
     }
 
     at = {name: float(getattr(prior.airfoil, name)) for name in parameters.SECTION}

@@ -195,7 +195,7 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
 # Comparisons and changes of sign are sums; functions are those of the C library, but the root.
 KINDS = ("sums", "products", "divisions", "roots", "functions")
 BODY = np.array([12, 15, 0, 0, 0])  # air's velocity, drag and download
-PLATE = np.array([3, 6, 0, 1, 0])
+LEVEL_PLATE = np.array([3, 6, 0, 1, 0])
 LIFT, WING = np.array([4, 10, 0, 1, 3]), np.array([9, 9, 2, 0, 5])
 INDUCED = np.array([2, 8, 0, 0, 0])  # drag, where a wing has a span
 FLOW, FORCE = np.array([14, 18, 1, 1, 0]), np.array([28, 35, 0, 0, 0])  # at a hub, of a rotor there
@@ -232,7 +232,7 @@ def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
     """Count what a call for a ``vehicle`` takes."""
     rotors = len(vehicle.mounts)
     pairs = rotors * (rotors - 1) if vehicle.wakes is not None else 0
-    done = BODY + PLATE * bool(vehicle.body.plate_area) + rotors * (FLOW + QUERY + FORCE)
+    done = BODY + LEVEL_PLATE * bool(vehicle.body.plate_area) + rotors * (FLOW + QUERY + FORCE)
     if vehicle.body.lift_area or vehicle.wing is not None:
         done = done + LIFT
     if vehicle.wing is not None:

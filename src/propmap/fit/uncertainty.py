@@ -314,9 +314,9 @@ def block_errors(
     """Cluster-robust covariance (P, P) of slopes (M, P) of half the squares in stretches ``group``,
     each with residuals of a fit that left it out (CR3 of Bell and McCaffrey, Survey Methodology 28,
     2002, page 169), as few stretches would have too small ones, and Satterthwaite's degrees of
-    freedom (P,). Errors go on past the end of a stretch: where that adds to a parameter's variance,
-    it is that of neighbours together (stretches whose numbers follow). ``whole`` is the information
-    of data and priors, ``by_priors`` what priors add."""
+    freedom (P,). Errors outlast a stretch: the covariance of consecutive stretches, whose numbers
+    in ``group`` follow each other, is added to a parameter's variance where it is positive.
+    ``whole`` is the information of data and priors, ``by_priors`` what priors add."""
     labels, index = np.unique(group, return_inverse=True)
     floor = np.where(np.abs(residual) < NOISE_FLOOR, NOISE_FLOOR * np.sign(residual), residual)
     values, vectors = np.linalg.eigh(whole)

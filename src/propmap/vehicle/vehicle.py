@@ -60,8 +60,8 @@ class Body:
         For flow along x and along y [m^2]: F_z = -1/2 rho download_area_k v_k^2, whichever way it
         flows; negative where it lifts.
     plate_area : float
-        What lies level, as a plate does [m^2]: F_z = -1/2 rho plate_area V v_z, along z as
-        ``drag_area`` of z, and more where it meets the flow at an angle.
+        Area of what lies level, as a plate [m^2]: F_z = -1/2 rho plate_area V v_z. In flow along z
+        its force is that of an equal ``drag_area``; in oblique flow it is larger.
     """
 
     drag_area: Vector = (0.0, 0.0, 0.0)
