@@ -21,7 +21,7 @@ import numpy as np
 
 from propmap.catalogue.apc import series_of
 from propmap.io.geometry import UIUC_CITATION, read_apc_pe0
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from propmap.units import INCH
 
 CATALOGUE = Path(__file__).resolve().parent.parent / "src" / "propmap" / "catalogue"

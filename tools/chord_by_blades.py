@@ -35,9 +35,10 @@ from propmap.catalogue.expected import (
     slopes_of,
 )
 from propmap.catalogue.identified import PARAMETERS
+from propmap.model.air import Air
 from propmap.model.airfoil import SectionCovariance
 from propmap.model.corrections import corrections_of
-from propmap.model.model import Air, Model
+from propmap.model.model import Model
 from propmap.results import Loads
 from propmap.rotor import Rotor
 from propmap.typing import Floats

@@ -27,9 +27,10 @@ import propmap
 from propmap import bands, catalogue
 from propmap.catalogue.identified import PARAMETERS, all_identified, one_of_each
 from propmap.model import corrections
+from propmap.model.air import Air
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.model.corrections import Installed
-from propmap.model.model import Air, Model
+from propmap.model.model import Model
 from propmap.results import Loads
 from propmap.rotor import Rotor
 from propmap.typing import Floats

@@ -29,8 +29,7 @@ from propmap.fit.moments import FACTORS, measured_moment
 from propmap.io.csv import replacing
 from propmap.typing import Floats
 from propmap.vehicle.files import VehicleFile, read_vehicle
-from propmap.vehicle.log import DERIVATIVE_CUTOFF, FlightLog
-from propmap.vehicle.wakes import hub_flow
+from propmap.vehicle.log import DERIVATIVE_CUTOFF, FlightLog, hub_flow
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "flight_held_out.json"
 EDGES = (0.0, 0.5, 1.0, 3.0, 14.0)  # of bands of frequency [Hz]

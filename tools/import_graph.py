@@ -21,9 +21,9 @@ def modules(source: Path = SOURCE) -> dict[str, Path]:
 
 
 def module_imports(source: Path = SOURCE) -> dict[str, set[str]]:
-    """Modules that every module imports, deferred imports included.
+    """Return the modules that each module imports, deferred and type-checking imports included.
 
-    Left out are imports for the type checker alone, and the package's face, which has all.
+    The package's own ``__init__`` is excluded, because it imports every public name.
     """
     files = modules(source)
     return {
@@ -60,8 +60,6 @@ def lines() -> Counter[str]:
 
 
 def _imported(node: ast.AST, files: dict[str, Path]) -> Iterator[str]:
-    if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
-        return
     if isinstance(node, ast.Import):
         yield from (alias.name for alias in node.names if alias.name in files)
     elif isinstance(node, ast.ImportFrom) and node.module in files:

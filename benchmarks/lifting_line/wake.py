@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.lifting_line.vortices import Floats, Lattice
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 
 FIRST_CORE = 0.01
 """Radius of a trailing vortex's core at the blade, over the rotor's radius [-]; a twentieth of the

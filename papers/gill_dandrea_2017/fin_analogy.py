@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 
 ASPECT_RATIO = 8.0  # effective one of the fin; the reports say "of the order of 8"

@@ -50,9 +50,8 @@ from propmap.report.html import (
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
-from propmap.vehicle.log import FlightLog, pitch_and_roll
+from propmap.vehicle.log import FlightLog, hub_flow, pitch_and_roll
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
-from propmap.vehicle.wakes import hub_flow
 
 BLADE = "apc-8x4.5mr"
 """Used for both propellers, scaled to 10 cm: their own blades are not published."""

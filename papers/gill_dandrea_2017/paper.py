@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from propmap.catalogue.lookup import propeller
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 
 CITATION = (
     "R. Gill, R. D'Andrea, Propeller Thrust and Drag in Forward Flight, IEEE CCTA 2017, "

@@ -23,8 +23,9 @@ from papers.gill_dandrea_2017.tunnel import (
 )
 from propmap.catalogue.lookup import measurement
 from propmap.fit.least_squares import rms
+from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, parameter_set
-from propmap.model.model import Air, Model
+from propmap.model.model import Model
 from propmap.report.html import (
     BAND,
     COLOURS,

@@ -13,7 +13,7 @@ from propmap.catalogue.lookup import propeller
 from propmap.fit.fit import Fitted
 from propmap.fit.least_squares import rms
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from propmap.report.html import csv_of_rows, number
 
 COLUMNS = {

@@ -20,9 +20,10 @@ from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
+from propmap.model.air import Air
 from propmap.model.airfoil import PAPER_FOUR, Airfoil, parameter_set
 from propmap.model.corrections import MODELS
-from propmap.model.model import Air, Model
+from propmap.model.model import Model
 from propmap.report.html import (
     BAND,
     COLOURS,

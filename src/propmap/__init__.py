@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from propmap.dynamic_inflow import DynamicInflow as DynamicInflow
     from propmap.errors import InputError as InputError
     from propmap.hover import HoverModel as HoverModel
+    from propmap.model.air import Air as Air
     from propmap.model.airfoil import Airfoil as Airfoil
     from propmap.model.airfoil import SectionCovariance as SectionCovariance
     from propmap.model.airfoil import SectionTable as SectionTable
@@ -25,9 +26,8 @@ if TYPE_CHECKING:
     from propmap.model.airfoil import airfoil_names as airfoil_names
     from propmap.model.corrections import correction as correction
     from propmap.model.corrections import corrections_of as corrections_of
-    from propmap.model.model import Air as Air
     from propmap.model.model import Model as Model
-    from propmap.model.model import Propeller as Propeller
+    from propmap.model.propeller import Propeller as Propeller
     from propmap.results import Loads as Loads
     from propmap.results import Wrench as Wrench
     from propmap.rotor import Rotor as Rotor
@@ -43,9 +43,11 @@ _PUBLIC = {
     "dynamic_inflow": "DynamicInflow",
     "errors": "InputError",
     "hover": "HoverModel",
+    "model.air": "Air",
     "model.airfoil": "Airfoil SectionCovariance SectionTable SectionUncertainty airfoil_names",
     "model.corrections": "correction corrections_of",
-    "model.model": "Air Model Propeller",
+    "model.model": "Model",
+    "model.propeller": "Propeller",
     "results": "Loads Wrench",
     "rotor": "Rotor",
     "vehicle.files": "read_vehicle",

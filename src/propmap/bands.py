@@ -7,19 +7,16 @@ catalogue's constants: ``python -m tools.coverage`` finds the numbers below, and
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from propmap.loads import DRAG_FACTOR, LOADS, MOUNT_AREA
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.model.corrections import Installed
+from propmap.model.model import Model
 from propmap.operating_points import FlowPoints
 from propmap.typing import Floats
-
-if TYPE_CHECKING:
-    from propmap.model.model import Model
-    from propmap.rotor import Rotor
 
 SOURCES = ("parameters", "geometry", "discrepancy", "tunnel", "installation")
 
@@ -40,13 +37,23 @@ BLADE_DRAG_SHARE = 0.10
 lifting line, of Ribner's fin analogy and of measurements (docs/validation.md)."""
 
 
-def deviations(rotor: Rotor, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
-    """Standard deviations (L, N) by source of the loads (L, N) of a ``rotor`` at N points, to first
-    order sqrt(g' S g) with derivatives g by uncertain numbers of covariance S."""
-    known = rotor.model.uncertainty
+Derivatives = Callable[
+    [Sequence[str]], Floats
+]  # of the loads (L, P, N) by parameters of these names
+
+
+def deviations(
+    model: Model, at: FlowPoints, loads: Floats, derivatives: Derivatives
+) -> dict[str, Floats]:
+    """Return the standard deviations (L, N) of the loads (L, N) of a ``model`` by source.
+
+    They are first-order estimates sqrt(g' S g), with the derivatives g of the loads and the
+    covariance S of the uncertain parameters.
+    """
+    known = model.uncertainty
     if known is None:
         return {}
-    return _by_parameters(known, rotor, at) | errors_of_loads(rotor.model, at, loads)
+    return _by_parameters(known, derivatives) | errors_of_loads(model, at, loads)
 
 
 def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
@@ -63,12 +70,12 @@ def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Fl
     return found
 
 
-def _by_parameters(known: SectionUncertainty, rotor: Rotor, at: FlowPoints) -> dict[str, Floats]:
+def _by_parameters(known: SectionUncertainty, derivatives: Derivatives) -> dict[str, Floats]:
     """Standard deviations (L, N) that follow from the uncertain constants and blade."""
     whole = known.covariance.determined
     if not whole.names:
         return {}
-    slopes = rotor.gradients_at(whole.names, at).slopes
+    slopes = derivatives(whole.names)
 
     def variance(of: SectionCovariance) -> Floats:
         return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)

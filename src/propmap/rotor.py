@@ -367,7 +367,9 @@ class Rotor:
     ) -> dict[str, results.LoadValues]:
         """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``; NaN
         where loads or their derivatives were not found."""
-        found = bands.deviations(self, at, loads)
+        found = bands.deviations(
+            self.model, at, loads, lambda names: self.gradients_at(names, at).slopes
+        )
         values = {}
         for source, rows in found.items():
             lost = np.where(np.isnan(loads), np.nan, rows)

@@ -1,7 +1,8 @@
-"""Names of NumPy's array types, for annotations, and of the compiled core."""
+"""Array and core types for annotations, and a base class of dataclasses that hold arrays."""
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,3 +13,18 @@ Floats = NDArray[np.float64]
 # Classes of ``propmap.core``, which has no annotations.
 CoreRotor: TypeAlias = Any
 CoreTable: TypeAlias = Any
+
+
+class ByValue:
+    """Equality and hash of a dataclass by the values of its fields, arrays included."""
+
+    def _key(self) -> tuple[Any, ...]:
+        made: Any = self
+        values = (getattr(self, one.name) for one in fields(made) if one.compare)
+        return tuple(v.tobytes() if isinstance(v, np.ndarray) else v for v in values)
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, type(self)) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())

@@ -11,7 +11,7 @@ import pytest
 import propmap
 from propmap.aircraft.sensitivity import derivatives, has_slopes, power_gradient
 from propmap.aircraft.trim import Aircraft, SteadyStates
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from propmap.vehicle.vehicle import Body
 
 from .conftest import quadcopter

@@ -17,7 +17,7 @@ import propmap
 from propmap.catalogue.lookup import measurement
 from propmap.errors import InputError
 from propmap.fit.tunnel import data_warnings, measured_loads
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from tests.catalogue.test_nothing_is_doubted import INCH, column, table
 
 Columns = dict[str, np.ndarray]

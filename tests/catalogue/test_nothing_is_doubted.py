@@ -10,18 +10,18 @@ import pytest
 
 from propmap import catalogue
 from propmap.catalogue.lookup import measurement, measurement_names
-from propmap.model.model import Air, Propeller
+from propmap.model.air import Air
 from propmap.model.plausibility import (
     CHORD,
     RADIUS,
     TWIST,
-    WIDEST_CHORD,
     air_warnings,
     at_share,
     blade_warnings,
     load_warnings,
     point_warnings,
 )
+from propmap.model.propeller import WIDEST_CHORD, Propeller
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 INCH = 0.0254

@@ -17,7 +17,7 @@ from propmap.flight.steady import read_level_table
 from propmap.io.csv import LOAD_COLUMNS, read_points
 from propmap.io.geometry import read_geometry_file
 from propmap.io.sections import looks_like_section_table, read_section_table
-from propmap.model.model import Air
+from propmap.model.air import Air
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import NEUROBEM, vehicle_with

@@ -44,7 +44,7 @@ def _short_certificate(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("propmap.table.build.build_table", _built)
     # How few errors are overlooked is a question for `tests/table`.
     monkeypatch.setattr("propmap.table.build.PATROL_POINTS", 256)
-    monkeypatch.setattr("propmap.table.certificate.FEWEST_CLIMBS", 2)
+    monkeypatch.setattr("propmap.table.verification.FEWEST_CLIMBS", 2)
 
 
 def test_a_table_is_filed_and_its_certificate_shown(run: Run, tmp_path: Path) -> None:

@@ -224,7 +224,7 @@ def test_the_readme_s_first_block_of_python_is_the_example() -> None:
 
 def test_the_catalogue_is_as_large_as_the_readme_says() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert f"The catalogue has {len(catalogue.names())} propellers" in text
+    assert f"The catalogue contains {len(catalogue.names())} propellers" in text
 
 
 def test_the_catalogue_has_what_the_tutorial_fits() -> None:

@@ -181,7 +181,7 @@ def whole_flights() -> Any:
     )
     coaxial = dataclasses.replace(vehicle, mounts=mounts, inertia=None, wakes=SLIPSTREAMS)
     rotor = pm.Rotor(pm.Model(coaxial.propeller, paper.LAW, coaxial.air))
-    above = coaxial.wrench([600.0, 600.0], (2.0, 0.0, 1.0), loads=rotor)
+    above = pm.VehicleForces(coaxial, rotor).wrench([600.0, 600.0], (2.0, 0.0, 1.0))
     return model.at(paper.VALUES, ()).loads, rows.measured, above.force
 
 

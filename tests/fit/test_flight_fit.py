@@ -16,9 +16,9 @@ from propmap.fit.fit import range_warnings
 from propmap.fit.flight import ForceModel, balance_rows, body_force, level_rows, wing_values
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.units import GRAVITY
-from propmap.vehicle.log import FlightLog
+from propmap.vehicle.log import FlightLog, hub_flow
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
-from propmap.vehicle.wakes import hub_flow, rotor_forces
+from propmap.vehicle.wakes import rotor_forces
 
 PROPELLER = propmap.propeller("apc-8x6e")
 LAW = propmap.airfoil("paper-apc")

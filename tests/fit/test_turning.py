@@ -14,8 +14,8 @@ from propmap.fit.flight import ForceModel, balance_rows
 from propmap.fit.moments import FACTORS, measured_moment, moment_of_all
 from propmap.fit.parameters import FIRST_GUESS, SECTION, TURNING, Choice, Prior
 from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import hub_flow
 from propmap.vehicle.vehicle import Vehicle
-from propmap.vehicle.wakes import hub_flow
 from tests.fit.flight_twin import BEFOREHAND, FIXED, TRUTH, Noise, Twin
 from tests.fit.test_flight_balance import LAW, LAW_VALUES, VEHICLE, manoeuvre
 

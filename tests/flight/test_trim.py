@@ -15,9 +15,9 @@ from propmap.fit.parameters import Choice
 from propmap.flight.simulate import PAPER_RADIUS, trim, true_values
 from propmap.hover import HoverModel
 from propmap.units import GRAVITY
-from propmap.vehicle.log import FlightLog, pitch_and_roll
+from propmap.vehicle.log import FlightLog, hub_flow, pitch_and_roll
 from propmap.vehicle.vehicle import Body, Vehicle, Wing
-from propmap.vehicle.wakes import hub_flow, rotor_forces
+from propmap.vehicle.wakes import rotor_forces
 
 from .conftest import SPEEDS
 

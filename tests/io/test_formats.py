@@ -17,7 +17,7 @@ from propmap.io.geometry import (
     read_propeller_toml,
     read_uiuc_geometry,
 )
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 
 from . import samples
 

@@ -11,7 +11,7 @@ import pytest
 
 from propmap.catalogue.lookup import propeller
 from propmap.errors import InputError
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 
 GOOD: dict[str, Any] = {
     "name": "p",

@@ -12,23 +12,19 @@ from propmap.errors import InputError
 from propmap.model.plausibility import (
     CHORD,
     LIFT_SLOPE,
-    LIKELY_RADIUS,
     LOAD_RATIO,
     SMALL_BLADES,
     SPEED_OF_SOUND,
-    UNIT_ERRORS,
     ZERO_LIFT,
-    Range,
     air_warnings,
     blade_warnings,
-    common_errors,
     estimated_loads,
     load_warnings,
-    looks_like,
     pitch_ratio,
     point_warnings,
-    unit_errors,
 )
+from propmap.model.propeller import LIKELY_RADIUS
+from propmap.model.unit_errors import UNIT_ERRORS, Range, common_errors, looks_like, unit_errors
 
 BLADE = propmap.propeller("apc-8x6e")
 AIR = propmap.Air()

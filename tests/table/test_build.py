@@ -11,8 +11,8 @@ import xarray
 
 import propmap
 from propmap.loads import LOADS, error_scales
-from propmap.table import LoadTable, build_table, write_netcdf
-from propmap.table.build import CachedModel
+from propmap.table import LoadTable, build_table
+from propmap.table.verification import CachedModel
 from tests.workers_elsewhere import Elsewhere
 
 from .conftest import BETA, OMEGA, SPEED, TOLERANCE, random_points
@@ -76,7 +76,7 @@ def test_where_from_is_filed(table: LoadTable, rotor: propmap.Rotor) -> None:
 
 
 def test_netcdf_says_the_same(table: LoadTable, tmp_path: Path) -> None:
-    write_netcdf(table, tmp_path / "table.nc")
+    table.to_netcdf(tmp_path / "table.nc")
     assert [p.name for p in tmp_path.iterdir()] == ["table.nc"]
     with xarray.open_dataset(tmp_path / "table.nc", engine="h5netcdf") as found:
         np.testing.assert_array_equal(found["advance"], table.content.advance)
@@ -90,7 +90,7 @@ def test_netcdf_says_the_same(table: LoadTable, tmp_path: Path) -> None:
 def test_workers_evaluate_the_model_alike(
     rotor: propmap.Rotor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("propmap.table.build.BATCH", 3)
+    monkeypatch.setattr("propmap.table.verification.BATCH", 3)
     alone = propmap.Rotor(rotor.model)
     told: list[int] = []
     workers = Elsewhere()

@@ -11,9 +11,8 @@ import pytest
 
 from propmap.loads import LOADS
 from propmap.table import LoadTable
-from propmap.table.build import CachedModel
-from propmap.table.certificate import certify
 from propmap.table.interpolation import TableContent, locate
+from propmap.table.verification import CachedModel, certify
 
 from .conftest import invented_content, random_points
 

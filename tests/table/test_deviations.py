@@ -55,9 +55,7 @@ def test_what_is_filed_comes_back(tmp_path: Path) -> None:
         np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-6)
         assert (getattr(here, name) >= 0.0).all()
     np.testing.assert_allclose(here.power, here.torque * points[0])
-    from propmap.table.files import write_netcdf
-
-    write_netcdf(table, tmp_path / "x.nc")
+    table.to_netcdf(tmp_path / "x.nc")
     with xarray.open_dataset(tmp_path / "x.nc", engine="h5netcdf") as found:
         assert found["thrust_std"].shape == table.content.coefficients[:, 0].shape
 

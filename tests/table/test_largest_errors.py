@@ -12,9 +12,9 @@ import pytest
 import propmap
 from propmap.loads import LOADS
 from propmap.table import STATUSES, LoadTable, build_table
-from propmap.table.build import CachedModel, refine
-from propmap.table.certificate import certify, compare, quasi_random
+from propmap.table.build import refine
 from propmap.table.interpolation import UNRESOLVED_BIT, points_at, positions_of
+from propmap.table.verification import CachedModel, certify, compare, quasi_random
 
 from .conftest import invented_content, random_points
 

@@ -11,7 +11,7 @@ import propmap
 from propmap.loads import LOADS
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import build_table
-from propmap.table.certificate import load_deviations
+from propmap.table.verification import load_deviations
 
 COVARIANCE = SectionCovariance(("c_l1", "c_d"), np.array([[0.04, -0.01], [-0.01, 0.09]]))
 

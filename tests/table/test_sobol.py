@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from propmap.table.certificate import sobol
+from propmap.table.verification import sobol
 
 
 @pytest.mark.parametrize(("count", "seed"), [(1, 0), (2, 3), (8192, 8192), (2**16, 1)])

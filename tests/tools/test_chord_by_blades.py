@@ -10,7 +10,7 @@ import pytest
 
 import propmap
 from propmap.catalogue.expected import AT_REST, CHORD_OF_MORE, LEFT_OUT_ERROR, STAND_DEVIATION
-from propmap.model.model import Air
+from propmap.model.air import Air
 from propmap.units import INCH, RPM
 from tools.chord_by_blades import (
     DENSITY,

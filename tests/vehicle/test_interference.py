@@ -10,7 +10,7 @@ from scipy.integrate import quad as integral
 
 import propmap
 from propmap.errors import InputError
-from propmap.vehicle.log import FlightLog
+from propmap.vehicle.log import FlightLog, hub_flow
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
 from propmap.vehicle.wakes import (
     HubFlow,
@@ -20,7 +20,6 @@ from propmap.vehicle.wakes import (
     check_apart,
     frame_of,
     glauert_inflow,
-    hub_flow,
     in_wakes,
     wake_flow,
 )

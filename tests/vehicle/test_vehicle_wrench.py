@@ -172,12 +172,6 @@ def test_a_batch_is_a_loop_of_scalars() -> None:
                     np.testing.assert_allclose(each, among, rtol=1e-9, atol=1e-9, err_msg=name)
 
 
-def test_the_vehicle_s_own_method_is_the_same() -> None:
-    given = states(2)
-    plain = QUAD.wrench(*given, loads=ROTOR)
-    np.testing.assert_array_equal(plain.force, VehicleForces(QUAD, ROTOR).wrench(*given).force)
-
-
 def test_inertia_plays_no_part() -> None:
     """It is the air's wrench: weight and gyroscopic moments of spinning rotors are not in it."""
     heavy = replace(QUAD, mass=3.0, inertia=(0.01, 0.02, 0.02), rotor_inertia=1e-3)

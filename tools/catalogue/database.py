@@ -22,7 +22,7 @@ from propmap.catalogue.expected import MeanBlade
 from propmap.errors import InputError
 from propmap.io.csv import read_csv_table, read_lines
 from propmap.io.geometry import parse_blades, parse_number
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 
 MISFILED = {  # number of blades by the propeller's name in the database and the speed [1/min]

@@ -21,7 +21,8 @@ from propmap.catalogue.identified import LIFT_LAW, PARAMETERS
 from propmap.fit.least_squares import INDEPENDENT
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
-from propmap.model.model import Model, Propeller
+from propmap.model.model import Model
+from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from tools.catalogue.database import MeasuredPropeller

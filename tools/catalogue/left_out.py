@@ -49,7 +49,7 @@ from propmap.catalogue.identified import (
 )
 from propmap.io.csv import replacing
 from propmap.io.geometry import read_apc_pe0
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 from tools.catalogue.database import (
     MeasuredPropeller,

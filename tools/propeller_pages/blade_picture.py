@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from tools.propeller_pages.plot import Series, figure, path, plot
 
 LENGTH, MARGIN = 740.0, 10.0

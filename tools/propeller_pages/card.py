@@ -13,7 +13,8 @@ from propmap.catalogue.lookup import propeller
 from propmap.loads import LOADS
 from propmap.model.airfoil import CONSTANTS
 from propmap.model.corrections import corrections_of
-from propmap.model.model import Model, Propeller
+from propmap.model.model import Model
+from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.units import INCH, RPM
 from tools.catalogue.database import MeasuredPropeller

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import propeller
-from propmap.model.model import Model, Propeller
+from propmap.model.model import Model
+from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from tools.catalogue.database import MeasuredPropeller

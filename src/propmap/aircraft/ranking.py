@@ -21,7 +21,8 @@ from propmap.catalogue.lookup import meant_by, own_constants, predicted_constant
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil, SectionCovariance
 from propmap.model.corrections import Correction
-from propmap.model.model import Model, Propeller, Section
+from propmap.model.model import Model, Section
+from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.tasks import InThreads, Workers, cores, in_order
 from propmap.units import INCH

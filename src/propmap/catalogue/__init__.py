@@ -13,7 +13,7 @@ from pathlib import Path
 
 from propmap.catalogue.apc import apc_blades, name_of, series_of
 from propmap.errors import InputError, quoted
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 
 APC_CITATION = "Landing Products Inc. (APC Propellers), performance data files, 2022"

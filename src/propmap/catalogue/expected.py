@@ -24,7 +24,7 @@ from propmap.catalogue.identified import (
     one_of_each,
 )
 from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, SectionUncertainty
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 
 ERRORS = {

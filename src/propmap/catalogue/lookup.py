@@ -21,9 +21,11 @@ from propmap.io.formats import PE0, format_of
 from propmap.io.geometry import check_radius, read_geometry_file
 from propmap.io.sections import read_section_table
 from propmap.loads import LOADS
+from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
 from propmap.model.corrections import Correction, corrections_of
-from propmap.model.model import Air, Model, Propeller
+from propmap.model.model import Model
+from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 from propmap.units import INCH
 

@@ -20,11 +20,12 @@ from propmap.fit import comparison
 from propmap.fit.files import DataSource, FitFile, is_fit, read_fit
 from propmap.fit.flight import wing_values
 from propmap.fit.tunnel import read_tunnel, sources, tunnel_warnings
+from propmap.model.air import Air
 from propmap.model.corrections import in_words
-from propmap.model.model import Air, Model
+from propmap.model.model import Model
 from propmap.model.plausibility import blade_warnings
 from propmap.vehicle.files import read_vehicle
-from propmap.vehicle.wakes import hub_flow
+from propmap.vehicle.log import hub_flow
 
 if TYPE_CHECKING:
     from rich.table import Table

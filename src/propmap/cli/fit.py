@@ -26,10 +26,12 @@ from propmap.fit.fit import Fitted, Settings, coverage, fit, range_warnings
 from propmap.fit.least_squares import FlightErrors, Rows, errors
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
 from propmap.model import plausibility
+from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import in_words
 from propmap.model.envelope import Envelope
-from propmap.model.model import Air, Model, Propeller
+from propmap.model.model import Model
+from propmap.model.propeller import Propeller
 from propmap.units import RPM
 
 

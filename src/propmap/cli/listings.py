@@ -18,7 +18,7 @@ from propmap.catalogue.lookup import meant_by, own_constants, predicted_constant
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.model.airfoil import CONSTANTS, airfoil_names, parameter_set
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 
 ENTRY = ("name", "title", "family", "blades", "diameter_m", "source")
 OUTLINE_WIDTH = 72  # characters from the axis to the tip

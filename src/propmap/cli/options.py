@@ -25,10 +25,12 @@ from propmap.cli.output import note
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_value, read_lines
 from propmap.io.geometry import blades_in_title, how_read
+from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.airfoil import Airfoil, SectionLaw, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
-from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
+from propmap.model.model import Model
 from propmap.model.plausibility import air_warnings, blade_warnings, point_warnings
+from propmap.model.propeller import Propeller
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
 from propmap.units import RPM

@@ -15,7 +15,7 @@ from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, read_points, std_columns
 from propmap.loads import LOADS
-from propmap.model.corrections import installation_note
+from propmap.model.model import installation_note
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -66,9 +66,7 @@ def table(
         )
     content = replace(built.content, info={**built.info, "command": opt.command_line(context)})
     if output.suffix.lower() == ".nc":
-        from propmap.table.files import write_netcdf
-
-        write_netcdf(LoadTable(content), output)
+        LoadTable(content).to_netcdf(output)
     else:
         LoadTable(content).save(output)
     out.show(None, *certificate_of(built))

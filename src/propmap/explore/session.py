@@ -36,9 +36,11 @@ from propmap.hover import HoverModel
 from propmap.io.coefficients import looks_like_coefficients
 from propmap.io.csv import LOAD_COLUMNS, columns_in, read_lines
 from propmap.io.geometry import propeller_toml, read_geometry_file
+from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set, read_airfoil
 from propmap.model.corrections import as_text, corrections_of
-from propmap.model.model import Air, Model, Propeller
+from propmap.model.model import Model
+from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.table.query import LoadTable
 from propmap.units import RPM

@@ -6,7 +6,7 @@ import base64
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from propmap.report.html import COLOURS
 from propmap.units import RPM
 
 if TYPE_CHECKING:
-    from propmap.explore.app import Application
+    from dash import Dash
 
 Figure = dict[str, Any]  # as Plotly takes it
 
@@ -61,6 +61,16 @@ class Download:
     label: str
 
 
+class Host(Protocol):
+    """The parts of the application that a view uses: Dash, background fits and sessions."""
+
+    dash: Dash
+    jobs: Any
+
+    def session(self, search: Any) -> Session:
+        """Read the session of an address."""
+
+
 class View:
     """A question about what a session explores, what can be set, and an answer to it."""
 
@@ -99,7 +109,7 @@ class View:
         """Make what stands under the settings."""
         return []
 
-    def register(self, application: Application) -> None:
+    def register(self, application: Host) -> None:
         """Say what happens when something of ``more`` is used."""
 
 

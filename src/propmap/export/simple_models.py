@@ -9,7 +9,6 @@ import csv
 import dataclasses
 import io
 from collections.abc import Mapping
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -358,10 +357,9 @@ def npz_files(table: LoadTable) -> files.Files:
 
 def nc_files(table: LoadTable) -> files.Files:
     """Write the table as NetCDF."""
-    from propmap.table.files import write_netcdf
 
     name = f"{files.identifier(table)}.nc"
-    return {name: partial(write_netcdf, table), "README-nc.txt": files.note("nc", table)}
+    return {name: table.to_netcdf, "README-nc.txt": files.note("nc", table)}
 
 
 def csv_files(table: LoadTable) -> files.Files:

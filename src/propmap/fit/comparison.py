@@ -35,10 +35,10 @@ from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY
-from propmap.vehicle.log import FlightLog, flight_names, joined
+from propmap.vehicle.log import FlightLog, flight_names, hub_flow, joined
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import mounted_rotors
-from propmap.vehicle.wakes import hub_flow, in_wakes
+from propmap.vehicle.wakes import in_wakes
 
 
 @dataclass(frozen=True)

@@ -22,9 +22,11 @@ from propmap.fit.parameters import BEYOND_ROTORS, ROTOR, THROTTLE, WING, describ
 from propmap.fit.tunnel import model_with, section_with
 from propmap.hover import HoverModel
 from propmap.io.sections import looks_like_section_table
+from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, SectionCovariance, fitted_uncertainty, read_airfoil
 from propmap.model.envelope import Beyond, Envelope
-from propmap.model.model import Air, Model, Propeller
+from propmap.model.model import Model
+from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 

@@ -39,11 +39,11 @@ from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY
-from propmap.vehicle.log import FlightLog
+from propmap.vehicle.log import FlightLog, hub_flow
 from propmap.vehicle.throttle import ThrottleCurve
 from propmap.vehicle.vehicle import Body, Vehicle, Wakes
 from propmap.vehicle.vehicle_forces import free_stream_force, mounted_rotors
-from propmap.vehicle.wakes import HubFlow, check_apart, hub_flow, rotor_wrench, wake_flow
+from propmap.vehicle.wakes import HubFlow, check_apart, rotor_wrench, wake_flow
 
 # -------------------------------------------------------------------------------------------------
 # Force balances of a flying vehicle as rows to fit, eqs. (16) and (17) and past them.

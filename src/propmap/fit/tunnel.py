@@ -31,10 +31,12 @@ from propmap.hover import HoverModel
 from propmap.io.coefficients import Coefficients, looks_like_coefficients, read_coefficients
 from propmap.io.csv import LOAD_COLUMNS, read_points
 from propmap.loads import LOADS
+from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import BladeUntwist, Installed
-from propmap.model.model import Air, Model, Propeller, Section
+from propmap.model.model import Model, Section
 from propmap.model.plausibility import load_warnings, point_warnings
+from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import RPM

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from propmap.errors import InputError
 from propmap.flight.steady import airborne
 from propmap.hover import HoverModel
-from propmap.model.plausibility import UNIT_ERRORS, Range, unit_errors
+from propmap.model.unit_errors import UNIT_ERRORS, Range, unit_errors
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
 from propmap.vehicle.log import FlightLog, low_passed

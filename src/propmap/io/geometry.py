@@ -15,8 +15,7 @@ from propmap.io import formats
 from propmap.io.columns import QUANTITIES, Header, Taken
 from propmap.io.csv import columns_in, is_comment, read_csv_table, read_lines
 from propmap.io.formats import Format, format_of, not_read
-from propmap.model.model import Propeller
-from propmap.model.plausibility import check_blade, check_blades, twist_from_degrees
+from propmap.model.propeller import Propeller, check_blade, check_blades, twist_from_degrees
 from propmap.typing import Floats
 from propmap.units import INCH
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from propmap.errors import InputError, located
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.envelope import Envelope
-from propmap.typing import Floats
+from propmap.typing import ByValue, Floats
 
 LAW_SCHEMA = 1
 SETS = Path(__file__).parents[1] / "catalogue" / "airfoils"
@@ -66,21 +66,6 @@ CONSTANTS = {
 """The constants of ``Airfoil`` by name, in the order of its fields: the one table of them."""
 
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")  # what (18) identifies
-
-
-class ByValue:
-    """Equality and hash of a dataclass by what its fields hold, arrays among them."""
-
-    def _key(self) -> tuple[Any, ...]:
-        made: Any = self
-        values = (getattr(self, one.name) for one in fields(made) if one.compare)
-        return tuple(v.tobytes() if isinstance(v, np.ndarray) else v for v in values)
-
-    def __eq__(self, other: object) -> bool:
-        return self._key() == other._key() if isinstance(other, type(self)) else NotImplemented
-
-    def __hash__(self) -> int:
-        return hash(self._key())
 
 
 class SectionLaw:

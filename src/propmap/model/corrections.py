@@ -9,17 +9,15 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from propmap.errors import InputError, located
 from propmap.loads import DRAG_FACTOR, MOUNT_AREA
+from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 from propmap.units import SPEED_OF_SOUND
-
-if TYPE_CHECKING:
-    from propmap.model.model import Model, Propeller
 
 HUB_SHARE = 0.08  # hub's radius over R where it is not given: 16 mm across on 8 inches
 LARGEST_UNTWIST = 0.2  # of the tip [rad]; a propeller's blade gives way no further
@@ -33,13 +31,29 @@ flights lie inside the bands: ``python -m tools.coverage``."""
 STALL_DELAY_STRENGTH = 3.0  # Snel's factor of (c/y)^2 [-]
 
 
+class CorrectedModel(Protocol):
+    """The parts of a ``Model`` that its corrections use."""
+
+    @property
+    def propeller(self) -> Propeller:
+        """Geometry."""
+
+    @property
+    def airfoil(self) -> Any:
+        """Section law."""
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last loaded radius of the blade [m]."""
+
+
 class Correction:
     """A change to the physics, as a validated value: a frozen dataclass of numbers."""
 
-    def check(self, model: Model) -> None:
+    def check(self, model: CorrectedModel) -> None:
         """Raise ``InputError`` where it does not fit a ``model`` that has it."""
 
-    def core_numbers(self, name: str, model: Model) -> dict[str, Any]:  # noqa: ARG002
+    def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:  # noqa: ARG002
         """Give the core what it needs of it in a ``model``, by ``name``: its only number, or 1."""
         values = list(vars(self).values())
         return {name: values[0] if values else 1.0}
@@ -48,7 +62,7 @@ class Correction:
 class InflowShape(Correction):
     """How the inflow varies around the disk: of these a model has one at most."""
 
-    def core_numbers(self, name: str, model: Model) -> dict[str, Any]:  # noqa: ARG002
+    def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:  # noqa: ARG002
         """Give the core the ``name`` of the shape."""
         return {"inflow": name}
 
@@ -98,11 +112,11 @@ class BladeToHub(Correction):
             raise InputError(found, "give a smaller radius in metres, or leave the correction out")
         return root if hub >= first * (1.0 - 1e-9) else hub
 
-    def check(self, model: Model) -> None:
+    def check(self, model: CorrectedModel) -> None:
         """Check the propeller of a ``model``, as ``hub``."""
         self.hub(model.propeller)
 
-    def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
+    def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:
         """Give the hub's radius by ``name``, where the blade of a ``model`` is continued."""
         hub = self.hub(model.propeller)
         return {name: hub} if hub < model.propeller.root else {}
@@ -188,7 +202,7 @@ class HubLoss(Correction):
         """Give the hub's radius [m] on a blade that begins at ``root`` [m]."""
         return root if self.radius_m is None else self.radius_m
 
-    def check(self, model: Model) -> None:
+    def check(self, model: CorrectedModel) -> None:
         """Refuse a hub that is larger than where the blade of a ``model`` begins."""
         root, _ = model.span
         radius = self.radius(root)
@@ -196,7 +210,7 @@ class HubLoss(Correction):
             found = f"radius_m of the hub loss is {radius:g} m, but the blade begins at {root:g} m"
             raise InputError(found, "give a smaller radius, or a root cut-out")
 
-    def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
+    def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:
         """Give the hub's radius in a ``model``, by ``name``."""
         return {name: self.radius(model.span[0])}
 
@@ -321,7 +335,7 @@ class Installed(Correction):
         area = {} if self.area_m2 is not None else {MOUNT_AREA: TYPICAL_AREA[1] * radius**2}
         return factor | area
 
-    def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
+    def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:
         """Give the factor by ``name``, the area in a ``model``, and the share of the inflow."""
         area = self.area(model.propeller.radius)
         return {name: self.blade_factor, "mount-area": area, "mount-wake": self.wake}
@@ -394,7 +408,7 @@ class StallDelay(Correction):
             found = f"strength of the stall delay is {self.strength}"
             raise InputError(found, "give a number, 3 in Snel's form")
 
-    def check(self, model: Model) -> None:
+    def check(self, model: CorrectedModel) -> None:
         """Refuse a ``model`` whose section law says that it has no attached lift."""
         if not getattr(model.airfoil, "has_attached_lift", True):
             found = "stall-delay gives lift back that stall takes, but this section law has no "
@@ -619,24 +633,3 @@ def as_text(value: Correction) -> str:
         f"{name}={own!r}" for name, (own, default) in numbers.items() if own != default
     )
     return f"{name_of(value)}:{given}" if given else name_of(value)
-
-
-def installation_note(model: Model) -> str:
-    """Say whether the rotor drag is that of the blades alone, or of a rotor as it is installed."""
-    mount, radius = model.correction_of(Installed), model.propeller.radius
-    if mount is None:
-        return (
-            "rotor drag is that of the blades alone; on a motor or a stand it was measured to be "
-            f"about {TYPICAL_FACTOR[0]:g} times that, and more by what stands in the slipstream "
-            "(correction installed)"
-        )
-    unknown = mount.deviations(radius)
-    factor, area = f"{mount.blade_factor:g}", f"{1e4 * mount.area(radius):.3g}"
-    if DRAG_FACTOR in unknown:
-        factor += f" (+- {unknown[DRAG_FACTOR]:g})"
-    if MOUNT_AREA in unknown:
-        area += f" (+- {1e4 * unknown[MOUNT_AREA]:.3g})"
-    return (
-        f"rotor drag is that of the installed rotor: {factor} times the blades' own, and the drag "
-        f"of {area} cm^2 in the slipstream"
-    )

@@ -2,201 +2,31 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError
 from propmap.loads import DRAG_FACTOR, MOUNT_AREA
-from propmap.model.airfoil import ByValue, SectionUncertainty
+from propmap.model.air import Air
+from propmap.model.airfoil import SectionUncertainty
 from propmap.model.corrections import (
     CORRECTIONS,
     INSTALLED,
+    TYPICAL_FACTOR,
     BladeToHub,
     Correction,
     InflowShape,
+    Installed,
     agreed,
     as_text,
     correction,
     name_of,
     split_mount,
 )
-from propmap.model.plausibility import check_blade, check_blades, check_root_cutout
-from propmap.typing import Floats
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Propeller(ByValue):
-    """Chord and twist of a blade at its measured stations, and how many blades there are.
-
-    The arrays are kept as read-only float64 copies.
-
-    Attributes
-    ----------
-    name : str
-        What the propeller is called.
-    blades : int
-        Number of blades, 1 to 12.
-    station : ndarray, shape (n,)
-        Radii [m], n >= 4, rising from the first measured section to the tip.
-    chord : ndarray, shape (n,)
-        [m].
-    twist : ndarray, shape (n,)
-        The chord line against the disk plane [rad].
-    root_cutout : float or None
-        Where the loaded part of the blade begins [m]; None is the first station.
-    source, citation : str
-        Where the figures are from and what was done to them, and whom to cite.
-
-    Raises
-    ------
-    InputError
-        For a blade that cannot be: see ``propmap.model.plausibility``.
-    """
-
-    name: str
-    blades: int
-    station: Floats
-    chord: Floats
-    twist: Floats
-    root_cutout: float | None = None
-    source: str = ""
-    citation: str = ""
-
-    def __post_init__(self) -> None:
-        for array in ("station", "chord", "twist"):
-            object.__setattr__(self, array, _frozen_array(getattr(self, array), array))
-        check_blade(self.station, self.chord, self.twist)
-        object.__setattr__(self, "blades", check_blades(self.blades))
-        if self.root_cutout is not None:
-            root = check_root_cutout(self.root_cutout, self.station)
-            object.__setattr__(self, "root_cutout", root)
-
-    @property
-    def radius(self) -> float:
-        """Tip radius [m], the last station."""
-        return float(self.station[-1])
-
-    @property
-    def diameter(self) -> float:
-        """Diameter [m]."""
-        return 2.0 * self.radius
-
-    @property
-    def summary(self) -> str:
-        """Number of blades and radius in words."""
-        return f"{self.blades} blades, R = {self.radius:.4g} m"
-
-    @property
-    def root(self) -> float:
-        """Where the loaded part of the blade begins [m]."""
-        return float(self.station[0]) if self.root_cutout is None else self.root_cutout
-
-    def with_root_cutout(self, radius_m: float) -> Propeller:
-        """Load this propeller from ``radius_m`` [m] outwards."""
-        return replace(self, root_cutout=radius_m)
-
-    def scaled(self, factor: float) -> Propeller:
-        """Make radius and chord ``factor`` times as large."""
-        root = None if self.root_cutout is None else factor * self.root_cutout
-        return replace(
-            self, station=factor * self.station, chord=factor * self.chord, root_cutout=root
-        )
-
-    def fingerprint(self) -> str:
-        """SHA-256 of station [m], chord [m], twist [rad], root [m] and blades, as little-endian f8.
-
-        Name and source play no part.
-        """
-        import hashlib
-
-        figures = (self.station, self.chord, self.twist, [self.root, float(self.blades)])
-        return hashlib.sha256(np.concatenate(figures).astype("<f8").tobytes()).hexdigest()
-
-    def __repr__(self) -> str:
-        return (
-            f"Propeller({self.name!r}, {self.blades} blades, diameter {self.diameter:.4g} m, "
-            f"{self.station.size} stations)"
-        )
-
-
-def _frozen_array(values: Any, field: str) -> Floats:
-    try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        found = f"{field} is {quoted(values)}, expected a list of numbers"
-        raise InputError(found, f"give {field} as one number per station") from None
-    array.flags.writeable = False
-    return array
-
-
-PAPER_DENSITY = 1.225
-PAPER_VISCOSITY = 1.983e-5
-
-
-@dataclass(frozen=True)
-class Air:
-    """The air around the propeller; by default the paper's values.
-
-    Attributes
-    ----------
-    density : float
-        rho [kg/m^3].
-    viscosity : float
-        Dynamic viscosity mu [Pa s].
-
-    Raises
-    ------
-    InputError
-        For values that are not finite and positive.
-    """
-
-    density: float = PAPER_DENSITY
-    viscosity: float = PAPER_VISCOSITY
-
-    def __post_init__(self) -> None:
-        for name, unit in (("density", "kg/m^3"), ("viscosity", "Pa s")):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise InputError(f"air {name} is {value!r}: give a number in {unit}")
-            if not (math.isfinite(value) and value > 0.0):
-                raise InputError(f"air {name} is {value}: it must be positive and finite [{unit}]")
-
-    @classmethod
-    def standard(cls, altitude: float = 0.0, temperature_offset: float = 0.0) -> Air:
-        """ICAO standard atmosphere, optionally warmer or colder at the same pressure.
-
-        The viscosity follows Sutherland's law of the same standard (ICAO Doc 7488/3, 1993).
-
-        Parameters
-        ----------
-        altitude : float
-            Geometric, above mean sea level [m], -5000 to 80000.
-        temperature_offset : float
-            To the standard temperature [K], -60 to 60.
-
-        Raises
-        ------
-        InputError
-            Outside these ranges.
-        """
-        if not -5000.0 <= altitude <= 80000.0:
-            raise InputError(f"altitude is {altitude} m: it must lie between -5000 and 80000 m")
-        if not -60.0 <= temperature_offset <= 60.0:
-            raise InputError(
-                f"temperature offset is {temperature_offset} K: it must lie between -60 and 60 K"
-            )
-        from ambiance import CONST, Atmosphere
-
-        day = Atmosphere(altitude)
-        temperature = float(day.temperature[0]) + temperature_offset
-        density = float(day.pressure[0]) / (CONST.R * temperature)
-        viscosity = CONST.beta_s * temperature**1.5 / (temperature + CONST.S)
-        return cls(density, float(viscosity))
-
+from propmap.model.propeller import Propeller
 
 OneOf = TypeVar("OneOf", bound=Correction)
 
@@ -375,3 +205,24 @@ class Model:
             *sorted(self.correction_texts),
         ]
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+
+def installation_note(model: Model) -> str:
+    """Say whether the rotor drag is that of the blades alone, or of a rotor as it is installed."""
+    mount, radius = model.correction_of(Installed), model.propeller.radius
+    if mount is None:
+        return (
+            "rotor drag is that of the blades alone; on a motor or a stand it was measured to be "
+            f"about {TYPICAL_FACTOR[0]:g} times that, and more by what stands in the slipstream "
+            "(correction installed)"
+        )
+    unknown = mount.deviations(radius)
+    factor, area = f"{mount.blade_factor:g}", f"{1e4 * mount.area(radius):.3g}"
+    if DRAG_FACTOR in unknown:
+        factor += f" (+- {unknown[DRAG_FACTOR]:g})"
+    if MOUNT_AREA in unknown:
+        area += f" (+- {1e4 * unknown[MOUNT_AREA]:.3g})"
+    return (
+        f"rotor drag is that of the installed rotor: {factor} times the blades' own, and the drag "
+        f"of {area} cm^2 in the slipstream"
+    )

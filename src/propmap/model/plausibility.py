@@ -4,113 +4,28 @@ from __future__ import annotations
 
 import itertools
 import math
-import operator
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
 from statistics import median  # without numpy.ma, which takes longer to load than one point
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError
+from propmap.model.air import Air
+from propmap.model.propeller import LIKELY_RADIUS, Propeller
+from propmap.model.unit_errors import (
+    ELECTRICAL_POWER,
+    LOAD_UNIT_ERRORS,
+    ROTORS,
+    UNIT_ERRORS,
+    Range,
+    common_errors,
+    likely_cause,
+    looks_like,
+    unit_errors,
+    unusual,
+)
 from propmap.typing import Floats
-from propmap.units import RPM, SPEED_OF_SOUND
-
-if TYPE_CHECKING:
-    from propmap.model.model import Air, Propeller
-
-# -------------------------------------------------------------------------------------------------
-# The engine: a figure, its usual range, and the unit errors that bring it back into that range.
-
-
-@dataclass(frozen=True)
-class Range:
-    """From ``low`` to ``high``, both above 0; the middle is the geometric mean."""
-
-    low: float
-    high: float
-
-    def __contains__(self, value: float) -> bool:
-        return self.low <= value <= self.high
-
-    def distance(self, value: float) -> float:
-        """Return the logarithm of the factor between a ``value`` above 0 and the middle."""
-        return abs(math.log(value / math.sqrt(self.low * self.high)))
-
-
-_SIZES = tomllib.loads(Path(__file__).with_name("unit_errors.toml").read_text(encoding="utf-8"))
-UNIT_ERRORS: dict[str, dict[str, float]] = {
-    quantity: {name: 1.0 / size for name, size in errors.items()}
-    for quantity, errors in _SIZES.items()
-}  # what a figure of some quantity looks like, and the factor by which it is then wrong
-
-# Names of errors whose size follows from the loads.
-ELECTRICAL_RPM, ROTORS = "electrical rpm of {pairs} pole pairs", "that of {rotors} rotors together"
-ELECTRICAL_POWER = "electrical power, with the losses of motor and controller"
-LOAD_UNIT_ERRORS = (
-    ("rpm in rad/s", (RPM**-2, RPM**-2)),
-    ("rpm in revolutions per second", (3600.0, 3600.0)),
-    ("rpm in thousands", (1e6, 1e6)),
-    ("rpm converted from rad/s twice", (RPM**2, RPM**2)),
-    ("a diameter taken for the radius", (1.0 / 16.0, 1.0 / 32.0)),
-    ("a radius taken for the diameter", (16.0, 32.0)),
-    *((ELECTRICAL_RPM, (pairs**-2.0, pairs**-2.0)) for pairs in (3, 4, 6, 7, 11, 14)),
-    *((ROTORS, (count, count)) for count in (2, 3, 4, 6, 8)),
-    ("coefficients over rho A (Omega R)^2", (4.0 / math.pi**3, 4.0 / math.pi**4)),
-)  # errors of thrust and torque together, over estimates that go with rpm^2, and R^4 and R^5
-
-CLOSE_FACTOR = 2.3  # of loads of similar blades: closer unit errors look alike
-
-
-def unit_errors(value: float, usual: Range, errors: Mapping[str, float]) -> list[str]:
-    """List the unit errors that bring a ``value`` into a usual range, likeliest first."""
-    return common_errors((value,), usual, ((name, (factor,)) for name, factor in errors.items()))
-
-
-def common_errors(
-    figures: Sequence[float], usual: Range, errors: Iterable[tuple[str, Sequence[float]]]
-) -> list[str]:
-    """List the unit errors that bring all ``figures`` into a usual range, likeliest first, up to
-    ``CLOSE_FACTOR`` times as far from its middle; none for a figure that is not above 0."""
-    if not all(0.0 < value < math.inf for value in figures):
-        return []
-    far: dict[str, float] = {}
-    for name, factors in errors:
-        corrected = [value / factor for value, factor in zip(figures, factors, strict=True)]
-        if all(value in usual for value in corrected):
-            far[name] = min(sum(map(usual.distance, corrected)), far.get(name, math.inf))
-    limit = min(far.values(), default=0.0) + len(figures) * math.log(CLOSE_FACTOR)
-    return sorted((name for name in far if far[name] < limit), key=far.__getitem__)
-
-
-def looks_like(errors: Sequence[str], suspect: str = "it") -> str:
-    """Say what a ``suspect`` looks like by its unit errors; empty without any."""
-    return f"{suspect} looks like {' or '.join(errors)}" if errors else ""
-
-
-def unusual(
-    subject: str,
-    value: float,
-    unit: str,
-    usual: Range,
-    quantity: str,
-    likely: Range | None = None,
-    suspect: str = "it",
-) -> list[str]:
-    """Warn of a ``value`` out of its usual range; unit errors must lead into the ``likely`` one."""
-    if value in usual:
-        return []
-    found = f"{subject} is {value:.4g} {unit}, usual are {usual.low:g} to {usual.high:g}"
-    return [found + _cause(value, likely or usual, quantity, suspect)]
-
-
-def _cause(value: float, likely: Range, quantity: str, suspect: str = "it") -> str:
-    """Say what unit a value looks like, for the end of a message; empty without a unit error."""
-    like = looks_like(unit_errors(value, likely, UNIT_ERRORS[quantity]), suspect)
-    return f"; {like}" if like else ""
-
+from propmap.units import SPEED_OF_SOUND
 
 # -------------------------------------------------------------------------------------------------
 # Usual ranges of small propellers.
@@ -121,9 +36,7 @@ def _cause(value: float, likely: Range, quantity: str, suspect: str = "it") -> s
 # ``tests/catalogue/test_nothing_is_doubted.py`` holds them against these data.
 
 RADIUS = Range(0.012, 2.0)  # [m]; measured 0.028 to 0.36
-LIKELY_RADIUS = Range(0.025, 0.4)
 CHORD = Range(0.09, 0.40)  # over the radius, at 0.75 of it; measured 0.10 to 0.35
-WIDEST_CHORD = Range(0.12, 0.45)  # the largest chord over the radius; measured 0.15 to 0.38
 TWIST = Range(3.0, 40.0)  # [deg] at 0.75 of the radius; measured 7 to 25
 DENSITIES = Range(0.3, 1.6), "density", Range(0.9, 1.45)
 """Usual of air [kg/m^3], from 12 km up to a cold day at sea level, its quantity, and likely."""
@@ -215,10 +128,10 @@ def _fast_tip(tip: Floats, speed: Floats) -> list[str]:
     motion = f"the tip moves at {helical[k]:.4g} m/s, Mach {mach:.3g}, with {tip[k]:.4g} m/s from "
     motion += f"the rotation and {speed[k]:.4g} m/s from the flight"
     if speed[k] > tip[k]:
-        like = _cause(float(speed[k]), Range(1.0, 130.0), "speed", "the speed")
+        like = likely_cause(float(speed[k]), Range(1.0, 130.0), "speed", "the speed")
     else:
         usual = Range(40.0, 130.0)
-        like = _cause(float(tip[k]), usual, "fast rotation", "the rotational speed")
+        like = likely_cause(float(tip[k]), usual, "fast rotation", "the rotational speed")
         like += ", or the radius like the diameter" if like else ""
     if mach > 1.0:
         remedy = "check rpm, speed and radius: nothing here holds above Mach 1"
@@ -527,95 +440,3 @@ def _beta_from_the_disk(
         if kept > AXIAL_KEEPS if flow == "axial" else kept < EDGEWISE_KEEPS:
             return [f"in fast {flow} flow thrust is {kept:.2g} times that at rest; {cause}"]
     return []
-
-
-# -------------------------------------------------------------------------------------------------
-# What a blade must satisfy before any load is computed from it.
-
-MIN_STATIONS, MAX_BLADES, MAX_ROOT_CUTOUT = 4, 12, 0.9
-MAX_RADIUS = 20.0  # [m], above any rotor that flies, and below a model propeller in millimetres
-MAX_TWIST = 1.6  # [rad]; no blade is set at 92 degrees to its disk: a larger figure is in degrees
-
-
-def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[str] = ()) -> None:
-    """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip;
-    messages name stations by ``labels``, such as "line 7"."""
-    columns = {"station": station, "chord": chord, "twist": twist}
-    for field, values in columns.items():
-        if values.ndim != 1 or values.size != station.size:
-            found = f"{field} has shape {values.shape}, expected one value per station"
-            raise InputError(found, "give station, chord and twist as lists of one length")
-    if station.size < MIN_STATIONS:
-        found = f"found {station.size} stations, expected at least {MIN_STATIONS}"
-        raise InputError(found, "add stations between root and tip")
-    labels = labels or [f"station {i}" for i in range(station.size)]
-    for field, values in columns.items():
-        for k in np.flatnonzero(~np.isfinite(values)).tolist():
-            found = f"{labels[k]}: {field} is {values[k]}, expected a finite number"
-            raise InputError(found, "remove the row or correct it")
-    if station[0] <= 0.0:
-        found = f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0"
-        raise InputError(found, "start at the hub radius, where the blade begins")
-    for k in (np.flatnonzero(station[1:] <= station[:-1]) + 1).tolist():
-        repeated = station[k] == station[k - 1]
-        how = "repeated" if repeated else f"unsorted (it follows {station[k - 1]:g} m)"
-        fault = f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
-        fault += "root to tip"
-        remedy = "keep one row per station" if repeated else "sort the rows by station"
-        raise InputError(fault, remedy)
-    radius, low, high = float(station[-1]), int(np.argmin(chord)), int(np.argmax(chord))
-    if radius > MAX_RADIUS:
-        found = f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
-        found += _cause(radius, LIKELY_RADIUS, "length")
-        raise InputError(found, "check the units; lengths are in metres")
-    if chord[low] < 0.0:
-        found = f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more"
-        raise InputError(found, "correct the negative chord")
-    if chord[high] == 0.0:
-        raise InputError("every chord is 0", "give the chord of each station")
-    if chord[high] >= radius:
-        found = f"{labels[high]}: chord is {chord[high]:g} m, expected less than the radius of "
-        found += f"{radius:g} m"
-        found += _cause(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius")
-        raise InputError(found, "check the units of chord and radius")
-    steepest = int(np.argmax(np.abs(twist)))
-    if abs(twist[steepest]) > MAX_TWIST:
-        found = f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most "
-        found += f"{MAX_TWIST}; it looks like degrees"
-        raise InputError(found, "the column must be in radians or be named twist_deg")
-
-
-def check_blades(blades: Any) -> int:
-    """Return the number of blades, or raise ``InputError`` unless it is a whole 1 to 12."""
-    try:
-        count = operator.index(blades)
-    except TypeError:
-        count = 0
-    if isinstance(blades, bool | np.bool_) or not 1 <= count <= MAX_BLADES:
-        found = f"the number of blades is {quoted(blades)}, expected a whole number from 1 to "
-        raise InputError(f"{found}{MAX_BLADES}", "pass --blades 2 (in Python: blades=2)")
-    return count
-
-
-def check_root_cutout(root_cutout: Any, station: Floats) -> float:
-    """Return the root cut-out [m], or raise ``InputError`` unless it lies on the blade."""
-    first, last = float(station[0]), MAX_ROOT_CUTOUT * float(station[-1])
-    try:
-        value = float(root_cutout)
-    except (TypeError, ValueError):
-        value = float("nan")
-    if not first <= value <= last:
-        found = f"the root cut-out is {quoted(root_cutout)} m, expected between {first:.6g} m"
-        found += f" (first station) and {last:.6g} m (0.9 radius)"
-        raise InputError(found, "choose a root cut-out on the blade, in metres")
-    return value
-
-
-def twist_from_degrees(degrees: Floats) -> Floats:
-    """Convert ``degrees`` (n,) to radians, refusing figures below 1.6, which as degrees would make
-    no propeller and look like radians."""
-    steepest = float(np.nanmax(np.abs(degrees), initial=0.0))
-    if degrees.size and steepest < MAX_TWIST:
-        found = f"the largest twist is {steepest:g} degrees; it looks like radians"
-        raise InputError(found, "the column must be in degrees or be named twist_rad")
-    return np.deg2rad(degrees)

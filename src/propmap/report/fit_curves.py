@@ -18,8 +18,7 @@ from propmap.fit.parameters import EVERY, ROTOR
 from propmap.fit.tunnel import TunnelData
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
-from propmap.model.corrections import installation_note
-from propmap.model.model import Model, Section
+from propmap.model.model import Model, Section, installation_note
 from propmap.report.html import (
     COLOURS,
     HOVER,
@@ -36,9 +35,9 @@ from propmap.report.html import (
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
-from propmap.vehicle.log import FlightLog
+from propmap.vehicle.log import FlightLog, hub_flow
 from propmap.vehicle.vehicle import Vehicle
-from propmap.vehicle.wakes import hub_flow, rotor_forces
+from propmap.vehicle.wakes import rotor_forces
 
 SPEEDS, MOST_ANGLES = 26, 4
 BEYOND = 1.25  # how far the curves go, in units of the data's largest advance ratio

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from propmap.aircraft.sensitivity import StateChange
     from propmap.aircraft.trim import SteadyStates
     from propmap.fit.tunnel import TunnelData
-    from propmap.model.model import Propeller
+    from propmap.model.propeller import Propeller
     from propmap.results import Inflow
     from propmap.rotor import Rotor
     from propmap.study.files import ResponseSurface

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.model.model import Propeller
+from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.sweep.points import AXES, Part, Place
 from propmap.sweep.run import Evaluation, Values

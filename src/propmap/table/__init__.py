@@ -17,16 +17,14 @@ from propmap.table.query import TableLoads as TableLoads
 if TYPE_CHECKING:
     from propmap.table.build import build_table as build_table
     from propmap.table.certificate import Certificate as Certificate
-    from propmap.table.certificate import certify as certify
-    from propmap.table.files import write_netcdf as write_netcdf
     from propmap.table.jax_query import JaxTable as JaxTable
+    from propmap.table.verification import certify as certify
 
 _LAZY = {
     "Certificate": "certificate",
     "JaxTable": "jax_query",
     "build_table": "build",
-    "certify": "certificate",
-    "write_netcdf": "files",
+    "certify": "verification",
 }
 __all__ = sorted(["STATUSES", "Gradient", "Inverse", "LoadTable", "TableLoads", *_LAZY])
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import Any
@@ -12,10 +11,10 @@ from numpy.typing import NDArray
 
 import propmap
 from propmap.errors import InputError
-from propmap.loads import LOADS, error_scales
+from propmap.loads import LOADS
 from propmap.model.envelope import Range
 from propmap.rotor import Rotor
-from propmap.table import certificate
+from propmap.table import verification
 from propmap.table.interpolation import (
     PARITY,
     UNRESOLVED_BIT,
@@ -30,7 +29,8 @@ from propmap.table.interpolation import (
     points_at,
 )
 from propmap.table.query import LoadTable
-from propmap.tasks import InTurn, Workers
+from propmap.table.verification import CachedModel, Progress
+from propmap.tasks import Workers
 from propmap.typing import Floats
 from propmap.units import RPM
 
@@ -57,7 +57,7 @@ def build_table(
     beta: Range,
     tolerance: float = 0.005,
     leave_out_vortex_ring: bool = False,
-    certificate_points: int = certificate.POINTS,
+    certificate_points: int = verification.POINTS,
     progress: Progress | None = None,
     workers: Workers | None = None,
 ) -> LoadTable:
@@ -108,14 +108,14 @@ def build_table(
         content = _content(model, refined, ends, info)
         narrow = ~refined.advance.divisible[:, None] & ~refined.beta.divisible[None, :]
         content = find_jumps(content, model, POINT_SHARE * tolerance, narrow)
-        before, left = left, certificate.unresolved_share(LoadTable(content))
+        before, left = left, verification.unresolved_share(LoadTable(content))
         if left <= NARROW_ABOVE or left > WORTH * before or narrowing == NARROWINGS:
             break
         if not _halved((content.cells & UNRESOLVED_BIT) > 0, refined):
             break
     for attempt in range(1, ATTEMPTS + 1):
         table = LoadTable(content)
-        proof, found = certificate.certify(
+        proof, found = verification.certify(
             table, model, tolerance, points=certificate_points, seed=FIRST_SEED + attempt
         )
         if proof.holds:
@@ -140,7 +140,7 @@ def build_table(
     known, deviations = rotor.model.uncertainty, None
     if known is not None:
         if known.covariance.determined.names:
-            uncertainty = certificate.parameter_uncertainty(table, model, known.covariance)
+            uncertainty = verification.parameter_uncertainty(table, model, known.covariance)
             filed["parameter_uncertainty"] = uncertainty
         model.stage = "standard deviations"
         deviations = deviation_coefficients(rotor, content)
@@ -249,7 +249,7 @@ def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
 # -------------------------------------------------------------------------------------------------
 # What no knots mend: loads between the least and the largest omega, which are interpolated.
 
-PROBED = certificate.sobol(1024, 1).T  # places in the envelope
+PROBED = verification.sobol(1024, 1).T  # places in the envelope
 BETWEEN = np.array([0.25, 0.5, 0.75])  # of the way from end to end
 NARROWER = np.linspace(0.1, 0.9, 9)  # of the way, in the logarithm of omega, the least is raised
 
@@ -500,8 +500,8 @@ def find_jumps(
     seldom alone."""
     model.stage = "looking for jumps"
     rng, table = np.random.default_rng(PATROL_POINTS), LoadTable(content)
-    points = certificate.quasi_random(table, PATROL_POINTS, seed=PATROL_POINTS)
-    content = marked(content, certificate.compare(table, model, *points), limit)
+    points = verification.quasi_random(table, PATROL_POINTS, seed=PATROL_POINTS)
+    content = marked(content, verification.compare(table, model, *points), limit)
     content = _searched(content, model, limit, suspects, GLANCES, rng)
     done: NDArray[np.bool_] = np.zeros(content.cells.shape, bool)
     for _ in range(PATROL_ROUNDS):
@@ -528,10 +528,10 @@ def _searched(
         return content
     i, j = (np.repeat(index, tries) for index in np.nonzero(cells))
     points = points_at(content, np.stack([i, j, 0 * i], axis=1) + rng.random((3, i.size)).T)
-    return marked(content, certificate.compare(LoadTable(content), model, *points), limit)
+    return marked(content, verification.compare(LoadTable(content), model, *points), limit)
 
 
-def marked(content: TableContent, found: certificate.TableErrors, limit: float) -> TableContent:
+def marked(content: TableContent, found: verification.TableErrors, limit: float) -> TableContent:
     """Mark the cells in which an error exceeds the limit, and those around."""
     cells = exceeding(content, found, limit)
     unresolved = spread(cells) | ((content.cells & UNRESOLVED_BIT) > 0)
@@ -541,7 +541,7 @@ def marked(content: TableContent, found: certificate.TableErrors, limit: float) 
 
 
 def exceeding(
-    content: TableContent, found: certificate.TableErrors, limit: float
+    content: TableContent, found: verification.TableErrors, limit: float
 ) -> NDArray[np.bool_]:
     """Find the cells (n - 1, m - 1) in which an error exceeds the limit."""
     bad = (np.abs(found.errors) > limit).any(axis=1)
@@ -559,87 +559,3 @@ def with_marks_of(old: TableContent, new: TableContent) -> TableContent:
     return replace(
         new, cells=new.cells | (old.cells[np.ix_(row, column)] & np.uint8(UNRESOLVED_BIT))
     )
-
-
-# -------------------------------------------------------------------------------------------------
-# The model as the builder of a table sees it: coefficients at (J, beta), each asked for once.
-
-Progress = Callable[[str, int], None]  # what is done, and points evaluated so far
-BATCH = 4096  # operating points between two reports of progress: some tenths of a second
-
-
-class CachedModel:
-    """Loads of a rotor, and relative to its static ones at two rotational speeds (2,) [rad/s];
-    ``InputError`` unless these are positive."""
-
-    def __init__(
-        self,
-        rotor: Rotor,
-        omega: Floats,
-        *,
-        leave_out_vortex_ring: bool = False,
-        progress: Progress | None = None,
-        workers: Workers | None = None,
-    ) -> None:
-        self.rotor, self.omega = rotor, omega
-        self._workers = workers or InTurn()
-        self.leave_out_vortex_ring = leave_out_vortex_ring
-        self.evaluations = 0
-        self.stage = "static loads"
-        self._progress = progress
-        self._known: list[dict[tuple[float, float], Floats]] = [{}, {}]
-        self.static = self.static_loads(omega)
-
-    def static_loads(self, omega: Floats) -> Floats:
-        """Evaluate what errors are relative to (n, L), see ``loads.error_scales``."""
-        loads, _ = self._evaluate(omega, np.zeros_like(omega), np.zeros_like(omega))
-        static = dict(zip(LOADS, loads.T, strict=True))
-        scales = np.array(list(error_scales(static, self.rotor.model.propeller.radius).values())).T
-        if not (scales > 0.0).all():
-            found = "at rest in the air this rotor has no positive thrust and torque, to which a "
-            found += "table's errors could be related"
-            raise InputError(found, "check the propeller's pitch and the section law")
-        return scales
-
-    def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """Return loads (n, L) in the order of ``LOADS``, and where in the vortex ring state."""
-        values, ring = self._evaluate(omega, speed, beta)
-        if self.leave_out_vortex_ring:
-            values[ring] = np.nan
-        return values, ring
-
-    def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
-        """Return loads over static ones at one omega (n, m, L), and 1 in the vortex ring (n, m)."""
-        known = self._known[node]
-        grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
-        new = [point for point in grid if point not in known]
-        if new:
-            j, b = np.array(new).T
-            omega = np.full(j.size, self.omega[node])
-            values, ring = self.loads(omega, j * omega * self.rotor.model.propeller.radius, b)
-            rows = np.concatenate([values / self.static[node], ring[:, None]], axis=1)
-            known.update(zip(new, rows, strict=True))
-        found = np.array([known[point] for point in grid]).reshape(advance.size, beta.size, -1)
-        return found[..., :-1], found[..., -1]
-
-    def _evaluate(
-        self, omega: Floats, speed: Floats, beta: Floats
-    ) -> tuple[Floats, NDArray[np.bool_]]:
-        values, ring = np.empty((omega.size, len(LOADS))), np.empty(omega.size, bool)
-        cuts = [slice(start, start + BATCH) for start in range(0, omega.size, BATCH)]
-        batches = ((omega[cut], speed[cut], beta[cut]) for cut in cuts)
-        for which, found in self._workers.results(_loads_of, self.rotor, batches):
-            values[cuts[which]], ring[cuts[which]] = found
-            self.evaluations += found[1].size
-            if self._progress:
-                self._progress(self.stage, self.evaluations)
-        return values, ring
-
-
-def _loads_of(
-    rotor: Rotor, batch: tuple[Floats, Floats, Floats]
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return loads (n, L) of a batch, and whether in the vortex ring state (n,)."""
-    found = rotor.loads(*batch)
-    values = np.stack([getattr(found, name) for name in LOADS], axis=-1)
-    return values, found.status == "vortex_ring"

@@ -7,7 +7,7 @@ import os
 import zlib
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from zipfile import BadZipFile, ZipFile, is_zipfile
 
 import numpy as np
@@ -17,10 +17,6 @@ from propmap.io.csv import replacing, write_dataset
 from propmap.loads import LOADS
 from propmap.table.certificate import Certificate
 from propmap.table.interpolation import TableContent
-
-if TYPE_CHECKING:
-    from propmap.table.query import LoadTable
-
 
 FORMAT = "propmap-table"
 FORMAT_VERSION = 1
@@ -141,16 +137,12 @@ def _states(certificate: Any, field: Field[Any]) -> bool:
     return all(isinstance(n, (int, float)) and not isinstance(n, bool) for n in numbers)
 
 
-def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
-    """Write what a ``table`` holds to ``path``, with units and provenance, whole or not at all.
-
-    Coefficients and cells stand over omega, advance ratio V/(Omega R) and beta; the envelope in V
-    is among the attributes.
-    """
+def write_netcdf(content: TableContent, path: str | os.PathLike[str]) -> None:
+    """Write a table as NetCDF to ``path``, with units and provenance, whole or not at all."""
     require("netcdf")
     import xarray
 
-    content, axes = table.content, ("omega", "advance", "beta")
+    axes = ("omega", "advance", "beta")
     meanings = {
         "omega": ("rad/s", "rotational speed"),
         "advance": ("1", "advance ratio V/(Omega R)"),
@@ -171,7 +163,7 @@ def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
             meaning = f"{what}{load.label} over rho pi R^{4 + load.moment} Omega^2"
             attributes = {"units": "1", "long_name": meaning}
             variables[name + suffix] = (axes, values[:, k].astype(np.float32), attributes)
-    found = xarray.Dataset(variables, coordinates, _attributes(table))
+    found = xarray.Dataset(variables, coordinates, _attributes(content))
     found["cells"] = (
         ("advance_interval", "beta_interval"),
         content.cells,
@@ -184,11 +176,11 @@ def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
     write_dataset(found, Path(path))
 
 
-def _attributes(table: LoadTable) -> dict[str, str | float]:
+def _attributes(content: TableContent) -> dict[str, str | float]:
     """Flatten ``info``, with ``speed_low_m_s`` and the like for the envelope."""
-    low, high = table.envelope["speed"]
+    low, high = map(float, content.speed)
     flat: dict[str, str | float] = {"speed_low_m_s": low, "speed_high_m_s": high}
-    for key, value in table.info.items():
+    for key, value in content.info.items():
         if isinstance(value, dict) and key in ("propeller", "airfoil", "air"):
             flat |= {f"{key}_{name}": entry for name, entry in value.items()}
         elif isinstance(value, (str, float, int)):

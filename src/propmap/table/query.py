@@ -18,11 +18,11 @@ from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.operating_points import arrays_of, components
 from propmap.table import interpolation
-from propmap.table.files import read_table, write_table
+from propmap.table.files import read_table, write_netcdf, write_table
 from propmap.typing import CoreTable, Floats
 
 if TYPE_CHECKING:
-    from propmap.model.model import Propeller
+    from propmap.model.propeller import Propeller
 
 
 # -------------------------------------------------------------------------------------------------
@@ -166,6 +166,14 @@ class LoadTable:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the table to the .npz file at ``path``, whole or not at all."""
         write_table(self.content, path)
+
+    def to_netcdf(self, path: str | os.PathLike[str]) -> None:
+        """Write the table as NetCDF to ``path``, whole or not at all; needs the extra ``netcdf``.
+
+        The file contains coefficients and cells over omega, advance ratio V/(Omega R) and beta,
+        with units and provenance; its attributes contain the envelope in V.
+        """
+        write_netcdf(self.content, path)
 
     @property
     def envelope(self) -> dict[str, tuple[float, float]]:

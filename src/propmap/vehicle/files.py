@@ -17,8 +17,9 @@ from propmap import catalogue
 from propmap.catalogue.lookup import looks_like_path, propeller
 from propmap.errors import InputError, located, quoted
 from propmap.io.toml import Number, Text, TomlTable, Vector, example, read_toml
+from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.corrections import Installed
-from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Propeller
+from propmap.model.propeller import Propeller
 from propmap.units import RPM
 from propmap.vehicle.powertrain import COLD, Battery, Motor, Powertrain, SpeedController
 from propmap.vehicle.vehicle import SLIPSTREAMS, Body, Mount, Vehicle, Wakes, Wing

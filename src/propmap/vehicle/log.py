@@ -17,6 +17,8 @@ from propmap.typing import Floats
 from propmap.units import GRAVITY
 from propmap.vehicle.files import VehicleFile
 from propmap.vehicle.throttle import ThrottleCurve, lagged
+from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.wakes import HubFlow, hub_flow_at
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -175,6 +177,25 @@ def in_vehicle_frame(
     below = forward * np.sin(pitch) + up * np.cos(pitch)
     y, z = left * np.cos(roll) + below * np.sin(roll), below * np.cos(roll) - left * np.sin(roll)
     return np.stack([x, y, z], axis=-1)
+
+
+def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
+    """Find the flow at each rotor's hub in a log, V_i = V_vehicle + omega x r_i.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Where its m rotors are.
+    log : FlightLog
+        n samples of its motion.
+
+    Returns
+    -------
+    HubFlow
+        ``omega`` [rad/s], ``axial`` and ``inplane`` velocity [m/s], shape (n, m), and the
+        directions of thrust and drag.
+    """
+    return hub_flow_at(vehicle, log.rotor_speed, log.velocity, log.rates)
 
 
 def pitch_and_roll(up: Floats) -> tuple[Floats, Floats]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
-from propmap.model.plausibility import UNIT_ERRORS
+from propmap.model.unit_errors import UNIT_ERRORS
 from propmap.typing import Floats
 from propmap.units import GRAVITY
 from propmap.vehicle import log

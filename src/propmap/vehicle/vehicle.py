@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from propmap.errors import InputError
+from propmap.model.air import Air
 from propmap.model.corrections import Installed
-from propmap.model.model import Air, Propeller
+from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 from propmap.vehicle.powertrain import Powertrain
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from propmap.vehicle.vehicle_forces import LoadSource, VehicleWrench
 
 SPINS = ("ccw", "cw")
 Vector = tuple[float, float, float]
@@ -211,32 +206,3 @@ class Vehicle:
     def rotor_axes(self) -> Floats:
         """Unit vectors along the thrust of the k rotors, (k, 3) [-]."""
         return np.array([mount.axis for mount in self.mounts])
-
-    def wrench(
-        self,
-        omegas: ArrayLike,
-        velocity: ArrayLike,
-        rates: ArrayLike = (0.0, 0.0, 0.0),
-        wind: ArrayLike = (0.0, 0.0, 0.0),
-        *,
-        loads: LoadSource,
-    ) -> VehicleWrench:
-        """Force and moment of the air on the vehicle; for many calls, make ``VehicleForces`` once.
-
-        Parameters
-        ----------
-        omegas, velocity, rates, wind : array_like
-            As for ``VehicleForces.wrench``: speeds of the rotors (..., k) [rad/s], velocity of the
-            centre of mass over the ground [m/s], turning [rad/s] and velocity of the air over the
-            ground [m/s], (..., 3) each, in the vehicle's frame.
-        loads : Rotor or LoadTable
-            Gives its rotors' loads: a vehicle does not know the section law of its blades.
-
-        Raises
-        ------
-        InputError
-            As ``VehicleForces`` and its ``wrench``.
-        """
-        from propmap.vehicle.vehicle_forces import VehicleForces
-
-        return VehicleForces(self, loads).wrench(omegas, velocity, rates, wind)

@@ -18,7 +18,6 @@ from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.model.model import Model
-    from propmap.vehicle.log import FlightLog
     from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
 
 
@@ -266,25 +265,6 @@ class HubFlow(NamedTuple):
     def perturbed(self, added: Floats) -> HubFlow:
         """Return this flow with ``added`` (n, m) to the axial velocity [m/s]."""
         return self._replace(axial=self.axial + added)
-
-
-def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
-    """Find the flow at each rotor's hub in a log, V_i = V_vehicle + omega x r_i.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Where its m rotors are.
-    log : FlightLog
-        n samples of its motion.
-
-    Returns
-    -------
-    HubFlow
-        ``omega`` [rad/s], ``axial`` and ``inplane`` velocity [m/s], shape (n, m), and the
-        directions of thrust and drag.
-    """
-    return hub_flow_at(vehicle, log.rotor_speed, log.velocity, log.rates)
 
 
 def hub_flow_at(vehicle: Vehicle, omega: Floats, velocity: Floats, rates: Floats) -> HubFlow:

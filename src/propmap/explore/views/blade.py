@@ -14,7 +14,8 @@ from propmap.explore.session import Recipe, Session, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, Slider, Table, Values
 from propmap.io.csv import OperatingPoints, loads_csv
 from propmap.io.geometry import propeller_toml
-from propmap.model.model import Model, Propeller
+from propmap.model.model import Model
+from propmap.model.propeller import Propeller
 from propmap.report.html import COLOURS
 from propmap.units import MM, RPM
 

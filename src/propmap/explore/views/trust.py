@@ -15,8 +15,8 @@ from propmap.explore.view import Answer, Control, Download, Graph, OneOf, Slider
 from propmap.loads import LOADS, error_scales
 from propmap.report.html import COLOURS
 from propmap.report.table_page import KINDS, cell_ranks, table_cells
-from propmap.table.certificate import quasi_random
 from propmap.table.query import LoadTable
+from propmap.table.verification import quasi_random
 from propmap.units import RPM
 
 NAME = "cells.csv"

@@ -1,0 +1,213 @@
+"""``Propeller``: the blade geometry of a propeller, and the checks that it must pass."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from propmap.errors import InputError, quoted
+from propmap.model.unit_errors import Range, likely_cause
+from propmap.typing import ByValue, Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Propeller(ByValue):
+    """Chord and twist of a blade at its measured stations, and how many blades there are.
+
+    The arrays are kept as read-only float64 copies.
+
+    Attributes
+    ----------
+    name : str
+        What the propeller is called.
+    blades : int
+        Number of blades, 1 to 12.
+    station : ndarray, shape (n,)
+        Radii [m], n >= 4, rising from the first measured section to the tip.
+    chord : ndarray, shape (n,)
+        [m].
+    twist : ndarray, shape (n,)
+        The chord line against the disk plane [rad].
+    root_cutout : float or None
+        Where the loaded part of the blade begins [m]; None is the first station.
+    source, citation : str
+        Where the figures are from and what was done to them, and whom to cite.
+
+    Raises
+    ------
+    InputError
+        For a blade that cannot be: see ``propmap.model.plausibility``.
+    """
+
+    name: str
+    blades: int
+    station: Floats
+    chord: Floats
+    twist: Floats
+    root_cutout: float | None = None
+    source: str = ""
+    citation: str = ""
+
+    def __post_init__(self) -> None:
+        for array in ("station", "chord", "twist"):
+            object.__setattr__(self, array, _frozen_array(getattr(self, array), array))
+        check_blade(self.station, self.chord, self.twist)
+        object.__setattr__(self, "blades", check_blades(self.blades))
+        if self.root_cutout is not None:
+            root = check_root_cutout(self.root_cutout, self.station)
+            object.__setattr__(self, "root_cutout", root)
+
+    @property
+    def radius(self) -> float:
+        """Tip radius [m], the last station."""
+        return float(self.station[-1])
+
+    @property
+    def diameter(self) -> float:
+        """Diameter [m]."""
+        return 2.0 * self.radius
+
+    @property
+    def summary(self) -> str:
+        """Number of blades and radius in words."""
+        return f"{self.blades} blades, R = {self.radius:.4g} m"
+
+    @property
+    def root(self) -> float:
+        """Where the loaded part of the blade begins [m]."""
+        return float(self.station[0]) if self.root_cutout is None else self.root_cutout
+
+    def with_root_cutout(self, radius_m: float) -> Propeller:
+        """Load this propeller from ``radius_m`` [m] outwards."""
+        return replace(self, root_cutout=radius_m)
+
+    def scaled(self, factor: float) -> Propeller:
+        """Make radius and chord ``factor`` times as large."""
+        root = None if self.root_cutout is None else factor * self.root_cutout
+        return replace(
+            self, station=factor * self.station, chord=factor * self.chord, root_cutout=root
+        )
+
+    def fingerprint(self) -> str:
+        """SHA-256 of station [m], chord [m], twist [rad], root [m] and blades, as little-endian f8.
+
+        Name and source play no part.
+        """
+        import hashlib
+
+        figures = (self.station, self.chord, self.twist, [self.root, float(self.blades)])
+        return hashlib.sha256(np.concatenate(figures).astype("<f8").tobytes()).hexdigest()
+
+    def __repr__(self) -> str:
+        return (
+            f"Propeller({self.name!r}, {self.blades} blades, diameter {self.diameter:.4g} m, "
+            f"{self.station.size} stations)"
+        )
+
+
+def _frozen_array(values: Any, field: str) -> Floats:
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        found = f"{field} is {quoted(values)}, expected a list of numbers"
+        raise InputError(found, f"give {field} as one number per station") from None
+    array.flags.writeable = False
+    return array
+
+
+# -------------------------------------------------------------------------------------------------
+# Checks of a blade before any load is computed from it.
+
+LIKELY_RADIUS = Range(0.025, 0.4)  # [m]
+WIDEST_CHORD = Range(0.12, 0.45)  # the largest chord over the radius; measured 0.15 to 0.38
+MIN_STATIONS, MAX_BLADES, MAX_ROOT_CUTOUT = 4, 12, 0.9
+MAX_RADIUS = 20.0  # [m], above any rotor that flies, and below a model propeller in millimetres
+MAX_TWIST = 1.6  # [rad]; no blade is set at 92 degrees to its disk: a larger figure is in degrees
+
+
+def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[str] = ()) -> None:
+    """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip;
+    messages name stations by ``labels``, such as "line 7"."""
+    columns = {"station": station, "chord": chord, "twist": twist}
+    for field, values in columns.items():
+        if values.ndim != 1 or values.size != station.size:
+            found = f"{field} has shape {values.shape}, expected one value per station"
+            raise InputError(found, "give station, chord and twist as lists of one length")
+    if station.size < MIN_STATIONS:
+        found = f"found {station.size} stations, expected at least {MIN_STATIONS}"
+        raise InputError(found, "add stations between root and tip")
+    labels = labels or [f"station {i}" for i in range(station.size)]
+    for field, values in columns.items():
+        for k in np.flatnonzero(~np.isfinite(values)).tolist():
+            found = f"{labels[k]}: {field} is {values[k]}, expected a finite number"
+            raise InputError(found, "remove the row or correct it")
+    if station[0] <= 0.0:
+        found = f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0"
+        raise InputError(found, "start at the hub radius, where the blade begins")
+    for k in (np.flatnonzero(station[1:] <= station[:-1]) + 1).tolist():
+        repeated = station[k] == station[k - 1]
+        how = "repeated" if repeated else f"unsorted (it follows {station[k - 1]:g} m)"
+        fault = f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
+        fault += "root to tip"
+        remedy = "keep one row per station" if repeated else "sort the rows by station"
+        raise InputError(fault, remedy)
+    radius, low, high = float(station[-1]), int(np.argmin(chord)), int(np.argmax(chord))
+    if radius > MAX_RADIUS:
+        found = f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
+        found += likely_cause(radius, LIKELY_RADIUS, "length")
+        raise InputError(found, "check the units; lengths are in metres")
+    if chord[low] < 0.0:
+        found = f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more"
+        raise InputError(found, "correct the negative chord")
+    if chord[high] == 0.0:
+        raise InputError("every chord is 0", "give the chord of each station")
+    if chord[high] >= radius:
+        found = f"{labels[high]}: chord is {chord[high]:g} m, expected less than the radius of "
+        found += f"{radius:g} m"
+        found += likely_cause(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius")
+        raise InputError(found, "check the units of chord and radius")
+    steepest = int(np.argmax(np.abs(twist)))
+    if abs(twist[steepest]) > MAX_TWIST:
+        found = f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most "
+        found += f"{MAX_TWIST}; it looks like degrees"
+        raise InputError(found, "the column must be in radians or be named twist_deg")
+
+
+def check_blades(blades: Any) -> int:
+    """Return the number of blades, or raise ``InputError`` unless it is a whole 1 to 12."""
+    try:
+        count = operator.index(blades)
+    except TypeError:
+        count = 0
+    if isinstance(blades, bool | np.bool_) or not 1 <= count <= MAX_BLADES:
+        found = f"the number of blades is {quoted(blades)}, expected a whole number from 1 to "
+        raise InputError(f"{found}{MAX_BLADES}", "pass --blades 2 (in Python: blades=2)")
+    return count
+
+
+def check_root_cutout(root_cutout: Any, station: Floats) -> float:
+    """Return the root cut-out [m], or raise ``InputError`` unless it lies on the blade."""
+    first, last = float(station[0]), MAX_ROOT_CUTOUT * float(station[-1])
+    try:
+        value = float(root_cutout)
+    except (TypeError, ValueError):
+        value = float("nan")
+    if not first <= value <= last:
+        found = f"the root cut-out is {quoted(root_cutout)} m, expected between {first:.6g} m"
+        found += f" (first station) and {last:.6g} m (0.9 radius)"
+        raise InputError(found, "choose a root cut-out on the blade, in metres")
+    return value
+
+
+def twist_from_degrees(degrees: Floats) -> Floats:
+    """Convert ``degrees`` (n,) to radians, refusing figures below 1.6, which as degrees would make
+    no propeller and look like radians."""
+    steepest = float(np.nanmax(np.abs(degrees), initial=0.0))
+    if degrees.size and steepest < MAX_TWIST:
+        found = f"the largest twist is {steepest:g} degrees; it looks like radians"
+        raise InputError(found, "the column must be in degrees or be named twist_rad")
+    return np.deg2rad(degrees)

@@ -1,0 +1,449 @@
+"""Comparison of a table with its model, on points that the construction did not use."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError
+from propmap.loads import LOADS, error_scales
+from propmap.model.airfoil import SectionCovariance
+from propmap.rotor import Rotor
+from propmap.table import interpolation
+from propmap.table.certificate import Certificate
+from propmap.table.query import LoadTable
+from propmap.tasks import InTurn, Workers
+from propmap.typing import Floats
+
+POINTS = 32_768  # points of a certificate; a power of two, as Sobol's sequence wants
+CANDIDATES = 32  # points per point of a certificate, to find some in unresolved cells
+MOST_INSIDE = 4  # of the certificate's points, one in so many is taken there
+
+
+# -------------------------------------------------------------------------------------------------
+# The model that a table is built from and compared with; each coefficient is computed once.
+
+Progress = Callable[[str, int], None]  # what is done, and points evaluated so far
+BATCH = 4096  # operating points between two reports of progress: some tenths of a second
+
+
+class CachedModel:
+    """Loads of a rotor, and relative to its static ones at two rotational speeds (2,) [rad/s];
+    ``InputError`` unless these are positive."""
+
+    def __init__(
+        self,
+        rotor: Rotor,
+        omega: Floats,
+        *,
+        leave_out_vortex_ring: bool = False,
+        progress: Progress | None = None,
+        workers: Workers | None = None,
+    ) -> None:
+        self.rotor, self.omega = rotor, omega
+        self._workers = workers or InTurn()
+        self.leave_out_vortex_ring = leave_out_vortex_ring
+        self.evaluations = 0
+        self.stage = "static loads"
+        self._progress = progress
+        self._known: list[dict[tuple[float, float], Floats]] = [{}, {}]
+        self.static = self.static_loads(omega)
+
+    def static_loads(self, omega: Floats) -> Floats:
+        """Evaluate what errors are relative to (n, L), see ``loads.error_scales``."""
+        loads, _ = self._evaluate(omega, np.zeros_like(omega), np.zeros_like(omega))
+        static = dict(zip(LOADS, loads.T, strict=True))
+        scales = np.array(list(error_scales(static, self.rotor.model.propeller.radius).values())).T
+        if not (scales > 0.0).all():
+            found = "at rest in the air this rotor has no positive thrust and torque, to which a "
+            found += "table's errors could be related"
+            raise InputError(found, "check the propeller's pitch and the section law")
+        return scales
+
+    def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """Return loads (n, L) in the order of ``LOADS``, and where in the vortex ring state."""
+        values, ring = self._evaluate(omega, speed, beta)
+        if self.leave_out_vortex_ring:
+            values[ring] = np.nan
+        return values, ring
+
+    def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
+        """Return loads over static ones at one omega (n, m, L), and 1 in the vortex ring (n, m)."""
+        known = self._known[node]
+        grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
+        new = [point for point in grid if point not in known]
+        if new:
+            j, b = np.array(new).T
+            omega = np.full(j.size, self.omega[node])
+            values, ring = self.loads(omega, j * omega * self.rotor.model.propeller.radius, b)
+            rows = np.concatenate([values / self.static[node], ring[:, None]], axis=1)
+            known.update(zip(new, rows, strict=True))
+        found = np.array([known[point] for point in grid]).reshape(advance.size, beta.size, -1)
+        return found[..., :-1], found[..., -1]
+
+    def _evaluate(
+        self, omega: Floats, speed: Floats, beta: Floats
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        values, ring = np.empty((omega.size, len(LOADS))), np.empty(omega.size, bool)
+        cuts = [slice(start, start + BATCH) for start in range(0, omega.size, BATCH)]
+        batches = ((omega[cut], speed[cut], beta[cut]) for cut in cuts)
+        for which, found in self._workers.results(_loads_of, self.rotor, batches):
+            values[cuts[which]], ring[cuts[which]] = found
+            self.evaluations += found[1].size
+            if self._progress:
+                self._progress(self.stage, self.evaluations)
+        return values, ring
+
+
+def _loads_of(
+    rotor: Rotor, batch: tuple[Floats, Floats, Floats]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return loads (n, L) of a batch, and whether in the vortex ring state (n,)."""
+    found = rotor.loads(*batch)
+    values = np.stack([getattr(found, name) for name in LOADS], axis=-1)
+    return values, found.status == "vortex_ring"
+
+
+# -------------------------------------------------------------------------------------------------
+# The certificate: errors on fresh points, and a search for the largest.
+
+
+def certify(
+    table: LoadTable, model: CachedModel, tolerance: float, *, points: int = POINTS, seed: int = 1
+) -> tuple[Certificate, TableErrors]:
+    """Compare a table on fresh points and search for the worst.
+
+    Return the certificate, and the points with loads outside unresolved cells.  Points inside do
+    not count in the claim that the tolerance holds.  They are few, so that more are taken for the
+    bound that is stated for these cells.
+
+    Parameters
+    ----------
+    table, model : LoadTable, CachedModel
+        To be certified, and what it was built from.
+    tolerance : float
+        Largest error as a share of static loads.
+    points, seed : int
+        How many, a power of two, and the seed of their Sobol sequence.
+    """
+    model.stage = "certifying"
+    sample = compare(table, model, *quasi_random(table, points, seed))
+    volume, inside = _unresolved(table, points, seed + 1)
+    within = compare(table, model, *inside)
+    model.stage = "looking for the largest errors"
+    searched = largest_errors(table, model, sample.and_also(within), seed)
+    sound, loose = _kinds(sample)
+    known = sound.and_also(_kinds(searched)[0])
+    most, (omega, speed, beta) = _largest(known)
+    all_loose = loose.and_also(_kinds(within)[1])
+    loose_most, _ = _largest(all_loose.and_also(_kinds(searched)[1]))
+    certificate = Certificate(
+        tolerance=tolerance,
+        points=points,
+        seed=seed,
+        max_error=most,
+        rms_error=_rms(sound.errors),
+        unresolved=loose.omega.size,
+        unresolved_cells=int(np.count_nonzero(table.content.cells & interpolation.UNRESOLVED_BIT)),
+        unresolved_volume=volume,
+        unresolved_points=all_loose.omega.size,
+        unresolved_max_error=loose_most,
+        unresolved_rms_error=_rms(all_loose.errors),
+        vortex_ring=int((sample.code == interpolation.VORTEX_RING).sum()),
+        no_value=int(sample.lost.sum()),
+        search_points=searched.omega.size,
+        max_omega=omega,
+        max_speed=speed,
+        max_beta=beta,
+    )
+    return certificate, known
+
+
+def unresolved_share(table: LoadTable) -> float:
+    """Estimate the share of the envelope that unresolved cells take."""
+    return _unresolved(table, POINTS // CANDIDATES, seed=1)[0]
+
+
+def _unresolved(
+    table: LoadTable, points: int, seed: int
+) -> tuple[float, tuple[Floats, Floats, Floats]]:
+    """Estimate the share of the envelope of unresolved cells, and find points inside them (n,)."""
+    content = table.content
+    if not (content.cells & interpolation.UNRESOLVED_BIT).any():
+        none = np.empty(0)
+        return 0.0, (none, none, none)
+    omega, speed, beta = quasi_random(table, CANDIDATES * points, seed)
+    row = interpolation.locate(content.advance, speed / (omega * content.radius))[0]
+    inside = (
+        content.cells[row, interpolation.locate(content.beta, beta)[0]]
+        & interpolation.UNRESOLVED_BIT
+    ) > 0
+    kept = np.flatnonzero(inside)[: points // MOST_INSIDE]
+    return float(inside.mean()), (omega[kept], speed[kept], beta[kept])
+
+
+def _kinds(found: TableErrors) -> tuple[TableErrors, TableErrors]:
+    """Part the points with loads into those in resolved cells, and those in the others."""
+    loose = found.code == interpolation.UNRESOLVED
+    return found.where(~found.lost & ~loose), found.where(~found.lost & loose)
+
+
+def _largest(found: TableErrors) -> tuple[dict[str, float], list[dict[str, float]]]:
+    """Find the largest error by load, and where it is; zeros without points."""
+    if not found.omega.size:
+        return dict.fromkeys(LOADS, 0.0), [{}, {}, {}]
+    errors = np.abs(found.errors)
+    at = errors.argmax(axis=0)
+    places = [by_load(values[at]) for values in (found.omega, found.speed, found.beta)]
+    return by_load(errors.max(axis=0)), places
+
+
+def _rms(errors: Floats) -> dict[str, float]:
+    """Take the root mean square by load; zeros where there are no points."""
+    return by_load(np.sqrt((errors**2).sum(axis=0) / max(len(errors), 1)))
+
+
+def by_load(values: Floats) -> dict[str, float]:
+    """Name values (L,) by ``LOADS``."""
+    return dict(zip(LOADS, values.tolist(), strict=True))
+
+
+# -------------------------------------------------------------------------------------------------
+# A table beside the model, at points of its envelope.
+
+
+@dataclass(frozen=True)
+class TableErrors:
+    """Errors of a table at n operating points."""
+
+    errors: Floats  # as shares of the static loads at the same omega (n, L); NaN without loads
+    code: NDArray[np.uint8]  # the table's, an index into ``STATUSES``
+    omega: Floats  # [rad/s]
+    speed: Floats  # [m/s]
+    beta: Floats  # [rad]
+    advance: Floats  # V/(Omega R) [-]
+
+    @property
+    def lost(self) -> NDArray[np.bool_]:
+        """Where there are no loads, of the table or of the model (n,)."""
+        return np.asarray(np.isnan(self.errors).any(axis=1) | (self.code == interpolation.NO_VALUE))
+
+    def where(self, chosen: NDArray[np.bool_]) -> Self:
+        """Keep the points ``chosen`` (n,)."""
+        return type(self)(*(getattr(self, f.name)[chosen] for f in fields(self)))
+
+    def and_also(self, other: Self) -> Self:
+        """Join these points and those of the ``other``."""
+        both = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        return type(self)(*map(np.concatenate, both))
+
+
+def compare(
+    table: LoadTable, model: CachedModel, omega: Floats, speed: Floats, beta: Floats
+) -> TableErrors:
+    """Measure the table's errors at n points of its envelope, (n,) each."""
+    expected, _ = model.loads(omega, speed, beta)
+    found = table.loads(omega, speed, beta)
+    values = np.stack(found[: len(LOADS)], axis=-1)
+    errors = (values - expected) / static_loads(model, omega)
+    advance = speed / (omega * table.content.radius)
+    return TableErrors(errors, found.code, omega, speed, beta, advance)
+
+
+def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floats, Floats]:
+    """Return omega, speed and beta (n,) of points that fill the envelope evenly."""
+    low, high = np.array(list(table.envelope.values())).T
+    omega, speed, beta = (low + (high - low) * sobol(points, seed)).T
+    return omega, speed, beta
+
+
+def static_loads(model: CachedModel, omega: Floats) -> Floats:
+    """Interpolate the static loads (n, L) at omega (n,), to 1e-5."""
+    # Over Omega^2 they are linear in Omega^(-1/2), as the model's friction is.
+    roots, ends = omega**-0.5, model.omega**-0.5
+    share = ((roots - ends[0]) / (ends[1] - ends[0]))[:, None]
+    low, high = model.static / (model.omega**2)[:, None]
+    return np.asarray((low + share * (high - low)) * (omega**2)[:, None])
+
+
+# -------------------------------------------------------------------------------------------------
+# The search for a table's largest errors, which evenly spread points alone would miss.
+#
+# An error that fills one ten-thousandth of the envelope is seldom met by chance, but mostly has
+# slopes that are.  So each cell of the table is sampled, however small a share of the envelope it
+# is.  From the worst points of each load, each in a cell of its own, the error is climbed by random
+# steps, which grow where they succeed and shrink where they fail.  The worse half of the climbs is
+# given up again and again, for more steps of the others.
+
+OVERHANG = np.array([0.5, 0.5, 0.25])  # beyond the envelope, then held back for its edges
+CLIMBS = 32  # climbs at first, per load and 32768 points known
+FEWEST_CLIMBS = 8
+
+TRIES = 4  # steps that each climb tries in a round, at first
+HALVINGS, ROUNDS = 4, 5  # how often the better half of the climbs goes on, and rounds in between
+STEP = np.array([0.5, 0.5, 0.25])  # largest of the first round, as positions count
+GROWTH, SHRINKAGE = 1.5, 0.6
+
+GOALS = 2 * len(LOADS)  # each load in resolved cells, then each in the others
+
+
+def largest_errors(
+    table: LoadTable, model: CachedModel, sampled: TableErrors, seed: int
+) -> TableErrors:
+    """Search by random steps of this ``seed`` for the largest errors by load from points
+    ``sampled``, inside unresolved cells separately, and return all points met."""
+    rng = np.random.default_rng(seed)
+    content = table.content
+    points = sampled.omega.size
+    most = interpolation.most_position(content)
+    unit = sobol(2 ** int(np.log2(max(points // 2, 1))), seed)
+    over_cells = np.clip(unit * (most + 2.0 * OVERHANG) - OVERHANG, 0.0, most)
+    found = compare(table, model, *interpolation.points_at(content, over_cells))
+    known = sampled.and_also(found)
+    climbs = _Climbs(content, known, max(FEWEST_CLIMBS, CLIMBS * points // 32_768))
+    for halving in range(HALVINGS):
+        for _ in range(ROUNDS):
+            position = climbs.steps(TRIES * 2**halving, rng, most)
+            tried = compare(table, model, *interpolation.points_at(content, position))
+            found = found.and_also(tried)
+            climbs.take(position, tried)
+        climbs.halve()
+    return found
+
+
+class _Climbs:
+    """Walks to larger errors, from the worst ``most`` points of each goal, no two in a cell."""
+
+    def __init__(self, content: interpolation.TableContent, known: TableErrors, most: int) -> None:
+        position = interpolation.positions_of(content, known.omega, known.advance, known.beta)
+        cell = np.floor(position[:, 0]) * content.beta.size + np.floor(position[:, 1])
+        sizes = _sizes(known)
+        starts, goals = [], []
+        for goal, size in enumerate(sizes.T):
+            order = np.argsort(-size)[: np.count_nonzero(size > 0.0)]
+            first = np.sort(np.unique(cell[order], return_index=True)[1])[:most]
+            starts.append(order[first])
+            goals.append(np.full(first.size, goal))
+        start, goal_of = np.concatenate(starts), np.concatenate(goals)
+        self.position = position[start]  # (k, 3)
+        self.error = sizes[start, goal_of]  # the largest met so far (k,)
+        self.goal = goal_of  # load and kind of cell (k,)
+        self.length = np.ones(goal_of.size)  # of the steps, in ``STEP`` (k,)
+
+    def steps(self, tries: int, rng: np.random.Generator, most: Floats) -> Floats:
+        """Return positions (k tries, 3) to be tried, those of the first climb first."""
+        share = rng.uniform(-1.0, 1.0, (self.goal.size, tries, 3))
+        step = share * STEP * self.length[:, None, None]
+        return np.clip(self.position[:, None] + step, 0.0, most).reshape(-1, 3)
+
+    def take(self, position: Floats, tried: TableErrors) -> None:
+        """Go to the best of the positions tried, where it is better."""
+        count = self.goal.size
+        if not count:
+            return
+        size = _sizes(tried).reshape(count, -1, GOALS)
+        every = np.arange(count)
+        size = size[every, :, self.goal]
+        best = size.argmax(axis=1)
+        better = size[every, best] > self.error
+        self.position[better] = position.reshape(count, -1, 3)[every, best][better]
+        self.error[better] = size[every, best][better]
+        self.length *= np.where(better, GROWTH, SHRINKAGE)
+
+    def halve(self) -> None:
+        """Give up the worse half of each goal's climbs."""
+        order = np.lexsort((-self.error, self.goal))
+        rank = np.arange(order.size) - np.searchsorted(self.goal[order], self.goal[order])
+        count = np.bincount(self.goal, minlength=GOALS)[self.goal[order]]
+        kept = order[2 * rank < count]
+        for name in ("position", "error", "goal", "length"):
+            setattr(self, name, getattr(self, name)[kept])
+
+
+def _sizes(found: TableErrors) -> Floats:
+    """Sizes (n, ``GOALS``) of the errors; zero where the cell is of the other kind."""
+    size = np.where(found.lost[:, None], 0.0, np.abs(found.errors))
+    loose = (found.code == interpolation.UNRESOLVED)[:, None]
+    return np.concatenate([np.where(loose, 0.0, size), np.where(loose, size, 0.0)], axis=1)
+
+
+# -------------------------------------------------------------------------------------------------
+# How uncertain a table's loads are because the section law's parameters are.
+
+UNCERTAINTY_POINTS = 1024  # points of the envelope; a power of two
+SEED = 20_170
+
+
+def parameter_uncertainty(
+    table: LoadTable, model: CachedModel, covariance: SectionCovariance
+) -> dict[str, Any]:
+    """Measure what the covariance means for the loads over the envelope as plain data: standard
+    deviations, to first order, as shares of the static loads."""
+    model.stage = "uncertainty of the parameters"
+    known = covariance.determined
+    omega, speed, beta = quasi_random(table, UNCERTAINTY_POINTS, SEED)
+    shares = load_deviations(model.rotor, known, omega, speed, beta) / static_loads(model, omega)
+    shares = shares[np.isfinite(shares).all(axis=1)]
+    median, high = np.percentile(shares, [50.0, 95.0], axis=0)
+    return {
+        "parameters": list(known.names),
+        "not_counted": list(covariance.unknown),  # those of which the data said nothing
+        "points": len(shares),
+        "median": by_load(median),
+        "percentile_95": by_load(high),
+    }
+
+
+def load_deviations(
+    rotor: Rotor, covariance: SectionCovariance, omega: Floats, speed: Floats, beta: Floats
+) -> Floats:
+    """Find deviations (n, L) of the loads, sqrt(g' S g) with derivatives g and covariance S."""
+    found = rotor.gradients(
+        covariance.names, omega, speed * np.cos(beta), np.abs(speed * np.sin(beta))
+    )
+    variance = np.einsum("lpn,pq,lqn->nl", found.slopes, covariance.matrix, found.slopes)
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
+
+
+# -------------------------------------------------------------------------------------------------
+# Points that fill a box evenly: Sobol's sequence in three dimensions, scrambled.
+
+BITS = 30  # bits of each coordinate
+
+
+def sobol(count: int, seed: int) -> Floats:
+    """Return the first points (n, 3) of the sequence in the unit cube, scrambled by ``seed``.
+
+    They are those of ``scipy.stats.qmc.Sobol``, which takes longer to import than a small table to
+    build: direction numbers by Joe and Kuo, scrambled by a lower triangular matrix and a shift.
+    """
+    rng = np.random.default_rng(seed)
+    place = np.arange(BITS, dtype=np.uint32)
+    shift = rng.integers(2, size=(3, BITS), dtype=np.uint32) @ (np.uint32(1) << place)
+    mixing = np.tril(rng.integers(2, size=(3, BITS, BITS), dtype=np.uint32), -1)
+    mixing += np.eye(BITS, dtype=np.uint32)
+    # The highest bit first.
+    bits = (_directions()[:, None] >> place[::-1, None]) & 1
+    directions = (np.uint32(1) << place[::-1]) @ (mixing @ bits % 2)
+    found = shift[None]
+    for direction in directions.T:
+        if len(found) >= count:
+            break
+        # In Gray code the numbers with a further bit are those without it, backwards.
+        found = np.concatenate([found, found[::-1] ^ direction])
+    return found[:count] / 2.0**BITS
+
+
+def _directions() -> NDArray[np.uint32]:
+    """Direction numbers (3, ``BITS``): of no polynomial, of x + 1 and of x^2 + x + 1."""
+    found = np.ones((3, BITS), np.uint32)
+    found[2, 1] = 3
+    for k in range(1, BITS):
+        found[1, k] = 2 * found[1, k - 1] ^ found[1, k - 1]
+    for k in range(2, BITS):
+        found[2, k] = 2 * found[2, k - 1] ^ 4 * found[2, k - 2] ^ found[2, k - 2]
+    return found << np.arange(BITS, dtype=np.uint32)[::-1]
