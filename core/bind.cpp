@@ -1,4 +1,4 @@
-// The Python module: rotors by their numbers, operating points as arrays, loads as arrays.
+// The Python module of the core: rotors as dictionaries of numbers, operating points and loads as arrays.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -34,25 +34,25 @@ namespace {
 
 using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Numbers = nb::ndarray<nb::numpy, double>;
-// Operating points: a row for each variable of `Flow`.
+// Operating points: a row for each variable of `Flow`, a column for each point.
 using Points = nb::ndarray<const double, nb::shape<Flow<double>::variables, -1>, nb::c_contig, nb::device::cpu>;
 
-Flow<double> point(const Points& points, std::size_t k) {
+Flow<double> point(const Points& points, std::size_t k) {  // point k
     Flow<double> flow{};
     const double* row = points.data();
     flow.each_variable([&](const char*, double& number) { number = row[k], row += points.shape(1); });
     return flow;
 }
 
-std::vector<double> array_of(const nb::handle& from) {
+std::vector<double> array_of(const nb::handle& from) {  // a copy of the array
     const auto v = nb::cast<Vector>(from);
     return {v.data(), v.data() + v.size()};
 }
-double number(const nb::dict& from, const char* name, double otherwise = 0.0) {
+double number(const nb::dict& from, const char* name, double otherwise = 0.0) {  // number `name`, or `otherwise`
     return from.contains(name) ? nb::cast<double>(from[name]) : otherwise;
 }
 
-Numbers make_array(std::initializer_list<std::size_t> shape, double*& data) {
+Numbers make_array(std::initializer_list<std::size_t> shape, double*& data) {  // filled with zeros
     std::size_t size = 1;
     for (std::size_t n : shape) size *= n;
     auto* memory = new double[std::max<std::size_t>(size, 1)]();
@@ -61,8 +61,8 @@ Numbers make_array(std::initializer_list<std::size_t> shape, double*& data) {
                    nb::capsule(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); }));
 }
 
-// Call `one(k)` for k below `count`, on as many threads as asked for; a signal such as Ctrl-C is heard meanwhile.
-// No result depends on the number of threads.  They live for one call, so that a process may fork between two.
+// Call `one(k)` for all k below `count`, on this number of threads, and stop at a signal such as Ctrl-C.
+// No result depends on the number of threads.  Threads live for one call, so that a process may fork between calls.
 void for_each_point(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
     constexpr auto patience = std::chrono::milliseconds(50);
     std::atomic<std::size_t> next{0};
@@ -111,9 +111,9 @@ void for_each_point(std::size_t count, int threads, const std::function<void(std
     if (stop) throw nb::python_error();
 }
 
-constexpr int together = 8, a_few = 3;  // directions that are differentiated at once: many, and what is left
+constexpr int together = 8, a_few = 3;  // directions in one pass; `a_few` for the last ones
 
-// What loads can be differentiated by: numbers of the law, of the blade and of the flow, by name.
+// The numbers of blade, flow, law and mount by which loads can be differentiated, by name.
 template <class S, template <class> class LawOf>
 std::vector<std::pair<std::string, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<S>& flow) {
     std::vector<std::pair<std::string, S*>> all{{"chord_scale", &rotor.change.chord_scale},
@@ -125,7 +125,7 @@ std::vector<std::pair<std::string, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<
     return all;
 }
 
-// The rotor and the flow with derivatives along some of their numbers.
+// Copy rotor and flow to dual numbers; direction d is the derivative by number which[d].
 template <int N, template <class> class LawOf>
 void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<int>& which,
           Rotor<Dual<double, N>, LawOf>& to, Flow<Dual<double, N>>& flow) {
@@ -139,19 +139,19 @@ void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<i
     to.law.copy_fixed(from.law);
 }
 
-// A dictionary that a law reads its numbers from.
+// The dictionary from which a law reads its numbers.
 struct Source {
     const nb::dict& from;
     double number(const char* name) const { return nb::cast<double>(from[name]); }
     std::vector<double> numbers(const char* name) const { return array_of(from[name]); }
 };
 
-template <class List> struct Variants;
+template <class List> struct Variants;  // types over all section laws
 template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
     using Law = std::variant<LawOf<double>...>;
     using Solver = std::variant<RotorSolver<LawOf>...>;
 
-    static Law read(const nb::dict& from) {
+    static Law read(const nb::dict& from) {  // the law of this kind
         const auto kind = nb::cast<std::string>(from["kind"]);
         Law law;
         const auto try_one = [&]<class One>(One one) {
@@ -175,7 +175,7 @@ const std::map<std::string, InflowShape> inflow_shapes = {
     {"white-blake", InflowShape::white_blake},
     {"drees", InflowShape::drees}};
 
-// C_L and C_D of a section at angles from the chord line [rad] and Reynolds numbers; (2, N).
+// C_L and C_D (2, N) of a section, at angles of attack from the chord line [rad] and Reynolds numbers.
 Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) {
     double* found;
     const std::size_t n = alpha.size();
@@ -198,7 +198,7 @@ Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) 
     return array;
 }
 
-// A rotor of a model, ready for any operating point.
+// A rotor and its model, which can be solved at any operating point.
 class CoreRotor {
   public:
     CoreRotor(const nb::dict& blade, const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine)
@@ -207,7 +207,7 @@ class CoreRotor {
                          nb::cast<int>(blade["blades"]), nb::cast<double>(blade["root"])))),
           solver_(make(law, air, corrections, fine)) {}
 
-    nb::tuple loads(const Points& points, int threads) const {
+    nb::tuple loads(const Points& points, int threads) const {  // loads (6, N), and (5, N) from `keep`
         const std::size_t n = points.shape(1);
         double *loads, *other;
         auto load_array = make_array({Loads<double>::count, n}, loads), others = make_array({5, n}, other);
@@ -223,7 +223,7 @@ class CoreRotor {
     }
 
     nb::tuple gradients(const std::vector<std::string>& names, const Points& points,
-                        int threads) const {
+                        int threads) const {  // loads (6, N), and derivatives (6, P, N)
         const std::size_t n = points.shape(1), p = names.size();
         double *loads, *slopes;
         auto load_array = make_array({Loads<double>::count, n}, loads);
@@ -233,7 +233,7 @@ class CoreRotor {
         return nb::make_tuple(load_array, slope_array);
     }
 
-    Numbers hover_inflow(Vector omega, int threads) const {
+    Numbers hover_inflow(Vector omega, int threads) const {  // v_i0 [m/s], (N)
         double* found;
         auto array = make_array({omega.size()}, found);
         std::visit([&](const auto& solver) {
@@ -242,8 +242,8 @@ class CoreRotor {
         return array;
     }
 
-    // States of the inflow (N, 3) in the rotor frame, the flight's directions (N, 3), the rotor's spin, and times: static
-    // states, rates, states later (N, 3), loads (6, N), and derivatives of the rates with the state along the flight.
+    // From states of the inflow (N, 3) in the rotor frame, directions of flight (N, 3), spin and times [s]: static
+    // states, rates, later states (N, 3), loads (6, N), derivatives of rates by states, and (5, N) from `keep`.
     nb::tuple inflow_motion(const Points& points, Vector states, Vector directions, double spin, Vector times, int threads) const {
         const std::size_t n = points.shape(1);
         double *steady, *rates, *later, *loads, *linear, *other;
@@ -270,7 +270,7 @@ class CoreRotor {
         return nb::make_tuple(steadies, rate_array, laters, load_array, matrices, others);
     }
 
-    // Fields over the disk at one operating point, by name; (S,) or (S, P), S from 1 to 1000.
+    // Fields over the disk at one operating point, by name: (S,) or (S, P), for 1 to 1000 radii.
     nb::dict disk_field(const Points& points, const std::vector<double>& radii, const std::vector<double>& psi) const {
         return std::visit([&](const auto& solver) {
             Solution s;
@@ -291,7 +291,7 @@ class CoreRotor {
         }, solver_);
     }
 
-    // Thrust [N] of attached flow, a good guess at once.
+    // Thrust [N] of fully attached blades: a fast first estimate.
     Numbers attached_thrust(const Points& points) const {
         double* found;
         auto array = make_array({points.shape(1)}, found);
@@ -302,7 +302,7 @@ class CoreRotor {
         return array;
     }
 
-    // How one operating point was solved: nodes with their inflow and residual, and the panels' edges.
+    // The solution at one operating point: nodes with inflow and residual, and the edges of the panels.
     nb::dict solution(const Points& points) const {
         return std::visit([&](const auto& solver) {
             Solution s;
@@ -331,7 +331,7 @@ class CoreRotor {
         }, solver_);
     }
 
-    // Loads at one operating point, and the status.
+    // Compute the loads at one operating point, and return the status.
     Status loads_at(const Flow<double>& flow, Loads<double>& into) const {
         thread_local Solution s;
         std::visit([&](const auto& solver) { solver.solve(flow, s); }, solver_);
@@ -339,10 +339,10 @@ class CoreRotor {
         return s.result.status;
     }
 
-    nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }
+    nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }  // [m]
 
   private:
-    // What else is known of point k, of n.
+    // Write status, number of roots, share of the vortex ring, mean inflow and share of reverse flow of point k of n.
     template <class R> static void keep(const Solution& s, const R& rotor, double* into, std::size_t k, std::size_t n) {
         const double known[] = {double(s.result.status), double(s.result.roots), s.result.ring, s.result.mean_inflow,
                                 reverse_flow_share(s.flow, rotor.root(), rotor.tip())};
@@ -356,7 +356,7 @@ class CoreRotor {
         }, Variants<Laws>::read(law));
     }
 
-    template <template <class> class LawOf>
+    template <template <class> class LawOf>  // from numbers by name
     Rotor<double, LawOf> rotor(const LawOf<double>& law, const nb::dict& air, const nb::dict& with) {
         Rotor<double, LawOf> r;
         if (with.contains("blade-to-hub")) *blade_ = continued_to(*blade_, number(with, "blade-to-hub"));
@@ -374,14 +374,14 @@ class CoreRotor {
         return r;
     }
 
-    template <template <class> class LawOf>
+    template <template <class> class LawOf>  // loads (6, N) and their derivatives (6, P, N)
     static void differentiate(const RotorSolver<LawOf>& solver, const std::vector<std::string>& names, const Points& points,
                               int threads, double* loads, double* slopes) {
         const std::size_t n = points.shape(1), p = names.size();
         Rotor<double, LawOf> example = solver.rotor();
         Flow<double> still{};
-        std::vector<int> which;         // numbers along which the solution is differentiated,
-        std::vector<std::size_t> place;  // and where each is among the names
+        std::vector<int> which;         // numbers by which the solution is differentiated
+        std::vector<std::size_t> place;  // and the place of each among the names
         const auto known = numbers_of(example, still);
         for (std::size_t d = 0; d < p; ++d) {
             std::size_t k = 0;
@@ -399,7 +399,7 @@ class CoreRotor {
             const auto keep = [&](int j, std::size_t d, double slope) {
                 slopes[(j * p + d) * n + k] = lost ? std::nan("") : slope;
             };
-            // How it is installed changes the drag alone, in proportion to factor and area, and leaves the inflow as it is.
+            // Factor and area of the mount change the drag alone, in proportion, and leave the inflow as it is.
             for (std::size_t d = 0; d < p; ++d) {
                 if (names[d] != "mount_area" && names[d] != "drag_factor") continue;
                 const double slope = names[d] == "drag_factor"
@@ -427,7 +427,7 @@ class CoreRotor {
     AnySolver solver_;
 };
 
-// A table of loads: knots and polynomials of its axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), envelope (3, 2).
+// A load table: knots and polynomials of both axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), envelope (3, 2).
 class CoreTable {
   public:
     using Values = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
@@ -444,7 +444,7 @@ class CoreTable {
 
     const LoadTable& table() const { return of_; }
 
-    // Loads with the power, and the code of the status, at one point.
+    // Loads and power at one point, and the code of the status.
     nb::tuple point(double omega, double speed, double beta, bool clamp) const {
         const auto f = of_.loads(omega, speed, beta, clamp);
         std::array<double, LoadTable::count + 1> values;
@@ -452,7 +452,7 @@ class CoreTable {
         return nb::make_tuple(values, int(f.status));
     }
 
-    // Loads and power (L + 1, N) and codes (N).
+    // Loads and power (L + 1, N), and codes of the status (N).
     nb::tuple loads(Vector omega, Vector speed, Vector beta, bool clamp) const {
         const std::size_t n = omega.size();
         double* to;
@@ -468,7 +468,7 @@ class CoreTable {
         return nb::make_tuple(loads, code_array);
     }
 
-    // Points brought into the envelope (3, N), omega NaN outside.
+    // Points brought into the envelope (3, N); omega is NaN for points outside.
     Numbers bounded(Vector omega, Vector speed, Vector beta) const {
         const std::size_t n = omega.size();
         double* to;
@@ -480,7 +480,7 @@ class CoreTable {
         return points;
     }
 
-    // Values and derivatives (N, 2, 2, 2 L) at J and beta.
+    // Values at J and beta with their derivatives (N, 2, 2, 2 L).
     Numbers slopes(Vector advance, Vector beta) const {
         double* to;
         auto array = make_array({advance.size(), 2, 2, std::tuple_size_v<LoadTable::Row>}, to);
@@ -493,12 +493,12 @@ class CoreTable {
     LoadTable of_;
 };
 
-// Vectors (N, 3) in a row.
+// Vectors (N, 3), one per row.
 using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 Vector3 vector(const double* from) { return {from[0], from[1], from[2]}; }
 double* keep(const Vector3& v, double* to) { return std::copy(v.begin(), v.end(), to); }
 
-// Axial and in-plane velocity (n m) and the direction against the latter (n m, 3) of hubs (n m, 3) with m axes (m, 3).
+// Axial and in-plane velocity (n m), downstream direction (n m, 3) in the disk plane, of hubs (n m, 3) on axes (m, 3).
 nb::tuple hub_flows(Vectors axes, Vectors hubs) {
     double *along, *across, *downstream;
     const std::size_t n = hubs.shape(0), m = axes.shape(0);
@@ -511,7 +511,7 @@ nb::tuple hub_flows(Vectors axes, Vectors hubs) {
     return nb::make_tuple(axial, inplane, away);
 }
 
-// Forces and moments (P, n m, 3) about the hubs of loads (L, P, n m).
+// Forces and moments (P, n m, 3) about the hubs, from loads (L, P, n m).
 nb::tuple hub_wrenches(Vectors axes, Vector spins, Vectors downstream,
                        nb::ndarray<const double, nb::shape<Loads<double>::count, -1, -1>, nb::c_contig, nb::device::cpu> loads) {
     double *force, *moment;
@@ -528,7 +528,7 @@ nb::tuple hub_wrenches(Vectors axes, Vector spins, Vectors downstream,
     return nb::make_tuple(forces, moments);
 }
 
-Airframe airframe(const nb::dict& from) {
+Airframe airframe(const nb::dict& from) {  // from numbers by name
     Airframe of{number(from, "density")};
     const auto drag = array_of(from["drag_area"]), download = array_of(from["download_area"]);
     std::copy_n(drag.begin(), 3, of.drag_area.begin()), std::copy_n(download.begin(), 2, of.download_area);
@@ -539,7 +539,7 @@ Airframe airframe(const nb::dict& from) {
     return of;
 }
 
-// Forces of body and wing (N, 3) each.
+// Forces of body and wing, (N, 3) each.
 nb::tuple free_stream_forces(const nb::dict& of, Vectors velocity) {
     const Airframe frame = airframe(of);
     double *body, *wing;
@@ -552,7 +552,7 @@ nb::tuple free_stream_forces(const nb::dict& of, Vectors velocity) {
     return nb::make_tuple(bodies, wings);
 }
 
-// A vehicle as a free body of a simulator: the air's and the spinning rotors' forces on it, a state at a time.
+// A vehicle as a free body in a simulator: forces of the air and of the spinning rotors, for one state at a time.
 class FreeBody {
   public:
     using State = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -561,7 +561,7 @@ class FreeBody {
 
     using Mounts = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
 
-    // Rows of `mounts` (k, 7): position, axis, spin; `sources` are a rotor or a table for each.
+    // Rows of `mounts` (k, 7): position, axis, spin.  `sources` has a rotor or a table for each.
     FreeBody(Mounts mounts, const nb::dict& frame,
              const nb::list& sources, double heavy, Vector centre, bool clamp)
         : frame_(airframe(frame)), sources_(sources), heavy_(heavy), centre_(vector(centre.data())), clamp_(clamp) {
@@ -575,10 +575,10 @@ class FreeBody {
         }
     }
 
-    // Adds force in the world's frame and moment about the body's origin in its own to `forces`; or nothing, and gives the
-    // first rotor without loads or with a speed that is no number.  `pose` is position and quaternion, `motion` the velocity of the origin in
-    // the world's frame and the rates, `omega` and `change` are of each rotor, `added` is axial flow by wakes; `codes` has
-    // each rotor's status, and the worst so far.
+    // Add force (world frame) and moment about the body's origin (body frame) to `forces`.  If a rotor has no loads or
+    // no finite speed, add nothing and return the first such rotor.  `pose` is position and quaternion; `motion` is the
+    // velocity of the origin in the world frame, and the rates.  `omega`, `change` and `added` (axial flow from wakes)
+    // have a number per rotor.  `codes` gets the status of each rotor, and the worst so far.
     std::optional<std::size_t> push(State pose, State motion, State wind, State omega, State change, State added, Forces forces, Codes codes) const {
         const std::size_t k_all = mounts_.size();
         const double* q = pose.data() + 3;
@@ -606,7 +606,7 @@ class FreeBody {
     }
 
   private:
-    struct Known {
+    struct Known {  // flow, loads and status of a rotor
         Flow<double> flow;
         Loads<double> loads{};
         std::uint8_t code = 0;
@@ -622,14 +622,14 @@ class FreeBody {
                 loads = found.loads, code = std::uint8_t(found.status);
                 continue;
             }
-            // Half the rotors of a symmetric vehicle see what the other half sees.
+            // In symmetric vehicles half of the rotors have the flow, and so the loads, of the other half.
             std::size_t like = 0;
             while (like < k && !(of_[like].rotor == rotor && alike(known[like].flow, flow))) ++like;
             if (like < k) loads = known[like].loads, code = known[like].code;
             else code = std::uint8_t(rotor->loads_at(flow, loads));
         }
     }
-    static bool alike(const Flow<double>& a, const Flow<double>& b) {
+    static bool alike(const Flow<double>& a, const Flow<double>& b) {  // equal except for rounding
         const auto near = [](double x, double y) { return std::fabs(x - y) <= 1e-11 * std::max(std::fabs(x), 1.0); };
         return near(a.omega, b.omega) && near(a.v_axial, b.v_axial) && near(a.v_inplane, b.v_inplane);
     }
@@ -640,7 +640,7 @@ class FreeBody {
     };
     std::vector<Mount> mounts_;
     Airframe frame_;
-    nb::list sources_;  // keeps them
+    nb::list sources_;  // keeps the objects in `of_` alive
     double heavy_;
     Vector3 centre_;
     bool clamp_;
@@ -650,7 +650,7 @@ class FreeBody {
 }  // namespace
 
 NB_MODULE(PROPMAP_MODULE, m) {
-    nb::set_leak_warnings(false);  // MuJoCo keeps its callbacks when Python ends
+    nb::set_leak_warnings(false);  // MuJoCo keeps its callbacks until Python ends
     m.def("instructions", [] { return PROPMAP_INSTRUCTIONS; });
     m.def("best_instructions", &best_instructions);
     m.def("section_coefficients", &section_coefficients);

@@ -1,7 +1,7 @@
-// Loads by brute force, for tools/dense_descents.py: strips of one width, at each a scan of eq. (11) over all inflows.
+// Loads by brute force, for tools/dense_descents.py: strips of equal width, each with a scan of eq. (11).
 //
-// The core's equations are used (station, element and wake forces, the vortex ring, what harmonics follow from loads);
-// none of its searches, panels, forecasts, starts and stops.  Lanes are trial inflows at one radius.
+// The equations are taken from the core (stations, forces of elements and wake, vortex ring, harmonics from loads).
+// Searches, panels, forecasts and stopping rules of the core are not used.  Lanes are trial inflows at one radius.
 #include <cstdint>
 
 #include "propmap/laws.hpp"
@@ -13,11 +13,11 @@ namespace {
 
 using Blades = Rotor<double, BlendedLaw>;
 
-// How closely to look.
+// Fineness of the solution.
 struct Look {
-    std::int64_t strips;       // along the blade, all of one width; the forces are those in their middle
-    double step;               // between trial inflows, as an angle of the inflow [rad]
-    std::int64_t azimuths[3];  // over a full turn: up to an advance ratio of 0.25, to 0.5, and beyond
+    std::int64_t strips;       // of equal width, along the blade; forces are computed at the middle
+    double step;               // between trial inflows, as an inflow angle [rad]
+    std::int64_t azimuths[3];  // over a full turn, at advance ratios below 0.25, below 0.5, and above
 
     int azimuths_at(double advance) const { return int(azimuths[advance < 0.25 ? 0 : advance < 0.5 ? 1 : 2]); }
 };
@@ -44,20 +44,20 @@ struct Annulus {
     Annulus(const Blades& of, const Flow<double>& flow, const Azimuths& psi, bool windmill, double y)
         : rotor(of), flow(flow), psi(psi), windmill(windmill), radius(y), at(station_at(of, flow.omega, broadcast(y))) {}
 
-    // Eq. (11): thrust of the blades minus that of the wake.
+    // Eq. (11): thrust of the blades minus momentum thrust.
     Lanes residual(Lanes inflow) const {
         return annulus_thrust(rotor, at, flow, inflow, psi) - wake_thrust(rotor, at.radius, flow, windmill, inflow);
     }
 
-    // The largest root v_i [m/s]; NaN where none is met.
+    // The largest root v_i [m/s]; NaN if none is found.
     //
-    // From above, where the residual is negative, down to the first sample at which it is positive.  A maximum among
-    // negative samples is looked at more closely, as two roots may lie between two samples.
+    // Samples go down from large v_i, where the residual is negative, to the first one at which it is positive.  At a
+    // maximum among negative samples the search is closer, since two roots may lie between two samples.
     double largest_root(double step, double lift) const {
         const double turning = flow.omega * radius, side = flow.v_inplane, down = flow.v_axial;
         const double speed = std::sqrt(turning * turning + 0.5 * side * side + 0.1 * down * down + 1e-18);
-        // With U_P = w > 0 drag adds no thrust: (5) is at most N_b/2 c C_L ((Omega y + V)^2 + w^2), and in descent
-        // (10) at least 4 pi y w^2.
+        // Upper limit of the root: with U_P = w > 0 drag adds no thrust, so (5) is at most N_b/2 c C_L ((Omega y + V)^2
+        // + w^2).  In descent (10) is at least 4 pi y w^2.
         const double s = rotor.blade->blades * at.chord[0] * lift / (8.0 * pi * radius);
         double angle = 1.55;
         if (down <= 0.0 && s < 0.9)
@@ -74,7 +74,7 @@ struct Annulus {
                     const double hidden = about_maximum(v[k], v_before[0]);
                     if (!std::isnan(hidden)) return hidden;
                 }
-                if (std::isnan(before[1]) && g[k] >= 0.0) return NAN;  // the blades prevail above
+                if (std::isnan(before[1]) && g[k] >= 0.0) return NAN;  // no upper limit: the blades' thrust is larger
                 before[0] = before[1], v_before[0] = v_before[1];
                 before[1] = g[k], v_before[1] = v[k];
             }
@@ -83,7 +83,7 @@ struct Annulus {
         return NAN;
     }
 
-    // A root where the residual's maximum between `low` and `high` is above zero after all; NaN where it is not.
+    // A root at a maximum between `low` and `high` that is positive between the samples; NaN if there is none.
     double about_maximum(double low, double high) const {
         for (int round = 0; round < 3; ++round) {
             const double gap = (high - low) / (width + 1);
@@ -100,7 +100,7 @@ struct Annulus {
         return NAN;
     }
 
-    // The root between `low`, where the residual is positive, and `high`, by cutting into nine.
+    // The root between `low`, where the residual is positive, and `high`, by division into width + 1 intervals.
     double between(double low, double high) const {
         const double close = 1e-8 * (flow.omega * radius + flow.v_inplane + std::fabs(flow.v_axial));
         for (int round = 0; round < 20 && high - low > close; ++round) {
@@ -117,7 +117,7 @@ struct Annulus {
     }
 };
 
-// Loads per density by strips whose inflow is known.
+// Loads per density of strips with known inflow.
 struct Strips {
     const Blades& rotor;
     Flow<double> flow;
@@ -142,7 +142,7 @@ struct Strips {
     }
 };
 
-// Harmonics that belong to their own loads: Newton's method with slopes by differences.
+// Solve for harmonics and loads that depend on each other, by Newton's method with derivatives by differences.
 Loads<double> with_harmonics(const Strips& strips, const HarmonicResponse<double>& response, double speed) {
     const double without = strips.without_harmonics().thrust;
     double x[3] = {}, slope[3][3];
@@ -162,7 +162,7 @@ Loads<double> with_harmonics(const Strips& strips, const HarmonicResponse<double
             missed(moved, unused, aside);
             for (int i = 0; i < 3; ++i) slope[i][j] = (aside[i] - f[i]) / by;
         }
-        // Gauss and Jordan, three by three.
+        // Gauss-Jordan elimination, three by three.
         double m[3][4], size = 0.0;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 4; ++j) m[i][j] = j < 3 ? slope[i][j] : -f[i];
@@ -235,8 +235,8 @@ struct Solver {
 
 }  // namespace
 
-// A model by its numbers, as tools/dense_descents.py lays them out, at `count` points, rows of omega, v_axial and
-// v_inplane: six loads a row.
+// Six loads per point of a model, whose `numbers` are in the order of tools/dense_descents.py.  `points` are `count`
+// rows of omega, v_axial and v_inplane.
 extern "C" void dense_loads(const double* numbers, std::int64_t stations, const double* station, const double* chord,
                             const double* twist, const std::int64_t* look, double step, std::int64_t count,
                             const double* points, double* loads) {

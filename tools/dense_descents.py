@@ -4,31 +4,35 @@ Usage: python -m tools.dense_descents FOUND.jsonl [--count 200000] [--each 3 | -
        python -m tools.dense_descents FOUND.jsonl --advance-ratio 4 --count 20000
        python -m tools.dense_descents --point NAME OMEGA SPEED BETA [--paper]
 
-``tools/dense_descents.cpp``, compiled here, solves an operating point without the core's panels,
-forecasts and root searches: strips of one width, forces in their middle; at each a scan of the
-residual from above, in even steps of the inflow angle, and the first change of sign, which is the
-largest root; equal steps around the disk; harmonics by Newton's method with differences.  It takes
-the equations from the core, which ``tests/oracle`` checks.  (In descent the rule of the wake states
-is in the equations: on the windmill branch the wake's thrust is another function, within the
-vortex ring a measured inflow is blended in; the largest root is taken of either.)
+``tools/dense_descents.cpp``, compiled here, shares the equations of the core, which
+``tests/oracle`` checks, but not its panels, forecasts and root searches.  Forces are those at the
+middle of strips of equal width.  A scan of the residual of (11) from above, in even steps of the
+inflow angle, finds the first change of sign: the largest root.  Azimuths are equal steps; harmonics
+are solved by Newton's method with differences.  (The wake states of descent belong to the
+equations: the windmill branch has another momentum thrust, the vortex ring a measured inflow.)
 
-To be done with 200,000 points it looks in three steps of closeness, ``LOOKS``.  Each point is
-solved by the first; where the core differs by more than 0.05 % of the static loads by the second,
-and where it differs by more than 0.09 % from that by the third.  An error above 0.1 % is missed
-only where the first look errs by more than 0.05 %, or the second by more than 0.01 %, in the same
-direction as the core: by a stretch of blade narrower than a 400th of it, or by a rise of the
-residual between trial inflows 0.008 rad apart.  ``--each 3`` takes the last look at once, for a
-sample of which nothing is missed so; ``--by-fine`` takes the core's own accuracy ``fine`` for the
-first look, in a tenth of the time, and misses what both accuracies have wrong.
+``LOOKS`` are three solutions of increasing fineness, so that 200,000 points can be computed.  The
+first one solves each point; the second one solves it if the core differs by more than 0.05 % of the
+static loads, the third one if the core differs from the second by more than 0.09 %.  An error above
+0.1 % is missed only if the first solution errs by more than 0.05 %, or the second by more than
+0.01 %, in the same direction as the core.  The cause can be a stretch of blade narrower than a
+400th of it, or a rise of the residual between trial inflows 0.008 rad apart.
 
-Points: half are on the two propellers of whose errors the issue tells, half on any of the
-catalogue; one in four with the paper's model alone, without corrections.  Tip speeds 20 to 200 m/s;
-speeds up to 4 static inflows (half of the points) or up to that of the tip; beta 90 to 180 deg, one
-in 25 at each end.  Loads are in shares of static thrust, static torque and, for the two moments,
-static thrust times R, at the same speed of rotation; beyond an advance ratio of 1, times
-1 + (V/(Omega R))^2.
+``--each 3`` uses the third solution alone and misses no such error, on a smaller sample.
+``--by-fine`` replaces the first one by accuracy ``fine`` of the core, in a tenth of the time, and
+misses errors of both accuracies.
 
-FOUND.jsonl gets a line per 500 points, and what it has is not done again.
+Random points and errors:
+
+- Half are on the propellers ``FAVOURED``, whose errors were the largest, half on any propeller of
+  the catalogue.  One in four has the paper's model, without corrections.
+- Tip speeds are 20 to 200 m/s.  Airspeeds reach 4 static inflows (half of the points) or the tip
+  speed.  beta is 90 to 180 deg, with one point in 25 at each end.
+- Errors are relative to static thrust, static torque or, for the two moments, static thrust times
+  R, at the same rotational speed.  Beyond an advance ratio of 1 these are multiplied by
+  1 + (V/(Omega R))^2.
+
+FOUND.jsonl gets a line per 500 points.  Points that it contains are not computed again.
 """
 
 from __future__ import annotations
@@ -69,19 +73,19 @@ SEED = 40
 NAMES = tuple(LOADS)
 CHUNK = 500
 LIMIT = 1e-3
-"""What ``standard`` promises, in static loads."""
+"""Largest error that accuracy ``standard`` allows, relative to the static loads."""
 
 CLOSER = (5e-4, 9e-4, np.inf)
-"""Differences from which on the next look is taken."""
+"""Smallest differences for which the next solution is computed."""
 
 TOLD = ("coarse", "not_converged")
-"""Statuses that say that the promise may not be kept."""
+"""Statuses that announce a larger error."""
 
 
 class Look(NamedTuple):
-    """How closely the brute-force solution looks."""
+    """Fineness of a brute-force solution."""
 
-    strips: int  # along the blade, 0 for the core's `fine`
+    strips: int  # along the blade; 0 for accuracy fine of the core
     step: float  # between trial inflows [rad]
     azimuths: tuple[int, int, int]  # up to an advance ratio of 0.25, to 0.5, and beyond
 
@@ -96,7 +100,7 @@ FINE = Look(0, 0.0, (0, 0, 0))
 
 
 class Point(NamedTuple):
-    """A propeller at an operating point [rad/s], [m/s], [deg]; ``paper``: without corrections."""
+    """A propeller at an operating point [rad/s], [m/s], [deg]; ``paper``: no corrections."""
 
     name: str
     paper: bool
@@ -106,7 +110,7 @@ class Point(NamedTuple):
 
     @property
     def command(self) -> str:
-        """How to see it again."""
+        """The command that computes this point again."""
         motion = f"{self.omega!r} {self.speed!r} {self.beta!r}"
         paper = " --paper" if self.paper else ""
         return f"python -m tools.dense_descents --point {self.name} {motion}{paper}"
@@ -114,7 +118,7 @@ class Point(NamedTuple):
 
 @functools.cache
 def library() -> Any:
-    """Compile the brute-force solution."""
+    """Compile and load the brute-force solution."""
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "dense.so"
         include = f"-I{HERE.parent / 'core' / 'include'}"
@@ -125,7 +129,7 @@ def library() -> Any:
 
 
 def dense_loads(model: pm.Model, look: Look, motion: Floats) -> Floats:
-    """Loads (N, 6) [N], [N m] at N rows of omega, v_axial and v_inplane."""
+    """Compute the loads (N, 6) [N], [N m] at N rows of omega, v_axial and v_inplane."""
     blade, law, with_ = model.propeller, model.airfoil.core_law(), core_corrections(model)
     known = {"inflow", "radial-friction", "installed", "mount-area", "mount-wake"}
     if law["kind"] != "blended" or not known.issuperset(with_):
@@ -152,13 +156,13 @@ known_model = functools.cache(pm.known_model)
 
 @functools.cache
 def rotor(name: str, paper: bool, accuracy: str = "standard") -> pm.Rotor:
-    """The recommended model of a catalogue propeller, or the paper's."""
+    """Return a catalogue propeller with the recommended model or the paper's."""
     model = known_model(name)
     return pm.Rotor(replace(model, corrections=()) if paper else model, accuracy=accuracy)
 
 
 def sample(index: int, advance: float = 0.0) -> Point:
-    """Point ``index`` of the random ones, beyond an ``advance`` ratio V/(Omega R)."""
+    """Return random point ``index``, with V/(Omega R) above ``advance`` if that is positive."""
     random = np.random.default_rng([SEED, index])
     share, which = random.uniform(size=2)
     pool = FAVOURED if share < 0.5 else tuple(names())
@@ -171,21 +175,21 @@ def sample(index: int, advance: float = 0.0) -> Point:
     speed = random.uniform(0.0, most)
     beta = float(np.clip(random.uniform(86.0, 184.0), 90.0, 180.0))
     if advance > 0.0:
-        # Fast flow past a slow rotor, to one that stands nearly still.
+        # Fast flow past a slow rotor, down to one that is nearly at rest.
         speed, omega = 0.5 * tip_speed, 0.5 * omega / (advance * 10.0 ** (3.0 * random.uniform()))
         beta = random.uniform(0.0, 180.0)
     return Point(name, paper, float(omega), float(speed), beta)
 
 
 def motions(points: list[Point]) -> Floats:
-    """Omega, V cos(beta) and V sin(beta) (N, 3), as the package resolves them."""
+    """Return Omega, V cos(beta) and V sin(beta) (N, 3), as the package resolves them."""
     omega, speed, beta = np.array([point[2:] for point in points]).T
     turned = pm.operating_points.resolved(omega, speed, np.deg2rad(beta))
     return np.stack([turned.omega, turned.v_axial, turned.v_inplane], axis=-1)
 
 
 def loads_by(look: Look, of: Point, motion: Floats) -> Floats:
-    """Loads (N, 6) of the rotor ``of`` this point at rows of omega, v_axial and v_inplane."""
+    """Compute the loads (N, 6) of the rotor of point ``of`` at the rows of ``motion``."""
     if look != FINE:
         return dense_loads(rotor(*of[:2]).model, look, motion)
     omega, along, across = motion.T
@@ -195,7 +199,7 @@ def loads_by(look: Look, of: Point, motion: Floats) -> Floats:
 
 
 def differences(points: list[Point], looks: tuple[Look, ...]) -> list[dict[str, Any]]:
-    """How far the core is from the brute-force solution at ``points`` of one rotor."""
+    """Compare the core with brute-force solutions at ``points`` of one rotor."""
     one, motion = rotor(*points[0][:2]), motions(points)
     omega, speed, beta = np.array([point[2:] for point in points]).T
     loads = one.loads(omega, speed, np.deg2rad(beta))
@@ -228,7 +232,7 @@ def differences(points: list[Point], looks: tuple[Look, ...]) -> list[dict[str, 
 
 
 def chunk(first: int, count: int, looks: tuple[Look, ...], advance: float) -> dict[str, Any]:
-    """What ``count`` random points from ``first`` on give."""
+    """Compare ``count`` random points from ``first`` on."""
     points = {k: sample(k, advance) for k in range(first, first + count)}
     by_rotor: dict[tuple[str, bool], list[int]] = {}
     for k, point in points.items():
@@ -250,13 +254,13 @@ def chunk(first: int, count: int, looks: tuple[Look, ...], advance: float) -> di
 
 
 def main(arguments: list[str]) -> None:
-    """Go on where FOUND.jsonl ends, and sum up what it has."""
+    """Compute the points that FOUND.jsonl does not contain, and print a summary."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("found", nargs="?", type=Path)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=200_000)
-    parser.add_argument("--each", type=int, default=0, help="take this look alone")
-    parser.add_argument("--by-fine", action="store_true", help="take accuracy fine for the first")
+    parser.add_argument("--each", type=int, default=0, help="use this solution alone (1 to 3)")
+    parser.add_argument("--by-fine", action="store_true", help="use accuracy fine for the first")
     parser.add_argument("--advance-ratio", type=float, default=0.0)
     parser.add_argument("--point", nargs=4)
     parser.add_argument("--paper", action="store_true")
@@ -280,7 +284,7 @@ def main(arguments: list[str]) -> None:
 
 
 def show(point: Point) -> None:
-    """Print the loads at one point by both accuracies and by all looks."""
+    """Print the loads at one point by all accuracies and solutions."""
     motion, names_ = motions([point]), " ".join(f"{name:>13}" for name in NAMES)
     print(f"{'':26}{names_}")
     for accuracy in pm.rotor.ACCURACIES:
@@ -295,7 +299,7 @@ def show(point: Point) -> None:
 
 
 def summary(done: list[dict[str, Any]]) -> None:
-    """Print how many points there were, how many were off, and the worst."""
+    """Print the numbers of points and of errors, and the largest errors."""
     total: dict[str, Counter[str]] = {"looks": Counter(), "told": Counter()}
     for line in done:
         for name, counts in total.items():
@@ -304,8 +308,8 @@ def summary(done: list[dict[str, Any]]) -> None:
     silent = [row for row in above if row["status"] not in TOLD]
     worst = max((line["worst"] for line in done), key=lambda row: row["off"])
     print(f"{sum(line['count'] for line in done)} points, statuses {dict(total['told'])}")
-    print(f"solved by 1, 2, 3 looks: {dict(total['looks'])}")
-    print(f"above {LIMIT:.1%}: {len(silent)} silently, {len(above) - len(silent)} with a status")
+    print(f"points by number of solutions used: {dict(total['looks'])}")
+    print(f"above {LIMIT:.1%}: {len(silent)} without a status, {len(above) - len(silent)} with one")
     for row in [worst, *silent]:
         point = Point(*row["point"])
         print(f"{row['off']:.3%} of {row['load']}, {row['status']}: {point.command}")

@@ -1,7 +1,7 @@
-"""IPython's kernel as a build wants it: quiet, and without a memory."""
+"""Configuration of the IPython kernel for builds of the pages: no messages, no history."""
 
 c = get_config()  # type: ignore[name-defined]  # noqa: F821
 
-# That the kernel listens on this machine alone is no news.
+# Hide the message that the kernel listens on this machine only.
 c.IPKernelApp.log_level = "ERROR"
 c.HistoryManager.enabled = False

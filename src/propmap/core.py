@@ -1,7 +1,7 @@
 """The compiled core, in the build that suits this processor.
 
-An installation from source has one build, made for its processor; a wheel that is passed on has
-one for each level of x86-64.
+An installation from source has one build, for its own processor.  A portable wheel has one for each
+level of x86-64.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ def _suitable() -> ModuleType:
         if missing.name != "propmap._core":
             raise
     try:
-        # The oldest level, which runs wherever NumPy does, knows the processor.
+        # The build for the oldest level, which runs wherever NumPy does, names the best level.
         best = importlib.import_module("propmap._core_v2").best_instructions()
     except ModuleNotFoundError as missing:
         raise ImportError(
-            "propmap's compiled core is not there; run `pip install .` in the checkout"
+            "the compiled core of propmap was not found; run `pip install .` in the checkout"
         ) from missing
     return importlib.import_module(f"propmap._core_{best.removeprefix('x86-64-')}")
 
@@ -31,7 +31,7 @@ def _suitable() -> ModuleType:
 _build = _suitable()
 
 HEADERS = Path(str(_build.__file__)).with_name("include")
-"""The folder of the core's C++ headers, installed beside its build."""
+"""The folder of the C++ headers of the core, installed with the build."""
 
 
 def __getattr__(name: str) -> Any:

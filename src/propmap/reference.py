@@ -1,12 +1,12 @@
-"""The paper's model and the recommended model in plain Python: literal, slow, made to be read.
+"""The paper's model and the recommended model in plain Python: literal, slow, written to be read.
 
 "The paper" is R. Gill, R. D'Andrea, "Propeller Thrust and Drag in Forward Flight", IEEE CCTA 2017,
-doi 10.1109/CCTA.2017.8062443.  The functions follow its order, and a comment such as ``# Eq. (10)``
-stands where the code meets it.  Symbols are the paper's: y is the radius of a blade element [m],
-psi the azimuth [rad], 0 at the rear and pi/2 on the advancing side, v_i the induced velocity [m/s].
+doi 10.1109/CCTA.2017.8062443.  The functions follow its order.  A comment such as ``# Eq. (10)``
+marks the code of an equation.  Symbols are the paper's: y is the radius of a blade element [m], psi
+the azimuth [rad], 0 at the rear and pi/2 on the advancing side, v_i the induced velocity [m/s].
 
-It shares nothing with ``propmap.Rotor`` but the model that both take: it scans for every inflow and
-sums every integral over equal steps.  Where the paper is wrong or silent, comments say so.
+The module shares only the model with ``propmap.Rotor``: it scans for every inflow, and sums every
+integral over equal steps.  Comments mark the points at which the paper is wrong or silent.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ __all__ = ["ReferenceLoads", "loads"]
 
 Floats = NDArray[Any]
 
-SCAN = 400  # values of v_i at which both sides of (11) are compared at each radius
+SCAN = 400  # number of v_i at which both sides of (11) are compared, at each radius
 
 WINDMILL_BELOW = -0.95
-"""V cos(beta)/v_h of the switch to the windmill branch, within ``vortex_ring``, which hides it."""
+"""V cos(beta)/v_h below which the windmill branch applies; ``vortex_ring`` hides the switch."""
 
 
 class ReferenceLoads(NamedTuple):
@@ -68,17 +68,17 @@ def loads(
     Parameters
     ----------
     model : Model
-        Propeller, ``Airfoil`` and air; without corrections (the paper's model) or with
+        Propeller, ``Airfoil`` and air, without corrections (the paper's model) or with
         ``pitt-peters``, ``radial-friction`` or both (the recommended model).
     omega : float
         Omega [rad/s], >= 0.
     v_axial, v_inplane : float
         V cos(beta), positive in climb, and V sin(beta), >= 0 [m/s].
     radii : int
-        Equal steps along the blade.  With 200, loads are good to 0.1 % of those at rest, to 0.2 %
-        where the inflow jumps at stall.
+        Equal steps along the blade.  With 200, errors are within 0.1 % of the static loads, and
+        within 0.2 % where the inflow jumps at stall.
     azimuths : int
-        Equal steps around the disk, at least 3.  Take more than 64 beyond an advance ratio
+        Equal steps around the disk, at least 3.  Use more than 64 above an advance ratio
         V sin(beta)/(Omega R) of 0.3.
 
     Returns
@@ -89,7 +89,7 @@ def loads(
     Raises
     ------
     InputError
-        For what is not modelled here, wrong points, too few steps, and blades that are too wide.
+        For a model outside the reference, invalid points, too few steps, or too wide blades.
 
     References
     ----------
@@ -118,8 +118,8 @@ def loads(
 class Case:
     """A rotor at an operating point, and the steps of its integrals.
 
-    The paper's prose has beta from the velocity to the disk plane; its formulas have it to the
-    axis: 0 in axial climb, pi/2 edgewise, pi in axial descent, as here.
+    As in the formulas of the paper, beta is the angle from the velocity to the axis: 0 in axial
+    climb, pi/2 edgewise, pi in axial descent.  (The prose measures it to the disk plane.)
     """
 
     model: Model
@@ -138,14 +138,14 @@ class Case:
 def make_case(
     model: Model, omega: float, v_axial: float, v_inplane: float, radii: int, azimuths: int
 ) -> Case:
-    """Make the case of ``loads``, whose arguments these are; refuse what is not modelled here."""
+    """Make the case of ``loads`` from its arguments; reject models outside the reference."""
     others = set(model.correction_texts) - {"pitt-peters", "radial-friction"}
     if others:
         found = f"correction {min(others)} is not in the reference"
         raise InputError(found, "leave it out, or use propmap.Rotor")
     if not isinstance(model.airfoil, Airfoil):
         found = f"airfoil {model.airfoil.name} is a {type(model.airfoil).__name__}"
-        remedy = "give an Airfoil, or use propmap.Rotor; the reference has eqs. (3) and (4) alone"
+        remedy = "give an Airfoil, or use propmap.Rotor; the reference has eqs. (3) and (4) only"
         raise InputError(found, remedy)
     for name, value in (("omega", omega), ("v_axial", v_axial), ("v_inplane", v_inplane)):
         if np.ndim(value) != 0 or not math.isfinite(value):
@@ -158,44 +158,44 @@ def make_case(
     chord, twist = (PchipInterpolator(blade.station, a) for a in (blade.chord, blade.twist))
     dy = (blade.radius - blade.root) / radii
     y = blade.root + dy * (np.arange(radii) + 0.5)
-    # In axial flow all azimuths are alike; over four of them sin(psi) and cos(psi) vanish on
-    # average.  0 and 2 pi are one azimuth, counted once.
+    # In axial flow all azimuths are alike; over four of them sin(psi) and cos(psi) average to
+    # zero.  0 and 2 pi are one azimuth, counted once.
     count = azimuths if v_inplane > 0.0 else 4
     psi = 2.0 * np.pi * np.arange(count) / count
     return Case(model, model.airfoil, omega, v_axial, v_inplane, y, dy, psi, chord, twist)
 
 
 def lift_coefficient(alpha: Floats, airfoil: Airfoil) -> Floats:
-    """Compute C_L at an angle of attack from zero lift [rad]."""
+    """Compute C_L at angles of attack from zero lift [rad]."""
     separated = airfoil.c_l2 * np.sin(alpha) * np.cos(alpha)
     if airfoil.lift_law == "plate":  # Not in the paper
         separated = separated / (0.56 + 0.44 * np.abs(np.sin(alpha)))
     if airfoil.lift_law == "simplified":
         return separated  # Footnote 1
     # The paper's sigma is (1 + A + B) / ((1 + A)(1 + B)) with A = exp(-M (alpha - alpha_0)) and
-    # B = exp(M (alpha + alpha_0)).  Printed so, it overflows: in single precision near 1.4 rad.
-    # It equals 1 - A/(1 + A) B/(1 + B), and x/(1 + x) of x = exp(z) is the logistic function of z.
+    # B = exp(M (alpha + alpha_0)).  In this form it overflows, in single precision near 1.4 rad.
+    # It equals 1 - A/(1 + A) B/(1 + B), where exp(z)/(1 + exp(z)) is the logistic function of z.
     m, alpha_0 = airfoil.sharpness, airfoil.alpha_0
     sigma = 1.0 - expit(-m * (alpha - alpha_0)) * expit(m * (alpha + alpha_0))
     return (1.0 - sigma) * airfoil.c_l1 * alpha + sigma * separated  # Eq. (3)
 
 
 def drag_coefficient(alpha: Floats, reynolds: Floats, airfoil: Airfoil) -> Floats:
-    """Compute C_D at an angle of attack from that of the least pressure drag [rad]."""
-    # At Re = 0, U is zero and so is the drag: any finite C_D does.
+    """Compute C_D at angles of attack from the one of least pressure drag [rad]."""
+    # At Re = 0 the velocity and the drag are zero, so that any finite C_D is correct.
     friction = 2.0 * 1.02 * airfoil.c_p / np.sqrt(np.maximum(reynolds, 1e-12))
     return airfoil.c_d * np.sin(alpha) ** 2 + friction + airfoil.c_d0  # Eq. (4)
 
 
 def wrapped(angle: Floats) -> Floats:
-    """Bring an angle [rad] to (-pi, pi]."""
+    """Wrap angles [rad] to (-pi, pi]."""
     return angle - 2.0 * np.pi * np.ceil(angle / (2.0 * np.pi) - 0.5)
 
 
 def zero_lift_angle(case: Case, y: Any) -> Any:
     """Compute the angle of attack of zero lift [rad], which is 0 in the paper.
 
-    It grows with the Reynolds number of the rotation alone, held between 1e4 and 1.2e5.
+    It grows with the Reynolds number of the rotation alone, limited to 1e4 to 1.2e5.
     """
     air = case.model.air
     reynolds = air.density * case.omega * y * case.chord(y) / air.viscosity
@@ -204,7 +204,7 @@ def zero_lift_angle(case: Case, y: Any) -> Any:
 
 
 def blade_element(case: Case, y: Any, v_i: Any) -> tuple[Floats, Floats]:
-    """Compute the force of one blade per radius [N/m], along the thrust and against the rotation.
+    """Compute the force per radius of one blade [N/m], along the thrust and against the rotation.
 
     The last axis is psi; ``y`` [m] and ``v_i`` [m/s] broadcast against it.
     """
@@ -213,11 +213,11 @@ def blade_element(case: Case, y: Any, v_i: Any) -> tuple[Floats, Floats]:
     u_t = case.omega * y + case.v_inplane * np.sin(case.psi)  # Eq. (1)
     u_p = case.v_axial + v_i  # Eq. (2)
     u = np.sqrt(u_t**2 + u_p**2)
-    # On the retreating side U_T may be negative.  There the arctangent of U_P/U_T would turn the
-    # force round: phi must be the angle of the vector.
+    # On the retreating side U_T may be negative.  There the arctangent of U_P/U_T would reverse
+    # the force: phi must be the angle of the vector.
     phi = np.arctan2(u_p, u_t)
     reynolds = air.density * u * chord / air.viscosity
-    # alpha = theta - phi: (3) has a term linear in alpha, so it must come within half a turn.
+    # alpha = theta - phi, wrapped, since (3) has a term linear in alpha.
     alpha = wrapped(theta - phi - zero_lift_angle(case, y))
     c_l = lift_coefficient(alpha, airfoil)
     from_least_drag = theta - phi - airfoil.zero_lift_angle - airfoil.drag_angle
@@ -237,11 +237,11 @@ def annulus_thrust(case: Case, y: float, v_i: Floats) -> Floats:
 
 
 def momentum_thrust(case: Case, y: float, v_i: Any) -> Any:
-    """Compute the thrust of an annulus per radius by the momentum theorem [N/m].
+    """Compute the thrust of an annulus per radius [N/m] by momentum theory.
 
     Eq. (8) is mass flow times the change of velocity, 2 v_i.  The paper negates it where the wake
-    is above the disk, which suits a mass flow with a sign; that of (10) has none, and the air is
-    slowed against the thrust whichever way it goes.  Eq. (9) is (10) in axial flow.
+    is above the disk, which is correct for a mass flow with a sign.  The mass flow of (10) has no
+    sign: the air is slowed against the thrust in both directions.  Eq. (9) is (10) in axial flow.
     """
     v_axial, v_inplane, rho = case.v_axial, case.v_inplane, case.model.air.density
 
@@ -251,8 +251,8 @@ def momentum_thrust(case: Case, y: float, v_i: Any) -> Any:
 
     # In descent within 19.5 deg of the axis (10) falls with v_i between two turning points, the
     # roots of 2 v^2 + 3 V cos(beta) v + V^2 = 0.  Momentum theory holds up to the first.  Beyond it
-    # the falling stretch is mirrored upwards, and averaged with a parabola like Buhl's
-    # (NREL/TP-500-36834), whose weight is 1 in axial flow; the paper has no such branch.
+    # the falling part is mirrored upwards, and averaged with a parabola like Buhl's
+    # (NREL/TP-500-36834), whose weight is 1 in axial flow.  The paper has no such branch.
     square = v_axial**2 - 8.0 * v_inplane**2
     if not case.windmill or square <= 0.0:
         return glauert(v_i)
@@ -267,14 +267,14 @@ def momentum_thrust(case: Case, y: float, v_i: Any) -> Any:
 def annulus_inflow(case: Case, y: float) -> float:
     """Find the hybrid inflow v_i(y) [m/s], the largest root of (11).
 
-    Near stall, in hover and slow flight, (11) has three.  The largest belongs to attached flow, and
-    does not depend on where a search begins, as one from the paper's initial guess (12) does.
+    Near stall, in hover and slow flight, (11) has three roots.  The largest one belongs to attached
+    flow.  Unlike a root found from the initial guess (12), it does not depend on the search.
     """
 
     def residual(v: Floats) -> Floats:
         return annulus_thrust(case, y, v) - momentum_thrust(case, y, v)  # Eq. (11)
 
-    # Through the disk the air is no faster than this, unless the blades nearly fill it.
+    # Air passes the disk no faster than this, unless the blades nearly fill the disk.
     reach = case.omega * y + math.hypot(case.v_axial, case.v_inplane)
     if reach == 0.0:
         return 0.0
@@ -284,14 +284,14 @@ def annulus_inflow(case: Case, y: float) -> float:
     if more[-1] or not ends.size:
         raise InputError(
             f"eq. (11) has no largest root at a radius of {y:g} m: the blades are too wide there",
-            "cut the root out further outside, or take fewer blades",
+            "move the root cutout outwards, or use fewer blades",
         )
     low, high = v_i[ends[-1]], v_i[ends[-1] + 1]
     return float(brentq(lambda v: float(residual(np.array([v]))[0]), low, high))
 
 
 def static_inflow(case: Case) -> float:
-    """Compute the static inflow v_i0 [m/s] at the same Omega, elsewhere called v_h."""
+    """Compute the static inflow v_i0 [m/s] at the same Omega, also called v_h."""
     rest = replace(case, v_axial=0.0, v_inplane=0.0, psi=0.5 * np.pi * np.arange(4))
     v_i = np.array([annulus_inflow(rest, y) for y in rest.y])
     thrust = max(disk_loads(rest, np.tile(v_i[:, None], 4)).thrust, 0.0)
@@ -300,12 +300,12 @@ def static_inflow(case: Case) -> float:
 
 
 def vortex_ring(case: Case, v_h: float) -> tuple[float, float]:
-    """Compute the share [-] of a measured inflow in descent, and that inflow [m/s].
+    """Compute the share [-] of the measured inflow in descent, and this inflow [m/s].
 
-    The paper takes (12) wherever V cos(beta) < 0 < V cos(beta) + v_i.  Loads would then jump at
-    beta = 90 deg, where fast flight sweeps the wake away and (10) holds.  Here (12) is confined to
+    The paper uses (12) wherever V cos(beta) < 0 < V cos(beta) + v_i.  Loads would then jump at
+    beta = 90 deg, where fast flight carries the wake away and (10) holds.  Here (12) is limited to
     the region of Johnson (NASA/TP-2005-213477, table 4), with smooth edges, and multiplied by
-    Leishman's fit of measurements (Principles of Helicopter Aerodynamics, 2006, section 2.13).
+    Leishman's fit to measurements (Principles of Helicopter Aerodynamics, 2006, section 2.13).
     """
     if v_h == 0.0:
         return 0.0, 0.0
@@ -323,7 +323,7 @@ def vortex_ring(case: Case, v_h: float) -> tuple[float, float]:
 
 
 def disk_loads(case: Case, v_i: Floats) -> ReferenceLoads:
-    """Sum up the loads for a known inflow [m/s] at each radius and azimuth, (radii, azimuths)."""
+    """Sum the loads for a known inflow [m/s] at each radius and azimuth, (radii, azimuths)."""
     normal, tangential = blade_element(case, case.y[:, None], v_i)
     sine, cosine, y = np.sin(case.psi), np.cos(case.psi), case.y
 
@@ -342,7 +342,7 @@ def disk_loads(case: Case, v_i: Floats) -> ReferenceLoads:
 
 
 def radial_friction(case: Case, v_i: Floats) -> tuple[float, float]:
-    """Find what friction along the blade and across, which alone feels it, adds to D and tau."""
+    """Compute the increase of D and tau by friction, the only force that spanwise flow changes."""
     air, y, blades = case.model.air, case.y[:, None], case.model.propeller.blades
     chord, sine = case.chord(y), np.sin(case.psi)
     u_t, u_r = case.omega * y + case.v_inplane * sine, case.v_inplane * np.cos(case.psi)
@@ -359,21 +359,21 @@ def radial_friction(case: Case, v_i: Floats) -> tuple[float, float]:
 
 
 def pitt_peters(case: Case, v_i: Floats, strength: float) -> Floats:
-    """Find what the recommended model adds to the annulus inflow [m/s], (radii, azimuths).
+    """Compute the harmonics that are added to the annulus inflow [m/s], (radii, azimuths).
 
-    It adds v_0 + (y/R) (v_s sin(psi) + v_c cos(psi)), which depends on the loads as they do on it;
-    v_0 goes with the change of thrust.  In the paper a moment induces no inflow.  ``strength`` is 1
-    outside the vortex ring.
+    They are v_0 + (y/R) (v_s sin(psi) + v_c cos(psi)).  They depend on the loads, and the loads on
+    them; v_0 is proportional to the change of thrust.  In the paper a moment induces no inflow.
+    ``strength`` is 1 outside the vortex ring.
     """
     radius = case.model.propeller.radius
     per_radius = (case.y / radius)[:, None]
     mean = float((case.y * v_i).sum() / case.y.sum())  # over the disk's area
     through = case.v_axial + mean
     speed = math.hypot(case.v_inplane, through)
-    # In descent this much of the inflow meets air from below.  Where no air goes through the disk,
-    # it is what carries the wake away.
+    # In descent this part of the inflow meets air from below.  Where no air passes the disk, this
+    # speed is assumed to carry the wake away.
     meets = max(min(-case.v_axial, mean), 0.0)
-    # V of Peters and HaQuang is d(v_i speed)/dv_i; it must not vanish where the air turns back.
+    # V of Peters and HaQuang is d(v_i speed)/dv_i; it is limited where the air turns back.
     mass_flow = max(speed + mean * through / speed, 0.5 * speed, meets)
     chi = math.atan2(case.v_inplane, max(abs(through), meets))  # skew of the wake to the axis
     gain = strength / (case.model.air.density * np.pi * radius**2 * mass_flow)  # [m/s per N]
@@ -394,5 +394,5 @@ def pitt_peters(case: Case, v_i: Floats, strength: float) -> Floats:
 
     state, _, found, message = fsolve(left_over, np.zeros(3), xtol=1e-10, full_output=True)
     if found != 1:
-        raise InputError(f"the inflow's harmonics were not found: {message}", "take other azimuths")
+        raise InputError(f"the inflow harmonics did not converge: {message}", "change azimuths")
     return added(state)

@@ -1,12 +1,15 @@
-// The hybrid inflow v_i(y) of an annulus: the largest root of eq. (11), blade-element thrust (5) = momentum
-// thrust (10).
+// The hybrid inflow v_i(y) of an annulus: the largest root of eq. (11), element thrust (5) = momentum thrust (10).
 //
-// The residual, (5) minus (10), is negative above all roots.  Most annuli have one root, in attached flow.
-// About stall the residual has a maximum, the hump: where its top is above zero (11) has three roots, of which
-// the largest, on the attached branch, is taken; where it is below, the one root is stalled.  So a root that
-// Newton's method finds in attached flow is the one wanted, if the residual can be shown to fall from there
-// on; and one that it finds above the hump, or below a hump that is below zero, if that is how humps at radii
-// near by say it should be.  Anywhere else the whole range of inflows is scanned.
+// The residual g(v_i) is (5) minus (10).  It is negative above all roots and rises as v_i falls, until stall.
+// - Hump: the local maximum of g near stall.  Its peak is the top, and the value of g there is its height.
+// - Branches: v_i is larger than at the top on the attached branch, and smaller on the stalled branch.  If the height
+//   is positive, the largest root is on the attached branch; if g is negative again past stall, two more roots follow.
+//   If the height is negative, the only root is on the stalled branch.
+// - Shoulder: a hump without a maximum.  It is the point near stall at which g rises least as v_i falls.
+// - Fold: a radius at which the height is zero.  There the largest root jumps from one branch to the other.
+// Three methods find the largest root, the cheapest one first: Newton's method in attached flow, with a proof that no
+// root lies above (`surely_largest`); Newton's method on the branch that humps at neighboring radii predict (`Outlook`
+// in disk.hpp); and a scan of g over all inflows (`scan`).
 #pragma once
 
 #include <array>
@@ -19,13 +22,13 @@ namespace propmap {
 template <class R> struct Annuli {
     const R& rotor;
     Flow<double> flow;
-    Azimuths psi;
-    Azimuths few;   // some of them, for steps from afar
-    bool windmill;  // whether the windmill branch of momentum theory holds
+    Azimuths psi;   // over which (5) is averaged
+    Azimuths few;   // a smaller set, for evaluations far from a root
+    bool windmill;  // whether the windmill branch of momentum theory applies, see wake.hpp
 
     Station<Lanes> station(Lanes radius) const { return station_at(rotor, flow.omega, radius); }
 
-    // Blade-element thrust minus momentum thrust per radius and density, with its slope by the inflow.
+    // The residual per radius and density, with its derivative by the inflow.
     Dual<Lanes, 1> residual(const Station<Lanes>& at, Lanes inflow, const Azimuths& over) const {
         const Dual<Lanes, 1> v{inflow, {broadcast(1.0)}};
         return annulus_thrust(rotor, at, flow, v, over) -
@@ -33,31 +36,32 @@ template <class R> struct Annuli {
     }
     Dual<Lanes, 1> residual(const Station<Lanes>& at, Lanes inflow) const { return residual(at, inflow, psi); }
 
-    // U_T [m/s], root mean square over azimuth.
+    // Root mean square of U_T over azimuth [m/s].  "Mean" angles of attack below are angles at this speed.
     Lanes rms_speed(const Station<Lanes>& at) const {
         const Lanes turning = flow.omega * at.radius;
         return square_root(turning * turning + (0.5 * flow.v_inplane * flow.v_inplane + 1e-18));
     }
-    double stall_angle(double reynolds_per_speed, double radius, double side) const {
+    double stall_angle(double reynolds_per_speed, double radius, double side) const {  // [rad], at U = Omega y
         return value(rotor.law.stall_angle(reynolds_per_speed * flow.omega * radius, side));
     }
-    // Whether some samples tell how the residual goes between them: not where lift has further bends in deep stall, or
-    // the tip's loss in descent, where it is greatest with the air standing still at the disk.
+    // Whether a few samples are enough to know the residual between them.  They are not if lift has further bends in
+    // deep stall, nor in descent with tip or hub loss, which is greatest where the air at the disk stands still.
     bool plain() const {
         return rotor.law.plain_stall && rotor.law.stall_delay == 0.0 &&
                !(flow.v_axial < 0.0 && (rotor.tip_loss || rotor.hub_radius > 0.0));
     }
-    // Stall sharper than the paper's is looked for in proportionally finer steps.
+    // Spacing of samples near stall, relative to the paper's stall (M = 50): a sharper stall needs closer samples.
     double stall_scale() const { return std::min(rotor.law.stall_width() / 0.02, 1.0); }
 };
 
-// The angle of attack from zero lift [rad] at a tangential velocity.
+// Angle of attack from zero lift [rad] at the velocity (U_T, U_P).
 inline Lanes angle_at(const Station<Lanes>& at, Lanes u_t, Lanes u_p) {
     const Lanes per = inverse_square_root(u_t * u_t + u_p * u_p + 1e-30);
     return radians(at.line - Angle<Lanes>{u_p * per, u_t * per, {}});
 }
 
-// An inflow of attached flow without drag [m/s]: v W = k (U_T^2 theta - U_T u), a few steps down to its root.
+// First guess of the inflow [m/s], for attached flow without drag: v W = k (U_T^2 theta - U_T u), where u is U_P and W
+// the speed in (10).  Four Newton steps from above the root.
 template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes>& at) {
     const auto& f = of.flow;
     const Lanes speed = of.rms_speed(at);
@@ -72,15 +76,14 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
     return v;
 }
 
-// Whether a root v is in attached flow at all azimuths, so that there is none above.
-//
-// Above it the blades' thrust falls with v_i and the momentum's rises, where the lift is positive.  With negative
-// lift both hold up to v_i = 0, if no element stalls until there; from there on the two have opposite signs.
+// Return the lanes whose root v is in attached flow at all azimuths, so that no root lies above it.
+// If v >= 0, thrust (5) falls and (10) rises with v_i above v.  If v < 0, the lift is negative: the same holds up to
+// v_i = 0, provided that no element stalls on the way; above v_i = 0 the two thrusts have opposite signs.
 template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>& at, Lanes v) {
     const auto& f = of.flow;
-    const double margin = 3.0 * std::max(of.rotor.law.stall_width(), 0.02);
+    const double margin = 3.0 * std::max(of.rotor.law.stall_width(), 0.02);  // [rad]: three widths of stall
     const Lanes turning = f.omega * at.radius;
-    const Lanes slow = turning - f.v_inplane, fast = turning + f.v_inplane;
+    const Lanes slow = turning - f.v_inplane, fast = turning + f.v_inplane;  // U_T at psi = -pi/2 and pi/2
     const Lanes u = f.v_axial + v;
     Lanes most, least;
     for (int k = 0; k < width; ++k) {
@@ -91,17 +94,17 @@ template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>
     const Lanes later = angle_at(at, slow, f.v_axial + maximum(v, 0.0));
     Mask sure = (slow > 0.0) & (maximum(one, other) < most) & (minimum(minimum(one, other), later) > least);
     const Mask climb = f.v_axial + Lanes{} >= 0.0;
-    // On the windmill branch the wake's thrust rises with v_i wherever the air goes.
+    // On the windmill branch (10) rises with v_i for either direction of the flow through the disk.
     const Mask rises = of.windmill && of.plain() ? v >= 0.0 : u >= 0.0;
     sure &= (v >= 0.0) ? rises : (climb & (f.v_axial + 2.0 * v > 0.0));
     return sure;
 }
 
-// The cubic between two samples, in t from 0 at the first to 1 at the second: its derivative is a + b t + c t^2.
+// The cubic between two samples, over t = 0 at the first to 1 at the second.  Its derivative by t is a + b t + c t^2.
 template <class T> struct Cubic {
     T start, a, b, c;
 
-    // From values and slopes by v_i at two v_i, `run` apart and falling.
+    // From values and derivatives by v_i at two inflows; the second is smaller by `run`.
     Cubic(T run, T value, T slope, T next_value, T next_slope) {
         const T rise = next_value - value, end = -next_slope * run;
         start = value, a = -slope * run;
@@ -109,7 +112,7 @@ template <class T> struct Cubic {
     }
     T at(T t) const { return start + t * (a + t * (0.5 * b + t * c / 3.0)); }
 
-    // Places of its extremes inside, how many.
+    // Write the extremes between 0 and 1 to t in rising order, and return their number.
     int extremes(double (&t)[2]) const {
         int count = 0;
         const double square = b * b - 4.0 * a * c;
@@ -122,9 +125,9 @@ template <class T> struct Cubic {
     }
 };
 
-// Samples of the residual over v_i at one radius, v_i falling.
+// Samples of the residual at one radius, in order of falling v_i.
 struct Samples {
-    static constexpr int most = 400;
+    static constexpr int most = 400;  // capacity
     int count = 0;
     std::array<double, most> inflow, value, slope;
 
@@ -132,22 +135,22 @@ struct Samples {
         inflow[count] = v, value[count] = g, slope[count] = s;
         ++count;
     }
-    // Between sample k and the next.
+    // The cubic between samples k and k + 1.
     Cubic<double> cubic(int k) const {
         return {inflow[k] - inflow[k + 1], value[k], slope[k], value[k + 1], slope[k + 1]};
     }
 };
 
-// What a scan of the residual at one radius found.
+// The result of a scan at one radius.
 struct Scan {
     bool found = false;
-    double low, high;  // v_i about the largest root [m/s]
-    double guess;
-    int roots = 0;
+    double low, high;  // bracket of the largest root [m/s]
+    double guess;      // the largest root, by the cubic in the bracket [m/s]
+    int roots = 0;     // number of sign changes
 };
 
-// Scan the residual over all inflows at one radius; about stall, where it bends most, only at one of `every` so many
-// places.
+// Scan the residual over all inflows at one radius.  Every change of sign is a root.  Intervals that may hide two more
+// are sampled again.  Of the places near stall, where the residual bends most, only every `every`-th is sampled.
 template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples, int every) {
     const auto& f = of.flow;
     const Station<Lanes> at = of.station(broadcast(radius));
@@ -155,7 +158,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
     const double line = radians(at.line)[0];
     std::array<double, 96> grid;
     int count = 0;
-    // Places are chosen by the angle of the flow.
+    // Some fifty places: even angles of the flow, closer ones about both stall angles, turning points of (10).
     std::array<double, 48> angle;
     int angles = 0;
     const auto add_angle = [&](double phi) {
@@ -174,7 +177,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         for (int j = 0; j < width && k + j < angles; ++j) grid[count++] = v[j];
     }
     grid[count++] = 0.0;
-    grid[count++] = -f.v_axial;  // the air at the disk stands still
+    grid[count++] = -f.v_axial;  // no air passes the disk
     if (f.v_axial < 0.0) {
         const auto turn = turning_points(f.v_axial, f.v_inplane);
         grid[count++] = turn.first, grid[count++] = turn.second;
@@ -195,7 +198,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         }
     };
     evaluate(grid.data(), count, samples);
-    // Above all roots the residual is negative, below all it is positive.
+    // Move both ends outwards until the first value is negative and the last one positive: no root is outside.
     const double whole = speed + std::fabs(f.v_axial);
     for (double more = 100.0; more < 1e7; more *= 10.0) {
         const bool high = samples.value[0] < 0.0, low = samples.value[count - 1] > 0.0;
@@ -209,27 +212,27 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         replace(0, 0), replace(count - 1, 1);
     }
 
-    // Where a cubic between two samples turns towards zero, roots may hide: look closer there.
+    // Sample again where two more roots may hide: where the cubic turns, beyond zero or close to it.
     constexpr int between = 4;
     for (int round = 0; round < 8; ++round) {
         std::array<double, Samples::most> asked;
         int more = 0;
         for (int k = 0; k + 1 < samples.count; ++k) {
             const double run = samples.inflow[k] - samples.inflow[k + 1];
-            if (run < 1e-7 * whole || samples.count + more + between > Samples::most) continue;
+            if (run < 1e-7 * whole || samples.count + more + between > Samples::most) continue;  // too close, or full
             const Cubic<double> cubic = samples.cubic(k);
             const double g0 = samples.value[k], g1 = samples.value[k + 1];
             double t[2];
             const int extremes = cubic.extremes(t);
-            const bool crosses = (g0 < 0.0) != (g1 < 0.0);
-            const bool opposed = cubic.a * (cubic.a + cubic.b + cubic.c) < 0.0;
+            const bool crosses = (g0 < 0.0) != (g1 < 0.0);  // one root at least
+            const bool opposed = cubic.a * (cubic.a + cubic.b + cubic.c) < 0.0;  // slopes of opposite signs: an extreme
             bool hides = crosses && (extremes > 0 || opposed);
             for (int e = 0; e < extremes && !crosses; ++e) {
                 const double there = cubic.at(t[e]), nearest = std::min(std::fabs(g0), std::fabs(g1));
                 const bool beyond = (there < 0.0) != (g0 < 0.0);
                 hides |= beyond || std::fabs(there) < 0.7 * nearest;
             }
-            // A peak sharper than the cubic's reaches no further than where the tangents at both ends meet.
+            // A peak may be sharper than that of the cubic, but it ends where the tangents at both samples meet.
             if (!crosses && opposed) {
                 const double end = cubic.a + cubic.b + cubic.c, met = (g1 - g0 - end) / (cubic.a - end);
                 hides |= ((g0 + cubic.a * met) < 0.0) != (g0 < 0.0) && met > 0.0 && met < 1.0;
@@ -256,7 +259,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         if (result.found) continue;
         result.found = true;
         result.high = samples.inflow[k], result.low = samples.inflow[k + 1];
-        // The cubic's zero by bisection: cheap beside an evaluation.
+        // Bisect the cubic, which costs far less than an evaluation.
         const Cubic<double> cubic = samples.cubic(k);
         double low = 0.0, high = 1.0;
         for (int step = 0; step < 30; ++step) {
@@ -268,7 +271,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
     return result;
 }
 
-// Roots between `low` and `high` by Newton's method, held between the two: NaN where it does not converge.
+// Newton's method for the roots between `low` and `high`, from v, with bisection to stay between; NaN if it fails.
 template <class R>
 Lanes polished_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes low, Lanes high, Lanes v) {
     const Lanes scale = of.rms_speed(at) + std::fabs(of.flow.v_axial) + 1e-12;
@@ -289,24 +292,24 @@ Lanes polished_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes low, L
     return open ? broadcast(std::nan("")) : v;
 }
 
-// The hump of the residual at a radius: the local maximum about stall that decides on the largest root, or else the
-// shoulder, where the residual comes closest to having one.  Where one becomes the other they are one point.
+// The hump at one radius: its top or, where it has no maximum, its shoulder.  A top that turns into a shoulder along
+// the blade does so at one point, so the height is continuous.
 struct Hump {
     double radius;
-    double height;  // the residual there
-    double inflow;  // v_i there [m/s]
-    double past;    // the mean angle of attack there, from that of stall [rad]: it hardly varies along the blade
-    double slope;   // of the height along the blade
-    double below;   // an angle, like `past`, at which the residual is positive again at a smaller v_i; NaN for none
-    bool clear;     // whether it has no other maximum until there
-    bool falls;     // whether it falls with v_i everywhere
-    bool top;       // whether it is a maximum
-    bool folded;    // whether (11) has three roots here
-    bool near;      // whether the height is small, and whether it is so small that the blade's shape between two
-    bool touching;  // stations may take it through zero
+    double height;  // the residual at this point
+    double inflow;  // v_i at this point [m/s]
+    double past;    // mean angle of attack past the stall angle [rad]; nearly the same along the blade
+    double slope;   // derivative of the height along the blade
+    double below;   // angle like `past`, at a smaller v_i at which the residual is positive; NaN if none was seen
+    bool clear;     // no other maximum between the hump and `below`
+    bool falls;     // the residual falls with v_i everywhere, so that (11) has one root
+    bool top;       // a maximum, not a shoulder
+    bool folded;    // (11) has three roots here
+    bool near;      // the absolute height is below 0.3 of the momentum thrust
+    bool touching;  // it is below 0.04: the shape of the blade between two of its stations may move it through zero
 };
 
-// Residuals at a few of the lanes, each at as many inflows, packed so that none are idle.
+// Residuals in the lanes `asked`, at `count` inflows each, packed into full vectors: half of all calls need one lane.
 template <class R, std::size_t N>
 void residuals(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, const std::array<Lanes, N>& v, int count,
                const Azimuths& over, std::array<Dual<Lanes, 1>, N>& found) {
@@ -339,16 +342,16 @@ void residuals(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, const 
     }
 }
 
-// Samples of the residual at a radius per lane, v_i falling; NaN where a lane has none.
+// Samples of the residual at a radius per lane, in order of falling v_i.  A lane without a sample has NaN.
 struct LaneSamples {
     static constexpr std::size_t most = 24;
     int count = 0;
     std::array<Lanes, most> inflow;
-    std::array<Dual<Lanes, 1>, most> residual;  // with its slope by v_i
+    std::array<Dual<Lanes, 1>, most> residual;  // with its derivative by v_i
 };
 
-// The maximum in samples that decides on the largest root, the first one above zero or else the highest; where there is
-// none, the shoulder.  Returns where there is one.
+// Find the maximum that decides which root is the largest: the first above zero, or else the highest.  (The first in
+// any case hid attached stretches near the tip, 0.9 % of thrust.)  Return the lanes with one; others get the shoulder.
 inline Mask deciding_top(const LaneSamples& s, Lanes& inflow, Lanes& height) {
     const Lanes none = broadcast(-INFINITY), one = broadcast(1.0);
     const auto clamped = [&](Lanes t) { return minimum(maximum(t, 0.0), one); };
@@ -357,6 +360,7 @@ inline Mask deciding_top(const LaneSamples& s, Lanes& inflow, Lanes& height) {
         const Lanes run = s.inflow[k] - s.inflow[k + 1];
         const auto &above = s.residual[k], &below = s.residual[k + 1];
         const Cubic<Lanes> cubic(run, above.v, above.d[0], below.v, below.d[0]);
+        // `lowest` has the least derivative by t.  If that falls from above zero to below, a maximum is between.
         Lanes lowest = cubic.b + cubic.c > 0.0 ? Lanes{} : one;
         lowest = cubic.c > 0.0 ? clamped(-0.5 * cubic.b / cubic.c) : lowest;
         const Lanes least = cubic.a + (cubic.b + cubic.c * lowest) * lowest;
@@ -372,7 +376,7 @@ inline Mask deciding_top(const LaneSamples& s, Lanes& inflow, Lanes& height) {
     return highest > none;
 }
 
-// Where the residual's top near this inflow, in lanes asked for, is found below zero.
+// Return the lanes among `asked` in which the top near this inflow, over all azimuths, is below zero.
 template <class R> Mask top_below_zero(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, Lanes top) {
     if (!any(asked)) return asked;
     const Lanes reach = 0.012 * of.stall_scale() * of.rms_speed(at);
@@ -384,28 +388,30 @@ template <class R> Mask top_below_zero(const Annuli<R>& of, const Station<Lanes>
     return asked & (height < 0.0) & (absolute(inflow - top) < 0.9 * reach);
 }
 
+// Stall angles [rad] at positive (side = 1) or negative angles.
 template <class R> Lanes stall_angles(const Annuli<R>& of, const Station<Lanes>& at, double side) {
     return each_lane([&](int k) { return of.stall_angle(at.reynolds_per_speed[k], at.radius[k], side); });
 }
 
-// Inflows at which the mean angle of attack is this one; NaN where none gives it.
+// Inflow at which the mean angle of attack is `angle`; NaN where the flow would be almost along the axis.
 template <class R> Lanes inflow_at_angle(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes angle) {
     const auto phi = at.line - angle_from(angle);
     return phi.cosine > 0.05 ? speed * phi.sine / phi.cosine - of.flow.v_axial : broadcast(std::nan(""));
 }
+// Inflow at which the mean angle of attack is `off` past stall, or less in proportion to a sharper stall.
 template <class R>
 Lanes inflow_past_stall(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes stall, double off) {
     return inflow_at_angle(of, at, speed, stall + off * of.stall_scale());
 }
 
-// Over how wide a range of mean angles an annulus stalls, as a share of the paper's: in forward flight some azimuths
-// stall before others.
+// Width of the range of mean angles over which an annulus stalls, relative to the widest one that is sampled.  In
+// forward flight it is wider, as some azimuths stall before others.
 template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>& at, Lanes stall) {
     const Lanes rise = absolute((at.line - angle_from(stall)).sine);  // sin(phi) at stall
     return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
 }
 
-// The humps about the stall at positive (side = 1) or negative angles, at a radius per lane, in the first of them.
+// Find the humps near stall at positive (side = 1) or negative angles, at the radii in the first `radii` lanes.
 template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, double side, Hump (&found)[width]) {
     const Dual<Lanes, 1> moved{radius, {broadcast(1.0)}};
     const Station<Dual<Lanes, 1>> moving = station_at(of.rotor, of.flow.omega, moved);
@@ -427,12 +433,13 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
         residuals(of, at, lanes, v, count, of.few, g);
         for (int j = 0; j < count; ++j, ++s.count) s.inflow[s.count] = v[j], s.residual[s.count] = g[j];
     };
+    // Offsets from stall [rad].  Further bends of lift in deep stall affect the root, too (4 % of static thrust).
     sample(asked, {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15}, stall_spread(of, at, stall));
     const Lanes whole = broadcast(1.0);
     if (!of.plain()) sample(asked, {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85}, whole);
     Lanes inflow = unknown, top_height = unknown, below = unknown, depth = broadcast(INFINITY);
     Mask top = deciding_top(s, inflow, top_height);
-    // Where flow stalls, see how the residual goes on.
+    // If the top is not above zero the blade is stalled: sample deep stall, where `below` lies.
     const Mask known = inflow == inflow, deeper = known & ~(top & (top_height > 0.0));
     if (of.plain()) sample(deeper, {0.25, 0.45, 0.85}, whole);
     Mask falls = known, clear = known, rising{};
@@ -445,9 +452,9 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
         rising |= past & (slope < 0.0);
         below = not_yet & (value > 0.0) ? s.inflow[j] : below;
     }
-    // What follows a shoulder rises.
+    // Below a shoulder there is no maximum if the residual rises in all samples as v_i falls.
     clear = top ? clear : falls;
-    // More closely, and over all azimuths where the height is small.
+    // Locate the hump by samples that are closer, and over all azimuths if its height is small.
     const Lanes wake = absolute(wake_thrust(of.rotor, radius, of.flow, of.windmill, inflow));
     const Mask small = absolute(top_height) < 0.2 * wake;
     const Lanes reach = 0.012 * of.stall_scale() * speed;
@@ -464,7 +471,7 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
         open &= absolute(now - inflow) > 0.9 * reach;
         inflow = now;
     }
-    // At the top the residual's slope by v_i is zero: along the blade the height changes as the residual does.
+    // At the top the derivative by v_i is zero, so the height varies along the blade as the residual at a fixed v_i.
     const auto over = [&](const Azimuths& psi) {
         return annulus_thrust(of.rotor, moving, of.flow, inflow, psi) -
                wake_thrust(of.rotor, moved, of.flow, of.windmill, inflow);
@@ -484,20 +491,20 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
                     falls[k] != 0, top[k] != 0, folded[k] != 0, near[k] != 0, touching[k] != 0};
 }
 
-// A radius at which the largest root jumps from one branch to another, or rises steeply.
+// A radius at which the largest root jumps from one branch to the other, or varies most steeply.
 struct Fold {
     enum class Kind {
-        top,       // a jump: the residual and its slope by v_i vanish
-        shoulder,  // the steepest rise: the residual and its second difference vanish
-        angle      // neither is found: the residual vanishes where the mean angle of attack is that of stall
+        top,       // a jump: the residual and its derivative by v_i are zero
+        shoulder,  // a steep rise: the residual and its second difference over v_i are zero
+        angle      // neither was found: the residual is zero where the mean angle of attack is the stall angle
     };
     double radius;  // [m], NaN for none
-    double inflow;  // v_i there [m/s]
+    double inflow;  // v_i at this radius [m/s]
     Kind kind;
     double side;    // 1 for stall at positive angles, -1 at negative ones
 };
 
-// The residual at the inflow with which the mean angle of attack is that of stall.
+// The residual at the inflow for which the mean angle of attack is the stall angle.
 template <class R, class St, class F>
 auto residual_at_stall(const R& rotor, const St& at, const F& flow, const Azimuths& psi, bool windmill, double side) {
     const auto turning = flow.omega * at.radius;
@@ -508,18 +515,17 @@ auto residual_at_stall(const R& rotor, const St& at, const F& flow, const Azimut
     return annulus_thrust(rotor, at, flow, inflow, psi) - wake_thrust(rotor, at.radius, flow, windmill, inflow);
 }
 
-// Spacing [m/s] of the three inflows from whose residuals the second derivative at a radius is taken.
+// Spacing [m/s] of the three inflows that give the second derivative by v_i (at a top) or its change (at a shoulder).
 template <class R, class F, class Y> auto fold_width(const Annuli<R>& of, const F& flow, const Y& radius, bool top) {
     const auto turning = flow.omega * radius;
     const auto speed = square_root(turning * turning + flow.v_inplane * flow.v_inplane) + absolute(flow.v_axial);
     return (top ? 2e-4 : 0.004 * of.stall_scale()) * speed;
 }
 
-// Solve for the fold between two radii whose humps have heights of opposite signs.
-//
-// At a fold the residual and its slope vanish; where the hump is a shoulder, the residual and its second derivative.
-// Newton's steps towards either take one evaluation in four lanes; where they leave the interval, it is narrowed by
-// the humps of radii within.
+// Find the fold between two radii whose humps have heights of opposite signs.
+// Newton's method solves for radius y and inflow v: residual and derivative by v are zero at a top, residual and second
+// difference at a shoulder.  One evaluation gives all derivatives: three lanes differ in v, the fourth in y.  If a step
+// leaves the interval, humps at four radii inside narrow it.  The last resort is `Kind::angle`.
 template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, double side) {
     const double first = low.radius, last = high.radius;
     for (int narrowing = 0; narrowing < 12; ++narrowing) {
@@ -539,24 +545,24 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
             const auto g = of.residual(of.station(radius), inflow, near_enough ? of.psi : of.few);
             const double s0 = g.d[0][0], s1 = g.d[0][1], s2 = g.d[0][2];
             const double bend = (s0 - s2) / (2.0 * wide), turn = s0 - 2.0 * s1 + s2;
-            // Far from the top, or the shoulder, go where the residual is flatter.
+            // Far from the top or shoulder, where the curvature has the wrong sign, step toward the flatter side.
             const double curved = top ? bend : turn, missed = top ? s1 : g.v[0] - 2.0 * g.v[1] + g.v[2];
             const double uphill = top ? (s1 > 0.0 ? 1.0 : -1.0) : (s0 > s2 ? 1.0 : -1.0);
             double dv = curved < 0.0 ? -missed / curved : 2.0 * wide * uphill;
             dv = std::clamp(dv, -0.02 * speed, 0.02 * speed);
             const double along = (g.v[1] - g.v[3]) / aside;
-            // The residual where the step by v ends, to second order.
+            // Residual after the step dv, to second order.
             const double here = g.v[1] + dv * (s1 + 0.5 * dv * bend);
             const double dy = along != 0.0 ? -here / along : 0.0;
             y += dy, v += dv;
             if (!(y > low.radius && y < high.radius)) break;
-            // A few azimuths do from afar.
+            // Few azimuths are enough until the steps are short.
             if (!near_enough) {
                 near_enough = std::fabs(dy) < 2e-3 * y && std::fabs(dv) < 3e-3 * speed;
                 continue;
             }
             if (std::fabs(dy) < 1e-9 * y && std::fabs(dv) < 1e-6 * speed) {
-                // It must be that of the hump which is above zero: Newton's steps may end at another one's.
+                // Newton's method may end at the fold of another hump, at another angle: then narrow the interval.
                 const Hump& above = low.height > 0.0 ? low : high;
                 const auto at = of.station(broadcast(y));
                 const Lanes past = angle_at(at, of.rms_speed(at), broadcast(of.flow.v_axial + v)) - stall_angles(of, at, side);
@@ -565,7 +571,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
                 break;
             }
         }
-        // In climb no top was ever found between two shoulders.
+        // In climb no top was found between two shoulders, at 20,000 random oblique points.
         if (!low.top && !high.top && of.flow.v_axial >= 0.0) break;
         Hump inside[width];
         const double spread = narrowing < 2 ? 0.05 : 0.25;
@@ -586,9 +592,9 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
     }
     const Hump& near = std::fabs(low.height) < std::fabs(high.height) ? low : high;
     if (near.top) return {near.radius, near.inflow, Fold::Kind::top, side};
-    // The residual is nowhere flat.
+    // No fold of a top or shoulder was found: solve for the radius at which the residual at the stall angle is zero.
     double y = 0.5 * (first + last), step = last - first;
-    // Newton's steps: after one of 1e-7 the next would be 1e-14.
+    // After a Newton step of 1e-7 the next one would be 1e-14.
     for (int k = 0; k < 20 && std::fabs(step) > 1e-7 * y; ++k) {
         const Dual<Lanes, 1> moved{broadcast(y), {broadcast(1.0)}};
         const auto at = station_at(of.rotor, of.flow.omega, moved);

@@ -1,4 +1,4 @@
-// The blade: chord and twist between the measured stations, and what they make of a radius.
+// The blade: chord and twist at the measured stations and in between.
 #pragma once
 
 #include "section.hpp"
@@ -8,7 +8,7 @@ namespace propmap {
 // Chord and twist by monotone cubics (PCHIP) through the measured stations.
 struct BladeShape {
     std::vector<double> station;  // radii, rising [m]
-    // Per interval: start, width, and the cubics of chord [m] and twist [rad] in the share of the width.
+    // Between two stations: start, width, and cubics of chord [m] and twist [rad] over the fraction of the width.
     struct Interval {
         double start, width, chord[4], twist[4];
     };
@@ -17,7 +17,7 @@ struct BladeShape {
     double tip = 0.0;   // R [m]
     int blades = 2;     // N_b
 
-    const Interval& at(double radius) const {
+    const Interval& at(double radius) const {  // by bisection
         std::size_t low = 0, high = intervals.size() - 1;
         while (low < high) {
             const std::size_t middle = (low + high + 1) / 2;
@@ -27,6 +27,7 @@ struct BladeShape {
     }
 };
 
+// The cubics of all intervals, through chord and twist at the stations.
 inline std::vector<BladeShape::Interval> pchip_intervals(const std::vector<double>& station,
                                                          const std::vector<double>& chord,
                                                          const std::vector<double>& twist) {
@@ -45,14 +46,14 @@ inline std::vector<BladeShape::Interval> pchip_intervals(const std::vector<doubl
     return found;
 }
 
+// A blade from stations [m], chord [m], twist [rad], number of blades and root radius [m].
 inline BladeShape make_blade(const std::vector<double>& station, const std::vector<double>& chord,
                              const std::vector<double>& twist, int blades, double root) {
     return {station, pchip_intervals(station, chord, twist), root, station.back(), blades};
 }
 
-// The blade continued from its first station inwards to a hub of this radius [m]: the chord line keeps
-// the geometric pitch of the first station; the chord goes on with its mean slope over a tenth of the
-// radius, no wider than at the first station and no narrower than half of it.
+// Extend the blade inwards from its first station to a hub of this radius [m].  The chord line keeps its geometric
+// pitch.  The chord keeps its mean slope over a tenth of R, between 0.5 and 1 times the first chord.
 inline BladeShape continued_to(const BladeShape& blade, double hub) {
     const auto shape = [&](double y, bool of_twist) {
         const auto& i = blade.at(y);
@@ -78,30 +79,29 @@ inline BladeShape continued_to(const BladeShape& blade, double hub) {
     return longer;
 }
 
-// What loads depend on of the blade's shape beside its measured stations, for derivatives.
+// Changes of the blade's shape, by which loads can be differentiated.
 template <class S> struct BladeChange {
     S chord_scale;   // common relative change of the chord [-]
     S twist_offset;  // common offset of the twist [rad]
-    S untwist;       // what the tip's twist loses at a tip speed of 100 m/s [rad]
+    S untwist;       // loss of twist of the tip at a tip speed of 100 m/s [rad]
 };
 
-// By how much the twist is less than at rest [rad].  The centrifugal force on its mass turns a section to
-// the disk plane: the tip by an angle that grows with the square of its speed, the blade within by
-// s (2 - s), s = y/R.  Houbolt & Brooks, NACA Report 1346, 1958.
+// Loss of twist in rotation [rad] (Houbolt & Brooks, NACA Report 1346, 1958).  Centrifugal force turns sections toward
+// the disk plane: the tip by an angle that grows with its speed squared, others by s (2 - s) of it, s = y/R.
 template <class U, class R, class W> auto untwisting(const U& tip_angle, double tip, const R& radius, const W& omega) {
     const auto share = radius * (1.0 / tip);
     const auto speed = omega * (tip / 100.0);
     return tip_angle * (speed * speed) * share * (2.0 - share);
 }
 
-// The blade at a radius per lane.
+// The blade at one radius per lane.
 template <class T> struct Station {
     T radius;              // y [m]
     T chord;               // c [m]
-    Angle<T> line;         // of the zero-lift line to the disk plane
-    Angle<T> drag_line;    // of the line of least drag to the disk plane
+    Angle<T> line;         // angle of the zero-lift line to the disk plane
+    Angle<T> drag_line;    // angle of the line of least drag to the disk plane
     T reynolds_per_speed;  // rho c / mu [s/m]
-    T inverse_root;        // its power -1/2
+    T inverse_root;        // (rho c / mu)^(-1/2)
 };
 
 }  // namespace propmap

@@ -1,38 +1,38 @@
-// A rotor in air: blade, section law, and the corrections of the paper's model that are switched on.
+// A rotor in air: blade, section law, and the corrections to the paper's model that are switched on.
 #pragma once
 
 #include "blade.hpp"
 
 namespace propmap {
 
-// How the inflow varies around the disk; see inflow.hpp.
+// Variation of the inflow around the disk; see inflow.hpp.
 enum class InflowShape { uniform, pitt_peters, pitt_peters_gradient, coleman, white_blake, drees };
 
-// Blade, air and corrections: what loads are not differentiated by.
+// Blade, air and corrections, by which loads are not differentiated.
 struct RotorSettings {
     const BladeShape* blade = nullptr;
     double density = 1.225;        // rho [kg/m^3]
     double viscosity = 1.983e-5;   // mu [Pa s]
-    bool tip_loss = false;
-    double hub_radius = 0.0;       // of Prandtl's loss at the hub [m]; 0 for none
-    InflowShape inflow_shape = InflowShape::uniform;
-    bool installed = false;        // whether it is on a mount: its drag is not that of the blades alone
-    double mount_wake = 1.0;       // inflow where it stands over that at the disk [-]
+    bool tip_loss = false;         // Prandtl's loss at the tip
+    double hub_radius = 0.0;       // radius for Prandtl's loss at the hub [m]; 0 for none
+    InflowShape inflow_shape = InflowShape::uniform;  // see inflow.hpp
+    bool installed = false;        // on a mount, which changes the rotor drag
+    double mount_wake = 1.0;       // inflow at the mount over that at the disk [-]
     bool radial_friction = false;
 
     double tip() const { return blade->tip; }
     double root() const { return blade->root; }
 };
 
-// All that loads depend on but the operating point.  `S` is double, or dual where loads are differentiated.
+// All that loads depend on, except the operating point.  `S` is double, or a dual number if loads are differentiated.
 template <class S, template <class> class LawOf> struct Rotor : RotorSettings {
     BladeChange<S> change{};
     CorrectedLaw<LawOf<S>> law{};
-    S drag_factor{};               // on the blades' own drag, where installed [-]
-    S mount_area{};                // drag coefficient times area of what is mounted [m^2]
+    S drag_factor{};               // on the drag of the blades, if installed [-]
+    S mount_area{};                // drag coefficient times area of the mount [m^2]
 };
 
-// The blade at radii of a rotor that turns at omega.
+// The blade at these radii, of a rotor that turns at omega.
 template <class R, class W, class T> [[gnu::flatten]] auto station_at(const R& rotor, const W& omega, const T& radius) {
     Lanes chord, twist, chord_slope, twist_slope;
     for (int k = 0; k < width; ++k) {
@@ -51,7 +51,7 @@ template <class R, class W, class T> [[gnu::flatten]] auto station_at(const R& r
     const auto line = chain(radius, twist, twist_slope) + change.twist_offset -
                       untwisting(change.untwist, rotor.tip(), radius, omega);
     const auto per_speed = wide * (rotor.density / rotor.viscosity);
-    // At a pointed tip Re goes to zero and C_D to infinity, but C_D times the chord goes to zero.
+    // At a pointed tip Re is zero and C_D infinite, but C_D times the chord is zero: limit Re from below.
     const auto per_root = 1.0 / square_root(maximum(per_speed, 0.0 * per_speed + 1e-30));
     const auto reynolds = per_speed * (omega * radius);
     const auto lift_line = line - rotor.law.zero_lift_angle_at(reynolds);

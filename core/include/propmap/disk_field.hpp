@@ -1,22 +1,22 @@
-// Inflow, angle of attack and loads over the disk at one operating point.
+// Fields over the disk at one operating point: inflow, angle of attack and loads.
 #pragma once
 
 #include "rotor.hpp"
 
 namespace propmap {
 
-// Fields at `radii` [m], S of them, and azimuths [rad], P of them; (S, P) arrays row by row.
+// Fields at S radii [m] and P azimuths [rad].  Arrays (S, P) are stored row by row.
 struct DiskField {
-    std::vector<double> inflow;                  // v_i, its mean over azimuth [m/s], (S)
+    std::vector<double> inflow;                  // v_i, mean over azimuth [m/s], (S)
     std::vector<double> thrust, drag, torque;    // per radius [N/m], [N/m], [N], (S)
     std::vector<double> local_inflow;            // with harmonics [m/s], (S, P)
     std::vector<double> alpha;                   // angle of attack from the chord line [rad]
-    std::vector<double> past_stall;              // how far alpha is past the stall angle [rad]
+    std::vector<double> past_stall;              // angle of attack minus stall angle [rad]; positive where stalled
     std::vector<double> u_tangential, u_normal;  // eqs. (1) and (2) [m/s]
-    std::vector<double> normal_force;            // along the axis on one blade, per radius [N/m]
+    std::vector<double> normal_force;            // along the axis, per radius of one blade [N/m]
 };
 
-// `radii` are 1 to `most_nodes`.
+// Compute the fields at 1 to `most_nodes` radii, at the operating point that was solved in s.
 template <template <class> class LawOf>
 DiskField disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector<double>& radii,
                      const std::vector<double>& psi) {
@@ -72,7 +72,7 @@ DiskField disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::v
     return field;
 }
 
-// Thrust [N] of a rotor whose blades are nowhere stalled, without drag: a good guess, at once.
+// Thrust [N] of fully attached blades without drag: a fast first estimate.
 template <class R> double attached_thrust(const R& rotor, const Flow<double>& flow) {
     const Annuli<R> of{rotor, flow, azimuths(1), azimuths(1), false};
     const int count = 12;

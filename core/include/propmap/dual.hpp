@@ -1,14 +1,14 @@
 // Dual numbers: a value with its derivatives along N directions, for forward-mode differentiation.
 //
-// The value is a double or Lanes.  A number that is not dual counts as constant, so that expressions
-// may mix both; what depends on nothing differentiated stays as cheap as without derivatives.
+// The value is a double or Lanes.  All other numbers are constants, so that expressions may mix both kinds.  Parts of
+// an expression without dual numbers cost no more than without derivatives.
 #pragma once
 
 #include "elementary.hpp"
 
 namespace propmap {
 
-// Derivatives along N directions.  A single one is no array: compilers then keep it in a register.
+// Derivatives along N directions.  A single one is not an array, so that compilers keep it in a register.
 template <class V, int N> struct Slopes {
     V along[N];
     V& operator[](int k) { return along[k]; }
@@ -20,12 +20,12 @@ template <class V> struct Slopes<V, 1> {
     const V& operator[](int) const { return only; }
 };
 
-template <class V, int N> struct Dual {
+template <class V, int N> struct Dual {  // value and derivatives
     V v;
     Slopes<V, N> d;
 };
 
-template <class T> struct Traits {
+template <class T> struct Traits {  // number of directions, and type of the value
     static constexpr int directions = 0;
     using Value = T;
 };
@@ -38,7 +38,7 @@ template <class T> inline constexpr int directions_of = Traits<T>::directions;
 template <class T> concept IsDual = (directions_of<T> > 0);
 template <class T> using ValueOf = typename Traits<T>::Value;
 
-template <class T> const auto& value(const T& x) {
+template <class T> const auto& value(const T& x) {  // without derivatives
     if constexpr (IsDual<T>) return x.v;
     else return x;
 }
@@ -46,7 +46,7 @@ template <class T> const auto& value(const T& x) {
 template <class A, class B>
 inline constexpr int common_directions = directions_of<A> > 0 ? directions_of<A> : directions_of<B>;
 
-// f(x) with the derivative `slope` there.
+// f(x) with its derivative `slope` at x.
 template <class T, class V> auto chain(const T& x, const V& f, const V& slope) {
     if constexpr (IsDual<T>) {
         Dual<V, directions_of<T>> r;
@@ -60,7 +60,7 @@ template <class T, class V> auto chain(const T& x, const V& f, const V& slope) {
 
 template <class A, class B> concept EitherDual = IsDual<A> || IsDual<B>;
 
-// f(x, y) with its slopes there.
+// f(x, y) with its derivatives by x and y.
 template <class A, class B, class V> auto chain(const A& x, const B& y, const V& f, const V& by_x, const V& by_y) {
     if constexpr (IsDual<A> && IsDual<B>) {
         auto r = chain(x, f, by_x);
@@ -73,7 +73,7 @@ template <class A, class B, class V> auto chain(const A& x, const B& y, const V&
     }
 }
 
-// Subtracting zero makes a constant as wide as V, and costs nothing; adding it would not be left out.
+// Subtracting zero makes a constant as wide as V at no cost; compilers would not drop an addition of zero.
 template <class A, class B> requires EitherDual<A, B> auto operator+(const A& a, const B& b) {
     constexpr int N = common_directions<A, B>;
     using V = decltype(value(a) + value(b));
@@ -179,15 +179,14 @@ template <IsDual T> SineCosine<T> sine_cosine(const T& x) {
     return {chain(x, both.sine, both.cosine), chain(x, both.cosine, -both.sine)};
 }
 template <IsDual T> T square(const T& x) { return chain(x, x.v * x.v, 2.0 * x.v); }
-// By cosine^2 + sine^2 = 1 the angle's change is cosine d(sine) - sine d(cosine).
+// Since cosine^2 + sine^2 = 1, the derivative of the angle is cosine d(sine) - sine d(cosine).
 template <class A, class B> requires EitherDual<A, B> auto angle_of(const A& cosine, const B& sine) {
     auto turn = value(cosine) * sine - value(sine) * cosine;
     turn.v = angle_of(value(cosine), value(sine));
     return turn;
 }
 
-// An angle by its sine and cosine.  Derivatives are those of the angle itself, one per direction, in `change`,
-// whose value is zero: sums of angles cost least so.
+// An angle by sine and cosine.  `change`, of value zero, has the derivatives of the angle, which makes sums cheap.
 template <class T> struct Angle {
     ValueOf<T> sine, cosine;
     T change;

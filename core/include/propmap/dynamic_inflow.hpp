@@ -1,14 +1,14 @@
-// The inflow of the whole disk as air that has to be set in motion: Pitt and Peters, dynamic.
+// Dynamic inflow of the whole disk by Pitt and Peters: the inflow lags, as its air has mass.
 //
-// The state is the mean inflow over the disk and the two gradients of `Harmonics`.  Per density, with d the
-// deviation from the static solution, T the thrust, L the moment that lifts the advancing side, M the one that
-// lifts the rear, k the static gains of `HarmonicResponse` and W the mass-flow parameter for deviations of any size:
+// The state is the mean inflow over the disk and the two gradients of `Harmonics`.  Per density, T is the thrust, L the
+// moment that lifts the advancing side, M the moment that lifts the rear; d marks deviations from the static solution.
+// The static gains k are those of `HarmonicResponse`; W is the mass-flow parameter for deviations of any size.
 //
 //     8/3 R^3    dv_0/dt = dT - 2 pi R^2 W dv_0
 //     16/45 R^4  dv_s/dt = dL - dv_s / k_s
 //     16/45 R^4  dv_c/dt = dM - (dv_c - k_t 2 pi R^2 W dv_0) / k_c
 //
-// In hover the mean inflow follows Carpenter and Fridovich, NACA TN 3044, 1953.
+// Mean inflow in hover: Carpenter & Fridovich, NACA TN 3044, 1953.
 // Pitt & Peters, Vertica 5(1), 1981; Peters & HaQuang, J. AHS 33(4), 1988.
 #pragma once
 
@@ -16,7 +16,7 @@
 
 namespace propmap {
 
-struct Matrix {
+struct Matrix {  // 3 by 3
     double m[3][3]{};
 
     Matrix operator*(const Matrix& o) const {
@@ -50,7 +50,7 @@ struct Matrix {
                 if (!std::isfinite(x)) return false;
         return true;
     }
-    // Whether all eigenvalues have negative real parts, by Routh and Hurwitz.
+    // Whether all eigenvalues have negative real parts, by the Routh-Hurwitz criterion.
     bool decays() const {
         const double a = -(m[0][0] + m[1][1] + m[2][2]);
         double b = 0.0;
@@ -63,7 +63,7 @@ struct Matrix {
     }
 };
 
-// By scaling and squaring of the Taylor series.
+// The matrix exponential, by scaling and squaring of the Taylor series.
 inline Matrix exponential(const Matrix& a) {
     double size = 0.25;
     for (const auto& row : a.m) size = std::max(size, std::fabs(row[0]) + std::fabs(row[1]) + std::fabs(row[2]));
@@ -81,32 +81,32 @@ inline Matrix exponential(const Matrix& a) {
 
 using State = std::array<double, 3>;  // mean inflow, v_s and v_c [m/s]
 
-// The direction of the flight in the disk plane, and the spin: 1 for a rotor that turns counter-clockwise.  The rear is
-// against the flight, the advancing side on the right of it where `spin` is 1.
+// Direction of the flight in the disk plane, and spin: 1 for a rotor that turns counter-clockwise.  The rear of the
+// disk is opposite to the flight; for spin = 1 the advancing side is to the right of the flight.
 struct Heading {
     double x, y, spin;
 
-    // From gradients along x and y of the rotor frame, and to these.
+    // Convert gradients along x and y of the rotor frame to gradients along the flight, and back.
     State along_flight(const double* s) const { return {s[0], spin * (s[1] * y - s[2] * x), -(s[1] * x + s[2] * y)}; }
     State in_rotor_frame(const State& s) const {
         return {s[0], spin * s[1] * y - s[2] * x, -spin * s[1] * x - s[2] * y};
     }
 };
 
-struct Motion {
+struct Motion {  // of the inflow, from a given state
     State steady;         // the static solution
-    State rates;          // of the state asked for [m/s^2]
-    State later;          // the state a time step on
-    Loads<double> loads;  // of the blades in the inflow of the state [N], [N m]
-    Matrix linear;        // derivatives of the rates with the state, at the static solution [1/s]
+    State rates;          // time derivatives of the given state [m/s^2]
+    State later;          // the state after the time step
+    Loads<double> loads;  // of the blades in the inflow of the given state [N], [N m]
+    Matrix linear;        // derivatives of the rates by the state, at the static solution [1/s]
 };
 
+// The motion from `state` for a step of `time` [s], at the operating point that was solved in s.
 template <template <class> class LawOf>
 Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const State& state, double time) {
     const auto& rotor = solver.rotor();
     const double radius = rotor.tip(), density = rotor.density;
-    // Loads with the inflow of the static solution, its mean and gradients replaced by those of the state.  In axial
-    // flow the static solution has one azimuth, a state with gradients needs several.
+    // Loads in the static inflow with the mean and gradients of the state, which need several azimuths.
     const Azimuths psi = s.psi.count < 8 ? azimuths(16) : s.psi;
     const std::vector<Lanes> inflow = solver.blended_inflow(s);
     Loads<double> there, slopes[3] = {s.by[0], s.by[1], s.by[2]};
@@ -127,14 +127,14 @@ Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const 
 
     const auto gains = harmonic_response(rotor.inflow_shape, s.mean, radius);
     const double mass = 8.0 / 3.0 * std::pow(radius, 3), inertia = 16.0 / 45.0 * std::pow(radius, 4);
-    // The time constant of v_c goes to zero in edgewise flight without inflow: it then follows the thrust at once.
+    // In edgewise flight without inflow v_c has no time constant: it follows the thrust at once.
     const double slow = 1.0 / std::max(inertia * gains.by_rear, 1e-6);
     const double mobility[3] = {1.0 / mass, 1.0 / inertia, gains.by_rear * slow};
     State deviation;
     for (int k = 0; k < 3; ++k) deviation[k] = state[k] - motion.steady[k];
 
-    // W: the change of v times the air's speed at the disk over that of v, between both mean inflows; at least half
-    // the mass-flow parameter, below which are states against the stream.
+    // W: the change of v times the air speed at the disk, over the change of v, from one mean inflow to the other.  It
+    // is at least half of the mass-flow parameter; less would be a state against the flow.
     const auto momentum = [&](double mean) {
         const double v0 = motion.steady[0], v1 = v0 + mean, a = s.flow.v_axial, p = s.flow.v_inplane;
         const double total = std::hypot(p, a + v1) + std::hypot(p, a + v0) + 1e-30;
@@ -165,9 +165,9 @@ Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const 
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) motion.linear.m[i][j] += blades.m[i][j] * mobility[i];
 
-    // The step takes the rates as a matrix times the deviation, the one that gives them now and is nearest to the one
-    // at the static solution.  Its exponential is exact where the forces are linear, and stable for any time.  Where
-    // the blades, in stall, would drive the inflow away from the static solution, they are left out.
+    // The step writes the rates as a matrix times the deviation: of all matrices with the present rates, the one
+    // nearest to that at the static solution.  Its exponential is exact for linear forces, and stable for any time.
+    // Stalled blades may drive the inflow away from the static solution; the step then leaves them out.
     Matrix whole = own;
     const double per = square > 0.0 ? 1.0 / square : 0.0;
     for (int i = 0; i < 3; ++i)

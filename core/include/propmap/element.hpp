@@ -1,28 +1,25 @@
-// Forces of a blade element, eqs. (1) to (7), and loads of an annulus: their means over a turn.
+// Forces of a blade element, eqs. (1) to (7), and the loads of an annulus as their means over a turn.
 #pragma once
 
 #include "corrections.hpp"
 
 namespace propmap {
 
-// Per radius and density [m^3/s^2]: along the thrust, and against the rotation.
+// Force per radius and density [m^3/s^2], along the thrust and against the rotation.
 template <class T> struct Forces {
     T normal, tangential;
 };
 
-// Forces of one blade element at an azimuth with this sin(psi) and inflow v_i [m/s].
-//
-// By sin(phi) = U_P/U and cos(phi) = U_T/U reverse flow needs no case of its own: phi is atan2(U_P, U_T),
-// where the paper's arctan would give the retreating root a force of the wrong sign.
-// The velocity at a blade element at an azimuth with this sin(psi) and inflow v_i [m/s].
+// Velocity [m/s] of the air at a blade element, and the flow at its section.
 template <class T, class P, class Section> struct ElementFlow {
     T u_t;
     P u_p;
     Section section;
 };
 
-// By sin(phi) = U_P/U and cos(phi) = U_T/U reverse flow needs no case of its own: phi is atan2(U_P, U_T),
-// where the paper's arctan would give the retreating root a force of the wrong sign.
+// The flow at a blade element, at the azimuth with this sin(psi) and with the inflow v_i [m/s].
+// The inflow angle is phi = atan2(U_P, U_T): sin(phi) = U_P/U, cos(phi) = U_T/U. This includes reverse flow, where the
+// paper's arctan would give the force on the retreating root the wrong sign.
 template <class St, class F, class V, class A>
 auto element_flow(const St& at, const F& flow, const V& inflow, const A& sine_psi) {
     const auto u_t = flow.omega * at.radius + flow.v_inplane * sine_psi;  // Eq. (1)
@@ -31,7 +28,7 @@ auto element_flow(const St& at, const F& flow, const V& inflow, const A& sine_ps
     const auto per_root = inverse_fourth_root(squared);  // U^(-1/2)
     const auto per_u = per_root * per_root, speed = squared * per_u;
     const auto sin_phi = value(u_p) * per_u, cos_phi = value(u_t) * per_u;
-    // U changes with the velocity along the flow, phi with that across it.
+    // The velocity component along the flow changes U, the component across it changes phi.
     const auto u = chain(u_t, u_p, speed, cos_phi, sin_phi);
     const auto turned = chain(u_t, u_p, 0.0 * per_u, -sin_phi * per_u, cos_phi * per_u);
     const Angle<std::remove_const_t<decltype(turned)>> phi{sin_phi, cos_phi, turned};
@@ -52,15 +49,15 @@ template <class R, class St, class E> auto forces_in(const R& rotor, const St& a
     return Forces<std::remove_const_t<decltype(normal)>>{normal, tangential};
 }
 
+// Forces of a blade element at the azimuth with this sin(psi).
 template <class R, class St, class F, class V, class A>
 auto element_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const A& sine_psi) {
     return forces_in(rotor, at, element_flow(at, flow, inflow, sine_psi));
 }
 
-// Thrust of the blade elements per radius and density [m^3/s^2], eq. (5), with one inflow at all azimuths.
-//
-// The flow at the next azimuth is taken before the forces at this one: its roots and quotients take a processor long,
-// which meanwhile does something else.
+// Thrust of the blade elements per radius and density [m^3/s^2], eq. (5), with the same inflow at all azimuths.
+// The flow at the next azimuth is computed before the forces at this one, so that the latency of its roots and
+// divisions overlaps with other work.  This saves a third of the time of an element.
 template <class R, class St, class F, class V>
 [[gnu::flatten]] auto annulus_thrust(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
     auto next = element_flow(at, flow, inflow, psi.sine[0]);
@@ -73,13 +70,13 @@ template <class R, class St, class F, class V>
     return total * (rotor.blade->blades / double(psi.count));
 }
 
-// How the inflow varies around the disk [m/s], on top of the annulus inflow v_i(y) of eq. (11): at azimuth
-// psi it is v_i + mean + y/R (lateral sin(psi) + longitudinal cos(psi)).
+// Variation of the inflow around the disk [m/s]: at azimuth psi it is v_i + mean + y/R (lateral sin(psi) + longitudinal
+// cos(psi)), where v_i(y) is the annulus inflow of eq. (11).
 template <class S> struct Harmonics {
     S mean{}, lateral{}, longitudinal{};
 };
 
-// Means over a turn of an element's force, and of its products with sin(psi) and cos(psi).
+// Means over a turn of a force, and of its products with sin(psi) and cos(psi).
 template <class T> struct Turn {
     T mean, sine, cosine;
 };
@@ -87,6 +84,7 @@ template <class T> struct TurnForces {
     Turn<T> normal, tangential;
 };
 
+// Add a force at the rear and at the front of the disk: their sum (even) and their difference (odd).
 template <class T> void add(Turn<T>& sums, const T& even, const T& odd, double sine, double cosine) {
     sums.mean += even;
     sums.sine += even * sine;
@@ -96,7 +94,7 @@ template <class T> void scale(Turn<T>& sums, double by) {
     sums.mean = sums.mean * by, sums.sine = sums.sine * by, sums.cosine = sums.cosine * by;
 }
 
-// Forces of annuli averaged over a turn, where the inflow is the same at psi and pi - psi.
+// Forces averaged over a turn, where the inflow at psi and pi - psi is the same.
 template <class R, class St, class F, class V>
 [[gnu::flatten]] auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
     auto next = element_flow(at, flow, inflow, psi.sine[0]);
@@ -112,7 +110,7 @@ template <class R, class St, class F, class V>
     return sums;
 }
 
-// Forces averaged over a turn with harmonics of the inflow: the front and the rear of the disk differ.
+// Forces averaged over a turn with harmonics of the inflow, which make the front and the rear of the disk differ.
 template <class R, class St, class F, class V, class S>
 [[gnu::flatten]] auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi,
                  const Harmonics<S>& harmonics) {
@@ -134,13 +132,13 @@ template <class R, class St, class F, class V, class S>
         add(sums.normal, T(rear.normal + front.normal), T(rear.normal - front.normal), sine, cosine);
         add(sums.tangential, T(rear.tangential + front.tangential), T(rear.tangential - front.tangential), sine, cosine);
     }
-    const double per = 0.5 / psi.count;  // the rear and the front
+    const double per = 0.5 / psi.count;  // two halves, rear and front
     scale(sums.normal, per), scale(sums.tangential, per);
     return sums;
 }
 
-// Forces of annuli averaged over a turn with harmonics, and their derivatives by the three harmonics times
-// what y/R multiplies: by a change of the inflow that is 1, sin(psi) and cos(psi) around the disk.
+// Forces averaged over a turn with harmonics, and their derivatives by changes of the inflow of the shapes 1, sin(psi)
+// and cos(psi).  Derivatives by the harmonics `lateral` and `longitudinal` are the last two times y/R.
 struct TurnSlopes {
     TurnForces<Lanes> forces, by_mean, by_sine, by_cosine;
 };
@@ -151,7 +149,7 @@ template <class R, class St, class F>
     const Lanes even = inflow + harmonics.mean;
     const Lanes lateral = share * harmonics.lateral, longitudinal = share * harmonics.longitudinal;
     TurnSlopes sums{};
-    Turn<Lanes> square_n{}, square_t{};  // derivatives with sin^2, sin cos
+    Turn<Lanes> square_n{}, square_t{};  // derivatives times sin^2 and sin cos
     const auto flow_at = [&](int k, double side) {
         const Lanes v = even + lateral * psi.sine[k] + longitudinal * (side * psi.cosine[k]);
         return element_flow(at, flow, Dual<Lanes, 1>{v, {broadcast(1.0)}}, psi.sine[k]);
@@ -173,7 +171,7 @@ template <class R, class St, class F>
         both(rear.normal, front.normal, sums.forces.normal, sums.by_mean.normal, square_n);
         both(rear.tangential, front.tangential, sums.forces.tangential, sums.by_mean.tangential, square_t);
     }
-    const double per = 0.5 / psi.count;  // the rear and the front
+    const double per = 0.5 / psi.count;  // two halves, rear and front
     const auto finish = [&](Turn<Lanes>& force, Turn<Lanes>& mean, Turn<Lanes>& sine, Turn<Lanes>& cosine,
                             Turn<Lanes>& square) {
         scale(force, per), scale(mean, per), scale(square, per);
@@ -186,12 +184,11 @@ template <class R, class St, class F>
     return sums;
 }
 
-// Loads per radius of an annulus, or of the whole rotor, per density: multiply by rho for N/m and N, or N
-// and N m.  The last three are not in the paper.
+// Loads per density, of an annulus (times rho: N/m, N) or of the rotor (N, N m).  The last three are not in the paper.
 template <class T> struct Loads {
     T thrust{}, drag{}, torque{};
     T roll_moment{};   // about the in-plane velocity, positive where the advancing side is lifted
-    T side_force{};    // in the disk plane across that velocity, positive towards the retreating side
+    T side_force{};    // in the disk plane across that velocity, positive toward the retreating side
     T pitch_moment{};  // about the axis across that velocity, positive where the front is lifted
 
     static constexpr int count = 6;
@@ -199,6 +196,7 @@ template <class T> struct Loads {
     const T* begin() const { return &thrust; }
 };
 
+// Loads of annuli per radius and density, from the means over a turn.
 template <class R, class St, class T> auto loads_of(const R& rotor, const St& at, const TurnForces<T>& turn) {
     const auto& [n, t] = turn;
     const double blades = rotor.blade->blades;
@@ -211,13 +209,12 @@ template <class R, class St, class T> auto loads_of(const R& rotor, const St& at
                     arm * n.sine + L{}, blades * t.cosine + L{}, -(arm * n.cosine) + L{}};
 }
 
-// What skin friction along the flow adds to the loads of an annulus, once the inflow is known.
+// Skin friction along the blade: its part of the loads of an annulus, once the inflow is known.
 //
-// In forward flight air also moves along the blade, with U_R = V sin(beta) cos(psi).  Lift and pressure
-// drag do not feel it (the independence principle: Jones, NACA TR 884, 1947); friction does, and acts along
-// the whole velocity W.  So the viscous drag 1/2 rho U C_v c (U_T, U_P) becomes 1/2 rho W C_v c (U_T, U_P,
-// U_R), C_v being the law's drag at zero lift and the Reynolds number of W.  Its part along the axis, less
-// than a thousandth of thrust, is left out.
+// In forward flight air also flows along the blade, with U_R = V sin(beta) cos(psi).  Lift and pressure drag do not
+// change (independence principle: Jones, NACA TR 884, 1947).  Friction acts along the whole velocity W: the viscous
+// drag 1/2 rho U C_v c (U_T, U_P) becomes 1/2 rho W C_v c (U_T, U_P, U_R), where C_v is the law's drag at zero lift and
+// at the Reynolds number of W. The axial part, less than a thousandth of the thrust, is omitted.
 template <class R, class St, class F, class V>
 [[gnu::flatten]] auto radial_friction(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
     const auto viscous = [&](const auto& square) {

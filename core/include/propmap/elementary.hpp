@@ -1,8 +1,8 @@
-// Lanes of numbers, and the elementary functions of a blade element in a form that vectorises.
+// Vectors of numbers, in lanes, and the elementary functions of a blade element in a form that vectorizes.
 //
-// A lane is one radius of a blade, or one trial inflow at one radius.  The compiler's vector extensions
-// give the arithmetic; a mathematics library would take one lane at a time, so that the few functions
-// needed are polynomials here.  Every lane is computed by itself: no result depends on `width`.
+// A lane is one radius of a blade, or one trial inflow at one radius.  The compiler's vector extensions do the
+// arithmetic.  A mathematics library would compute one lane at a time, so the few functions needed are polynomials
+// here.  Each lane is computed by itself: no result depends on `width`.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <type_traits>
 
-// Lanes are handed from function to function within one program: how others would pass them does not matter.
+// Vectors are passed within one program only: differences between calling conventions do not matter.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"
 #endif
@@ -24,22 +24,22 @@ inline constexpr int width = 4;
 #endif
 
 using Lanes = double __attribute__((vector_size(8 * width)));
-using Mask = decltype(Lanes{} < Lanes{});  // what comparing gives: the compilers differ in its name for 64 bits
+using Mask = decltype(Lanes{} < Lanes{});  // result of a comparison; compilers differ in its name for 64 bits
 
 inline constexpr double pi = 3.14159265358979323846;
 
 template <class T> inline constexpr bool is_lanes = std::is_same_v<T, Lanes>;
 
-inline Lanes broadcast(double x) { return x - Lanes{}; }
+inline Lanes broadcast(double x) { return x - Lanes{}; }  // x in all lanes
 
-// A Lanes whose lane k is `f(k)`.
+// Lanes with f(k) in lane k.
 template <class F> Lanes each_lane(F f) {
     Lanes r{};
     for (int k = 0; k < width; ++k) r[k] = f(k);
     return r;
 }
 
-inline double broadcast_like(double, double x) { return x; }
+inline double broadcast_like(double, double x) { return x; }  // x as wide as the first argument
 inline Lanes broadcast_like(Lanes, double x) { return broadcast(x); }
 
 inline double select(bool which, double a, double b) { return which ? a : b; }
@@ -76,7 +76,7 @@ inline Lanes logarithm(Lanes x) {
 
 namespace detail {
 
-// By Estrin's scheme: pairs of terms do not wait for each other.
+// Estrin's scheme: pairs of terms are computed independently of each other.
 template <std::size_t N, class T> T polynomial(const double (&c)[N], T x) {
     T part[(N + 1) / 2];
     for (std::size_t k = 0; k < N / 2; ++k) part[k] = c[2 * k] + c[2 * k + 1] * x;
@@ -89,14 +89,14 @@ template <std::size_t N, class T> T polynomial(const double (&c)[N], T x) {
     return part[0];
 }
 
-// 2^x for |x| <= 100: a polynomial (error 2e-14) of the fraction, the whole part by the bits.
+// 2^x for |x| <= 100: a polynomial of the fraction (error 2e-14), and the whole part in the bits of the exponent.
 inline constexpr double power_series[] = {
     1.000000000000013487,    0.693147180559946159,    0.2402265069564033974,   0.05550410866465167201,
     0.009618129193934313355, 0.001333355820079459264, 0.0001540343375125100892, 0.0000152526729248507364,
     1.325964524488711024e-6, 1.020590541376559579e-7};
 
 template <class T, class I> T power_of_two(T x) {
-    // The last bits of so large a number are the nearest whole number.
+    // Adding so large a number rounds x to a whole number, which the last bits of the sum contain.
     const double shift = 1.5 * 4503599627370496.0;
     T large = x + shift;
     T whole = large - shift;
@@ -104,7 +104,7 @@ template <class T, class I> T power_of_two(T x) {
     return std::bit_cast<T>(std::bit_cast<I>(power) + (std::bit_cast<I>(large) << 52));
 }
 
-// An angle over its sine, as a polynomial of 2 cos - 1 for cosines from 0 to 1 (error 4e-13).
+// An angle over its sine, a polynomial of 2 cos - 1 for cosines from 0 to 1 (error 4e-13).
 inline constexpr double angle_series[] = {
     1.209199576155869516,     -0.263600141281195541,     0.06973319208731127941,  -0.01983714693391221358,
     0.005861628237479900151,  -0.001772928222006002394,  0.00054477984047757279,  -0.0001693118448556759471,
@@ -122,9 +122,9 @@ template <class T> T angle_of(T cosine, T sine) {
 inline double power_of_two(double x) { return detail::power_of_two<double, std::int64_t>(x); }
 inline Lanes power_of_two(Lanes x) { return detail::power_of_two<Lanes, Mask>(x); }
 
-// 1/x^(1/4) and 1/x for x > 0, but the smallest and largest: processors take ten times as long for a root or a quotient
-// as for a product.  The bits give a first value to 3 and 5 %, a polynomial of what is missing one to 3e-6 and 3e-5, its
-// Taylor series the last.
+// 1/x^(1/4) and 1/x for x > 0, except the smallest and largest numbers.  A root or quotient takes processors ten times
+// as long as a product.  A first value from the bits errs by 3 and 5 %; a polynomial of its defect leaves errors of
+// 3e-6 and 3e-5; the Taylor series of that defect gives the result.
 inline Lanes inverse_fourth_root(Lanes x) {
     Lanes r = std::bit_cast<Lanes>(0x4feb03120f70692b - (std::bit_cast<Mask>(x) >> 2));
     Lanes square = r * r, missing = 1.0 - x * square * square;
@@ -143,9 +143,9 @@ inline Lanes reciprocal(Lanes x) {
 inline double inverse_square_root(double x) { return 1.0 / std::sqrt(x); }
 inline Lanes inverse_square_root(Lanes x) { return square(inverse_fourth_root(x)); }
 inline double square_root(double x) { return std::sqrt(x); }
-inline Lanes square_root(Lanes x) { return x * inverse_square_root(x); }  // also of zero
+inline Lanes square_root(Lanes x) { return x * inverse_square_root(x); }  // for zero, too
 
-// The angle [rad] in (-pi, pi] with this cosine and sine.
+// Angle [rad] in (-pi, pi] with this cosine and sine.
 inline double angle_of(double cosine, double sine) { return detail::angle_of(cosine, sine); }
 inline Lanes angle_of(Lanes cosine, Lanes sine) { return detail::angle_of(cosine, sine); }
 
@@ -157,7 +157,7 @@ inline SineCosine<double> sine_cosine(double x) { return {std::sin(x), std::cos(
 
 namespace detail {
 
-// Taylor's series of cos(x) and sin(x)/x by x^2.
+// Taylor series of cos(x) and sin(x)/x in powers of x^2.
 struct TurnSeries {
     double cosine[11], sine[11];
     constexpr TurnSeries() : cosine{1.0}, sine{1.0} {
@@ -171,7 +171,7 @@ inline constexpr TurnSeries turn_series;
 
 }  // namespace detail
 
-// For |x| <= pi, by the series of half the angle: to 3e-16.
+// For |x| <= pi, by the series at half the angle; error 3e-16.
 inline SineCosine<Lanes> sine_cosine(Lanes x) {
     const Lanes half = 0.5 * x, z = half * half;
     const Lanes sine = half * detail::polynomial(detail::turn_series.sine, z);

@@ -1,7 +1,7 @@
-// Inflow that varies around the disk: first harmonics on top of the annulus inflow of eq. (11).
+// Inflow that varies around the disk: first harmonics, added to the annulus inflow of eq. (11).
 //
-// The paper averages each annulus over azimuth: a rolling moment then induces no inflow, and the theory's own
-// is a quarter too large.  The harmonics depend on thrust and moments of the whole disk, linearly.
+// The paper averages each annulus over azimuth: a rolling moment then induces no inflow, and the computed moment is a
+// quarter too large.  The harmonics depend linearly on the thrust and the moments of the whole disk.
 #pragma once
 
 #include "wake.hpp"
@@ -11,43 +11,43 @@ namespace propmap {
 // Mean flow through the disk.
 template <class S> struct DiskFlow {
     S omega, v_axial, v_inplane;
-    S inflow;  // v_i averaged over the disk's area [m/s]
+    S inflow;  // v_i averaged over the area of the disk [m/s]
 
-    // Speed of the air at the disk [m/s], Glauert's resultant.
+    // Speed W of the air at the disk [m/s], Glauert's resultant.
     S speed() const { return square_root(speed_squared(v_inplane, v_axial + inflow)); }
 
-    // The part of the inflow that meets air from below [m/s].  Where the two are equal no air goes through the
-    // disk, and the wake has no direction: the flow is then taken to have this speed along the axis.
+    // Part of the inflow that meets air from below [m/s].  If all of it does, no air passes the disk and the wake has
+    // no direction: the flow is then assumed to have this speed along the axis.
     S recirculation() const {
         const S none = 0.0 * inflow;
         return maximum(minimum(S(-v_axial), inflow), none);
     }
 
-    // The mass-flow parameter of Peters and HaQuang [m/s], d(v_i W)/dv_i: 2 v_i in hover, W in fast flight.
-    // It would go to zero where a braking rotor turns the air back, which no such theory describes.
+    // Mass-flow parameter of Peters and HaQuang [m/s], d(v_i W)/dv_i: 2 v_i in hover, W in fast flight.  It is limited,
+    // since it vanishes where a braking rotor turns the air back, which no such theory describes.
     S mass_flow() const {
         const S w = speed(), through = v_axial + inflow;
         const S least = maximum(S(0.5 * w), recirculation());
         return maximum(S(w + inflow * through / w), least);
     }
 
-    // Speed along the axis that carries the wake away [m/s]; a wake above is the mirror image of one below.
+    // Speed along the axis that carries the wake away [m/s].  A wake above the disk is the mirror image of one below.
     S along() const { return maximum(absolute(S(v_axial + inflow)), recirculation()); }
-    S skew_cosine() const { return along() / square_root(speed_squared(v_inplane, along())); }
+    S skew_cosine() const { return along() / square_root(speed_squared(v_inplane, along())); }  // cos(chi)
     // tan(chi/2) of the wake's skew chi: 0 in axial flow, 1 edgewise.
     S half_skew_tangent() const { return v_inplane / (square_root(speed_squared(v_inplane, along())) + along()); }
 };
 
-// What moves air, per density: thrust, rolling moment, and the moment that lifts the rear.
+// Loads per density that drive the harmonics: thrust, rolling moment, and the moment that lifts the rear.
 template <class S> struct DiskMoments {
     S thrust{}, roll{}, rear{};
 };
 
-// The harmonics as a linear function of the loads per density.
+// The harmonics (v_0 mean, v_s lateral, v_c longitudinal) as a linear function of the loads per density.
 template <class S> struct HarmonicResponse {
     S mean_by_thrust;                          // v_0 per change of thrust, 1/(2 pi R^2 V) [s/m^3]
-    S lateral, longitudinal;                   // without loads [m/s]
-    S by_thrust, by_roll, by_rear;             // v_c by thrust, v_s by roll, v_c by the moment that lifts the rear
+    S lateral, longitudinal;                   // v_s and v_c without loads [m/s]
+    S by_thrust, by_roll, by_rear;             // v_c per thrust, v_s per roll, v_c per moment that lifts the rear
 
     Harmonics<S> harmonics(const DiskMoments<S>& m, const S& thrust_without) const {
         return {mean_by_thrust * (m.thrust - thrust_without), lateral + by_roll * m.roll,
@@ -55,6 +55,7 @@ template <class S> struct HarmonicResponse {
     }
 };
 
+// The response of this shape, for a disk of radius `tip` [m].
 template <class S> HarmonicResponse<S> harmonic_response(InflowShape shape, const DiskFlow<S>& flow, double tip) {
     const S none = 0.0 * flow.inflow;
     const S per_load = 1.0 / ((pi * tip * tip) * flow.mass_flow());
@@ -71,7 +72,7 @@ template <class S> HarmonicResponse<S> harmonic_response(InflowShape shape, cons
             r.by_thrust = (15.0 * pi / 64.0) * flow.half_skew_tangent() * per_load;
             break;
         }
-        case InflowShape::pitt_peters_gradient:  // what thrust drives of it, without the moments' feedback
+        case InflowShape::pitt_peters_gradient:  // the gradient by thrust, without feedback of moments
             r.longitudinal = (15.0 * pi / 32.0) * flow.half_skew_tangent() * flow.inflow;
             break;
         case InflowShape::coleman:  // Coleman, Feingold, Stempin, NACA ARR L5E10, 1945
@@ -81,8 +82,8 @@ template <class S> HarmonicResponse<S> harmonic_response(InflowShape shape, cons
             r.longitudinal = 1.41421356237309505 * flow.v_inplane / flow.speed() * flow.inflow;
             break;
         case InflowShape::drees: {
-            // Drees, J. Helicopter Association of Great Britain 3(2), 1949: v_c = 4/3 (1 - cos chi - 1.8 mu^2)
-            // / sin chi, v_s = -2 mu, times the mean inflow; mu is held at 0.5, the factors were meant for less.
+            // Drees, J. Helicopter Association of Great Britain 3(2), 1949: v_c = 4/3 (1 - cos chi - 1.8 mu^2) / sin
+            // chi, v_s = -2 mu, times the mean inflow.  The factors are meant for small mu, which is limited to 0.5.
             const S slow = maximum(S(flow.omega * tip), S(2.0 * flow.v_inplane)) + speed_floor;
             const S square = flow.v_inplane * flow.speed() / (slow * slow);  // mu^2 / sin chi
             r.longitudinal = (4.0 / 3.0) * (flow.half_skew_tangent() - 1.8 * square) * flow.inflow;

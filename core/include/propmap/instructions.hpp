@@ -1,5 +1,5 @@
-// Which of the package's builds suits this processor, by what it can do and by the registers that the system keeps.
-// (By hand, since __builtin_cpu_supports finds nothing when Zig has compiled it.)
+// The build of the package that suits this processor, by its instructions and the registers that the system saves.
+// (__builtin_cpu_supports finds nothing in code that Zig has compiled.)
 #pragma once
 
 #include <initializer_list>
@@ -22,9 +22,9 @@ inline const char* best_instructions() {
     __get_cpuid_count(7, 0, &a, &more, &b, &d);
     __get_cpuid(0x80000001, &a, &b, &extended, &d);
     if (all(basic, {27})) asm("xgetbv" : "=a"(kept), "=d"(d) : "c"(0));
-    // FMA, MOVBE, AVX, F16C; BMI1, AVX2, BMI2; LZCNT; the registers of SSE and AVX.
+    // FMA, MOVBE, AVX, F16C; BMI1, AVX2, BMI2; LZCNT; saved registers of SSE and AVX.
     if (!(all(basic, {12, 22, 28, 29}) && all(more, {3, 5, 8}) && all(extended, {5}) && all(kept, {1, 2}))) return "x86-64-v2";
-    // AVX-512 F, DQ, CD, BW, VL; its masks and registers.
+    // AVX-512 F, DQ, CD, BW, VL; saved mask registers and registers of AVX-512.
     return all(more, {16, 17, 28, 30, 31}) && all(kept, {5, 6, 7}) ? "x86-64-v4" : "x86-64-v3";
 #else
     return "generic";

@@ -1,5 +1,5 @@
-// Loads from a table over the advance ratio J = V/(Omega R) and the velocity's angle beta: cubic between its knots, C1, and
-// linear in Omega^(-1/2) between the ends of Omega, as the friction term of eq. (4) is.
+// Loads from a table over the advance ratio J = V/(Omega R) and the angle beta of the velocity: C1 cubics between
+// knots, and linear in Omega^(-1/2) between its lowest and highest Omega, like the friction term of eq. (4).
 #pragma once
 
 #include <array>
@@ -8,17 +8,17 @@
 
 namespace propmap {
 
-// From harmless to fatal; where several apply, the last is given.
+// In order of severity: if several apply, the last one is returned.
 enum class TableStatus : unsigned char { ok, vortex_ring, unresolved, clamped, no_value, outside };
 
-// One axis of a table: n knots, and in each interval the weights of four values, those at its ends and one further on
-// either side, as polynomials in the share of its width.
+// One axis with n knots.  In an interval the value is a weighted sum of four: at both ends, and one further on either
+// side.  The weights are polynomials of the fraction of the interval.
 struct TableAxis {
     std::vector<double> knots, polynomials;  // (n), (n - 1, 4, 4)
 
     struct Place {
         std::size_t interval;
-        double at[4], slope[4];  // weights of the value, and of its derivative
+        double at[4], slope[4];  // weights of the value and of its derivative
     };
     Place place_of(double x) const {
         Place p;
@@ -35,27 +35,27 @@ struct TableAxis {
 
 struct LoadTable {
     static constexpr int count = Loads<double>::count;
-    using Row = std::array<double, 2 * count>;  // loads over Omega^2, then their slopes with Omega^(-1/2)
+    using Row = std::array<double, 2 * count>;  // loads over Omega^2, then their derivatives by Omega^(-1/2)
 
     struct Query {
-        double omega, speed, beta;  // inside the envelope; omega is NaN where there is nothing to look up
+        double omega, speed, beta;  // inside the envelope; omega is NaN for a point outside
         TableStatus status;         // ok, clamped or outside
     };
     struct Found {
         Loads<double> loads;
-        double omega;  // at which they were looked up [rad/s]
+        double omega;  // at which the loads were looked up [rad/s]
         TableStatus status;
     };
 
     TableAxis advance, beta;
-    std::vector<Row> values;         // at the least omega, (n + 2, m + 2), ghosts on each side
+    std::vector<Row> values;         // at the lowest omega, (n + 2, m + 2), with ghost values on each side
     std::vector<TableStatus> cells;  // (n - 1, m - 1)
-    std::array<double, 3> low, high;  // of the envelope in omega [rad/s], speed [m/s], beta [rad]
+    std::array<double, 3> low, high;  // limits of omega [rad/s], speed [m/s], beta [rad]
     double radius;                    // [m]
 
-    static constexpr double slack = 1e-9;  // share of an axis by which points may lie beyond its end for rounding
+    static constexpr double slack = 1e-9;  // fraction of an axis by which rounding may put points outside
 
-    // A point brought into the envelope: beta by the loads' mirror symmetry, all else only by rounding, unless `clamp`.
+    // Bring a point into the envelope: beta by the mirror symmetry of loads, the rest within `slack` or if `clamp`.
     Query bounded(double omega, double speed, double angle, bool clamp) const {
         if (!(angle >= 0.0 && angle <= pi)) angle = std::fabs(std::remainder(angle, 2.0 * pi));
         const std::array<double, 3> given{omega, speed, angle};
@@ -71,7 +71,7 @@ struct LoadTable {
         return {NAN, low[1], low[2], TableStatus::outside};
     }
 
-    Found loads(double omega, double speed, double angle, bool clamp) const {
+    Found loads(double omega, double speed, double angle, bool clamp) const {  // NaN outside the envelope
         const Query at = bounded(omega, speed, angle, clamp);
         Found f{{}, at.omega, at.status};
         std::fill_n(f.loads.begin(), count, NAN);
@@ -85,7 +85,7 @@ struct LoadTable {
         return f;
     }
 
-    // Values at J and beta, and their derivatives by beta, by J and by both.
+    // Values at J and beta, and their derivatives by beta, by J, and by both.
     std::array<Row, 4> slopes(double at_advance, double angle) const {
         const auto i = advance.place_of(at_advance), j = beta.place_of(angle);
         const auto of = [&](const double* a, const double* b) { return sum(i.interval, j.interval, a, b); };
@@ -93,7 +93,7 @@ struct LoadTable {
     }
 
   private:
-    Row sum(std::size_t i, std::size_t j, const double* across, const double* along) const {
+    Row sum(std::size_t i, std::size_t j, const double* across, const double* along) const {  // over 4 by 4 values
         Row total{};
         for (std::size_t a = 0; a < 4; ++a) {
             const Row* row = &values[(i + a) * (beta.knots.size() + 2) + j];

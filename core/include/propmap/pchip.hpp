@@ -1,4 +1,4 @@
-// Monotone piecewise cubics (PCHIP), by which blades and section tables are interpolated.
+// Monotone piecewise cubics (PCHIP), which interpolate blades and section tables.
 #pragma once
 
 #include <cmath>
@@ -6,8 +6,8 @@
 
 namespace propmap {
 
-// Slopes at the knots of the monotone piecewise cubic through (x, y).
-// Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984, doi 10.1137/0905021; ends as SciPy has them.
+// Slopes at the knots of the monotone piecewise cubic through (x, y), with the end rule of SciPy.
+// Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984, doi 10.1137/0905021.
 inline std::vector<double> pchip_slopes(const std::vector<double>& x, const std::vector<double>& y) {
     const std::size_t n = x.size();
     std::vector<double> slope(n), h(n - 1), d(n - 1);

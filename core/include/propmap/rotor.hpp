@@ -1,4 +1,4 @@
-// Loads of a rotor at any operating point, eqs. (13) to (15), with their derivatives, and a status.
+// Loads of a rotor at any operating point, eqs. (13) to (15), with derivatives and a status.
 #pragma once
 
 #include "disk.hpp"
@@ -6,27 +6,27 @@
 
 namespace propmap {
 
-// How many nodes an operating point gets.
+// Numbers of nodes, and limits of the tail (an error estimate), set by random section laws (docs/theory.md).
 struct Accuracy {
     struct Share {
-        double advance;  // V sin(beta)/(Omega R) up to which
+        double advance;  // up to this V sin(beta)/(Omega R)
         int azimuths;    // over a full turn
     };
     std::vector<Share> azimuths;
-    int free, stalled, fast;  // radial nodes: nothing stalls, panels follow stall, stall is spread over azimuth
-    double largest_tail;      // of the Legendre series, in loads at rest: a point with more is evaluated again
+    int free, stalled, fast;  // radial nodes if no blade stalls, if panels follow stall, if stall is spread over azimuth
+    double largest_tail;      // relative to the static load; a point with a larger tail (see `tail`) is evaluated again
     struct Finer {
         int nodes;
         double largest_tail;
     };
-    std::vector<Finer> finer;  // further evaluations
+    std::vector<Finer> finer;  // further evaluations, one after the other
 
-    static constexpr int counts[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384};
+    static constexpr int counts[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384};  // of azimuths
 
     static int place_of(int count) {
         return int(std::lower_bound(std::begin(counts), std::end(counts), count) - std::begin(counts));
     }
-    // A section that stalls more sharply takes more azimuths in proportion, `times` a further evaluation too.
+    // More azimuths in proportion to the sharpness of stall, and a step more per further evaluation but the first.
     int azimuths_at(double advance, double sharper, int times) const {
         std::size_t k = 0;
         while (k + 1 < azimuths.size() && advance > azimuths[k].advance) ++k;
@@ -35,7 +35,8 @@ struct Accuracy {
     }
 };
 
-// `standard`: 0.1 % of static thrust and torque; `fine`: 0.01 %.
+// Errors: 0.1 % of static thrust and torque for `standard`, 0.01 % for `fine`.  With 0.028 in place of the tail 0.022,
+// one of 20,000 descents of a blade of steep pitch erred by 0.13 %.
 inline const Accuracy standard_accuracy{
     {{0.03, 8}, {0.06, 12}, {0.12, 16}, {0.18, 24}, {0.3, 32}, {0.5, 64}, {1.0, 96}, {INFINITY, 128}},
     24, 48, 64, 0.022, {{80, 0.022}, {240, 0.05}, {960, 0.09}}};
@@ -43,29 +44,30 @@ inline const Accuracy fine_accuracy{
     {{0.1, 32}, {0.15, 48}, {0.3, 96}, {0.5, 192}, {1.0, 256}, {INFINITY, 384}},
     96, 160, 160, 0.004, {{320, 0.004}, {960, 0.01}}};
 
-// Advance ratios above which the radius of stall varies so much over azimuth that panels that follow it gain
-// nothing, in climb and in descent; and above which reverse flow needs as many nodes as stall.
+// Advance ratios above which panels that follow stall gain nothing, in climb and in descent, as the radius of stall
+// varies over azimuth; and above which reverse flow needs as many nodes as stall, so that attached flow is not tried.
 inline constexpr double follow_below = 0.24, follow_descent_below = 0.45, reversed_above = 0.3;
 
-// A faster flow [m/s] is no propeller's, and squares of its speed lose all that is small beside them.
+// A faster flow [m/s] has no loads: the squares of its speed lose all smaller terms.
 inline constexpr double fastest_flow = 1e6;
 
-// From harmless to fatal; where several apply, the last is given.
+// In order of severity: if several apply, the last one is returned.
 enum class Status : unsigned char { ok, multiple_roots, windmill, coarse, vortex_ring, not_converged };
 
-struct Result {
+struct Result {  // at an operating point
     Loads<double> loads;  // [N], [N m]
     Status status = Status::ok;
-    int roots = 1;        // largest number of roots of (11) along the blade
-    double ring = 0.0;    // share of the vortex ring's inflow
-    double mean_inflow = 0.0;
-    double blade_drag = 0.0;  // drag [N] of the blades alone
+    int roots = 1;        // number of roots of (11): 1, or 3 if some node has several
+    double ring = 0.0;    // share of the vortex ring's inflow in the inflow used
+    double mean_inflow = 0.0;  // over the area of the disk [m/s]
+    double blade_drag = 0.0;  // drag [N] of the blades alone, without the mount
 };
 
-// A last step of the harmonics, in shares of all speeds: loads that follow it by their slopes err by its square, up to
-// 3e-8 of those at rest.
+// Longest last Newton step of the harmonics, relative to the sum of all speeds.  The loads follow it by their
+// derivatives, with an error of its square: up to 3e-8 of the static loads.
 inline constexpr double harmonics_close = 2e-5;
 
+// Sum over lanes.
 inline double sum(Lanes x) {
     double total = 0.0;
     for (int k = 0; k < width; ++k) total += x[k];
@@ -77,29 +79,29 @@ template <int N> Dual<double, N> sum(const Dual<Lanes, N>& x) {
     return total;
 }
 
-// From the loads of the blades per density to those of the rotor [N], [N m]: what is added, and factors on loads.
+// From the blades' loads per density to the rotor's loads [N], [N m]: mount, ground effect, density.
 template <class R, class S> void complete_loads(const R& rotor, const Flow<S>& flow, const S& mean_inflow, Loads<S>& loads) {
     if (rotor.installed) loads.drag = rotor.drag_factor * loads.drag + mount_drag(rotor, flow, mean_inflow);
     loads.thrust = loads.thrust * ground_effect(rotor.tip(), flow, mean_inflow);
     for (int k = 0; k < Loads<S>::count; ++k) loads.begin()[k] = loads.begin()[k] * rotor.density;
 }
 
-// All that is known of an operating point once (11) is solved.
+// The solution at an operating point, stored for derivatives and fields.
 struct Solution {
     Flow<double> flow{};
     Disk disk;
     Folds folds;
-    std::vector<bool> near_stall;
-    Azimuths psi;
-    bool windmill = false;
+    std::vector<bool> near_stall;  // runs of nodes near stall
+    Azimuths psi;  // over which (5) to (7) are averaged
+    bool windmill = false;  // whether (11) has the windmill branch
     Harmonics<double> harmonics{};
-    Loads<double> by[3];  // derivatives of loads per density by the harmonics, where there are any
+    Loads<double> by[3];  // derivatives of loads per density by the harmonics, if there are any
     DiskFlow<double> mean;
-    double thrust_tail = 0.0, torque_tail = 0.0;
+    double thrust_tail = 0.0, torque_tail = 0.0;  // size of the last Legendre coefficients, see `tail`
     Result result;
 };
 
-// Change of the harmonics for which response(loads) - harmonics vanishes, to first order: by Cramer's rule.
+// Step of the harmonics toward response(loads) = harmonics, from the defects `wanted`, by Cramer's rule.
 template <class S>
 Harmonics<S> harmonics_step(const HarmonicResponse<double>& r, const Loads<double> (&by)[3], const S (&wanted)[3]) {
     double m[3][3];
@@ -121,13 +123,14 @@ Harmonics<S> harmonics_step(const HarmonicResponse<double>& r, const Loads<doubl
     return {solved(0), solved(1), solved(2)};
 }
 
+// A rotor with an accuracy, which solves any operating point.
 template <template <class> class LawOf> class RotorSolver {
   public:
     using Plain = Rotor<double, LawOf>;
 
     RotorSolver(Plain rotor, const Accuracy& accuracy) : rotor_(std::move(rotor)), accuracy_(accuracy) {
-        // Loads at rest, nearly proportional to Omega^2, with lower limits by mean coefficients of lift (0.1) and
-        // of the force against the rotation (0.01): a blade stalled at rest has small loads.
+        // Static loads over Omega^2, the unit of the tails.  A blade that is stalled at rest has small ones: mean
+        // coefficients of at least 0.1 (lift) and 0.01 (force against the rotation) are assumed.
         const double omega = 100.0 / rotor_.tip();
         Solution at_rest;
         at_rest.flow = {omega, 0.0, 0.0};
@@ -154,7 +157,7 @@ template <template <class> class LawOf> class RotorSolver {
 
     const Plain& rotor() const { return rotor_; }
 
-    // Loads at an operating point; `v_hover` is filled in.
+    // Solve an operating point; `v_hover` is computed here.
     void solve(const Flow<double>& at, Solution& s) const {
         const double omega = at.omega, v_axial = at.v_axial, v_inplane = at.v_inplane;
         s.flow = at, s.flow.v_hover = 0.0;
@@ -169,7 +172,7 @@ template <template <class> class LawOf> class RotorSolver {
             place_nodes(rotor_, 0.0, s.disk);
             std::fill(s.disk.inflow.begin(), s.disk.inflow.end(), broadcast(inflow));
             s.disk.several = s.windmill = false;
-            // A trace of flow along the axis, so that the wake of a rotor at rest has a direction.
+            // A trace of axial flow gives the wake of a rotor at rest a direction.
             s.mean = {omega, inflow + 1e3 * speed_floor, 0.0, inflow};
             s.result.loads.thrust = inflow;
             set_status(s, false);
@@ -183,7 +186,7 @@ template <template <class> class LawOf> class RotorSolver {
         s.windmill = vortex_ring::windmill(s.flow);
         const double tip_speed = omega * rotor_.tip();
         const double advance = v_inplane == 0.0 ? 0.0 : v_inplane / tip_speed;
-        const double sharper = 0.02 / rotor_.law.stall_width();
+        const double sharper = 0.02 / rotor_.law.stall_width();  // than the paper's stall
         const bool axial = v_inplane == 0.0;
         s.disk.several = false;
 
@@ -199,7 +202,7 @@ template <template <class> class LawOf> class RotorSolver {
             solve_stalled(s, follow ? accuracy_.stalled : 0);
         }
         find_loads(s);
-        const double squared = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;
+        const double squared = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;  // a sharper stall has smaller tails
         double limit = accuracy_.largest_tail / squared;
         for (std::size_t times = 0; times < accuracy_.finer.size() && tail_share(s) > limit; ++times) {
             s.psi = azimuths(axial ? 1 : accuracy_.azimuths_at(advance, sharper, int(times) + 1));
@@ -216,8 +219,7 @@ template <template <class> class LawOf> class RotorSolver {
         set_status(s, tail_share(s) > last_limit);
     }
 
-    // Find the inflow where some of the blade may stall, with panels of so many nodes that follow stall, or, for
-    // none, on a single panel.
+    // Solve (11) where the blade may stall, on `following` nodes in panels that follow stall, or on one panel for 0.
     void solve_stalled(Solution& s, int following) const {
         const auto of = annuli(s);
         find_folds(of, s.disk, s.near_stall, following > 0, s.folds, s.disk.several);
@@ -227,8 +229,7 @@ template <template <class> class LawOf> class RotorSolver {
         solve_nodes(of, s.disk, &s.folds, following > 0);
     }
 
-    // The larger tail of thrust and torque as a share of the load at rest; a rotor that turns slowly in a wind has
-    // the loads of the wind.
+    // Larger tail of thrust and torque, relative to the static load at Omega or, if larger, at V/R.
     double tail_share(const Solution& s) const {
         const auto& f = s.flow;
         const double wind = (f.v_axial * f.v_axial + f.v_inplane * f.v_inplane) / (rotor_.tip() * rotor_.tip());
@@ -236,32 +237,34 @@ template <template <class> class LawOf> class RotorSolver {
         return std::max(s.thrust_tail / static_thrust_, s.torque_tail / static_torque_) / square;
     }
 
+    // Static inflow v_i0 [m/s], eq. (12).
     double hover_inflow(double omega) const {
         Solution still;
         solve({omega, 0.0, 0.0}, still);
         return static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
     }
 
+    // Eq. (11) at this point; the small set has a quarter of the azimuths.
     Annuli<Plain> annuli(const Solution& s) const {
         const Azimuths few = s.psi.count > 4 ? azimuths(std::max(8, 2 * (s.psi.count / 4))) : s.psi;
         return {rotor_, s.flow, s.psi, few, s.windmill};
     }
 
-    // Derivatives of the loads [N], [N m] along N directions, with which `rotor` and `flow` are seeded.
+    // Derivatives of the loads [N], [N m] along N directions, which seed `rotor` and `flow`.
     template <int N>
     Loads<Dual<double, N>> slopes(const Solution& s, const Rotor<Dual<double, N>, LawOf>& rotor,
                                   Flow<Dual<double, N>> flow) const {
         using S = Dual<double, N>;
         using T = Dual<Lanes, N>;
         if (s.flow.v_axial < 0.0) {
-            // The static inflow follows what changes, but not the flight.
+            // The static inflow depends on the rotor and on Omega, but not on the velocity.
             Solution still;
             solve({s.flow.omega, 0.0, 0.0}, still);
             const S zero{};
             const auto at_rest = slopes<N>(still, rotor, Flow<S>{flow.omega, zero, zero});
             flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor_.density)), rotor_.tip());
         }
-        // Leaving axial flow, loads differ around the disk: the mean of sin^2(psi) takes several azimuths.
+        // A velocity across the axis makes loads vary over azimuth: the mean of sin^2(psi) needs several nodes.
         const Azimuths psi = s.psi.count > 1 ? s.psi : azimuths(8);
         const auto of = annuli(s);
         std::array<S, most_edges + 2> edge;
@@ -269,7 +272,7 @@ template <template <class> class LawOf> class RotorSolver {
             edge[k] = S{s.disk.edge[k], {}};
             if (s.disk.moves[k]) follow_fold(of, s, rotor, flow, s.disk.fold[k], edge[k]);
         }
-        // The inflow's change by the implicit function theorem.
+        // Derivatives of the inflow by the implicit function theorem.
         const int groups = s.disk.groups;
         std::vector<T> inflow(groups);
         const MovingNodes<S> nodes(s.disk, edge);
@@ -326,15 +329,15 @@ template <template <class> class LawOf> class RotorSolver {
                 for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += by[j].begin()[k] * steps[j];
         }
         complete_loads(rotor, flow, mean_inflow, total);
-        // In axial flow only the in-plane velocity makes loads in the disk plane and moments about it.
+        // In axial flow, loads in the disk plane and moments about it depend on the in-plane velocity alone.
         for (int d = 0; d < N && s.flow.v_inplane == 0.0; ++d)
             if (flow.v_inplane.d[d] == 0.0)
                 for (S* load : {&total.drag, &total.roll_moment, &total.side_force, &total.pitch_moment}) load->d[d] = 0.0;
         return total;
     }
 
-    // How a fold's radius follows what changes.  The residual g stays zero there, and with it its slope by v_i, at a
-    // jump, or its second difference C, at a shoulder.
+    // Derivatives of the radius of a fold, by the implicit function theorem: the residual g stays zero there, and so
+    // does its derivative by v_i at a jump, or its second difference C at a shoulder.
     template <int N>
     void follow_fold(const Annuli<Plain>& of, const Solution& s, const Rotor<Dual<double, N>, LawOf>& rotor,
                      const Flow<Dual<double, N>>& flow, const Fold& fold, Dual<double, N>& radius) const {
@@ -368,11 +371,11 @@ template <template <class> class LawOf> class RotorSolver {
         }
     }
 
-    bool has_harmonics(const Solution& s) const {
+    bool has_harmonics(const Solution& s) const {  // whether the inflow varies around the disk
         return rotor_.inflow_shape != InflowShape::uniform && s.flow.v_inplane > 0.0;
     }
 
-    // The annuli's inflow with the share of the vortex ring's in it [m/s].
+    // The inflow of the annuli, blended with that of the vortex ring [m/s].
     std::vector<Lanes> blended_inflow(const Solution& s) const {
         std::vector<Lanes> inflow(s.disk.inflow.begin(), s.disk.inflow.begin() + s.disk.groups);
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
@@ -381,14 +384,14 @@ template <template <class> class LawOf> class RotorSolver {
         return inflow;
     }
 
-    // Within the vortex ring harmonics fade.
+    // The response with its gains reduced by `share`: harmonics fade within the vortex ring.
     template <class S> static HarmonicResponse<S> faded(HarmonicResponse<S> r, const S& share) {
         for (S* part : {&r.mean_by_thrust, &r.lateral, &r.longitudinal, &r.by_thrust, &r.by_roll, &r.by_rear})
             *part = *part * share;
         return r;
     }
 
-    // Loads per density of the disk with harmonics, and their derivatives by these.
+    // Loads per density with harmonics, and their derivatives by the harmonics.
     void loads_and_slopes(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, const Harmonics<double>& h,
                           Loads<double>& loads, Loads<double> (&by)[3], double* integrand) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
@@ -409,7 +412,7 @@ template <template <class> class LawOf> class RotorSolver {
         }
     }
 
-    // Loads per density of the disk with harmonics.
+    // Loads per density with harmonics.
     Loads<double> loads_with(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow,
                              const Harmonics<double>& h) const {
         Loads<double> total;
@@ -430,8 +433,8 @@ template <template <class> class LawOf> class RotorSolver {
         }
     }
 
-    // Size of the last coefficients of the integrand's Legendre series on each panel: at a kink or a step, which
-    // the nodes resolve badly, they are still large.
+    // Size of the last Legendre coefficients of the integrand on all panels, an estimate of the error: they stay large
+    // at a kink or step that the nodes do not resolve.
     double tail(const Solution& s, const double* values) const {
         double total = 0.0;
         int first = 0;
@@ -448,7 +451,7 @@ template <template <class> class LawOf> class RotorSolver {
         return std::sqrt(total);
     }
 
-    // Loads of a disk whose inflow is known.
+    // Compute the loads of a disk whose inflow is known.
     void find_loads(Solution& s) const {
         const int groups = s.disk.groups;
         thread_local std::vector<Lanes> inflow;
@@ -489,9 +492,8 @@ template <template <class> class LawOf> class RotorSolver {
         s.result.ring = ring, s.result.mean_inflow = s.mean.inflow;
     }
 
-    // Harmonics of the inflow and the loads that belong to each other, three equations, by Newton's method from
-    // none.  The first steps, over a few azimuths, usually are so good that the next, over all, is short: the loads then
-    // follow from their slopes.
+    // Solve for harmonics and loads that depend on each other: three equations, Newton's method from zero, first over
+    // few azimuths.  Mostly the next step, over all, is so short that the loads follow it by their derivatives.
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
         const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
@@ -505,7 +507,7 @@ template <template <class> class LawOf> class RotorSolver {
             const auto by_step = harmonics_step<double>(response, by, wanted);
             double change[3] = {by_step.mean, by_step.lateral, by_step.longitudinal};
             size = std::max({std::fabs(change[0]), std::fabs(change[1]), std::fabs(change[2])}) / speed;
-            const double share = std::min(1.0, 0.05 / std::max(size, 1e-30));
+            const double share = std::min(1.0, 0.05 / std::max(size, 1e-30));  // no step above 5 % of the speeds
             for (double& c : change) c *= share;
             h = {h.mean + change[0], h.lateral + change[1], h.longitudinal + change[2]};
             for (int j = 0; j < 3; ++j)
@@ -519,7 +521,7 @@ template <template <class> class LawOf> class RotorSolver {
             loads_and_slopes(s, few, inflow, h, loads, by, integrand);
             step_to(without);
         }
-        // Without harmonics the blades' thrust is the wake's, by eq. (11), but within the vortex ring.
+        // By (11) the blades' thrust without harmonics equals the momentum thrust, except within the vortex ring.
         if (!(ring > 0.0)) without = wake_thrust_of(s);
         size = INFINITY;
         for (int step = 0; step < 40 && size > harmonics_close; ++step) {
@@ -534,14 +536,14 @@ template <template <class> class LawOf> class RotorSolver {
         return loads;
     }
 
-    double wake_thrust_of(const Solution& s) const {
+    double wake_thrust_of(const Solution& s) const {  // momentum thrust of the disk per density
         double total = 0.0;
         for (int g = 0; g < s.disk.groups; ++g)
             total += sum(s.disk.weight[g] * wake_thrust(rotor_, s.disk.at[g].radius, s.flow, s.windmill, s.disk.inflow[g]));
         return total;
     }
 
-    // Loads per density without harmonics, and the derivatives that the first step needs.
+    // Loads per density without harmonics, and their derivatives as far as the first step needs them.
     [[gnu::flatten]] void without_harmonics(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, Loads<double>& loads,
                            Loads<double> (&by)[3]) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
@@ -569,7 +571,7 @@ template <template <class> class LawOf> class RotorSolver {
         }
     }
 
-    void set_status(Solution& s, bool coarse) const {
+    void set_status(Solution& s, bool coarse) const {  // and the number of roots
         Result& r = s.result;
         const auto& f = s.flow;
         r.roots = s.disk.several ? 3 : 1;

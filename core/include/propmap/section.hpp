@@ -1,9 +1,9 @@
 // Lift and drag of a blade section, eqs. (3) and (4), at any angle of attack and Reynolds number.
 //
-// A law is a struct of numbers with `coefficients`, `zero_lift_angle_at`, `least_drag_angle_at`, and what
-// the search for the inflow must know of stall: `stall_angle`, `stall_width`, `attached_slope`, `plain_stall`.  Its `kind`
-// names it; `each_number` lists by name what loads can be differentiated by; `read_fixed` and `copy_fixed`
-// are for what they cannot, once these are known.  A new law is such a struct, and its name in laws.hpp.
+// A section law is a struct of numbers.  `coefficients`, `zero_lift_angle_at` and `least_drag_angle_at` are its
+// aerodynamics.  `stall_angle`, `stall_width`, `attached_slope` and `plain_stall` describe its stall to the search for
+// the inflow.  `kind` is its name.  `each_number` lists the numbers by which loads can be differentiated; `read_fixed`
+// and `copy_fixed` set all others, after these.  To add a law, write such a struct and list it in laws.hpp.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ namespace propmap {
 
 // The flow at a section.
 template <class A, class B, class C, class D> struct SectionFlow {
-    Angle<A> alpha;           // of attack, from zero lift
-    Angle<A> drag_alpha;      // of attack, from least drag
+    Angle<A> alpha;           // angle of attack from zero lift
+    Angle<A> drag_alpha;      // angle of attack from least drag
     B speed;                  // U [m/s]
     C reynolds;               // rho U c / mu [-]
     D inverse_root_reynolds;  // Re^(-1/2) [-]
@@ -29,25 +29,25 @@ template <class L, class D> struct Coefficients {
     D drag;  // C_D [-]
 };
 
-// The paper's law with two terms that are not in the paper: a zero-lift angle that grows with ln(Re),
-// and an angle of least drag of its own.  `S` is double, or dual where loads are differentiated.
+// The paper's law with two more terms: a zero-lift angle that grows with ln(Re), and an angle of least drag that
+// differs from it.  `S` is double, or a dual number if loads are differentiated.
 template <class S> struct BlendedLaw {
     S c_l1;             // slope of attached lift [1/rad]
     S c_l2;             // amplitude of separated lift [-]
     S c_d;              // amplitude of pressure drag [-]
     S alpha_0;          // angle of attack at stall [rad]
-    S zero_lift_angle;  // [rad]; eqs. (3) and (4) see alpha minus this one
+    S zero_lift_angle;  // [rad]; eqs. (3) and (4) use alpha minus this angle
     S c_d0;             // constant drag [-]
     S c_p;              // skin friction constant [-]
     S sharpness;        // M of the stall blend [1/rad]
-    S reynolds_camber;  // growth of the zero-lift angle by ln(Re) [rad]
-    S drag_angle;       // of least pressure drag, above zero_lift_angle [rad]
+    S reynolds_camber;  // growth of the zero-lift angle with ln(Re) [rad]
+    S drag_angle;       // angle of least pressure drag minus zero_lift_angle [rad]
     double attached;    // 1 for eq. (3); 0 for the simplified lift of footnote 1, whose c_l is c_l2
-    double plate;       // 0.44 for separated lift as that of a plate, 0 for the paper's
-    S far;              // exp(-2 M alpha_0), of the stall blend's other side
-    double most = 40.0; // size of exponents of the blend [-] beyond which it does not change
+    double plate;       // 0.44 for the separated lift of a plate, 0 for the paper's
+    S far;              // exp(-2 M alpha_0), for stall at the opposite angle
+    double most = 40.0; // limit of the blend's exponents [-], beyond which it is constant
 
-    static constexpr bool plain_stall = true;  // lift has no bends beyond that about stall
+    static constexpr bool plain_stall = true;  // lift bends near stall only
     static constexpr const char* kind = "blended";
     template <class Visit> void each_number(Visit visit) {
         visit("c_l1", c_l1), visit("c_l2", c_l2), visit("c_d", c_d), visit("alpha_0", alpha_0);
@@ -61,7 +61,7 @@ template <class S> struct BlendedLaw {
 
     static constexpr double log2_e = 1.44269504088896340736;
 
-    // Re is that of the rotation alone: the angle is known before the inflow is.
+    // Re is that of the rotation alone, so that the angle is known before the inflow.
     template <class R> auto zero_lift_angle_at(const R& reynolds) const {
         if constexpr (!IsDual<S> && !IsDual<R>)
             if (reynolds_camber == 0.0) return zero_lift_angle + 0.0 * reynolds;
@@ -82,8 +82,8 @@ template <class S> struct BlendedLaw {
         return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
     }
 
-    // Separated lift over c_l2: sin cos in eq. (3).  A plate's normal force is sin/(0.56 + 0.44 sin) of that across
-    // the flow (Hoerner, Fluid-Dynamic Drag, 1965, p. 3-16), so that it has more lift just past stall.
+    // Separated lift over c_l2: sin cos in eq. (3).  For a plate it is divided by 0.56 + 0.44 sin (Hoerner,
+    // Fluid-Dynamic Drag, 1965, p. 3-16), which gives more lift just past stall.
     template <class C, class V> auto separated_share(const C& change, const V& sine, const V& cosine) const {
         const V lift = sine * cosine, slope = cosine * cosine - sine * sine;
         if (plate == 0.0) return chain(change, lift, slope);
@@ -91,11 +91,10 @@ template <class S> struct BlendedLaw {
         return chain(change, lift * per, (slope - plate * absolute(sine) * cosine * cosine * per) * per);
     }
 
-    // 1 - sigma, how much of the flow is attached.
-    //
-    // The paper writes sigma = (1 + A + B)/((1 + A)(1 + B)), A = exp(-M (a - a0)), B = exp(M (a + a0)),
-    // which overflows.  It is even in a; for a >= 0, 1 - sigma = x/((1 + x)(x + e)) with x = 1/A and
-    // e = exp(-2 M a0): a single exponential, whose argument is limited.
+    // 1 - sigma, the attached share of the flow.
+    // The paper writes sigma = (1 + A + B)/((1 + A)(1 + B)), A = exp(-M (a - a0)), B = exp(M (a + a0)), which
+    // overflows.  It is even in a.  For a >= 0, 1 - sigma = x/((1 + x)(x + e)) with x = 1/A and e = exp(-2 M a0): a
+    // single exponential, whose argument is limited.
     template <class A> auto attached_share(const A& angle) const {
         const auto exponent = sharpness * (absolute(angle) - alpha_0);
         const auto limit = broadcast_like(value(exponent), most);
@@ -110,26 +109,26 @@ template <class S> struct BlendedLaw {
     auto attached_slope() const { return attached * c_l1; }
 };
 
-// The numbers of a tabulated law: cubics of an interval of angles each, lowest power first, of C_L,
-// dC_L/d ln(Re), C_D and dC_D/d ln(Re), for each Reynolds number and interval.
+// The numbers of a tabulated law.  Each interval of angles has, at each Reynolds number, four cubics, lowest power
+// first: of C_L, dC_L/d ln(Re), C_D and dC_D/d ln(Re).
 struct SectionTable {
     std::vector<double> knots;   // angles from zero lift [rad], rising from -pi to pi
-    std::vector<int> first;      // interval in which each of as many equal steps around the circle begins
+    std::vector<int> first;      // the interval at the start of each of many equal steps around the circle
     std::vector<double> rows;    // 16 numbers per Reynolds number and interval
     std::vector<double> log_re;  // rising
     std::vector<double> stall_up, stall_down;  // stall angles at each Reynolds number [rad]
-    double zero_lift_angle;                    // at the middle one of the Reynolds numbers [rad]
-    double attached_slope;                     // [1/rad]
-    double stall_width = 0.014;                // [rad], assumed: a sharper stall shows as a tail of the loads
+    double zero_lift_angle;                    // at the middle Reynolds number [rad]
+    double attached_slope;                     // of lift over angle [1/rad]
+    double stall_width = 0.014;                // [rad], assumed: a sharper stall causes larger tails of the loads
 };
 
-// A table from C_L and C_D (R, K) at angles of attack from the chord line, K from -pi to pi, and R Reynolds numbers.
+// Make a table from C_L and C_D (R, K) at K angles of attack from the chord line, -pi to pi, and R Reynolds numbers.
 inline SectionTable make_section_table(const std::vector<double>& angle, const std::vector<double>& reynolds,
                                        std::vector<double> lift, std::vector<double> drag) {
     const std::size_t k_all = angle.size(), rows = reynolds.size();
     SectionTable t;
     for (double re : reynolds) t.log_re.push_back(std::log(re));
-    // Where lift rises through zero at several angles, the one nearest to zero counts.
+    // If lift rises through zero at several angles, the one nearest to zero counts.
     const double* middle = &lift[rows / 2 * k_all];
     t.zero_lift_angle = INFINITY;
     for (std::size_t k = 0; k + 1 < k_all; ++k) {
@@ -137,7 +136,7 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
         const double zero = angle[k] - middle[k] / (middle[k + 1] - middle[k]) * (angle[k + 1] - angle[k]);
         if (std::fabs(zero) < std::fabs(t.zero_lift_angle)) t.zero_lift_angle = zero;
     }
-    // Measure angles from zero lift, and let the table begin at -pi from there.
+    // Measure angles from zero lift, in rising order from -pi.
     std::vector<std::pair<double, std::size_t>> turned;
     for (std::size_t k = 0; k + 1 < k_all; ++k) {
         const double from = angle[k] - t.zero_lift_angle + pi;
@@ -163,7 +162,7 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
         return r;
     };
     lift = rearranged(lift), drag = rearranged(drag);
-    // Slopes by ln(Re), zero at the lowest and the highest Reynolds number.
+    // Derivatives by ln(Re): zero at the lowest and the highest Reynolds number.
     const auto by_log_re = [&](const std::vector<double>& values) {
         std::vector<double> r(values.size(), 0.0), column(rows);
         for (std::size_t k = 0; k < knots && rows > 2; ++k) {
@@ -186,7 +185,7 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
                 c[2] = (3.0 * rise - 2.0 * slope[k] - slope[k + 1]) / h, c[3] = (slope[k] + slope[k + 1] - 2.0 * rise) / (h * h);
             }
         }
-    // The circle in equal steps, shorter than any interval.
+    // Equal steps around the circle, shorter than any interval.
     double least = 2.0 * pi;
     for (std::size_t k = 0; k + 1 < knots; ++k) least = std::min(least, t.knots[k + 1] - t.knots[k]);
     const int count = int(std::ceil(2.0 * pi / (0.999 * least)));
@@ -194,8 +193,8 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
         const auto after = std::upper_bound(t.knots.begin(), t.knots.end(), -pi + 2.0 * pi * step / count);
         t.first.push_back(std::clamp(int(after - t.knots.begin()) - 1, 0, int(knots) - 2));
     }
-    // Stall is at the first peak of lift on either side of zero lift: the largest may be that at 45 deg.  Up to 0.9 of
-    // the lift there the section counts as attached, at every Reynolds number.
+    // Stall is the first peak of lift on either side of zero lift; the largest peak may be the one at 45 deg.  Up to
+    // 0.9 of this lift the section counts as attached, at every Reynolds number.
     const std::size_t zero = std::lower_bound(t.knots.begin(), t.knots.end(), 0.0) - t.knots.begin();
     double attached = pi;
     for (std::size_t row = 0; row < rows; ++row) {
@@ -218,8 +217,8 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
     return t;
 }
 
-// C_L and C_D by monotone cubics in the angle and, between two Reynolds numbers, by the cubic in ln(Re)
-// with the values and slopes there.  Outside the table's range its nearest Reynolds number holds.
+// C_L and C_D by monotone cubics in the angle and, between two Reynolds numbers, by the cubic in ln(Re) with the values
+// and derivatives there.  Outside the table the nearest Reynolds number is used.
 template <class S> struct TabulatedLaw {
     std::shared_ptr<const SectionTable> table;
     S zero_lift_angle;  // [rad]
@@ -236,7 +235,7 @@ template <class S> struct TabulatedLaw {
     }
     template <class Law> void copy_fixed(const Law& from) { table = from.table; }
 
-    struct Value {
+    struct Value {  // a coefficient and its derivatives
         double value, by_angle, by_log_re;
     };
 
@@ -244,7 +243,7 @@ template <class S> struct TabulatedLaw {
     template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle; }
     bool varies_with_reynolds() const { return false; }
 
-    // C_L (which = 0) or C_D (which = 8) in interval k, `along` it [rad].
+    // C_L (which = 0) or C_D (which = 8), `along` interval k of angles [rad], and at t in interval r of ln(Re).
     Value look_up(int which, int k, double along, int r, double t, double width_of_re) const {
         const int intervals = int(table->knots.size()) - 1;
         const auto cubic = [&](int row, int at) {
@@ -268,14 +267,14 @@ template <class S> struct TabulatedLaw {
         return {v, s, by_log_re};
     }
 
-    int interval(double angle) const {
+    int interval(double angle) const {  // of this angle
         const int count = int(table->first.size()), intervals = int(table->knots.size()) - 1;
         const double step = (angle + pi) * (count / (2.0 * pi));
         int k = table->first[step >= 0.0 ? std::min(int(std::min(step, count - 1.0)), count - 1) : 0];
         return k + (angle >= table->knots[k + 1] && k < intervals - 1);
     }
 
-    // The interval of ln(Re), and the place in it from 0 to 1; `inside` the table's range.
+    // The interval of ln(Re), the place t in it from 0 to 1, and whether the table includes it.
     int among_reynolds(double log_re, double& t, bool& inside) const {
         const auto& x = table->log_re;
         if (x.size() == 1) return t = 0.0, inside = false, 0;
@@ -323,13 +322,13 @@ template <class S> struct TabulatedLaw {
     double attached_slope() const { return table->attached_slope; }
 };
 
-// Corrections of a law's lift.
+// Corrections to the lift of a law.
 struct LiftCorrections {
     double stall_delay = 0.0;     // factor of (c/y)^2 [-]; 0 for none
     double speed_of_sound = 0.0;  // [m/s]; 0 for incompressible flow
 };
 
-// A law with the corrections of its lift that a model may have.
+// A law with these corrections.
 template <class Law> struct CorrectedLaw : Law, LiftCorrections {
     template <class F, class R, class C>
     auto corrected(const F& flow, const R& radius, const C& chord) const {
@@ -342,8 +341,8 @@ template <class Law> struct CorrectedLaw : Law, LiftCorrections {
         return r;
     }
 
-    // Snel, Houwink, Bosschers, ECN-C--93-052, 1994: where the blade is wide beside its radius, rotation
-    // keeps a share min(k (c/y)^2, 1) of the lift that stall takes.  Between 30 and 60 deg the effect fades.
+    // Stall delay: Snel, Houwink, Bosschers, ECN-C--93-052, 1994.  Where the chord is large compared with the radius,
+    // rotation restores a share min(k (c/y)^2, 1) of the lift lost in stall.  The effect fades between 30 and 60 deg.
     template <class L, class F, class R, class C>
     auto delayed(const L& lift, const F& flow, const R& radius, const C& chord) const {
         const double from = pi / 6.0, span = pi / 6.0;
@@ -357,8 +356,8 @@ template <class Law> struct CorrectedLaw : Law, LiftCorrections {
         return lift + share * weight * (this->attached_slope() * angle - lift);
     }
 
-    // Prandtl and Glauert's 1/sqrt(1 - M^2) (Glauert, Proc. R. Soc. A 118, 1928), used as it is up to
-    // M = 0.6; from there M^2 goes over smoothly to 0.49, since shocks would end the rule.
+    // Prandtl-Glauert factor 1/sqrt(1 - M^2) (Glauert, Proc. R. Soc. A 118, 1928).  Above M = 0.6, M^2 levels off
+    // smoothly at 0.49, since shocks end the validity of the rule.
     template <class M> static auto mach_factor(const M& mach) {
         const double first = 0.36, last = 2.0 * 0.49 - first;
         const auto square = mach * mach;

@@ -1,6 +1,6 @@
-// Rotors on a frame: the air at their hubs and what they do to the vehicle there; the force of its body and wing.
+// Rotors on a frame: the flow at their hubs, their force and moment on the vehicle, and the forces of body and wing.
 //
-// All vectors are in the vehicle's frame, x forward, y left, z up, unless it is said otherwise.
+// Vectors are in the frame of the vehicle (x forward, y left, z up), unless stated otherwise.
 #pragma once
 
 #include "load_table.hpp"
@@ -13,7 +13,7 @@ inline double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1
 inline Vector3 cross(const Vector3& a, const Vector3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-inline Vector3 add(const Vector3& a, double times, const Vector3& b) {
+inline Vector3 add(const Vector3& a, double times, const Vector3& b) {  // a + times b
     return {a[0] + times * b[0], a[1] + times * b[1], a[2] + times * b[2]};
 }
 
@@ -21,13 +21,13 @@ struct Wrench {
     Vector3 force{}, moment{};  // [N], [N m]
 };
 
-// The air at a hub that moves through it.
+// The flow at a hub that moves through the air.
 struct HubFlow {
     double axial = 0.0, inplane = 0.0;  // V cos(beta), V sin(beta) >= 0 [m/s]
     Vector3 ahead{};                    // unit vector along the in-plane velocity; zero where there is none
 };
 
-// The rotor's `axis` is a unit vector along its thrust; `velocity` is the hub's through the air [m/s].
+// `axis` is the unit vector along the thrust; `velocity` is that of the hub through the air [m/s].
 inline HubFlow hub_flow(const Vector3& axis, const Vector3& velocity) {
     HubFlow flow{dot(velocity, axis), 0.0, {}};
     const Vector3 across = add(velocity, -flow.axial, axis);
@@ -37,8 +37,8 @@ inline HubFlow hub_flow(const Vector3& axis, const Vector3& velocity) {
     return flow;
 }
 
-// Force and moment on the vehicle about the hub; `spin` is 1 for counter-clockwise as seen against the axis, else -1.
-// Counter-clockwise, the advancing side is on the right: lifting it rolls about the direction against `ahead`.
+// Force and moment on the vehicle, about the hub.  `spin` is 1 for counter-clockwise as seen from above, -1 for
+// clockwise.  Counter-clockwise, the advancing side is on the right: lifting it rolls the vehicle about -`ahead`.
 inline Wrench hub_wrench(const Vector3& axis, double spin, const Vector3& ahead, const Loads<double>& of) {
     const Vector3 left = cross(axis, ahead);
     Wrench w;
@@ -49,16 +49,16 @@ inline Wrench hub_wrench(const Vector3& axis, double spin, const Vector3& ahead,
     return w;
 }
 
-// Body and wing, section III.A and footnote 4 of the paper: areas [m^2], see `Body` and `Wing` in Python.
+// Body and wing, section III.A and footnote 4 of the paper.  Areas are in m^2; see `Body` and `Wing` in Python.
 struct Airframe {
     double density;  // of the air [kg/m^3]
     Vector3 drag_area{};
     double lift_area = 0.0, plate_area = 0.0, download_area[2]{};
-    double wing_area = 0.0, incidence = 0.0, span = 0.0;  // no span: without the drag of lift
+    double wing_area = 0.0, incidence = 0.0, span = 0.0;  // span 0: without induced drag
     BlendedLaw<double> wing{};                            // eq. (3)
 
-    // Across the flow in the plane of symmetry, times V: (-v_z, 0, v_x).
-    Vector3 body_force(const Vector3& v) const {
+    // Lift acts across the flow, in the plane of symmetry: (-v_z, 0, v_x) is its direction times V.
+    Vector3 body_force(const Vector3& v) const {  // at velocity v through the air [N]
         const double angle = std::atan2(-v[2], v[0]), pressure = 0.5 * density;
         const double lift = pressure * lift_area * std::sin(angle) * std::cos(angle) * std::hypot(v[0], v[2]);
         const double down = pressure * (download_area[0] * v[0] * v[0] + download_area[1] * v[1] * v[1]);
@@ -68,13 +68,13 @@ struct Airframe {
         return force;
     }
 
-    Vector3 wing_force(const Vector3& v) const {
+    Vector3 wing_force(const Vector3& v) const {  // at velocity v through the air [N]
         if (wing_area == 0.0) return {};
         const Lanes angle = broadcast(std::remainder(std::atan2(-v[2], v[0]) + incidence, 2.0 * pi));
         const auto alpha = angle_from(angle);
         const Lanes one = broadcast(1.0);
         const double lift = wing_area * wing.coefficients(SectionFlow{alpha, alpha, one, one, one}).lift[0];
-        // Prandtl's D = L^2/(pi q b^2), of an elliptic lift.
+        // Prandtl's induced drag D = L^2/(pi q b^2), of an elliptic distribution of lift.
         const double induced = span > 0.0 ? lift * lift / (pi * span * span) : 0.0;
         const double scale = 0.5 * density * std::hypot(v[0], v[2]);
         return {scale * (-lift * v[2] - induced * v[0]), 0.0, scale * (lift * v[0] - induced * v[2])};
@@ -82,12 +82,12 @@ struct Airframe {
 };
 
 struct Mount {
-    Vector3 position, axis;  // of the hub from the centre of mass [m], and along the thrust
-    double spin;             // 1 for counter-clockwise, else -1
+    Vector3 position, axis;  // of the hub from the center of mass [m]; along the thrust
+    double spin;             // 1 for counter-clockwise, -1 for clockwise
 };
 
-// Force and moment of the air about the centre of mass of a vehicle that moves through it at `velocity` [m/s] and turns at
-// `rates` [rad/s]; `loads(k, flow)` gives those of rotor k.
+// Force and moment of the air about the center of mass of a vehicle that moves through it at `velocity` [m/s] and turns
+// at `rates` [rad/s].  `loads(k, flow)` returns the loads of rotor k.
 template <class LoadsOf>
 Wrench vehicle_wrench(const std::vector<Mount>& mounts, const Airframe& frame, const Vector3& velocity, const Vector3& rates,
                       LoadsOf loads) {
@@ -102,8 +102,8 @@ Wrench vehicle_wrench(const std::vector<Mount>& mounts, const Airframe& frame, c
     return all;
 }
 
-// What rotors do that spin: the moment that turns their angular momentum with the vehicle and with their speed.  They have
-// the moment of inertia `heavy` [kg m^2], `omega` [rad/s] and `change` [rad/s^2] of each.
+// Moment of the spinning rotors, whose angular momentum turns with the vehicle and changes with their speed.  Each has
+// the moment of inertia `heavy` [kg m^2], a speed `omega` [rad/s] and its rate `change` [rad/s^2].
 inline Vector3 spin_moment(const std::vector<Mount>& mounts, double heavy, const double* omega, const double* change,
                            const Vector3& rates) {
     Vector3 momentum{}, by_speed{};
@@ -114,7 +114,7 @@ inline Vector3 spin_moment(const std::vector<Mount>& mounts, double heavy, const
     return add(add({}, -1.0, cross(rates, momentum)), -1.0, by_speed);
 }
 
-// A unit quaternion w, x, y, z that turns the vehicle's frame into the world's.
+// A unit quaternion (w, x, y, z) that turns the frame of the vehicle into that of the world.
 struct Attitude {
     double w;
     Vector3 v;

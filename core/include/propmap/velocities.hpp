@@ -5,31 +5,30 @@
 
 namespace propmap {
 
-// An operating point.  `S` is double, or a dual number where loads are differentiated.
+// An operating point.  `S` is double, or a dual number if loads are differentiated.
 template <class S> struct Flow {
     S omega;      // Omega [rad/s], >= 0
     S v_axial;    // V cos(beta) [m/s], positive in climb
     S v_inplane;  // V sin(beta) [m/s], >= 0
-    S v_hover{};  // static inflow (12) at the same Omega [m/s]; used where v_axial < 0
+    S v_hover{};  // static inflow (12) at the same Omega [m/s]; used if v_axial < 0
     S height = S{} + INFINITY;  // of the disk above the ground [m]
 
-    // What a user gives, by name, in the order of arrays of operating points.
+    // The variables that users set, by name, in the order of the rows of operating points.
     static constexpr int variables = 4;
     template <class Visit> void each_variable(Visit visit) {
         visit("omega", omega), visit("v_axial", v_axial), visit("v_inplane", v_inplane), visit("height", height);
     }
 };
 
-// Speed [m/s] added in quadrature to every speed that is divided by: a section that stands still in the
-// air has finite derivatives then, and no load changes by more than a rounding error.
+// Speed [m/s] added in quadrature to every speed in a denominator.  A section at rest in the air then has finite
+// derivatives, and no load changes by more than rounding.
 inline constexpr double speed_floor = 1e-9;
 
-template <class A, class B> auto speed_squared(const A& a, const B& b) {
+template <class A, class B> auto speed_squared(const A& a, const B& b) {  // a^2 + b^2
     return square(a) + square(b) + speed_floor * speed_floor;
 }
 
-// Share of the annulus between `root` and `tip` [m] inside the reverse-flow circle y = -V sin(beta) sin(psi)/Omega, which
-// passes through the hub.
+// Share of the area from `root` to `tip` [m] in reverse flow: within the circle y = -V sin(beta) sin(psi)/Omega.
 inline double reverse_flow_share(const Flow<double>& flow, double root, double tip) {
     if (flow.v_inplane == 0.0) return 0.0;
     const double diameter = std::min(flow.v_inplane / std::max(flow.omega, 1e-12), 1e4 * tip);
@@ -41,13 +40,12 @@ inline double reverse_flow_share(const Flow<double>& flow, double root, double t
     return (within(tip) - within(root)) / (pi * (tip * tip - root * root));
 }
 
-// Equally spaced azimuths: the mean over them, the periodic trapezoidal rule, converges spectrally.
-// Nodes lie symmetrically about the advancing and the retreating side, psi and pi - psi, so that those
-// of the front of the disk are enough where the inflow does not vary around it.
+// Equally spaced azimuths: the mean over them, the periodic trapezoidal rule, converges spectrally.  They are
+// symmetric, psi and pi - psi, so that the rear half of the disk is enough if the inflow does not vary around it.
 struct Azimuths {
-    int count = 1;                  // of the front half; 1 in axial flow, where every azimuth is alike
+    int count = 1;                  // on the rear half; 1 in axial flow, where all azimuths are alike
     const double* sine = nullptr;   // sin(psi), 1 on the advancing side
-    const double* cosine = nullptr; // cos(psi) >= 0, towards the rear
+    const double* cosine = nullptr; // cos(psi) >= 0; psi = 0 is the rear
 };
 
 }  // namespace propmap

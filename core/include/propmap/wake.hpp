@@ -1,23 +1,22 @@
 // Momentum theory: thrust of an annulus, eqs. (8) to (10), its windmill branch, and the vortex ring.
 //
-// On (8): the paper negates its right-hand side when the wake is above the disk.  That is right for a mass
-// flow with a sign.  The mass flow of (10) has none, and the air's velocity changes by 2 v_i against the
-// thrust whichever way the air crosses the disk: nothing is negated here.
+// The paper negates the right-hand side of (8) when the wake is above the disk, which is correct for a mass flow with a
+// sign.  The mass flow of (10) has none, and the velocity of the air changes by 2 v_i against the thrust in either
+// direction of the flow.  So nothing is negated here.
 #pragma once
 
 #include "element.hpp"
 
 namespace propmap {
 
-// Thrust of an annulus per radius and density [m^3/s^2] by Glauert's mass flow.
+// Thrust of an annulus per radius and density [m^3/s^2], with Glauert's mass flow.
 template <class Y, class F, class V> auto momentum_thrust(const Y& radius, const F& flow, const V& inflow) {
     const auto w = square_root(speed_squared(flow.v_inplane, flow.v_axial + inflow));
     return (4.0 * pi) * radius * inflow * w;  // Eq. (10)
 }
 
-// The two v_i [m/s] between which (10) falls with v_i; equal where it does not fall.  In descent within
-// 19.5 deg of the axis (10) rises up to the first, where in axial flow the far wake stands still; beyond it
-// momentum theory does not hold.
+// The two v_i [m/s] between which (10) falls; equal if it does not fall.  In descent within 19.5 deg of the axis (10)
+// rises up to the first one, where in axial flow the far wake stands still.  Beyond it momentum theory does not hold.
 template <class S> struct TurningPoints {
     S first, second;
 };
@@ -30,11 +29,11 @@ template <class S> TurningPoints<S> turning_points(const S& v_axial, const S& v_
 
 // Eq. (10) made to rise with v_i everywhere, for the windmill branch.
 //
-// Up to the first turning point it is (10) unchanged.  From there on the falling stretch is mirrored.  In
-// axial flow the mirrored curve is the parabola 4 pi y (v_i - first)^2 above the turning point, which like
-// Buhl's empirical curve (NREL/TP-500-36834, 2005) ends at C_T = 2 where v_i = |V cos(beta)|.  In oblique flow
-// it is averaged with that parabola, whose weight goes from 1 in axial flow to 0 at 19.5 deg: mirrored (10)
-// alone is flat at the second turning point, which would give (11) further roots.
+// Up to the first turning point it is (10) unchanged.  Beyond, the falling part is mirrored upwards.  In axial flow
+// this is the parabola 4 pi y (v_i - first)^2 above the turning point.  Like Buhl's empirical curve (NREL/TP-500-36834,
+// 2005) it ends at C_T = 2 where v_i = |V cos(beta)|.  In oblique flow the mirrored curve is averaged with the
+// parabola, whose weight falls from 1 in axial flow to 0 at 19.5 deg.  Without the parabola the curve would be flat at
+// the second turning point, which would give (11) more roots.
 template <class Y, class F, class V> auto windmill_thrust(const Y& radius, const F& flow, const V& inflow) {
     const auto [first, second] = turning_points(flow.v_axial, flow.v_inplane);
     const auto here = momentum_thrust(radius, flow, inflow);
@@ -49,13 +48,12 @@ template <class Y, class F, class V> auto windmill_thrust(const Y& radius, const
     return select(value(inflow) <= value(first), here, axial * parabola + (1.0 - axial) * mirrored);
 }
 
-// Prandtl's factor on the momentum thrust for a finite number of blades, F = 2/pi arccos(exp(-f)), with
-// f = N_b (R - y)/(2 y sin(phi)) at the tip and N_b (y - r)/(2 r sin(phi)) at a hub of radius r;
-// tan(phi) = |U_P|/(Omega y), as an annulus has one inflow at all azimuths.
-// Prandtl in Betz, Nachrichten Goettingen 1919; Glauert in Durand, Aerodynamic Theory IV, 1935.
+// Prandtl's factor on the momentum thrust for a number of blades, F = 2/pi arccos(exp(-f)), f = N_b (R - y)/(2 y
+// sin(phi)) at the tip and N_b (y - r)/(2 r sin(phi)) at a hub of radius r.  With one inflow per annulus, tan(phi) =
+// |U_P|/(Omega y).  Prandtl in Betz, Nachrichten Goettingen 1919; Glauert in Durand, Aerodynamic Theory IV, 1935.
 template <class Y, class F, class V>
 auto prandtl_factor(double blades, double inner, double outer, const Y& radius, const F& flow, const V& inflow) {
-    // The reach f sin(phi) is held above 5e-5: F would go to zero over the last 0.005 % of the blade.
+    // Clamp f sin(phi) to at least 5e-5.  Otherwise F goes to zero over the last 0.005 % of the blade.
     const auto y = radius + 0.0 * flow.omega;
     const auto apart = inner > 0.0 ? decltype(y - 1.0)(y * (1.0 / inner) - 1.0) : decltype(y - 1.0)(outer / y - 1.0);
     const auto reach = maximum(0.5 * blades * apart, 0.0 * apart + 5e-5);
@@ -64,12 +62,12 @@ auto prandtl_factor(double blades, double inner, double outer, const Y& radius, 
     const auto w = square_root(speed_squared(u, turning));
     const auto size = absolute(u);
     const auto f = reach * w / maximum(size, 0.0 * size + 1e-9);
-    const double most = 69.31471805599453;  // exp(-f) = 2^-100 is lost beside 1
+    const double most = 69.31471805599453;  // beyond it exp(-f) < 2^-100 is negligible
     const auto decay = power_of_two(minimum(f, 0.0 * f + most) * -1.44269504088896340736);
     return (2.0 / pi) * angle_of(decay, square_root((1.0 - decay) * (1.0 + decay)));
 }
 
-// The wake's thrust of annuli per radius and density [m^3/s^2], eq. (10) with the rotor's corrections.
+// Momentum thrust of annuli per radius and density [m^3/s^2]: eq. (10) with the corrections of the rotor.
 template <class R, class Y, class F, class V>
 [[gnu::flatten]] auto wake_thrust(const R& rotor, const Y& radius, const F& flow, bool windmill, const V& inflow) {
     auto thrust = momentum_thrust(radius, flow, inflow) + 0.0 * (flow.omega * inflow);
@@ -80,34 +78,33 @@ template <class R, class Y, class F, class V>
     return thrust;
 }
 
-// Static inflow v_i0 [m/s] of hover from the static thrust per density; zero where that is not positive.
+// Static inflow v_i0 [m/s] from the static thrust per density; zero if the thrust is not positive.
 template <class S> S static_inflow(const S& thrust, double tip) {
     const S square = thrust * (1.0 / (2.0 * pi * tip * tip));
     return value(square) > 0.0 ? S(square_root(square)) : 0.0 * square;  // Eq. (12)
 }
 
-// The vortex ring: where in descent a measured inflow, based on (12), replaces momentum theory.
+// The vortex ring: the region of descent in which a measured inflow, based on (12), replaces momentum theory.
 //
-// The paper uses (12) wherever V cos(beta) < 0 < V cos(beta) + v_i.  Loads would jump then at beta = 90 deg,
-// since in fast forward flight with a trace of descent the in-plane flow carries the wake away and (10)
-// holds.  So (12) is confined to the region of Johnson, NASA/TP-2005-213477, table 4 (points D, N, X, E, M),
-// in units of v_h, the static inflow, and faded in and out at its edges.  Within it (12) is multiplied by
-// Leishman's fit of the inflow measured in vertical descent (Principles of Helicopter Aerodynamics, 2nd ed.,
-// section 2.13), which is 1 in hover: with (12) alone thrust in steep descents is a third too high.
+// The paper uses (12) wherever V cos(beta) < 0 < V cos(beta) + v_i.  Loads would then jump at beta = 90 deg: in fast
+// flight with a trace of descent, the in-plane flow carries the wake away and (10) holds.  So (12) is used in the
+// region of Johnson, NASA/TP-2005-213477, table 4 (points D, N, X, E, M), in units of the static inflow v_h, with
+// blended edges.  There it is multiplied by Leishman's fit to the inflow measured in vertical descent (Principles of
+// Helicopter Aerodynamics, 2nd ed., section 2.13), 1 in hover.  With (12) alone, thrust is a third too high.
 namespace vortex_ring {
 
-inline constexpr double onset = -0.2, full_from = -0.45, full_to = -1.5, gone = -2.0;
-inline constexpr double fade_from = 0.5, nose = 0.95;
-// The windmill branch of momentum theory takes over here, where the ring's inflow has replaced both.
+inline constexpr double onset = -0.2, full_from = -0.45, full_to = -1.5, gone = -2.0;  // V cos(beta)/v_h
+inline constexpr double fade_from = 0.5, nose = 0.95;  // V sin(beta)/v_h
+// At this V cos(beta)/v_h the windmill branch replaces the helicopter branch; the vortex-ring inflow hides the switch.
 inline constexpr double windmill_below = -0.95;
 
-template <class S> S rise(const S& t) {
+template <class S> S rise(const S& t) {  // a smooth step from t = 0 to t = 1
     if (!(value(t) > 0.0)) return 0.0 * t;
     if (value(t) >= 1.0) return 0.0 * t + 1.0;
     return t * t * t * (10.0 + t * (6.0 * t - 15.0));
 }
 
-// The share of the ring's inflow in the inflow used [-].
+// Share of the vortex ring's inflow in the inflow used [-].
 template <class S> S weight(const Flow<S>& flow) {
     if (value(flow.v_axial) >= 0.0) return 0.0 * flow.v_axial;
     const S v_h = maximum(flow.v_hover, 0.0 * flow.v_hover + 1e-9);
@@ -118,21 +115,21 @@ template <class S> S weight(const Flow<S>& flow) {
     return entered * not_left * not_swept;
 }
 
-template <class S> S inflow(const Flow<S>& flow) {
+template <class S> S inflow(const Flow<S>& flow) {  // of the vortex ring [m/s]
     S z = flow.v_axial / maximum(flow.v_hover, 0.0 * flow.v_hover + 1e-9);
     if (value(z) < gone) z = 0.0 * z + gone;
     if (value(z) > 0.0) z = 0.0 * z;
     return flow.v_hover * (1.0 + z * (-1.125 + z * (-1.372 + z * (-1.718 + z * -0.655))));
 }
 
-template <class S> bool windmill(const Flow<S>& flow) {
+template <class S> bool windmill(const Flow<S>& flow) {  // whether (11) has the windmill branch
     return value(flow.v_axial) < minimum(windmill_below * value(flow.v_hover), 0.0);
 }
 
 }  // namespace vortex_ring
 
-// Drag of what stands in the slipstream [N per density], 1/2 f V_in sqrt(V_in^2 + (V_ax + k v_i)^2): the part
-// in the disk plane of a drag along the air's velocity, which the slipstream raises.
+// In-plane part of the drag of the mount in the slipstream [N per density]: 1/2 f V_in sqrt(V_in^2 + (V_ax + k v_i)^2),
+// with `mount_area` f and `mount_wake` k.  The slipstream raises it.
 template <class R, class S> S mount_drag(const R& rotor, const Flow<S>& flow, const S& mean_inflow) {
     const S through = flow.v_axial + rotor.mount_wake * mean_inflow;
     return 0.5 * rotor.mount_area * flow.v_inplane * square_root(speed_squared(flow.v_inplane, through));
