@@ -1,4 +1,4 @@
-# Every target works from nothing: it makes the virtual environment that it needs.
+# Every target creates the virtual environment that it needs.
 VENV := .venv
 BIN := $(VENV)/bin
 TOOLS_READY := $(VENV)/tools-ready
@@ -8,14 +8,14 @@ PEERS_READY := $(VENV)/peers-ready
 
 .PHONY: demo reproduce test test-fast test-slow lint types sanitize bench bench-sim docs build wheels clean
 
-# Python compiles what it imports once and keeps it, here too where the environment says otherwise: tests start some hundred
-# processes.  Nothing is compiled that is never imported, as pip would.
+# Keep the bytecode of imported modules even if the environment disables it, because the tests start some hundred processes.
+# --no-compile stops pip from compiling modules that are never imported.
 unexport PYTHONDONTWRITEBYTECODE
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 CORE := CMakeLists.txt $(shell find core -name '*.[ch]pp')
 
-# A C++ compiler builds the core.  Where there is none, the package index's is taken, Zig's, by the usual names.
-# (Without the `true` Make takes a last name that is not found for a failure of all.)
+# A C++ compiler builds the core.  If none is found, use Zig's compiler from the package index under the usual names.
+# (Without `true`, Make reports a failure if the last name is not found.)
 ifeq ($(origin CXX)$(shell for name in c++ g++ clang++; do command -v $$name; done; true),default)
 ZIG := $(abspath $(VENV))/zig
 export PATH := $(ZIG):$(PATH)
@@ -34,31 +34,31 @@ $(ZIG_TOOLS): $(TOOLS_READY)
 	printf '#!/bin/sh\nexec "$(abspath $(BIN))/python" -m ziglang $(@F) "$$@"\n' >$@
 	chmod +x $@
 
-# Builds with the tools of $(VENV), so that a changed core is built in the time of what has changed.
+# Build with the tools of $(VENV), so that only changed parts of the core are compiled again.
 $(READY): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
 	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,figures,jax,logs,mjx,mujoco,netcdf,targets$(if $(WITH_DOCS),$(COMMA)docs)]'
 	touch $@ $(if $(WITH_DOCS),$(DOCS_READY))
 
-# What it takes comes with the rest where CI asks for both at once.
+# If CI sets WITH_DOCS, the rule above already installs the extra `docs`.
 COMMA := ,
 $(DOCS_READY): $(READY)
 	$(INSTALL) --no-build-isolation --editable '.[docs]'
 	touch $@
 
-# Without what WISDEM asks for, some ninety packages: CCBlade, which is all that is compared, needs none.
+# Skip WISDEM's dependencies, about ninety packages: only CCBlade is compared, which needs none of them.
 $(PEERS_READY): $(READY)
 	$(INSTALL) --no-deps wisdem
 	touch $@
 
 build: $(READY)
 
-# NumPy's large arrays come from memory that the process keeps, instead of fresh pages from the system for
-# each.  Other C libraries than glibc ignore it.
+# Let glibc reuse memory for NumPy's large arrays, instead of requesting new pages for each array.  Other C libraries
+# ignore these variables.
 export MALLOC_MMAP_THRESHOLD_ ?= 536870912
 export MALLOC_TRIM_THRESHOLD_ ?= 536870912
 export MALLOC_TOP_PAD_ ?= 16777216
 
-# Each file's tests stay together, for the tables they share.
+# Tests of one file run in one process, because they share tables.
 WORKERS := 2
 PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile
 
@@ -71,7 +71,7 @@ reproduce: $(READY)
 test: $(READY)
 	$(PYTEST) -m 'not slow'
 
-# Every reader, and the physics in short.
+# All readers and the essential physics.
 FAST := tests/io tests/vehicle tests/model tests/catalogue tests/core/test_core.py tests/rotor/test_limits.py \
 	tests/docs/test_equations.py tests/docs/test_equations_are_live.py tests/oracle/test_extended_reference.py
 
@@ -88,10 +88,10 @@ lint: $(READY)
 types: $(READY)
 	$(BIN)/mypy
 
-# The tests of the core on a build that stops at errors of memory and at undefined behaviour.  Python itself is built without
-# the checks, so their library, and the one of C++ that it looks into, come first; it leaks on purpose.  Without `site`
-# (-S) Python does not find the editable package, and takes the one of this build.  What compares many points bit by bit says
-# nothing of memory that the others don't, and takes the most time here.
+# Run the tests of the core on a build that stops at memory errors and undefined behavior.  Python itself is built without
+# the sanitizers, so LD_PRELOAD loads their library and the C++ library first.  Python leaks memory on purpose.  Without
+# `site` (-S), Python imports the package of this build instead of the editable one.  The excluded tests compare many points
+# bit by bit; they take most of the time here and check no other memory.
 SANITIZED := build/sanitize
 sanitize: $(READY)
 	$(if $(ZIG),$(error `make sanitize` needs g++ 12 or later, which brings the checks; install it))
@@ -102,7 +102,7 @@ sanitize: $(READY)
 		PYTHONPATH=$(SANITIZED)/site:$$(echo $(VENV)/lib/python3*/site-packages) $(BIN)/python -S -m pytest tests/core \
 		-k 'not changes_no_bit and not other_processes and not thousand_points'
 
-# An sdist, a wheel of it for every processor of this kind, and both tried where there is no checkout.
+# Build an sdist and a wheel for every processor of this kind, and test both without a checkout.
 wheels: $(TOOLS_READY) $(ZIG_TOOLS)
 	rm -rf dist
 	$(BIN)/python -c 'from scikit_build_core.build import build_sdist; build_sdist("dist")'
@@ -110,8 +110,8 @@ wheels: $(TOOLS_READY) $(ZIG_TOOLS)
 		--config-settings=cmake.define.PROPMAP_PORTABLE=ON dist/*.tar.gz
 	$(BIN)/python -u tools/try_wheel.py dist
 
-# README's times; or one measurement with its arguments, as in `make bench ONLY=choice` and `make bench ONLY='table fine'`.
-# The lifting line's matrices are too small for several threads.
+# Measure the times on the documentation pages, or run one measurement with its arguments, for example
+# `make bench ONLY=choice` and `make bench ONLY='table fine'`.  The matrices of the lifting line are too small for several threads.
 bench: $(if $(filter peers,$(ONLY)),$(PEERS_READY),$(READY))
 ifdef ONLY
 	$(if $(filter lifting_line,$(ONLY)),OMP_NUM_THREADS=1) $(BIN)/python -m benchmarks.$(ONLY)
@@ -121,7 +121,7 @@ else
 	$(BIN)/python -m benchmarks.table
 endif
 
-# What a step costs where people simulate.
+# Measure the time of a simulation step in MuJoCo and MJX.
 bench-sim: $(READY)
 	$(BIN)/python -m benchmarks.sim
 	$(BIN)/python -m benchmarks.mjx

@@ -6,13 +6,13 @@ from typing import Any
 
 
 def options(found: dict[str, Any]) -> str:
-    """What corrections and section tables cost beside the paper's model."""
+    """Tabulate the cost of corrections and section tables relative to the paper's model."""
     place = found["machine"]
     rows = [
-        f"{place['cpu']}, {found['points']} oblique points of the APC 8x6E with `paper-apc`, and "
-        "with tables sampled from it; processor time.",
+        f"Processor time for {found['points']} oblique points of the APC 8x6E with the section law "
+        f"`paper-apc`, or with tables sampled from this law; {place['cpu']}.",
         "",
-        "| model | µs per point | beside the paper's |",
+        "| model | µs per point | relative to `paper` |",
         "|---|---:|---:|",
     ]
     for row in found["rows"]:
@@ -22,14 +22,14 @@ def options(found: dict[str, Any]) -> str:
 
 
 def peers(found: dict[str, Any]) -> str:
-    """Times beside CCBlade, at two bounds on the error."""
+    """Tabulate times of propmap and of CCBlade at two bounds on CCBlade's error."""
     place, model = found["machine"], found["package"]["model"]
     rows = [
         f"{place['cpu']}, {place['cores']} cores, load {place['load_before']} at the start; WISDEM "
         f"{found['versions']['wisdem']}, propmap {place['propmap']}.  APC 8x6E, `paper-apc`, "
         "6000 rpm.",
         "",
-        "| case | one call | in a batch, per point | numerical error | CCBlade at our error "
+        "| case | one call | per point in a batch | numerical error | CCBlade at propmap's error "
         "| CCBlade at 0.1 % |",
         "|---|---:|---:|---:|---:|---:|",
     ]
@@ -40,22 +40,22 @@ def peers(found: dict[str, Any]) -> str:
         for bound in ("measured", "promised"):
             seconds = found["ccblade"][bound]["single_us"]
             if case not in seconds:
-                cells.append("not answered")
+                cells.append("not solved")
                 continue
             ratio = found["ccblade_over_package"][bound][f"model_batch, {case}"]
-            cells.append(f"{seconds[case] / 1e3:.3g} ms, {ratio:.0f} times a point of the batch")
+            cells.append(f"{seconds[case] / 1e3:.3g} ms, {ratio:.0f} times propmap in a batch")
         rows.append(f"| {case} | {' | '.join(cells)} |")
     return "\n".join(rows)
 
 
 def mjx(found: dict[str, Any]) -> str:
-    """What a step of many vehicles in MJX takes, and the rotors' share of it."""
+    """Tabulate the time of a step of many vehicles in MJX, with and without rotors."""
     rows = {
         "step_of_mjx_alone": "step, without rotors",
         "step_on_hover_model": "step, hover model",
         "step_on_table": "step, table",
         "wrench_of_table": "force and moment alone, table",
-        "wrench_of_table_and_gradient": "its vertical component and its gradient, table",
+        "wrench_of_table_and_gradient": "vertical force and its gradient alone, table",
     }
     lines = ["| | ms | million vehicles per second |", "|---|---:|---:|"]
     for name, words in rows.items():

@@ -1,10 +1,10 @@
-"""Write the figures of README.md from the files that the commands produced.
+"""Write the table of README.md, and format other results for the documentation.
 
 Usage: python tools/readme_tables.py [DEMO_FOLDER]
 
-Reads the files of benchmarks/results; with DEMO_FOLDER, where
-`make demo` wrote, takes demo.json and the picture from there first.  The text between the
-markers is replaced; the same files give the same README.
+The script reads benchmarks/results/demo.json and replaces the text between the markers in
+README.md.  With DEMO_FOLDER, the output folder of `make demo`, it first copies demo.json and the
+picture from there.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ RESULTS = ROOT / "benchmarks" / "results"
 PICTURE = ROOT / "docs" / "figures" / "apc-8x6e-loads.png"
 
 MODELS = {"recommended": "recommended model", "paper": "paper's model", "hover": "hover model"}
-"""The demo's models, in words."""
+"""Titles of the demo's models."""
 
 HEADLINE = {
     "axial": {"thrust": "thrust", "torque": "torque"},
     "oblique": {"thrust": "thrust", "torque": "torque", "drag": "rotor drag"},
 }
-"""What README shows: loads of the demo's data, in words."""
+"""Loads that README.md lists for each data set of the demo, with their titles."""
 
 
 def take_demo(folder: Path) -> None:
-    """Keep the demo's figures and its picture."""
+    """Copy the demo's results and picture from ``folder`` to where README.md uses them."""
     PICTURE.parent.mkdir(parents=True, exist_ok=True)
     for source, kept in (
         (folder / "demo.json", RESULTS / "demo.json"),
@@ -45,12 +45,12 @@ def take_demo(folder: Path) -> None:
 
 
 def percent(share: float) -> str:
-    """A share in per cent, to two figures."""
+    """Format a fraction in percent with two significant digits."""
     return f"{100.0 * share:.2g}" if share >= 1e-6 else "<0.0001"
 
 
 def fits(found: dict[str, Any]) -> str:
-    """Fits to published data, checked on all of it."""
+    """Tabulate fits to published data and their errors on all data sets."""
     rows = [
         "| fitted to | free | thrust | torque | rotor drag | roll moment |",
         "|---|---|---:|---:|---:|---:|",
@@ -77,7 +77,7 @@ def fits(found: dict[str, Any]) -> str:
 
 
 def numerical_accuracy(found: dict[str, Any]) -> str:
-    """Settings against both references, in per cent of the static load."""
+    """Tabulate numerical errors against both references in percent of the static load."""
     rows = [
         "| setting | against | points | thrust | rotor drag | torque | rolling moment |",
         "|---|---|---:|---:|---:|---:|---:|",
@@ -97,13 +97,13 @@ def numerical_accuracy(found: dict[str, Any]) -> str:
 
 
 def model_accuracy(found: dict[str, Any]) -> str:
-    """The errors of the models, and what the demo says of them in words."""
+    """Tabulate the errors of the models and add the notes of the demo."""
     words = [f"- {note}" for note in found["notes"]]
-    return "\n".join([model_errors(found), "", "In words, from the same run:", "", *words])
+    return "\n".join([model_errors(found), "", "Notes of the same run:", "", *words])
 
 
 def headline(found: dict[str, Any]) -> str:
-    """Five loads in shares of the measured ones."""
+    """Tabulate the relative rms errors for the loads in HEADLINE."""
     rows = [
         "| data | load | points | band of the data | " + " | ".join(MODELS.values()) + " |",
         "|---|---|---:|---:|" + "---:|" * len(MODELS),
@@ -121,7 +121,7 @@ def headline(found: dict[str, Any]) -> str:
 
 
 def model_errors(found: dict[str, Any]) -> str:
-    """The models against measurements, and by how much two forms of the data differ."""
+    """Tabulate errors of the models and the difference between two forms of the data."""
     rows = [
         "| data | load | points | measured rms | band of the data | "
         + " | ".join(f"{title}, rms" for title in MODELS.values())
@@ -144,7 +144,7 @@ def model_errors(found: dict[str, Any]) -> str:
 
 
 def _share(share: float) -> str:
-    """In per cent, to a tenth below ten."""
+    """Format a fraction in percent, with one decimal place below ten percent."""
     return f"{100.0 * share:.0f} %" if share >= 0.0995 else f"{100.0 * share:.1f} %"
 
 
@@ -153,13 +153,13 @@ def _stated(value: float | None, unit: str, digits: int, missing: str) -> str:
 
 
 def speed(found: dict[str, Any]) -> str:
-    """Times of whole processes and of calls, with the machine they come from."""
+    """Tabulate times of whole processes and of calls, with their machine."""
     place, growth = found["machine"], found["growth"]["cpu_microseconds_per_point"]
     state = found["inflow_as_state_us"]
     rows = [
-        f"{place['cpu']}, {place['cores']} cores, Python {place['python']}, core for "
-        f"{place['instructions']}; medians; the machine's load was {place['load_before']} at the "
-        "start.",
+        f"Medians on {place['cpu']}, {place['cores']} cores, Python {place['python']}, core built "
+        f"for {place['instructions']} instructions; the machine's load was "
+        f"{place['load_before']} at the start.",
         "",
         "| whole process | wall time | processor time |",
         "|---|---:|---:|",
@@ -168,63 +168,65 @@ def speed(found: dict[str, Any]) -> str:
             for name, cost in found["processes"].items()
         ),
         "",
-        "| one call from Python, recommended model | median | most |",
+        "| one call from Python, recommended model | median | maximum |",
         "|---|---:|---:|",
         *(
             f"| {name} | {cost['median_us']:.0f} µs | {cost['most_us']:.0f} µs |"
             for name, cost in found["single_call"].items()
         ),
         "",
-        f"| {found['batch']} points at once | wall time per point | processor time per point |",
+        f"| batch of {found['batch']} points | wall time per point | processor time per point |",
         "|---|---:|---:|",
         *(
             f"| {name} | {cost['wall_us']:.1f} µs | {cost['processor_us']:.1f} µs |"
             for name, cost in (found["batches"] | found["gradients"]).items()
         ),
         "",
-        f"A rotor's wrench takes {state['wrench']:.0f} µs, with the inflow as a state and its "
-        f"step {state['advance']:.0f} µs, the step alone {state['step']:.0f} µs; `fine` takes "
-        f"{found['fine_over_standard']:.1f} times as long as `standard`; a thousand oblique points "
-        f"{growth['1000']:.0f} µs of processor time each, a million {growth['1000000']:.0f}, in "
-        f"{found['growth']['peak_megabytes'] / 1e3:.1f} GB at most.",
+        f"- Wrench of a rotor: {state['wrench']:.0f} µs.",
+        f"- Step of the dynamic inflow: {state['step']:.0f} µs; with the wrench "
+        f"{state['advance']:.0f} µs.",
+        f"- `fine` takes {found['fine_over_standard']:.1f} times as long as `standard`.",
+        f"- Processor time per oblique point: {growth['1000']:.0f} µs for a thousand points, "
+        f"{growth['1000000']:.0f} µs for a million.",
+        f"- Peak memory for a million points: {found['growth']['peak_megabytes'] / 1e3:.1f} GB.",
     ]
     return "\n".join(rows)
 
 
 def tables(found: dict[str, Any]) -> str:
-    """Queries of a table beside the model and RotorPy's rotor, with the machine."""
+    """Tabulate times of a table, the model and RotorPy's rotor, with their machine."""
     place, query, c = found["machine"], found["query_us"], found["c_ns"]
     model, rotorpy = found["model_us"], found["rotorpy_us_per_rotor"]
 
     rows = [
+        "Processor time of all cores, minimum of several repeats. Machine: "
         f"{place['cpu']}, {place['cores']} cores, Python {place['python']}, NumPy "
-        f"{place['numpy']}; processor time, all cores together, least of several repeats; the "
-        f"machine's load was {place['load_before']} at the start.",
+        f"{place['numpy']}, load {place['load_before']} at the start.",
         "",
-        "| what | time |",
+        "| operation | time |",
         "|---|---:|",
         f"| table, one point | {query['scalar']:.1f} µs |",
         f"| table, one velocity vector | {query['scalar_at_velocity']:.1f} µs |",
-        f"| table, 100 000 points at once | {query['array']:.2f} µs per point |",
+        f"| table, 100 000 points in one call | {query['array']:.2f} µs per point |",
         f"| table, gradient of all loads, one point | {query['scalar_gradient']:.0f} µs |",
         f"| table, Ω for a thrust | {query['scalar_inverse'] / 1e3:.1f} ms |",
         f"| C header, `double` | {_stated(c['double'], 'ns', 0, 'no gcc')} |",
         f"| C header, `float` | {_stated(c['float'], 'ns', 0, 'no gcc')} |",
         "| full model, 4096 points of that table, half in descent "
         f"| {model['array']:.0f} µs per point |",
-        f"| full model, one point of it, in descent | {model['scalar']:.0f} µs |",
+        f"| full model, one of these points, in descent | {model['scalar']:.0f} µs |",
         f"| RotorPy's rotor model, per rotor | {_stated(rotorpy, 'µs', 1, 'not installed')} |",
-        "| a process that imports, loads the table and asks once | "
+        "| process that imports propmap, loads the table and evaluates one point | "
         f"{found['cold_process_s']['processor']:.2f} s |",
     ]
     return "\n".join(rows)
 
 
 def building(found: dict[str, Any], fine: dict[str, Any]) -> str:
-    """What two tables took to build, and how far they are from the model."""
+    """Tabulate the building cost and the certified errors of two tables."""
     rows = [
-        "| tolerance | processor time | points of the model | knots | file | largest error | "
-        "unresolved: share of the envelope | largest error there |",
+        "| tolerance | processor time | model evaluations | knots | file | largest error | "
+        "unresolved part of the envelope | largest error there |",
         "|---:|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for one in (found["building"], fine["building"]):
@@ -239,22 +241,22 @@ def building(found: dict[str, Any], fine: dict[str, Any]) -> str:
 
 
 def replaced(text: str, name: str, table: str) -> str:
-    """``text`` with what stands between the markers of ``name`` exchanged."""
+    """Return ``text`` with ``table`` between the markers of ``name``."""
     pattern = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
     new, count = pattern.subn(lambda found: f"{found[1]}{table}\n{found[2]}", text)
     if count != 1:
-        raise ValueError(f"README.md has {count} places for {name!r}: it must have one")
+        raise ValueError(f"README.md contains {count} pairs of markers for {name!r}, expected one")
     return new
 
 
 def with_tables(text: str) -> str:
-    """README's ``text`` with the table that the results give."""
+    """Return the ``text`` of README.md with the table from the results."""
     demo = json.loads((RESULTS / "demo.json").read_text(encoding="utf-8"))
     return replaced(text, "model accuracy", headline(demo))
 
 
 def main(arguments: list[str]) -> None:
-    """Take the demo's files if a folder is given, then write the tables."""
+    """Copy the demo's files if a folder is given, then write the table of README.md."""
     if arguments:
         take_demo(Path(arguments[0]))
     text = with_tables(README.read_text(encoding="utf-8"))

@@ -13,12 +13,12 @@ SIZES = (("PB", 1e15), ("TB", 1e12), ("GB", 1e9), ("MB", 1e6))
 
 
 def sweep(found: dict[str, Any]) -> str:
-    """Wall and processor time of 2e6 points, and memory at 1e5 and 2e6."""
+    """Tabulate wall time, processor time and memory of sweeps with 1e5 and 2e6 points."""
     part = found["sweep"]
     rows = [
         _machine(part),
         "",
-        "| | wall | processor | peak of the client | peaks of the workers |",
+        "| | wall time | processor time | peak memory, client | peak memory, workers |",
         "|---|---:|---:|---:|---:|",
     ]
     for size, words in (("1e5", "100,000 points"), ("2e6", "2,000,000 points")):
@@ -29,7 +29,7 @@ def sweep(found: dict[str, Any]) -> str:
                 f"| {words}, {said} | {one['wall_s']:.0f} s | {one['processor_s']:.0f} s "
                 f"| {one['client_peak_MB']:.0f} MB | {peaks} |"
             )
-    same = "the same bits" if part["2e6_same_bits"] and part["1e5_same_bits"] else "NOT the same"
+    same = "bit-identical" if part["2e6_same_bits"] and part["1e5_same_bits"] else "NOT the same"
     return "\n".join(
         [
             *rows,
@@ -43,29 +43,30 @@ def sweep(found: dict[str, Any]) -> str:
 
 
 def overhead(found: dict[str, Any]) -> str:
-    """What a task and a point cost."""
+    """Tabulate the time of a task, a point and a design."""
     part, each = found["scheduler"], found["designs"]
     return "\n".join(
         [
             "| | time |",
             "|---|---:|",
             f"| client and scheduler, per task | {1e3 * part['dispatch_s']:.1f} ms |",
-            f"| a worker, between two tasks | {1e3 * part['gap_s']:.1f} ms |",
-            f"| a point, one core | {1e6 * each['point_standard_s']:.0f} µs: "
-            f"{1.0 / each['point_standard_s']:,.0f} points per second, core and worker |",
-            f"| a point at accuracy fine | {1e6 * each['point_fine_s']:.0f} µs |",
-            f"| a design of a study, {each['design_points']} points | "
+            f"| gap of a worker between two tasks | {1e3 * part['gap_s']:.1f} ms |",
+            f"| one point on one core, `standard` | {1e6 * each['point_standard_s']:.0f} µs "
+            f"({1.0 / each['point_standard_s']:,.0f} points per second and core) |",
+            f"| one point on one core, `fine` | {1e6 * each['point_fine_s']:.0f} µs |",
+            f"| one design of a study, {each['design_points']} points | "
             f"{1e3 * each['design_s']:.0f} ms |",
         ]
     )
 
 
 def workers(found: dict[str, Any]) -> str:
-    """Measured and simulated times by number of workers."""
+    """Tabulate measured and simulated times for each number of workers."""
     part = found["scheduler"]
     rows = [
-        f"| workers | {part['points_per_task']} points a task: wall | simulated | efficiency "
-        "| cores had | simulated with these | tasks that wait: wall | simulated |",
+        f"| workers | {part['points_per_task']} points per task: wall time | simulated "
+        "| efficiency | cores received | simulated with these cores | tasks that wait: wall time "
+        "| simulated |",
         "|---:|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for one in part["rows"]:
@@ -78,19 +79,19 @@ def workers(found: dict[str, Any]) -> str:
             f"({_off(one['waiting_simulated_s'], one['waiting_wall_s'])}) |"
         )
     told = (
-        f"On {part['cores']} cores. The simulation knows of these cores, and not of what others "
-        "did on them meanwhile: the workers had only the cores of the fifth column; by these the "
-        "sixth is reckoned. " + _machine(part)
+        f"The machine has {part['cores']} cores. Other processes used a part of them, so the "
+        "workers received only the cores of the fifth column. The third column is simulated with "
+        "all cores, the sixth with the received cores. " + _machine(part)
     )
     return "\n".join([*rows, "", told])
 
 
 def beyond(found: dict[str, Any]) -> str:
-    """Simulated efficiency by workers and length of tasks."""
+    """Tabulate the simulated efficiency by number of workers and task length."""
     shares = found["scheduler"]["simulated_efficiency_by_task_s"]
     counts = list(next(iter(shares.values())))
     rows = [
-        f"| task | {' | '.join(f'{int(n):,}' for n in counts)} |",
+        f"| task length / workers | {' | '.join(f'{int(n):,}' for n in counts)} |",
         f"|---:|{'---:|' * len(counts)}",
     ]
     for task, row in shares.items():
@@ -100,7 +101,7 @@ def beyond(found: dict[str, Any]) -> str:
 
 
 def cost(found: dict[str, Any], table: dict[str, Any], propellers: int) -> str:
-    """Tabulate what three large jobs take."""
+    """Tabulate work, wall time and storage of three large jobs."""
     each, part = found["designs"], found["scheduler"]
     costs = Costs(part["dispatch_s"], part["gap_s"])
     size = found["sweep"]["2e6_bytes_per_point"]
@@ -113,7 +114,7 @@ def cost(found: dict[str, Any], table: dict[str, Any], propellers: int) -> str:
     )  # fmt: skip
     heads = " | ".join(f"{n:,} cores" for n in CORES)
     rows = [
-        f"| | work of a core | {heads} | storage |",
+        f"| | work on one core | {heads} | storage |",
         f"|---|---:|{'---:|' * len(CORES)}---:|",
     ]
     for words, work, stored in jobs:
@@ -124,13 +125,13 @@ def cost(found: dict[str, Any], table: dict[str, Any], propellers: int) -> str:
 
 
 def catalogue(found: dict[str, Any]) -> str:
-    """Identification of the whole catalogue by one process and by two workers."""
+    """Tabulate times to identify the whole catalogue with one process and with two workers."""
     part = found["catalogue"]
-    same = "the same to the byte" if part["same_bytes"] else "NOT the same"
+    same = "byte-identical" if part["same_bytes"] else "NOT the same"
     rows = [
-        f"`python -m tools.catalogue` of {part['propellers']} propellers with data:",
+        f"`python -m tools.catalogue` for {part['propellers']} propellers with data:",
         "",
-        "| | wall | processor |",
+        "| | wall time | processor time |",
         "|---|---:|---:|",
     ]
     for who, said in (
@@ -142,8 +143,8 @@ def catalogue(found: dict[str, Any]) -> str:
         rows.append(f"| {said} | {one['wall_s']:.0f} s | {one['processor_s']:.0f} s |")
     told = (
         f"Two workers take {1.0 / part['speed_up_over_one_core']:.2f} times the wall time of one "
-        f"core, {1.0 / part['speed_up_over_one_process']:.2f} times that of one process, which "
-        f"uses all cores by itself. The files are {same}. {_machine(part)}"
+        f"core and {1.0 / part['speed_up_over_one_process']:.2f} times the wall time of one "
+        f"process on all cores. The files are {same}. {_machine(part)}"
     )
     return "\n".join([*rows, "", told])
 
@@ -153,7 +154,7 @@ def _off(simulated: float, measured: float) -> str:
 
 
 def _sized(value: float, units: tuple[tuple[str, float], ...]) -> str:
-    """In the largest unit of which there are two."""
+    """Format ``value`` in the largest unit in which it is at least 2."""
     for unit, size in units:
         if value >= 2.0 * size:
             return f"{value / size:.3g} {unit}"
@@ -164,6 +165,6 @@ def _sized(value: float, units: tuple[tuple[str, float], ...]) -> str:
 def _machine(part: dict[str, Any]) -> str:
     place = part["machine"]
     return (
-        f"{place['cpu']}, {place['cores']} cores, Python {place['python']}; the machine's load was "
+        f"Machine: {place['cpu']}, {place['cores']} cores, Python {place['python']}, load "
         f"{place['load_before']} before the start."
     )

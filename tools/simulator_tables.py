@@ -27,10 +27,10 @@ READINGS = (
 
 
 def convergence(found: dict[str, Any]) -> str:
-    """What halving the step does to a simulator's velocity, against SciPy's."""
+    """Tabulate the velocity difference from SciPy for each simulator and step size."""
     steps = " | ".join(f"{step:g} ms" for step in found["steps_ms"])
     rows = [
-        f"| simulator | integrator | order | {steps} | observed at the last halving |",
+        f"| simulator | integrator | order | {steps} | order from the last two steps |",
         "|---|---|---:|---:|---:|---:|---:|",
     ]
     for name, one in found["propmap"]["integrators"].items():
@@ -41,7 +41,7 @@ def convergence(found: dict[str, Any]) -> str:
 
 
 def agreement(found: dict[str, Any]) -> str:
-    """What two simulators differ by, and may."""
+    """Tabulate the largest and the allowed differences of each pair of simulators."""
     names = " | ".join(f"{name} [{unit}]" for name, unit, _ in QUANTITIES.values())
     rows = [f"| | {names} |", "|---|" + "---:|" * len(QUANTITIES)]
     for pair, one in found["propmap"]["pairs"].items():
@@ -58,16 +58,16 @@ def agreement(found: dict[str, Any]) -> str:
     ]
     rows += [
         "",
-        f"At most {max(shares):.2f} of what is allowed is used, with the hover model too.",
+        f"The largest ratio of found to allowed is {max(shares):.2f}, including the hover model.",
     ]
     return "\n".join(rows)
 
 
 def energy(found: dict[str, Any]) -> str:
-    """What each simulator's states gained, and what the air did to them."""
+    """Tabulate the energy gain of each simulator and the work of the air."""
     rows = [
-        "| simulator | loads | kinetic and potential energy gained [J] | work of the air [J] "
-        "| largest difference on the way [J] | shaft energy [J] |",
+        "| simulator | loads | change of kinetic and potential energy [J] | work of the air [J] "
+        "| largest difference during the mission [J] | shaft energy [J] |",
         "|---|---|---:|---:|---:|---:|",
     ]
     for model, words in (("propmap", "propmap"), ("hover", "hover model")):
@@ -79,7 +79,7 @@ def energy(found: dict[str, Any]) -> str:
 
 
 def models(found: dict[str, Any]) -> str:
-    """What the hover model makes of the mission."""
+    """Tabulate readings of the mission with propmap's loads and with the hover model."""
     rows = [
         "| | propmap | hover model | error of the hover model | `propmap trim` |",
         "|---|---:|---:|---:|---:|",
@@ -98,7 +98,7 @@ def models(found: dict[str, Any]) -> str:
 
 
 def elsewhere(found: dict[str, Any]) -> str:
-    """How alike simulators are in these readings, what a simulated log has, what is not known."""
+    """Summarize the agreement of the simulators, a simulated log and the drag's uncertainty."""
     spread = 0.0
     for model in ("propmap", "hover"):
         told = found[model]["told"]
@@ -109,11 +109,12 @@ def elsewhere(found: dict[str, Any]) -> str:
     mean = 0.5 * (mine["cruise_front"] + mine["cruise_rear"])
     drag = found["steady"]["rotor_drag"]
     return (
-        f"SciPy, RotorPy, MuJoCo and Drake give each of these figures to {_power(spread)} of it. "
-        f"`propmap simulate flight` leans by {log['pitch_deg']:.2f}° at 12 m/s, all rotors at "
-        f"{log['rotor_speed']:.1f} rad/s; the flight's mean is {mean:.1f}. The rotors' drag has a "
-        f"standard deviation of {100.0 * drag['relative_std']:.0f} % there, by how rotors are "
-        f"mounted; with bare blades the vehicle leans by {drag['pitch_of_bare_blades_deg']:.1f}°."
+        "The readings of SciPy, RotorPy, MuJoCo and Drake differ by at most a fraction of "
+        f"{_power(spread)}. At 12 m/s, `propmap simulate flight` has a pitch of "
+        f"{log['pitch_deg']:.2f}° and all rotors at {log['rotor_speed']:.1f} rad/s; the mean of "
+        f"the flight is {mean:.1f}. The standard deviation of the rotor drag is "
+        f"{100.0 * drag['relative_std']:.0f} % there, because the mount is unknown. With bare "
+        f"blades the pitch is {drag['pitch_of_bare_blades_deg']:.1f}°."
     )
 
 
