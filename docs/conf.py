@@ -1,4 +1,4 @@
-"""Sphinx's settings; what the pages show of results is made anew at every build."""
+"""Settings of Sphinx; every build regenerates the results on the pages."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ docs_figures.write(GENERATED)
 docs_pages.write(GENERATED)
 propeller_pages.write(ROOT / "docs")
 
-# Cells run the command of this environment, with tables as wide as a page.
+# Code cells run the `propmap` command of this environment, with tables as wide as a page.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ["COLUMNS"] = "96"
 os.environ["IPYTHONDIR"] = str(GENERATED / "ipython")
@@ -54,7 +54,7 @@ myst_heading_anchors = 3
 
 nb_execution_mode = "force"
 nb_execution_in_temp = True
-nb_execution_timeout = 600  # Of a cell; only a hanging one takes so long.
+nb_execution_timeout = 600  # Seconds per cell; only a hanging cell takes longer.
 nb_execution_raise_on_error = True
 nb_merge_streams = True
 
@@ -83,7 +83,7 @@ html_theme_options = {
     "secondary_sidebar_items": ["page-toc"],
     "header_links_before_dropdown": 8,
 }
-# A long list of one page's neighbours helps nobody on pages that have none.
+# These pages belong to no section, so the sidebar has no section list for them.
 html_sidebars = {
     page: []
     for page in (
@@ -104,7 +104,7 @@ html_sidebars = {
 
 
 def setup(app: Any) -> None:
-    """Formulas in docstrings have bars and stars that reStructuredText would take for markup."""
+    """Escape bars and stars in docstring formulas, which reStructuredText would read as markup."""
 
     def escape(*arguments: Any) -> None:
         lines = arguments[-1]

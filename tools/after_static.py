@@ -1,12 +1,12 @@
-"""Print how well flight is predicted after a fit to a propeller's static rows alone.
+"""Print the errors of predicted flight loads before and after a fit to static rows alone.
 
 Usage: python -m tools.after_static LOADS [N]
 
-LOADS is the UIUC database's loads.csv; every propeller with static rows and a measured blade, or N
-of them drawn at random, is fitted as ``propmap fit static`` does, its own constants in the
-catalogue left out.  Its other rows with a fifth of the static thrust or more are then predicted.
-Errors are root mean squares over those of what was measured; coverage is the share of rows within
-the 95 % intervals.  The figures go into benchmarks/results/after_static.json where all were fitted.
+LOADS is the loads.csv of the UIUC database.  The tool fits all propellers with static rows and a
+measured blade, or N random propellers, like ``propmap fit static``, without their own constants in
+the catalogue.  It then predicts their other rows with at least a fifth of the static thrust.
+Errors are rms over the rms of the measured values; coverage is the fraction of rows inside the
+95 % intervals.  Without N, the results go into benchmarks/results/after_static.json.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ FEW, SMALL, SEED = 5, 0.2, 1
 
 
 class Predicted(NamedTuple):
-    """Thrust and torque of one propeller in flight, (2,) each: relative errors, and coverage."""
+    """Relative errors and coverage of one propeller in flight, (2,) each: thrust, torque."""
 
     errors: Floats
     coverage: Floats
 
 
 def predicted(one: Identified, tested: MeasuredPropeller) -> tuple[Predicted, Predicted]:
-    """Before the fit to static rows, and after it."""
+    """Return the predictions before and after the fit to static rows."""
     blade = replace(catalogue.load(one.propeller), blades=one.blades)
     distribution = expected_prior(one.family, one.size, one.geometry, without=one.tested)
     law = airfoil_at(distribution.mean, "expected", "")
@@ -85,7 +85,7 @@ def predicted(one: Identified, tested: MeasuredPropeller) -> tuple[Predicted, Pr
 
 
 def main(loads: Path, count: int | None) -> None:
-    """Print medians over propellers, and write them."""
+    """Print and store median errors and mean coverage over the propellers."""
     every = {tested.name: tested for tested in refiled(read_uiuc_database(loads))}
     chosen = [one for one in one_of_each(all_identified()) if FEW <= one.static_rows < one.rows]
     if count is not None:
@@ -97,8 +97,8 @@ def main(loads: Path, count: int | None) -> None:
     for when, sides in zip(("before", "after"), zip(*found, strict=True), strict=True):
         half = np.median([one.errors for one in sides], axis=0)
         held = np.mean([one.coverage for one in sides], axis=0)
-        print(f"error, median, {when:<8} {half[0]:8.1%}{half[1]:8.1%}")
-        print(f"within 95 %, {when:<10} {held[0]:8.1%}{held[1]:8.1%}")
+        print(f"median error, {when:<9} {half[0]:8.1%}{half[1]:8.1%}")
+        print(f"inside 95 %, {when:<10} {held[0]:8.1%}{held[1]:8.1%}")
         results[when] = {"error": np.round(half, 4).tolist(), "held": np.round(held, 4).tolist()}
     if count is None:
         with replacing(RESULTS) as path:

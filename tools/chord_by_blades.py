@@ -1,17 +1,20 @@
-"""Print what chord blades have on propellers with more than two, and how well that predicts thrust.
+"""Print the chord of propellers with more than two blades, from static thrust, and its errors.
 
 Usage: python -m tools.chord_by_blades STAND LOADS
 
-STAND has static thrust of five-inch propellers of multirotors, the columns ``COLUMNS``; LOADS is
-the UIUC database's loads.csv, of which the blades count that were tested on hubs for two, three and
-four.  A propeller's chord is the factor on the mean blade's with which the median error of its
-static thrust is nil; on a hub it is counted from that with two blades.  The factor of all with more
-than two is the mean over the stand's, drawn towards that of the hubs.  Each propeller of the stand
-is then predicted with the factor of the others: printed are its median error over all rows, half
-the width of the 95 % band, by the same errors of the others (whose factors it is counted in), and
-what share of the rows it holds.  The density of the stand's air was not recorded and is taken to be
-``DENSITY``; the rotational speed is that of the motors' current.  The numbers of
-propmap.catalogue.expected are the last lines.
+STAND contains static thrust of five-inch multirotor propellers, with the columns ``COLUMNS``.
+LOADS is the loads.csv of the UIUC database.  From it the tool uses blades that were tested on hubs
+with two, three and four blades.
+
+The chord factor of a propeller multiplies the chord of the mean blade so that the median error of
+static thrust is zero.  On a hub the factor is relative to that with two blades.  The factor for
+more than two blades is the mean of the stand, shrunk toward the mean of the hubs.
+
+Each propeller of the stand is then predicted with the factor of the other propellers.  The tool
+prints the median error over all rows, half the width of the 95 % band (from the errors of the other
+propellers) and the fraction of rows inside it.  The air density at the stand was not recorded;
+``DENSITY`` is assumed.  The rotor speed was derived from the motor current.  The last lines are
+the numbers of propmap.catalogue.expected.
 """
 
 from __future__ import annotations
@@ -50,7 +53,7 @@ COLUMNS = ("propeller", "blades", "diameter_in", "pitch_in", "rpm", "thrust_N")
 DENSITY = 1.20  # [kg/m^3] of the stand's air
 
 STEPS, ERROR = 20, 1e-4
-"""Most steps of the search for a factor, and the error of thrust at which it ends."""
+"""Maximum steps of the search for a factor, and the thrust error at which it ends."""
 
 
 class StaticTest(NamedTuple):
@@ -65,8 +68,8 @@ class StaticTest(NamedTuple):
     density: float  # [kg/m^3]
 
     def rotor(self, factor: float, deviation: float = STAND_DEVIATION) -> Rotor:
-        """Make its rotor by size and number of blades, with ``factor`` on the mean blade's chord,
-        and static thrust known to a ``deviation``."""
+        """Return the rotor with ``factor`` on the chord of the mean blade, and a standard
+        ``deviation`` of the logarithm of static thrust."""
         mean = bundled_mean().propeller(self.name, *self.size, self.blades)
         blade = replace(mean, chord=factor * mean.chord)
         law = expected_constants(None, self.size, "population").airfoil
@@ -74,33 +77,33 @@ class StaticTest(NamedTuple):
         left = left_at_rest(prior.covariance, deviation)
         slopes, narrowed = slopes_of(prior.mean), known_at_rest(prior.covariance, left)
         covariance = SectionCovariance(PARAMETERS, slopes @ narrowed @ slopes.T)
-        assert law.uncertainty is not None  # expected constants have it
+        assert law.uncertainty is not None  # for type checkers: expected constants have one
         known = replace(law.uncertainty, covariance=covariance)
         law = law.with_parameters(uncertainty=known)
         return Rotor(Model(blade, law, Air(self.density), corrections_of("recommended")))
 
     def loads(self, factor: float, deviation: float = STAND_DEVIATION) -> Loads:
-        """Predict its loads."""
+        """Predict the loads of the propeller."""
         return self.rotor(factor, deviation).loads(self.omega, 0.0, 0.0)
 
     def error(self, factor: float) -> float:
-        """Take the median of ln(predicted / measured thrust)."""
+        """Return the median of ln(predicted / measured thrust)."""
         return float(np.median(np.log(self.loads(factor).thrust / self.thrust)))
 
     def factor(self) -> float:
-        """Find the factor with which the median error is nil."""
+        """Find the factor at which the median error is zero."""
         found = 1.0
         for _ in range(STEPS):
             error = self.error(found)
             if abs(error) < ERROR:
                 break
-            # Thrust goes with nearly the first power of the chord.
+            # Thrust is nearly proportional to the chord.
             found *= np.exp(-error)
         return found
 
     def slopes(self, factor: float) -> Floats:
-        """Differentiate the logarithm of thrust by the coordinates of constants (P,), median over
-        the rows."""
+        """Return the median over the rows of the derivatives of the logarithm of thrust with
+        respect to the coordinates of the constants (P,)."""
         found = self.rotor(factor).gradients(PARAMETERS, self.omega, 0.0, 0.0)
         by_constants = (found.slopes[0] / found.loads[0]).T
         prior = expected_prior(None, self.size, "population")
@@ -108,7 +111,7 @@ class StaticTest(NamedTuple):
 
 
 def read_stand(path: Path) -> list[StaticTest]:
-    """Read the propellers of the stand; lines that start with # are comments."""
+    """Read the propellers of the stand; lines that begin with # are comments."""
     lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] != "#"]
     by_name: dict[str, list[dict[str, str]]] = {}
     for row in csv.DictReader(lines):
@@ -124,8 +127,8 @@ def read_stand(path: Path) -> list[StaticTest]:
 
 
 def read_hubs(path: Path) -> list[StaticTest]:
-    """Read the static rows of the database's blades that were tested on several hubs."""
-    density = Air().density  # of no consequence to coefficients
+    """Read the static rows of blades of the database that were tested on several hubs."""
+    density = Air().density  # any value: it cancels, since the database contains coefficients
     tests = []
     for one in refiled(read_uiuc_database(path)):
         rest = one.advance == 0.0
@@ -140,13 +143,13 @@ def read_hubs(path: Path) -> list[StaticTest]:
 
 
 def hub_ratios(hubs: Sequence[StaticTest]) -> list[tuple[StaticTest, float]]:
-    """Find the factor of each test with more than two blades over that of the blade with two."""
+    """Return each test with more than two blades and its factor over that with two blades."""
     two = {test.name: test.factor() for test in hubs if test.blades == 2}
     return [(test, test.factor() / two[test.name]) for test in hubs if test.blades > 2]
 
 
 def means_by_series(ratios: Sequence[tuple[StaticTest, float]]) -> Floats:
-    """Average the logarithms of ``hub_ratios``, with one vote for each blade of a series."""
+    """Average the logarithms of ``hub_ratios`` by series, with equal weight for each blade."""
     by_blade: dict[tuple[str, str], list[float]] = {}
     for test, ratio in ratios:
         by_blade.setdefault((test.series, test.name), []).append(float(np.log(ratio)))
@@ -157,11 +160,11 @@ def means_by_series(ratios: Sequence[tuple[StaticTest, float]]) -> Floats:
 
 
 def rule(stand: Floats, hubs: Floats) -> tuple[float, float]:
-    """Combine logarithms of factors of the stand's propellers and of series on hubs; returns the
-    logarithm of the factor to expect on the stand, and its standard deviation.
+    """Return the logarithm of the factor to expect on the stand, and its standard deviation.
 
-    Both scatter alike. The stand's mean is taken to be normal about that of the hubs, by as much
-    as the two differ (C. N. Morris, J. Am. Stat. Assoc. 78, 1983).
+    ``stand`` are logarithms of the factors of propellers, ``hubs`` those of series.  Their scatter
+    is assumed equal.  The mean of the stand is assumed normal about that of the hubs, with the
+    difference of the two as its deviation (C. N. Morris, J. Am. Stat. Assoc. 78, 1983).
     """
     squares = sum(float(((some - some.mean()) ** 2).sum()) for some in (stand, hubs))
     known = squares / (stand.size + hubs.size - 2) / stand.size
@@ -171,8 +174,8 @@ def rule(stand: Floats, hubs: Floats) -> tuple[float, float]:
 
 
 def widened(errors: Sequence[float]) -> float:
-    """Take the root mean square of ``errors``, widened so that 1.96 of it hold 95 % as they are
-    few."""
+    """Return the rms of a few ``errors``, widened by Student's t so that 1.96 times the result
+    contains 95 %."""
     from scipy.stats import t
 
     few = float(t.ppf(0.975, len(errors))) / BAND
@@ -180,18 +183,18 @@ def widened(errors: Sequence[float]) -> float:
 
 
 class LeftOut(NamedTuple):
-    """A propeller of the stand, predicted from the others."""
+    """A propeller of the stand, predicted from the other propellers."""
 
     test: StaticTest
-    own: float  # its own factor
-    factor: float  # that of the others
+    own: float  # factor of this propeller
+    factor: float  # factor of the other propellers
     error: float  # median of ln(predicted / measured thrust)
     half_width: float  # of the 95 % band over thrust, median
-    inside: float  # share of the rows in it
+    inside: float  # fraction of the rows inside the band
 
 
 def left_out(stand: Sequence[StaticTest], hubs: Floats) -> list[LeftOut]:
-    """Predict each of the ``stand`` with the factor of the others."""
+    """Predict each propeller of the ``stand`` with the factor of the other propellers."""
     own = [test.factor() for test in stand]
     factors = []
     for test in stand:
@@ -213,13 +216,13 @@ def left_out(stand: Sequence[StaticTest], hubs: Floats) -> list[LeftOut]:
 
 
 def main(stand_file: Path, loads_file: Path) -> None:
-    """Print."""
+    """Print the factors, the held-out predictions and the resulting numbers."""
     stand, ratios = read_stand(stand_file), hub_ratios(read_hubs(loads_file))
     hubs = means_by_series(ratios)
-    print("one blade on hubs for more than two, chord over that with two")
+    print("blades on hubs for more than two, chord over that with two")
     for test, ratio in ratios:
         print(f"  {test.name:<20} {test.blades} blades  {ratio:.3f}")
-    print("stand                blades rows   own  from the others  error  95 % band  holds")
+    print("stand                blades rows   own  held-out factor  error  95 % band inside")
     found = left_out(stand, hubs)
     for one in found:
         print(

@@ -1,12 +1,12 @@
-"""Print what bands hold of measurements, and the numbers of ``propmap.bands`` that these give.
+"""Print the coverage of the bands by measurements, and the numbers for ``propmap.bands``.
 
 Usage: python -m tools.coverage DATA
 
-DATA is the folder of reference data.  Axial flow: every propeller of the UIUC database with a
-measured blade, its middle and its fastest run predicted by constants identified without them.
-Oblique flow: by name, the 2019 campaign's APC 8x6E, the in-plane force of its 20 propellers, and a
-10x4.7 Slow Flyer in another tunnel.  "Left out" are bands whose shares the other campaign gives
-alone.  Side and pitching moment of the second tunnel have inferred axes, and its tares are in them.
+DATA is the folder of reference data.  Axial flow: each propeller of the UIUC database with a
+measured blade; the middle and the fastest run, each held out of the identification.  Oblique flow:
+catalogue predictions of the APC 8x6E and of the in-plane force of 20 propellers (2019 campaign),
+and of a 10x4.7 Slow Flyer (second tunnel).  Rows with "held out" use the shares of the other
+campaign alone.  In the second tunnel the axes of the moments are inferred and tares are included.
 """
 
 from __future__ import annotations
@@ -41,16 +41,16 @@ from tools.catalogue.identification import AxialTest, airfoil_of, identify
 SHARES = (0.50, 0.80, 0.95)
 LOADS = ("thrust", "torque", "drag", "roll_moment", "side_force", "pitch_moment")
 NEAR_REST = 0.02
-"""Advance ratio below which a row is not one of oblique flow."""
+"""Minimum advance ratio of a row in oblique flow."""
 
 ADVANCE = np.linspace(0.05, 0.25, 5)
-"""Advance ratios at which in-plane forces are compared, those of the 2019 campaign."""
+"""Advance ratios of the compared in-plane forces, from the 2019 campaign."""
 
-TIP_SPEED = 84.0  # [m/s], about the middle of that campaign
+TIP_SPEED = 84.0  # [m/s], about the middle of the 2019 campaign
 
 
 class Campaign(NamedTuple):
-    """Loads of one propeller by name, measured and computed, at n points of oblique flow."""
+    """Measured loads and catalogue prediction of one propeller at n points in oblique flow."""
 
     name: str
     model: Model
@@ -58,23 +58,23 @@ class Campaign(NamedTuple):
     measured: Mapping[str, Floats]  # (n,) each [N], [N m]
 
     def loads(self) -> Loads:
-        """Compute the loads, with the bands as they are now."""
+        """Compute the loads with the current shares of ``propmap.bands``."""
         return Rotor(self.model).loads(*self.flow)
 
     def z_scores(self, name: str) -> Floats:
-        """Errors of a load over their standard deviations (n,)."""
+        """Return the errors of a load over their standard deviations (n,)."""
         found = self.loads()
         return (getattr(found, name) - self.measured[name]) / getattr(found.std, name)
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
-    """Read a CSV file with a comment in front."""
+    """Read a CSV file whose comment lines begin with #."""
     with path.open(encoding="utf-8") as file:
         return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 
 def campaign(name: str, propeller: str, path: Path, columns: Mapping[str, str]) -> Campaign:
-    """Read a campaign's file; ``columns`` are loads by name, with a minus where signs differ."""
+    """Read a campaign; ``columns`` maps loads to columns, with a minus for the opposite sign."""
     rows = rows_of(path)
 
     def column(text: str) -> Floats:
@@ -112,7 +112,7 @@ def campaigns(data: Path) -> list[Campaign]:
 
 
 def axial_z_scores(data: Path) -> dict[str, Floats]:
-    """Errors over standard deviations (n,) of all rows of runs that were left out."""
+    """Return errors over standard deviations (n,) of all rows of the held-out runs."""
     rows = {one.name: one for one in refiled(read_uiuc_database(data / "uiuc" / "loads.csv"))}
     found: dict[str, list[Floats]] = {"thrust": [], "torque": []}
     for one in one_of_each([one for one in all_identified() if one.tested in rows]):
@@ -145,11 +145,11 @@ def axial_z_scores(data: Path) -> dict[str, Floats]:
 
 
 # -------------------------------------------------------------------------------------------------
-# What the campaigns say of the shares.
+# The shares of oblique flow that the campaigns imply.
 
 
 def share_that_fits(one: Campaign, name: str) -> float:
-    """Find the share with which the errors of a load are as large as their standard deviations."""
+    """Find the share at which the rms error of a load over its standard deviation is one."""
 
     def excess(share: float) -> float:
         with with_shares({name: share}):
@@ -159,7 +159,7 @@ def share_that_fits(one: Campaign, name: str) -> float:
 
 
 def with_shares(shares: Mapping[str, float]) -> ExitStack:
-    """Set the shares of oblique flow, by load."""
+    """Set the shares of oblique flow by load, until the returned context ends."""
     stack = ExitStack()
     for table in (bands.OBLIQUE, bands.INPLANE):
         own = {name: share for name, share in shares.items() if name in table}
@@ -168,7 +168,7 @@ def with_shares(shares: Mapping[str, float]) -> ExitStack:
 
 
 def shares_of(every: Sequence[Campaign]) -> dict[str, float]:
-    """The larger of the shares that fit each campaign: two do not tell how a third would differ."""
+    """Return the larger share of the campaigns, since two are too few for a scatter."""
     found = {}
     for name in (*bands.OBLIQUE, *bands.INPLANE):
         each = [share_that_fits(one, name) for one in every if name in one.measured]
@@ -183,11 +183,11 @@ class InPlane(NamedTuple):
     name: str
     measured: Floats
     installed: Loads
-    factor: float  # on the blades' own drag that fits best, with the typical area
+    factor: float  # best fit of the factor on the drag of the blades, with the typical area
 
 
 def in_plane(data: Path) -> Iterator[InPlane]:
-    """Compare edgewise in-plane forces by name with ``gill2019_inplane.csv``."""
+    """Compare catalogue predictions of edgewise force with ``gill2019_inplane.csv``."""
     for row in rows_of(data / "drag" / "gill2019_inplane.csv"):
         radius = float(row["radius_m"])
         model = propmap.known_model(_named(row["propeller"]), int(row["blades"]))
@@ -201,13 +201,13 @@ def in_plane(data: Path) -> Iterator[InPlane]:
 
 
 def _named(name: str) -> str:
-    """The campaign's name of a propeller as the catalogue has it."""
+    """Return the catalogue name of a propeller of the campaign."""
     listed = f"uiuc-{name}"
     return listed if listed in catalogue.names() else name.replace("-", " ", 1)
 
 
 def _factor(model: Model, flow: tuple[Any, Any, Any], measured: Floats) -> float:
-    """Find the factor on the blades' drag for what is ``measured`` with the typical area."""
+    """Fit the factor on the drag of the blades to ``measured`` forces, with the typical area."""
     plain, mount = (
         Rotor(model.with_mount(Installed(factor))).loads(*flow).drag for factor in (1.0, 0.0)
     )
@@ -221,13 +221,13 @@ VEHICLES = [
     ("X500, PX4 and RotorS default", "APC 11x4.7SF", 2, 60.0, "1.32"),
     ("S500, tuned by hand to a log", "10x4.5", 2, 60.0, "3.84"),
 ]
-"""Name, its propeller or one like it, blades, speed of the tips in hover [m/s], and H/(T mu) of the
-whole vehicle as published."""
+"""Name, its propeller or a similar one, blades, tip speed in hover [m/s], and published H/(T mu) of
+the whole vehicle."""
 
 
 def vehicles() -> Iterator[tuple[str, str, float, float, float]]:
-    """Give name, published H/(T mu), that of bare blades, of the installed rotor, and half its band
-    of 95 %, at an advance ratio of 0.1."""
+    """Yield name, then H/(T mu): published, of bare blades, of the installed rotor, and half its
+    95 % band, at an advance ratio of 0.1."""
     for name, propeller, blades, tip, published in VEHICLES:
         model = propmap.known_model(propeller, blades)
         flow = (tip / model.propeller.radius, 0.1 * tip, 0.5 * np.pi)
@@ -243,7 +243,7 @@ def vehicles() -> Iterator[tuple[str, str, float, float, float]]:
 
 
 def line_of(name: str, scores: Floats) -> str:
-    """A line: what bands hold, and the root mean square of errors over deviations."""
+    """Return a line with the coverage and the rms of errors over standard deviations."""
     from statistics import NormalDist
 
     known = scores[np.isfinite(scores)]
@@ -254,22 +254,22 @@ def line_of(name: str, scores: Floats) -> str:
 
 def main(data: Path) -> None:
     """Print the tables."""
-    print("bands of 50, 80, 95 % hold, and rms of z-scores      rows")
-    print("axial flow, runs left out")
+    print("points inside 50, 80, 95 % bands, rms of z-scores    rows")
+    print("axial flow, held-out runs")
     for name, scores in axial_z_scores(data).items():
         print(line_of(name, scores))
     every = campaigns(data)
     alone = {one.name: shares_of([one]) for one in every}
     for one in every:
         others = shares_of([other for other in every if other is not one])
-        print(f"{one.name}, {one.model.propeller.name}, by name; and its shares left out")
+        print(f"{one.name}, {one.model.propeller.name}: catalogue; its shares held out")
         for name in LOADS:
             if name not in one.measured:
                 continue
             print(line_of(name, one.z_scores(name)))
             if name in others:
                 with with_shares(others):
-                    print(line_of(f"{name}, left out", one.z_scores(name)))
+                    print(line_of(f"{name}, held out", one.z_scores(name)))
         relative = {
             name: np.sqrt(np.mean((getattr(one.loads(), name) / one.measured[name] - 1.0) ** 2))
             for name in ("thrust", "torque", "drag")
@@ -282,18 +282,18 @@ def main(data: Path) -> None:
     rms = [np.sqrt(np.mean((one.installed.drag / one.measured - 1.0) ** 2)) for one in found]
     print(f"in-plane force of {len(found)} propellers, 2019, mu {ADVANCE[0]:g} to {ADVANCE[-1]:g}")
     print(line_of("drag", scores.ravel()))
-    print(f"  rms errors: half below {np.median(rms):.1%}, all below {np.max(rms):.1%}")
+    print(f"  rms errors: median {np.median(rms):.1%}, maximum {np.max(rms):.1%}")
     factors = np.array([one.factor for one in found])
     second = every[1]
     own = _factor(second.model, second.flow, second.measured["drag"])
     print(
-        f"  factor on the blades' drag beside {corrections.TYPICAL_AREA[0]:g} R^2: "
+        f"  factor on the drag of the blades, with area {corrections.TYPICAL_AREA[0]:g} R^2: mean "
         f"{factors.mean():.2f}, deviation {factors.std(ddof=1):.2f}; second tunnel {own:.2f}"
     )
-    print("H/(T mu) of whole vehicles: published; bare blades; installed, with 95 %")
+    print("H/(T mu) of whole vehicles: published; bare blades; installed, 95 % band")
     for name, published, bare, installed, half in vehicles():
         print(f"  {name:<32}{published:<14}{bare:5.2f}   {installed:.2f} +- {half:.2f}")
-    print("shares per advance ratio, by campaign, and together")
+    print("shares per advance ratio: each campaign, and the larger")
     together = shares_of(every)
     for name in together:
         each = "  ".join(f"{alone[one.name].get(name, np.nan):5.2f}" for one in every)

@@ -2,8 +2,9 @@
 
 Usage: python -m tools.docs_pages FOLDER
 
-The documentation's build calls ``write``.  Figures come from benchmarks/results/ alone; the
-command reference from the commands themselves, the table of effects on rotor drag from the model.
+The documentation build calls ``write``.  All numbers come from benchmarks/results/, except the
+table of effects on rotor drag, which comes from the model.  The commands themselves provide the
+command reference.
 """
 
 from __future__ import annotations
@@ -42,24 +43,24 @@ LOADS = {
 
 LEFT_OUT = {
     "own": "its own constants",
-    "own_run": "its own, found without the run at the middle of its rotational speeds: that run",
-    "own_fastest": "its own, found without the run at the highest: that run",
+    "own_run": "its own constants without the run at its middle speed: errors of that run",
+    "own_fastest": "its own constants without its fastest run: errors of that run",
     "family": "constants of its family; its blade is known",
-    "other_blade_of_family": "the same without those of its own blade in other numbers",
-    "population": "constants of all; its blade is known",
-    "maker": "constants of its family; its blade by its maker's file",
-    "family_blade": "blade and constants of its family",
-    "population_blade": "blade and constants of all",
-    "family_static": "constants of its family, after a static test: moving rows",
-    "population_static": "constants of all, after a static test: moving rows",
-    "family_label": "blade and constants of its family; its own blade was never measured",
-    "siblings_label": "blade of all, constants of its family; none of its blades was measured",
-    "population_label": "blade and constants of all, for the same propellers and single ones",
+    "other_blade_of_family": "the same, without family members with its own blade",
+    "population": "constants of all propellers; its blade is known",
+    "maker": "constants of its family; its blade from the maker's file",
+    "family_blade": "mean blade and constants of its family",
+    "population_blade": "mean blade and constants of all propellers",
+    "family_static": "constants of its family, after a static test: errors of moving rows",
+    "population_static": "constants of all propellers, after a static test: errors of moving rows",
+    "family_label": "mean blade and constants of its family; its blade was never measured",
+    "siblings_label": "mean blade of all, constants of its family; no family blade was measured",
+    "population_label": "mean blade and constants of all, for these and for single propellers",
 }
 
 
 def write(folder: Path) -> None:
-    """All generated parts, as Markdown."""
+    """Write all generated parts into ``folder`` as Markdown."""
     found = {
         name: json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
         for name in (
@@ -150,16 +151,16 @@ def write(folder: Path) -> None:
         "cli": command_reference(),
     }
     for name, text in parts.items():
-        # A number keeps its sign beside it.
+        # A no-break space keeps the per cent sign on the line of its number.
         kept = re.sub(r"(?<=\d) %", "\u00a0%", text)
         with replacing(folder / f"{name}.md") as part:
             part.write_text(kept + "\n", encoding="utf-8")
 
 
 def twins(found: dict[str, Any]) -> str:
-    """Noise-free twin experiments: how well x is found again."""
+    """Return the table of noise-free twin experiments: errors of the fitted parameters."""
     rows = [
-        "| truth | largest residual | c_l1 | c_l2 | c_d | alpha_0 | ends near it |",
+        "| truth | largest residual | c_l1 | c_l2 | c_d | alpha_0 | starts that end near it |",
         "|---|---:|---:|---:|---:|---:|---:|",
     ]
     for name, twin in found["noise_free"].items():
@@ -172,10 +173,10 @@ def twins(found: dict[str, Any]) -> str:
 
 
 def coverage(found: dict[str, Any]) -> str:
-    """How often the stated intervals hold the truth."""
+    """Return the table of how often the 95 % intervals contain the truth."""
     rows = [
-        "| twin | parameter set | parameter | called identified, of 200 | truth inside, of these "
-        "| truth inside, of all |",
+        "| twin | parameter set | parameter | called identified, of 200 "
+        "| truth inside, of the identified | truth inside, of all |",
         "|---|---|---|---:|---:|---:|",
     ]
     for name, twins in found["coverage"].items():
@@ -189,10 +190,10 @@ def coverage(found: dict[str, Any]) -> str:
 
 
 def flight_twins(found: dict[str, Any]) -> str:
-    """How often the intervals of whole flights hold the truth."""
+    """Return the same table for fits of whole flights."""
     rows = [
         f"| parameter | truth | unit | called identified, of {found['repetitions']} "
-        "| truth inside, of these | of all | if rows were independent | median width "
+        "| truth inside, of the identified | of all | if rows were independent | median width "
         "| error without noise |",
         "|---|---:|---|---:|---:|---:|---:|---:|---:|",
     ]
@@ -217,7 +218,7 @@ def flight_twins(found: dict[str, Any]) -> str:
 
 
 def by_angle(found: dict[str, Any]) -> str:
-    """Oblique data, by angle: recommended, paper's and hover model."""
+    """Return the errors of three models on the oblique data, by angle beta."""
     groups = [g for g in found["groups"] if g["title"].startswith("oblique ")]
     loads = [one["load"] for one in groups[0]["errors"]]
     names = " | ".join(LOADS[load] for load in loads)
@@ -233,7 +234,7 @@ def by_angle(found: dict[str, Any]) -> str:
 
 
 def choice_cost(found: dict[str, Any]) -> str:
-    """What each way costs, and what it loses against the full model."""
+    """Return the cost of each representation and its difference from the full model."""
     rows = [
         "| | one point [µs] | in a batch [µs per point] | thrust | rotor drag | torque "
         "| roll moment |",
@@ -256,7 +257,7 @@ def choice_cost(found: dict[str, Any]) -> str:
 
 
 def choice_measured(found: dict[str, Any]) -> str:
-    """What each way is off against measurements, seen by the fit or not."""
+    """Return the errors of each representation on fitted and on held-out measurements."""
     order = ("thrust", "torque", "drag", "roll_moment")
     names = " | ".join(LOADS[load] for load in order)
     rows = [f"| | {names} |", "|---|" + "---:|" * len(order)]
@@ -268,30 +269,30 @@ def choice_measured(found: dict[str, Any]) -> str:
 
 
 def percent(share: float) -> str:
-    """To two figures, or whole above ten."""
+    """Return a percentage: an integer from 10 %, two significant digits below."""
     return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"
 
 
 def choice_table(found: dict[str, Any]) -> str:
-    """What the table took, in a sentence."""
+    """Return a sentence on the range, build time and size of the table."""
     table, place = found["table"], found["machine"]
     rpm = [9.549296585513721 * w for w in found["envelope"]["omega"]]
     return (
         f"The table of this comparison covers {rpm[0]:.0f} to {rpm[1]:.0f} rpm, "
         f"{found['envelope']['speed'][0]:g} to {found['envelope']['speed'][1]:g} m/s and β from 0 "
         f"to 90° with a tolerance of {100.0 * table['tolerance']:g} % of the static loads; it "
-        f"took {table['build_seconds']:.0f} s to build and certify and has "
+        f"took {table['build_seconds']:.0f} s to build and certify, and its size is "
         f"{table['bytes'] / 1e3:.0f} kB. Times: {place['cpu']}, {place['cores']} cores, Python "
-        f"{place['python']}, least of many; the machine's load was {place['load_before']} at the "
-        "start."
+        f"{place['python']}, minimum of many runs; load of the machine at the start: "
+        f"{place['load_before']}."
     )
 
 
 def after_static(found: dict[str, Any]) -> str:
-    """How well flight is predicted before and after a fit to static rows."""
+    """Return the errors in axial flight before and after a fit to static rows."""
     lines = [
         f"| {found['propellers']} propellers | thrust, median error | torque, median error | "
-        "rows within 95 %, thrust | torque |",
+        "rows in the 95 % band, thrust | torque |",
         "|---|---|---|---|---|",
     ]
     for when in ("before", "after"):
@@ -301,9 +302,9 @@ def after_static(found: dict[str, Any]) -> str:
 
 
 def other_tunnel(found: dict[str, Any]) -> str:
-    """Loads of the 8x6E by name against another tunnel's oblique data."""
+    """Return the errors of the catalogue prediction of the 8x6E on another tunnel's data."""
     rows = [
-        "| load | inside 95 % | mean error, standard deviations | rms error |",
+        "| load | inside the 95 % band | mean error, standard deviations | rms error |",
         "|---|---:|---:|---:|",
     ]
     for one in found["by_name"]:
@@ -315,10 +316,10 @@ def other_tunnel(found: dict[str, Any]) -> str:
 
 
 def left_out(found: dict[str, Any]) -> str:
-    """How well propellers are predicted from the others."""
+    """Return the errors of propellers that are predicted from the other propellers."""
     rows = [
-        "| predicted from | propellers | C_T: median, 90 % below | C_P: median, 90 % below | "
-        "band of 95 % holds, at rest: C_T, C_P | moving: C_T, C_P |",
+        "| predicted from | propellers | C_T: median, 90th percentile | C_P: median, 90th "
+        "percentile | inside the 95 % band at rest: C_T, C_P | moving: C_T, C_P |",
         "|---|---:|---:|---:|---:|---:|",
     ]
     for name, told in LEFT_OUT.items():
@@ -336,9 +337,9 @@ def left_out(found: dict[str, Any]) -> str:
 
 
 def left_out_makers(found: dict[str, Any]) -> str:
-    """Compare mean blades with those of makers' files, by series."""
+    """Compare mean blades with blades from makers' files, by series."""
     rows = [
-        "| | propellers | mean blade: C_T, C_P | blade of the maker's file: C_T, C_P |",
+        "| series | propellers | mean blade: C_T, C_P | blade from the maker's file: C_T, C_P |",
         "|---|---:|---:|---:|",
     ]
     for name, one in found.items():
@@ -354,23 +355,23 @@ def left_out_makers(found: dict[str, Any]) -> str:
 
 
 def identified() -> str:
-    """How well the bundled constants fit, and the propellers that they fit worst."""
+    """Return the errors of the bundled constants, and the propellers with the largest errors."""
     found = summary(all_identified())
     rows = [
         f"Root mean square errors over all rows of {found.propellers} propellers with a measured "
-        "blade, by "
+        "blade, from "
         "`python -m tools.catalogue`:",
         "",
-        "| | median | 90 % below |",
+        "| | median | 90th percentile |",
         "|---|---:|---:|",
         *(
             f"| {name} | {median:.4f} | {tail:.4f} |"
             for name, (median, tail) in (("C_T", found.thrust), ("C_P", found.power))
         ),
         "",
-        "The worst:",
+        "Propellers with the largest errors:",
         "",
-        "| propeller | C_T | C_P | what is known of it |",
+        "| propeller | C_T | C_P | verdict |",
         "|---|---:|---:|---|",
         *(
             f"| {one.tested} | {one.thrust_rms:.4f} | {one.power_rms:.4f} | {one.verdict} |"
@@ -381,11 +382,11 @@ def identified() -> str:
 
 
 def sim_steps(found: dict[str, Any]) -> str:
-    """Time of a step in MuJoCo by what gives the forces."""
+    """Return the time of a MuJoCo step for each source of the forces."""
     place, steps = found["machine"], found["step_us"]
     bare, *others = steps.items()
     rows = [
-        f"| forces by | step [µs] | beside {bare[0]} [µs] |",
+        f"| source of the forces | step [µs] | added to {bare[0]} [µs] |",
         "|---|---:|---:|",
         *(
             f"| {name} | {cost:.1f} | {round(cost - bare[1], 1) + 0.0:.1f} |"
@@ -399,7 +400,7 @@ def sim_steps(found: dict[str, Any]) -> str:
 
 
 def exports() -> str:
-    """Write what each export writes, keeps and loses, by the registry of exports."""
+    """Return the table of exports from their registry: files, kept and lost terms."""
     rows = ["| target | writes | keeps | loses |", "|---|---|---|---|"]
     kinds = {"table": "", "rotor": " of a propeller", "pusher": " of a pusher or tailsitter"}
     for e in EXPORTS:
@@ -409,12 +410,12 @@ def exports() -> str:
 
 
 def command_reference() -> str:
-    """Every command with its arguments and options, by typer's own writer."""
+    """Return the reference of all commands, from typer."""
     command = [sys.executable, "-m", "typer", "propmap.cli.app", "utils", "docs"]
     done = subprocess.run(
         [*command, "--name", "propmap"], capture_output=True, text=True, check=True
     )
-    # The lists of commands cut their descriptions short, and each has its own section below.
+    # typer truncates the descriptions in its lists; each command has its own section below.
     text = re.sub(r"\*\*Commands\*\*:\n\n(?:\* .*\n)+\n?", "", done.stdout)
     return text.replace("# `propmap`\n", "# Commands\n", 1).strip()
 

@@ -1,4 +1,4 @@
-"""Print what corrections change in the rotor drag of the APC 8x6E, as a table in Markdown.
+"""Print a Markdown table of the effect of corrections on the rotor drag of the APC 8x6E.
 
 Usage: python -m tools.drag_effects
 """
@@ -15,7 +15,7 @@ from propmap.rotor import Rotor
 from propmap.typing import Floats
 
 ADDED = ("pitt-peters", "blade-to-hub", "radial-friction")
-"""Corrections in the order in which they are added to the paper's physics."""
+"""Corrections in the order of their addition to the paper's model."""
 
 ROTATION = 6000.0 * np.pi / 30.0  # Omega [rad/s]
 ANGLES = np.radians([45.0, 60.0, 75.0, 90.0])  # beta [rad]
@@ -23,15 +23,15 @@ SPEEDS = np.array([5.0, 10.0, 15.0])  # V [m/s]
 
 
 class DragEffect(NamedTuple):
-    """Rotor drag with some corrections; arrays are (angles, speeds)."""
+    """Rotor drag with a set of corrections; arrays have the shape (angles, speeds)."""
 
-    corrections: tuple[str, ...]  # as ``propmap.correction`` reads them; none for the paper's
+    corrections: tuple[str, ...]  # names for ``propmap.correction``; empty for the paper's model
     drag: Floats  # D [N]
-    change: Floats  # D over that of the paper's physics, less 1 [-]
+    change: Floats  # D over the drag of the paper's model, minus 1 [-]
 
 
 def drag_effects(added: tuple[str, ...] = ADDED) -> list[DragEffect]:
-    """Compute the paper's drag, then that with one more of the corrections ``added`` each."""
+    """Compute the drag of the paper's model, then add the corrections ``added`` one by one."""
     paper = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
     found: list[DragEffect] = []
     for count in range(len(added) + 1):
@@ -44,9 +44,9 @@ def drag_effects(added: tuple[str, ...] = ADDED) -> list[DragEffect]:
 
 
 def table(effects: list[DragEffect]) -> str:
-    """Make a row per angle and speed: the paper's drag [mN], and its change with each correction.
+    """Return a table with a row per angle and speed: the paper's drag [mN], and its changes.
 
-    Changes are those by a correction and all before it, in per cent.
+    Each change [%] includes one more correction than the column before it.
     """
     paper, *others = effects
     heads = ["β [deg]", "V [m/s]", "paper [mN]", *(f"+ `{one.corrections[-1]}`" for one in others)]

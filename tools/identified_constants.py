@@ -1,11 +1,11 @@
-"""Write the bundled constants of the APC 8x6E, fitted to the wind-tunnel campaign of 2019.
+"""Fit the bundled constants of the APC 8x6E to the wind-tunnel campaign of 2019.
 
 Usage: python -m tools.identified_constants
 
-Runs ``COMMAND`` and keeps its section law, rounded, as
-src/propmap/catalogue/airfoils/apc-8x6e-2019.toml.  To be run again whenever the recommended model
-changes: the constants belong to it, but are offered to every model, so that the corrections with
-which they were found are left out.
+Runs ``COMMAND`` and writes its rounded section law to
+src/propmap/catalogue/airfoils/apc-8x6e-2019.toml.  Run it again after every change of the
+recommended model, because the constants are valid for that model.  The file omits the corrections
+of the fit, so that every model accepts the constants.
 """
 
 from __future__ import annotations
@@ -31,28 +31,28 @@ COMMAND = [
     "propmap", "fit", "tunnel", "apc-8x6e", "gill-dandrea-2019-8x6e", "--loads", "thrust,torque",
     "--free", ",".join(FREE), "--fix", "c_l2=2",
 ]  # fmt: skip
-"""c_l2, the lift beyond stall, is held at the value of two of the three sets of Table I: these data
-do not determine it."""
+"""c_l2, the lift past stall, is fixed at its value in two of the three sets of Table I: the data do
+not determine it."""
 
 DECIMALS = 5
-"""Digits of the constants; their 95 % intervals are a hundred times as wide or more."""
+"""Decimals of the constants; their 95 % intervals are at least a hundred times as wide."""
 
 
 def main() -> None:
-    """Fit and write."""
+    """Fit the constants and write the file."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / f"{NAME}.toml"
         command = [sys.executable, "-m", *COMMAND, "--output", str(file)]
         subprocess.run(command, check=True)
         found = read_fit(file).airfoil
-    assert found.uncertainty is not None  # a fit has it
+    assert found.uncertainty is not None  # for type checkers: every fit has an uncertainty
     known = replace(found.uncertainty, another_tunnel=True)
     with replacing(TARGET) as part:
         part.write_text(_text(found, known), encoding="utf-8")
 
 
 def _text(found: Airfoil, known: SectionUncertainty) -> str:
-    """Name, source, constants and their uncertainty, as a parameter file."""
+    """Return the parameter file: name, source, constants and their uncertainty."""
     source = (
         f"Fitted to thrust and torque of {DATA}, with the recommended model "
         f"({', '.join(MODELS['recommended'])}), by {' '.join(COMMAND)}"

@@ -1,4 +1,4 @@
-"""How often stated intervals hold the truth: data with made-up noise, fitted again and again."""
+"""Coverage of the 95 % intervals of fits, from repeated fits to data with simulated noise."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Intervals(NamedTuple):
     identified: NDArray[np.bool_]  # (B, P): whether the fit calls the parameter identified
 
     def hold(self, truth: Floats) -> NDArray[np.bool_]:
-        """Which of them (B, P) hold the ``truth`` (P,)."""
+        """Return which intervals (B, P) contain the ``truth`` (P,)."""
         return (self.low <= truth) & (truth <= self.high)
 
 
@@ -38,11 +38,11 @@ def noisy_intervals(
     workers: Workers | None = None,
     remake: Callable[[], Rows] | None = None,
 ) -> Intervals:
-    """Fit ``rows`` without noise again and again, each time with other noise.
+    """Fit noise-free ``rows`` repeatedly, each time with new simulated noise.
 
-    ``noise`` is its standard deviation over the rows' ``scale`` [-]; ``draws`` says how many fits.
-    Workers in other processes need ``remake``, picklable, which makes ``rows`` again there; results
-    are the same to the last digit.
+    ``noise`` is its standard deviation over the ``scale`` of the rows [-]; ``draws`` is the number
+    of fits.  Workers in other processes need the picklable function ``remake``, which returns the
+    same ``rows`` there.  Results do not depend on the workers.
     """
     rng = np.random.default_rng(seed)
     noises = (noise * rows.scale * rng.standard_normal(rows.measured.size) for _ in range(draws))
@@ -52,7 +52,7 @@ def noisy_intervals(
 
 
 class _Exact(RowsElsewhere):
-    """Rows without noise; another process makes them again instead of being sent them."""
+    """Noise-free rows, which another process makes again because they cannot be pickled."""
 
     def __init__(self, rows: Rows, choice: Choice, remake: Callable[[], Rows] | None) -> None:
         self.rows, self.choice, self.remake = rows, choice, remake

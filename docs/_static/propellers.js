@@ -1,11 +1,11 @@
-// Filters the list of propellers.  Without this script the box stays hidden and all are shown.
+// Filter the list of propellers.  Without this script, the box stays hidden and all are listed.
 (() => {
   const box = document.querySelector(".propeller-filter");
   const input = box.querySelector("input");
   const told = box.querySelector("output");
   const items = [...document.querySelectorAll("#propeller-list > li")];
 
-  // "10 x 4,7" is 10x4.7, as it is for the commands; "3 blades" is one word, lest 3x2 be meant.
+  // As in commands, "10 x 4,7" is 10x4.7.  "3 blades" is one word, so that it does not match 3x2.
   const words = (text) =>
     text
       .toLowerCase()
@@ -33,5 +33,5 @@
     }
   });
   box.hidden = false;
-  filter(); // A browser that goes back keeps what was typed.
+  filter(); // The browser restores the typed text when the user goes back.
 })();

@@ -1,7 +1,7 @@
-"""Executed shell cells and files to be written, shown without IPython's first line.
+"""Sphinx extension that hides the IPython magics of executed cells.
 
-``%%bash -e`` becomes a shell block, ``%%writefile NAME`` a block with the file's name above it.
-The cells run as they are written; only what the page shows changes.
+``%%bash -e`` becomes a shell block, ``%%writefile NAME`` a block with the file name above it.
+The cells run unchanged; only their display on the page changes.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ LANGUAGES = {".csv": "text", ".toml": "toml", ".py": "python", ".c": "c", ".sdf"
 
 
 def show_plainly(_: Sphinx, doctree: nodes.document) -> None:
-    """Take the magics off the literal blocks of a page."""
+    """Remove the magics from the literal blocks of a page."""
     for block in list(doctree.findall(nodes.literal_block)):
         first, _, rest = block.astext().partition("\n")
         words = first.split()
@@ -38,11 +38,11 @@ def _add_caption(doctree: nodes.document, block: nodes.literal_block, name: str)
     wrapper = nodes.container("", literal_block=True, classes=["literal-block-wrapper"])
     block.replace_self(wrapper)
     wrapper += [nodes.caption("", name), block]
-    # Sphinx numbers what has a caption, and wants it to have an id.
+    # Sphinx numbers blocks with a caption, which requires an id.
     doctree.note_implicit_target(wrapper)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Register with Sphinx."""
+    """Register the extension with Sphinx."""
     app.connect("doctree-read", show_plainly)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

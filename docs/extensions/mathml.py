@@ -1,4 +1,4 @@
-"""Formulas as MathML, by docutils: they show without a network, which MathJax would need."""
+"""Sphinx renderer of formulas as MathML, which unlike MathJax needs no network."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from sphinx.application import Sphinx
 
 
 def inline(writer: Any, node: nodes.math) -> None:
-    """A formula within a sentence."""
+    """Write a formula within a sentence."""
     writer.body.append(tex2mathml(node.astext()))
     raise nodes.SkipNode
 
 
 def block(writer: Any, node: nodes.math_block) -> None:
-    """A formula of its own."""
+    """Write a formula as a separate block."""
     writer.body.append(f'<div class="math">{tex2mathml(node.astext(), as_block=True)}</div>')
     raise nodes.SkipNode
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Register with Sphinx as ``html_math_renderer = "mathml"``."""
+    """Register the renderer with Sphinx for ``html_math_renderer = "mathml"``."""
     app.add_html_math_renderer("mathml", (inline, None), (block, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,6 +1,6 @@
-"""Runs what `make reproduce` runs beside the build, which needs the results on one page only.
+"""Sphinx extension that runs `make reproduce` in parallel with the build.
 
-The command takes as long as all the cells of the other pages: side by side they share the cores.
+Only one page needs the results, and the command takes as long as all cells of the other pages.
 """
 
 from __future__ import annotations
@@ -12,15 +12,15 @@ from typing import Any
 from tools import docs_reproduce
 
 PAGE = "validation"
-"""The page that includes the results; Sphinx reads pages in the order of their names."""
+"""Page that includes the results, read late because Sphinx reads pages in alphabetical order."""
 
 GENERATED = Path(__file__).resolve().parent.parent / "generated"
 
 
 def setup(app: Any) -> dict[str, Any]:
-    """Start the command with the build, and wait for it where its results are included."""
+    """Start the command with the build, and wait for it at the page that includes its results."""
     running: list[subprocess.Popen[bytes]] = []
-    # Sphinx looks for the folders that it copies before anything else happens.
+    # Sphinx checks the folders that it copies before it emits the first event.
     docs_reproduce.folder_of_page(GENERATED).parent.mkdir(parents=True, exist_ok=True)
 
     def start(*_: Any) -> None:

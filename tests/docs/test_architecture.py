@@ -27,7 +27,7 @@ def test_every_folder_has_its_paragraph(rooms: set[str]) -> None:
 
 def test_every_header_has_its_line() -> None:
     text = PAGE.read_text(encoding="utf-8")
-    table = text.partition("| header | what |")[2].partition("\n\n")[0]
+    table = text.partition("| header | contents |")[2].partition("\n\n")[0]
     cells = [line.split("|")[1] for line in table.splitlines() if line.startswith("| `")]
     headers = {path.name for path in (ROOT / "core" / "include" / "propmap").glob("*.hpp")}
     assert set(re.findall(r"`(\w+\.hpp)`", " ".join(cells))) == headers

@@ -154,7 +154,7 @@ def test_the_command_on_a_card_gives_loads_within_the_data(
 def test_a_card_without_rows_says_so() -> None:
     one = entry("apc-8x6e", 2)
     text = card(one, None)
-    assert "not at hand" in text and one.verdict in text.replace("&#x27;", "'")
+    assert "rows are missing" in text and one.verdict in text.replace("&#x27;", "'")
     assert set(plots(text)) == {
         f"Outline of a blade of {one.propeller}, the axis at the left, to scale",
         "chord c/R over y/R",
@@ -291,7 +291,7 @@ def test_nothing_is_fetched_from_elsewhere(file: str) -> None:
 
 def test_the_worst_have_reasons_and_cards() -> None:
     text = listing.worst(all_identified(), ROWS)
-    assert "not looked into" not in text
+    assert "not examined" not in text
     for one in summary(all_identified()).worst:
         assert f"propellers/{words.page_name(one)}.md" in text and f"{one.thrust_rms:.4f}" in text
 

@@ -38,7 +38,7 @@ def test_what_is_not_identified_is_marked() -> None:
             ]
         )
     )
-    assert found[2] == ["mine", "4.5 (4 to 5)", "0\\* (4 to 5)", "held", "held", "held"]
+    assert found[2] == ["mine", "4.5 (4 to 5)", "0\\* (4 to 5)", "fixed", "fixed", "fixed"]
     none = docs_reproduce.rotor_drag(
         [
             {

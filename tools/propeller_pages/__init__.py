@@ -1,5 +1,5 @@
-"""Pages on the propellers whose constants come with propmap: a card each, a list, the population.
+"""Pages on the propellers with bundled constants: one card each, a list, and the population.
 
-Pictures are SVG inside the pages, drawn by a hundred lines of their own: a hundred and forty cards
-take seconds, weigh little and follow the theme's colours.
+The pictures are inline SVG from a small writer in this package: 140 cards take seconds, are small
+and follow the colors of the theme.
 """

@@ -1,4 +1,4 @@
-"""A blade as SVG: its outline to scale, chord and twist over the radius."""
+"""SVG pictures of a blade: outline to scale, chord and twist over the radius."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from propmap.model.propeller import Propeller
 from tools.propeller_pages.plot import Series, figure, path, plot
 
 LENGTH, MARGIN = 740.0, 10.0
-"""Size of the outline from the axis to the tip, and what is left free around it."""
+"""Length of the outline from the axis to the tip, and the margin around it."""
 
 SMALL = 100.0
 """Length of the outline in a list."""
 
 
 def pictures(blade: Propeller) -> list[str]:
-    """The outline about mid-chord (sweep plays no part in the model), then the two plots."""
+    """Return the outline about mid-chord (the model ignores sweep), then the two plots."""
     half = 0.5 * LENGTH * blade.chord.max() / blade.radius + MARGIN
     axis = f"M0 {half:.1f}H{LENGTH:g}"
     shape = path(*_outline(blade, LENGTH, half))
@@ -36,7 +36,7 @@ def pictures(blade: Propeller) -> list[str]:
 
 
 def small(blade: Propeller) -> str:
-    """The outline alone, some hundred units long, for a list whose words name it."""
+    """Return the outline alone for the list, which names the blade in its text."""
     half = 0.5 * SMALL * blade.chord.max() / blade.radius + 1.0
     shape = path(*_outline(blade, SMALL, half))
     return (

@@ -1,4 +1,4 @@
-"""The page of one propeller."""
+"""The card of one propeller."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from tools.propeller_pages.comparison import Comparison, compare, error_parts, r
 from tools.propeller_pages.words import fixed, flagged, page_name, title
 
 EDGEWISE = 0.15
-"""Advance ratio of the edgewise flow whose loads a page shows."""
+"""Advance ratio of the edgewise flow on a card."""
 
 
 def card(one: Identified, tested: MeasuredPropeller | None) -> str:
-    """Write the page as Markdown; without rows ``tested`` it says that they are not at hand."""
+    """Return the card as Markdown; without ``tested`` it states that the rows are missing."""
     blade = propeller(one.propeller, blades=one.blades)
     parts = [
         f"# {title(one)}",
@@ -37,28 +37,28 @@ def card(one: Identified, tested: MeasuredPropeller | None) -> str:
         verdict(one),
         "## Blade",
         raw(_side_by_side(blade_picture.pictures(blade))),
-        "Outline about mid-chord, the axis at the left; dotted where the loaded part begins.",
+        "Outline about mid-chord, rotor axis at the left. Dotted: start of the loaded part.",
         "## Fit",
     ]
     if tested is None:
         parts.append(
-            "The measured rows are not at hand; `python -m tools.measured_rows` keeps them."
+            "The measured rows are missing; `python -m tools.measured_rows LOADS` writes them."
         )
     else:
         compared = compare(one, tested)
         parts += [
             raw(fit_pictures.keys(compared), _side_by_side(fit_pictures.pictures(compared))),
-            "Points: measured. Lines: the model with the constants below, over J at the mean "
-            "rotational speed of the runs. Shaded: the root mean square of all errors. The last "
-            "four columns split the sum of their squares.",
+            "Points: measured. Lines: the model with the constants below, over J at the mean rotor "
+            "speed of the runs. Shaded: rms error of all rows. The last four columns of the table "
+            "divide the sum of squared errors into four parts.",
             _errors(one, compared),
         ]
     parts += [
-        "## Loads with their bands",
+        "## Loads with 95 % bands",
         _bands(one, blade),
         "## Constants",
         _constants(one),
-        "## What they rest on",
+        "## Data of the fit",
         _data(one, blade),
         f"Blade: {blade.source}. {blade.citation}.",
         f"Loads: {SOURCE}.",
@@ -68,17 +68,17 @@ def card(one: Identified, tested: MeasuredPropeller | None) -> str:
 
 
 def raw(*parts: str) -> str:
-    """HTML that stands in a page as it is."""
+    """Return a Markdown block with raw HTML."""
     return "\n".join(["```{raw} html", *parts, "```"])
 
 
 def _side_by_side(pictures: Sequence[str]) -> str:
-    """Where there is room; one below the other on a telephone."""
+    """Return the pictures in a block that places them side by side if the screen is wide."""
     return "\n".join(['<div class="plots">', *pictures, "</div>"])
 
 
 def verdict(one: Identified) -> str:
-    """The verdict in a box that tells good ones from others at a glance."""
+    """Return the verdict in a box whose color depends on ``flagged``."""
     kind = "flagged" if flagged(one) else "good"
     head = "Take care" if kind == "flagged" else "Verdict"
     return raw(f'<p class="verdict {kind}"><strong>{head}:</strong> {escape(one.verdict)}</p>')
@@ -87,7 +87,7 @@ def verdict(one: Identified) -> str:
 def _errors(one: Identified, found: Comparison) -> str:
     measured = np.stack([found.tested.thrust, found.tested.power])
     rows = [
-        "| | rms error | of the rms measured | rms error at rest | squares: at rest "
+        "| | rms error | over measured rms | rms error at rest | squared errors: at rest "
         "| means of runs | slope over J | scatter |",
         "|---|---:|---:|---:|---:|---:|---:|---:|",
     ]
@@ -109,7 +109,7 @@ def _constants(one: Identified) -> str:
     fitted = coordinate_covariance(one.constants, one.covariance)
     left = np.sqrt(np.diag(fitted)) / POPULATION.deviation
     rows = [
-        "| constant | | value | standard deviation | of the prior's |",
+        "| constant | meaning | value | standard deviation | over that of the prior |",
         "|---|---|---:|---:|---:|",
     ]
     for k, name in enumerate(PARAMETERS):
@@ -123,16 +123,16 @@ def _constants(one: Identified) -> str:
         [
             *rows,
             "",
-            "The last column is the standard deviation as a share of that of the prior over "
-            "propellers (of its coordinate): near 100 % the rows say nothing and the value is the "
-            "prior's. The covariance of all is in "
+            "The last column is the standard deviation of the coordinate over that of the prior. "
+            "Near 100 % the data do not determine the constant, and the value is that of the "
+            "prior. The covariance matrix is in "
             f"`propmap.catalogue.identified.identified({one.propeller!r}, {one.blades})`.",
         ]
     )
 
 
 def _bands(one: Identified, blade: Propeller) -> str:
-    """Tabulate the loads of the installed rotor in three flows, with half the band of 95 %."""
+    """Tabulate the loads of the installed rotor in three flows, with half the 95 % band."""
     rpm = 0.5 * (one.rpm_low + one.rpm_high)
     along, across = 0.5 * one.advance_high * rpm / 60.0 * blade.diameter, EDGEWISE * rpm * RPM
     speed = np.array([0.0, along, across * blade.radius])
@@ -153,8 +153,8 @@ def _bands(one: Identified, blade: Propeller) -> str:
         [
             *rows,
             "",
-            "The rotor is installed as rotors on motors are; a band holds the load with a "
-            "probability of 95 %: [what it is made of](../how-to/uncertainty.md).",
+            "The rotor is modeled as installed on a motor. ± is half the width of the 95 % band: "
+            "[sources of the uncertainty](../how-to/uncertainty.md).",
         ]
     )
 
@@ -169,11 +169,11 @@ def _data(one: Identified, blade: Propeller) -> str:
             "| | |",
             "|---|---|",
             f"| tested as | {one.tested} |",
-            f"| rows | {one.rows}, {one.static_rows} of them at rest |",
+            f"| rows | {one.rows}, of which {one.static_rows} at rest |",
             f"| rotational speed | {one.rpm_low:.0f} to {one.rpm_high:.0f} rpm |",
             f"| J | up to {one.advance_high:.2f} |",
             f"| Re at 3/4 of the radius | {low} to {high} |",
-            f"| such loads by command | `propmap predict {one.propeller}{blades} --rpm {rpm:.0f} "
+            f"| example command | `propmap predict {one.propeller}{blades} --rpm {rpm:.0f} "
             f"--speed {speed:.1f} --beta 0` |",
         ]
     )

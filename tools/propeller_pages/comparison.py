@@ -1,4 +1,4 @@
-"""Measured and modelled C_T and C_P of a propeller, and where they differ."""
+"""Measured and modeled C_T and C_P of a propeller, and the parts of the error."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CURVE = 25
 """Points of a curve."""
 
 REFERENCE = 0.75
-"""Radius over that of the tip at which a Reynolds number is given."""
+"""Radius of the Reynolds number, over the tip radius."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,18 +38,18 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A propeller with what is drawn of it."""
+    """A propeller with the measured rows and curves of its card."""
 
     entry: Identified
     blade: Propeller
     tested: MeasuredPropeller
-    error: Floats  # (2, rows): C_T and C_P of the model less those measured [-]
+    error: Floats  # (2, rows): C_T and C_P, model minus measurement [-]
     moving: list[Curve]  # one for each rotational speed in axial flow, slowest first
-    still: Curve | None  # at rest; None where nothing was measured there
+    still: Curve | None  # at rest; None without measurements at rest
 
 
 def reynolds(entry: Identified, blade: Propeller) -> tuple[float, float]:
-    """Re at three quarters of the radius, without inflow, at the least and the largest rpm."""
+    """Return Re at 3/4 of the radius, without inflow, at the minimum and maximum rpm."""
     radius = REFERENCE * blade.radius
     chord = np.interp(radius, blade.station, blade.chord)
     air = Model(blade, entry.airfoil).air
@@ -58,10 +58,10 @@ def reynolds(entry: Identified, blade: Propeller) -> tuple[float, float]:
 
 
 def compare(entry: Identified, tested: MeasuredPropeller) -> Comparison:
-    """Evaluate the model beside the rows that its constants were identified from."""
+    """Compare the model with the rows from which its constants were identified."""
     blade = propeller(entry.propeller, blades=entry.blades)
     asked = _asked(tested)
-    # One batch for all, since most of the time of a small one goes elsewhere.
+    # One batch for all curves, because small batches spend most of their time on overhead.
     found = coefficients(
         Rotor(Model(blade, entry.airfoil)),
         np.concatenate([*(rpm for rpm, _, _ in asked), tested.rpm]),
@@ -82,7 +82,7 @@ def compare(entry: Identified, tested: MeasuredPropeller) -> Comparison:
 
 
 def coefficients(rotor: Rotor, rpm: Floats, advance: Floats) -> Floats:
-    """C_T and C_P [-], (2, n), in axial flow at ``rpm`` [1/min] and J ``advance`` [-]."""
+    """Return C_T and C_P [-], (2, n), in axial flow at ``rpm`` [1/min] and J ``advance`` [-]."""
     turns = rpm / 60.0
     diameter = 2.0 * rotor.model.propeller.radius
     found = rotor.loads(2.0 * np.pi * turns, advance * turns * diameter, 0.0)
@@ -92,9 +92,9 @@ def coefficients(rotor: Rotor, rpm: Floats, advance: Floats) -> Floats:
 
 
 def _asked(tested: MeasuredPropeller) -> list[tuple[Floats, Floats, Rows]]:
-    """Rpm and J of the curves, and the rows that belong to each.
+    """Return rpm and J of the curves, and the rows of each curve.
 
-    Runs in axial flow at nearly one rpm have one curve, up to their largest J.
+    Runs in axial flow at nearly the same rpm share a curve, up to their largest J.
     """
     runs = np.unique(tested.run[tested.advance > 0.0])
     means = sorted((float(tested.rpm[tested.run == run].mean()), run) for run in runs)
@@ -117,16 +117,16 @@ def _asked(tested: MeasuredPropeller) -> list[tuple[Floats, Floats, Rows]]:
 
 
 class ErrorParts(NamedTuple):
-    """Shares of the sum of squared errors [-]; together 1."""
+    """Fractions of the sum of squared errors [-]; the sum is 1."""
 
-    rest: float  # of the rows at rest
-    runs: float  # of the runs' means in axial flow: what is off by as much over a whole run
-    course: float  # of straight lines over J about those means, one for each run
-    scatter: float  # of what is left
+    rest: float  # rows at rest
+    runs: float  # means of the runs in axial flow
+    course: float  # straight lines over J about these means, one per run
+    scatter: float  # remainder
 
 
 def error_parts(tested: MeasuredPropeller, error: Floats) -> ErrorParts:
-    """Split up the errors (n,) of one coefficient [-]; those that are NaN do not count."""
+    """Divide the squared errors (n,) of one coefficient [-] into parts; NaN is ignored."""
     seen = np.isfinite(error)
     still = tested.advance == 0.0
     runs = course = 0.0

@@ -1,4 +1,4 @@
-"""The fit of one propeller as plots: C_T and C_P over J, their errors, and both at rest."""
+"""Plots of the fit of one propeller: C_T and C_P over J, their errors, and both at rest."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from tools.propeller_pages.plot import COLOURS, Series, plot
 NAMES = ("C_T", "C_P")
 
 LEAST_ERRORS = (0.01, 0.006)
-"""Errors [-] that the plots of errors reach in any case, so that they compare between cards."""
+"""Minimum range [-] of the error plots, so that cards can be compared."""
 
 
 def keys(found: Comparison) -> str:
-    """Which colour is which rotational speed, as HTML."""
+    """Return the legend of colors and rotor speeds as HTML."""
     items = [
         f'<li class="c{n % COLOURS}">{curve.rpm[0]:.0f} rpm</li>'
         for n, curve in enumerate(found.moving)
@@ -24,7 +24,7 @@ def keys(found: Comparison) -> str:
 
 
 def pictures(found: Comparison) -> list[str]:
-    """The plots in pairs, one of C_T and one of C_P each."""
+    """Return the plots in pairs of C_T and C_P."""
     measured = np.stack([found.tested.thrust, found.tested.power])
     rms = (found.entry.thrust_rms, found.entry.power_rms)
     plots = []
@@ -47,7 +47,7 @@ def _over_advance(found: Comparison, k: int, measured: Floats) -> str:
 
 def _errors(found: Comparison, k: int, rms: float) -> str:
     ends = (-LEAST_ERRORS[k], LEAST_ERRORS[k])
-    title = f"{NAMES[k]}, model less measurement"
+    title = f"{NAMES[k]}, model minus measurement"
     return plot(title, "J", _points(found, found.error[k]), rms, ends)
 
 
@@ -60,7 +60,7 @@ def _at_rest(found: Comparison, k: int, measured: Floats) -> str:
 
 
 def _points(found: Comparison, values: Floats) -> list[Series]:
-    """Values of all rows in axial flow over J, in the colours of their curves."""
+    """Return the values of all rows in axial flow over J, in the colors of their curves."""
     return [
         Series(found.tested.advance[curve.rows], values[curve.rows], line=False, colour=n)
         for n, curve in enumerate(found.moving)

@@ -1,4 +1,4 @@
-"""The list of all propellers, which a script filters, and the worst of them with reasons."""
+"""The list of all propellers, filtered by a script, and the worst fits with reasons."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tools.propeller_pages.comparison import ErrorParts, compare, error_parts, r
 from tools.propeller_pages.words import fixed, flagged, page_name, series_title, title
 
 FOLDER = "propellers"
-"""Folder of the cards, beside the page with the list."""
+"""Folder of the cards, next to the page with the list."""
 
 FILTER = """\
 <div class="propeller-filter" hidden>
@@ -25,40 +25,40 @@ FILTER = """\
  aria-controls="propeller-list" placeholder="apc 10x7, 3 blades, flagged">
 <output for="propeller-filter" aria-live="polite"></output>
 </div>"""
-"""Hidden until the script that makes it work is there."""
+"""Filter box, hidden until its script has loaded."""
 
 SCRIPT = '<script src="_static/propellers.js"></script>'
 
 REASONS = {
-    "da4022 5.0x3.75 - 4": "At rest the power coefficient falls by a seventh from the slowest "
-    "rows to the fastest, the model's by half as much.",
-    "gwsdd 5.0x4.3 - 2": "The runs are of three specimens, whose loads differ by a third, and the "
-    "database does not say which run is of which: the constants lie between.",
-    "mi 3.2x2.2 - 2": "Small Reynolds numbers: thrust at rest grows by a fifth with the speed of "
-    "rotation, and the errors grow along J in fast runs and fall in slow ones. One shift of the "
-    "zero-lift angle cannot do both.",
-    "mi 4.0x2.7 - 2": "As the 3.2x2.2; at rest power, too, grows by more than half.",
-    "mi 5.0x3.5 - 2": "As the 3.2x2.2; thrust at rest grows by a third.",
-    "mit 4.3x3.5 - 2": "As the MI 3.2x2.2; at rest power first falls, then grows with the speed of "
-    "rotation.",
-    "gwssf 9.0x7.0 - 2": "Three runs agree. The fastest has less thrust from half its J on and "
-    "none at a J an eighth lower, which is no effect of the Reynolds number. A blade that twists "
-    "under load, or another specimen, would do so; the database does not say.",
-    "nr640 5x3.16 - 4": "At rest thrust grows by two fifths from the slowest row to the fastest "
-    "and power hardly; half of the squared errors are those of the two slowest rows.",
-    "pl 57.0x20.0 - 2": "At rest the power coefficient grows by a third with the speed of rotation "
-    "while thrust stays. Friction would make it fall; the torque of the slowest rows is below "
-    "0.1 N mm.",
-    "da4002 9.0x8.95 - 2": "Its pitch is its diameter: at rest the inner half of the blade is "
-    "stalled, at J = 0.3 nothing is. One stall angle for all radii serves such a blade worst.",
-    "da4022 5.0x3.75 - 3": "At rest neither coefficient goes one way with the speed of rotation: "
-    "thrust dips in the middle of the range, as sections in transition do.",
+    "da4022 5.0x3.75 - 4": "At rest C_P falls by a seventh from the slowest to the fastest rows, "
+    "that of the model by half as much.",
+    "gwsdd 5.0x4.3 - 2": "The runs are from three specimens, whose loads differ by a third. The "
+    "database does not identify the specimen of a run, so the constants are a compromise.",
+    "mi 3.2x2.2 - 2": "Low Reynolds numbers: C_T at rest grows by a fifth with the rotor speed. "
+    "Along J the errors grow in fast runs and fall in slow runs. One shift of the zero-lift "
+    "angle cannot do both.",
+    "mi 4.0x2.7 - 2": "As the MI 3.2x2.2; in addition, C_P at rest grows by more than half.",
+    "mi 5.0x3.5 - 2": "As the MI 3.2x2.2; C_T at rest grows by a third.",
+    "mit 4.3x3.5 - 2": "As the MI 3.2x2.2; C_P at rest first falls, then grows with the rotor "
+    "speed.",
+    "gwssf 9.0x7.0 - 2": "Three runs agree. In the fastest run, C_T is lower from half of its J "
+    "upward and vanishes at a J an eighth lower. This is no effect of the Reynolds number. A "
+    "blade that twists under load, or another specimen, would explain it; the database "
+    "mentions neither.",
+    "nr640 5x3.16 - 4": "At rest C_T grows by two fifths from the slowest to the fastest row, C_P "
+    "hardly at all. The two slowest rows cause half of the squared errors.",
+    "pl 57.0x20.0 - 2": "At rest C_P grows by a third with the rotor speed, while C_T is nearly "
+    "constant. Friction would reduce C_P. The torque of the slowest rows is below 0.1 N mm.",
+    "da4002 9.0x8.95 - 2": "The pitch equals the diameter: at rest the inner half of the blade is "
+    "stalled, at J = 0.3 no part is. A single stall angle for all radii fits such a blade worst.",
+    "da4022 5.0x3.75 - 3": "At rest neither coefficient is monotonic in the rotor speed: C_T has "
+    "a minimum in the middle of the range, as with sections in transition.",
 }
-"""What the cards of the worst show, by the name in the database."""
+"""Explanations of the worst fits, from their cards, by the name in the database."""
 
 
 def listing(entries: Sequence[Identified]) -> str:
-    """List all propellers with their outlines, by series and size; a script hides some."""
+    """Return the list of all propellers with outlines, by series and size, and its filter."""
     ordered = sorted(
         entries,
         key=lambda one: (
@@ -75,7 +75,7 @@ def _item(one: Identified) -> str:
     blade = propeller(one.propeller)
     kind = "flagged" if flagged(one) else "good"
     words = f"{one.propeller} {title(one)} {one.tested} {series_title(one.family)} {one.family}"
-    # As people write it: 10x7e, 10x4.7sf.
+    # The filter also finds sizes with the mark of the series: 10x7e, 10x4.7sf.
     size = one.propeller.rpartition("-")[2] if one.propeller[-1].isdigit() else ""
     mark = one.family.removeprefix("apc")
     words = f"{words} {size}{mark} {one.blades}blades {kind}".lower().replace("-", " ")
@@ -90,17 +90,17 @@ def _item(one: Identified) -> str:
 
 
 def counts(entries: Sequence[Identified]) -> str:
-    """How many there are, and how many are flagged."""
+    """Return a sentence with the number of propellers and of flagged ones."""
     known = {one.propeller for one in entries}
     return (
-        f"{len(entries)} sets of constants of {len(known)} blades; "
-        f"{sum(map(flagged, entries))} carry a remark on what is wrong with the data or the fit "
-        'and are found with the word "flagged".'
+        f"The list contains {len(entries)} sets of constants of {len(known)} blades. "
+        f"{sum(map(flagged, entries))} of these sets have a remark on the data or the fit; the "
+        'filter word "flagged" selects them.'
     )
 
 
 def makers(entries: Sequence[Identified]) -> str:
-    """Tabulate the blades by their makers' files, which have no cards but for ``entries``."""
+    """Tabulate the blades from makers' files without a card, which only ``entries`` have."""
     carded = {one.propeller for one in entries}
     by_series: dict[str, list[str]] = {}
     for entry in catalogue.entries():
@@ -113,9 +113,9 @@ def makers(entries: Sequence[Identified]) -> str:
 
 
 def worst(entries: Sequence[Identified], rows: dict[str, MeasuredPropeller]) -> str:
-    """Tabulate the worst fits: where their errors lie, and why."""
+    """Tabulate the worst fits, with the largest part of their errors and its explanation."""
     lines = [
-        "| propeller | C_T | C_P | Re at 3/4 R | most of the errors are | what is behind them |",
+        "| propeller | rms C_T | rms C_P | Re at 3/4 R | largest part of the error | explanation |",
         "|---|---:|---:|---:|---|---|",
     ]
     for one in summary(entries).worst:
@@ -134,7 +134,7 @@ def worst(entries: Sequence[Identified], rows: dict[str, MeasuredPropeller]) -> 
             fixed(one.power_rms, 4),
             f"{low / 1e3:.0f}e3 to {high / 1e3:.0f}e3",
             where,
-            REASONS.get(one.tested, "not looked into"),
+            REASONS.get(one.tested, "not examined"),
         )
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
@@ -143,10 +143,10 @@ def worst(entries: Sequence[Identified], rows: dict[str, MeasuredPropeller]) -> 
 WORDS = {
     "rest": "at rest",
     "runs": "means of runs",
-    "course": "slope over J in a run",
+    "course": "slope over J in the runs",
     "scatter": "scatter",
 }
-"""Names of the parts of the errors."""
+"""Labels of the parts of the errors."""
 
 
 def _most(parts: ErrorParts) -> str:

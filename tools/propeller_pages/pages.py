@@ -2,9 +2,9 @@
 
 Usage: python -m tools.propeller_pages.pages DOCS
 
-DOCS is the documentation's folder: cards go into its folder ``propellers``, parts of the page that
-lists them into ``generated``.  The documentation's build calls ``write``; it takes some twenty
-seconds.
+DOCS is the folder of the documentation.  Cards go into its folder ``propellers``; the tables and
+pictures of propellers.md go into ``generated``.  The build of the documentation calls ``write``,
+which takes some twenty seconds.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from tools.propeller_pages.words import page_name
 
 
 def write(docs: Path) -> None:
-    """All pages; cards of propellers that are no more are removed."""
+    """Write all pages, and delete the cards of removed propellers."""
     entries, rows = all_identified(), measured_rows.read()
     folder = docs / listing.FOLDER
     folder.mkdir(exist_ok=True)
@@ -44,7 +44,7 @@ def write(docs: Path) -> None:
 
 
 def _write(path: Path, text: str) -> None:
-    """What has not changed keeps its date, so that Sphinx does not read it again."""
+    """Write ``text`` only if it changed, because Sphinx reads every file with a new date."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         with replacing(path) as part:
             part.write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Small plots as SVG text, in the colours of the page that they stand in."""
+"""Small plots as SVG text, in the colors of the surrounding page."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ LEFT, RIGHT, TOP, BOTTOM = 50.0, 10.0, 24.0, 36.0
 """Margins of a plot; all lengths are in the units of its view box."""
 
 COLOURS = 7
-"""How many the style sheet has; from there on they come again."""
+"""Number of colors in the style sheet; further series repeat them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """What is drawn in one colour."""
+    """Points or a line in one color."""
 
-    x: Floats  # (n,): places; those that are not finite are left out
+    x: Floats  # (n,): positions; points with a y that is not finite are omitted
     y: Floats
-    line: bool  # whether they are joined rather than shown as points
+    line: bool  # whether to draw a line instead of points
     colour: int = 0
 
 
@@ -38,8 +38,8 @@ def plot(
 ) -> str:
     """Draw a plot with its axes.
 
-    ``across`` says over what; ``band`` is half the height of a shaded band about 0; ``least`` are
-    heights that the plot shows in any case, by default 0.
+    ``across`` is the label of the horizontal axis, ``band`` half the height of a shaded band about
+    0, and ``least`` the minimum range of the vertical axis, by default 0.
     """
     x = np.concatenate([one.x[np.isfinite(one.y)] for one in series])
     y = np.concatenate([one.y[np.isfinite(one.y)] for one in series])
@@ -79,7 +79,7 @@ def plot(
 
 
 def figure(width: float, height: float, told: str, parts: Iterable[str], look: str = "") -> str:
-    """An SVG element; ``told`` says what it shows to those who cannot see it."""
+    """Return an SVG element; ``told`` is its description for screen readers."""
     return (
         f'<svg class="plot {look}" viewBox="0 0 {width:g} {height:g}" role="img" '
         f'aria-label="{escape(told)}">{"".join(parts)}</svg>'
@@ -87,7 +87,7 @@ def figure(width: float, height: float, told: str, parts: Iterable[str], look: s
 
 
 def path(x: Floats, y: Floats) -> str:
-    """Places (n,) joined by lines, as the data of an SVG path, to a twentieth of a unit."""
+    """Return the data of an SVG path through the points (n,), rounded to a tenth of a unit."""
     return "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True))
 
 
@@ -96,13 +96,13 @@ def _drawn(one: Series, x: Floats, y: Floats) -> str:
     colour = f"c{one.colour % COLOURS}"
     if one.line:
         return f'<path class="curve {colour}" d="{path(x[seen], y[seen])}"/>'
-    # A line of no length with round ends is a disk, in a dozen characters.
+    # A line of zero length with round ends is a disk, in a dozen characters.
     dots = "".join(f"M{a:.1f} {b:.1f}h0" for a, b in zip(x[seen], y[seen], strict=True))
     return f'<path class="dots {colour}" d="{dots}"/>'
 
 
 def _ticks(values: Sequence[float]) -> tuple[list[tuple[float, str]], float, float]:
-    """Round values with their texts, and the ends of an axis that holds all ``values``."""
+    """Return round values with their labels, and the ends of an axis around all ``values``."""
     low, high = min(values), max(values)
     if low == high:
         high = low + 1.0

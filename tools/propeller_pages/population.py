@@ -1,4 +1,4 @@
-"""The constants of all propellers in one picture, with their errors and what is expected."""
+"""The constants of all propellers in one picture, with error bars and predictions."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ from tools.propeller_pages.plot import figure
 from tools.propeller_pages.words import fixed, series_title, title
 
 ROW, COLUMN, GAP = 22.0, 80.0, 24.0
-"""Height of a family, width of a constant, and what lies between two."""
+"""Height of the row of a family; width of the column of a constant, and the gap between columns."""
 
 LEFT, TOP, BOTTOM = 185.0, 58.0, 8.0
 
 BOX, SPREAD = 18.0, 15.0
-"""Height of the box of a family, and of the place that its propellers share."""
+"""Height of the box of a family, and of the strip with the points of its propellers."""
 
 
 class Axis(NamedTuple):
-    """How one coordinate of the constants is shown."""
+    """The axis of one coordinate of the constants."""
 
     name: str
     unit: str
-    logarithmic: bool  # whether the coordinate is its logarithm
-    marks: tuple[float, ...]  # values that are written where the data reach them
+    logarithmic: bool  # whether the coordinate is the logarithm of the constant
+    marks: tuple[float, ...]  # labeled values, omitted outside the data
 
     def coordinate(self, value: float) -> float:
-        """The coordinate of a value."""
+        """Return the coordinate of a value."""
         return float(np.log(value)) if self.logarithmic else value
 
 
@@ -53,23 +53,23 @@ AXES = (
     Axis("reynolds_camber", "rad", False, (-0.05, 0.0, 0.05)),
     Axis("least drag", "rad", False, (-0.05, 0.0, 0.05, 0.1)),
 )
-"""In the order of ``PARAMETERS``; the last is ``zero_lift_angle`` + ``drag_angle``, the angle of
-least pressure drag from the chord line."""
+"""Axes in the order of ``PARAMETERS``.  The last is ``zero_lift_angle`` + ``drag_angle``, the angle
+of least pressure drag from the chord line."""
 
 
 class Column:
-    """The column of constant number ``k``, as wide as all of its values with their errors."""
+    """The column of constant number ``k``, whose range includes all values and error bars."""
 
     def __init__(self, k: int, place: Floats, error: Floats) -> None:
         self.left = LEFT + k * (COLUMN + GAP)
         self.low, self.high = float((place - error).min()), float((place + error).max())
 
     def at(self, coordinate: float) -> float:
-        """Where a coordinate lies."""
+        """Return the position of a coordinate."""
         return self.left + COLUMN * (coordinate - self.low) / (self.high - self.low)
 
     def ends(self, mean: float, deviation: float) -> tuple[float, float]:
-        """Where a standard deviation either way ends, or the column does."""
+        """Return the positions of mean ± standard deviation, limited to the column."""
         low, high = self.at(mean - deviation), self.at(mean + deviation)
         return max(low, self.left), min(high, self.left + COLUMN)
 
@@ -98,20 +98,20 @@ def picture(entries: Sequence[Identified]) -> str:
         for column, mean, sd in zip(columns, expected.mean, expected.deviation, strict=True):
             parts.append(_expected(column, mean, sd, middle))
         for n, one in enumerate(members):
-            # One below the other, in the order of the list.
+            # The points of a family are stacked in the order of the list.
             height_of_one = middle + SPREAD * ((n + 0.5) / len(which) - 0.5)
             parts.append(_member(one, columns, place[which[n]], error[which[n]], height_of_one))
     width = LEFT + len(AXES) * (COLUMN + GAP)
-    told = "Constants of all propellers by family, with errors, beside the prior"
+    told = "Constants of all propellers by family, with error bars, and the prior"
     return figure(width, height, told, parts, "population")
 
 
 def table() -> str:
-    """The prior that the fits took, and the mean and the spread that they found."""
+    """Tabulate the prior of the fits, and the mean and spread of their results."""
     found = bundled_population("measured")
     between, within = (np.sqrt(np.diag(part)) for part in (found.between, found.within))
     rows = [
-        "| constant | prior of the fits | found: mean | between families | within |",
+        "| constant | prior of the fits | mean of the fits | between families | within families |",
         "|---|---:|---:|---:|---:|",
     ]
     for k, axis in enumerate(AXES):
@@ -127,14 +127,14 @@ def _value(axis: Axis, coordinate: float) -> str:
 
 
 def _apart(axis: Axis, deviation: float) -> str:
-    """A standard deviation of a coordinate: a factor either way, or a difference."""
+    """Return a standard deviation of a coordinate as a factor or as a difference."""
     if axis.logarithmic:
         return f"\u00d7\u00f7 {fixed(float(np.exp(deviation)), 2)}"
     return f"± {fixed(deviation, 3)}"
 
 
 def _frame(column: Column, k: int, found: Population, height: float) -> str:
-    """Heading, marks, and the band of a propeller of an unknown family."""
+    """Return heading, labeled values, and the band of a propeller of an unknown family."""
     axis, foot = AXES[k], height - BOTTOM
     spread = float(np.sqrt(found.between[k, k] + found.within[k, k]))
     low, high = column.ends(found.mean[k], spread)
@@ -167,7 +167,7 @@ def _expected(column: Column, mean: float, deviation: float, middle: float) -> s
 def _member(
     one: Identified, columns: Sequence[Column], place: Floats, error: Floats, height: float
 ) -> str:
-    """The points of one propeller with their error bars, and its name for who points at them."""
+    """Return the points of one propeller with error bars, and its name as a tooltip."""
     bars = dots = ""
     for column, value, deviation in zip(columns, place, error, strict=True):
         low, high = column.ends(value, deviation)
