@@ -1,4 +1,4 @@
-"""Tables on aircraft for the documentation, from benchmarks/results/aircraft.json."""
+"""Documentation tables on aircraft, from benchmarks/results/aircraft.json."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from typing import Any
 
 
 def measured_power(found: dict[str, Any]) -> str:
-    """Errors of predicted power on the half of a tunnel's states that was not fitted."""
+    """Tabulate the errors of predicted power on the held-out half of a tunnel's states."""
     halves = found["halves"]
     kinds = {
-        "shaft": "shaft power, 0.874 of the electrical",
-        "electrical_by_a_motor": "electrical power, by three constants of motor and controller",
+        "shaft": "shaft power, taken as 0.874 of the electrical power",
+        "electrical_by_a_motor": "electrical power, three fitted constants of motor and controller",
     }
-    rows = ["| | of the rms power | relative, rms |", "|---|---:|---:|"]
+    rows = ["| | rms error / rms power | rms of relative error |", "|---|---:|---:|"]
     unfitted = found["unfitted_shaft"]
     cells = [f"{100.0 * unfitted[k]:.0f} %" for k in ("rms_of_rms", "rms_relative")]
-    rows.append(f"| shaft power, constants to be expected of any propeller | {' | '.join(cells)} |")
+    rows.append(f"| shaft power, mean constants of all propellers, no fit | {' | '.join(cells)} |")
     for kind, words in kinds.items():
         cells = [
             " and ".join(f"{100.0 * half[kind][k]:.1f}" for half in halves) + " %"
@@ -26,31 +26,31 @@ def measured_power(found: dict[str, Any]) -> str:
     shares = " and ".join(f"{100.0 * half['motor_explains']:.0f} %" for half in halves)
     rows += [
         "",
-        f"Two halves, each predicted from the other: {states} states. The first column is the "
-        "error over the root mean square of the power, in which fast turning counts most; in the "
-        "second "
-        "each state counts alike. The motor model explains "
-        f"{shares} of the mean squared relative error, and none of the other.",
+        f"The states are divided into two halves ({states}); each half is predicted from a fit to "
+        "the other half. High power dominates the first column. In the second column, all states "
+        "have the same weight. The motor model "
+        f"explains {shares} of the mean squared relative error, but nothing of the error in the "
+        "first column.",
     ]
     return "\n".join(rows)
 
 
 def times(found: dict[str, Any]) -> str:
-    """What a trim and a ranking take."""
+    """State the computation times of a trim and of a ranking."""
     rotor, table = found["trim"]["rotor"], found["trim"]["table"]
     chosen = found["choose"]
     return (
-        f"With compiled programs, {rotor['speeds']} speeds take {rotor['processor_s']:.2f} s of "
-        f"processor time on a rotor and {table['processor_s']:.3f} s on a table; a ranking of "
-        f"{chosen['propellers']} propellers {chosen['processor_s']:.0f} s, on all cores."
+        f"{rotor['speeds']} speeds take {rotor['processor_s']:.2f} s of processor time with a "
+        f"rotor and {table['processor_s']:.3f} s with a table. A ranking of "
+        f"{chosen['propellers']} propellers takes {chosen['processor_s']:.0f} s on all cores."
     )
 
 
 def study(found: list[dict[str, Any]]) -> str:
-    """Propellers of the delivery quadcopter: hover, the cheapest cruise, and with a headwind."""
+    """Tabulate propellers of the delivery quadcopter: hover, cruise and cruise in a headwind."""
     rows = [
-        "| propeller | hover | longest flight | least energy per km | in 5 m/s of headwind "
-        "| top speed |",
+        "| propeller | hover power | longest endurance | least energy per km "
+        "| least energy per km, 5 m/s headwind | top speed |",
         "|---|---:|---:|---:|---:|---:|",
     ]
     for one in found:
@@ -75,9 +75,9 @@ def _per_km(state: dict[str, float]) -> str:
 
 
 def transition(found: list[dict[str, Any]]) -> str:
-    """The tailsitter from hover to cruise."""
+    """Tabulate the tailsitter from hover to cruise."""
     rows = [
-        "| V [m/s] | β [deg] | pitch [deg] | rpm | shaft power [W] | carried by the wing |",
+        "| V [m/s] | β [deg] | pitch [deg] | rpm | shaft power [W] | weight carried by the wing |",
         "|---:|---:|---:|---:|---:|---:|",
     ]
     for one in found:

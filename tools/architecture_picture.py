@@ -1,10 +1,10 @@
-"""Draw the package's folders in layers, with arrows for imports, from the source alone.
+"""Draw the package's folders in layers, with arrows for the imports in the source.
 
 Usage: python -m tools.architecture_picture FILE.svg
 
-A box stands one row above the highest box that it imports.  An arrow that follows from others is
-left out: where ``cli`` imports ``fit`` and ``fit`` imports ``model``, ``cli`` to ``model`` is not
-drawn.
+A box is one row above the highest box that it imports.  Arrows that follow from other arrows are
+omitted: if ``cli`` imports ``fit`` and ``fit`` imports ``model``, the arrow from ``cli`` to
+``model`` is not drawn.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from propmap.report.html import COLOURS, new_figure, save, style
 from tools.import_graph import lines, room_imports
 
 WIDTH, HEIGHT = 0.8, 0.56
-"""Size of a box, where rows and columns are 1 apart."""
+"""Width and height of a box; rows and columns have a distance of 1."""
 
 GAP = 0.3
-"""Width that an arrow takes where it passes a row."""
+"""Width reserved for an arrow that passes through a row."""
 
 SWEEPS = 16
-"""How often boxes move to the middle of those that they are joined to, from below and above."""
+"""Number of passes, upward or downward, that move each box to the mean of its neighbors."""
 
 Place = tuple[float, int]
 Graph = Mapping[str, Collection[str]]
 
 
 def picture() -> Figure:
-    """Boxes with their lines of source, and arrows from what imports to what is imported."""
+    """Draw a box for each folder and an arrow from each folder to each one that it imports."""
     imports, count = room_imports(), lines()
     imports.pop("__main__")
     row = _rows(imports)
@@ -66,7 +66,7 @@ def picture() -> Figure:
 
 
 def without_detours(imports: Graph) -> dict[str, set[str]]:
-    """The transitive reduction: what no other import brings along.  Lowest layer first."""
+    """Return the transitive reduction of a graph whose lowest layer comes first."""
     below: dict[str, set[str]] = {}
     for name, others in imports.items():
         below[name] = set(others).union(*(below[other] for other in others))
@@ -84,9 +84,10 @@ def _rows(imports: Graph) -> dict[str, int]:
 
 
 def _places(paths: list[list[str]], row: Mapping[str, int]) -> dict[str, Place]:
-    """Where boxes stand and where long arrows pass: each near the middle of what it is joined to.
+    """Return the places of boxes, and of long arrows in each row that they pass.
 
-    A path leads from a box to one below it, by a point of its own in every row between.
+    A path leads from a box to a lower one, with a separate point in each row between them.  Boxes
+    and points are placed near the mean of the boxes and points to which paths join them.
     """
     level, joined = dict(row), defaultdict(set)
     for path in paths:
@@ -124,7 +125,7 @@ def _box(axes: Axes, place: Place, name: str, count: int) -> None:
 
 
 def _arrow(axes: Axes, path: list[Place]) -> None:
-    """From the bottom of the first box to the top of the last, upright where it passes a row."""
+    """Draw an arrow from the first box down to the last one, vertical within each passed row."""
     half = 0.5 * HEIGHT
     points = [(x, y + side) for x, y in path for side in (half, -half)][1:-1]
     axes.add_patch(

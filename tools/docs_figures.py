@@ -1,9 +1,9 @@
-"""Draw the figures of the documentation: angles, a blade element, results, layers.
+"""Draw the figures of the documentation: angles, a blade element, results, architecture.
 
 Usage: python -m tools.docs_figures FOLDER
 
-The documentation's build calls ``write``; everything is drawn from definitions and from
-benchmarks/results/, so that the same files give the same pictures.
+The documentation build calls ``write``.  All figures are drawn from definitions and from
+benchmarks/results/, so the same files give the same pictures.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Point = tuple[float, float]
 
 
 def write(folder: Path) -> None:
-    """All figures, as SVG with text as outlines, so that they look alike everywhere."""
+    """Write all figures as SVG, with text as outlines that do not depend on installed fonts."""
     choice, checked = (
         json.loads((RESULTS / name).read_text(encoding="utf-8"))
         for name in ("choice.json", "cross_check.json")
@@ -53,7 +53,7 @@ def write(folder: Path) -> None:
 
 
 def angles() -> Figure:
-    """The disk from the side, with beta, and from above, with psi."""
+    """Draw the disk from the side, with beta, and from above, with psi."""
     with style():
         figure = new_figure(8.4, 3.9)
         side, above = figure.subplots(1, 2)
@@ -87,9 +87,9 @@ def _from_the_side(axes: Axes) -> None:
 
 
 def _from_above(axes: Axes) -> None:
-    _blank(axes, (-1.75, 1.75), (-1.45, 1.45), "from above, thrust towards the reader")
+    _blank(axes, (-1.75, 1.75), (-1.45, 1.45), "from above, thrust toward the reader")
     axes.add_patch(Circle((0.0, 0.0), 1.0, fill=False, edgecolor="0.6", linewidth=1.0))
-    # V points up the page; the blade turns counter-clockwise, its advancing side is the right.
+    # V points up.  The blade turns counterclockwise, so the right side is the advancing side.
     _arrow(axes, (0.0, 0.0), (0.0, 1.3), BLUE, r"$V\,\sin\beta$", (0.08, 1.22))
     axes.plot([0.0, 0.0], [0.0, -1.0], color="0.6", linewidth=1.0, linestyle=":")
     psi = math.radians(50.0)
@@ -117,7 +117,7 @@ def _from_above(axes: Axes) -> None:
 
 
 def element() -> Figure:
-    """A blade section with its velocities, angles and forces, the leading edge at the origin."""
+    """Draw a blade section, leading edge at the origin, with velocities, angles and forces."""
     theta, phi = math.radians(26.0), math.radians(12.0)
     with style():
         figure = new_figure(7.0, 3.2)
@@ -129,7 +129,7 @@ def element() -> Figure:
         chord = (-2.0 * math.cos(theta), 2.0 * math.sin(theta))
         axes.plot([0.0, chord[0]], [0.0, chord[1]], color="0.5", linewidth=0.7, linestyle="--")
         axes.text(chord[0] + 0.08, chord[1] + 0.02, "chord line", color="0.4")
-        # The air comes from the left and from above: the inflow goes down.
+        # The air comes from the upper left, because the inflow points down.
         begin = (-2.2 * math.cos(phi), 2.2 * math.sin(phi))
         _arrow(axes, begin, (0.0, 0.0), BLUE, "$U$", (begin[0] + 0.25, begin[1] - 0.17))
         corner = (begin[0], 0.0)
@@ -146,7 +146,7 @@ def element() -> Figure:
         foot = (0.3 * math.cos(theta), -0.3 * math.sin(theta))
         lift = (foot[0] + 1.2 * math.sin(phi), foot[1] + 1.2 * math.cos(phi))
         drag = (foot[0] + 0.55 * math.cos(phi), foot[1] - 0.55 * math.sin(phi))
-        _arrow(axes, foot, lift, RED, "$dL$, across $U$", (lift[0] + 0.07, lift[1] - 0.12))
+        _arrow(axes, foot, lift, RED, "$dL$, normal to $U$", (lift[0] + 0.07, lift[1] - 0.12))
         _arrow(axes, foot, drag, RED, "$dD$, along $U$", (drag[0] + 0.45, drag[1] + 0.03))
         _arrow(axes, (2.3, 0.55), (1.6, 0.55), GREEN, "rotation", (1.66, 0.63), 1.2)
         axes.text(-2.4, -0.75, r"$\alpha = \theta - \phi$; thrust is up", color=INK)
@@ -158,7 +158,7 @@ def _draw_section(axes: Axes, theta: float) -> None:
     for k in range(81):
         turn = 2.0 * math.pi * k / 80
         share = 0.5 * (1.0 - math.cos(turn))
-        # Round in front, sharp behind; thicker above than below.
+        # A round leading edge, a sharp trailing edge, and more thickness above than below.
         half = 0.34 * math.sqrt(share) * (1.0 - share)
         along, side = 1.3 * share, half if turn <= math.pi else -0.4 * half
         x = along * math.cos(theta) + side * math.sin(theta)
@@ -167,7 +167,7 @@ def _draw_section(axes: Axes, theta: float) -> None:
 
 
 def cost_against_error(found: dict[str, Any]) -> Figure:
-    """Time of a point against the error of thrust, beside the measurements' own question."""
+    """Draw thrust error over time per point, against the full model and against measurements."""
     with style():
         figure = new_figure(7.6, 3.4)
         against_model, against_data = figure.subplots(1, 2, sharex=True)
@@ -194,7 +194,7 @@ def cost_against_error(found: dict[str, Any]) -> Figure:
 
 
 def mission(found: dict[str, Any]) -> Figure:
-    """The mission of the cross-check with propmap's loads and with the hover model."""
+    """Draw the mission of the cross-check with propmap's loads and with the hover model."""
     panels = (
         ("pitch, nose down [deg]", ("pitch_deg",)),
         ("rotor speeds [rad/s]", ("front", "rear")),
@@ -215,8 +215,8 @@ def mission(found: dict[str, Any]) -> Figure:
         handles = [
             key("propmap", color=BLUE),
             key("hover model", color=RED),
-            key("rotors in front", color=INK),
-            key("in the rear", color=INK, linestyle="--"),
+            key("front rotors", color=INK),
+            key("rear rotors", color=INK, linestyle="--"),
         ]
         figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure

@@ -1,9 +1,9 @@
-"""Run what `make reproduce` runs for the documentation, and write its main tables as Markdown.
+"""Run the command of `make reproduce`, and write its main tables as Markdown.
 
 Usage: python -m tools.docs_reproduce FOLDER
 
-The page and its files go to FOLDER/site/reproduce, from where the documentation's build copies them
-beside its own pages; the tables for inclusion go to FOLDER.
+The page and its files go to FOLDER/site/reproduce.  The documentation build copies them next to
+its own pages.  The tables that pages include go to FOLDER.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ LOADS = {
 
 
 def folder_of_page(folder: Path) -> Path:
-    """Where the command's page goes."""
+    """Return the folder of the command's page."""
     return folder / "site" / "reproduce"
 
 
 def start(folder: Path) -> subprocess.Popen[bytes]:
-    """Start the command, which takes about two minutes."""
+    """Start the command; it takes about two minutes."""
     site = folder_of_page(folder)
     site.parent.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, "-m", "papers.gill_dandrea_2017", "-o", str(site.resolve())]
@@ -50,7 +50,7 @@ def start(folder: Path) -> subprocess.Popen[bytes]:
 
 
 def finish(process: subprocess.Popen[bytes], folder: Path) -> None:
-    """Wait for the command, and make the tables of its files."""
+    """Wait for the command, and write the tables from its files."""
     _, errors_said = process.communicate()
     if process.returncode:
         raise RuntimeError(f"make reproduce failed: {errors_said.decode(errors='replace')}")
@@ -69,13 +69,13 @@ def finish(process: subprocess.Popen[bytes], folder: Path) -> None:
 
 
 def read(path: Path) -> Rows:
-    """The rows of one of the command's CSV files."""
+    """Return the rows of one CSV file of the command."""
     with path.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 
 def identified(found: Rows) -> str:
-    """A line per fit, values with their 95 % intervals."""
+    """Tabulate the identified values with their 95 % intervals, one row per fit."""
     parameters = {
         "c_l1_per_rad": "c_l1 [1/rad]",
         "c_l2": "c_l2",
@@ -86,16 +86,16 @@ def identified(found: Rows) -> str:
     rows = []
     for fit in dict.fromkeys(row["fit"] for row in found):
         mine = {row["parameter"]: row for row in found if row["fit"] == fit}
-        cells = [_interval(mine[name]) if name in mine else "held" for name in parameters]
+        cells = [_interval(mine[name]) if name in mine else "fixed" for name in parameters]
         rows.append([fit, *cells])
     return _table(["fit", *parameters.values()], rows)
 
 
 def failures(found: Rows) -> str:
-    """A line per propeller, mass and frame drag."""
+    """Tabulate the failures of the hover model, one row per propeller, mass and frame drag."""
     heads = [
-        "propeller", "mass [kg]", "frame drag area [m²]", "off by 5 % [m/s]", "off by 10 % [m/s]",
-        "sign changes [m/s]", "paper: fails [m/s]",
+        "propeller", "mass [kg]", "frame drag area [m²]", "error of 5 % [m/s]",
+        "error of 10 % [m/s]", "change of sign [m/s]", "failure in the paper [m/s]",
     ]  # fmt: skip
     names = (
         "mass_kg", "drag_area_m2", "off_by_5_percent_mps", "off_by_10_percent_mps",
@@ -106,7 +106,7 @@ def failures(found: Rows) -> str:
 
 
 def errors(found: Rows) -> str:
-    """A line per data set, load and model."""
+    """Tabulate the errors, one row per data set, load and model."""
     rows = [
         [
             DATA[row["data_set"]],
@@ -126,20 +126,20 @@ def errors(found: Rows) -> str:
 
 
 def rotor_drag(found: Rows) -> str:
-    """A line per angle: the drag of 2019 over the theory's."""
+    """Tabulate the drag of 2019 relative to the theory, one row per angle."""
     names = (
         "beta_deg", "polynomials_over_theory", "lowest", "highest",
         "polynomials_over_recommended", "model_over_theory",
     )  # fmt: skip
     heads = [
-        "β [deg]", "polynomials over theory, mean", "lowest", "highest",
-        "polynomials over recommended", "their model over theory",
+        "β [deg]", "polynomials / theory, rms", "lowest", "highest",
+        "polynomials / recommended model, rms", "campaign's model / theory, rms",
     ]  # fmt: skip
     return _table(heads, [[_number(row[name], 3) for name in names] for row in found])
 
 
 def drag_sources(found: Rows) -> str:
-    """A line per source: drag in figures that propellers share."""
+    """Tabulate the nondimensional drag, one row per source."""
     names = ("incidence_H_over_mu", "edgewise_H_over_mu", "edgewise_H_over_T_mu")
     theory = float(found[0][names[0]])
     rows = [
@@ -150,12 +150,12 @@ def drag_sources(found: Rows) -> str:
         ]
         for row in found
     ]
-    heads = ["source", "H'/μ, 15°", "H'/μ, edgewise", "H/(T μ), edgewise", "15°, over the theory"]
+    heads = ["source", "H'/μ, 15°", "H'/μ, edgewise", "H/(T μ), edgewise", "15°, over theory"]
     return _table(heads, rows)
 
 
 def drag_plate(found: Rows) -> str:
-    """A line per fit of the drag's excess, the error left in brackets."""
+    """Tabulate the fits of the excess drag with their rms errors in brackets, one row per fit."""
     rows = [
         [
             INFLOWS[row["model"]],
@@ -168,7 +168,7 @@ def drag_plate(found: Rows) -> str:
         ]
         for row in found
     ]
-    heads = ["theory", "drag of", "k", "factor alone", "plate alone [cm²]", "factor, plate [cm²]"]
+    heads = ["theory", "drag of", "k", "factor alone", "plate alone [cm²]", "factor + plate [cm²]"]
     return _table(heads, rows)
 
 

@@ -1,4 +1,4 @@
-"""Tables of the documentation on flights: terms of a fit, flights unseen, throttle, and wakes."""
+"""Documentation tables on flights: terms of a fit, held-out flights, throttle, and wakes."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ AXES = ("x_rms_N", "y_rms_N", "z_rms_N")
 
 
 def terms(found: dict[str, Any]) -> str:
-    """Errors on each flight as terms are added, where it was not fitted and where it was."""
+    """Tabulate errors on held-out and fitted flights as terms are added."""
     flights = list(dict.fromkeys(row["flight"] for row in found["errors"]))
     verdicts = {row["step"]: _verdict(row) for row in found["worth"]}
-    heads = [f"{_short(flight)}, {kind}" for flight in flights for kind in ("unseen", "fitted")]
+    heads = [f"{_short(flight)}, {kind}" for flight in flights for kind in ("held-out", "fitted")]
     lines = [
-        f"| model | {' | '.join(heads)} | mean square falls by [N²] |",
+        f"| model | {' | '.join(heads)} | decrease of the mean square error [N²] |",
         f"|---|{len(heads) * '---|'}---|",
     ]
     for model in dict.fromkeys(row["model"] for row in found["errors"]):
@@ -27,10 +27,10 @@ def terms(found: dict[str, Any]) -> str:
 
 
 def terms_as_recorded(found: dict[str, Any]) -> str:
-    """Errors of signals that were not low-passed, on flights that were not fitted."""
+    """Tabulate errors of the recorded signals, without low-pass, on held-out flights."""
     flights = list(dict.fromkeys(row["flight"] for row in found["errors"]))
     lines = [
-        f"| model | {' | '.join(f'{_short(f)}, unseen' for f in flights)} |",
+        f"| model | {' | '.join(f'{_short(f)}, held-out' for f in flights)} |",
         f"|---|{len(flights) * '---|'}",
     ]
     for model in dict.fromkeys(row["model"] for row in found["errors"]):
@@ -40,13 +40,13 @@ def terms_as_recorded(found: dict[str, Any]) -> str:
 
 
 def unseen_moments(found: dict[str, Any]) -> str:
-    """Errors of moments on flights that were not fitted, beside simpler models and none."""
+    """Tabulate errors of the moments on held-out flights, of propmap and of simpler models."""
     lines = [
-        "| fitted, predicted | axis | measured | propmap | arms, thrust | linear | in the band |",
+        "| fitted, held-out | axis | measured | propmap | arms, thrust | linear | in the band |",
         "|---|---|---:|---:|---:|---:|---:|",
     ]
     for row in (one for one in found["rows"] if one["linear"] is not None):
-        # Three models and none, which errs by all that was measured.
+        # Without a model, the error is the measured moment itself.
         models = [1e3 * row[key] for key in ("measured", "propmap", "hover_model", "linear")]
         cells = [f"**{x:.2f}**" if x == min(models) else f"{x:.2f}" for x in models]
         lines.append(
@@ -57,9 +57,9 @@ def unseen_moments(found: dict[str, Any]) -> str:
 
 
 def unseen_forces(found: dict[str, Any]) -> str:
-    """Errors of forces on flights that were not fitted, and the share in the stated band."""
+    """Tabulate errors of the forces on held-out flights, and the share in the 95 % band."""
     lines = [
-        "| fitted, predicted | axis | measured | propmap | in the band |",
+        "| fitted, held-out | axis | measured | propmap | in the band |",
         "|---|---|---:|---:|---:|",
     ]
     for row in (one for one in found["rows"] if one["linear"] is None):
@@ -71,7 +71,7 @@ def unseen_forces(found: dict[str, Any]) -> str:
 
 
 def responses(found: dict[str, Any]) -> str:
-    """How a difference of thrust turns a vehicle, by frequency."""
+    """Tabulate the frequency response of a vehicle to differential thrust."""
     rows = found["responses"]
     columns = list(dict.fromkeys((row["flight"], row["axis"]) for row in rows))
     heads = " | ".join(f"{_short(flight)}, {axis}" for flight, axis in columns)
@@ -87,9 +87,9 @@ def responses(found: dict[str, Any]) -> str:
 
 
 def throttle(found: dict[str, Any]) -> str:
-    """Errors and shares in the bands of flights without rotor speeds."""
+    """Tabulate errors, and shares in the bands, of flights without rotor speeds."""
     lines = [
-        "| flight | fitted | rms x, y, z [N] | bias [N] | in the 95 % bands | hover model's rms |",
+        "| flight | fitted | rms x, y, z [N] | bias [N] | in the 95 % bands | hover, rms [N] |",
         "|---|---|---:|---:|---:|---:|",
     ]
     for row in found["flights"]:
@@ -102,35 +102,36 @@ def throttle(found: dict[str, Any]) -> str:
 
 
 def throttle_without(found: dict[str, Any]) -> str:
-    """Cross-validated errors of fits that lack something."""
-    lines = ["| fit | x, y, z [N] |", "|---|---:|"]
+    """Tabulate cross-validated errors of fits without one part each."""
+    lines = ["| fit | rms x, y, z [N] |", "|---|---:|"]
     for name, errors in found["without"].items():
         lines.append(f"| {name} | {', '.join(f'{x:.2f}' for x in errors)} |")
     return "\n".join(lines)
 
 
 def throttle_twins(found: dict[str, Any]) -> str:
-    """How a fit from throttle differs from one from rotor speeds, in a sentence."""
+    """State how a fit from throttle differs from a fit from rotor speeds."""
     twins = found["twins"]
     return (
-        f"On a flight that neither had seen their forces differ by {100.0 * twins['force']:.1f} % "
-        f"of the largest, the bands from throttle are {twins['band']:.2f} times as wide, and "
-        f"{100.0 * twins['inside']:.0f} % of the samples or more differ by less than that."
+        "On a held-out flight, the forces of the two fits differ by "
+        f"{100.0 * twins['force']:.1f} % of the largest force. The bands of the fit from throttle "
+        f"are {twins['band']:.2f} times as wide. On each axis, at least "
+        f"{100.0 * twins['inside']:.0f} % of the differences are smaller than these bands."
     )
 
 
 def wakes_cost(found: dict[str, Any]) -> str:
-    """Processor time with the wakes over that without."""
+    """Tabulate the ratio of the processor times with and without wakes."""
     names = {"fit": "a step of a fit, with derivatives", "forces": "forces and moments alone"}
-    lines = ["| what | samples | with over without |", "|---|---:|---:|"]
+    lines = ["| computation | samples | time with wakes / without |", "|---|---:|---:|"]
     for row in found["rows"]:
         lines.append(f"| {names[row['what']]} | {row['samples']} | {row['ratio']:.2f} |")
     return "\n".join(lines)
 
 
 def coaxial(found: dict[str, Any]) -> str:
-    """Thrust and power of a coaxial pair, measured and computed, by rotor speed."""
-    heads = "rpm|thrust, measured [N]|computed|power, measured [W]|computed|upper's share|computed"
+    """Tabulate thrust and power of a coaxial pair, measured and computed, by rotor speed."""
+    heads = "rpm|measured thrust [N]|error|measured power [W]|error|upper's share|computed"
     lines = [f"| {heads.replace('|', ' | ')} |", "|---:|" + "---:|" * 6]
     for row in found["rows"]:
         rpm, upper, upper_power, _, lower, lower_power = row["measured"]
@@ -160,5 +161,5 @@ def _verdict(row: dict[str, Any]) -> str:
 
 
 def _short(flight: str) -> str:
-    """The time of day in a flight's name."""
+    """Return the time of day in a flight's name."""
     return flight[-6:]

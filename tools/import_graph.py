@@ -1,4 +1,4 @@
-"""Which module of the package imports which, read from the source."""
+"""The imports between the modules and folders of the package, read from the source."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SOURCE = Path(__file__).resolve().parent.parent / "src" / "propmap"
 
 
 def modules(source: Path = SOURCE) -> dict[str, Path]:
-    """The package's modules by full name, and their files."""
+    """Return the file of each module of the package by the module's full name."""
     found = {}
     for file in sorted(source.rglob("*.py")):
         parts = ("propmap", *file.relative_to(source).with_suffix("").parts)
@@ -34,12 +34,12 @@ def module_imports(source: Path = SOURCE) -> dict[str, set[str]]:
 
 
 def room(module: str) -> str:
-    """The folder, or the module of the root, that a module is in."""
+    """Return the folder of a module, or the name of a module at the root of the package."""
     return module.split(".")[1]
 
 
 def room_imports() -> dict[str, Counter[str]]:
-    """Rooms that every room imports, and by how many imports; lowest layer first."""
+    """Return the number of imports from each folder to each other one, lowest layer first."""
     graph: dict[str, Counter[str]] = {}
     for module, others in module_imports().items():
         if module != "propmap":
@@ -50,7 +50,7 @@ def room_imports() -> dict[str, Counter[str]]:
 
 
 def lines() -> Counter[str]:
-    """Lines of source of every room."""
+    """Return the number of source lines of each folder."""
     count: Counter[str] = Counter()
     for module, file in modules().items():
         count[room(module) if module != "propmap" else "propmap"] += len(
@@ -67,5 +67,5 @@ def _imported(node: ast.AST, files: dict[str, Path]) -> Iterator[str]:
             inner = f"{node.module}.{alias.name}"
             yield inner if inner in files else node.module
     for child in ast.iter_child_nodes(node):
-        if not isinstance(child, ast.expr):  # in which nothing is imported
+        if not isinstance(child, ast.expr):  # an expression contains no import
             yield from _imported(child, files)

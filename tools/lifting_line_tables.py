@@ -1,4 +1,4 @@
-"""Tables of docs/validation.md on the lifting line, from lifting_line.json of the results."""
+"""Tables of docs/validation.md on the lifting line, from benchmarks/results/lifting_line.json."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from propmap.catalogue.lookup import measurement
 WAKES = {
     "rigid_wake": "rigid, same constants",
     "free_wake": "free, same constants",
-    "rigid_wake_own_constants": "rigid, own constants",
-    "free_wake_own_constants": "free, own constants",
+    "rigid_wake_own_constants": "rigid, refitted constants",
+    "free_wake_own_constants": "free, refitted constants",
 }
 LOADS = ("thrust", "torque", "drag", "roll_moment", "pitch_moment")
 
 
 def known_answers(found: dict[str, Any]) -> str:
-    """The lifting line where the answer is known."""
+    """Tabulate the lifting line and the known solutions."""
     rows = ["| | lifting line | known |", "|---|---:|---:|"]
     for name, one in found["known_answers"].items():
         cells = (f"{round(one[which], 3) + 0.0:.3f}" for which in ("found", "known"))
@@ -28,10 +28,10 @@ def known_answers(found: dict[str, Any]) -> str:
 
 
 def four_points(found: dict[str, Any]) -> str:
-    """Loads with harmonic inflow over the lifting line's, at the four points."""
+    """Tabulate loads with ``pitt-peters`` relative to the lifting line, at the four points."""
     rows = [
         "| V [m/s], β | wake | thrust | torque | rotor drag | pitch | roll | roll over thrust "
-        "| annulus: roll | roll over thrust | polynomials: roll |",
+        "| annulus: roll | annulus: roll over thrust | polynomials: roll |",
         "|---|---|" + "---:|" * 9,
     ]
     for point in _four(found):
@@ -49,7 +49,7 @@ def four_points(found: dict[str, Any]) -> str:
 
 
 def everywhere(found: dict[str, Any]) -> str:
-    """Roll over thrust, beside the lifting line's in a rigid wake, with the same constants."""
+    """Tabulate roll over thrust relative to the lifting line, rigid wake and same constants."""
 
     def ratios(point: dict[str, Any]) -> tuple[float, ...]:
         theories = (point["pitt_peters"], point["annulus"])
@@ -59,12 +59,12 @@ def everywhere(found: dict[str, Any]) -> str:
 
 
 def variation(found: dict[str, Any]) -> str:
-    """What variation of the inflow around the disk leaves of roll: lifting line, harmonics."""
+    """Tabulate the roll with varying over that with mean inflow: lifting line, harmonics."""
     return _by_speed_and_angle(found, _left_of_roll)
 
 
 def causes(found: dict[str, Any]) -> str:
-    """What variation of the inflow leaves of roll, without stall and with more blades."""
+    """Tabulate the ratios of ``variation`` without stall and with more blades."""
     points = [(row["speed"], row["beta_deg"]) for row in found["rows"]]
     places = list(dict.fromkeys(points))
     rows = [
@@ -79,7 +79,7 @@ def causes(found: dict[str, Any]) -> str:
 
 
 def published_roll(omega: float, speed: float, beta_deg: float) -> float:
-    """Rolling moment [N m] of the 2019 polynomials, in proportion to Omega V sin(beta)."""
+    """Return the roll moment [N m] of the 2019 polynomials, proportional to Omega V sin(beta)."""
     data = measurement("gill-dandrea-2019-8x6e")
     advance = data.omega * data.speed * np.sin(data.beta)
     slope = (advance @ data.loads["roll_moment"]) / (advance @ advance)
@@ -103,7 +103,7 @@ def _by_speed_and_angle(
 
 
 def convergence(found: dict[str, Any]) -> str:
-    """How the lifting line's loads change with its division and cores."""
+    """Tabulate changes of the lifting line's loads with its resolution and vortex cores."""
     first, *others = found["convergence"]["rows"]
     names = " | ".join(load.removesuffix("_moment") for load in LOADS)
     rows = [f"| | {names} |", "|---|" + "---:|" * len(LOADS)]

@@ -1,5 +1,5 @@
-"""The results of Gill and D'Andrea (2017) from its own ingredients and public data, on one page.
+"""Reproduction of the results of Gill and D'Andrea (2017) from their model and public data.
 
-``python -m papers.gill_dandrea_2017`` computes the numbers and writes the page; its words are in
+``python -m papers.gill_dandrea_2017`` computes the numbers and writes one page from the template
 ``page.html.j2``.
 """

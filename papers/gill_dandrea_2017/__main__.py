@@ -1,7 +1,7 @@
-"""Compute the paper's tables and figures from public data, and what does not agree: one page.
+"""Compute the paper's tables, figures and disagreements from public data, and write one page.
 
-Takes about two minutes on two cores.  FOLDER gets index.html with all figures inside, and every
-figure and table as SVG and CSV; the files are there all at once or not at all.
+The command takes about two minutes on two cores.  It writes to FOLDER index.html with all figures,
+and each figure and table as SVG and CSV.  It writes all files or none.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser("python -m papers.gill_dandrea_2017", description=__doc__)
     parser.add_argument(
         "-o", "--output", type=Path, default="propmap-reproduce", metavar="FOLDER",
-        help="new, empty, or written by this command",
+        help="a new or empty folder, or one that this command wrote (default: %(default)s)",
     )  # fmt: skip
     folder = parser.parse_args(arguments).output
     try:
         check_folder(folder, FILES)
-        print("computing: about two minutes, less from the second time on", file=sys.stderr)
+        print("computing; this takes about two minutes", file=sys.stderr)
         files = pages(compute())
         write_folder(folder, files)
     except InputError as error:
         parser.error(str(error))
-    print(f"wrote {folder / PAGE} and {len(files) - 1} files beside it")
+    print(f"wrote {folder / PAGE} and {len(files) - 1} more files")
 
 
 if __name__ == "__main__":

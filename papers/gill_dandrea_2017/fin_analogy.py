@@ -1,4 +1,4 @@
-"""Ribner's fin analogy: the side force of a propeller in yaw, without blade elements.
+"""Ribner's fin analogy for the side force of a propeller in yaw, without blade elements.
 
 H. S. Ribner, NACA TR 819 and 820, 1945.
 """
@@ -14,30 +14,30 @@ from propmap.errors import InputError
 from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 
-ASPECT_RATIO = 8.0  # effective one of the fin; the reports say "of the order of 8"
+ASPECT_RATIO = 8.0  # effective, of the fin; "of the order of 8" in the reports
 STATIONS = 400
 
 
 def inflow_factor(thrust: ArrayLike, speed: ArrayLike, radius: float, density: float) -> Floats:
-    """Inflow a at the disk over the flight speed [-], from momentum theory.
+    """Return the inflow a at the disk over the airspeed [-], from momentum theory.
 
     T = 2 rho pi R^2 V^2 a (1 + a); with T_c = T/(rho V^2 D^2), a = (sqrt(1 + 8 T_c/pi) - 1)/2.
-    NaN where the thrust [N] brakes more than momentum theory can say, T_c < -pi/8.  Speeds are
-    above 0 [m/s].
+    The result is NaN for T_c < -pi/8, where momentum theory is not valid.  ``thrust`` is in [N];
+    ``speed`` must be above 0 [m/s].
     """
     v = np.asarray(speed, dtype=np.float64)
     if not (v > 0.0).all():
-        raise InputError("the fin analogy needs a flight speed", "give speeds above 0 m/s")
+        raise InputError("the fin analogy needs an airspeed", "give speeds above 0 m/s")
     coefficient = np.asarray(thrust, dtype=np.float64) / (density * v**2 * (2.0 * radius) ** 2)
     root = 1.0 + 8.0 * coefficient / np.pi
     return np.asarray(0.5 * (np.sqrt(np.where(root >= 0.0, root, np.nan)) - 1.0))
 
 
 def dynamic_pressure_factor(inflow: ArrayLike) -> Floats:
-    """Factor f(a) [-] by which the inflow a [-] raises the dynamic pressure at the fin.
+    """Return the factor f(a) [-] by which the inflow a [-] raises the fin's dynamic pressure.
 
-    f(a) = (1 + a) ((1 + a) + (1 + 2 a)^2) / (1 + (1 + 2 a)^2): 1 without inflow, 1 + a for
-    a strong one.
+    f(a) = (1 + a) ((1 + a) + (1 + 2 a)^2) / (1 + (1 + 2 a)^2); it is 1 without inflow and
+    approaches 1 + a for strong inflow.
     """
     a = np.asarray(inflow, dtype=np.float64)
     wake = (1.0 + 2.0 * a) ** 2
@@ -45,10 +45,11 @@ def dynamic_pressure_factor(inflow: ArrayLike) -> Floats:
 
 
 def side_area(propeller: Propeller, zero_lift_angle: float = 0.0) -> float:
-    """Projected side area of all blades, averaged over a turn [m^2].
+    """Return the projected side area of all blades, averaged over a turn [m^2].
 
-    N_b/2 times the integral of c(y) sin(theta(y)) from the root to the tip of the ``propeller``;
-    theta is taken from the line of zero lift, at ``zero_lift_angle`` [rad] to the chord line.
+    The area is N_b/2 times the integral of c(y) sin(theta(y)) from the root to the tip of the
+    ``propeller``.  theta is the pitch of the zero-lift line, which is at ``zero_lift_angle`` [rad]
+    to the chord line.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -68,12 +69,13 @@ def side_force(
     *,
     zero_lift_angle: float = 0.0,
 ) -> Floats:
-    """Force in the disk plane against the in-plane velocity [N]; for small incidence.
+    """Return the force in the disk plane against the in-plane velocity [N], for small incidence.
 
-    The propeller acts as a fin of its ``side_area``, of aspect ratio 8 with the lift slope
-    2 pi A/(A + 2) of lifting-line theory, in 1/2 rho V^2 f(a).  No spinner, no nacelle, no
-    compressibility.  The force is taken to grow with the sine of the ``incidence``, the angle
-    between velocity and axis [rad]; ``thrust`` is that without yaw [N], ``speed`` above 0 [m/s].
+    The propeller acts as a fin with its ``side_area``, the aspect ratio 8, the lift slope
+    2 pi A/(A + 2) of lifting-line theory and the dynamic pressure 1/2 rho V^2 f(a).  Spinner,
+    nacelle and compressibility are excluded.  The force is proportional to the sine of the
+    ``incidence``, the angle between velocity and axis [rad].  ``thrust`` is the thrust without yaw
+    [N]; ``speed`` must be above 0 [m/s].
     """
     a = inflow_factor(thrust, speed, propeller.radius, density)
     slope = 2.0 * math.pi * ASPECT_RATIO / (ASPECT_RATIO + 2.0)

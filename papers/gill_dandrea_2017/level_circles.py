@@ -1,9 +1,9 @@
 """Figure 6, the paper's flight experiment: level circles on a tether, with the sets of Table I.
 
-The logs of those flights are not public, so the flights are computed: the truth is this model with
-the set of Table I, plus an unknown vertical force of known size for all that the model leaves out.
-These numbers say what the hover model gets wrong where this model is right, and how well an
-identification finds the parameters again; they do not test this model.
+The logs of the paper are not public, so the flights are computed.  The truth is this model with
+the set of Table I, plus an unknown vertical force of known size for all omitted effects.  The
+results show the errors of the hover model if this model is right, and how well an identification
+recovers the constants.  They do not test this model.
 """
 
 from __future__ import annotations
@@ -54,17 +54,17 @@ from propmap.vehicle.log import FlightLog, hub_flow, pitch_and_roll
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
 
 BLADE = "apc-8x4.5mr"
-"""Used for both propellers, scaled to 10 cm: their own blades are not published."""
+"""Blade of both propellers, scaled to 10 cm, because their own blades are not published."""
 
-ARM = 0.12  # [m] of the rotors from the axes: assumed
-FORCE_ERROR = 0.01  # deviation of a flight's unknown vertical force, as a share of the weight
-SEEDS = {"paper-soft": 2017, "paper-stiff": 2018}  # so that the two sets meet different forces
-FAILS = (0.05, 0.1)  # errors, as shares of the weight, at which the hover model fails
+ARM = 0.12  # [m] from the rotors to the body axes, assumed
+FORCE_ERROR = 0.01  # standard deviation of a flight's unknown vertical force, over the weight
+SEEDS = {"paper-soft": 2017, "paper-stiff": 2018}  # different unknown forces for the two sets
+FAILS = (0.05, 0.1)  # errors over the weight that count as failures of the hover model
 SPEEDS = np.linspace(0.0, FASTEST, 30)  # [m/s]
 
 
 class Circles(NamedTuple):
-    """Level circles at n speeds; every array is (n,), and loads are sums over the rotors."""
+    """Level circles at n speeds; every array is (n,), and loads are sums over all rotors."""
 
     speed: Floats  # [m/s]
     rotor_speed: Floats  # [rad/s]
@@ -72,9 +72,9 @@ class Circles(NamedTuple):
     thrust: Floats  # [N]
     drag: Floats  # [N]
     torque: Floats  # [N m]
-    hover_thrust: Floats  # by the hover model at the same rotor speeds [N]
+    hover_thrust: Floats  # of the hover model at the same rotor speeds [N]
     hover_torque: Floats  # [N m]
-    hover_error: Floats  # vertical force by the hover model, with the frame's, less the weight [N]
+    hover_error: Floats  # vertical force of hover model and frame minus the weight [N]
 
 
 class Twin(NamedTuple):
@@ -82,12 +82,12 @@ class Twin(NamedTuple):
 
     fitted: Fitted
     speed: Floats  # (n,) [m/s]
-    error: Floats  # (n,): vertical force by the identified model, less the weight [N]
-    hover_error: Floats  # (n,): by the hover model
+    error: Floats  # (n,): vertical force of the identified model minus the weight [N]
+    hover_error: Floats  # (n,): the same for the hover model
 
 
 class Case(NamedTuple):
-    """What the paper does not give and is assumed: mass [kg], drag area of the frame [m^2]."""
+    """Assumed values that the paper does not state: mass [kg], drag area of the frame [m^2]."""
 
     mass: float
     drag_area: float
@@ -97,31 +97,31 @@ ASSUMED = Case(0.5, 0.01)
 """A light quadrotor with 10 cm rotors."""
 
 CASES = (ASSUMED, *(Case(0.5, area) for area in (0.0, 0.02, 0.04)), Case(1.0, 0.01))
-"""For which the hover model's error is looked at."""
+"""Cases for which the error of the hover model is computed."""
 
 
 class HoverFailure(NamedTuple):
-    """Speeds [m/s] from which the hover model's error exceeds ``FAILS`` of the weight, and at
-    which it turns from too little to too much; None where it never does."""
+    """Airspeeds [m/s] from which the hover model's error exceeds ``FAILS`` of the weight, and at
+    which the force changes from too small to too large; None if it never does."""
 
     exceeds: tuple[float | None, ...]
     sign_changes: float | None
 
 
 class SetFlown(NamedTuple):
-    """One set of Table I: circles in every case of ``CASES``, and the twin experiment."""
+    """Results of one set of Table I: circles by case of ``CASES``, and the twin experiment."""
 
     circles: dict[Case, Circles]
     twin: Twin
 
     @property
     def failures(self) -> dict[Case, HoverFailure]:
-        """Where the hover model fails, by case."""
+        """Failures of the hover model by case."""
         return {case: hover_failure(found, case.mass) for case, found in self.circles.items()}
 
 
 def quadrotor(case: Case = ASSUMED) -> Vehicle:
-    """Make the vehicle; its frame drags alike along all axes."""
+    """Return the vehicle; its frame has the same drag area along all axes."""
     places = ((ARM, ARM, "cw"), (ARM, -ARM, "ccw"), (-ARM, ARM, "ccw"), (-ARM, -ARM, "cw"))
     mounts = tuple(Mount((x, y, 0.0), spin=spin) for x, y, spin in places)
     body = Body(drag_area=(case.drag_area,) * 3)
@@ -129,16 +129,16 @@ def quadrotor(case: Case = ASSUMED) -> Vehicle:
 
 
 def fly(name: str) -> SetFlown:
-    """Fly one set of Table I."""
+    """Compute the flights of one set of Table I."""
     law = parameter_set(name)
     found = {case: circles(quadrotor(case), law, SPEEDS) for case in CASES}
     return SetFlown(found, twin(law, SEEDS[name]))
 
 
 def circles(vehicle: Vehicle, law: Airfoil, speeds: Floats) -> Circles:
-    """Trim the vehicle on level circles and compare the hover model at the same rotor speeds.
+    """Trim the vehicle on level circles, and compute the hover model at the same rotor speeds.
 
-    The hover model takes its constants from the rotors at rest, at their speed in hover.
+    The constants of the hover model are from rotors at rest at their rotational speed in hover.
     """
     points = trim(vehicle, law, speeds, radius=TETHER)
     rotor = Rotor(Model(vehicle.propeller, law, vehicle.air))
@@ -160,7 +160,7 @@ def circles(vehicle: Vehicle, law: Airfoil, speeds: Floats) -> Circles:
 
 
 def twin(law: Airfoil, seed: int) -> Twin:
-    """Twenty circles with unknown forces, and the paper's four parameters from them, eq. (18)."""
+    """Identify the paper's four constants from circles with unknown forces, eq. (18)."""
     vehicle = quadrotor()
     speeds = np.linspace(0.5, FASTEST, FLIGHTS)
     unknown = FORCE_ERROR * np.random.default_rng(seed).standard_normal(FLIGHTS)
@@ -172,22 +172,22 @@ def twin(law: Airfoil, seed: int) -> Twin:
 
 
 def static_inflow(case: Case) -> float:
-    """v_h [m/s] of a rotor that carries a quarter of the weight, eq. (12)."""
+    """Return v_h [m/s] of a rotor that carries a quarter of the weight, eq. (12)."""
     area = np.pi * RADIUS**2
     return float(np.sqrt(case.mass * GRAVITY / (4 * 2.0 * quadrotor(case).air.density * area)))
 
 
 def hover_failure(found: Circles, mass: float) -> HoverFailure:
-    """Where the hover model fails, between the speeds flown by linear interpolation."""
+    """Find the failures of the hover model, interpolated linearly between the airspeeds."""
     share = found.hover_error / (mass * GRAVITY)
     exceeds = tuple(first_crossing(found.speed, np.abs(share) - level) for level in FAILS)
-    # From where it is clearly too little, so that rounding in hover is no change of sign.
+    # Search from a clearly too small force on, because rounding in hover can change the sign.
     low = int(np.argmax(share < -FAILS[0])) if (share < -FAILS[0]).any() else share.size
     return HoverFailure(exceeds, first_crossing(found.speed[low:], share[low:]))
 
 
 def first_crossing(x: Floats, y: Floats) -> float | None:
-    """The first x at which y (n,) rises through zero; None where it does not."""
+    """Return the first x at which y (n,) rises through zero, or None."""
     for k in range(1, x.size):
         if y[k - 1] < 0.0 <= y[k]:
             return float(x[k] - (x[k] - x[k - 1]) * y[k] / (y[k] - y[k - 1]))
@@ -212,7 +212,7 @@ def _hover_error(vehicle: Vehicle, points: FlightLog, law: Airfoil) -> Floats:
 
 WEIGHT = ASSUMED.mass * GRAVITY
 FACES = (COLOURS[0], "white")
-"""Faces of the markers, full and hollow, which differ in print without colour."""
+"""Faces of the markers, filled and hollow, which differ in print without color."""
 
 LABELS = (
     "collective thrust ΣT [N]",
@@ -225,7 +225,7 @@ LABELS = (
 
 @style()
 def loads_figure(flown: dict[str, SetFlown]) -> Figure:
-    """Draw the paper's five panels, and a legend in the sixth."""
+    """Draw the five panels of the paper, and a legend in the sixth."""
     figure = new_figure(9.6, 6.2)
     axes = figure.subplots(2, 3, sharex=True).ravel()
     handles, big = [], {**MEASURED, "clip_on": True}
@@ -264,7 +264,7 @@ def loads_figure(flown: dict[str, SetFlown]) -> Figure:
 
 @style()
 def cases_figure(flown: dict[str, SetFlown]) -> Figure:
-    """Draw the hover model's error in every case, a panel per set."""
+    """Draw the error of the hover model in every case, one panel per set."""
     figure = new_figure(9.2, 4.2)
     axes = figure.subplots(1, 2, sharey=True)
     for ax, (name, one) in zip(axes, flown.items(), strict=True):
@@ -288,7 +288,7 @@ def cases_figure(flown: dict[str, SetFlown]) -> Figure:
 
 
 def failure_rows(flown: dict[str, SetFlown]) -> list[tuple[str, ...]]:
-    """Propeller, case, static inflow, speeds at which the hover model fails; a row per case."""
+    """Return propeller, case, static inflow and failures of the hover model for each case."""
     return [
         (
             FLOWN[name],
@@ -302,10 +302,10 @@ def failure_rows(flown: dict[str, SetFlown]) -> list[tuple[str, ...]]:
 
 
 def summary(flown: dict[str, SetFlown]) -> dict[str, Any]:
-    """Sum up for the words of the page.
+    """Return the values that the text of the page states.
 
-    ``changes``: speeds of the change of sign by set, for the cases that have one; ``early``: speeds
-    from which the error exceeds 5 % of the weight; ``in_order``: whether the sign changes for the
+    ``changes`` contains the airspeeds of the changes of sign by set, ``early`` the airspeeds from
+    which the error exceeds 5 % of the weight.  ``in_order`` is true if the sign changes for the
     soft propeller before the stiff one in every case.
     """
     cases = [list(one.failures.values()) for one in flown.values()]
@@ -321,7 +321,7 @@ def summary(flown: dict[str, SetFlown]) -> dict[str, Any]:
 
 
 def sheets(flown: dict[str, SetFlown]) -> dict[str, str]:
-    """Write the CSV files."""
+    """Return the CSV files by name."""
     return {
         "figure-6-level-circles": csv_of_columns(
             {

@@ -1,4 +1,4 @@
-"""The whole page and the files beside it."""
+"""The numbers, figures and tables of the page, and its files."""
 
 from __future__ import annotations
 
@@ -47,25 +47,25 @@ TABLES = (
 FILES = file_names(FIGURES, TABLES)
 
 POINT = (6000.0 * RPM, 10.0, np.radians(60.0))
-"""[rad/s], [m/s], [rad] of the call that is timed."""
+"""Operating point of the timed call: [rad/s], [m/s], [rad]."""
 
 REPEATS = 21
 BATCH = 256
 
 
 class Times(NamedTuple):
-    """Times [s]; they differ from run to run and from machine to machine."""
+    """Computation times [s], which depend on the machine and differ from run to run."""
 
-    one_point: float  # median of a call for one operating point
-    per_point: float  # median share of one in a batch
+    one_point: float  # median over calls with one operating point
+    per_point: float  # median over calls with a batch, divided by its size
     level: float  # identification from 20 level flights
-    tunnel: float  # identification from the tunnel rows
+    tunnel: float  # identification from the tunnel data
     machine: str
     cores: int
 
 
 class Numbers(NamedTuple):
-    """Results by part; see the functions that compute them."""
+    """All results of the page; the functions that compute them describe them."""
 
     flown: dict[str, level_circles.SetFlown]
     tunnel: tunnel.Tunnel
@@ -83,7 +83,7 @@ def compute() -> Numbers:
 
 
 def measured_times(level: Fitted, tunnel: Fitted) -> Times:
-    """Time map calls, and these identifications again, with nothing beside them."""
+    """Time load calls, and repeat these identifications one at a time to time them."""
     rotor = Rotor(Model(paper.blade(paper.TUNNEL_PROPELLER), parameter_set("paper-apc")))
     batch = [np.full(BATCH, value) for value in POINT]
     again = [fit(one.rows, one.choice, one.settings).seconds for one in (level, tunnel)]
@@ -108,12 +108,12 @@ def _median(call: Callable[[], object]) -> float:
 
 
 def pages(numbers: Numbers) -> dict[str, str | bytes]:
-    """Make all files by name: the page, and a CSV and an SVG for what it shows."""
+    """Return all files by name: the page, the CSV files and the SVG files."""
     flown, tested, drag = numbers.flown, numbers.tunnel, numbers.drag
     found, lines = tested.compared, tested.axial_curves
 
     def largest(share: str, data: str, label: str, *loads: str) -> float:
-        """Largest share [%] in a data set among models with this in their label, of the loads."""
+        """Return the largest ``share`` [%] of the loads among the models with this label part."""
         return 100.0 * max(
             getattr(e, share)
             for e in tested.errors

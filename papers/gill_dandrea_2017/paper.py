@@ -1,4 +1,4 @@
-"""What the paper states, to compare with, and the propellers of its experiments."""
+"""The statements of the paper that are compared, and the propellers of its experiments."""
 
 from __future__ import annotations
 
@@ -21,28 +21,28 @@ TABLE_1 = {
     "paper-stiff": "stiff: HQP 8x4.5",
     "paper-apc": "APC 8x6",
 }
-"""The rows of Table I by the names of the parameter sets."""
+"""The rows of Table I by the name of the parameter set."""
 
 FLOWN = {"paper-soft": "soft", "paper-stiff": "stiff"}
-"""The sets that were flown, and a short name of each propeller."""
+"""Short names of the propellers that were flown, by the name of the parameter set."""
 
 
 RADIUS = 0.1  # [m] of all three propellers
 TETHER = 1.7  # [m], radius of the level circles
 FASTEST = 14.5  # [m/s] of the level circles
-FLIGHTS = 20  # level flights of one identification, with four rotors
+FLIGHTS = 20  # level flights of a quadrotor in one identification
 HOVER_FAILS = {"paper-soft": 7.0, "paper-stiff": 9.0}  # [m/s] from which the hover model fails
-SIGN_CHANGES = 7.0  # [m/s]: below, the hover model's vertical force is too small, above too large
+SIGN_CHANGES = 7.0  # [m/s], where the hover model's force changes from too small to too large
 TUNNEL_ERROR = 0.09  # largest relative error of the model in the tunnel
-HOVER_TUNNEL_ERROR = 1.0  # and of the hover model
+HOVER_TUNNEL_ERROR = 1.0  # largest relative error of the hover model in the tunnel
 ONE_POINT = 3.0  # [s] for one operating point
-IDENTIFICATION = (2.0 * 3600.0, 10.0 * 3600.0)  # [s], range of the times for one identification
+IDENTIFICATION = (2.0 * 3600.0, 10.0 * 3600.0)  # [s], range for one identification
 
 TUNNEL_PROPELLER = "apc-8x6e"
 
 
 def blade(name: str, radius: float | None = None) -> Propeller:
-    """Load a propeller of the catalogue, scaled where a tip radius [m] is given."""
+    """Load a propeller of the catalogue, and scale it to a tip radius [m] if one is given."""
     given = propeller(name)
     if radius is None:
         return given

@@ -1,4 +1,4 @@
-"""Rotor drag, on which published sources differ: theory, the campaign of 2019, Ribner's fin."""
+"""Rotor drag by the theory, the 2019 campaign and Ribner's fin analogy."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
 
 PROPELLERS = ("apc-8x6e", "apc-9x6e", "apc-11x7e", "apc-8x4.5mr", "apc-8x6sf")
-INCIDENCE = np.radians(15.0)  # of the comparison with the fin: the smallest of the 2019 data
-TIP_SPEED = 70.0  # [m/s] of all propellers, of the APC 8x6E at 6579 rpm, where there are data
+INCIDENCE = np.radians(15.0)  # the smallest of the 2019 data; the fin is for small incidence
+TIP_SPEED = 70.0  # [m/s] of all propellers; of the APC 8x6E at 6579 rpm, which has data
 SPEEDS = np.arange(2.0, 15.0, 2.0)  # [m/s]
 
 LIGHTLY_LOADED = 0.3
-"""Inflow over flight speed up to which the disk counts as lightly loaded, as in cruise, where the
-fin analogy was verified."""
+"""Inflow over airspeed up to which the disk counts as lightly loaded.  The fin analogy was verified
+in cruise, with a lightly loaded disk."""
 
 
 class SmallIncidence(NamedTuple):
@@ -60,33 +60,33 @@ class SmallIncidence(NamedTuple):
     propeller: str
     omega: float  # [rad/s]
     speed: Floats  # (n,) [m/s]
-    inflow: Floats  # (n,): over the flight speed [-]
-    theory: Floats  # (n,): rotor drag by this theory
-    fin_low: Floats  # (n,): side force with the side area by the chord line's pitch
-    fin_high: Floats  # (n,): by the zero-lift line's
-    published: Floats | None  # (n,): rotor drag by the polynomials of 2019, if there are any
-    other: Floats | None  # (n,): by the blade-element model of the same campaign
+    inflow: Floats  # (n,): over the airspeed [-]
+    theory: Floats  # (n,): rotor drag of this theory
+    fin_low: Floats  # (n,): side force of the fin, side area from the pitch of the chord line
+    fin_high: Floats  # (n,): the same from the pitch of the zero-lift line
+    published: Floats | None  # (n,): rotor drag of the 2019 polynomials, if available
+    other: Floats | None  # (n,): the same of the campaign's blade-element model
 
     @property
     def theory_over_fin(self) -> Floats:
-        """Theory over the fin with the mean of both side areas [-]."""
+        """Drag of the theory over the fin's with the mean of the two side areas [-]."""
         return self.theory / (0.5 * (self.fin_low + self.fin_high))
 
 
 class Ratio(NamedTuple):
-    """Published over theoretical drag of the APC 8x6E at one angle."""
+    """Ratios of published to theoretical drag of the APC 8x6E at one angle."""
 
     beta: float  # [deg]
     points: int
     ratio: float  # of the polynomials to this theory, by root mean squares
-    lowest: float  # at single points
-    highest: float
+    lowest: float  # over the points
+    highest: float  # over the points
     other: float  # of the campaign's blade-element model to this theory
     recommended: float  # of the polynomials to this theory with the recommended inflow
 
 
 class Consequence(NamedTuple):
-    """What the dispute means in flight: circles with the theory's drag, and ``factor`` times it."""
+    """Effect of the excess drag in flight: circles with once and ``factor`` times the drag."""
 
     name: str
     factor: float
@@ -95,16 +95,16 @@ class Consequence(NamedTuple):
 
 
 def small_incidence(law: Airfoil) -> list[SmallIncidence]:
-    """Compare the theory, the fin and, for the 8x6E, both forms of 2019, for several propellers.
+    """Compare the theory, the fin and, for the 8x6E, both forms of the 2019 data.
 
-    ``law`` is identified from thrust and torque of the APC 8x6E; the sections of the others are
-    taken to be alike.
+    ``law`` is identified from thrust and torque of the APC 8x6E, and is assumed for the sections of
+    the other propellers too.
     """
     return [_small_incidence(name, law) for name in PROPELLERS]
 
 
 def ratios(one: Compared) -> list[Ratio]:
-    """Divide published by theoretical drag by angle, all speeds above zero."""
+    """Divide published by theoretical drag at each angle, over all speeds above zero."""
     data = one.data
     drag = {label: loads["drag"] for label, loads in one.predicted.items()}
     angle, found = np.round(np.degrees(data.beta)), []
@@ -127,9 +127,9 @@ def ratios(one: Compared) -> list[Ratio]:
 
 
 def consequence(name: str, factor: float) -> Consequence:
-    """Fly the tethered quadrotor with a set of Table I, its rotor drag as it is and multiplied."""
+    """Trim the tethered quadrotor with a set of Table I, and with ``factor`` times its drag."""
     law, vehicle = parameter_set(name), quadrotor()
-    # The ratio of the two published forms, not a model of either.
+    # The factor is the published over the theoretical drag, not a fit to either form of the data.
     more = law.with_corrections((f"installed:factor={factor!r},area_m2=0.0",))
     pair = (circles(vehicle, one, CIRCLE_SPEEDS) for one in (law, more))
     return Consequence(name, factor, *pair)
@@ -141,7 +141,7 @@ def _small_incidence(name: str, law: Airfoil) -> SmallIncidence:
     data, form = measurement(OBLIQUE), measurement(OTHER_FORM)
     published = other = None
     if name == data.propeller:
-        # The rows have a rotational speed of their own, the nearest one.
+        # Use the nearest rotational speed of the data.
         omega = float(data.omega[np.argmin(np.abs(data.omega - omega))])
         at = (data.omega == omega) & (np.abs(data.beta - INCIDENCE) < np.radians(0.5))
         published, other = (
@@ -161,38 +161,38 @@ def _small_incidence(name: str, law: Airfoil) -> SmallIncidence:
 
 
 # -------------------------------------------------------------------------------------------------
-# Rotor drag by source, in figures that propellers share.
+# Nondimensional rotor drag by source.
 
 Mask = NDArray[np.bool_]
 
-CRUISE = 10.0  # [m/s] from which the fin is compared: below, the disk is heavily loaded
+CRUISE = 10.0  # [m/s] from which the fin is compared; at lower speed, the disk is heavily loaded
 
 LITERATURE = (
     (
         "unsteady free-wake lifting line, same section law, at equal thrust",
-        "0.88 to 1.19 times the theory's drag",
+        "0.88 to 1.19 times the drag of this theory",
         "bare blades",
     ),
     (
-        "polynomial of a lift rotor computed by another agency (NASA GUAM, Simmons 2021)",
+        "polynomial for a lift rotor computed by NASA (GUAM, Simmons 2021)",
         "H/T = 0.49 μ; this theory 0.57 μ",
         "bare blades",
     ),
     (
         "quadcopter with 15 in rotors in a tunnel",
-        "somewhat less than four rotors of this theory",
+        "somewhat less than this theory for four rotors",
         "whole vehicle",
     ),
     ("Crazyflie 2.0 in flight (Förster 2015)", "H/T = 0.74 μ", "whole vehicle"),
     ("Parrot Bebop in flight", "H/T = 1.2 to 1.4 μ", "whole vehicle"),
 )
-"""Source, finding, and what was looked at; not computed here."""
+"""Source, finding and object of published rotor drags; not computed here."""
 
 
 class Source(NamedTuple):
-    """Rotor drag H of the APC 8x6E by one source; NaN where it says nothing.
+    """Rotor drag H of the APC 8x6E by one source; NaN where the source has no value.
 
-    With H' = H/(rho/2 A (Omega R)^2) and mu = V sin(beta)/(Omega R).
+    H' = H/(rho/2 A (Omega R)^2) and mu = V sin(beta)/(Omega R).
     """
 
     label: str
@@ -202,7 +202,7 @@ class Source(NamedTuple):
 
 
 def sources(one: Compared) -> list[Source]:
-    """Compare theory with both inflows, the fin with both side areas, both forms of the data."""
+    """Return theory with both inflows, fin with both side areas, and both forms of the data."""
     data, laws = one.data, one.laws
     theory, recommended, other = (
         one.predicted[label] for label in (OBLIQUE_LABEL, RECOMMENDED_LABEL, OTHER_LABEL)
@@ -223,7 +223,7 @@ def sources(one: Compared) -> list[Source]:
             data.air_density,
             zero_lift_angle=angle,
         )
-        found.append(_source(one, f"Ribner's fin, side area by the {line}", drag, None))
+        found.append(_source(one, f"Ribner's fin, side area from the {line}", drag, None))
     return [
         *found,
         _source(one, "2019, polynomials", data.loads["drag"], data.loads["thrust"]),
@@ -232,14 +232,14 @@ def sources(one: Compared) -> list[Source]:
 
 
 def _points(one: Compared) -> tuple[Mask, Mask]:
-    """Which rows (n,) are at 15 degrees in cruise, and which edgewise, as booleans."""
+    """Return the masks (n,) of the rows at 15 degrees in cruise, and of the edgewise rows."""
     data = one.data
     near = [np.abs(data.beta - angle) < np.radians(0.5) for angle in (INCIDENCE, 0.5 * np.pi)]
     return near[0] & (data.speed >= CRUISE), near[1] & (data.speed > 0.0)
 
 
 def _axial_thrust(one: Compared, thrust: Floats) -> Floats:
-    """Thrust (n,) [N] at the same rotational and flight speed without incidence."""
+    """Return the thrust (n,) [N] at the same rotational speed and airspeed without incidence."""
     data, axial = one.data, np.flatnonzero(one.data.beta == 0.0)
     same = np.isclose(data.omega[:, None], data.omega[axial]) & np.isclose(
         data.speed[:, None], data.speed[axial]
@@ -264,35 +264,35 @@ def _source(one: Compared, label: str, drag: Floats, thrust: Floats | None) -> S
 
 
 # -------------------------------------------------------------------------------------------------
-# What the rotor drag of 2019 has beyond the theory's: a factor, or a plate in the slipstream.
+# Excess of the 2019 rotor drag over the theory: a factor, or a plate in the slipstream.
 
 SLIPSTREAM = (1.0, 2.0)
-"""Inflow of the slipstream at the plate over that of the disk [-]: at the disk, far behind it."""
+"""Inflow at the plate over that of the disk [-], for a plate at the disk and far behind it."""
 
-STEPS = 100  # of the search for the inflow, which halves its error or better each time
+STEPS = 100  # of the inflow search; each step at least halves the error
 
 
 class Excess(NamedTuple):
-    """Drag as ``factor`` times the theory's and that of a plate."""
+    """Drag as the sum of ``factor`` times the theory's drag and the drag of a plate."""
 
     factor: float  # [-]
     area: float  # [m^2]
-    error: float  # rms of what is left over that of the drag fitted [-]
+    error: float  # rms residual over the rms of the drag fitted [-]
 
 
 class PlateFits(NamedTuple):
-    """Three explanations of one drag, by least squares; no number is let be negative."""
+    """Three least-squares fits of one drag, with factor and area limited to 0 or more."""
 
     model: str  # label of the theory
     data: str  # label of the drag fitted
     slipstream: float  # see ``SLIPSTREAM``
     factor: Excess  # a factor alone
-    plate: Excess  # the theory's drag and a plate
-    both: Excess
+    plate: Excess  # a plate alone, with the factor 1
+    both: Excess  # a factor and a plate
 
 
 def plate_fits(one: Compared) -> list[PlateFits]:
-    """Explain both forms of the campaign's drag, by the paper's and by the recommended inflow."""
+    """Fit both forms of the campaign's drag, with the paper's and with the recommended inflow."""
     data = one.data
     drags = {OBLIQUE: data.loads["drag"], OTHER_FORM: one.predicted[OTHER_LABEL]["drag"]}
     moving = data.speed * np.sin(data.beta) > 0.0
@@ -311,10 +311,10 @@ def plate_fits(one: Compared) -> list[PlateFits]:
 
 
 def dynamic_pressure(one: Compared, thrust: Floats, slipstream: float) -> Floats:
-    """Force along the disk on a plate, by its drag area [N/m^2], with ``thrust`` (n,) [N].
+    """Return the force of a plate along the disk per drag area [N/m^2], at ``thrust`` (n,) [N].
 
-    1/2 rho V_in sqrt(V_in^2 + (V_ax + k v_i)^2), with the inflow v_i by momentum theory; k is
-    ``slipstream`` [-].
+    The result is 1/2 rho V_in sqrt(V_in^2 + (V_ax + k v_i)^2), with the inflow v_i by momentum
+    theory; k is ``slipstream`` [-].
     """
     data, area = one.data, np.pi * blade(one.data.propeller).radius ** 2
     inplane, axial = data.speed * np.sin(data.beta), data.speed * np.cos(data.beta)
@@ -326,7 +326,7 @@ def dynamic_pressure(one: Compared, thrust: Floats, slipstream: float) -> Floats
 def momentum_inflow(product: Floats, inplane: Floats, axial: Floats) -> Floats:
     """Solve Glauert's v_i sqrt(V_in^2 + (V_ax + v_i)^2) = T/(2 rho A) for v_i (n,) [m/s].
 
-    ``product`` is the right side (n,) [m^2/s^2]; V_ax >= 0.
+    ``product`` is the right-hand side (n,) [m^2/s^2]; V_ax must be 0 or more.
     """
     inflow = np.sqrt(np.maximum(product, 0.0))
     for _ in range(STEPS):
@@ -349,14 +349,14 @@ def fits(theory: Floats, pressure: Floats, drag: Floats) -> tuple[Excess, Excess
 
     alone = float(theory @ drag / (theory @ theory))
     area = max(0.0, float(pressure @ (drag - theory) / (pressure @ pressure)))
-    # Columns of like size, since the areas are small numbers.
+    # Scale both columns to the same size, because the areas are small numbers.
     sizes = np.array([rms(theory), rms(pressure)])
     both, _ = nnls(np.stack([theory, pressure], axis=1) / sizes, drag)
     return excess(alone, 0.0), excess(1.0, area), excess(*(both / sizes).tolist())
 
 
 class RotorDrag(NamedTuple):
-    """All numbers on the dispute; see the functions that compute them."""
+    """All results on rotor drag; the functions that compute them describe them."""
 
     small_incidence: list[SmallIncidence]
     ratios: list[Ratio]
@@ -366,7 +366,7 @@ class RotorDrag(NamedTuple):
 
 
 def compute(one: Compared) -> RotorDrag:
-    """Compute all from the oblique data, with loads by the theory."""
+    """Compute all results from the oblique data and the loads of the theory."""
     found = ratios(one)
     return RotorDrag(
         small_incidence(one.laws[OBLIQUE_LABEL]),
@@ -382,22 +382,22 @@ def compute(one: Compared) -> RotorDrag:
 
 LIGHT: dict[str, Any] = {"color": COLOURS[4], "alpha": 0.6, "linewidth": 0.0}
 HEAVY: dict[str, Any] = {**LIGHT, "alpha": 0.25}
-"""Shades of the fin analogy on a lightly and on a heavily loaded disk."""
+"""Shades of the fin analogy for a heavily loaded disk (pale) and a lightly loaded one."""
 
-SHOWN, IN_FLIGHT = (6.0, 10.0, 14.0), (5.0, 10.0, 14.5)  # [m/s] that are tabulated
+SHOWN, IN_FLIGHT = (6.0, 10.0, 14.0), (5.0, 10.0, 14.5)  # tabulated airspeeds [m/s]
 MODELS = {OBLIQUE_LABEL: "the paper's inflow", RECOMMENDED_LABEL: "recommended inflow"}
 DATA = {OBLIQUE: "polynomials", OTHER_FORM: "model of 2019"}
 
 
 @style()
 def small_figure(small: list[SmallIncidence]) -> Figure:
-    """Draw rotor drag over speed, a panel per propeller."""
+    """Draw rotor drag over airspeed, one panel per propeller."""
     theory: dict[str, Any] = {"color": COLOURS[0], **MODEL}
     published: dict[str, Any] = {"color": COLOURS[1], "marker": "o", **MEASURED}
     figure = new_figure(9.6, 6.0)
     axes = figure.subplots(2, 3, sharex=True).ravel()
     for ax, one in zip(axes, small, strict=False):
-        # The two shades meet at the first lightly loaded speed.
+        # The two shades meet at the first airspeed with a lightly loaded disk.
         edge = one.speed[np.argmax(one.inflow < LIGHTLY_LOADED)]
         for where, shade in ((one.speed >= edge, LIGHT), (one.speed <= edge, HEAVY)):
             ax.fill_between(one.speed, one.fin_low, one.fin_high, where=where, **shade)
@@ -414,7 +414,7 @@ def small_figure(small: list[SmallIncidence]) -> Figure:
         key("this theory", **theory),
         Patch(label="fin analogy, lightly loaded disk", **LIGHT),
         Patch(label="fin analogy, heavily loaded disk", **HEAVY),
-        key("polynomials of 2019, to its model", **published),
+        key("2019 polynomials, with band", **published),
         key("hover model", **HOVER),
     ]
     legend_in_last(axes, handles, "speed V [m/s]")
@@ -422,7 +422,7 @@ def small_figure(small: list[SmallIncidence]) -> Figure:
 
 
 def theory_over_fin(small: list[SmallIncidence], *, light: bool) -> list[float]:
-    """Ratios at all speeds with a lightly, or with a heavily loaded disk [-]."""
+    """Return the ratios [-] at all airspeeds with a lightly or with a heavily loaded disk."""
     return [
         float(value)
         for one in small
@@ -431,7 +431,7 @@ def theory_over_fin(small: list[SmallIncidence], *, light: bool) -> list[float]:
 
 
 def small_rows(small: list[SmallIncidence]) -> list[tuple[str, ...]]:
-    """Propeller, speed, inflow, forces [mN] and their ratios; three rows per propeller."""
+    """Return airspeed, inflow, forces [mN] and ratios, in three rows for each propeller."""
     rows = []
     for one in small:
         published = np.full_like(one.speed, np.nan) if one.published is None else one.published
@@ -451,12 +451,12 @@ def small_rows(small: list[SmallIncidence]) -> list[tuple[str, ...]]:
 
 
 def ratio_rows(ratios: list[Ratio]) -> list[tuple[Any, ...]]:
-    """Angle, points, published over theoretical drag; a row per angle."""
+    """Return number of points and ratios of published to theoretical drag for each angle."""
     return [(f"{one.beta:.0f}", *one[1:]) for one in ratios]
 
 
 def source_rows(sources: list[Source]) -> list[tuple[str, ...]]:
-    """Source, H'/mu at incidence and edgewise, H/(T mu), and the first two over the theory's."""
+    """Return H'/mu at incidence and edgewise, H/(T mu), and H'/mu over the theory by source."""
     theory = sources[0]
     return [
         (
@@ -470,7 +470,7 @@ def source_rows(sources: list[Source]) -> list[tuple[str, ...]]:
 
 
 def plate_rows(plates: list[PlateFits]) -> list[tuple[str, ...]]:
-    """Theory, drag fitted, slipstream; factor alone, plate alone and both with the error left."""
+    """Return theory, drag and slipstream of each fit, with factor, plate, both and the errors."""
     return [
         (
             MODELS[fit.model],
@@ -488,7 +488,7 @@ def plate_rows(plates: list[PlateFits]) -> list[tuple[str, ...]]:
 
 
 def plate_words(plates: list[PlateFits]) -> str:
-    """Say how a factor alone and a plate alone compare over these fits."""
+    """Return a sentence that compares a factor alone with a plate alone over all fits."""
 
     def span(errors: list[float]) -> str:
         return f"{100 * min(errors):.1f} to {100 * max(errors):.1f} %"
@@ -496,14 +496,14 @@ def plate_words(plates: list[PlateFits]) -> str:
     factor, plate = ([getattr(fit, kind).error for fit in plates] for kind in ("factor", "plate"))
     better = sum(p < f for p, f in zip(plate, factor, strict=True))
     return (
-        f"This propeller alone does not tell a factor from a plate: the former leaves "
-        f"{span(factor)}, the latter {span(plate)}, and the plate is the better one in {better} of "
-        f"{len(plates)} cases."
+        f"The data of this propeller alone cannot separate a factor from a plate. The error is "
+        f"{span(factor)} with a factor and {span(plate)} with a plate; the plate is better in "
+        f"{better} of {len(plates)} cases."
     )
 
 
 def flight_rows(consequences: list[Consequence]) -> list[tuple[str, ...]]:
-    """Propeller, speed, and pairs of pitch, rotor speed and shaft power."""
+    """Return propeller, airspeed, and pairs of pitch, rotor speed and shaft power."""
     rows = []
     for one in consequences:
         pair = (one.theory, one.published)
@@ -521,7 +521,7 @@ def flight_rows(consequences: list[Consequence]) -> list[tuple[str, ...]]:
 
 
 def sheets(found: RotorDrag) -> dict[str, str]:
-    """Write the CSV files."""
+    """Return the CSV files by name."""
     return {
         "rotor-drag": csv_of_columns(
             {

@@ -1,4 +1,4 @@
-"""Table I: the parameter sets, the blades, and what identification gives."""
+"""Table I: the parameter sets, the blades, and the identified constants."""
 
 from __future__ import annotations
 
@@ -23,30 +23,30 @@ COLUMNS = {
     "alpha_0": "alpha_0_deg",
     "zero_lift_angle": "zero_lift_angle_deg",
 }
-"""The parameters in CSV files, angles in degrees."""
+"""Columns of the constants in CSV files, with angles in degrees."""
 
 
 def printed_rows() -> list[tuple[Any, ...]]:
-    """Propeller, set, four parameters; a row per row of Table I."""
+    """Return propeller, set and four constants for each row of Table I."""
     return [(title, *_printed(name)) for name, title in TABLE_1.items()]
 
 
 def blade_rows() -> list[tuple[Any, ...]]:
-    """Blade, what it is used for, lengths [mm] and angles [deg], solidity; a row per blade."""
+    """Return name, use, lengths [mm], angles [deg] and solidity for each blade."""
     return [
-        _shape(propeller(TUNNEL_PROPELLER), "the tunnel's APC 8x6"),
+        _shape(propeller(TUNNEL_PROPELLER), "APC 8x6 in the tunnel"),
         _shape(blade(BLADE, RADIUS), "both flown propellers"),
     ]
 
 
 def identified_rows(fits: TunnelFits, flown: dict[str, SetFlown]) -> list[tuple[str, ...]]:
-    """Fit, points, five parameters with half their interval, error left; a row per fit."""
+    """Return points, five constants with half their intervals, and residual for each fit."""
     rows = []
     for label, _, fitted in _fits(fits, flown):
         cells = []
         for name in FIVE:
             if name not in fitted.choice.free:
-                cells.append("0, held" if name == "zero_lift_angle" else "held")
+                cells.append("0, fixed" if name == "zero_lift_angle" else "fixed")
                 continue
             value, low, high, identified, _ = _interval(fitted, name)
             half = number(0.5 * (high - low), 2)
@@ -59,7 +59,7 @@ def identified_rows(fits: TunnelFits, flown: dict[str, SetFlown]) -> list[tuple[
 
 
 def sheets(fits: TunnelFits, flown: dict[str, SetFlown]) -> dict[str, str]:
-    """Write the CSV files."""
+    """Return the CSV files by name."""
     return {
         "table-1-sets": csv_of_rows(
             " ".join(("set", *(COLUMNS[name] for name in PAPER_FOUR), "radius_m", "blades")),
@@ -103,7 +103,7 @@ def _shape(b: Propeller, used_for: str) -> tuple[Any, ...]:
 
 
 def _fits(fits: TunnelFits, flown: dict[str, SetFlown]) -> list[tuple[str, str, Fitted]]:
-    """Label, data and fit, of tunnel rows and of simulated flights."""
+    """Return label, data and fit of each tunnel fit and each fit of simulated flights."""
     tunnel = (fits.axial_four, fits.axial, fits.oblique)
     return [(one.label, one.data, one.fitted) for one in tunnel] + [
         (f"{TABLE_1[name].split(':')[0]}, level flights", "simulated flights", one.twin.fitted)
@@ -112,7 +112,7 @@ def _fits(fits: TunnelFits, flown: dict[str, SetFlown]) -> list[tuple[str, str, 
 
 
 def _interval(fitted: Fitted, name: str) -> tuple[float, float, float, bool, str]:
-    """Value, ends of the 95 % interval, whether it is identified, and the verdict in words."""
+    """Return value, limits of the 95 % interval, whether it is identified, and the verdict."""
     k, found = fitted.choice.free.index(name), fitted.uncertainty
     value, low, high = (_shown(name, float(v[k])) for v in (fitted.x, found.low, found.high))
     return value, low, high, bool(found.identified[k]), found.verdicts[k]

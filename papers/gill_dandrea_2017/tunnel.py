@@ -1,6 +1,6 @@
-"""Figure 7, the paper's tunnel experiment with public data: measured, this model, the hover model.
+"""Figure 7, the paper's tunnel experiment with public data: measurements, this model, hover model.
 
-Section parameters of the APC 8x6E are identified from the data, and what camber explains is shown.
+Section constants of the APC 8x6E are identified from the data, with and without camber.
 """
 
 from __future__ import annotations
@@ -46,22 +46,22 @@ from propmap.typing import Floats
 from propmap.units import RPM
 
 # -------------------------------------------------------------------------------------------------
-# Section parameters of the APC 8x6E, identified from the public tunnel data.
+# Section constants of the APC 8x6E, identified from the public tunnel data.
 
 AXIAL, OBLIQUE, OTHER_FORM = "uiuc-8x6e", "gill-dandrea-2019-8x6e", "gill-dandrea-2019-8x6e-fit"
-"""UIUC's rows; the polynomials of the 2019 campaign, one fitted to each load's measurements; the
-blade-element model that the same paper fitted to all of them."""
+"""UIUC's rows; the polynomials of the 2019 campaign, each fitted to the measurements of one load;
+the blade-element model that the same paper fitted to all loads."""
 
 OBLIQUE_LABEL = "with camber, 2019"
 FITTED_LOADS = ("thrust", "torque")
-"""Rotor drag is left out of every fit: it is the load in dispute."""
+"""All fits exclude rotor drag, because published sources disagree on it."""
 
 FIVE = (*PAPER_FOUR, "zero_lift_angle")
 STARTS = 4
 
 
 class Identified(NamedTuple):
-    """One identification: what it was fitted to, how it went, and the law that came out."""
+    """One identification: its label, its data, the fit, and the section law."""
 
     label: str
     data: str
@@ -70,8 +70,8 @@ class Identified(NamedTuple):
 
 
 class TunnelFits(NamedTuple):
-    """Fits to the UIUC rows of the paper's four parameters and of five, with a zero-lift angle,
-    and of five to the polynomials of 2019."""
+    """Fits of the paper's four constants and of five, with a zero-lift angle, to the UIUC rows, and
+    of the five constants to the polynomials of 2019."""
 
     axial_four: Identified
     axial: Identified
@@ -79,7 +79,7 @@ class TunnelFits(NamedTuple):
 
 
 def tunnel_fits() -> TunnelFits:
-    """Fit all three to thrust and torque, from the paper's first guess and three random ones."""
+    """Make the fits to thrust and torque, from the paper's first guess and three random starts."""
     return TunnelFits(
         axial_four=_identify("four parameters, UIUC", AXIAL, PAPER_FOUR),
         axial=_identify("with camber, UIUC", AXIAL, FIVE),
@@ -104,7 +104,7 @@ MULTIROTOR = "davoudi-8x4.5mr-thrust"
 DATA_SETS = {
     AXIAL: "UIUC tunnel, axial and static",
     OBLIQUE: "2019 campaign, oblique (polynomials)",
-    MULTIROTOR: "8x4.5MR thrust at 0 and 5 m/s (digitised)",
+    MULTIROTOR: "8x4.5MR thrust at 0 and 5 m/s (digitized)",
 }
 FILES_OF_DATA = {
     AXIAL: "figure-7-axial",
@@ -112,23 +112,23 @@ FILES_OF_DATA = {
     MULTIROTOR: "figure-7-8x4.5mr",
 }
 
-DIGITISED = 0.025  # uncertainty of the digitised thrust over the largest: 2-3 % of full scale
+DIGITISED = 0.025  # uncertainty of the digitized thrust over its largest value, 2-3 %
 PRINTED, STIFF = "paper-apc", "paper-stiff"
 PRINTED_LABEL, HOVER_LABEL = "Table I, APC 8x6", "hover model"
 RECOMMENDED_LABEL = "the same, recommended inflow"
 OTHER_LABEL = "other form of the data"
-"""Among the models of the oblique set: its loads by the blade-element model of 2019.  What they
-are off the polynomials is what these data leave open."""
+"""Label of the 2019 blade-element model among the models of the oblique data.  Its difference from
+the polynomials is the uncertainty of these data."""
 
 
 class Compared(NamedTuple):
-    """One data set of n points and every model's loads on it."""
+    """One data set of n points, and the loads of all models at these points."""
 
     data: Measurement
     laws: dict[str, Airfoil]  # by label
     predicted: dict[str, dict[str, Floats]]
-    """Loads (n,) by label of the model, then by load: of the laws, the hover model and, of the
-    oblique set, the other form of the data."""
+    """Loads (n,) by label of the model, then by load.  The models are the laws, the hover model
+    and, for the oblique data, the other form of the data."""
 
     @property
     def air(self) -> Air:
@@ -137,7 +137,7 @@ class Compared(NamedTuple):
 
 
 class LoadError(NamedTuple):
-    """Error of one model in one load of one data set, in the load's unit."""
+    """Error of one model in one load of one data set, in the unit of the load."""
 
     data_set: str
     load: str
@@ -146,23 +146,23 @@ class LoadError(NamedTuple):
     unit: str
     rms: float
     worst: float  # largest magnitude
-    rms_share: float  # over the root mean square of the measured load
-    worst_share: float  # over its largest magnitude
-    within_nine: float  # share of the points within the paper's 9 % of their own measured value
+    rms_share: float  # rms error over the rms of the measured load
+    worst_share: float  # worst error over the largest measured magnitude
+    within_nine: float  # share of the points whose error is at most 9 % of their measured value
 
 
 def compared(fits: TunnelFits) -> dict[str, Compared]:
-    """Compare all models on each data set, by its name.
+    """Return the comparison of all models on each data set, by its name.
 
-    The hover model gets what it would get from a hover test: constants fitted to the static
-    rows of the same data set.
+    The constants of the hover model are fitted to the static rows of the same data set, as in a
+    hover test.
     """
     identified = {one.label: one.law for one in (fits.axial, fits.oblique)}
     laws = {PRINTED_LABEL: parameter_set(PRINTED), **identified}
     found = {AXIAL: _compared(AXIAL, laws)}
     found[OBLIQUE] = _compared(OBLIQUE, laws | {RECOMMENDED_LABEL: recommended(fits.oblique.law)})
     found[OBLIQUE].predicted[OTHER_LABEL] = dict(measurement(OTHER_FORM).loads)
-    # Nothing was fitted to this propeller; the stiff propeller of Table I has its size and pitch.
+    # Nothing is fitted to this propeller.  The stiff propeller of Table I has its size and pitch.
     found[MULTIROTOR] = _compared(
         MULTIROTOR, {"Table I, HQP 8x4.5": parameter_set(STIFF), **identified}
     )
@@ -170,12 +170,12 @@ def compared(fits: TunnelFits) -> dict[str, Compared]:
 
 
 def recommended(law: Airfoil) -> Airfoil:
-    """Take a law found with the paper's model with the inflow that propmap recommends."""
+    """Return a law of the paper's model with the inflow that propmap recommends."""
     return law.with_corrections(MODELS["recommended"])
 
 
 def errors(found: dict[str, Compared]) -> list[LoadError]:
-    """Errors by data set, load and model; the hover model has thrust and torque alone."""
+    """Return the errors by data set, load and model; the hover model has only thrust and torque."""
     return [
         _error(name, load, model, truth, loads[load])
         for name, one in found.items()
@@ -229,8 +229,8 @@ def _error(name: str, load: str, model: str, truth: Floats, found: Floats) -> Lo
 # -------------------------------------------------------------------------------------------------
 # Lines through the points.
 
-AXIAL_OMEGA = 5000.0 * RPM  # of the axial lines; the Reynolds number moves them by 1 % at most
-OBLIQUE_OMEGA = 6579.0 * RPM  # at which the 2019 campaign has most points
+AXIAL_OMEGA = 5000.0 * RPM  # of the axial lines; other speeds change them by at most 1 % (Re)
+OBLIQUE_OMEGA = 6579.0 * RPM  # the rotational speed with most points of the 2019 campaign
 
 BETAS = np.radians([0.0, 30.0, 60.0, 90.0])
 LARGEST_ADVANCE = 1.1
@@ -255,13 +255,13 @@ class ThrustCurve(NamedTuple):
 
 
 def measured_coefficients(data: Measurement) -> Coefficients:
-    """Coefficients of measured axial rows."""
+    """Return the coefficients of measured axial rows."""
     thrust, torque = data.loads["thrust"], data.loads["torque"]
     return _coefficients(data, data.omega, data.speed, thrust, torque)
 
 
 def axial_curves(one: Compared, laws: dict[str, Airfoil]) -> dict[str, Coefficients]:
-    """Compute a line of C_T and C_P over J for each law, by label."""
+    """Compute the lines of C_T and C_P over J by label of the law."""
     shape = blade(one.data.propeller)
     fastest = LARGEST_ADVANCE * shape.diameter * AXIAL_OMEGA / (2.0 * np.pi)
     speed = np.linspace(0.0, fastest, 45)
@@ -276,7 +276,7 @@ def axial_curves(one: Compared, laws: dict[str, Airfoil]) -> dict[str, Coefficie
 def oblique_curves(
     one: Compared, laws: dict[str, Airfoil]
 ) -> tuple[Floats, dict[str, dict[str, Floats]]]:
-    """Compute loads by label of the law and by name, (angles of ``BETAS``, n), at speeds (n,)."""
+    """Compute speeds (n,), and loads (angles of ``BETAS``, n) by label of the law and by name."""
     speed = np.linspace(0.0, float(one.data.speed.max()), 29)
     found = {}
     for label, law in laws.items():
@@ -287,7 +287,7 @@ def oblique_curves(
 
 
 def thrust_curves(one: Compared) -> list[ThrustCurve]:
-    """Compute thrust over rotational speed for each law and flow of the 8x4.5MR's rows."""
+    """Compute thrust over rotational speed for each law and each flow of the 8x4.5MR data."""
     data = one.data
     omega = np.linspace(0.15, 1.0, 30) * float(data.omega.max())
     rounded = np.round(np.stack([data.speed, data.beta]), 3)
@@ -313,7 +313,7 @@ def _coefficients(
 
 
 class Tunnel(NamedTuple):
-    """All numbers of the experiment; see the functions that compute them."""
+    """All results of the experiment; the functions that compute them describe them."""
 
     fits: TunnelFits
     compared: dict[str, Compared]
@@ -324,7 +324,7 @@ class Tunnel(NamedTuple):
 
 
 def compute() -> Tunnel:
-    """Identify, compare, and compute the lines through the points."""
+    """Identify the constants, compare the models, and compute the lines through the points."""
     fits = tunnel_fits()
     found = compared(fits)
     printed = {PRINTED_LABEL: found[AXIAL].laws[PRINTED_LABEL]}
@@ -342,7 +342,7 @@ def compute() -> Tunnel:
 
 
 # -------------------------------------------------------------------------------------------------
-# Figure 7, what camber explains of it, tables and CSV files.
+# Figure 7, the figure on camber, tables and CSV files.
 
 SYMBOLS = {"thrust": "C_T", "power": "C_P"}
 
@@ -377,7 +377,7 @@ def axial_figure(one: Compared, curves: dict[str, Coefficients]) -> Figure:
 
 @style()
 def oblique_figure(one: Compared, curves: tuple[Floats, dict[str, dict[str, Floats]]]) -> Figure:
-    """Draw every load over speed; a column per parameter set, a colour per angle."""
+    """Draw all loads over airspeed, with a column per parameter set and a color per angle."""
     data, (speed, by_label) = one.data, curves
     hover = static_constants(data).loads(OBLIQUE_OMEGA)
     measured = {name: load for name, load in LOADS.items() if name in data.loads}
@@ -401,14 +401,14 @@ def oblique_figure(one: Compared, curves: tuple[Floats, dict[str, dict[str, Floa
     for ax, load in zip(axes[:, 0], measured.values(), strict=True):
         ax.set_ylabel(load.title)
     handles: list[Any] = [*angle_keys(BETAS, markersize=4.5, **MODEL), key(HOVER_LABEL, **HOVER)]
-    handles.append(Patch(label="to the campaign's model", color="0.4", **BAND))
+    handles.append(Patch(label="band to the campaign's model", color="0.4", **BAND))
     legend_below(figure, handles)
     return figure
 
 
 @style()
 def multirotor_figure(one: Compared, curves: list[ThrustCurve]) -> Figure:
-    """Draw thrust over rotational speed; a panel per parameter set, a colour per flow."""
+    """Draw thrust over rotational speed, with a panel per parameter set and a color per flow."""
     data, thrust = one.data, one.data.loads["thrust"]
     still = static_constants(data)
     labels = list(dict.fromkeys(curve.label for curve in curves))
@@ -436,7 +436,7 @@ def multirotor_figure(one: Compared, curves: list[ThrustCurve]) -> Figure:
 
 @style()
 def camber_figure(one: Compared, curves: dict[str, Coefficients]) -> Figure:
-    """Draw model less measured over J."""
+    """Draw the errors of C_T and C_P over J."""
     advance = measured_coefficients(one.data).advance
     figure = new_figure(9.2, 4.0)
     axes = figure.subplots(1, 2)
@@ -448,25 +448,25 @@ def camber_figure(one: Compared, curves: dict[str, Coefficients]) -> Figure:
                 label=label, clip_on=False, **marked(k),
             )  # fmt: skip
         ax.set_xlabel("advance ratio J = V/(nD) [-]")
-        ax.set_ylabel(f"model less measured ${symbol}$ [-]")
+        ax.set_ylabel(f"computed minus measured ${symbol}$ [-]")
     legend_below(figure, axes[0].get_legend_handles_labels()[0])
     return figure
 
 
 def coefficient_error(one: Compared, curve: Coefficients, part: str) -> Floats:
-    """Model less measured thrust or power coefficient (n,)."""
+    """Return computed minus measured thrust or power coefficient (n,)."""
     measured = measured_coefficients(one.data)
     model = np.interp(measured.advance, curve.advance, getattr(curve, part))
     return np.asarray(model - getattr(measured, part))
 
 
 def rms_errors(one: Compared, curve: Coefficients) -> list[float]:
-    """Root mean squares of the errors of the coefficients [-], in the order of ``SYMBOLS``."""
+    """Return the rms errors of the coefficients [-], in the order of ``SYMBOLS``."""
     return [rms(coefficient_error(one, curve, part)) for part in SYMBOLS]
 
 
 def camber_sheet(one: Compared, curves: dict[str, Coefficients]) -> str:
-    """Write the figure's numbers as CSV."""
+    """Return the data of the figure on camber as CSV."""
     advance, thrust, power = measured_coefficients(one.data)
     columns = {"advance_ratio": advance, "measured_C_T": thrust, "measured_C_P": power}
     for label, curve in curves.items():
@@ -476,7 +476,7 @@ def camber_sheet(one: Compared, curves: dict[str, Coefficients]) -> str:
 
 
 def error_rows(errors: list[LoadError]) -> list[tuple[str, ...]]:
-    """Load, model, errors and their shares, share of points within 9 %; of one data set."""
+    """Return load, model, errors and share of points within 9 % for one data set."""
     above = ["", *(e.load for e in errors)]
     return [
         (
@@ -493,7 +493,7 @@ def error_rows(errors: list[LoadError]) -> list[tuple[str, ...]]:
 
 
 def sheets(found: dict[str, Compared], errors: list[LoadError]) -> dict[str, str]:
-    """Write the CSV files."""
+    """Return the CSV files by name."""
     return {file: _loads_sheet(found[data]) for data, file in FILES_OF_DATA.items()} | {
         "figure-7-errors": csv_of_rows(
             "data_set load model points unit rms_error_in_unit worst_error_in_unit "
@@ -504,7 +504,7 @@ def sheets(found: dict[str, Compared], errors: list[LoadError]) -> dict[str, str
 
 
 def _slug(label: str) -> str:
-    """Turn a label into part of the name of a column."""
+    """Convert a label to a part of a column name."""
     return label.lower().replace(",", "").replace(" ", "_")
 
 
@@ -521,7 +521,7 @@ def _loads_sheet(one: Compared) -> str:
 
 
 def _look(k: int) -> dict[str, Any]:
-    """Indices of the points on axial line k."""
+    """Return the style of the markers on axial line k."""
     return {"color": COLOURS[k], "marker": MARKERS[k + 1], "markersize": 5.0}
 
 

@@ -44,7 +44,7 @@ def newton_arrives(text: str) -> None:
 
 def thrust_shoots_over(text: str) -> None:
     """The inflow that lags behind leaves more thrust at first, and none in the end."""
-    pairs = np.array(re.findall(r"weight (\S+), without delay (\S+)", text), float)
+    pairs = np.array(re.findall(r"weight (\S+), without inflow lag (\S+)", text), float)
     excess = pairs[:, 0] - pairs[:, 1]
     assert excess.max() > 0.03 and abs(excess[-1]) < 0.01
 

@@ -29,7 +29,7 @@ def test_inflow_carries_the_thrust() -> None:
     flow = RHO * np.pi * RADIUS**2 * speed * (1.0 + a)
     assert flow * 2.0 * a * speed == pytest.approx(thrust, rel=1e-12)
     assert np.isnan(inflow_factor(-10.0, 3.0, RADIUS, RHO))
-    with pytest.raises(InputError, match="flight speed"):
+    with pytest.raises(InputError, match="airspeed"):
         inflow_factor(1.0, 0.0, RADIUS, RHO)
 
 
