@@ -1,4 +1,4 @@
-"""The exported polynomial as a CasADi expression, with its gradient."""
+"""Use the exported polynomial as a CasADi expression, with its gradient."""
 
 import casadi
 from apc_8x6e_multinomial import force

@@ -2,8 +2,8 @@
 
 Usage: python examples/demo.py [-o FOLDER]
 
-The measurements come with propmap.  FOLDER, by default propmap-demo, gets every point and all
-errors as CSV and JSON, and two pictures; `make demo` runs it.
+The measurements are included in propmap.  The demo writes all points and errors as CSV and JSON,
+and two pictures, to FOLDER (default: propmap-demo).  `make demo` runs it.
 """
 
 from __future__ import annotations
@@ -38,27 +38,27 @@ from propmap.units import RPM
 
 PROPELLER = "apc-8x6e"
 SECTIONS = {"recommended": "apc-8x6e-2019", "paper": "paper-apc"}
-"""Constants by the name of the model: identified on the oblique data, and as the paper has them."""
+"""Section constants by model: identified on the oblique data, and those of the paper."""
 
 TUNNEL, OBLIQUE, OTHER_FORM = "uiuc-8x6e", "gill-dandrea-2019-8x6e", "gill-dandrea-2019-8x6e-fit"
-"""Axial and static rows; the polynomials of the oblique campaign; its blade-element model."""
+"""Axial and static data; the polynomials of the oblique campaign; its blade-element model."""
 
 FITTED = ("thrust", "torque")
 """Loads of the polynomials to which the identified constants were fitted."""
 
 CURVES = np.radians([0.0, 30.0, 60.0, 90.0])
 DISK = (4000.0 * RPM, 14.0, np.radians(80.0))
-"""An operating point with stall and reverse flow to be seen: [rad/s], [m/s], [rad]."""
+"""Operating point of the disk picture, with stall and reverse flow: [rad/s], [m/s], [rad]."""
 
 HOVER = "hover"
 MODELS_SHOWN = (*SECTIONS, HOVER)
 
-REPEATS = 3  # of a timing; the best counts
-COPIES = 10  # a batch fills blocks of equal size, so few points cost more each than many
+REPEATS = 3  # repetitions of each timing, of which the best is reported
+COPIES = 10  # factor of the larger batch: small batches fill blocks only partly and cost more
 
 
 # -------------------------------------------------------------------------------------------------
-# Errors: predicted less measured, and what the data leave open.
+# Errors, predicted minus measured, and the uncertainty of the data.
 
 
 @dataclass(frozen=True)
@@ -66,10 +66,10 @@ class ErrorFigures:
     """Errors of one model in one load, in the load's unit."""
 
     rms: float
-    relative_rms: float | None  # over that of the measured load [-]; None where that is zero
+    relative_rms: float | None  # over the rms of the measured load [-]; None if this is zero
     worst: float  # largest magnitude
     mean: float
-    predicted_rms: float  # of the predicted load
+    predicted_rms: float  # rms of the predicted load
 
 
 @dataclass(frozen=True)
@@ -81,23 +81,23 @@ class LoadErrors:
     points: int
     measured_rms: float
     measured_mean: float
-    models: dict[str, ErrorFigures]  # by the name of the model
+    models: dict[str, ErrorFigures]  # by model name
     band: float | None
-    """Root mean square of the difference between both forms of the data, over that of the measured
-    load [-]; None where there is one form alone, or only zeros."""
+    """Rms difference between both forms of the data, over the rms of the measured load [-]; None
+    with one form only, or with zeros only."""
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Loads at n measured points, all (n,)."""
+    """Measured and predicted loads at n points, all (n,)."""
 
     measurement: Measurement
-    models: dict[str, dict[str, Floats]]  # by the name of the model, then by load
-    status: NDArray[np.str_]  # of the first model's loads
-    other: Mapping[str, Floats]  # by another evaluation of the same measurements; empty for none
+    models: dict[str, dict[str, Floats]]  # by model name, then by load
+    status: NDArray[np.str_]  # status of the first model's loads
+    other: Mapping[str, Floats]  # loads of another evaluation of the measurements; empty for none
 
     def errors(self, chosen: NDArray[np.bool_]) -> list[LoadErrors]:
-        """Compare each measured load over the points chosen (n,)."""
+        """Return the errors of each measured load over the ``chosen`` points (n,)."""
         return [self._errors(load, chosen) for load in self.measurement.loads]
 
     def _errors(self, load: str, chosen: NDArray[np.bool_]) -> LoadErrors:
@@ -122,9 +122,10 @@ class Comparison:
 def compare(
     rotors: Mapping[str, Rotor], data: Measurement, other: Measurement | None = None
 ) -> Comparison:
-    """Evaluate rotors at measured points, and the hover model with constants from the first.
+    """Evaluate rotors and the hover model at measured points.
 
-    ``other`` is another evaluation of the same measurements, at the same operating points.
+    The constants of the hover model come from the first rotor.  ``other`` is another evaluation of
+    the same measurements, at the same operating points.
     """
     found: dict[str, Any] = {
         name: rotor.loads(data.omega, data.speed, data.beta) for name, rotor in rotors.items()
@@ -136,12 +137,12 @@ def compare(
 
 
 # -------------------------------------------------------------------------------------------------
-# What is computed and written.
+# Computation and output files.
 
 
 @dataclass(frozen=True)
 class Group:
-    """Errors over some points of a data set; beta_deg where they share one."""
+    """Errors over a group of points of a data set; ``beta_deg`` if they share one angle."""
 
     title: str
     data_set: str
@@ -149,14 +150,14 @@ class Group:
     errors: list[LoadErrors]
 
     def of(self, load: str) -> LoadErrors:
-        """Pick the errors in one load."""
+        """Return the errors in one load."""
         (found,) = (one for one in self.errors if one.load == load)
         return found
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Best of some calls with so many points at once, after a first one."""
+    """Best time of several calls with ``points`` at once, after a first call."""
 
     points: int
     seconds_per_point: float
@@ -164,29 +165,29 @@ class Timing:
 
 @dataclass(frozen=True)
 class ByName:
-    """A load of the rotor by name against the oblique data."""
+    """A load of the catalogue prediction compared with the oblique data."""
 
     load: str
-    relative_rms: float  # of the errors over that of what was measured [-]
-    inside: float  # share of points in the band of 95 %, where the load is not zero by symmetry [-]
-    z_score: float  # mean of measured less computed, in standard deviations [-]
+    relative_rms: float  # rms error over the rms of the measured load [-]
+    inside: float  # fraction of points in the 95 % band, without zeros by symmetry [-]
+    z_score: float  # mean of measured minus predicted, in standard deviations [-]
 
 
 class Results(NamedTuple):
-    """What was found."""
+    """Results of the demo."""
 
-    rotor: Rotor  # of the recommended model
-    known: Rotor  # known by the propeller's name: constants from another tunnel's axial loads
-    by_name: list[ByName]  # how that compares with the oblique data
+    rotor: Rotor  # recommended model
+    known: Rotor  # catalogue prediction: constants from axial loads of another tunnel
+    by_name: list[ByName]  # catalogue prediction compared with the oblique data
     tunnel: Comparison  # at every point
     oblique: Comparison
     groups: list[Group]  # errors by data set
-    by_angle: list[Group]  # of the oblique one by angle
-    timings: list[Timing]  # of these points at once and of ten times as many
+    by_angle: list[Group]  # errors on the oblique data by angle
+    timings: list[Timing]  # with all points at once, and with ten times as many
 
 
 def compute() -> Results:
-    """Compare with both data sets, and time the whole batch."""
+    """Compare the models with both data sets, and time the computation of all points."""
     data, slanted, other = (measurement(name) for name in (TUNNEL, OBLIQUE, OTHER_FORM))
     rotors = _rotors(slanted)
     tunnel, oblique = compare(_rotors(data), data), compare(rotors, slanted, other)
@@ -218,7 +219,7 @@ def compute() -> Results:
 
 
 def by_name(rotor: Rotor, data: Measurement) -> list[ByName]:
-    """Compare every measured load with that of the ``rotor`` and its band."""
+    """Compare every measured load with the prediction of the ``rotor`` and its 95 % band."""
     loads = rotor.loads(data.omega, data.speed, data.beta)
     low, high = loads.interval(0.95)
     found = []
@@ -234,7 +235,7 @@ def by_name(rotor: Rotor, data: Measurement) -> list[ByName]:
 
 
 def write_tables(results: Results, folder: Path, notes: list[str]) -> None:
-    """Write ``demo.csv``, every point, and ``demo.json``, the errors and the ``notes`` on them."""
+    """Write all points to ``demo.csv``, and errors and ``notes`` to ``demo.json``."""
     rows = [row for one in (results.tunnel, results.oblique) for row in _rows(one)]
     write_text(csv_text(list(rows[0]), rows), folder / "demo.csv")
     groups = [asdict(group) for group in (*results.groups, *results.by_angle)]
@@ -249,7 +250,7 @@ def write_tables(results: Results, folder: Path, notes: list[str]) -> None:
         "air_density_kg_m3": results.rotor.model.air.density,
         "accuracy": results.rotor.accuracy,
         "relative_rms": "rms of the error over the rms of the measured load",
-        "band": f"rms of {OTHER_FORM} less {OBLIQUE} over the rms of the latter",
+        "band": f"rms of {OTHER_FORM} minus {OBLIQUE} over the rms of {OBLIQUE}",
         "groups": groups,
         "by_name": [asdict(one) for one in results.by_name],
         "notes": notes,
@@ -260,10 +261,10 @@ def write_tables(results: Results, folder: Path, notes: list[str]) -> None:
 
 
 def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
-    """Draw loads at the rotational speed with most oblique points, and a disk; give the paths.
+    """Draw loads at the rotational speed with most oblique points, and a disk; return the paths.
 
-    The curves are of the constants that were identified on these data, the bands those of what is
-    known of the propeller by its name.
+    The curves use the constants identified on these data.  The bands are those of the catalogue
+    prediction.
     """
     oblique = results.oblique
     data = oblique.measurement
@@ -287,7 +288,7 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
         CURVES.tolist(),
         points,
         band=results.known,
-        band_label="95 % band by name",
+        band_label="95 % band (catalogue)",
     )
     save(figure, curves)
     save(disk_picture(results.rotor, *DISK), disk)
@@ -295,7 +296,7 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
 
 
 def _rotors(data: Measurement) -> dict[str, Rotor]:
-    """Make the rotor of each model, by its name, in the air of the ``data``."""
+    """Return the rotor of each model by model name, in the air of the ``data``."""
     blade, air = propeller(PROPELLER), propmap.Air(density=data.air_density)
     return {
         name: Rotor(Model(blade, parameter_set(section), air, corrections_of(name, installed=True)))
@@ -304,7 +305,7 @@ def _rotors(data: Measurement) -> dict[str, Rotor]:
 
 
 def _corrections(model: str) -> list[str]:
-    """Name what a model adds to the paper's physics; the recommended rotor is installed."""
+    """List the corrections of a model to the paper's model; the recommended rotor is installed."""
     return [as_text(one) for one in corrections_of(model, installed=True)]
 
 
@@ -335,11 +336,11 @@ def _rows(both: Comparison) -> list[dict[str, Any]]:
 
 
 # -------------------------------------------------------------------------------------------------
-# What is said: tables, and what is off and why, in this run's figures.
+# Printed output: tables, and notes on the errors and their causes with the numbers of this run.
 
 
 def parts(results: Results) -> Iterator[object]:
-    """Texts and tables on the results."""
+    """Yield texts and tables of the results."""
     yield (
         f"{results.rotor.model.propeller.name} against UIUC (static, axial) and the polynomials of "
         "Gill & D'Andrea 2019 (oblique)"
@@ -361,9 +362,9 @@ def parts(results: Results) -> Iterator[object]:
     yield grid(
         "|".join(["<data set", "<load", "points", "measured rms", "band [%]", *MODELS_SHOWN]),
         rows,
-        caption="rms error and, in brackets, in % of the rms of the measured load; band: the 2019 "
-        "paper's own blade-element model less its polynomials, likewise; hover: constants from the "
-        "recommended rotor at V = 0",
+        caption="rms error and, in brackets, in % of the rms of the measured load; band: rms "
+        "difference of the 2019 paper's blade-element model and its polynomials, in the same %; "
+        "hover: constants from the recommended rotor at V = 0",
     )
     loads = [one.load.replace("_", " ") for one in results.by_angle[0].errors]
     rows_by_angle = [
@@ -395,13 +396,12 @@ def parts(results: Results) -> Iterator[object]:
             (LOADS[one.load].label, _percent(one.relative_rms), _percent(one.inside))
             for one in results.by_name
         ],
-        "oblique, by the propeller's name alone: the installed rotor with constants from UIUC's "
-        "axial loads",
+        "oblique, catalogue prediction: the installed rotor with constants from UIUC's axial loads",
     )
 
 
 def notes(results: Results) -> list[str]:
-    """Say what is off, and why."""
+    """Return notes on the errors and their causes."""
     oblique = results.groups[-1]
 
     def share(load: str) -> str:
@@ -414,41 +414,43 @@ def notes(results: Results) -> list[str]:
     first, *_, last = pitch
     *elsewhere, _ = results.groups
     return [
-        "The oblique data are no raw points. The 2019 paper gives polynomials, one fitted to each "
-        "load's measurements, which are taken as measured here, and a blade-element model fitted "
-        f"to all loads. The two differ by {band('thrust')} rms in thrust, {band('torque')} in "
-        f"torque, {band('drag')} in rotor drag and {band('roll_moment')} in rolling moment, the "
-        "band: no model can be called closer than that.",
-        f"The constants {SECTIONS['recommended']} were fitted to {' and '.join(FITTED)} of the "
-        f"polynomials, {share('thrust')} and {share('torque')}. Rolling moment "
-        f"({share('roll_moment')}), pitching moment and rotor drag were not fitted, nor was UIUC's "
-        "tunnel, where the same propeller's loads differ already at rest: "
-        f"{_bias(elsewhere, 'recommended', 'thrust')} in mean thrust, "
+        "Oblique data: the 2019 paper does not publish the measured points. It publishes one "
+        "polynomial per load, which counts as measured here, and a blade-element model fitted to "
+        f"all loads. The rms difference between both, the band, is {band('thrust')} in thrust, "
+        f"{band('torque')} in torque, {band('drag')} in rotor drag and {band('roll_moment')} in "
+        "rolling moment. Errors below the band do not distinguish models.",
+        f"Fitted loads: the constants {SECTIONS['recommended']} were fitted to "
+        f"{' and '.join(FITTED)} of the polynomials, with errors of {share('thrust')} and "
+        f"{share('torque')}. Not fitted were rolling moment ({share('roll_moment')}), pitching "
+        "moment, rotor drag, and UIUC's data. In UIUC's tunnel the loads of the same propeller "
+        f"differ even at rest: {_bias(elsewhere, 'recommended', 'thrust')} in mean thrust, "
         f"{_bias(elsewhere, 'recommended', 'torque')} in mean torque.",
-        "The bands of the picture are what is known of the propeller by its name alone, with "
-        "constants identified from UIUC's axial loads: they should hold 95 %. Shares of the "
-        "oblique points: "
+        "Bands of the picture: 95 % bands of the catalogue prediction, with constants identified "
+        "from UIUC's axial loads. Fractions of the oblique points inside: "
         + ", ".join(
-            f"{one.inside:.0%} are inside in {LOADS[one.load].label} (rms {one.relative_rms:.0%})"
+            f"{one.inside:.0%} for {LOADS[one.load].label} (rms error {one.relative_rms:.0%})"
             for one in results.by_name
         )
-        + ". All points of a tunnel err together.",
-        f"Pitching moment: of their sign, {pitch[first]:.1f} times theirs at {first:g} degrees and "
-        f"{pitch[last]:.1f} times at {last:g}. Theirs is linear in the advance ratio. The paper's "
-        "model has none.",
-        f"Rotor drag: theirs is {1.0 / max(drag.values()):.1f} to {1.0 / min(drag.values()):.1f} "
-        "times the recommended rotor's, by angle. That is installed as rotors on motors and stands "
-        f"were measured to be: {TYPICAL_FACTOR[0]:g} times the drag of the blades, and a plate in "
-        "the slipstream. Other sources have the theory right for bare blades within about "
-        "20 %. The paper's model has bare blades.",
-        "The paper's section law has no camber (zero-lift angle 0), the blade has: with "
-        f"{SECTIONS['paper']} mean thrust is off by {_bias(results.groups, 'paper', 'thrust')}, "
-        f"mean torque by {_bias(results.groups, 'paper', 'torque')}.",
+        + ". The errors of all points in a tunnel are correlated.",
+        "Pitching moment: the recommended model predicts the measured sign. The magnitude is "
+        f"{pitch[first]:.1f} times the measured one at {first:g} degrees and {pitch[last]:.1f} "
+        f"times at {last:g} degrees. The measured moment is linear in the advance ratio. The "
+        "paper's model has no pitching moment.",
+        f"Rotor drag: the measured drag is {1.0 / max(drag.values()):.1f} to "
+        f"{1.0 / min(drag.values()):.1f} times the prediction, depending on the angle. The "
+        "recommended rotor is installed, as measured on motors and stands: "
+        f"{TYPICAL_FACTOR[0]:g} times the drag of the blades, and a plate in the slipstream. In "
+        "other sources the theory agrees with bare blades within about 20 %. The paper's model "
+        "has bare blades.",
+        "Camber: the paper's section law has none (zero-lift angle 0), but the blade has. With "
+        f"{SECTIONS['paper']} the error of mean thrust is "
+        f"{_bias(results.groups, 'paper', 'thrust')}, of mean torque "
+        f"{_bias(results.groups, 'paper', 'torque')}.",
     ]
 
 
 def _bias(groups: Sequence[Group], model: str, load: str) -> str:
-    """Say the mean error of a model over the mean measured load, by data set."""
+    """Return the mean error of a model over the mean measured load, by data set, as text."""
     found = []
     for group in groups:
         one = group.of(load)
@@ -457,9 +459,9 @@ def _bias(groups: Sequence[Group], model: str, load: str) -> str:
 
 
 def _sizes(groups: Sequence[Group], load: str) -> dict[float, float]:
-    """Divide the recommended model's load by the measured one, rms over rms, by angle [deg].
+    """Return the rms load of the recommended model over the measured rms, by angle [deg].
 
-    Angles at which none was measured are left out.
+    Angles without a measured load are omitted.
     """
     found = {}
     for group in groups:
@@ -478,15 +480,15 @@ def _percent(share: float | None) -> str:
 
 
 def main() -> None:
-    """Compute, write and show."""
+    """Compute the results, write the files and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument(
         "-o", "--output", type=Path, default="propmap-demo", metavar="FOLDER",
-        help="where the files go",
+        help="output folder (default: propmap-demo)",
     )  # fmt: skip
     folder = parser.parse_args().output
     if folder.exists() and not folder.is_dir():
-        parser.error(f"{folder}: this is a file; name a folder")
+        parser.error(f"{folder}: this is a file; give the name of a folder")
     folder.mkdir(parents=True, exist_ok=True)
     results = compute()
     write_tables(results, folder, notes(results))

@@ -1,4 +1,4 @@
-"""Derivatives of a rotor's thrust by the flight state, in a program that JAX compiles."""
+"""Differentiate the thrust of a rotor with respect to the flight state, in a JAX program."""
 
 import jax
 import jax.numpy as jnp
@@ -14,7 +14,7 @@ omega = 6000 * np.pi / 30  # rad/s
 
 @jax.jit
 def thrust(omega, velocity):
-    """Thrust [N] for a velocity (axial, in-plane) [m/s]."""
+    """Return the thrust [N] at a velocity (axial, in-plane) [m/s]."""
     return propmap.jax.loads(rotor, omega, *velocity)[list(LOADS).index("thrust")]
 
 
@@ -24,11 +24,11 @@ with jax.enable_x64(True):
     print("d thrust / d omega    ", float(by_omega), "N s/rad")
     print("d thrust / d velocity ", np.asarray(by_velocity), "N s/m, axial and in-plane")
 
-    # Again, by differences of the computed thrust.
+    # Check the axial derivative with a difference quotient of the thrust.
     ahead, behind = (thrust(omega, velocity.at[0].add(h)) for h in (1e-3, -1e-3))
     print("by differences, axial ", float(ahead - behind) / 2e-3, "N s/m")
 
-    # The speed of rotation that lifts 2 N on this flight, by Newton's method.
+    # Find the rotational speed for 2 N of thrust in this flight, by Newton's method.
     for _ in range(5):
         omega -= (thrust(omega, velocity) - 2.0) / jax.grad(thrust)(omega, velocity)
     print("omega for 2 N         ", float(omega), "rad/s")

@@ -1,4 +1,4 @@
-"""An SDF model's motor plugin, filled with the exported coefficients."""
+"""Write the motor plugin of an SDF model with the exported coefficients."""
 
 from pathlib import Path
 

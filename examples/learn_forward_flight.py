@@ -1,4 +1,4 @@
-"""From hover to forward flight in MJX: a controller's gains, learned by gradient descent."""
+"""Learn the gains of a controller for forward flight in MJX by gradient descent."""
 
 import jax
 import jax.numpy as jnp
@@ -22,7 +22,7 @@ device, start, rear = mjx.put_model(model), mjx.make_data(model), jnp.array([-1.
 
 
 def fly(logs, wanted=4.0):
-    """Mean square of what is not wanted in the first two seconds, and the last velocity [m/s]."""
+    """Return the mean squared error over the first two seconds, and the final velocity [m/s]."""
     lean_gain, stiffness, damping, climb_gain = jnp.exp(logs)
 
     def step(state, _):

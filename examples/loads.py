@@ -1,4 +1,4 @@
-"""Loads of a rotor in climb, oblique and edgewise flight, with bands."""
+"""Compute the loads of a rotor in climb, oblique and edgewise flight, with 95 % bands."""
 
 import numpy as np
 

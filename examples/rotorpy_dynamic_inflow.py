@@ -1,4 +1,4 @@
-"""RotorPy's quadrotor on rotors of the full model, whose inflow lags behind."""
+"""Fly RotorPy's quadrotor with the full rotor model and inflow lag."""
 
 import numpy as np
 from rotorpy.vehicles.hummingbird_params import quad_params
@@ -13,16 +13,16 @@ rotor = propmap.Rotor(model)
 
 
 def airspeed(state):
-    """Velocity of the vehicle through the air, in its own axes [m/s]."""
+    """Return the velocity of the vehicle through the air, in the vehicle frame [m/s]."""
     return Rotation.from_quat(state["q"]).inv().apply(state["v"] - state["wind"])
 
 
 class Quadrotor(Multirotor):
-    """Its inflow is a state of each rotor, held during a step of RotorPy's integrator."""
+    """A quadrotor with the inflow of each rotor as a state, constant during a step of RotorPy."""
 
     def __init__(self, parameters, **options):
         super().__init__(parameters, **options)
-        # RotorPy's direction is that of the torque on the body, against the spin.
+        # rotor_dir is the direction of the torque on the body, opposite to the spin.
         self.groups = [
             (np.flatnonzero(self.rotor_dir == direction), propmap.DynamicInflow(rotor, spin=spin))
             for direction, spin in ((1, "cw"), (-1, "ccw"))
@@ -34,18 +34,18 @@ class Quadrotor(Multirotor):
             self.inflow[mine] = dynamic.steady(speeds[mine], hubs[mine])
 
     def hub_velocities(self, body_rates, velocity):
-        """Velocity of every rotor's hub, where the vehicle turns [m/s]."""
+        """Return the velocity of each hub, including the rotation of the vehicle [m/s]."""
         return velocity + np.cross(body_rates, self.rotor_geometry)
 
     def step(self, state, control, t_step):
-        """As RotorPy's, after a step of the inflow."""
+        """Step the inflow, then the vehicle as RotorPy does."""
         hubs, speeds = self.hub_velocities(state["w"], airspeed(state)), state["rotor_speeds"]
         for mine, dynamic in self.groups:
             self.inflow[mine] = dynamic.step(self.inflow[mine], t_step, speeds[mine], hubs[mine])
         return super().step(state, control, t_step)
 
     def compute_body_wrench(self, body_rates, rotor_speeds, body_airspeed_vector):
-        """Moment of all rotors, about the centre of mass."""
+        """Return force and moment of all rotors about the center of mass."""
         hubs = self.hub_velocities(body_rates, body_airspeed_vector)
         force, moment = np.zeros((2, self.num_rotors, 3))
         for mine, dynamic in self.groups:
@@ -60,7 +60,7 @@ speeds = np.linspace(300.0, 900.0, 61)  # rad/s
 hover = np.interp(weight / 4.0, rotor.loads(speeds, 0.0, 0.0).thrust, speeds)
 state = {name: np.zeros(3) for name in ("x", "v", "w", "wind")}
 state |= {"q": np.array([0.0, 0.0, 0.0, 1.0]), "rotor_speeds": np.full(4, hover)}
-# A motor this quick shows the inflow's own delay.
+# The small time constant of the motor makes the inflow lag visible.
 motor = {"rotor_speed_min": 300.0, "rotor_speed_max": 900.0, "tau_m": 0.002}
 vehicle = Quadrotor(quad_params | motor, initial_state=state, integrator_kwargs={"method": "RK23"})
 for k in range(1, 11):
@@ -68,4 +68,4 @@ for k in range(1, 11):
     at = (state["rotor_speeds"], airspeed(state))
     lagging = vehicle.compute_body_wrench(state["w"], *at)[0][2] / weight
     steady = rotor.loads_at_velocity(*at).thrust.sum() / weight
-    print(f"{2 * k:2d} ms: thrust over weight {lagging:.4f}, without delay {steady:.4f}")
+    print(f"{2 * k:2d} ms: thrust over weight {lagging:.4f}, without inflow lag {steady:.4f}")

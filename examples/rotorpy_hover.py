@@ -1,4 +1,4 @@
-"""RotorPy's quadrotor with the exported rotor: hover against a wind of 1 m/s."""
+"""Fly RotorPy's quadrotor with the exported rotor: hover in a wind of 1 m/s."""
 
 import numpy as np
 from apc_8x6e_rotorpy import rotor_params

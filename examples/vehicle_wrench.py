@@ -1,4 +1,4 @@
-"""Force and moment of the air on a quadrotor whose rotors are in each other's wakes."""
+"""Compute aerodynamic force and moment on a quadrotor with wakes of rotors on each other."""
 
 import numpy as np
 

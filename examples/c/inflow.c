@@ -1,4 +1,4 @@
-/* The inflow as a state: thrust after a jump of the rotational speed, millisecond by millisecond. */
+/* Inflow as a state: thrust at every millisecond after a step of the rotational speed. */
 #include "apc_8x6e.h"
 #include <stdio.h>
 

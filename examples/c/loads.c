@@ -1,4 +1,4 @@
-/* A table in C: loads at a velocity, and the rotational speed for a thrust. */
+/* Query a table in C: loads at a velocity, and the rotational speed for a thrust. */
 #include "apc_8x6e.h"
 #include <stdio.h>
 

@@ -1,4 +1,4 @@
-/* Force and moment on a whole vehicle: a quadrotor in a gust from the left. */
+/* Aerodynamic force and moment on a quadrotor in a gust from the left. */
 #include "quad.h"
 #include <stdio.h>
 
@@ -6,7 +6,7 @@ int main(void)
 {
     const double omega[QUAD_ROTORS] = {600.0, 610.0, 610.0, 600.0}; /* rad/s */
     const double velocity[3] = {6.0, 0.0, 1.0}, rates[3] = {0.0, 0.1, 0.0}; /* m/s, rad/s */
-    const double wind[3] = {0.0, -1.5, 0.0}; /* m/s, the air's, in the vehicle's frame */
+    const double wind[3] = {0.0, -1.5, 0.0}; /* m/s, velocity of the air in the vehicle frame */
     const quad_wrench_t found = quad_wrench(omega, velocity, rates, wind);
 
     if (found.status != APC_8X6E_OK) {

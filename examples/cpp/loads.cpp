@@ -1,11 +1,11 @@
-// Loads of a rotor by propmap's core alone: an operating point per line of the standard input, its loads per line.
+// Compute loads with propmap's core: reads one operating point per line of standard input, prints its loads.
 #include "apc_8x6e.hpp"
 
 #include <cstdio>
 
 int main() {
     const auto solver = make_apc_8x6e();
-    propmap::Solution solution;  // keeps its memory from point to point; one per thread
+    propmap::Solution solution;  // reuses its memory for all points; one per thread
     double omega, v_axial, v_inplane;
     while (std::scanf("%lf %lf %lf", &omega, &v_axial, &v_inplane) == 3) {
         solver.solve({omega, v_axial, v_inplane}, solution);

@@ -1,6 +1,6 @@
-"""A Drake system that puts the force and moment of the air on a body of a MultibodyPlant.
+"""A Drake system that applies aerodynamic force and moment to a body of a MultibodyPlant.
 
-Run as a script, it prints how a quadrotor at 10 m/s slows down whose rotors turn as in hover.
+As a script, it prints the deceleration of a quadrotor from 10 m/s with the rotor speeds of hover.
 """
 
 from pathlib import Path
@@ -18,11 +18,12 @@ import propmap
 
 
 class RotorForces(LeafSystem):
-    """Rotors that follow their commands with a delay, and what the air does to their vehicle.
+    """Rotors that lag behind their commands, and the aerodynamic forces on the vehicle.
 
-    Inputs are the plant's ``body_poses`` and ``body_spatial_velocities`` and the ``command``, rotor
-    speeds (k,) [rad/s]; outputs are ``spatial_forces`` for the plant and the rotors' ``omega``.
-    The body's axes are x forward, y left, z up, its origin is the vehicle's centre of mass.
+    Inputs are the plant's ``body_poses`` and ``body_spatial_velocities``, and the commanded rotor
+    speeds ``command`` (k,) [rad/s].  Outputs are ``spatial_forces`` for the plant and the actual
+    rotor speeds ``omega``.  The body's axes are x forward, y left, z up, and its origin is the
+    vehicle's center of mass.
     """
 
     def __init__(self, forces, body, time_constant):
@@ -42,14 +43,14 @@ class RotorForces(LeafSystem):
             self.spatial_forces,
         )
 
-    def DoCalcTimeDerivatives(self, context, derivatives):  # noqa: N802, a name of Drake's
-        """Rotors of first order."""
+    def DoCalcTimeDerivatives(self, context, derivatives):  # noqa: N802, a name from Drake
+        """Compute the rate of change of the rotor speeds, a first-order lag."""
         omega = context.get_continuous_state_vector().CopyToVector()
         rate = (self.command.Eval(context) - omega) / self.time_constant
         derivatives.get_mutable_vector().SetFromVector(rate)
 
     def spatial_forces(self, context, output):
-        """Force and moment at the centre of mass, in the world's axes."""
+        """Compute force and moment at the center of mass, in the world frame."""
         turned = self.poses.Eval(context)[self.body].rotation()
         motion = self.motions.Eval(context)[self.body]
         found = self.forces.wrench(
@@ -58,7 +59,7 @@ class RotorForces(LeafSystem):
             turned.inverse() @ motion.rotational(),
         )
         if not np.isfinite(found.force).all():
-            raise ValueError(f"the loads are not known there ({found.status})")
+            raise ValueError(f"no loads at this operating point ({found.status})")
         applied = ExternallyAppliedSpatialForce()
         applied.body_index = self.body
         applied.p_BoBq_B = np.zeros(3)
@@ -67,9 +68,9 @@ class RotorForces(LeafSystem):
 
 
 def flying(forces, time_constant, gravity=9.80665):
-    """Diagram of a vehicle as one free body, with its ``plant`` and its ``rotors``.
+    """Return a diagram of a vehicle as one free body, with the systems ``plant`` and ``rotors``.
 
-    Its input is the rotors' command.
+    The input of the diagram is the rotor command.
     """
     vehicle, builder = forces.vehicle, DiagramBuilder()
     plant = builder.AddSystem(MultibodyPlant(time_step=0.0))
@@ -90,7 +91,7 @@ def flying(forces, time_constant, gravity=9.80665):
 
 
 def main():
-    """Print half a second of flight that begins at 10 m/s."""
+    """Print half a second of flight from 10 m/s."""
     vehicle = propmap.read_vehicle(Path(__file__).parent.parent / "quadrotor.toml").vehicle
     rotor = propmap.Rotor(propmap.known_model("APC 8x6E"))
     diagram = flying(propmap.VehicleForces(vehicle, rotor), time_constant=0.03)

@@ -494,7 +494,7 @@ def by_thruster(p: dict[str, float], throttle: float, along: float) -> tuple[flo
 
 def stated_fit(note: str, letter: str) -> tuple[float, float]:
     """Largest J, and the error of the coefficient."""
-    told = re.search(rf"C_{letter} a quadratic.* from 0 to ([\d.]+),.*within ([\d.]+),", note)
+    told = re.search(rf"C_{letter} quadratic.* from 0 to ([\d.]+),.*within ([\d.]+),", note)
     assert told
     return float(told[1]), float(told[2])
 
@@ -514,7 +514,7 @@ def test_the_simulator_s_propeller_pulls_as_the_rotor_does(
     p = by_qgroundcontrol((tmp_path / "quadcopter_px4_sih.params").read_text())
     assert set(p) == set(RANGES)
     assert all(low <= p[name] <= high for name, (low, high) in RANGES.items())
-    assert "The drag model" not in note and "kg/m^3 at any height, this vehicle's 1.1." in note
+    assert "Drag model" not in note and "kg/m^3 at any height. The vehicle file has 1.1." in note
     limit, thrust_error = stated_fit(note, "T")
     _, power_error = stated_fit(note, "P")
     assert 0.9 < limit < 1.1 and thrust_error < 0.012 and power_error < 0.012
@@ -568,7 +568,7 @@ def test_a_quadratic_comes_back() -> None:
         expected = constant * np.pi ** (4 - k) / 4.0
         assert values[f"SIH_F_CP{k}"] == pytest.approx(expected, abs=2e-4)
     assert "within 0.0000, 0.0% of the largest C_T" in told[0]
-    assert not any("no quadratic" in line or "extrapolated" in line for line in told)
+    assert not any("not quadratic" in line or "extrapolated" in line for line in told)
 
 
 def test_thrust_that_falls_ever_slower_gets_a_line() -> None:
@@ -582,7 +582,7 @@ def test_a_tailsitter_s_curve_that_is_no_quadratic_is_said() -> None:
     vehicle = read_vehicle(Path(__file__).parents[2] / "examples/aircraft/tailsitter.toml").vehicle
     rotor = propmap.Rotor(propmap.known_model("apc-8x6e", air=vehicle.air))
     told = autopilot_parameters(Aircraft(vehicle, rotor), "px4")
-    assert any("C_P is no quadratic: it errs by" in remark for remark in told.remarks)
+    assert any("C_P is not quadratic in J" in remark for remark in told.remarks)
     assert "standard deviation at rest" in told.sets[0].kinds[0].holds
     fastest = told.sets[0].values["SIH_F_RPM_MAX"]
     assert any(f"at up to {fastest:.0f} rpm" in remark for remark in told.remarks)

@@ -115,7 +115,7 @@ def test_bad_targets_and_folders(invented: LoadTable, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="this is a file"):
         export_table(invented, "csv", tmp_path / "file")
     with pytest.raises(
-        InputError, match=r"b: there is no folder [^;]*; make it or choose another$"
+        InputError, match=r"b: there is no folder [^;]*; create it or choose another$"
     ):
         export_table(invented, "csv", tmp_path / "a" / "b")
     (tmp_path / "invented.csv").mkdir()

@@ -368,10 +368,10 @@ def test_by_command(
     assert "; no wakes." in " ".join(Path("still/README-c.txt").read_text().split())
     for arguments, message in (
         (("--to", "c"), "give it as --table FILE.npz"),
-        (("--to", "gazebo", "--table", "map.npz"), "gazebo is written of a table alone"),
-        (("--to", "mujoco", "--table", "map.npz"), "the vehicle's file has no inertia"),
-        (("--to", "c", "--table", "map.npz", "--prop", "apc-8x6e"), "--prop is given with --to c"),
-        (("--to", "c", "--table", "map.npz", "--charge", "1"), "--charge is given with --to c"),
+        (("--to", "gazebo", "--table", "map.npz"), "--to gazebo needs a table"),
+        (("--to", "mujoco", "--table", "map.npz"), "the vehicle file has no inertia"),
+        (("--to", "c", "--table", "map.npz", "--prop", "apc-8x6e"), "--prop does not apply"),
+        (("--to", "c", "--table", "map.npz", "--charge", "1"), "--charge does not apply"),
         (("--to", "c", "--table", "none.npz"), "none.npz"),
     ):
         code, _, err = run("quad.toml", *arguments, "-o", "out")

@@ -302,7 +302,7 @@ WRONG: dict[str, tuple[Callable[[], Any], str]] = {
     "not free": (lambda: rotors_on(model_of(), body="post"), "'post' is not free"),
     "grams": (
         lambda: rotors_on(model_of(nose=1200.0)),
-        "'quad' has 1201 kg, the vehicle 1.2; give both in SI units",
+        "'quad' has 1201 kg, the vehicle 1.2; give both the same mass",
     ),
     "air of its own": (lambda: rotors_on(model_of(air=1.2)), "density or viscosity is not 0"),
     "negative lag": (lambda: rotors_on(model_of(), time_constant=-0.1), "time_constant is -0.1 s"),

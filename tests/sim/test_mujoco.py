@@ -306,7 +306,7 @@ def test_a_table_that_does_not_cover_the_flight_is_told(fly: Callable[..., Any])
 def test_a_command_that_is_no_number_is_told(fly: Callable[..., Any], clamp: bool) -> None:
     model, data, _ = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN), clamp=clamp)
     data.act[:], data.ctrl[:] = 600.0, [600.0, np.nan, 600.0, 600.0]
-    with pytest.raises(InputError, match="the command or the speed of rotor_2 is no number"):
+    with pytest.raises(InputError, match="the command or the speed of rotor_2 is not finite"):
         mujoco.mj_step(model, data)
 
 
@@ -393,7 +393,7 @@ WRONG: dict[str, tuple[str, dict[str, Any], str]] = {
     ),
     "a site without a rotor": (
         GOOD.replace(SITE[0], SITE[0] + SITE[0].replace("rotor_4", "rotor_5")),
-        {}, "the site 'rotor_5' is that of no rotor: the vehicle has 4"
+        {}, "the site 'rotor_5' belongs to no rotor: the vehicle has 4"
     ),
     "a rotor without an actuator": (GOOD.replace(ACTUATOR[0], ""), {}, "no actuator 'rotor_4'"),
     "two names alike": (
@@ -406,45 +406,45 @@ WRONG: dict[str, tuple[str, dict[str, Any], str]] = {
     ),
     "grams": (
         GOOD.replace('mass="1.2"', 'mass="1200"').replace('"0.004 0.005 0.008"', '"4 5 8"'),
-        {}, "has 1200 kg there, the vehicle's file 1.2 kg; MJCF is in kg, not g"
+        {}, "has 1200 kg, the vehicle file 1.2 kg; MJCF is in kg, not g"
     ),
     "another mass": (GOOD.replace('mass="1.2"', 'mass="2"'), {}, "give both the same mass"),
     "millimetres": (
         mjcf(replace(PLAIN, mounts=tuple(
             replace(m, position=tuple(1e3 * x for x in m.position)) for m in PLAIN.mounts))),
-        {}, "is at (160, 170, 20) m from the centre of mass, the vehicle's rotor at "
+        {}, "is at (160, 170, 20) m from the center of mass, the vehicle's rotor at "
         "(0.16, 0.17, 0.02) m; MJCF is in m, not mm"
     ),
     "a limited activation": (
         GOOD.replace('dyntype="filter"', 'dyntype="filter" actlimited="true" actrange="0 600"'),
-        {}, "the activation of the actuator 'rotor_1' is limited; limit its ctrl"
+        {}, "the activation of the actuator 'rotor_1' is limited; limit ctrl"
     ),
     "no actuators": (
         GOOD.replace("<worldbody>", '<option><flag actuation="disable"/></option><worldbody>'),
-        {}, "switches off actuators"
+        {}, "disables actuators"
     ),
     "one text for names": (GOOD, {"names": "rotor_1"}, "names is 'rotor_1', one text"),
     "z down": (
         mjcf(replace(PLAIN, mounts=tuple(replace(m, axis=(0.0, 0.0, -1.0)) for m in PLAIN.mounts))),
-        {}, "turn the site: its z axis is along the thrust"
+        {}, "rotate the site so that its z axis is along the thrust"
     ),
     "no free joint": (GOOD.replace("<freejoint/>", '<joint type="hinge"/>'), {}, "no free joint"),
     "fixed": (GOOD.replace("<freejoint/>", ""), {}, "no free joint"),
     "a rotor that tilts": (
         GOOD.replace(SITE[0], f'<body><joint/><geom size="0.01" mass="0.01"/>{SITE[0]}</body>'),
-        {}, "are on bodies that move against each other"
+        {}, "are on bodies that move relative to each other"
     ),
-    "an actuator that pushes": (GOOD.replace('gainprm="0"', ""), {}, "pushes the vehicle itself"),
+    "an actuator that pushes": (GOOD.replace('gainprm="0"', ""), {}, "itself exerts a force"),
     "an integrator": (
-        GOOD.replace('"filter"', '"integrator"'), {}, "has a dyntype of another kind"
+        GOOD.replace('"filter"', '"integrator"'), {}, "has an unsupported dyntype"
     ),
     "two kinds": (
-        GOOD.replace(ACTUATOR[0], ACTUATOR[0].replace('"filter"', '"none"')), {}, "some none"
+        GOOD.replace(ACTUATOR[0], ACTUATOR[0].replace('"filter"', '"none"')), {}, "others have none"
     ),
     "air": (mjcf(PLAIN, option='density="1.2"'), {}, "option density or viscosity is not 0"),
     "nothing passive": (
         GOOD.replace("/>", '><flag spring="disable" damper="disable"/></option>', 1),
-        {}, "passive forces are switched off"
+        {}, "passive forces are disabled"
     ),
 }  # fmt: skip
 

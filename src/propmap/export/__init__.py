@@ -1,6 +1,6 @@
-"""Exports to the forms that other programs read, listed in ``EXPORTS``.
+"""Exports to the file formats of other programs, listed in ``EXPORTS``.
 
-Importing this package loads none of the exports: help and documentation are made of the list.
+Help and documentation use this list, so importing the package imports none of the exports.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
 
 
 class Export(NamedTuple):
-    """One line of the registry: a form that ``propmap export`` writes."""
+    """Entry of the registry: a format that ``propmap export`` writes."""
 
-    target: str  # its name, as in ``propmap export --to``
-    source: str  # what it is made from, a key of ``SOURCES``
-    function: str  # "module.function" of ``propmap.export`` that makes it
+    target: str  # name of the format, as in ``propmap export --to``
+    source: str  # object that is exported, a key of ``SOURCES``
+    function: str  # "module.function" in ``propmap.export`` that returns the files
     writes: str
-    keeps: str  # these two over the loads of the source
-    loses: str = "nothing"
+    keeps: str  # properties of the source's loads that the format can represent
+    loses: str = "nothing"  # and properties that it cannot
 
     def make(self) -> Any:
-        """Import the module and return its function."""
+        """Import the module of the export and return the function."""
         module, _, name = self.function.partition(".")
         return getattr(import_module(f"propmap.export.{module}"), name)
 
@@ -40,45 +40,51 @@ SOURCES = {
     "vehicle": "a vehicle and a table",  # function(vehicle, table) returns ``Files``
     # function(aircraft, flights) returns ``AutopilotParameters``
     "autopilot": "a vehicle with 3 or more rotors",
-    "pusher": "a pusher or tailsitter",  # function(aircraft), likewise
+    "pusher": "a pusher or tailsitter",  # function(aircraft) returns ``AutopilotParameters``
 }
 
-_BILINEAR = "thrust and torque quadratic, the four loads by the in-plane velocity bilinear"
-_DRAG = "drag along x and y, linear and quadratic in the speed"
+_BILINEAR = "thrust and torque (quadratic), the four loads due to in-plane velocity (bilinear)"
+_DRAG = "drag along x and y, linear and quadratic in airspeed"
 EXPORTS = (
     Export("c", "table", "c_header.c_files", "a C99 header",
-           "everything: loads, gradient, inverse, status, wrench; the inflow's delay"),
+           "everything: loads, gradient, inverse, status, wrench, inflow lag"),
     Export("multinomial", "table", "simple_models.multinomial_files", "polynomials in Python and C",
            _BILINEAR, "stall, fast descent, Reynolds number"),
     Export("gazebo", "table", "simple_models.gazebo_files", "SDF of Gazebo's motor model",
-           "static thrust and torque, a linear drag and rolling moment",
-           "change of thrust and torque with speed, side force, pitching moment"),
+           "static thrust and torque, linear drag and rolling moment",
+           "change of thrust and torque with airspeed, side force, pitching moment"),
     Export("rotorpy", "table", "simple_models.rotorpy_files", "rotor parameters of RotorPy",
-           "the change of thrust with speed, four linear loads by the in-plane velocity",
-           "change of torque"),
+           "change of thrust with airspeed, four loads linear in the in-plane velocity",
+           "change of torque with airspeed"),
     Export("jsbsim", "table", "simple_models.jsbsim_files", "propeller and reactions of JSBSim",
-           "thrust and power over the axial advance ratio; the other four as in `multinomial`",
+           "thrust and power over the axial advance ratio; four loads as in `multinomial`",
            "change of thrust and power with the in-plane velocity"),
     Export("npz", "table", "simple_models.npz_files", "the table for propmap", "everything"),
     Export("nc", "table", "simple_models.nc_files", "the table as NetCDF", "everything"),
-    Export("csv", "table", "simple_models.csv_files", "the table's knots as rows",
+    Export("csv", "table", "simple_models.csv_files", "the knots of the table as rows",
            "everything but the status"),
-    Export("cpp", "rotor", "cpp_rotor.rotor_files", "a C++ header on propmap's own core",
+    Export("cpp", "rotor", "cpp_rotor.rotor_files", "a C++ header that includes propmap's core",
            "everything"),
     Export("c", "vehicle", "c_header.vehicle_c_files", "the whole vehicle as C99 headers",
            "everything, wakes included"),
     Export("rotorpy", "vehicle", "simple_models.vehicle_rotorpy_files", "a multirotor of RotorPy",
            "everything, wakes included; needs propmap"),
-    Export("mujoco", "vehicle", "simple_models.vehicle_mujoco_files", "an MJCF model that flies",
+    Export("mujoco", "vehicle", "simple_models.vehicle_mujoco_files", "an MJCF model with a script",
            "everything, wakes included; needs propmap"),
     Export("px4", "autopilot", "px4.parameters", "parameters of PX4",
-           f"{_DRAG}; places of the rotors, torque over thrust, thrust curve", "wakes, wings"),
+           f"{_DRAG}; rotor positions, torque-to-thrust ratio, thrust curve", "wakes, wings"),
     Export("ardupilot", "autopilot", "ardupilot.parameters", "parameters of ArduPilot",
            f"{_DRAG}; thrust curve", "wakes, wings"),
     Export("px4", "pusher", "px4.forward_propeller", "the propeller of PX4's simulator SIH",
-           "thrust and power over the axial advance ratio, quadratic", "all else"),
+           "thrust and power, quadratic in the axial advance ratio", "all other loads"),
 )  # fmt: skip
-"""All exports, in the order of ``propmap export --help``; a new one is a line here and a module."""
+"""All exports, in the order of ``propmap export --help``.
+
+A new export needs an entry here, a module with the function, and a template of its note,
+``templates/README-TARGET.txt.j2`` (of a vehicle: ``README-TARGET-vehicle.txt.j2``). The function
+passes a short note to ``propmap.export.files.note`` as ``text`` instead. All autopilots share
+``README-autopilot.md.j2``.
+"""
 
 
 def _targets(source: str) -> tuple[str, ...]:
@@ -86,19 +92,19 @@ def _targets(source: str) -> tuple[str, ...]:
 
 
 TARGETS = _targets("table")
-"""Targets of a table, see ``export_table``."""
+"""Targets of ``export_table``."""
 
 ROTOR_TARGETS = _targets("rotor")
-"""Targets of a rotor without a table, see ``export_rotor``."""
+"""Targets of ``export_rotor``."""
 
 VEHICLE_TARGETS = _targets("vehicle")
-"""Targets of a whole vehicle's force and moment, see ``export_vehicle``."""
+"""Targets of ``export_vehicle``."""
 
-AUTOPILOTS = _targets("autopilot")  # of a vehicle's parameters, see ``export_autopilot``
+AUTOPILOTS = _targets("autopilot")  # targets of ``propmap.export.autopilot.export_autopilot``
 
 
 def find_export(target: str, source: str | None = None) -> Export:
-    """Return the export to ``target`` from ``source``, or from whatever it is made of."""
+    """Return the export to ``target`` from a ``source``; by default the first of any source."""
     named = [export for export in EXPORTS if export.target == target]
     for export in named:
         if source in (None, export.source):
@@ -114,7 +120,7 @@ def find_export(target: str, source: str | None = None) -> Export:
 def export_table(
     table: LoadTable, target: str, folder: str | os.PathLike[str], *, replace: bool = False
 ) -> list[Path]:
-    """Write a table for a target, all files or none.
+    """Write a table in the format of a target, all files or none.
 
     Parameters
     ----------
@@ -123,20 +129,20 @@ def export_table(
     target : str
         One of ``TARGETS``.
     folder : path
-        Where to; made if need be.
+        Output folder, created if it does not exist.
     replace : bool
-        Whether files that exist are replaced.
+        Whether to replace existing files.
 
     Returns
     -------
     list of Path
-        The files.
+        The written files.
 
     Raises
     ------
     InputError
-        For an unknown target, a folder that cannot be written to, files that exist, and a table
-        that lacks what the target needs.
+        For an unknown target, a folder that is not writable, existing files without ``replace``,
+        and a table without the operating points that the target needs.
     """
     return _write(find_export(target, "table"), folder, replace, table)
 
@@ -144,12 +150,12 @@ def export_table(
 def export_rotor(
     rotor: Rotor, target: str, folder: str | os.PathLike[str], *, replace: bool = False
 ) -> list[Path]:
-    """Write a rotor for a target, all files or none.
+    """Write a rotor in the format of a target.
 
     Parameters
     ----------
     rotor : Rotor
-        Its model and accuracy.
+        The rotor, with its model and accuracy.
     target : str
         One of ``ROTOR_TARGETS``.
     folder, replace
@@ -158,12 +164,12 @@ def export_rotor(
     Returns
     -------
     list of Path
-        The files.
+        The written files.
 
     Raises
     ------
     InputError
-        For another target, a folder that cannot be written to, and files that exist.
+        For an unknown target, a folder that is not writable, and existing files.
     """
     return _write(find_export(target, "rotor"), folder, replace, rotor)
 
@@ -176,14 +182,14 @@ def export_vehicle(
     *,
     replace: bool = False,
 ) -> list[Path]:
-    """Write force and moment of the air on a whole vehicle for a target, all files or none.
+    """Write the aerodynamic force and moment on a vehicle in the format of a target.
 
     Parameters
     ----------
     vehicle : Vehicle
-        Its rotors, body, wing and, where it has them, wakes.
+        The vehicle: rotors, body, wing and wakes.
     table : LoadTable
-        Loads of its rotors.
+        Loads of the rotors.
     target : str
         One of ``VEHICLE_TARGETS``.
     folder, replace
@@ -192,13 +198,13 @@ def export_vehicle(
     Returns
     -------
     list of Path
-        The files.
+        The written files.
 
     Raises
     ------
     InputError
-        For another target, a table of another propeller or air, a folder that cannot be written
-        to, and files that exist.
+        For an unknown target, a table of another propeller or air, a folder that is not writable,
+        and existing files.
     """
     return _write(find_export(target, "vehicle"), folder, replace, vehicle, table)
 
@@ -206,7 +212,7 @@ def export_vehicle(
 def _write(
     export: Export, folder: str | os.PathLike[str], replace: bool, *source: object
 ) -> list[Path]:
-    """Write what ``export`` makes of its ``source``, when the folder is known to be writable."""
+    """Check that the folder is writable, then write the files of ``export`` for its ``source``."""
     from propmap.export.files import check_folder, write_files
 
     place = Path(folder)

@@ -1,7 +1,7 @@
-"""Target ``ardupilot``: parameters of ArduPilot's Kalman filter and of its thrust curve.
+"""Target ``ardupilot``: parameters of ArduPilot's Kalman filter and thrust curve.
 
-Each definition was read in ArduPilot's source, whose files the parameters name; the file format is
-that of Mission Planner and MAVProxy.
+The definitions come from ArduPilot's source, in the file that each parameter names.  The file
+format is the one of Mission Planner and MAVProxy.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FILTER = autopilot.DragFilter(
     ballistic="EK3_DRAG_BCOEF_",
     power=1.0,
     whole=False,
-    # The end of the documented range.
+    # Upper end of the documented range.
     largest=1000.0,
     source=(
         "ardupilot libraries/AP_NavEKF3/AP_NavEKF3_AirDataFusion.cpp, "
@@ -30,21 +30,22 @@ FILTER = autopilot.DragFilter(
 )
 
 SPIN_MIN, SPIN_MAX = 0.15, 0.95  # defaults of MOT_SPIN_MIN and MOT_SPIN_MAX
-SIGNALS = SPIN_MIN + (SPIN_MAX - SPIN_MIN) * np.linspace(0.0, 1.0, 101)  # for the fit
+SIGNALS = SPIN_MIN + (SPIN_MAX - SPIN_MIN) * np.linspace(0.0, 1.0, 101)  # signals of the fit
 EXPO_LIMITS = (-1.0, 1.0)
 
 REMARKS = [
     "The filter estimates the wind as soon as one of the EK3_DRAG parameters is set (MCOEF above "
     "0.001, BCOEF above 1). Releases before pull request 28495 (merged at the end of 2024) scale "
-    "density and EK3_DRAG_MCOEF with (1.225 / rho)^(1/4) instead of rho / 1.225: the same at sea "
-    "level, another at height.",
-    "The documentation's page airspeed-estimation says that EK3_DRAG_MCOEF is normally 1.1 to 2.0; "
-    "the parameter's own range is 0 to 1 with an example of 0.1, which fits the code.",
+    "density and EK3_DRAG_MCOEF with (1.225 / rho)^(1/4) instead of rho / 1.225. The two agree at "
+    "sea level and differ at altitude.",
+    "ArduPilot's documentation is inconsistent: the page airspeed-estimation gives 1.1 to 2.0 for "
+    "EK3_DRAG_MCOEF, the parameter list a range of 0 to 1 and the example 0.1. The code agrees "
+    "with the parameter list.",
 ]
 
 
 def parameters(aircraft: Aircraft, flights: autopilot.Flights) -> autopilot.AutopilotParameters:
-    """Find what ArduPilot takes of an aircraft flown along x and y."""
+    """Compute ArduPilot's parameters of an aircraft from level ``flights`` along x and y."""
     vehicle = aircraft.vehicle
     kinds, comparisons = FILTER.parameters(flights, vehicle)
     left_out = []
@@ -54,9 +55,9 @@ def parameters(aircraft: Aircraft, flights: autopilot.Flights) -> autopilot.Auto
         left_out.append(
             autopilot.NotWritten(
                 "MOT_THST_EXPO",
-                f"{why}. A speed controller that regulates the rotor speed, in proportion to the "
-                f"output, would have {regulated:.2f} between MOT_SPIN_MIN {SPIN_MIN:g} and "
-                f"MOT_SPIN_MAX {SPIN_MAX:g}; one that linearises the thrust, 0",
+                f"{why}. A speed controller that regulates the rotor speed in proportion to the "
+                f"output would have {regulated:.2f} between MOT_SPIN_MIN {SPIN_MIN:g} and "
+                f"MOT_SPIN_MAX {SPIN_MAX:g}. A controller that linearizes the thrust would have 0",
             )
         )
     else:
@@ -70,7 +71,7 @@ def parameters(aircraft: Aircraft, flights: autopilot.Flights) -> autopilot.Auto
 
 
 def file_text(part: autopilot.ParameterSet, vehicle: Vehicle) -> str:
-    """Write a file as Mission Planner saves it: NAME,VALUE, comments in lines of their own."""
+    """Write a parameter file as Mission Planner saves it: lines NAME,VALUE and comment lines."""
     lines = [f"# {line}" for line in autopilot.comment_lines(part, vehicle, "ardupilot")]
     lines += [f"{name},{value:.9g}" for name, value in part.values.items()]
     return "\n".join(lines) + "\n"
@@ -88,12 +89,12 @@ def _expo(
         unit="-",
         std=found.std,
         meaning=(
-            "Thrust over the largest = e x^2 + (1 - e) x with x from 0 at MOT_SPIN_MIN to 1 at "
-            "MOT_SPIN_MAX of the output's range; the firmware inverts it. The output is taken as "
-            f"the share of the battery's voltage at the motor, MOT_SPIN_MIN as {SPIN_MIN:g} and "
-            f"MOT_SPIN_MAX as {SPIN_MAX:g}, their defaults. Thrust counts from that at "
-            f"MOT_SPIN_MIN on, which is {ends[0] / ends[1]:.1%} of the largest: what comes "
-            "exceeds what is commanded by a constant."
+            "Thrust over maximum thrust = e x^2 + (1 - e) x, where x is 0 at an output of "
+            "MOT_SPIN_MIN and 1 at MOT_SPIN_MAX; the firmware inverts this equation. The output is "
+            "assumed to be the fraction of the battery voltage at the motor, with the defaults "
+            f"MOT_SPIN_MIN {SPIN_MIN:g} and MOT_SPIN_MAX {SPIN_MAX:g}. Thrust is counted from the "
+            f"thrust at MOT_SPIN_MIN, {ends[0] / ends[1]:.1%} of the maximum: the actual thrust "
+            "exceeds the commanded thrust by this constant."
         ),
         source=(
             "ardupilot libraries/AP_Motors/AP_Motors_Thrust_Linearization.cpp, "

@@ -1,4 +1,4 @@
-"""A vehicle's parameters for the firmware of an autopilot: values, errors, files and a note."""
+"""Parameters of a vehicle for the firmware of an autopilot: values, errors, files and a note."""
 
 from __future__ import annotations
 
@@ -34,20 +34,20 @@ from propmap.vehicle.vehicle import Vehicle
 
 @dataclass(frozen=True)
 class Explained:
-    """Parameters of one kind.
+    """Parameters of one kind with their explanation.
 
     Attributes
     ----------
     title : str
-        Their name, with n for the number of a rotor.
+        Name of the parameters, with n for the number of a rotor.
     values : dict of str to float or int
-        By the names that the firmware knows; whole numbers are int.
+        Values by the firmware's parameter names; integer parameters are int.
     unit : str
         Unit of the values.
     std : float or None
-        Their standard deviation, in the unit; None where it is not known.
+        Standard deviation in the same unit; None if it is not known.
     meaning, source, holds : str
-        The firmware's equation; where it stands; and where the simplification holds.
+        Equation of the firmware, source file of the equation, and range in which it holds.
     """
 
     title: str
@@ -61,14 +61,14 @@ class Explained:
 
 @dataclass(frozen=True)
 class ParameterSet:
-    """What is written for one use.
+    """Parameters in one file.
 
     Attributes
     ----------
     suffix : str
-        Ending of the file's name, as in "quad_px4.params".
+        End of the file name, as in "quad_px4.params".
     purpose : str
-        In a sentence.
+        Use of the parameters, as a title.
     kinds : list of Explained
         The parameters.
     """
@@ -85,7 +85,7 @@ class ParameterSet:
 
 @dataclass(frozen=True)
 class NotWritten:
-    """Parameters that are not written: by name, and ``why`` in a sentence."""
+    """Parameters that are not written: their names, and the reason as a sentence."""
 
     name: str
     why: str
@@ -93,22 +93,22 @@ class NotWritten:
 
 @dataclass(frozen=True)
 class AutopilotParameters:
-    """All that an export says.
+    """Result of an export to an autopilot.
 
     Attributes
     ----------
     firmware : str
-        Its name.
+        Name of the firmware.
     sets : list of ParameterSet
-        What is written, a file each.
+        Parameters by file.
     left_out : list of NotWritten
-        What is not.
+        Parameters that are not written.
     comparisons : list of DragComparison
-        The drag model of the firmware beside the full model, along x and y.
+        Drag model of the firmware compared with the full model, along x and y.
     remarks : list of str
-        What else to know, a sentence or more each.
+        Further remarks, one or more sentences each.
     file_text : callable
-        The text of a set's file, in the format that the firmware's tools read.
+        Returns the text of the file of a set, in the format of the firmware's tools.
     """
 
     firmware: str
@@ -121,13 +121,13 @@ class AutopilotParameters:
 
 Flights = tuple[InplaneForces, InplaneForces]  # level flights of a vehicle along x and y
 
-SPEEDS = np.linspace(1.0, 15.0, 8)  # level flights by default [m/s]
+SPEEDS = np.linspace(1.0, 15.0, 8)  # default airspeeds of the level flights [m/s]
 
 
 def autopilot_parameters(
     aircraft: Aircraft, target: str, speeds: Floats = SPEEDS
 ) -> AutopilotParameters:
-    """Find a vehicle's parameters for an autopilot.
+    """Compute the autopilot parameters of a vehicle.
 
     Parameters
     ----------
@@ -136,15 +136,15 @@ def autopilot_parameters(
     target : str
         One of ``propmap.export.AUTOPILOTS``.
     speeds : ndarray, shape (n,)
-        Through the air [m/s], at which the drag model is fitted; at rest nothing is to be seen.  A
-        vehicle with one or two rotors that has a wing, or is pulled forward, has none.
+        Airspeeds of the level flights to which the drag model is fitted [m/s]; 0 is ignored.  Not
+        used for a vehicle with one or two rotors that has a wing or thrusts forward.
 
     Raises
     ------
     InputError
-        For an unknown target, for a vehicle that is no multirotor as the drag models of autopilots
-        take it to be, and where too few of the speeds are flown; for such a one with few rotors
-        where the target has no model of its propeller, or the full throttle is not known.
+        For an unknown target, a vehicle that does not fit the drag models of autopilots, and fewer
+        than two speeds that can be flown.  With one or two rotors: for a target without propeller
+        model, and without the rotor speed at full throttle.
     """
     export, vehicle = find_export(target, "autopilot"), aircraft.vehicle
     if len(vehicle.mounts) <= 2 and (vehicle.wing is not None or aircraft.rotors.forward):
@@ -166,7 +166,7 @@ def export_autopilot(
     speeds: Floats = SPEEDS,
     replace: bool = False,
 ) -> list[Path]:
-    """Write a vehicle's parameters in the autopilot's own format, and a note, all files or none.
+    """Write the autopilot parameters of a vehicle and a note, all files or none.
 
     Parameters
     ----------
@@ -178,13 +178,12 @@ def export_autopilot(
     Returns
     -------
     list of Path
-        The files.
+        The written files.
 
     Raises
     ------
     InputError
-        As ``autopilot_parameters``, and for a folder that cannot be written to and files that
-        exist.
+        As ``autopilot_parameters``, and for a folder that is not writable and existing files.
     """
     place, vehicle = Path(folder), aircraft.vehicle
     check_folder(place)
@@ -196,43 +195,43 @@ def export_autopilot(
 
 
 def comment_lines(part: ParameterSet, vehicle: Vehicle, target: str) -> list[str]:
-    """Write the head of a parameter file, in lines short enough for ArduPilot's own reader."""
-    # AP_Param takes lines of 98 characters and reads what is left over as a line of its own.
+    """Return the header of a parameter file, in lines short enough for ArduPilot's reader."""
+    # AP_Param reads lines of 98 characters and takes the rest of a longer line as another line.
     clean = "".join(c if c.isprintable() else "?" for c in vehicle.name)[:50]
     return [
         f"{clean}: {part.purpose}"[:90],
-        f"written by propmap {propmap.__version__}; see README-{target}.md for definitions, errors",
+        f"written by propmap {propmap.__version__}; README-{target}.md has definitions and errors",
     ]
 
 
 def common_remarks(aircraft: Aircraft, omega: float) -> list[str]:
-    """Say what the drag coefficients of an ``aircraft`` have in them and what not, and whether
-    ``omega`` [rad/s], of its fastest rotors here, is beyond the data of the section constants."""
+    """List the assumptions of the drag coefficients of an ``aircraft``, with a warning if its
+    fastest rotor speed ``omega`` [rad/s] exceeds the data of the section constants."""
     words = assumption_lines(assumptions(aircraft.vehicle, aircraft.loads))
     remarks = [f"{each[:1].upper()}{each[1:]}." for each in words]
     tilted = any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts)
     if tilted and not aircraft.rotors.forward:
         remarks.append(
-            "Rotors are tilted: what their thrust adds along x and y in forward flight is part of "
-            "the fitted coefficients."
+            "Rotors are tilted: the fitted coefficients include the components of their thrust "
+            "along x and y in forward flight."
         )
     loads, blade, rpm = aircraft.loads, aircraft.vehicle.propeller, omega / RPM
     if isinstance(loads, Rotor):
         own, name = identified(blade.name, blade.blades), loads.model.airfoil.name
         if own is not None and own.airfoil.name == name and rpm > own.rpm_high:
             remarks.append(
-                f"The section constants are extrapolated: rotors turn at up to {rpm:.0f} rpm for "
-                f"these parameters, and the data of the constants end at {own.rpm_high:.0f}."
+                f"The section constants are extrapolated: for these parameters rotors turn at up "
+                f"to {rpm:.0f} rpm, and the data of the constants end at {own.rpm_high:.0f} rpm."
             )
     return remarks
 
 
 # -------------------------------------------------------------------------------------------------
-# The note beside an autopilot's parameters, in Markdown: definitions, errors, ranges.
+# The note of an autopilot export, in Markdown: definitions, errors and ranges of the parameters.
 
 
 def autopilot_note(found: AutopilotParameters, aircraft: Aircraft) -> str:
-    """Return a note on what was ``found`` of an ``aircraft``."""
+    """Return the note on the parameters ``found`` for an ``aircraft``."""
     vehicle, loads = aircraft.vehicle, aircraft.loads
     if isinstance(loads, Rotor):
         law, known = loads.model.law_title, loads.model.uncertainty is not None
@@ -256,46 +255,48 @@ def autopilot_note(found: AutopilotParameters, aircraft: Aircraft) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# The drag model of an autopilot's Kalman filter: its parameters, and what it makes of flights.
+# The drag model of an autopilot's Kalman filter: its parameters and its errors in level flight.
 
 SEA_LEVEL = 1.225  # density [kg/m^3] at which both PX4 and ArduPilot define the drag of the rotors
-STEP = 1e-4  # share by which a velocity is changed in a difference quotient
+STEP = 1e-4  # relative change of a velocity in a difference quotient
 
 
 def where_it_holds(comparisons: list[DragComparison]) -> str:
-    """Say where the drag model of a filter is close to the full model."""
+    """Return a sentence on the speeds at which a filter's drag model agrees with the full model."""
     parts = []
     for comparison in comparisons:
         run = comparison.holds
         where = AXES[comparison.flight.axis]
         worst = float(abs(comparison.filtered - comparison.full).max())
         if run is None:
-            parts.append(f"{where}: nowhere within {CLOSE:.0%}, the error is up to {worst:.2g} N")
+            parts.append(
+                f"{where} above {CLOSE:.0%} of the force at all speeds, at most {worst:.2g} N"
+            )
         else:
             parts.append(
                 f"{where} within {CLOSE:.0%} of the force from {run[0]:g} to {run[1]:g} m/s, over "
                 f"all speeds within {worst:.2g} N"
             )
-    return f"In level flight, {'; '.join(parts)}."
+    return f"Error in level flight: {'; '.join(parts)}."
 
 
 @dataclass(frozen=True)
 class DragFilter:
-    """The equation of a filter along a body axis: specific force against the motion = M (rho /
-    1.225)^power v + 1/2 rho v s / B, s being v or the size of the whole velocity."""
+    """Equation of a filter along a body axis: specific force against the motion = M (rho /
+    1.225)^power v + 1/2 rho v s / B, where s is v or the magnitude of the velocity."""
 
-    momentum: str  # name of M [1/s]
-    ballistic: str  # name of B [kg/m^2], but for the axis
-    power: float  # of the density's ratio
-    whole: bool  # whether s is the size of the whole velocity
-    largest: float  # B beyond which there is no body drag [kg/m^2]
-    source: str  # where the equation stands
-    between: str  # what the filter does in flight between the axes, in words
+    momentum: str  # parameter name of M [1/s]
+    ballistic: str  # parameter name of B [kg/m^2], without the axis
+    power: float  # exponent of the density ratio
+    whole: bool  # whether s is the magnitude of the velocity
+    largest: float  # larger values of B are written as 0, no body drag [kg/m^2]
+    source: str  # source file of the equation
+    between: str  # how the filter combines the axes in flight between them, in words
 
     def parameters(
         self, flights: Flights, vehicle: Vehicle
     ) -> tuple[list[Explained], list[DragComparison]]:
-        """Fit the parameters, and compare the flights with what the filter makes of them."""
+        """Fit the parameters to level flights and compare the filter with the full model."""
         density = vehicle.air.density
         scale = float((density / SEA_LEVEL) ** self.power)
         constants, errors = fit_drag(
@@ -319,19 +320,19 @@ class DragFilter:
                 unit="1/s",
                 std=None if std is None else std[0] / scale,
                 meaning=(
-                    f"Specific force against the motion, along x and y alike: {self.momentum} "
-                    f"{ratio} v, v the component of the velocity through the air. It is what the "
-                    "rotors add, linear in the speed; below 0.001 the filter leaves it out."
+                    f"Specific force against the motion, along x and along y: {self.momentum} "
+                    f"{ratio} v, where v is the component of the velocity through the air. This "
+                    "linear term is the drag of the rotors. Below 0.001 the filter ignores it."
                 ),
                 source=self.source,
                 holds=(
-                    f"{where_it_holds(comparisons)} At {flights[0].speed[0]:g} m/s alone it would "
-                    f"be {slope:.4f}."
+                    f"{where_it_holds(comparisons)} A fit at {flights[0].speed[0]:g} m/s alone "
+                    f"would give {slope:.4f}."
                 ),
             )
         ]
         size = "v |V|" if self.whole else "v^2"
-        whole = ", |V| the size of it all" if self.whole else ""
+        whole = " and |V| the magnitude of the velocity" if self.whole else ""
         for k, ((name, value), inverse) in enumerate(zip(values.items(), bodies, strict=True)):
             kinds.append(
                 Explained(
@@ -341,25 +342,25 @@ class DragFilter:
                     std=None if std is None or not inverse else std[1 + k] / inverse**2,
                     meaning=(
                         f"Specific force along {'xy'[k]} against the motion: 1/2 rho {size} / "
-                        f"{name}, v the component of the velocity along the axis{whole}"
-                        f"{self.between}. It is the mass over the drag area of what is quadratic "
-                        "in the speed: the body, and what of the rotors' drag is not linear. It is "
-                        f"0, which leaves it out, where it would be above {self.largest:g}."
+                        f"{name}, where v is the component of the velocity along the axis{whole}. "
+                        f"{self.between}{name} is the mass over the drag area of the quadratic "
+                        "drag: drag of the body, and nonlinear drag of the rotors. A value above "
+                        f"{self.largest:g} is written as 0, which switches this term off."
                     ),
                     source=self.source,
-                    holds=f"As {self.momentum}: the two belong together.",
+                    holds=f"Same range as {self.momentum}: use both together.",
                 )
             )
         return kinds, comparisons
 
     def _square(self, along: Floats, through: Floats) -> Floats:
-        """Return v s [m^2/s^2] of velocities along the axis and their sizes [m/s]."""
+        """Return v s [m^2/s^2] for velocities along the axis and magnitudes [m/s]."""
         return along * through if self.whole else along**2
 
     def _comparison(
         self, flight: InplaneForces, vehicle: Vehicle, rotors: float, ballistic: float
     ) -> DragComparison:
-        """Compare a flight with the filter, M ``rotors`` in this air [1/s], B [kg/m^2]."""
+        """Compare a flight with the filter, for M in this air ``rotors`` [1/s] and B [kg/m^2]."""
         inverse, mass = 1.0 / ballistic if ballistic > 1.0 else 0.0, vehicle.mass
         density = vehicle.air.density
         slower, here, faster = (

@@ -1,8 +1,8 @@
-"""Target ``c``: a table, or with it a whole vehicle, as a C99 header.
+"""Target ``c``: a table, or a whole vehicle with a table, as C99 headers.
 
-The header keeps the coefficients as the file does, in single precision at both ends of omega, and
-extrapolates to no ghost values: their share is in the weights of the outermost intervals.  So a
-point costs the memory of its sixteen knots alone.
+Like the table file, the header stores the coefficients in single precision at both ends of omega.
+It stores no ghost values beyond the edges of the table: the weights of the outermost intervals
+include their contribution.  So a query reads only sixteen knots.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ LINE = 96
 
 
 def c_files(table: LoadTable) -> Files:
-    """Write the header and its note."""
+    """Return the header and the note."""
     return {f"{identifier(table)}.h": header(table), "README-c.txt": note("c", table)}
 
 
@@ -65,7 +65,7 @@ def header(table: LoadTable) -> str:
         column_weights=columns,
         odd_weights=odd,
         cells=interpolation.cell_codes(content),
-        # At each knot the loads at the least omega, then at the largest.
+        # At each knot the loads at the smallest omega, then at the largest.
         data=content.coefficients.transpose(2, 3, 0, 1)
         .reshape(*content.coefficients.shape[2:], -1)
         .astype(np.float32),
@@ -77,13 +77,13 @@ def header(table: LoadTable) -> str:
 
 
 def table_bytes(content: interpolation.TableContent, real: int) -> int:
-    """Count bytes of the tables: numbers of ``real`` bytes, 8 or 4, and coefficients of 4."""
+    """Return the size of the tables in bytes, with numbers of ``real`` bytes, 8 or 4."""
     cells = (content.advance.size - 1) + (content.beta.size - 1)
     return content.coefficients.size * 4 + 16 * cells * real + content.cells.size
 
 
 def _weights(content: interpolation.TableContent) -> tuple[Floats, Floats, Floats]:
-    """Return weights of rows and columns (n - 1, 16), of odd loads in the end columns (2, 16)."""
+    """Return weights of rows and columns (n - 1, 16), and of odd loads at both ends (2, 16)."""
     ends = interpolation.on_planes(content.beta)
     even, odd = (
         _folded(content.beta, *(np.array(parity) if on else None for on in ends))
@@ -93,9 +93,11 @@ def _weights(content: interpolation.TableContent) -> tuple[Floats, Floats, Float
 
 
 def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
-    """Give weight polynomials (n - 1, 16), powers first, of the values at the knots alone: ghosts,
-    by the parities ``low`` and ``high`` as for ``pad``, are spread over the three knots at their
-    end."""
+    """Return weight polynomials (n - 1, 16), powers first, of the knots without ghost values.
+
+    The weights of the ghost values, with the parities ``low`` and ``high`` of ``pad``, are added to
+    the three knots at each end.
+    """
     weights = interpolation.interval_polynomials(knots)
     ghosts = interpolation.pad(knots, np.eye(knots.size), low, high)
     weights[0, 1:] += ghosts[0, :3, None] * weights[0, 0]
@@ -105,16 +107,16 @@ def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
 
 
 def _buckets(knots: Floats) -> tuple[NDArray[np.intp], float]:
-    """Find the interval in which each of many equal buckets begins, and buckets per unit."""
+    """Return the interval at the start of each of many equal buckets, and buckets per unit."""
     count = min(MOST_BUCKETS, 4 * knots.size)
     width = float(knots[-1] - knots[0]) / count
-    # A hundredth of a bucket early, so that no rounding leads beyond the interval looked for.
+    # Start a hundredth of a bucket early: with rounding, the search must not start too late.
     begin = knots[0] + width * (np.arange(count) - 0.01)
     return np.searchsorted(knots[1:-1], begin, side="right"), 1.0 / width
 
 
 def numbers(values: Iterable[Any]) -> str:
-    """Write an array with commas, in lines of some length; with several axes, rows in braces."""
+    """Format an array for C in wrapped lines; arrays with several axes as rows in braces."""
     rows = list(values)
     if np.ndim(rows[0]):
         return ",\n".join("{\n" + numbers(row) + "}" for row in rows)
@@ -123,7 +125,7 @@ def numbers(values: Iterable[Any]) -> str:
 
 
 def singles(blocks: NDArray[np.float32]) -> str:
-    """Write an array with three axes in single precision, a line per row."""
+    """Format an array with three axes for C in single precision, with one line per row."""
 
     def row(values: NDArray[np.float32]) -> str:
         return ", ".join("NAN" if np.isnan(value) else f"{value!s}f" for value in values)
@@ -133,13 +135,13 @@ def singles(blocks: NDArray[np.float32]) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# Target ``c`` of a vehicle: a C99 header with force and moment of the air on all of it.
+# Target ``c`` of a vehicle: a C99 header with the aerodynamic force and moment on the vehicle.
 #
-# The loads are those of the rotor's header, the wakes those of ``wake_geometry``.
+# The loads come from the rotor's header, the wakes from ``wake_geometry``.
 
 
 def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
-    """Write both headers and the note; ``InputError`` for a table of another propeller or air."""
+    """Return both headers and the note; ``InputError`` for a table of another propeller or air."""
     Rotors.of(vehicle, table)
     return {
         f"{identifier(table)}.h": header(table),
@@ -186,50 +188,50 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# What one call of a vehicle's exported wrench costs: operations, bytes, and time on a small core.
+# Cost of one call of a vehicle's exported wrench: operations, bytes, and time on a small processor.
 #
-# The counts follow from the structure of the code in ``templates/vehicle.h.j2``, piece by piece;
-# ``tests/export/test_vehicle_export.py`` holds them to a run with numbers that count.
+# The counts are those of the code in ``templates/vehicle.h.j2``, part by part;
+# ``tests/export/test_vehicle_export.py`` compares them with a run that counts operations.
 
 
-# Comparisons and changes of sign are sums; functions are those of the C library, but the root.
+# Comparisons and sign changes count as sums; functions are all C library functions except sqrt.
 KINDS = ("sums", "products", "divisions", "roots", "functions")
-BODY = np.array([12, 15, 0, 0, 0])  # air's velocity, drag and download
+BODY = np.array([12, 15, 0, 0, 0])  # airspeed vector, drag and download
 LEVEL_PLATE = np.array([3, 6, 0, 1, 0])
 LIFT, WING = np.array([4, 10, 0, 1, 3]), np.array([9, 9, 2, 0, 5])
-INDUCED = np.array([2, 8, 0, 0, 0])  # drag, where a wing has a span
-FLOW, FORCE = np.array([14, 18, 1, 1, 0]), np.array([28, 35, 0, 0, 0])  # at a hub, of a rotor there
-QUERY = np.array([321, 307, 2, 2, 1])  # of the table, with the angle and the speed asked for
-SOURCE = np.array([35, 30, 1, 2, 2])  # a rotor's wake without its inflow
-STEP = np.array([10, 4, 2, 1, 0])  # of Newton's method for that inflow
-PAIR = np.array([40, 52, 0, 0, 2])  # a wake at another rotor
+INDUCED = np.array([2, 8, 0, 0, 0])  # induced drag of a wing with a span
+FLOW, FORCE = np.array([14, 18, 1, 1, 0]), np.array([28, 35, 0, 0, 0])  # per hub, per rotor
+QUERY = np.array([321, 307, 2, 2, 1])  # query of the table, with its speed and angle
+SOURCE = np.array([35, 30, 1, 2, 2])  # wake of a rotor, without the inflow
+STEP = np.array([10, 4, 2, 1, 0])  # one step of Newton's method for this inflow
+PAIR = np.array([40, 52, 0, 0, 2])  # wake of a rotor at another rotor
 
-USUAL_STEPS = 6  # of Newton's method, outside of descent; it ends after ``STEPS``
+USUAL_STEPS = 6  # typical steps of Newton's method outside descent; the maximum is ``STEPS``
 CYCLES = np.array([3, 3, 16, 16, 150])
-"""Assumed of a core with a floating-point unit for single precision, loads, stores and loops
-included: sums and products take 1 cycle, divisions and roots 14 on an Arm Cortex-M4F (Technical
-Reference Manual, Arm DDI 0439) and no more on a Cortex-M7."""
+"""Assumed cycles per operation of a processor with a single-precision floating-point unit,
+including memory access and loops.  On an Arm Cortex-M4F, sums and products take 1 cycle, divisions
+and roots 14 (Technical Reference Manual, Arm DDI 0439); on a Cortex-M7 no more."""
 
 CLOCKS = {"Cortex-M4F at 168 MHz": 168e6, "Cortex-M7 at 480 MHz": 480e6}
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What one call takes, in single precision."""
+    """Cost of one call in single precision."""
 
-    operations: NDArray[np.int_]  # by ``KINDS``, outside of descent (5,)
-    worst: NDArray[np.int_]  # where Newton's method takes all its steps
-    read: int  # bytes of tables, each as often as it is used
-    stored: int  # bytes of all tables, the rotor's included
+    operations: NDArray[np.int_]  # by ``KINDS``, outside descent (5,)
+    worst: NDArray[np.int_]  # the same with the maximum steps of Newton's method
+    read: int  # bytes read from tables, including repeated reads
+    stored: int  # bytes of all tables, including the table of the rotor
 
     @property
     def cycles(self) -> int:
-        """Cycles of the processor, by ``CYCLES``."""
+        """Return the processor cycles, from ``CYCLES``."""
         return int(self.operations @ CYCLES)
 
 
 def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
-    """Count what a call for a ``vehicle`` takes."""
+    """Count the operations and bytes of one call for a ``vehicle``."""
     rotors = len(vehicle.mounts)
     pairs = rotors * (rotors - 1) if vehicle.wakes is not None else 0
     done = BODY + LEVEL_PLATE * bool(vehicle.body.plate_area) + rotors * (FLOW + QUERY + FORCE)
@@ -239,7 +241,7 @@ def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
         done = done + WING
         if vehicle.wing.span is not None:
             done = done + INDUCED
-    # Sixteen knots with both ends of each load, three polynomials of weights, knots and scales.
+    # Sixteen knots with two values per load, three weight polynomials, knots and scales.
     query = 16 * 2 * len(LOADS) * 4 + (3 * 16 + len(LOADS) + 12) * 4
     read = (query + 7 * 4) * rotors
     stored = table_bytes(table.content, 4) + (7 * rotors + 6) * 4
@@ -256,37 +258,38 @@ def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
 
 
 # -------------------------------------------------------------------------------------------------
-# The rotors' wakes on each other as tables for exported code.
+# The wakes of the rotors on each other, as tables for exported code.
 #
-# They are the splines of ``vehicle.wake_table``: coefficients over skew and bearing of a wake, and
-# the weights of four neighbouring ones as polynomials in each interval between the table's knots.
+# The tables contain the splines of ``vehicle.wakes``: coefficients over skew and bearing of a wake,
+# and for each interval between knots the weights of four neighboring coefficients as polynomials.
 
 
 class SplineAxis(NamedTuple):
-    """The n intervals of one axis of the splines, all of one width."""
+    """One axis of the splines, with n intervals of equal width."""
 
     per_unit: float  # intervals per radian
-    first: NDArray[np.intp]  # the first of the four coefficients that count in each (n,)
-    kind: NDArray[np.intp]  # which of the K polynomials each has (n,): most have the same
-    # Constant terms of four, linear ones, and so on, of the place in the interval 0 to 1 (K, 16).
+    first: NDArray[np.intp]  # first of the four coefficients used in each interval (n,)
+    kind: NDArray[np.intp]  # index of the polynomials of each interval (n,); most are equal
+    # Four constant terms, four linear terms, and so on, of the position 0 to 1 in the interval; for
+    # K different polynomials (K, 16).
     weights: Floats
 
 
 class WakeGeometry(NamedTuple):
-    """The wakes of k rotors on each other."""
+    """The wakes of k rotors on each other, by target and source, with K different splines."""
 
     frames: Floats  # rows: two directions in the disk, and the axis (k, 3, 3)
-    kind: NDArray[np.intp]  # which of the K kinds of pairs each target and source are (k, k)
-    bearing: Floats  # of the target in the source's frame [rad] (k, k)
+    kind: NDArray[np.intp]  # index of the spline of each target and source (k, k)
+    bearing: Floats  # bearing of the target in the source's frame [rad] (k, k)
     towards: Floats  # unit vector from source to target in the source's disk plane (k, k, 3)
     downwash: Floats  # gain of the downwash (k, k)
-    coefficients: NDArray[np.float32]  # of the splines (K, a, b)
+    coefficients: NDArray[np.float32]  # spline coefficients (K, a, b)
     skew: SplineAxis  # from straight down to straight up
-    around: SplineAxis
+    around: SplineAxis  # bearing
 
 
 def wake_geometry(vehicle: Vehicle, given: Wakes) -> WakeGeometry:
-    """Tabulate the wakes ``given`` to the rotors of a ``vehicle``, two or more."""
+    """Tabulate the ``given`` wakes of a ``vehicle`` with two rotors or more."""
     mounts, radius = vehicle.mounts, vehicle.propeller.radius
     k = len(mounts)
     frames = np.stack([wakes.frame_of(mount.axis) for mount in mounts])
@@ -321,7 +324,7 @@ def wake_geometry(vehicle: Vehicle, given: Wakes) -> WakeGeometry:
 
 
 def _axis(knots: Floats, breaks: Floats) -> SplineAxis:
-    """Expand cubic splines with these ``knots`` in powers, between ``breaks``."""
+    """Convert cubic splines with ``knots`` to polynomials in the intervals between ``breaks``."""
     from scipy.interpolate import BSpline
 
     inside = np.linspace(0.1, 0.9, 4)

@@ -1,4 +1,4 @@
-"""A rotor as a C++ header on the core's own: the loads that propmap computes, without Python."""
+"""Target ``cpp``: a rotor as a C++ header that includes propmap's core."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ FIELDS = {
     "stall-delay": "rotor.law.stall_delay = {}",
     "prandtl-glauert": "rotor.law.speed_of_sound = {}",
 }
-"""How the core's corrections are switched on, by their names in ``core_corrections``."""
+"""C++ statements that switch on the core's corrections, by name in ``core_corrections``."""
 
 
 def rotor_files(rotor: Rotor) -> Files:
-    """Write a ``rotor`` as one header whose function makes its solver."""
+    """Return a ``rotor`` as one header, with a function that creates its solver."""
     blade, air = rotor.model.propeller, rotor.model.air
     name = re.sub(r"[^0-9a-z]+", "_", blade.name.lower()).strip("_") or "rotor"
     name = name if name[0].isalpha() else f"prop_{name}"
@@ -56,7 +56,7 @@ def rotor_files(rotor: Rotor) -> Files:
 
 
 def _law(numbers: dict[str, Any]) -> tuple[str, list[str]]:
-    """Name the core's law and write the statements that give it its numbers."""
+    """Return the name of the core's section law and the statements that set its constants."""
     kind = numbers.pop("kind")
     if kind == "tabulated":
         figures = ", ".join(_list(numbers[k]) for k in ("angle", "reynolds", "lift", "drag"))

@@ -1,4 +1,4 @@
-"""What exports share: files all or none, templates, names, provenance, notes on errors."""
+"""Shared parts of the exports: writing files, templates, names, provenance, notes on errors."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ from propmap.typing import Floats
 from propmap.units import DEGREE, RPM
 from propmap.vehicle.vehicle import Vehicle
 
-Files = Mapping[str, str | Callable[[Path], None]]  # by name, a text or what writes to the path
+Files = Mapping[str, str | Callable[[Path], None]]  # by name, a text or a function that writes it
 
 
 def check_folder(folder: Path) -> None:
-    """Raise ``InputError`` where no files can be written to ``folder``, made if need be."""
+    """Raise ``InputError`` if no files can be written to ``folder`` or the folder created."""
     if folder.exists() and not folder.is_dir():
         raise InputError("this is a file", "name a folder to write into", str(folder))
     check_place(folder / "a file" if folder.exists() else folder, str(folder))
 
 
 def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
-    """Write files into a folder, made if need be, all complete before the first gets its name;
-    ``InputError`` for one that is there, unless ``replace``."""
+    """Write all files or none into a folder, created if it does not exist; ``InputError`` for
+    existing files unless ``replace``."""
     check_folder(folder)
     paths = [folder / name for name in files]
     for path in paths:
@@ -62,19 +62,19 @@ def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Text from the templates in ``templates/``: sources, and the comments in them.
+# Text from the templates in ``templates/``: source code, comments and notes.
 
 
 def rendered(template: str, table: LoadTable, **values: Any) -> str:
-    """Render a template with ``values``, the ``table``, its name ``p`` and ``P`` in capitals,
-    ``loads`` and the ``lines`` of provenance."""
+    """Render a template with ``values``, the ``table``, the propeller's identifier ``p``, in
+    capitals ``P``, ``loads``, and the provenance as ``lines``."""
     name, lines = identifier(table), provenance(table)
     common = {"table": table, "loads": LOADS, "p": name, "P": name.upper(), "lines": lines}
     return filled(template, **common, **values)
 
 
 def filled(template: str, **values: Any) -> str:
-    """Render a template with ``values``, functions among which serve as filters, too."""
+    """Render a template with ``values``; functions among them are also available as filters."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
@@ -105,39 +105,39 @@ def _hash_comment(lines: Sequence[str]) -> str:
 
 def _xml_comment(lines: Sequence[str]) -> str:
     text = "\n".join(f"  {line}" for line in lines)
-    # Two hyphens must not occur inside.
+    # XML forbids two hyphens in a comment.
     return f"<!--\n{re.sub('-(?=-)', '- ', text)}\n-->"
 
 
 # -------------------------------------------------------------------------------------------------
-# Names of files, and where an export comes from, as lines for notes and comments.
+# File names, and the provenance of an export as lines for notes and comments.
 
 
 def identifier(table: LoadTable) -> str:
-    """Return the propeller's name as one that programs and file systems accept."""
+    """Return the propeller's name as an identifier for programs and file systems."""
     name = re.sub(r"[^0-9a-z]+", "_", str(table.info["propeller"].get("name")).lower()).strip("_")
     return name if name[:1].isalpha() else f"prop_{name}".rstrip("_")
 
 
 def vehicle_identifier(vehicle: Vehicle) -> str:
-    """Return the name of a ``vehicle`` as one that file systems accept."""
+    """Return the name of a ``vehicle`` as a valid file name."""
     return re.sub(r"[^0-9a-z]+", "_", vehicle.name.lower()).strip("_") or "vehicle"
 
 
 def vehicle_name(vehicle: Vehicle, table: LoadTable) -> str:
-    """Return the vehicle's name for programs, other than the propeller's of the ``table``."""
+    """Return the vehicle's name as an identifier that differs from the propeller's."""
     name = vehicle_identifier(vehicle)
     name = name if name[0].isalpha() else f"vehicle_{name}"
     return f"{name}_vehicle" if name == identifier(table) else name
 
 
 def provenance(table: LoadTable) -> list[str]:
-    """Say in printable lines where the table comes from, and what wrote the export."""
+    """Return printable lines with the origin of the table and the version of propmap."""
     return [*origin(table), f"written by propmap {propmap.__version__}"]
 
 
 def origin(table: LoadTable) -> list[str]:
-    """Say in printable lines what the table was built from, how well, and which it is."""
+    """Return printable lines with the inputs, the errors and the checksum of the table."""
     (w0, w1), speeds, (b0, b1) = table.envelope.values()
     ends = w0 / RPM, w1 / RPM, *speeds, b0 / DEGREE, b1 / DEGREE
     text = filled("origin.txt", table=table, ends=ends, loads=LOADS, share="{:.2%}".format)
@@ -154,8 +154,11 @@ def note(
     text: str = "",
     **values: Any,
 ) -> str:
-    """Say what a ``target`` can represent, of a ``vehicle`` or the table alone, and at what cost:
-    its ``text``, or template with ``values``, errors where it simplifies, and provenance."""
+    """Return the note of an export: its limits, the errors ``found``, and the provenance.
+
+    The limits come from ``text``, or else from the template ``README-TARGET.txt.j2``, or
+    ``README-TARGET-vehicle.txt.j2`` with a ``vehicle``, rendered with ``values``.
+    """
     title, template = target, f"README-{target}.txt"
     if vehicle is not None:
         title, template = f"{target}, {vehicle.name}", f"README-{target}-vehicle.txt"
@@ -164,9 +167,10 @@ def note(
     rpm = middle_omega(table) / RPM
     text = text or rendered(template, table, simple=SIMPLE, hover_rpm=rpm, **values)
     shares = ", ".join(load.share for load in LOADS.values())
-    cost = "Nothing is simplified: the errors are those of the table."
+    cost = "Nothing is simplified: the export has only the errors of the table."
     if found:
-        cost = f"Error against the table, at the same omega: {shares}."
+        cost = f"Error against the table, relative to static loads at the same omega: {shares}."
+        cost += " lambda_c and mu are the advance ratios along the axis and in the disk plane."
     parts = [f"propmap export: {title}"]
     for part in (*text.split("\n\n"), cost):
         words = " ".join(part.split())
@@ -181,19 +185,19 @@ def note(
 
 
 def rests_on(vehicle: Vehicle, table: LoadTable) -> str:
-    """Say in a note what the forces of a ``vehicle`` rest on."""
+    """Return the assumptions of a vehicle's forces, for a note."""
     lines = assumption_lines(assumptions(vehicle, table))
-    more = "" if vehicle.wakes is None else " --no-wakes leaves out what rotors do to each other."
+    more = "" if vehicle.wakes is None else " --no-wakes ignores the wakes of rotors on each other."
     return f"{lines[0][:1].upper()}{lines[0][1:]}; {lines[1]}.{more}"
 
 
 # -------------------------------------------------------------------------------------------------
-# Points of a table's envelope, and what a simpler model's errors at them are.
+# Points in a table's envelope, and the errors of a simpler model at these points.
 
 
 CLIMB = (-0.05, 0.2)
 LARGEST_MU = 0.25
-"""Advance ratios, along the axis and in the disk plane, that the simple models are meant for:
+"""Advance ratios, along the axis and in the disk plane, for which the simple models are intended:
 climb and slow descent.  In faster descent their errors triple."""
 
 SIMPLE = f"lambda_c from {CLIMB[0]:g} to {CLIMB[1]:g}, mu up to {LARGEST_MU:g}, no vortex ring"
@@ -205,33 +209,35 @@ class Samples:
 
     omega: Floats  # [rad/s]
     axial: Floats  # velocity along the axis [m/s]
-    inplane: Floats  # and in the disk plane [m/s]
-    loads: Mapping[str, Floats]  # each load [N], [N m]
-    static: Mapping[str, Floats]  # what its errors are shares of, see ``loads.error_scales``
-    climb: Floats  # advance ratios along the axis [-]
-    mu: Floats  # and in the disk plane [-]
-    ring: NDArray[np.bool_]  # whether momentum theory does not hold
+    inplane: Floats  # velocity in the disk plane [m/s]
+    loads: Mapping[str, Floats]  # loads by name [N], [N m]
+    static: Mapping[str, Floats]  # scales of relative errors, see ``loads.error_scales``
+    climb: Floats  # advance ratio along the axis [-]
+    mu: Floats  # advance ratio in the disk plane [-]
+    ring: NDArray[np.bool_]  # whether the status is vortex ring
 
     @property
     def simple(self) -> NDArray[np.bool_]:
-        """Where the simple models are fitted: small advance ratios, no vortex ring; (n,)."""
+        """Return the points of the fits (n,): small advance ratios, no vortex ring."""
         climbs = (self.climb >= CLIMB[0]) & (self.climb <= CLIMB[1])
         return climbs & (self.mu <= LARGEST_MU) & ~self.ring
 
 
 @dataclass(frozen=True)
 class ErrorSizes:
-    """Errors of a model as shares of static loads, in the order of ``LOADS``."""
+    """Errors of a model relative to static loads, in the order of ``LOADS``."""
 
-    where: str  # the points' range, in words
+    where: str  # range of the points, in words
     points: int
     rms: Floats  # (L,)
     worst: Floats  # (L,)
 
 
 def sample(table: LoadTable) -> Samples:
-    """Take loads at points of the envelope that have any; ``InputError`` for a table without hover,
-    or without points for simple models."""
+    """Return the loads at valid points of the envelope.
+
+    Raises ``InputError`` for a table without hover or without points for simple models.
+    """
     omega, speed, beta = evenly(table)
     found = table.loads(omega, speed, beta)
     loads = {name: getattr(found, name) for name in LOADS}
@@ -248,7 +254,7 @@ def sample(table: LoadTable) -> Samples:
 
 
 def static_loads(table: LoadTable, omega: Floats) -> dict[str, Floats]:
-    """Return what errors are shares of at omega (n,), by load; see ``Samples``."""
+    """Return the scales of relative errors at omega (n,), by load; see ``Samples``."""
     still = table.loads(omega, 0.0, table.envelope["beta"][0])
     static = {name: np.asarray(getattr(still, name)) for name in LOADS}
     if not np.isfinite(static["thrust"]).all():
@@ -260,8 +266,8 @@ def static_loads(table: LoadTable, omega: Floats) -> dict[str, Floats]:
 
 
 def slope(samples: Samples, load: str) -> float:
-    """Fit a ``load`` over Omega times the in-plane speed, where simple models are meant, by least
-    squares of the ``samples``' shares of static loads [N s^2/m], [N s^2]."""
+    """Fit the slope of a ``load`` over Omega times in-plane velocity [N s^2/m], [N s^2], by least
+    squares of relative errors at the points for simple models."""
     chosen = samples.simple
     scale = samples.static[load][chosen]
     x = (samples.omega * samples.inplane)[chosen] / scale
@@ -269,12 +275,15 @@ def slope(samples: Samples, load: str) -> float:
 
 
 def middle_omega(table: LoadTable) -> float:
-    """Return the omega [rad/s] at which the Reynolds term is halfway between the ends."""
+    """Return the omega [rad/s] at which the Reynolds number term omega^(-1/2) is at its middle."""
     return float(np.mean(table.content.omega**-0.5) ** -2.0)
 
 
 def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[ErrorSizes, ErrorSizes]:
-    """Measure a model's loads (n,), absent ones zero, where simple models are meant and overall."""
+    """Return the errors of a model's loads (n,) at the points for simple models, and at all points.
+
+    Loads that the model does not have are zero.
+    """
     shares = [
         (model.get(name, 0.0) - load) / samples.static[name] for name, load in samples.loads.items()
     ]
@@ -290,8 +299,8 @@ def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[ErrorSizes, E
 
 def evenly(table: LoadTable, count: int = 32_768) -> tuple[Floats, Floats, Floats]:
     """Return omega, speed and beta of points that fill a table's envelope evenly, (count,) each."""
-    # The additive recurrence of the root of x^4 = x + 1; SciPy has better sequences, but a table's
-    # user need not have SciPy.
+    # Additive recurrence of the root of x^4 = x + 1; SciPy has better sequences, but users of a
+    # table may not have SciPy.
     root = 1.2207440846057596
     steps = root ** -np.arange(1.0, 4.0)
     unit = (0.5 + np.arange(1, count + 1)[:, None] * steps) % 1.0

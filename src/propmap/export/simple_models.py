@@ -1,6 +1,6 @@
-"""Targets ``gazebo``, ``rotorpy``, ``jsbsim``, ``multinomial``, and the table in other files.
+"""Targets ``gazebo``, ``rotorpy``, ``mujoco``, ``jsbsim``, ``multinomial``, and table files.
 
-What each target's equations are stands in its note.
+The note of each target lists its equations.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import Rotors
 
 # -------------------------------------------------------------------------------------------------
-# Target ``gazebo``: parameters of the multicopter motor model of Gazebo and PX4.
+# Target ``gazebo``: parameters of the multicopter motor model in Gazebo and PX4.
 
 
 class MotorModel(NamedTuple):
-    """The plugin's parameters, by its formulas."""
+    """Parameters of the plugin, and its equations."""
 
     motor_constant: float  # [N s^2]
     moment_constant: float  # [m]
@@ -40,7 +40,7 @@ class MotorModel(NamedTuple):
     rolling_moment_coefficient: float  # [N s^2]
 
     def loads(self, omega: Floats, inplane: Floats) -> dict[str, Floats]:
-        """Return loads (n,) [N], [N m] at n points [rad/s], [m/s]."""
+        """Return loads (n,) [N], [N m] at n rotor speeds [rad/s] and velocities [m/s]."""
         thrust, across = self.motor_constant * omega**2, omega * inplane
         return {
             "thrust": thrust,
@@ -51,7 +51,7 @@ class MotorModel(NamedTuple):
 
 
 def fit_motor_model(table: LoadTable, samples: files.Samples) -> MotorModel:
-    """Take static thrust and torque as they are; fit drag and roll moment by least squares."""
+    """Copy static thrust and torque from the table; fit drag and roll moment by least squares."""
     omega = files.middle_omega(table)
     static = files.static_loads(table, np.array([omega]))
     thrust, torque = float(static["thrust"][0]), float(static["torque"][0])
@@ -60,7 +60,7 @@ def fit_motor_model(table: LoadTable, samples: files.Samples) -> MotorModel:
 
 
 def gazebo_files(table: LoadTable) -> files.Files:
-    """Write the SDF elements and the note."""
+    """Return the SDF elements and the note."""
     samples = files.sample(table)
     fitted = fit_motor_model(table, samples)
     found = files.errors(samples, fitted.loads(samples.omega, samples.inplane))
@@ -69,11 +69,11 @@ def gazebo_files(table: LoadTable) -> files.Files:
 
 
 # -------------------------------------------------------------------------------------------------
-# Target ``rotorpy``: the rotor's part of a RotorPy vehicle, or a whole RotorPy vehicle; ``mujoco``.
+# Targets ``rotorpy``, rotor parameters or a whole vehicle for RotorPy, and ``mujoco``.
 
 
 class RotorPyRotor(NamedTuple):
-    """RotorPy's coefficients, and two of the module's mix-in."""
+    """RotorPy's coefficients, and k_roll and k_side of the exported mix-in."""
 
     k_eta: float  # [N s^2]
     k_m: float  # [N m s^2]
@@ -85,7 +85,7 @@ class RotorPyRotor(NamedTuple):
     k_side: float  # [kg]
 
     def loads(self, omega: Floats, axial: Floats, inplane: Floats) -> dict[str, Floats]:
-        """Return loads (n,) [N], [N m] at n points [rad/s], [m/s]."""
+        """Return loads (n,) [N], [N m] at n rotor speeds [rad/s] and velocities [m/s]."""
         thrust = self.k_eta * omega**2 + self.k_h * inplane**2 - self.k_z * omega * axial
         across = omega * inplane
         return {
@@ -99,7 +99,7 @@ class RotorPyRotor(NamedTuple):
 
 
 def fit_rotor(table: LoadTable, samples: files.Samples) -> RotorPyRotor:
-    """Take static thrust and torque as they are; fit the rest by least squares."""
+    """Copy static thrust and torque from the table; fit the other loads by least squares."""
     middle = files.middle_omega(table)
     static = files.static_loads(table, np.array([middle]))
     k_eta, k_m = (float(static[load][0]) / middle**2 for load in ("thrust", "torque"))
@@ -116,7 +116,7 @@ def fit_rotor(table: LoadTable, samples: files.Samples) -> RotorPyRotor:
 
 
 def rotorpy_files(table: LoadTable) -> files.Files:
-    """Write the parameters as a Python module, and the note."""
+    """Return a Python module with the parameters, and the note."""
     samples = files.sample(table)
     fitted = fit_rotor(table, samples)
     found = files.errors(samples, fitted.loads(samples.omega, samples.axial, samples.inplane))
@@ -128,11 +128,13 @@ ROTORS = 4  # RotorPy's Multirotor inverts the matrix from its rotors' thrusts t
 
 
 def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
-    """Write a module that asks ``VehicleForces``, the table and the note; ``InputError`` for other
-    than four rotors and a table of another propeller or air."""
+    """Return a module that calls ``VehicleForces``, the table and the note.
+
+    Raises ``InputError`` unless there are four rotors, and for a table of another propeller or air.
+    """
     if len(vehicle.mounts) != ROTORS:
         found = f"the vehicle has {len(vehicle.mounts)} rotors, RotorPy's Multirotor {ROTORS}"
-        raise InputError(found, "write a multirotor of your own around propmap.VehicleForces")
+        raise InputError(found, "write your own multirotor with propmap.VehicleForces")
     Rotors.of(vehicle, table)
     name, rotor = files.vehicle_name(vehicle, table), files.identifier(table)
     module = files.rendered(
@@ -152,15 +154,17 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
 
 
 def vehicle_mujoco_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
-    """Write an MJCF model in hover, a script that flies it by ``propmap.sim.mujoco``, the table and
-    the note; ``InputError`` for a vehicle without inertia or hover, and a table without descent."""
+    """Return an MJCF model in hover, a script that simulates it, the table and the note.
+
+    Raises ``InputError`` for a vehicle without inertia or hover, and for a table without descent.
+    """
     if vehicle.inertia is None:
-        fault = "the vehicle's file has no inertia, without which nothing turns"
+        fault = "the vehicle file has no inertia, which the simulation needs"
         raise InputError(fault, "add inertia = [about x, about y, about z] in kg m^2")
     low, high = np.degrees(table.envelope["beta"])
     if low > 1e-6 or high < 180.0 - 1e-6:
-        fault = f"the table's beta is {low:g} to {high:g} deg, and every hover rises and sinks"
-        raise InputError(fault, "build it with --beta 0:180")
+        fault = f"the table's beta is {low:g} to {high:g} deg, but hover needs both 0 and 180"
+        raise InputError(fault, "build the table with --beta 0:180")
     craft = Aircraft(vehicle, table)
     hover = craft.steady(0.0, margin=False)
     check_hover(craft, hover)
@@ -168,7 +172,7 @@ def vehicle_mujoco_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
     (cp, cr), (sp, sr) = (
         f(0.5 * np.array([hover.pitch[0], hover.roll[0]])) for f in (np.cos, np.sin)
     )
-    # Pitch, then roll; what is left of the solver's rounding, signs of zero too, is cut off.
+    # Quaternion of pitch, then roll, without rounding errors of the solver and negative zeros.
     turned = [round(float(part), 12) + 0.0 for part in (cp * cr, cp * sr, sp * cr, -sp * sr)]
     parts = {"v": name, "vehicle": vehicle, "hover": hover.rotor_speed[0].tolist()}
     parts |= {"made": literal(dataclasses.replace(vehicle, powertrain=Powertrain())), "lag": lag}
@@ -181,8 +185,10 @@ def vehicle_mujoco_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
 
 
 def literal(value: Any) -> str:
-    """Write the Python expression of a dataclass, tuple, array or number, classes by their names
-    alone, fields by default left out."""
+    """Return the Python expression of a dataclass, tuple, array or number.
+
+    Class names have no module, and fields with their default value are omitted.
+    """
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         parts = []
         for field in dataclasses.fields(value):
@@ -200,19 +206,22 @@ def literal(value: Any) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# Target ``jsbsim``: a propeller of thrust and power coefficients against J = V/(n D), and the four
-# loads by the in-plane velocity as external reactions, as in ``multinomial``.
+# Target ``jsbsim``: a propeller with thrust and power coefficients over J = V/(n D), and the four
+# loads due to in-plane velocity as external reactions, with the equations of ``multinomial``.
 
-JSBSIM_POINTS = 121  # linear in between: 1e-4 of the static coefficient
+JSBSIM_POINTS = 121  # linear interpolation between them has an error of 1e-4 of the static value
 
 
 def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
-    """Tabulate C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) over rising J, (k,) each, with
-    descent as far as there are values, at the middle omega or the largest that reaches J."""
+    """Tabulate C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) over rising J, (k,) each.
+
+    Omega is the middle one, or the largest that reaches J.  Descent is included up to the first
+    point without loads.
+    """
     low, high = table.envelope["beta"]
     if low > 1e-9:
         fault = f"the table's beta begins at {np.degrees(low):g} deg, without axial flight"
-        raise InputError(fault, "build it with --beta 0:...")
+        raise InputError(fault, "build the table with --beta 0:...")
     radius, (_, fastest) = table.content.radius, table.envelope["speed"]
     advance = np.linspace(0.0, float(table.content.advance[-1]), JSBSIM_POINTS)
     parts = []
@@ -221,7 +230,7 @@ def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
             continue
         ratio = advance[:0:-1] if sign < 0.0 else advance
         reach = fastest / (np.maximum(ratio, 1e-12) * radius)
-        # The largest advance ratio is met at one omega only, to rounding.
+        # Only the smallest omega reaches the largest advance ratio; limit rounding errors there.
         omega = np.maximum(np.minimum(files.middle_omega(table), reach), table.envelope["omega"][0])
         found = table.loads(omega, np.minimum(ratio * omega * radius, fastest), beta)
         turns, diameter = omega / (2.0 * np.pi), 2.0 * radius
@@ -230,7 +239,7 @@ def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
         parts.append(np.stack([sign * np.pi * ratio, found.thrust / force, power]))
     each = np.concatenate(parts, axis=1)
     known = np.isfinite(each).all(axis=0)
-    # What JSBSim would draw a line across is left out, with all beyond it.
+    # JSBSim would interpolate across a gap in descent: omit the gap and all points beyond it.
     gaps = np.flatnonzero(~known & (each[0] < 0.0))
     each = each[:, gaps[-1] + 1 :] if gaps.size else each
     each = each[:, np.isfinite(each).all(axis=0)]
@@ -238,7 +247,7 @@ def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
 
 
 def jsbsim_files(table: LoadTable) -> files.Files:
-    """Write the propeller's XML, that of the reactions across its axis, and the note."""
+    """Return the XML files of the propeller and of the in-plane reactions, and the note."""
     samples, name = files.sample(table), files.identifier(table)
     forms = fit_multinomial(samples, table.content.density)
     across = multinomial_loads(forms, samples, table.content.density)
@@ -260,7 +269,7 @@ def jsbsim_files(table: LoadTable) -> files.Files:
             "jsbsim_reactions.xml",
             table,
             forms=forms,
-            # Density in slug/ft^3, a velocity in ft/s, force and moment in lbf and lbf ft.
+            # JSBSim's units: density slug/ft^3, velocity ft/s, force lbf, moment lbf ft.
             per_lbs=per_pound,
             per_lbsft=per_pound / FOOT,
             rad_s_per_rpm=RPM,
@@ -271,7 +280,7 @@ def jsbsim_files(table: LoadTable) -> files.Files:
 
 
 def axial_error(table: LoadTable) -> tuple[float, float]:
-    """Find the worst errors of thrust and torque in axial climb, as shares of static loads."""
+    """Return the largest errors of thrust and torque in axial climb, relative to static loads."""
     ends = (table.envelope["omega"], table.envelope["speed"])
     omega, speed = (
         x.ravel() for x in np.meshgrid(*(np.linspace(*end, 41) for end in ends), indexing="ij")
@@ -295,29 +304,30 @@ def _axial_loads(table: LoadTable, omega: Floats, axial: Floats) -> tuple[Floats
 # -------------------------------------------------------------------------------------------------
 # Target ``multinomial``: the explicit polynomial of Gill & D'Andrea, Drones 2019, 3(4), 77.
 #
-# With lambda_c = V cos(beta)/(Omega R) and mu = V sin(beta)/(Omega R), thrust and torque are
-# Omega^2 times a quadratic in lambda_c and, even, in mu; drag and roll moment are Omega^2 mu times
-# a line in lambda_c.  Multiplied out, no division by Omega and no root is left: thrust and torque
-# are quadratic forms of Omega and the velocity, and the drag is a smooth vector.
+# Let lambda_c = V cos(beta)/(Omega R) and mu = V sin(beta)/(Omega R).  Thrust and torque are
+# Omega^2 times a quadratic in lambda_c and an even quadratic in mu; drag and roll moment are
+# Omega^2 mu times a linear function of lambda_c.  Expanded, these equations contain no division by
+# Omega and no root: thrust and torque are quadratic forms of Omega and velocity, and the drag is a
+# smooth vector.
 
 Forms = Mapping[str, tuple[float, ...]]
-"""By load, factors over the density of Omega^2, Omega z, z^2 and r^2; or, of loads by the in-plane
-velocity, of Omega r and z r; z along the axis, r in the disk plane.  [m^4], [m^3], [m^2], for
-moments times [m]."""
+"""Factors by load, over the density: of Omega^2, Omega z, z^2 and r^2 for thrust and torque, of
+Omega r and z r for the other loads; z is the axial velocity, r the in-plane velocity.  Units are
+[m^4], [m^3], [m^2], for moments times [m]."""
 
 
 def multinomial_loads(forms: Forms, samples: files.Samples, density: float) -> dict[str, Floats]:
-    """Return loads (n,) [N], [N m] at the samples' points, in air of a density [kg/m^3]."""
+    """Return loads (n,) [N], [N m] at the samples' points, for an air ``density`` [kg/m^3]."""
     return {name: density * _terms(name, samples) @ forms[name] for name in LOADS}
 
 
 def fit_multinomial(samples: files.Samples, density: float) -> Forms:
-    """Fit the errors as shares of static loads by least squares, where simple models are meant."""
+    """Fit the forms by least squares of relative errors, at the points for simple models."""
     chosen, found = samples.simple, {}
     for name in LOADS:
         scale = 1.0 / samples.static[name][chosen]
         matrix = density * _terms(name, samples)[chosen] * scale[:, None]
-        # Columns of one size: those of thrust are of Omega^2 and of V^2.
+        # Scale the columns to equal size: they contain Omega^2 and V^2.
         size = np.sqrt((matrix**2).mean(axis=0))
         target = samples.loads[name][chosen] * scale
         solved = np.linalg.lstsq(matrix / size, target, rcond=None)[0]
@@ -326,7 +336,7 @@ def fit_multinomial(samples: files.Samples, density: float) -> Forms:
 
 
 def multinomial_files(table: LoadTable) -> files.Files:
-    """Write the expressions in Python and C, and the note."""
+    """Return the polynomials in Python and C, and the note."""
     samples, density = files.sample(table), table.content.density
     forms = fit_multinomial(samples, density)
     found = files.errors(samples, multinomial_loads(forms, samples, density))
@@ -339,31 +349,31 @@ def multinomial_files(table: LoadTable) -> files.Files:
 
 
 def _terms(name: str, at: files.Samples) -> Floats:
-    """Return what the factors of a load's form multiply, (n, 4) or (n, 2)."""
+    """Return the terms that the factors of a load multiply, (n, 4) or (n, 2)."""
     if LOADS[name].inplane:
         return np.stack([at.omega * at.inplane, at.axial * at.inplane], axis=-1)
     return np.stack([at.omega**2, at.omega * at.axial, at.axial**2, at.inplane**2], axis=-1)
 
 
 # -------------------------------------------------------------------------------------------------
-# Targets ``npz``, ``nc`` and ``csv``: the table itself, in other files.
+# Targets ``npz``, ``nc`` and ``csv``: the table in other file formats.
 
 
 def npz_files(table: LoadTable) -> files.Files:
-    """Write the table as ``propmap.table.LoadTable`` reads it."""
+    """Return the table in the format of ``propmap.table.LoadTable``, and the note."""
     name = f"{files.identifier(table)}.npz"
     return {name: table.save, "README-npz.txt": files.note("npz", table)}
 
 
 def nc_files(table: LoadTable) -> files.Files:
-    """Write the table as NetCDF."""
+    """Return the table as NetCDF, and the note."""
 
     name = f"{files.identifier(table)}.nc"
     return {name: table.to_netcdf, "README-nc.txt": files.note("nc", table)}
 
 
 def csv_files(table: LoadTable) -> files.Files:
-    """Write the table's knots as rows of numbers, empty where there is no value."""
+    """Return the table's knots as CSV rows, with empty fields for missing values, and the note."""
     content, text = table.content, io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     heads = (f"{name}_coefficient" for name in LOADS)

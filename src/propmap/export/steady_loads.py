@@ -1,4 +1,4 @@
-"""A vehicle's loads in level flight and at rest, and the constants that autopilots make of them."""
+"""Loads of a vehicle in level flight and at rest, and the constants that autopilots fit to them."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from propmap.vehicle.vehicle import Body, Vector, Vehicle
 from propmap.vehicle.vehicle_forces import mounted_rotors
 
 # -------------------------------------------------------------------------------------------------
-# The specific force along a body axis in level flight along it: what drag models are fitted to.
+# Specific force along a body axis in level flight along this axis, to which drag models are fitted.
 
-AXES = {"x": "forward", "y": "sideways"}  # body axes, and how the vehicle flies along them
-AT_REST = 0.1  # specific force along x or y at rest [m/s^2] of thrust along z; 0.5 m/s of wind
+AXES = {"x": "forward", "y": "sideways"}  # body axes, and the direction of flight along them
+AT_REST = 0.1  # maximum specific force along x or y at rest [m/s^2], the drag in 0.5 m/s of wind
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,21 +34,24 @@ class InplaneForces:
     """Level flights along a body axis at n speeds; arrays (n,)."""
 
     axis: str  # of ``AXES``
-    speed: Floats  # through the air [m/s]
-    pitch: Floats  # lean into the flight [rad]
+    speed: Floats  # airspeed [m/s]
+    pitch: Floats  # lean angle into the flight direction [rad]
     along: Floats  # component of the velocity along the axis [m/s]
-    through: Floats  # size of the velocity [m/s]
+    through: Floats  # magnitude of the velocity [m/s]
     force: Floats  # specific force against the motion, as an accelerometer reads it [m/s^2]
-    errors: Floats  # what each of E independent causes adds at one deviation (E, n) [m/s^2]
-    arm: Floats  # torque over thrust, of all rotors together [m]
-    hover_arm: float  # and at rest [m]
-    hover_speed: float  # mean speed of the rotors at rest [rad/s]
-    lost: tuple[tuple[float, str], ...]  # speeds [m/s] that are not flown, and why not
+    errors: Floats  # changes by one standard deviation of E independent causes (E, n) [m/s^2]
+    arm: Floats  # total torque over total thrust of the rotors [m]
+    hover_arm: float  # torque over thrust at rest [m]
+    hover_speed: float  # mean rotor speed at rest [rad/s]
+    lost: tuple[tuple[float, str], ...]  # speeds [m/s] that cannot be flown, and the status
 
 
 def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForces:
-    """Trim an aircraft in level flight forward or to the left at ``speeds`` (n,) above 0 [m/s];
-    ``InputError`` where it cannot hover, with thrust along z, or flies fewer than two."""
+    """Trim an aircraft in level flight forward or to the left at ``speeds`` (n,) above 0 [m/s].
+
+    Raises ``InputError`` if the aircraft cannot hover with thrust along z, or can fly fewer than
+    two of the speeds.
+    """
     turned = aircraft if axis == "x" else _turned(aircraft)
     states = turned.steady(np.concatenate([[0.0], speeds]), margin=False)
     check_hover(turned, states)
@@ -58,14 +61,14 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
     if abs(specific[0]) > AT_REST:
         raise InputError(
             f"at rest the accelerometer reads {specific[0]:.2f} m/s^2 along {axis}: the rotors' "
-            "thrust is not along z, as the drag models of autopilots take it to be",
+            "thrust is not along z, as the drag models of autopilots assume",
             "check axis of the rotors",
         )
     flown = np.flatnonzero(states.found[1:]) + 1
     lost = [k for k in range(1, size) if k not in flown]
     if flown.size < 2:
         raise InputError(
-            f"of the speeds, {flown.size} can be flown ({speeds[lost[0] - 1]:g} m/s: "
+            f"{flown.size} of the speeds can be flown ({speeds[lost[0] - 1]:g} m/s: "
             f"{STATUSES[str(states.status[lost[0]])]})",
             "give two or more that can, with --speed",
         )
@@ -87,8 +90,8 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
 
 
 def check_hover(aircraft: Aircraft, states: SteadyStates) -> None:
-    """Raise ``InputError`` where the first of an aircraft's ``states``, at rest, is no hover in
-    which the rotors balance all moments."""
+    """Raise ``InputError`` unless the first of the ``states``, at rest, is a hover in which the
+    rotors balance all moments."""
     vehicle, left = aircraft.vehicle, ""
     if states.found[0]:
         moment = states.moment[0]
@@ -97,15 +100,18 @@ def check_hover(aircraft: Aircraft, states: SteadyStates) -> None:
         left = f" (about x, y, z: {', '.join(f'{m:.2g}' for m in moment)} N m)"
     elif _balances(aircraft):
         found = f"the vehicle does not hover: {STATUSES[str(states.status[0])]}"
-        remedy = "or the table: it needs rest, at the rotor speeds that carry the mass"
+        remedy = "or the table, which must include rest at the rotor speeds that carry the mass"
         raise InputError(found, f"check mass, propeller and motor, {remedy}")
     found = f"the rotors cannot hover without a moment{left}"
     raise InputError(found, "check position and spin of each rotor")
 
 
 def _balances(aircraft: Aircraft) -> bool:
-    """Return whether thrusts of a tenth of their mean or more, with torques of the usual arm, would
-    hold an aircraft without a moment, whatever the rotors can carry."""
+    """Return whether positive thrusts could balance an aircraft without a moment.
+
+    Each thrust is at least a tenth of the mean thrust, each torque the thrust times a typical arm;
+    the maximum thrust of the rotors is ignored.
+    """
     from scipy.optimize import nnls
 
     rotors = aircraft.rotors
@@ -118,7 +124,7 @@ def _balances(aircraft: Aircraft) -> bool:
 
 
 def _turned(aircraft: Aircraft) -> Aircraft:
-    """Turn an aircraft so that its left is where the nose was."""
+    """Turn an aircraft about z so that its left side points along x."""
     vehicle = aircraft.vehicle
     x, y, z = vehicle.body.drag_area
     down, plate = vehicle.body.download_area[::-1], vehicle.body.plate_area
@@ -129,15 +135,18 @@ def _turned(aircraft: Aircraft) -> Aircraft:
 
     places = ((mount, turn(mount.position), turn(mount.axis)) for mount in vehicle.mounts)
     mounts = tuple(replace(mount, position=at, axis=axis) for mount, at, axis in places)
-    # Lift of the body is that in its plane of symmetry: along the left there is none.
+    # The body's lift acts in flight in the plane of symmetry, not in sideways flight.
     other = replace(vehicle, mounts=mounts, body=body, sensor=turn(vehicle.sensor))
     largest, charge = aircraft.maximum_rotor_speed, aircraft.charge
     return Aircraft(other, aircraft.loads, maximum_rotor_speed=largest, charge=charge)
 
 
 def _errors(aircraft: Aircraft, velocity: Floats, omega: Floats) -> Floats:
-    """Find the errors (E, n) of the specific force against the motion along x; rotors change speed
-    so that they carry as much as before, in the attitude and the flow of before."""
+    """Return the errors (E, n) of the specific force against the motion along x.
+
+    For each error, all rotor speeds change until the lift is unchanged, at constant attitude and
+    flow.
+    """
     vehicle = aircraft.vehicle
     axes = np.array([mount.axis for mount in vehicle.mounts])
     forward, upward, turning = [], [], []
@@ -150,7 +159,7 @@ def _errors(aircraft: Aircraft, velocity: Floats, omega: Floats) -> Floats:
         found = load_errors(source, omega[:, mine].ravel(), seen)
         both = found.errors[:, :2].reshape(-1, 2, *along.shape)
         pair = found.by_speed[:2].reshape(2, *along.shape)
-        # Thrust and drag of each rotor, forward and up.
+        # Directions of thrust and drag of each rotor, of which x and z are used.
         way = np.stack([np.broadcast_to(axis, aside.shape), -aside / across[..., None]])
         forward.append(np.einsum("elnk,lnk->en", both, way[..., 0]))
         upward.append(np.einsum("elnk,lnk->en", both, way[..., 2]))
@@ -161,44 +170,44 @@ def _errors(aircraft: Aircraft, velocity: Floats, omega: Floats) -> Floats:
 
 
 def check_vehicle(vehicle: Vehicle) -> None:
-    """Raise ``InputError`` for a ``vehicle`` that is no multirotor as drag models take it to be."""
+    """Raise ``InputError`` for a ``vehicle`` to which the drag models do not apply."""
     count = len(vehicle.mounts)
     if count < 3:
         found = f"the vehicle has {count} rotor{'s' if count > 1 else ''}"
-        raise InputError(found, "these parameters are those of a multirotor with 3 rotors or more")
+        raise InputError(found, "these parameters need a multirotor with 3 rotors or more")
     if vehicle.wing is not None:
         raise InputError(
-            "the vehicle has a wing, whose lift the drag model of a multirotor does not have",
-            "remove [wing], or leave these parameters to the flights of the autopilot's own guide",
+            "the vehicle has a wing, and the drag model of a multirotor has no wing lift",
+            "remove [wing], or tune these parameters in flight as the autopilot's guide describes",
         )
     for k, mount in enumerate(vehicle.mounts, start=1):
         if mount.axis[2] < 0.5:
             found = f"rotor {k}: its axis {list(mount.axis)} is not upward"
-            raise InputError(found, "the drag models of autopilots take all thrust to be along z")
+            raise InputError(found, "the drag models of autopilots assume all thrust along z")
         for j, other in enumerate(vehicle.mounts[: k - 1], start=1):
             arm = np.subtract(mount.position, other.position)
             beside = float(np.hypot(arm[0], arm[1]))
             if beside < vehicle.propeller.radius:
                 raise InputError(
                     f"rotors {j} and {k} are above each other ({beside:g} m apart), and the models "
-                    "of autopilots know no wakes of rotors on each other",
-                    "describe each pair as one rotor with a table of its own",
+                    "of autopilots have no wakes of rotors on each other",
+                    "describe each pair as one rotor, with its own table",
                 )
     if vehicle.wakes is not None:
         raise InputError(
-            "[wakes] is given, and the models of autopilots know no wakes of rotors on each other",
-            "leave them out with --no-wakes, or remove [wakes]",
+            "[wakes] is given, and the models of autopilots have no wakes of rotors on each other",
+            "pass --no-wakes, or remove [wakes]",
         )
 
 
 # -------------------------------------------------------------------------------------------------
-# Rotor drag by speed and body drag by its square: what the Kalman filters of autopilots know.
+# The drag model of autopilot Kalman filters: linear rotor drag and quadratic body drag.
 #
-# The specific force along a body axis is taken to be m v + 1/2 rho b q, with v the component of the
+# The specific force along a body axis is m v + 1/2 rho b q, where v is the component of the
 # velocity along the axis, q a square of the velocity, m the same for both axes, and 1/b the
 # ballistic coefficient of the axis.
 
-CLOSE = 0.1  # share of the force up to which the simplification is said to hold
+CLOSE = 0.1  # maximum relative error of the force at which the model counts as valid
 
 
 def fit_drag(
@@ -207,8 +216,11 @@ def fit_drag(
     density: float,
     least: float,
 ) -> tuple[Floats, Floats]:
-    """Fit m [1/s], b along x and b along y [m^2/kg], none below zero, 0 below ``least``, to all
-    flights, whose ``square`` is q [m^2/s^2]; with what each of E causes adds to them (E, 3)."""
+    """Fit m [1/s], b along x and b along y [m^2/kg] to all flights, with their errors (E, 3).
+
+    ``square`` returns q [m^2/s^2] of a flight.  No constant is negative, and values of b below
+    ``least`` are 0.
+    """
     from scipy.optimize import nnls
 
     rows = []
@@ -234,22 +246,22 @@ def fit_drag(
 
 @dataclass(frozen=True, eq=False)
 class DragComparison:
-    """The force along an axis in n flights, by the full model and by the filter's equation."""
+    """Force along an axis in n level flights, by the full model and by the filter's equation."""
 
     flight: InplaneForces
-    full: Floats  # by the model (n,) [N]
-    filtered: Floats  # by the filter with the constants as they are written (n,) [N]
-    std: Floats  # standard deviation of the first (n,) [N]; NaN where it is not known
-    wind: Floats  # the error of the wind that the filter makes of the difference (n,) [m/s]
+    full: Floats  # by the full model (n,) [N]
+    filtered: Floats  # by the filter with the written, rounded constants (n,) [N]
+    std: Floats  # standard deviation of ``full`` (n,) [N]; NaN where it is not known
+    wind: Floats  # resulting error of the filter's wind estimate (n,) [m/s]
 
     @property
     def share(self) -> Floats:
-        """Difference over the full model's force (n,)."""
+        """Return the filter's error relative to the force of the full model (n,)."""
         return np.asarray((self.filtered - self.full) / self.full)
 
     @property
     def holds(self) -> tuple[float, float] | None:
-        """The longest run of speeds [m/s] with differences up to ``CLOSE``; None without one."""
+        """Return the longest range of speeds [m/s] with errors up to ``CLOSE``, or None."""
         best: tuple[float, float] | None = None
         first = None
         for speed, share in zip(self.flight.speed.tolist(), self.share.tolist(), strict=True):
@@ -263,33 +275,33 @@ class DragComparison:
 
 
 # -------------------------------------------------------------------------------------------------
-# Loads of a rotor with their independent errors, for what is computed from several of them.
+# Loads of a rotor with their independent errors, so that errors of derived values can be computed.
 
-USED = ("thrust", "drag", "torque")  # loads that are looked at, in this order
-FASTER = 0.02  # share of rotor speed in difference quotients, large beside jumps of the loads
+USED = ("thrust", "drag", "torque")  # loads used here, in this order
+FASTER = 0.02  # relative step of rotor speed in difference quotients, to bridge load jumps
 
 
 class UncertainLoads(NamedTuple):
     """Loads at N operating points, in the order of ``USED`` [N], [N], [N m]."""
 
     loads: Floats  # of a rotor (3, N)
-    by_speed: Floats  # their derivatives by the logarithm of the rotor speed (3, N)
-    errors: Floats  # what each of E independent causes adds at one deviation (E, 3, N)
+    by_speed: Floats  # derivatives with respect to the logarithm of the rotor speed (3, N)
+    errors: Floats  # changes by one standard deviation of E independent causes (E, 3, N)
 
 
 def rotor_sources(
     vehicle: Vehicle, loads: Rotor | LoadTable
 ) -> list[tuple[Rotor | LoadTable, NDArray[np.intp]]]:
-    """List what gives loads, and of which rotors of a ``vehicle`` whose ``loads`` are these."""
+    """List the sources of a vehicle's ``loads``, by mount, with the indices of the rotors."""
     if not isinstance(loads, Rotor):
         return [(loads, np.arange(len(vehicle.mounts)))]
     return [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, loads.model)]
 
 
 def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> UncertainLoads:
-    """Find loads with their independent errors at omega (N,) [rad/s] and velocity (N, 3) [m/s] in
-    the rotor frame; each load of a table has errors of its own."""
-    # Points that differ: half the rotors see what the others see.
+    """Return loads with their independent errors at omega (N,) [rad/s] and velocity (N, 3) [m/s]
+    in the rotor frame; the errors of a table's loads are independent of each other."""
+    # Compute equal points once: in symmetric flight half the rotors have the flow of another one.
     once, where = np.unique(
         np.column_stack([omega, velocity]).round(9), axis=0, return_inverse=True
     )
@@ -308,7 +320,7 @@ def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> U
 
 
 def _rotor_errors(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
-    """Find errors (E, 3, N) along the constants' principal axes and by each further source."""
+    """Return errors (E, 3, N) by principal axis of the constants' covariance and by source."""
     known = rotor.model.uncertainty
     if known is None:
         return np.zeros((0, len(USED), omega.size))
@@ -328,7 +340,7 @@ def _rotor_errors(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
 
 
 def _table_errors(table: LoadTable, omega: Floats, velocity: Floats) -> Floats:
-    """Find the errors (3, 3, N) by a table's standard deviations; (0, 3, N) where it has none."""
+    """Return errors (3, 3, N) from a table's standard deviations; (0, 3, N) without any."""
     speed = np.linalg.norm(velocity, axis=-1)
     beta = np.arctan2(np.hypot(velocity[:, 0], velocity[:, 1]), velocity[:, 2])
     try:
@@ -342,7 +354,7 @@ def _stacked(loads: object) -> Floats:
 
 
 def _one_cause_each(deviations: Floats) -> Floats:
-    """Turn deviations (3, N) into those of one cause for each load (3, 3, N)."""
+    """Expand standard deviations (3, N) to errors (3, 3, N) with one cause per load."""
     return np.eye(len(USED))[:, :, None] * deviations
 
 
@@ -352,14 +364,14 @@ def _one_cause_each(deviations: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class StaticLoads:
-    """Thrust and torque of the mean rotor at rest."""
+    """Thrust and torque at rest, averaged over the rotors."""
 
     thrust: float  # [N]
     torque: float  # [N m]
-    errors: Floats  # what each of E independent causes adds to them at one deviation (E, 2)
+    errors: Floats  # changes of both by one standard deviation of E independent causes (E, 2)
 
     def std_of(self, by_thrust: float, by_torque: float) -> float | None:
-        """Return the deviation of what has these derivatives; None where none is known."""
+        """Return the standard deviation of a value with these derivatives, or None if unknown."""
         if not self.errors.size:
             return None
         return float(np.linalg.norm(self.errors @ [by_thrust, by_torque]))
@@ -377,43 +389,44 @@ def static_loads(aircraft: Aircraft, omega: float) -> StaticLoads:
 
 
 # -------------------------------------------------------------------------------------------------
-# Static thrust by the signal to the speed controller, from motor, controller and battery.
+# Static thrust as a function of the speed controller's signal, from motor, controller and battery.
 #
-# The signal is the share of the battery's voltage that the controller passes on, as in
-# ``propmap.vehicle.powertrain``; all rotors get the same, and the battery sags under all of them.
+# The signal is the fraction of the battery voltage that the controller passes on, as in
+# ``propmap.vehicle.powertrain``.  It is equal for all rotors, and the battery voltage sags under
+# the current of all of them.
 
-KNOTS = 12  # rotor speeds at which loads at rest over their square are computed; they vary slowly
+KNOTS = 12  # rotor speeds at which loads at rest are computed; over omega^2 they vary slowly
 SPEEDS = 2000  # rotor speeds at which the signal is computed
 
 
 @dataclass(frozen=True, eq=False)
 class SignalCurve:
-    """Thrust of a rotor at rest by the signal, rising from 0 to 1."""
+    """Thrust of a rotor at rest as a function of the signal from 0 to 1."""
 
-    signal: Floats  # (n,)
-    thrust: Floats  # the mean of the rotors (n,) [N]
-    full_thrust: float  # at the signal 1 [N]
+    signal: Floats  # rising (n,)
+    thrust: Floats  # mean over the rotors (n,) [N]
+    full_thrust: float  # this and the following at the signal 1 [N]
     full_torque: float  # [N m]
     full_speed: float  # [rad/s]
-    full_current: float  # of a motor [A]
+    full_current: float  # per motor [A]
 
     def at(self, signal: Floats) -> Floats:
-        """Return the thrust [N] at ``signal``."""
+        """Return the thrust [N] at a ``signal``."""
         return np.asarray(np.interp(signal, self.signal, self.thrust))
 
     def full_signal(self, motor: Motor | None) -> str:
-        """Say what the full signal asks of a ``motor``."""
+        """Describe the full signal in a sentence, with a warning above a limit of the ``motor``."""
         rpm = self.full_speed / RPM
         words = f"At rest, full signal: {rpm:.0f} rpm, {self.full_current:.3g} A per motor."
         if motor is not None and self.full_current > motor.maximum_current:
-            words += f" That is above the motor's {motor.maximum_current:g} A."
+            words += f" The motor's maximum is {motor.maximum_current:g} A."
         if motor is not None and self.full_speed > motor.maximum_speed:
-            words += f" That is above the motor's {motor.maximum_speed / RPM:.0f} rpm."
+            words += f" The motor's maximum is {motor.maximum_speed / RPM:.0f} rpm."
         return words
 
 
 def known_curve(aircraft: Aircraft) -> tuple[SignalCurve | None, str]:
-    """Return the curve of an ``aircraft`` at its state of charge, or why there is none."""
+    """Return the thrust curve of an ``aircraft`` at its state of charge, or why there is none."""
     powertrain = aircraft.vehicle.powertrain
     parts = {"[motor]": powertrain.motor, "[battery]": powertrain.battery}
     missing = [name for name, part in parts.items() if part is None]
@@ -433,8 +446,11 @@ def known_curve(aircraft: Aircraft) -> tuple[SignalCurve | None, str]:
 
 
 def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) -> SignalCurve | None:
-    """Find the curve of a vehicle with motor and battery at a ``charge`` 0 to 1, None where it does
-    not reach signal 1; ``more_torque`` is a share added to the model's."""
+    """Compute the thrust curve of a vehicle with motor and battery at a ``charge`` from 0 to 1.
+
+    ``more_torque`` is a relative increase of the model's torque.  None if the battery cannot
+    deliver the full signal.
+    """
     powertrain, count = aircraft.vehicle.powertrain, len(aircraft.vehicle.mounts)
     motor, battery = powertrain.motor, powertrain.battery
     assert motor is not None and battery is not None
@@ -454,13 +470,13 @@ def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) ->
         float(np.interp(1.0, signal[upto], values[upto]))
         for values in (lift, turn, omega, state.motor_current[:, 0])
     )
-    # Below the signal that overcomes the motor's own friction there is no thrust.
+    # There is no thrust below the signal that overcomes the motor's friction.
     rising, lifting = (np.concatenate([[0.0], values[upto]]) for values in (signal, lift))
     return SignalCurve(rising, lifting, *full)
 
 
 def _over_square(aircraft: Aircraft, fastest: float) -> tuple[Floats, Floats, Floats]:
-    """Return rotor speeds, and mean thrust and torque at rest over their square there."""
+    """Return rotor speeds, and mean thrust and torque at rest over the square of rotor speed."""
     omega = np.linspace(0.1, 1.0, KNOTS) * fastest
     if not isinstance(aircraft.loads, Rotor):
         low, high = aircraft.loads.envelope["omega"]
@@ -479,33 +495,31 @@ def mean_loads(aircraft: Aircraft, omega: Floats, speed: ArrayLike) -> Floats:
 
 
 # -------------------------------------------------------------------------------------------------
-# The one number by which an autopilot describes a thrust curve, and how sure it is.
+# The factor with which an autopilot describes a thrust curve, and its standard deviation.
 
-DISCHARGED = 0.3  # state of charge besides the given one for which factors are stated
+DISCHARGED = 0.3  # second state of charge for which the factor is stated
 
 Shares = Callable[[Callable[[Floats], Floats]], Floats]
-"""Makes of a curve, thrust by signal, its thrust over the largest at equally spaced x (n,)."""
+"""Function of a thrust curve that returns thrust over maximum thrust at equally spaced x (n,)."""
 
 
 @dataclass(frozen=True)
 class CurveFactor:
-    """A curve as f x^2 + (1 - f) x, thrust over the largest and x from 0 to 1."""
+    """Factor f of a thrust curve: thrust over maximum thrust = f x^2 + (1 - f) x, x from 0 to 1."""
 
     factor: float  # f [-]
-    worst: float  # largest difference from the curve, over the largest thrust [-]
-    std: float | None  # deviation of f by that of the torque [-]; None where it is not known
+    worst: float  # maximum error of the equation, over the maximum thrust [-]
+    std: float | None  # standard deviation of f from that of the torque [-]; None if unknown
     charge: float  # state of charge of the battery
-    discharged: float  # f at the charge ``DISCHARGED``; NaN where there is no full throttle then
+    discharged: float  # f at the charge ``DISCHARGED``; NaN if full throttle is not reached
 
     @property
     def holds(self) -> str:
-        """Say what it is good for."""
-        here = (
-            f"At rest, battery at {self.charge:.0%}: within {self.worst:.1%} of the largest thrust."
-        )
+        """Describe the range and the error in a sentence."""
+        here = f"At rest, battery at {self.charge:.0%}: error {self.worst:.1%} of maximum thrust"
         if np.isfinite(self.discharged):
-            return f"{here} At {DISCHARGED:.0%} it would be {self.discharged:.3f}."
-        return f"{here} At {DISCHARGED:.0%} the battery does not deliver full throttle."
+            return f"{here}. At {DISCHARGED:.0%} charge the value is {self.discharged:.3f}."
+        return f"{here}. At {DISCHARGED:.0%} charge the battery cannot deliver full throttle."
 
 
 def curve_factor(
@@ -515,8 +529,10 @@ def curve_factor(
     shares: Shares,
     limits: tuple[float, float],
 ) -> CurveFactor:
-    """Fit f, within ``limits``, to the ``curve`` of an aircraft, whose loads at rest are ``still``;
-    ``shares`` are what the autopilot takes as x."""
+    """Fit f, within ``limits``, to the ``curve`` of an aircraft with the loads at rest ``still``.
+
+    ``shares`` samples a curve at the autopilot's x.
+    """
     charge = aircraft.charge
 
     def factor(found: SignalCurve | None) -> float:
@@ -532,7 +548,7 @@ def curve_factor(
 
 
 def fitted_factor(share: Floats, limits: tuple[float, float]) -> float:
-    """Fit f within its ``limits`` to thrusts over the largest, ``share`` (n,)."""
+    """Fit f, within ``limits``, to thrust over maximum thrust, ``share`` (n,)."""
     x = np.linspace(0.0, 1.0, share.size)
     bent = x**2 - x
     return float(np.clip(np.sum((share - x) * bent) / np.sum(bent**2), *limits))

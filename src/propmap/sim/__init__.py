@@ -1,1 +1,1 @@
-"""Vehicles in simulators of rigid bodies: ``propmap.sim.mujoco``, ``propmap.sim.mjx``."""
+"""Vehicles in rigid-body simulators: ``propmap.sim.mujoco`` and ``propmap.sim.mjx``."""

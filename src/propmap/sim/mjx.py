@@ -1,4 +1,4 @@
-"""A vehicle's rotors in MJX, and in any simulator on JAX: through jit, vmap and grad."""
+"""Aerodynamic forces of a vehicle in MJX and other JAX simulators, with jit, vmap and grad."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ import jax.numpy as jnp  # noqa: E402
 from jax.scipy.spatial.transform import Rotation  # noqa: E402
 
 SLOW = 1e-3
-"""In-plane velocity [m/s] below which the loads by it are linear, so that they have derivatives."""
+"""In-plane velocity [m/s] below which the in-plane loads are linear, so that derivatives exist."""
 
-OTHER_MASS = 0.01  # share by which a model's mass may differ from the vehicle's
+OTHER_MASS = 0.01  # maximum relative difference of mass between model and vehicle
 
 
 class JaxWrench(NamedTuple):
-    """Force and moment of the air on a vehicle at (...) states, in its frame.
+    """Aerodynamic force and moment on a vehicle at (...) states, in the vehicle frame.
 
     Attributes
     ----------
     force, moment : array, shape (..., 3)
-        [N], and about the centre of mass [N m]; NaN where a rotor is outside the table.
+        Force [N], and moment about the center of mass [N m]; NaN if a rotor is outside the table.
     code : array of int, shape (...)
-        The worst of the rotors', an index into ``propmap.table.STATUSES``.
+        Worst status of the rotors, an index into ``propmap.table.STATUSES``.
     """
 
     force: Any
@@ -44,9 +44,9 @@ class JaxWrench(NamedTuple):
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class JaxForces:
-    """A vehicle with a table of its rotors' loads in JAX; a pytree.
+    """A vehicle with a table of rotor loads in JAX; a pytree.
 
-    Make one with ``JaxForces.of(vehicle, table)``.
+    Create it with ``JaxForces.of(vehicle, table)``.
     """
 
     table: JaxTable
@@ -54,17 +54,17 @@ class JaxForces:
 
     @classmethod
     def of(cls, vehicle: Vehicle, table: LoadTable) -> Self:
-        """Take a ``vehicle`` and a ``table`` of its rotors over to JAX.
+        """Convert a ``vehicle`` and the ``table`` of its rotors to JAX.
 
-        Raises ``InputError`` for what is no table, for one of another propeller or air, and for
-        mounts and wakes, of which a table knows nothing.
+        Raises ``InputError`` if ``table`` is not a table, for a table of another propeller or air,
+        and for mounts and wakes, which a table does not include.
         """
         if not isinstance(table, LoadTable):
-            raise InputError(f"table is {type(table).__name__}", "give a LoadTable of its rotors")
+            raise InputError(f"table is {type(table).__name__}", "give a LoadTable of the rotors")
         check_table(vehicle, table)
         if vehicle.wakes is not None:
             found = "the vehicle has wakes, which are not computed in JAX"
-            raise InputError(found, "use VehicleForces, or leave them out")
+            raise InputError(found, "use VehicleForces, or remove the wakes")
         return cls(JaxTable.of(table), vehicle)
 
     def wrench(
@@ -76,25 +76,25 @@ class JaxForces:
         *,
         clamp: bool = False,
     ) -> JaxWrench:
-        """Force and moment of the air on the vehicle, as ``propmap.VehicleForces.wrench``.
+        """Return force and moment of the air, as ``propmap.VehicleForces.wrench``.
 
-        Derivatives are finite everywhere inside the table, at rest and along the axes too.
+        Derivatives are finite everywhere inside the table, including at rest and in axial flow.
 
         Parameters
         ----------
         omegas : array, shape (..., k)
             Speeds of the k rotors, in the order of the vehicle's mounts [rad/s].
         velocity, rates, wind : array, shape (..., 3)
-            Velocity of the centre of mass over the ground [m/s], how fast the vehicle turns
-            [rad/s], and velocity of the air over the ground [m/s], in the vehicle's frame.
+            Velocity of the center of mass over the ground [m/s], angular velocity of the vehicle
+            [rad/s], and wind velocity over the ground [m/s], in the vehicle frame.
         clamp : bool
-            Whether outside the table the loads are those of its nearest point, in place of NaN;
-            the code is that of ``outside`` all the same.
+            Whether to use the loads of the nearest point outside the table, in place of NaN; the
+            code remains ``outside``.
 
         Raises
         ------
         InputError
-            Where a last axis does not hold k speeds, or x, y, z.
+            If a last axis does not have k speeds, or x, y, z.
         """
         given = {"omegas": omegas, "velocity": velocity, "rates": rates, "wind": wind}
         counts = (len(self.vehicle.mounts), 3, 3, 3)
@@ -116,7 +116,7 @@ class JaxForces:
         code = self.table.code(omega, speed, beta, loads.thrust)
         ahead, spin = across / inplane[..., None], _spins(self.vehicle)
         left, load = jnp.cross(axis, ahead), JaxLoads(*(x[..., None] for x in loads))
-        # Signs are those of ``propmap.vehicle.wakes.hub_wrenches``.
+        # The signs must agree with ``propmap.vehicle.wakes.hub_wrenches``.
         force = load.thrust * axis - load.drag * ahead + spin * load.side_force * left
         turning = spin * (load.torque * axis + load.roll_moment * ahead)
         moment = jnp.cross(place, force) - turning - load.pitch_moment * left
@@ -125,12 +125,12 @@ class JaxForces:
 
 
 def _spins(vehicle: Vehicle) -> Any:
-    """Return 1 for each rotor that turns counter-clockwise, else -1 (k, 1)."""
+    """Return 1 for counter-clockwise and -1 for clockwise rotors (k, 1)."""
     return jnp.array([[spin_sign(mount.spin)] for mount in vehicle.mounts])
 
 
 def _free_stream_force(vehicle: Vehicle, velocity: Any) -> Any:
-    """Return that of ``propmap.vehicle.vehicle_forces``, with derivatives at rest."""
+    """Return ``vehicle_forces.free_stream_force`` in JAX, with derivatives at rest."""
     body, wing = vehicle.body, vehicle.wing
     x, z = velocity[..., 0], velocity[..., 2]
     still = (x == 0.0) & (z == 0.0)
@@ -139,13 +139,13 @@ def _free_stream_force(vehicle: Vehicle, velocity: Any) -> Any:
     lift = body.lift_area * jnp.sin(angle) * jnp.cos(angle)
     down = jnp.square(velocity[..., :2]) @ jnp.array(body.download_area)
     force = -jnp.array(body.drag_area) * jnp.abs(velocity) * velocity
-    # Zero and without a slope at rest, where the size of the velocity has none.
+    # The magnitude of the velocity has no derivative at rest: use zero there.
     whole = jnp.sum(jnp.square(velocity), axis=-1)
     size = jnp.where(whole > 0.0, jnp.sqrt(jnp.where(whole > 0.0, whole, 1.0)), 0.0)
     force = force.at[..., 2].add(-down - body.plate_area * size * z)
     if wing is not None:
         alpha, m = angle + wing.incidence, Airfoil.sharpness
-        # Eq. (3), whose sigma is one less a product of logistic functions.
+        # Eq. (3), whose sigma is one minus a product of logistic functions.
         near = [jax.nn.sigmoid(m * (wing.alpha_0 + way * alpha)) for way in (-1.0, 1.0)]
         attached, stalled = near[0] * near[1], wing.c_l2 * jnp.sin(alpha) * jnp.cos(alpha)
         carried = wing.area * (attached * wing.c_l1 * alpha + (1.0 - attached) * stalled)
@@ -158,7 +158,7 @@ def _free_stream_force(vehicle: Vehicle, velocity: Any) -> Any:
 
 
 # -------------------------------------------------------------------------------------------------
-# A free body of MuJoCo on which the rotors act, with speeds that follow their commands.
+# The rotors on a free body of MuJoCo, with rotor speeds that lag behind the commands.
 
 
 @jax.tree_util.register_dataclass
@@ -166,16 +166,16 @@ def _free_stream_force(vehicle: Vehicle, velocity: Any) -> Any:
 class MjxRotors:
     """The rotors of a vehicle on a free body of MJX; a pytree.
 
-    Make one with ``MjxRotors.of``.  Where the vehicle's ``rotor_inertia`` is known, rotors turn it
-    also as they change their speed, and as gyroscopes.
+    Create it with ``MjxRotors.of``.  If the vehicle has a ``rotor_inertia``, rotors also exert
+    reaction torques when they change speed, and gyroscopic moments.
     """
 
     forces: JaxForces
-    centre: Any  # of mass, from the body's origin, in its frame (3,) [m]
-    lever: Any  # and from where MuJoCo applies forces to it
-    left: Any  # share of the difference from the commands that is left after a step [-]
-    step: Any  # of the model's time [s]
-    momenta: Any  # of each rotor at 1 rad/s (k, 3) [kg m^2/s]
+    centre: Any  # center of mass from the body's origin, in the body frame (3,) [m]
+    lever: Any  # center of mass from the point where MuJoCo applies ``xfrc_applied`` (3,) [m]
+    left: Any  # fraction of the difference from the command that remains after a step [-]
+    step: Any  # time step of the model [s]
+    momenta: Any  # angular momentum of each rotor at 1 rad/s (k, 3) [kg m^2/s]
     body: int = field(metadata={"static": True})
     qpos: int = field(metadata={"static": True})
     dof: int = field(metadata={"static": True})
@@ -184,24 +184,24 @@ class MjxRotors:
     def of(
         cls, vehicle: Vehicle, table: LoadTable, model: Any, body: str, *, time_constant: float
     ) -> Self:
-        """Put a vehicle's rotors on a body of a model.
+        """Attach the rotors of a vehicle to a body of a model.
 
         Parameters
         ----------
         vehicle, table
             As for ``JaxForces.of``.
         model : mujoco.MjModel
-            In SI units, x of the body forward, y left, z up; its time step counts for the lag.
+            Model in SI units, with x of the body forward, y left, z up.
         body : str
-            Name of a body with a free joint, which with its children has the vehicle's mass.
+            Name of a body with a free joint; its mass with its children is the vehicle's mass.
         time_constant : float
-            In which the rotors' speeds come 63 % nearer to their commands [s].
+            Time constant of the first-order lag of the rotor speeds [s].
 
         Raises
         ------
         InputError
-            As ``JaxForces.of``, for a body that is not there, is not free or has another mass, for
-            a model with air of its own and for a negative time constant.
+            As ``JaxForces.of``, for a body that does not exist, is not free or has another mass,
+            for a model with air density or viscosity, and for a negative time constant.
         """
         import mujoco
 
@@ -219,7 +219,7 @@ class MjxRotors:
         mass = float(model.body_subtreemass[at])
         if abs(mass - vehicle.mass) > OTHER_MASS * vehicle.mass:
             found = f"the body {quoted(body)} has {mass:g} kg, the vehicle {vehicle.mass:g}"
-            raise InputError(found, "give both in SI units, alike")
+            raise InputError(found, "give both the same mass, in kg")
         if not 0.0 <= time_constant < math.inf:
             raise InputError(f"time_constant is {time_constant:g} s", "give 0 or more")
         data = mujoco.MjData(model)
@@ -241,25 +241,25 @@ class MjxRotors:
     def apply(
         self, data: Any, omegas: Any, commands: Any, wind: Any = (0.0,) * 3, *, clamp: bool = False
     ) -> tuple[Any, Any, Any]:
-        """Write force and moment of the air into ``xfrc_applied``, before ``mjx.step``.
+        """Write the aerodynamic force and moment to ``xfrc_applied``; call it before ``mjx.step``.
 
         Parameters
         ----------
         data : mjx.Data
-            State of one vehicle; many by ``jax.vmap``.
+            State of one vehicle; use ``jax.vmap`` for several.
         omegas, commands : array, shape (k,)
-            Speeds of the rotors, and those that they are to have [rad/s].
+            Actual and commanded rotor speeds [rad/s].
         wind : array, shape (3,)
-            Velocity of the air in the world's frame [m/s].
+            Wind velocity in the world frame [m/s].
         clamp : bool
             As for ``JaxForces.wrench``.
 
         Returns
         -------
         data : mjx.Data
-            With the body's row of ``xfrc_applied`` replaced.
+            State with the body's row of ``xfrc_applied`` replaced.
         omegas : array, shape (k,)
-            Speeds of the rotors after the step [rad/s].
+            Rotor speeds after the step [rad/s].
         code : array of int
             As for ``JaxWrench``.
         """

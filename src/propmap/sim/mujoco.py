@@ -1,9 +1,9 @@
-"""All loads of a vehicle's rotors, body and wing in MuJoCo, with ``propmap[mujoco]``.
+"""Aerodynamic forces of a vehicle in MuJoCo; needs ``propmap[mujoco]``.
 
-MuJoCo's callback of passive forces is what applies them: it is asked at each evaluation of the
-forces, four times a step by RK4, by ``mj_forward`` and in the viewer, and leaves ``xfrc_applied``
-to whoever pulls at the vehicle.  The rotors' speeds are activations of actuators, which MuJoCo
-integrates, keeps and resets as all of its state; forces are a function of that state.
+MuJoCo's callback for passive forces applies the forces.  MuJoCo calls it at every evaluation of the
+forces: four times per step with RK4, in ``mj_forward`` and in the viewer.  ``xfrc_applied`` remains
+free for other forces.  The rotor speeds are activations of actuators, which MuJoCo integrates,
+stores and resets with its other states.  The forces depend only on this state.
 """
 
 from __future__ import annotations
@@ -31,46 +31,46 @@ from propmap.vehicle.wakes import cross
 require("mujoco")
 import mujoco  # noqa: E402
 
-MASS = 0.2  # share by which the mass of model and vehicle may differ: a payload
-PLACE = 0.1  # and sites from hubs, as a share of the largest arm
+MASS = 0.2  # maximum relative difference of mass between model and vehicle, for a payload
+PLACE = 0.1  # maximum distance of a site from its hub, relative to the largest arm
 
 
 class MujocoRotors:
-    """The air's forces on a vehicle of a MuJoCo model, to be its callback of passive forces.
+    """Aerodynamic forces on a vehicle in MuJoCo, as a callback for passive forces.
 
-    ``mujoco.set_mjcb_passive(MujocoRotors(model, vehicle, table))`` lets the vehicle fly wherever
-    the model is stepped.  Each rotor is a site, whose z axis is along the thrust, and an actuator
-    of one name.  The actuator pushes nothing itself (``gainprm="0"``): its ``ctrl`` is the speed
-    that is asked for [rad/s] and, with ``dyntype`` "filter" or "filterexact", its activation is the
-    rotor's speed, which follows with the time constant ``dynprm`` [s]; without, they are one.
+    Register it with ``mujoco.set_mjcb_passive(MujocoRotors(model, vehicle, table))``.  Each rotor
+    is a site, with the z axis along the thrust, and an actuator with the same name.  The actuator
+    itself exerts no force (``gainprm="0"``).  Its ``ctrl`` is the commanded rotor speed [rad/s].
+    With ``dyntype`` "filter" or "filterexact", its activation is the actual rotor speed, which
+    follows with the time constant ``dynprm`` [s]; without ``dyntype`` there is no lag.
 
-    Forces act at the sites, in air that moves with ``model.opt.wind`` [m/s] and has the density of
-    the vehicle's file.  Where its ``rotor_inertia`` is known, rotors turn the vehicle also as they
-    change their speed, and as gyroscopes.
+    Forces act at the sites, in air with the velocity ``model.opt.wind`` [m/s] and the density of
+    the vehicle.  If the vehicle has a ``rotor_inertia``, rotors also exert reaction torques when
+    they change speed, and gyroscopic moments.
 
     Parameters
     ----------
     model : mujoco.MjModel
-        The vehicle is a body with a free joint, x forward, y left and z up.
+        Model in which the vehicle is a body with a free joint, x forward, y left and z up.
     vehicle : Vehicle
-        Its rotors, in the order of ``names``, with body, wing and wakes.
+        The vehicle, with rotors in the order of ``names``, body, wing and wakes.
     loads : Rotor or LoadTable
-        Gives its rotors' loads.
+        Source of the rotor loads.
     names : sequence of str
-        Of sites and actuators; by default "rotor_1", "rotor_2" and so on.
+        Names of sites and actuators; by default "rotor_1", "rotor_2" and so on.
     clamp : bool
-        Whether rotors beyond a table have the loads of the nearest point of it, with the status
-        "clamped", in place of an error.
+        Whether rotors outside a table use the loads of its nearest point, with the status
+        "clamped", instead of an error.
 
     Attributes
     ----------
     vehicle : Vehicle
-        With its rotors where the sites are, about the model's centre of mass.
+        The vehicle with its rotors at the sites, relative to the model's center of mass.
 
     Raises
     ------
     InputError
-        Where model and vehicle do not fit together, and, when called, where a rotor has no loads.
+        If model and vehicle do not agree; in the callback, if a rotor has no loads.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class MujocoRotors:
     ) -> None:
         if not isinstance(loads, Rotor | LoadTable):
             raise InputError(
-                f"loads is {type(loads).__name__}", "give a Rotor or a LoadTable of its rotors"
+                f"loads is {type(loads).__name__}", "give a Rotor or a LoadTable of the rotors"
             )
         if not isinstance(vehicle, Vehicle) or not isinstance(model, mujoco.MjModel):
             found = f"model and vehicle are {type(model).__name__} and {type(vehicle).__name__}"
@@ -117,7 +117,7 @@ class MujocoRotors:
         self._codes = np.zeros((2, len(rotors)), np.uint8)
 
     def __call__(self, model: Any, data: Any) -> None:
-        """Add the forces to ``data.qfrc_passive``, where ``model`` is the vehicle's or a copy."""
+        """Add the forces to ``data.qfrc_passive`` if ``model`` is the vehicle's model or a copy."""
         if model is not self.model and model.names != self.model.names:
             return
         omega, change = self._speeds.of(data)
@@ -132,25 +132,25 @@ class MujocoRotors:
 
     @property
     def status(self) -> tuple[str, ...]:
-        """Status of each rotor when the forces were last evaluated, as that of ``loads``."""
+        """Return the status of each rotor at the last evaluation of the forces."""
         return tuple(self._words[self._codes[0]].tolist())
 
     @property
     def worst_status(self) -> tuple[str, ...]:
-        """The worst status of each rotor so far."""
+        """Return the worst status of each rotor since the start."""
         return tuple(self._words[self._codes[1]].tolist())
 
     def wrench(self, data: Any) -> VehicleWrench:
-        """All that ``VehicleForces.wrench`` tells of the state of ``data``, in the vehicle's frame.
+        """Return ``VehicleForces.wrench`` at the state of ``data``, in the vehicle frame.
 
-        Without what spinning rotors do to a vehicle that turns.
+        Gyroscopic and reaction moments of the rotors are excluded.
         """
         velocity, rates, wind = self._flight(self.model, data)
         omega = np.maximum(self._speeds.of(data)[0], 0.0)
         return self._forces.wrench(omega, velocity, rates, wind)
 
     def _flight(self, model: Any, data: Any) -> tuple[Floats, Floats, Floats]:
-        """Return velocity of the centre of mass, rates and wind in the vehicle's frame, (3,)."""
+        """Return velocity of the center of mass, rates and wind in the vehicle frame, (3,) each."""
         turn, quaternion = np.empty(9), data.qpos[self._pose][3:].copy()
         mujoco.mju_normalize4(quaternion)
         mujoco.mju_quat2Mat(turn, quaternion)
@@ -160,37 +160,37 @@ class MujocoRotors:
         return velocity, rates, to_vehicle @ model.opt.wind
 
     def _hubs(self, model: Any, data: Any) -> Floats:
-        """Return velocities of the hubs through the air (k, 3) [m/s]."""
+        """Return the velocities of the hubs through the air (k, 3) [m/s]."""
         velocity, rates, wind = self._flight(model, data)
         return velocity - wind + cross(rates, self._rotors.position)
 
     def _refuse(self, k: int, omega: Floats, change: Floats, hub: Floats, time: float) -> None:
-        """Raise the error of rotor ``k``, whose ``hub`` moves so (3,), that has no loads."""
+        """Raise an error for rotor ``k`` without loads at the ``hub`` velocity (3,)."""
         along = float(hub @ self._rotors.axis[k])
         beta = np.arctan2(np.sqrt(max(float(hub @ hub) - along**2, 0.0)), along)
         if not np.isfinite(omega[k] + change[k]):
-            found = f"at {time:.4g} s the command or the speed of {self.names[k]} is no number"
-            raise InputError(found, "give numbers in data.ctrl and data.act")
-        tabulated = "build a table of this range, keep the flight in its own, or pass clamp=True"
+            found = f"at {time:.4g} s the command or the speed of {self.names[k]} is not finite"
+            raise InputError(found, "set finite numbers in data.ctrl and data.act")
+        tabulated = "build a larger table, keep the flight inside the table, or pass clamp=True"
         raise InputError(
             f"at {time:.4g} s {self.names[k]} has no loads ({self.status[k]}), at "
             f"{omega[k]:.4g} rad/s, {np.linalg.norm(hub):.3g} m/s and beta {beta / DEGREE:.0f} deg",
-            tabulated if self.status[k] in TABLE_STATUSES else "Rotor.explain says where",
+            tabulated if self.status[k] in TABLE_STATUSES else "see Rotor.explain for the cause",
         )
 
 
 class _ClampedTable(LoadTable):
-    """A table that gives the loads of its nearest point."""
+    """A table that clamps points outside to its nearest point."""
 
     def loads_at_velocity(
         self, omega: ArrayLike, velocity: ArrayLike, *, clamp: bool = True
     ) -> TableLoads:
-        """Interpolate the loads there."""
+        """Interpolate the loads, by default at the nearest point of the table."""
         return super().loads_at_velocity(omega, velocity, clamp=clamp)
 
 
 class _Speeds:
-    """Rotor speeds in the state of a model, by the actuators of such ``names``."""
+    """Reader of the rotor speeds in the state of a model, from the actuators with these names."""
 
     def __init__(self, model: Any, names: Sequence[str]) -> None:
         kinds = mujoco.mjtDyn
@@ -199,33 +199,34 @@ class _Speeds:
         for name, k in zip(names, found, strict=True):
             if model.actuator_gainprm[k].any() or model.actuator_biasprm[k].any():
                 raise InputError(
-                    f"the actuator {name!r} pushes the vehicle itself, beside the air",
-                    'give it gainprm="0" and no bias: its activation is a rotor speed',
+                    f"the actuator {name!r} itself exerts a force on the vehicle",
+                    'set gainprm="0" and no bias: the activation is a rotor speed',
                 )
             if int(model.actuator_dyntype[k]) not in {int(kinds.mjDYN_NONE), *lags}:
                 raise InputError(
-                    f"the actuator {name!r} has a dyntype of another kind",
-                    'give it dyntype="filter", whose dynprm is the lag [s], or none',
+                    f"the actuator {name!r} has an unsupported dyntype",
+                    'set dyntype="filter", with the lag [s] as dynprm, or "none"',
                 )
         limited, ends = model.actuator_ctrllimited[found] > 0, model.actuator_ctrlrange[found].T
         self._ctrl, (self._low, self._high) = found, np.where(limited, ends, [[0.0], [np.inf]])
         lagging = {int(model.actuator_dyntype[k]) in lags for k in found}
         if len(lagging) > 1:
-            raise InputError("some of the rotors' actuators have a lag, some none", "give all one")
+            fault = "some of the rotors' actuators have a lag, others have none"
+            raise InputError(fault, "give all of them a lag, or none")
         self._act = model.actuator_actadr[found] if lagging == {True} else None
         limited = model.actuator_actlimited[found] > 0
         self._rate = 1.0 / np.maximum(model.actuator_dynprm[found, 0], mujoco.mjMINVAL)
         if self._act is not None and limited.any():
             name = names[int(np.argmax(limited))]
             fault = f"the activation of the actuator {name!r} is limited"
-            raise InputError(fault, "limit its ctrl instead: the speed then stays in its range")
+            raise InputError(fault, "limit ctrl instead: the rotor speed then stays in this range")
         exact = model.actuator_dyntype[found] == int(kinds.mjDYN_FILTEREXACT)
         step = model.opt.timestep
         self._rate = np.where(exact, -np.expm1(-step * self._rate) / step, self._rate)
         self._steady = np.zeros(len(found))
 
     def of(self, data: Any) -> tuple[Floats, Floats]:
-        """Return the rotors' speeds (k,) [rad/s] and how fast they change [rad/s^2]."""
+        """Return the rotor speeds (k,) [rad/s] and their rates of change [rad/s^2]."""
         wanted = np.minimum(np.maximum(data.ctrl[self._ctrl], self._low), self._high)
         if self._act is None:
             return wanted, self._steady
@@ -234,38 +235,38 @@ class _Speeds:
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether a model is this vehicle.
+# Checks that a model agrees with the vehicle.
 
 
 def check_air(model: Any) -> None:
-    """Refuse a ``model`` whose own air would drag the vehicle a second time."""
+    """Refuse a ``model`` with air, which would apply body drag twice."""
     if model.opt.density or model.opt.viscosity:
         raise InputError(
-            "the model's option density or viscosity is not 0: MuJoCo drags the vehicle as well",
-            "leave them out: the air is that of the vehicle's file, and its body has drag there",
+            "the model's option density or viscosity is not 0: MuJoCo would apply drag as well",
+            "remove both options: the vehicle file sets the air density and the body drag",
         )
 
 
 def _check_options(model: Any) -> None:
-    """Refuse options of a ``model`` under which the vehicle would fly otherwise."""
+    """Refuse options of a ``model`` that would falsify the simulation."""
     check_air(model)
     off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
     if model.opt.disableflags & off == off:
-        raise InputError("passive forces are switched off in the model", "take out the flags")
+        raise InputError("passive forces are disabled in the model", "remove the disable flags")
     off = mujoco.mjtDisableBit.mjDSBL_ACTUATION | mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
     if model.opt.disableflags & off or model.opt.disableactuator:
         raise InputError(
-            "the model switches off actuators or their range, by which rotors turn",
-            "take out the flags actuation, clampctrl and actuatorgroupdisable",
+            "the model disables actuators or their range, which set the rotor speeds",
+            "remove the flags actuation, clampctrl and actuatorgroupdisable",
         )
 
 
 def _find(model: Any, kind: Any, word: str, name: str) -> int:
-    """Return the index of what has a ``name`` in the model."""
+    """Return the index of the object with a ``name`` in the model."""
     found = int(mujoco.mj_name2id(model, kind, name))
     if found < 0:
         fault = f"the model has no {word} {name!r}"
-        raise InputError(fault, "each rotor is a site and an actuator of one name")
+        raise InputError(fault, "each rotor needs a site and an actuator with the same name")
     return found
 
 
@@ -277,24 +278,24 @@ def _sites(model: Any, names: Sequence[str], vehicle: Vehicle, *, given: bool) -
             raise InputError(f"two rotors are named {name!r}", "give each its own name")
     if len(names) != rotors:
         fault = f"{len(names)} names are given, the vehicle has {rotors} rotors"
-        raise InputError(fault, "give one for each, in the order of the vehicle's file")
+        raise InputError(fault, "give one for each, in the order of the vehicle file")
     if not given:
         every = [model.site(k).name for k in range(model.nsite)]
         more = [name for name in every if re.fullmatch(r"rotor_\d+", name) and name not in names]
         if more:
-            fault = f"the site {more[0]!r} is that of no rotor: the vehicle has {rotors}"
-            raise InputError(fault, "take the site out, or add [[rotors]] to the vehicle's file")
+            fault = f"the site {more[0]!r} belongs to no rotor: the vehicle has {rotors}"
+            raise InputError(fault, "remove the site, or add [[rotors]] to the vehicle file")
     return [_find(model, mujoco.mjtObj.mjOBJ_SITE, "site", name) for name in names]
 
 
 def _free_body(model: Any, sites: list[int]) -> tuple[int, slice, slice]:
-    """Return the body that the ``sites`` are fixed to, and where its pose and motion are."""
+    """Return the body with the ``sites``, and the slices of its pose and motion in the state."""
     bodies = model.body_weldid[model.site_bodyid[sites]]
     body = int(bodies[0])
     if (bodies != body).any():
         raise InputError(
-            "the rotors' sites are on bodies that move against each other",
-            "put all on one body: rotors that tilt in flight are not modelled",
+            "the rotors' sites are on bodies that move relative to each other",
+            "put all sites on one body: rotors that tilt in flight are not modeled",
         )
     joint = int(model.body_jntadr[body])
     # A body with a free joint has no other.
@@ -308,13 +309,13 @@ def _free_body(model: Any, sites: list[int]) -> tuple[int, slice, slice]:
 def _mounts(
     model: Any, body: int, sites: list[int], vehicle: Vehicle, names: Sequence[str]
 ) -> tuple[tuple[Mount, ...], Floats]:
-    """Return the rotors at their ``sites``, and the centre of mass (3,) in the frame of the body.
+    """Return the rotors at their ``sites``, and the center of mass (3,) in the body frame.
 
-    Raises ``InputError`` where these or the mass are not those of the ``vehicle``.
+    Raises ``InputError`` if these or the mass disagree with the ``vehicle``.
     """
     mass = float(model.body_subtreemass[body])
     if abs(mass - vehicle.mass) > MASS * vehicle.mass:
-        fault = f"the model has {mass:.4g} kg there, the vehicle's file {vehicle.mass:.4g} kg"
+        fault = f"the body of the rotors has {mass:.4g} kg, the vehicle file {vehicle.mass:.4g} kg"
         grams = 300.0 < mass / vehicle.mass < 3000.0
         raise InputError(fault, "MJCF is in kg, not g" if grams else "give both the same mass")
     data = mujoco.MjData(model)
@@ -330,13 +331,13 @@ def _mounts(
         if np.linalg.norm(place - mount.position) > PLACE * max(arm, vehicle.propeller.radius):
             remedy = "give names in the vehicle's order, and a body with x forward, y left, z up"
             raise InputError(
-                f"the site {name!r} is at {_text(place)} m from the centre of mass, the vehicle's "
+                f"the site {name!r} is at {_text(place)} m from the center of mass, the vehicle's "
                 f"rotor at {_text(mount.position)} m",
                 "MJCF is in m, not mm" if np.linalg.norm(place) > 100.0 * arm else remedy,
             )
         if axis @ mount.axis < 1.0 - 0.5 * PLACE**2:
             fault = f"the site {name!r} points along {_text(axis)}, the rotor {_text(mount.axis)}"
-            raise InputError(fault, "turn the site: its z axis is along the thrust")
+            raise InputError(fault, "rotate the site so that its z axis is along the thrust")
         placed.append(replace(mount, position=tuple(place.tolist()), axis=tuple(axis.tolist())))
     return tuple(placed), centre
 
