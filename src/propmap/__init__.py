@@ -1,7 +1,7 @@
-"""propmap: a propeller's six loads, from hover to fast oblique flight.
+"""propmap: the six loads of a propeller, from hover to fast oblique flight.
 
-Importing the package loads NumPy alone; each public name loads its own module when it is first
-asked for, and the first rotor the compiled core.
+Importing the package loads only NumPy.  Each public name loads its module on first use, and the
+first rotor loads the compiled core.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-import numpy  # noqa: F401 - all that follows needs it, and no first call is to wait for it
+import numpy  # noqa: F401 - every module needs it, and its import must not slow the first call
 
 if TYPE_CHECKING:
     from propmap.catalogue.lookup import airfoil as airfoil

@@ -1,4 +1,4 @@
-"""``python -m propmap``."""
+"""Entry point of ``python -m propmap``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Workers of a Dask cluster, from ``--cluster local:4`` or an address, all of the same versions."""
+"""Workers of a Dask cluster, on this computer or at an address, all with the same versions."""
 
 from __future__ import annotations
 
@@ -25,31 +25,31 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 
-ANSWER_WITHIN = 5.0  # time that a scheduler has to answer [s]
-START_WITHIN = 60.0  # time that a worker of this machine has to start [s]
+ANSWER_WITHIN = 5.0  # timeout for the answer of a scheduler [s]
+START_WITHIN = 60.0  # timeout for the start of a worker on this computer [s]
 
 MOST_LOCAL = 1024
 
-FAILURES = 10  # workers of this machine that one task may lose before it is given up
+FAILURES = 10  # number of workers on this computer that one task may lose before it fails
 
-REMEDY = "write local, local:4 for four workers on this machine, or tcp://host:8786"
+REMEDY = "write local, local:4 for four workers on this computer, or tcp://host:8786"
 
 
 @contextmanager
 def connected(address: str) -> Iterator[DaskWorkers]:
-    """The workers at an address, for the time of a ``with`` block.
+    """Yield the workers at an address for the duration of a ``with`` block.
 
     Parameters
     ----------
     address : str
-        "local" for a worker per core of this machine, "local:4" for four, each with one thread; or
-        that of a scheduler, "tcp://host:port" or "tls://host:port".
+        "local" for one single-threaded worker per core of this computer, "local:4" for four; or
+        the address of a scheduler, "tcp://host:port" or "tls://host:port".
 
     Raises
     ------
     InputError
-        For another text, where no scheduler answers or it has no workers, and where versions
-        differ.
+        For another text, a scheduler that does not answer or has no workers, and different
+        versions.
     """
     local = re.fullmatch(r"local(?::(.*))?", address)
     remote = re.fullmatch(r"(?:tcp|tls)://[^\s/:]+:(\d+)", address)
@@ -58,14 +58,14 @@ def connected(address: str) -> Iterator[DaskWorkers]:
     elif local is not None:
         started = _local(_number(address, local[1]))
     else:
-        raise InputError(f"--cluster {quoted(address)} is no address", REMEDY)
+        raise InputError(f"--cluster {quoted(address)} is not an address", REMEDY)
     require("cluster")
     with started as workers:
         yield workers
 
 
 def _number(address: str, text: str | None) -> int:
-    """Number of workers that ``local:text`` asks for."""
+    """Return the number of workers of ``local:text``."""
     if text is None:
         return os.cpu_count() or 1
     if not text.isdecimal() or not 1 <= int(text) <= MOST_LOCAL:
@@ -81,10 +81,10 @@ def _local(count: int) -> Iterator[DaskWorkers]:
 
     settings: Any = {
         "distributed.scheduler.allowed-failures": FAILURES,
-        # What the scheduler remembers of tasks that are done, else a hundred thousand entries.
+        # The scheduler logs finished tasks, by default up to a hundred thousand entries.
         "distributed.admin.low-level-log-length": 1000,
         "distributed.admin.log-length": 1000,
-        # A worker that died while it was starting is replaced after this.
+        # The cluster replaces a worker that died during its start after this time.
         "distributed.deploy.lost-worker-timeout": "5 s",
     }
     with (
@@ -112,32 +112,34 @@ def _remote(address: str) -> Iterator[DaskWorkers]:
 
     try:
         with warnings.catch_warnings():
-            # What has to be the same, ``DaskWorkers`` checks.
+            # ``DaskWorkers`` checks the versions that must agree.
             warnings.simplefilter("ignore", VersionMismatchWarning)
             client = Client(address, timeout=ANSWER_WITHIN)
     except (OSError, TimeoutError):
         found = f"no scheduler answers within {ANSWER_WITHIN:g} s"
-        remedy = "start one (dask scheduler), or see that its port can be reached from here"
+        remedy = "start one (dask scheduler), or check that its port can be reached from here"
         raise InputError(found, remedy, address) from None
     with client:
         yield DaskWorkers(client)
 
 
 # -------------------------------------------------------------------------------------------------
-# The workers of a Dask cluster: tasks sent as they are needed, results taken as they come.
+# The workers of a Dask cluster: tasks are sent on demand, results arrive in any order.
 
-AHEAD = 3  # tasks under way per thread of the workers, so that none waits for the client
-RECOUNT = 2.0  # after so long the workers are counted again [s]: some may have joined or left
-ALONE = 60.0  # time that a run waits for a worker where none is left [s]
-KEPT = 4  # things shared by tasks, such as rotors, that a worker keeps at a time
+AHEAD = 3  # queued tasks per thread of the workers, so that no thread waits for the client
+RECOUNT = 2.0  # interval at which the workers are counted, since workers join and leave [s]
+ALONE = 60.0  # time that a run without workers waits for a new worker [s]
+KEPT = 4  # number of shared arguments of tasks, such as rotors, that a worker caches
 
-GONE = InputError("the scheduler went away", "start it, and run the command again to go on")
+GONE = InputError(
+    "the connection to the scheduler is lost", "start it and run the command again to resume"
+)
 
 
 class DaskWorkers:
-    """Does tasks on the workers of a Dask cluster; a ``propmap.tasks.Workers``.
+    """A ``propmap.tasks.Workers`` that runs tasks on the workers of a Dask cluster.
 
-    Each task takes one core of a worker.  A task whose worker dies is done by another.
+    Each task takes one core of a worker.  If a worker dies, another worker repeats its task.
 
     Parameters
     ----------
@@ -147,7 +149,7 @@ class DaskWorkers:
     Raises
     ------
     InputError
-        Where there is no worker, and where versions differ between client, scheduler and workers.
+        Without workers, and for different versions of client, scheduler and workers.
     """
 
     def __init__(self, client: Client) -> None:
@@ -157,7 +159,7 @@ class DaskWorkers:
 
     @property
     def count(self) -> int:
-        """Threads of all workers; 0 where the scheduler does not answer."""
+        """Number of threads of all workers; 0 if the scheduler does not answer."""
         try:
             return sum(self.client.nthreads().values())
         except OSError:
@@ -166,12 +168,12 @@ class DaskWorkers:
     def results(
         self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
-        """``work`` of ``common`` and each of the ``tasks``, as ``Workers.results``.
+        """Yield the results of ``work`` on ``common`` and the ``tasks``, as ``Workers.results``.
 
         Raises
         ------
         InputError
-            Where a task has brought down worker after worker, and where the scheduler is lost.
+            For a task whose workers died repeatedly, and for a lost scheduler.
         """
         import cloudpickle
 
@@ -198,7 +200,7 @@ class DaskWorkers:
                 future.release()
                 if time.monotonic() - counted > RECOUNT:
                     most, counted = AHEAD * self.count, time.monotonic()
-                # One at least: where no worker is left, one may come.
+                # At least one task is sent: without workers, a new one may join.
                 send(max(most - len(under_way), int(not under_way)))
                 yield place, result
         finally:
@@ -206,7 +208,7 @@ class DaskWorkers:
                 self.client.cancel(list(under_way))
 
     def _next(self, done: Queue[Future]) -> Future:
-        """Wait for the next task that is done; ``InputError`` where there is nobody to do any."""
+        """Wait for the next finished task; raise ``InputError`` if no workers are left."""
         alone_since = None
         while True:
             try:
@@ -218,13 +220,13 @@ class DaskWorkers:
             now = time.monotonic()
             alone_since = None if self.count else (alone_since or now)
             if alone_since is not None and now - alone_since > ALONE:
-                found = f"all workers left, and none came for {ALONE:g} s"
-                remedy = "start some and run the command again to go on"
+                found = f"all workers left, and none joined for {ALONE:g} s"
+                remedy = "start workers, and run the command again to resume"
                 raise InputError(found, remedy, str(self.client.scheduler.address))
 
 
 def _run(work: Callable[[Any, Any], Any], common: bytes, task: Any) -> Any:
-    """Do ``work(common, task)`` at a worker, on one core; what tasks share is kept there."""
+    """Run ``work(common, task)`` on one core of a worker, which caches ``common``."""
     with on_cores(1):
         return work(_shared(common), task)
 
@@ -244,39 +246,39 @@ def _result(future: Future) -> Any:
         raise InputError(
             f"task {future.key} ran on {error.allowed_failures + 1} workers that died, the last "
             f"was {error.last_worker.address}",
-            "see the workers' logs, memory above all, and run the command again to go on",
+            "check the logs and the memory of the workers, and run the command again to resume",
         ) from None
     except (FutureCancelledError, OSError) as error:
         if isinstance(error, OSError) and error.errno is not None:
-            raise  # of the task itself, such as a full disk
+            raise  # an error of the task itself, such as a full disk
         raise GONE from None
 
 
 def dask_setup(worker: object) -> None:
-    """Let a ``worker``, which preloads this, ignore Ctrl-C: the client hears it and ends them."""
+    """Make a ``worker`` that preloads this module ignore Ctrl-C: the client ends its workers."""
     del worker
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether client, scheduler and workers have the same versions.
+# Check that client, scheduler and workers have the same versions.
 
-SAME = ("propmap", "numpy", "python", "distributed")  # of one version everywhere
+SAME = ("propmap", "numpy", "python", "distributed")  # packages whose versions must agree
 
 
 def check_versions(client: Client) -> None:
-    """Raise ``InputError`` for no workers and for versions unlike the ``client``'s."""
+    """Raise ``InputError`` without workers and for versions that differ from the ``client``."""
     found: Any = client.get_versions(packages=list(SAME))
     if not found["workers"]:
         fault = "the scheduler has no workers"
-        remedy = f"start some: dask worker {client.scheduler.address}"
+        remedy = f"start workers: dask worker {client.scheduler.address}"
         raise InputError(fault, remedy, str(client.scheduler.address))
     for message in differences(found):
         raise InputError(*message)
 
 
 def differences(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield what in ``found`` differs from the client's versions, and its remedy."""
+    """Yield each difference of versions in ``found`` from the client, and its remedy."""
     own = _versions(found["client"])
     others = {"the scheduler": found["scheduler"]}
     others |= {f"worker {address}": one for address, one in found["workers"].items()}
@@ -288,14 +290,14 @@ def differences(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
                 yield f"{who} does not have {package}", remedy
             elif theirs[package] != own[package]:
                 yield (
-                    f"{who} has {package} {theirs[package]}, the client {own[package]}",
+                    f"{who} has {package} {theirs[package]}, the client has {own[package]}",
                     "install the same version on both",
                 )
 
 
 def _versions(found: Any) -> dict[str, str | None]:
     if not isinstance(found, Mapping):
-        return {}  # of a worker that did not answer
-    # "3.12.3.final.0": what is sent depends on the first two numbers.
+        return {}  # the worker did not answer
+    # "3.12.3.final.0": the format of pickled tasks depends on the first two numbers.
     python = ".".join(str(found["host"]["python"]).split(".")[:2])
     return {**found["packages"], "python": python}

@@ -1,4 +1,4 @@
-"""What propmap raises when an input cannot be used, and what it warns of."""
+"""Exceptions for unusable inputs and missing extras, and helpers for their messages."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ from importlib.util import find_spec
 
 
 class InputError(ValueError):
-    """An input that cannot be used, described in one printable line.
+    """Error for an input that cannot be used, with a message of one printable line.
 
     Attributes
     ----------
     found : str
-        What was found and what was expected.
+        The wrong value and the expected value.
     remedy : str
-        What to do about it.
+        The action that corrects the input.
     where : str
-        The file, line or field; put in front of the message.
+        The file, line or field; the message begins with it.
     """
 
     def __init__(self, found: str, remedy: str = "", where: str = "") -> None:
         self.found, self.remedy, self.where = found, remedy, where
         message = f"{where}: {found}" if where else found
-        # Without line breaks and control characters, which file names may contain.
+        # File names may contain line breaks and control characters, which are removed.
         words = " ".join((f"{message}; {remedy}" if remedy else message).split())
         super().__init__("".join(c if c.isprintable() else "?" for c in words))
 
 
 class MissingExtraError(InputError, ImportError):
-    """An extra that is not installed, with the command that installs it."""
+    """Error for an extra that is not installed, with the command that installs it."""
 
 
 EXTRAS = {
@@ -42,11 +42,11 @@ EXTRAS = {
     "netcdf": "h5netcdf xarray",
     "parquet": "pandas pyarrow",
 }
-"""Packages that are imported, by the extra of ``pyproject.toml`` that brings them."""
+"""Imported packages, by the extra of ``pyproject.toml`` that installs them."""
 
 
 def require(extra: str) -> None:
-    """Raise ``MissingExtraError`` where a package of an ``extra`` is not installed."""
+    """Raise ``MissingExtraError`` if a package of an ``extra`` is not installed."""
     missing = [name for name in EXTRAS[extra].split() if find_spec(name) is None]
     if missing:
         found = f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} not installed"
@@ -55,7 +55,7 @@ def require(extra: str) -> None:
 
 @contextmanager
 def located(where: str) -> Iterator[None]:
-    """Put ``where`` in front of the place that an ``InputError`` of the block names, if any."""
+    """Put ``where`` in front of the place of an ``InputError`` that the block raises."""
     try:
         yield
     except InputError as error:
@@ -64,6 +64,6 @@ def located(where: str) -> Iterator[None]:
 
 
 def quoted(value: object, limit: int = 40) -> str:
-    """``value`` in quotes, cut to ``limit`` characters, for use in a message."""
+    """Return ``value`` in quotes, cut to ``limit`` characters, for a message."""
     text = str(value)
     return repr(text if len(text) <= limit else text[: limit - 3] + "...")

@@ -1,4 +1,4 @@
-"""Operating points as users give them: checked, broadcast, and resolved along the axis."""
+"""Operating points of users: checks, broadcasting, and velocities along and across the axis."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from numpy.typing import ArrayLike
 from propmap.errors import InputError, quoted
 from propmap.typing import Floats
 
-SPIN_REMEDY = "give the spin by its direction, not by a sign [rad/s]"
-"""What to do instead of a negative omega."""
+SPIN_REMEDY = "give a value of 0 or more [rad/s]; the spin, ccw or cw, sets the direction"
+"""Remedy for a negative omega."""
 
 FAR = np.array(np.inf)  # height of a rotor far from the ground [m]
 
 
 class Further(TypedDict, total=False):
-    """Further quantities of an operating point, None where not given."""
+    """Optional quantities of an operating point; None if not given."""
 
     height: ArrayLike | None  # of the disk above level ground [m]
 
 
 class FlowPoints(NamedTuple):
-    """Operating points as the compiled core takes them: arrays of one shape, or ``FAR``."""
+    """Operating points for the compiled core: arrays of one shape, or ``FAR``."""
 
     omega: Floats  # rotational speed [rad/s], >= 0
     v_axial: Floats  # V cos(beta) [m/s], positive in climb
@@ -41,7 +41,7 @@ class FlowPoints(NamedTuple):
 
 
 def arrays_of(**named: ArrayLike) -> list[Floats]:
-    """Convert arguments to arrays of one shape; ``InputError`` names a fault."""
+    """Convert arguments to arrays of one shape; raise ``InputError`` for a bad argument."""
     arrays = []
     for name, value in named.items():
         try:
@@ -55,28 +55,28 @@ def arrays_of(**named: ArrayLike) -> list[Floats]:
         return list(np.broadcast_arrays(*arrays))
     except ValueError:
         shapes = ", ".join(f"{n} {np.shape(a)}" for n, a in zip(named, arrays, strict=True))
-        raise InputError(f"shapes do not fit together: {shapes}; they must broadcast") from None
+        raise InputError(f"shapes cannot be broadcast together: {shapes}") from None
 
 
 def broadcast(**named: ArrayLike) -> list[Floats]:
-    """Copy arguments to arrays of one shape, all finite; ``InputError`` names a fault."""
+    """Copy arguments to finite arrays of one shape; raise ``InputError`` for a bad argument."""
     arrays = [np.array(values) for values in arrays_of(**named)]
     for name, values in zip(named, arrays, strict=True):
         if not np.isfinite(values).all():
-            raise InputError(f"{name} holds a value that is not finite: remove NaN and infinity")
+            raise InputError(f"{name} contains a value that is not finite: remove NaN and infinity")
     return arrays
 
 
 def components(velocity: ArrayLike) -> dict[str, Floats]:
-    """Take x, y and z of a ``velocity`` (..., 3) by name; ``InputError`` for another shape."""
+    """Return x, y and z of a ``velocity`` (..., 3); raise ``InputError`` for another shape."""
     (vector,) = arrays_of(velocity=velocity)
     if vector.ndim == 0 or vector.shape[-1] != 3:
-        raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
+        raise InputError(f"velocity has shape {vector.shape}: its last axis must be x, y, z")
     return {f"v{axis}": vector[..., k] for k, axis in enumerate("xyz")}
 
 
 def rates_of(name: str, values: ArrayLike) -> Floats:
-    """Check rotational speeds ``values`` [rad/s] of an argument ``name``, none of them negative."""
+    """Return checked rotational speeds [rad/s] of an argument ``name``; none may be negative."""
     (w,) = broadcast(**{name: values})
     _refuse_negative(name, w, SPIN_REMEDY)
     return w
@@ -90,16 +90,16 @@ def resolved(
     one: bool = False,
     **further: Unpack[Further],
 ) -> FlowPoints:
-    """Resolve V along and across the axis, exactly at multiples of pi/2; ``one`` refuses arrays."""
+    """Resolve V along and across the axis, exact at multiples of pi/2; ``one`` excludes arrays."""
     more = _given(further)
     alone = None if more else _resolved_alone(omega, speed, beta)
     if alone is not None:
         return alone
     w, v, b, *rest = broadcast(omega=omega, speed=speed, beta=beta, **more)
     if one and w.ndim:
-        raise InputError("this takes one operating point: give scalars")
+        raise InputError("only one operating point is allowed: give scalars")
     _refuse_negative("omega", w, SPIN_REMEDY)
-    _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
+    _refuse_negative("speed", v, "give a value of 0 or more [m/s], and beta = pi for descent")
     cosine, sine = np.cos(b), np.abs(np.sin(b))
     rounding = 4e-16 * np.maximum(1.0, np.abs(b))
     cosine = np.where(np.abs(cosine) < rounding, 0.0, cosine)
@@ -108,14 +108,14 @@ def resolved(
 
 
 def _resolved_alone(omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> FlowPoints | None:
-    """Do as ``resolved`` with three good numbers, in a tenth of the time; else None."""
+    """Return the result of ``resolved`` for three valid numbers ten times faster, or None."""
     w, v, b = omega, speed, beta
     number = float | int
     if not (isinstance(w, number) and isinstance(v, number) and isinstance(b, number)):
         return None
     if not (math.isfinite(w) and math.isfinite(v) and math.isfinite(b) and w >= 0.0 and v >= 0.0):
         return None
-    # NumPy's functions, for the bits that an array of points has.
+    # NumPy's functions return the same bits as for an array of points.
     cosine, sine = float(np.cos(float(b))), abs(float(np.sin(float(b))))
     rounding = 4e-16 * max(1.0, abs(b))
     along = 0.0 if abs(cosine) < rounding else v * cosine
@@ -126,18 +126,18 @@ def _resolved_alone(omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Flow
 def along_and_across(
     omega: ArrayLike, v_axial: ArrayLike, v_inplane: ArrayLike, **further: Unpack[Further]
 ) -> FlowPoints:
-    """Check operating points by the velocity along the axis and in the disk plane."""
+    """Return checked operating points from velocities along the axis and in the disk plane."""
     more = _given(further)
     w, along, across, *rest = broadcast(omega=omega, v_axial=v_axial, v_inplane=v_inplane, **more)
     _refuse_negative("omega", w, SPIN_REMEDY)
-    _refuse_negative("v_inplane", across, "give its size; either direction has the same loads")
+    _refuse_negative("v_inplane", across, "give its magnitude; the loads do not depend on the sign")
     return FlowPoints(w, along, across, **dict(zip(more, rest, strict=True)))
 
 
 def split_velocity(
     omega: ArrayLike, velocity: ArrayLike, **further: Unpack[Further]
 ) -> tuple[FlowPoints, Floats]:
-    """Resolve a velocity to operating points and the unit vector (..., 3) of its in-plane part."""
+    """Return operating points of a velocity, and the unit vector (..., 3) of its in-plane part."""
     more = _given(further)
     alone = None if more else _split_alone(omega, velocity)
     if alone is not None:
@@ -151,7 +151,7 @@ def split_velocity(
 
 
 def _split_alone(omega: ArrayLike, velocity: ArrayLike) -> tuple[FlowPoints, Floats] | None:
-    """Do as ``split_velocity`` with a good number and three, in a tenth of the time; else None."""
+    """Return the result of ``split_velocity`` for valid scalars ten times faster, or None."""
     vector = velocity.tolist() if isinstance(velocity, np.ndarray) else velocity
     if not (isinstance(omega, float | int) and isinstance(vector, list | tuple)):
         return None

@@ -1,4 +1,4 @@
-"""Work that is cut into independent tasks, and who does it: this process, others, or a cluster."""
+"""Independent tasks, and the workers that run them: this process, threads or other processes."""
 
 from __future__ import annotations
 
@@ -19,48 +19,48 @@ Result = TypeVar("Result")
 
 
 class Workers(Protocol):
-    """Whoever does tasks."""
+    """Interface of all objects that run independent tasks."""
 
     @property
     def count(self) -> int:
-        """How many tasks they do at a time."""
+        """Number of tasks that run at the same time."""
         ...
 
     def results(
         self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
-        """The place of each task in ``tasks`` and its result, in the order in which they are done.
+        """Yield the index of each task in ``tasks`` and its result, in the order of completion.
 
-        Tasks are taken from ``tasks`` as they are begun, and results are not kept: any number of
-        them fits in memory.
+        Tasks are taken from ``tasks`` when they start, and results are not kept, so that any number
+        of tasks fits in memory.
 
         Parameters
         ----------
         work : callable
-            A function of a module, called as ``work(common, task)``.
+            Function of a module, called as ``work(common, task)``.
         common : object
-            What all tasks share.
+            Argument shared by all tasks.
         tasks : iterable
-            What differs.
+            Second argument of each task.
         """
         ...
 
 
 class InTurn:
-    """One task after the other in this process, each on all cores."""
+    """Workers that run one task after the other in this process, each on all cores."""
 
     count = 1
 
     def results(
         self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
-        """Do tasks as ``Workers.results``."""
+        """Yield results as in ``Workers.results``."""
         for place, task in enumerate(tasks):
             yield place, work(common, task)
 
 
 class InThreads:
-    """Does ``count`` tasks at a time in threads, for work that does not use all cores by itself."""
+    """Workers that run ``count`` tasks at a time in threads, for work that leaves cores idle."""
 
     def __init__(self, count: int) -> None:
         self.count = count
@@ -68,8 +68,8 @@ class InThreads:
     def results(
         self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
-        """Do tasks as ``Workers.results``, but of a short list: all are taken at once."""
-        # Imported here, as every rotor imports this module and few use threads of Python.
+        """Yield results as in ``Workers.results``; takes all tasks at once, so keep them few."""
+        # Imported here because every rotor imports this module, but few use Python threads.
         from concurrent.futures import ThreadPoolExecutor
 
         with ThreadPoolExecutor(self.count) as pool:
@@ -77,15 +77,15 @@ class InThreads:
 
 
 class InProcesses:
-    """Does ``count`` tasks at a time in processes of one core, which end with its ``with``, for
-    work of which Python does much."""
+    """Workers that run ``count`` tasks at a time in single-core processes, for work with much
+    Python code; the processes end with the ``with`` block."""
 
     def __init__(self, count: int) -> None:
         from concurrent.futures import ProcessPoolExecutor
         from multiprocessing import get_context
 
         self.count = count
-        # A fork would take along locks that threads hold; Ctrl-C is for this process to hear.
+        # A fork would copy locks that threads hold; only this process handles Ctrl-C.
         quiet = (signal.SIGINT, signal.SIG_IGN)
         self._pool = ProcessPoolExecutor(count, get_context("spawn"), signal.signal, quiet)
 
@@ -98,7 +98,7 @@ class InProcesses:
     def results(
         self, work: Callable[[Common, Task], Result], common: Common, tasks: Iterable[Task]
     ) -> Iterator[tuple[int, Result]]:
-        """Do tasks as ``InThreads.results``."""
+        """Yield results as in ``InThreads.results``."""
         submit = self._pool.submit
         yield from _as_completed(submit(_on_one_core, work, common, task) for task in tasks)
 
@@ -117,7 +117,7 @@ def _on_one_core(work: Callable[[Common, Task], Result], common: Common, task: T
 
 
 def in_order(results: Iterable[tuple[int, Result]]) -> list[Result]:
-    """Sort ``results``, as of ``Workers.results``, into the order of their tasks."""
+    """Return the ``results`` of ``Workers.results`` in the order of their tasks."""
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 
 
@@ -127,7 +127,7 @@ _most_cores: ContextVar[int | None] = ContextVar("most_cores", default=None)
 
 @contextmanager
 def on_cores(most: int) -> Iterator[None]:
-    """Use ``most`` cores at most in this thread; loads do not depend on it."""
+    """Use at most ``most`` cores in this thread; the loads do not depend on this number."""
     token = _most_cores.set(most)
     try:
         yield
@@ -136,5 +136,5 @@ def on_cores(most: int) -> Iterator[None]:
 
 
 def cores() -> int:
-    """Number of processor cores that evaluations may use."""
+    """Return the number of processor cores that evaluations may use."""
     return min(_OWN_CORES, _most_cores.get() or sys.maxsize)

@@ -1,4 +1,4 @@
-"""Array and core types for annotations, and a base class of dataclasses that hold arrays."""
+"""Array and core types for annotations, and a base class of dataclasses with array fields."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# Classes of ``propmap.core``, which has no annotations.
+# Classes of the compiled ``propmap.core``, which has no type annotations.
 CoreRotor: TypeAlias = Any
 CoreTable: TypeAlias = Any
 
 
 class ByValue:
-    """Equality and hash of a dataclass by the values of its fields, arrays included."""
+    """Base class with equality and hash by the values of all fields, arrays included."""
 
     def _key(self) -> tuple[Any, ...]:
         made: Any = self

@@ -69,7 +69,7 @@ def test_a_table_that_unpacks_to_gigabytes(
     run: Run, table: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("propmap.table.files.MOST_UNPACKED", 10_000)
-    refused(run("show", table), "map.npz: it unpacks to", "more than a table has")
+    refused(run("show", table), "map.npz: the file unpacks to", "more than any table")
 
 
 @pytest.mark.parametrize("shape", [(10**9,), (10**15,)])
@@ -79,7 +79,7 @@ def test_a_table_whose_header_says_to_be_huge(run: Run, table: Path, shape: tupl
     np.lib.format.write_array_header_1_0(header, about)
     with zipfile.ZipFile(table, "w") as file:
         file.writestr("info.npy", header.getvalue() + bytes(80))
-    refused(run("show", table), "map.npz: this is no table, or a damaged one")
+    refused(run("show", table), "map.npz: the file is not a table, or it is damaged")
 
 
 # -------------------------------------------------------------------------------------------------
@@ -175,6 +175,6 @@ def test_of_runs_beside_each_other_one_writes(run: Run, monkeypatch: pytest.Monk
 
     monkeypatch.setattr(sweep, "_compute", meanwhile)
     points = ["--rpm", "2000,3000", "--speed", "0", "--beta", "0", "-o", "s.nc"]
-    refused(run("sweep", *ROTOR, *points), "s.nc: another run has written it meanwhile")
+    refused(run("sweep", *ROTOR, *points), "s.nc: another run has written this file")
     assert Path("s.nc").read_bytes() == b"of another run"
     assert [path.name for path in Path().iterdir()] == ["s.nc"]

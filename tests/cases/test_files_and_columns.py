@@ -61,7 +61,7 @@ STANDS = {
         stand_csv("RPM1 - RPM,Thrust - N,Torque - N*m", 0, 1, 2).replace(
             "\n", "\n0,5,0.1\n,5,\n", 1
         ),
-        "2 of 10 rows have no rpm: left out",
+        "2 of 10 rows have no rpm: omitted",
     ),
     "units beneath": (
         stand_csv("Drehzahl,Thrust,Q_avg\n1/min,N,N m", 0, 1, 2),
@@ -129,7 +129,7 @@ def test_voltage_times_current_is_no_power_of_the_shaft(run: Run) -> None:
     Path("maker.csv").write_text(text)
     done = run("fit", "static", "maker.csv", *PROP, *FREE, "-o", "fit.toml")
     assert done.code == 0
-    assert "power is voltage times current, electrical and not of the shaft" in done.err
+    assert "power equals voltage times current: it is electrical and not used" in done.err
     assert list(fit_record(Path("fit.toml"))["residuals"]) == ["thrust"]
 
 
@@ -143,7 +143,7 @@ def test_speeds_that_a_stand_did_not_measure_are_named(run: Run, tmp_path: Path)
     (tmp_path / "log.csv").write_text(f"{head}\n6.4,0.0007,0,0\n7.8,0.0008,0,\n")
     done = run("fit", "static", "log.csv", "--prop", "apc-8x6e", "-o", "fit.toml")
     assert done.code == 2 and "'Motor Electrical Speed (RPM)'" in done.err
-    assert "no value in any row, or 0 in all; measure the rotational speed" in done.err
+    assert "all rows are empty or 0; measure the rotational speed" in done.err
 
 
 def test_points_at_rest_need_rpm_alone(run: Run) -> None:
@@ -151,7 +151,7 @@ def test_points_at_rest_need_rpm_alone(run: Run) -> None:
     done = run("predict", "apc-8x6e", "--points", "points.csv", "--format", "csv")
     assert done.code == 0 and done.out.count("\n") == 3
     assert "'Rotation speed (rpm)' is the rotational speed" in done.err
-    assert "all rows are taken to be at rest" in done.err
+    assert "all rows are assumed to be at V = 0" in done.err
 
 
 @pytest.mark.usefixtures("brief")
@@ -182,9 +182,9 @@ def test_a_fit_that_leaves_most_is_refused_with_the_cause(run: Run) -> None:
 # Geometry.
 
 GEOMETRIES = {
-    "blade_geom.txt": (samples.UIUC, "2 blades, as nearly all"),
-    "commented.txt": ("# blade of the UIUC database\n" + samples.UIUC, "2 blades, as nearly all"),
-    "commas_geom.csv": (samples.UIUC.replace(" ", ","), "2 blades, as nearly all"),
+    "blade_geom.txt": (samples.UIUC, "2 blades assumed"),
+    "commented.txt": ("# blade of the UIUC database\n" + samples.UIUC, "2 blades assumed"),
+    "commas_geom.csv": (samples.UIUC.replace(" ", ","), "2 blades assumed"),
     "blade.prop": (samples.QPROP, "a QPROP propeller: its section law is not read"),
     "blade.xrotor": (samples.XROTOR, "an XROTOR file: its section law is not read"),
     "saved.xrotor": (
@@ -193,8 +193,8 @@ GEOMETRIES = {
     ),
     "inches.prop": (samples.QPROP.replace(" 2        ! Nb", " 2 3.937008 ! Nb"), "QPROP"),
     "metres.prop": (samples.QPROP.replace(" 2        ! Nb", " 2 0.1 0.02 ! Nb"), "QPROP"),
-    "script.bem": (samples.BEM.replace("Num_Blade:", "Num_Blades:"), "in metres"),
-    "blade.bem": (samples.BEM, "diameter is taken to be in metres"),
+    "script.bem": (samples.BEM.replace("Num_Blade:", "Num_Blades:"), "in meters"),
+    "blade.bem": (samples.BEM, "diameter is assumed to be in meters"),
     "spelled.csv": (
         "# blades: 2\nRadius [mm];Chord (cm);Twist [\u00b0];t/c\n"
         + "".join(f"{r * 100!r};{c * 10!r};{b};0.1\n" for r, c, b in samples.BLADE),
@@ -254,7 +254,7 @@ def test_a_tip_that_a_program_leaves_out_is_added(tmp_path: Path) -> None:
     assert blade.radius == pytest.approx(0.1)
     assert blade.chord[-1] == pytest.approx(0.1 * np.interp(1.0, [0.99, 1.0], [0.046, 0.0394737]))
     path.write_text(samples.XROTOR.replace("  1.00  0.040  10", "  0.90  0.046  10"))
-    with pytest.raises(ValueError, match=r"the radius is 0\.09 m by its last station, but 0\.1 m"):
+    with pytest.raises(ValueError, match=r"the radius is 0\.09 m at the last station, but 0\.1 m"):
         read_geometry_file(path)
 
 
@@ -318,7 +318,7 @@ def test_what_is_not_a_blade_is_called_what_it_is(run: Run, case: str) -> None:
 def test_a_blade_is_no_polar(run: Run) -> None:
     Path("blade.xrotor").write_text(samples.XROTOR)
     done = run("predict", "apc-8x6e", "--rpm", "5000", "--airfoil", "blade.xrotor")
-    refused(done, "this is an XROTOR file, no section table", "where a command wants PROP")
+    refused(done, "this is an XROTOR file, not a section table", "the argument PROP")
 
 
 # -------------------------------------------------------------------------------------------------

@@ -54,7 +54,7 @@ def by_power(columns: Columns) -> Columns:
 
 AXIAL = measured("uiuc-8x6e", one_speed_and_rest)
 OBLIQUE = measured("gill-dandrea-2019-8x6e", lambda c: np.arange(c["rpm"].size))
-ROTORS, ELECTRICAL = r"that of about \d rotors together", "electrical power"
+ROTORS, ELECTRICAL = r"the total of about \d rotors", "electrical power"
 PAIRS = "electrical rpm,? of (about )?{} pole pairs"
 
 # By column: its name and, by slip, the factor between what it holds and should, and the cause.
@@ -69,7 +69,7 @@ FACTORS: dict[str, tuple[str, dict[str, tuple[float, str]]]] = {
             "4 pole pairs": (4.0, PAIRS.format("[3457]")),
             "7 pole pairs": (7.0, PAIRS.format("(6|7|8)")),
             "11 pole pairs": (11.0, PAIRS.format("(7|1[0-4])")),
-            "sign": (-1.0, "is negative; .*spin's direction"),
+            "sign": (-1.0, "is negative; .*both spin directions"),
         },
     ),
     "thrust": (
@@ -115,7 +115,7 @@ FACTORS: dict[str, tuple[str, dict[str, tuple[float, str]]]] = {
         "speed_mps",
         {
             "km/h": (3.6, "km/h"),
-            "miles": (1.0 / 0.44704, "miles an hour"),
+            "miles": (1.0 / 0.44704, "miles per hour"),
             "knots": (3600.0 / 1852.0, "knots"),
             "feet": (1.0 / 0.3048, "feet per second"),
             "cm/s": (100.0, "cm/s"),
@@ -159,7 +159,7 @@ def blade() -> Propeller:
 
 def test_what_is_right_is_not_doubted(blade: Propeller, tmp_path: Path) -> None:
     assert told_of(AXIAL, blade, tmp_path) == told_of(OBLIQUE, blade, tmp_path) == ""
-    whose = "stand.csv: power is taken to be the shaft's, not the battery's"
+    whose = "stand.csv: power is assumed to be shaft power, not battery power"
     assert told_of(by_power(AXIAL), blade, tmp_path) == whose
 
 

@@ -41,15 +41,15 @@ def test_by_name_it_is_the_makers_blade(name: str, run: Run) -> None:
     blade = propmap.propeller(name)
     assert blade.blades == entry.blades and "PE0 file" in blade.source
     done = run("predict", name, "--rpm", "5000", "--speed", "5", "--beta", "0")
-    assert done.code == 0 and "blade of its maker's file" in done.err
+    assert done.code == 0 and "blade of the manufacturer's file" in done.err
 
 
 @pytest.mark.parametrize(
     ("title", "says"),
     [
-        ("10x7SF", "identified from 117 loads of 'apcsf 10.0x7.0 - 2'"),
-        ("10x7.3SF", "its family, apcsf, 10 propellers, for the blade of its maker's file"),
-        ("10x7", "its family, apcsp, 12 propellers, for the blade of its maker's file"),
+        ("10x7SF", "identified from 117 rows of 'apcsf 10.0x7.0 - 2'"),
+        ("10x7.3SF", "10 propellers of its family, apcsf, for the blade of the manufacturer"),
+        ("10x7", "12 propellers of its family, apcsp, for the blade of the manufacturer"),
         ("10x7N", "none of its family"),
         ("0x7E", "none of its family"),
     ],

@@ -172,7 +172,7 @@ def test_or_is_refused_in_one_line(run: Run, name: str) -> None:
 def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path) -> None:
     done = run("fit", "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *TIP_LOSS, "-o", "with.toml")
     assert (
-        "with pitt-peters, radial-friction, tip-loss, which comes along wherever the fit is used"
+        "fitted with pitt-peters, radial-friction, tip-loss; commands that use the fit apply"
         in done.out
     )
     law = parameter_set("with.toml")
@@ -200,7 +200,7 @@ def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path
         refused = run(*command, "--correction", "hub-loss")
         assert refused.code == 2 and refused.err.count("\n") == 1
         kept = "pitt-peters, radial-friction"
-        assert f"was found with {kept}, tip-loss, not with {kept}, hub-loss" in refused.err
+        assert f"was fitted with {kept}, tip-loss, not with {kept}, hub-loss" in refused.err
     # Used as a start, it hands them on.
     run("fit", "tunnel", "apc-8x6e", tunnel_csv, "--airfoil", "with.toml", *QUICK, "-o", "on.toml")
     assert parameter_set("on.toml").corrections == ("pitt-peters", "radial-friction", "tip-loss")
@@ -238,7 +238,7 @@ def test_tables_and_what_is_made_of_them_tell_the_corrections(
     )
     assert run("export", "x.npz", "--to", "nc", "-o", "to").code == 0
     refused = run("export", "x.npz", "--to", "c", "-o", "to", *TIP_LOSS)
-    assert "--correction is given with a table" in refused.err
+    assert "--correction is given, but the table" in refused.err
     assert run("report", "x.npz", "-o", "page").code == 0
     assert "tip-loss" in Path("page/index.html").read_text()
 
@@ -285,7 +285,7 @@ def test_the_model_is_recommended_unless_it_is_named(run: Run, tunnel_csv: Path)
     refused = run("check", "paper.toml", tunnel_csv, "--model", "recommended")
     assert refused.code == 2
     assert (
-        "paper was found with the paper's model, not with pitt-peters, radial-friction"
+        "paper was fitted with the paper's model, not with pitt-peters, radial-friction"
         in refused.err
     )
     assert run("predict", *ROTOR, *POINT, "--model", "2017").code == 2

@@ -104,7 +104,7 @@ def test_flight_log_with_more_fields_than_names(separator: str, tmp_path: Path) 
     first, second, *rest = path.read_text().splitlines()
     text = "\n".join([first, f"{second},5", *rest])
     path.write_text(text.replace(",", separator))
-    with pytest.raises(InputError, match=r"line 2: found \d+ figures"):
+    with pytest.raises(InputError, match=r"line 2: found \d+ fields"):
         read_flight_log(path, vehicle)
 
 

@@ -34,7 +34,7 @@ def test_identified_constants(run: Run, prop: str) -> None:
     assert found is not None
     done = run("predict", prop, *POINT, "--format", "json")
     assert done.code == 0 and done.err.count("\n") == 1
-    assert done.err.startswith(f"note: constants identified from {found.rows} loads of ")
+    assert done.err.startswith(f"note: constants identified from {found.rows} rows of ")
     wanted = pytest.approx(thrust_with(name, found.airfoil), rel=1e-9)
     assert json.loads(done.out)["thrust_N"] == wanted
     assert f"airfoil {name} identified + pitt-peters" in run("predict", prop, *POINT).out
@@ -47,7 +47,7 @@ def test_constants_of_the_family(run: Run) -> None:
     law = expected_constants("apcsf", size, "maker").airfoil
     done = run("predict", "apc-8x6sf", *POINT, "--format", "json")
     assert done.code == 0 and done.err.count("\n") == 1
-    assert "those of its family, apcsf" in done.err
+    assert "propellers of its family, apcsf" in done.err
     wanted = pytest.approx(thrust_with("apc-8x6sf", law), rel=1e-9)
     assert json.loads(done.out)["thrust_N"] == wanted
 

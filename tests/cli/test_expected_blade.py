@@ -22,8 +22,8 @@ from .conftest import Run
             "5x4.3x3",
             None,
             3,
-            "read as 5 x 4.3 in, 3 blades; no maker is named: the geometry is the mean of 123 "
-            "propellers of 27",
+            "read as 5 x 4.3 in, 3 blades; no manufacturer is named: the geometry is the mean of "
+            "123 propellers of 27",
         ),
         (
             "APC 12x6.5E",
@@ -64,13 +64,13 @@ def test_a_file_with_a_number_of_blades_in_its_title(run: Run, tmp_path: Path) -
     )
     path.write_text(f"# name: HQ 5x4.3x3\nradius_m,chord_m,twist_deg\n{rows}")
     point = ["predict", str(path), "--rpm", "9000", "--speed", "0", "--beta", "0"]
-    assert "note: 3 blades, as its title tells\n" in run(*point).err
+    assert "note: 3 blades, from the title of the file\n" in run(*point).err
     said = run(*point, "--blades", "2").err
-    assert "note: its title tells of 3 blades; 2 are taken, as --blades says\n" in said
+    assert "note: the title states 3 blades; 2 are used, from --blades\n" in said
     assert "title" not in run(*point, "--blades", "3").err
     path.write_text("# blades: 2\n" + path.read_text())
     done = run(*point)
-    assert "note: its title tells of 3 blades; 2 are taken, as the file has\n" in done.err
+    assert "note: the title states 3 blades; 2 are used, from the data of the file\n" in done.err
     assert "HQ 5x4.3x3, 2 blades" in done.out
 
 

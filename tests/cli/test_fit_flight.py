@@ -94,5 +94,5 @@ def test_without_steady_stretches_all_forces_are_fitted(run: Run, tmp_path: Path
     apart = checked["loads"]["force_z_N"]["by_envelope"]
     assert sum(one["rows"] for one in apart.values()) == 200
     refused = run("fit", "flight", log, *vehicle, *free, "--method", "level", "-o", "no.toml")
-    assert refused.code == 2 and "no steady stretch of 2 s" in refused.err
+    assert refused.code == 2 and "no steady segment of 2 s" in refused.err
     assert not (tmp_path / "no.toml").exists()

@@ -68,7 +68,7 @@ def test_what_is_stated_wins_over_the_prior() -> None:
         ("family", "HQ 5x4.3x3", "small propellers of all families"),
         ("population", "apc-8x6e", "small propellers of all families"),
         ("gwsdd", "my-blade.csv", "13 propellers of the family gwsdd"),
-        (" Family", "apc-8x6e", "its own in the catalogue left out"),
+        (" Family", "apc-8x6e", "without the catalogue constants of"),
     ],
 )
 def test_whose_prior(wanted: str, prop: str, says: str) -> None:
@@ -100,7 +100,7 @@ def test_thrust_alone_at_low_speed_leaves_physical_constants(run: Run) -> None:
     )  # fmt: skip
     assert done.code == 0
     assert (
-        "note: the prior of the section constants is that of small propellers of all families"
+        "note: the prior of the section constants is from small propellers of all families"
         in done.err
     )
     law, found = parameter_set("fit.toml"), fit_record(Path("fit.toml"))

@@ -37,9 +37,9 @@ def test_a_stand_narrows_what_the_family_leaves_open(run: Run, stand: Path) -> N
     assert done.code == 0
     note, wrote = done.err.splitlines()
     assert note.startswith(
-        "note: the prior of the section constants is that of 16 propellers of the family apce"
+        "note: the prior of the section constants is from 16 propellers of the family apce"
     )
-    assert "its own in the catalogue left out" in note and "--prior-from none" in note
+    assert "without the catalogue constants of" in note and "--prior-from none" in note
     assert wrote == "wrote fit.toml"
     found = fit_record(Path("fit.toml"))
     assert found["free"] == list(PARAMETERS)
@@ -99,7 +99,7 @@ def test_the_battery_s_power_is_pointed_out(run: Run) -> None:
     ]
     Path("electric.csv").write_text("\n".join(["rpm,thrust_N,power_W", *rows]) + "\n")
     done = run("fit", "static", "electric.csv", *PROP, *FREE)
-    assert done.code == 0 and "if it is that of the battery" in " ".join(done.out.split())
+    assert done.code == 0 and "if it is battery power" in " ".join(done.out.split())
 
 
 @pytest.mark.parametrize(
@@ -110,12 +110,12 @@ def test_the_battery_s_power_is_pointed_out(run: Run) -> None:
             "rpm,weight\n5000,1\n",
             "no column with a load; columns: not used: 'weight'; add one of thrust_N",
         ),
-        ("rpm,thrust_N,thrust_g\n5000,1,100\n", "'thrust_N' and 'thrust_g' both give thrust"),
+        ("rpm,thrust_N,thrust_g\n5000,1,100\n", "'thrust_N' and 'thrust_g' both contain thrust"),
         (
             "rpm,Thrust,torque_Nm\n5000,1,0.03\n",
-            "'Thrust' is in no unit that is known; name it thrust_N",
+            "'Thrust' has no known unit; name it thrust_N",
         ),
-        ("rpm,thrust_N,torque (stone)\n5000,2,0.4\n", "'torque (stone)' is in no unit"),
+        ("rpm,thrust_N,torque (stone)\n5000,2,0.4\n", "'torque (stone)' has no known unit"),
         ("rpm,speed_mps,thrust_N\n5000,4,1\n", "fit such data with propmap fit tunnel"),
         ("rpm,thrust_N\n5000,much\n", "line 2, column thrust_N"),
         ("rpm,thrust_N\n", "there is no row below the header"),

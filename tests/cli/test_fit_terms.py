@@ -54,9 +54,9 @@ def flown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def test_the_page_and_what_was_asked(run: Run, flown: list[str], tmp_path: Path) -> None:
     told = run("fit", "terms", *flown, "-o", "page", "--samples", "40", "--low-pass", "5")
-    assert told.code == 0 and "wrote page/index.html and 4 files beside it" in told.out
+    assert told.code == 0 and "wrote page/index.html and 4 other files" in told.out
     page = (tmp_path / "page" / "index.html").read_text()
-    assert "terms pay" in page and "prediction in the file" in page
+    assert "terms reduce the error" in page and "prediction in the file" in page
     (asked,) = ASKED
     assert asked["samples"] == 40 and [f.name for f in asked["flights"]] == ["log", "second"]
     steps = asked["steps"]
@@ -92,10 +92,10 @@ def test_columns_of_a_prediction_by_name(run: Run, flown: list[str]) -> None:
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        (["log.csv"], "two logs are called 'log'; give each flight once"),
-        (["--prediction", "a,b,c"], "--prediction: 'a' is no column; name three columns"),
+        (["log.csv"], "two logs have the name 'log'; give each flight once"),
+        (["--prediction", "a,b,c"], "--prediction: 'a' is not a column; name three columns"),
         (["--prediction", "other_fx"], "--prediction: 1 columns; name three columns"),
-        (["--prior-from", "none"], "the terms are fitted with a prior"),
+        (["--prior-from", "none"], "fit terms needs a prior"),
         (["--low-pass", "-1"], "give a frequency, or 0 for no filter"),
         (["--vehicle", "none.toml"], "none.toml"),
     ],

@@ -32,7 +32,7 @@ def test_the_geometry_is_that_of_the_log(run: Run) -> None:
     logged()
     done = run("vehicle", "from-log", "my quad.ulg", "-o", "drafted.toml")
     assert done.code == 0
-    assert "note: fill in what the log does not say: mass, propeller" in done.err
+    assert "note: fill in the values that the log does not contain: mass, propeller" in done.err
     with pytest.raises(InputError, match="mass"):
         read_vehicle("drafted.toml")
     text = Path("drafted.toml").read_text(encoding="utf-8")
@@ -46,7 +46,7 @@ def test_the_geometry_is_that_of_the_log(run: Run) -> None:
 def test_a_mass_and_tilted_rotors_are_taken_over(run: Run) -> None:
     logged(WEIGHT_GROSS=1.4, CA_ROTOR1_PZ=-0.05, CA_ROTOR1_AX=0.3, CA_ROTOR1_AZ=-0.4)
     done = run("vehicle", "from-log", "my quad.ulg")
-    assert done.err == "note: fill in what the log does not say: propeller\n"
+    assert done.err == "note: fill in the values that the log does not contain: propeller\n"
     Path("drafted.toml").write_text(done.out.replace("# MISSING: ", ""), encoding="utf-8")
     vehicle = read_vehicle("drafted.toml").vehicle
     assert vehicle.mass == pytest.approx(1.4)

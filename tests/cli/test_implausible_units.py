@@ -47,42 +47,42 @@ GOOD_BLADES = {
 BLADES = {
     "chord in mm as m": (
         blade_csv("radius_m,chord_m,twist_deg", RADIUS, 1e3 * CHORD, TWIST),
-        "millimetres beside a radius in metres",
+        "millimeters with a radius in meters",
     ),
     "chord in inches as m": (
         blade_csv("radius_m,chord_m,twist_deg", RADIUS, CHORD / INCH, TWIST),
-        "inches beside a radius in metres",
+        "inches with a radius in meters",
     ),
     "chord in inches as mm": (
         blade_csv("radius_mm,chord_mm,twist_deg", 1e3 * RADIUS, CHORD / INCH, TWIST),
-        "inches taken for millimetres",
+        "inches read as millimeters",
     ),
     "chord in cm as mm": (
         blade_csv("radius_mm,chord_mm,twist_deg", 1e3 * RADIUS, 1e2 * CHORD, TWIST),
-        "centimetres taken for millimetres",
+        "centimeters read as millimeters",
     ),
     "chord in m as inches": (
         blade_csv("radius_in,chord_in,twist_deg", RADIUS / INCH, CHORD, TWIST),
-        "metres taken for inches",
+        "meters read as inches",
     ),
     "chord in mm as inches": (
         blade_csv("radius_in,chord_in,twist_deg", RADIUS / INCH, 1e3 * CHORD, TWIST),
-        "millimetres beside a radius in inches",
+        "millimeters with a radius in inches",
     ),
-    "chord in per cent": (in_fractions(SHARE, 100.0 * WIDTH), "per cent"),
+    "chord in per cent": (in_fractions(SHARE, 100.0 * WIDTH), "percent of the radius"),
     "chord over the diameter": (in_fractions(SHARE, 0.5 * WIDTH), "fraction of the diameter"),
-    "radius in per cent": (in_fractions(100.0 * SHARE, WIDTH), "per cent"),
+    "radius in per cent": (in_fractions(100.0 * SHARE, WIDTH), "looks like percent"),
     "diameter as radius": (
         blade_csv("radius_m,chord_m,twist_deg", 2.0 * RADIUS, CHORD, TWIST),
-        "the radius like the diameter",
+        "the radius looks like a diameter",
     ),
     "lengths in mm as m": (
         blade_csv("radius_m,chord_m,twist_deg", 1e3 * RADIUS, 1e3 * CHORD, TWIST),
-        "looks like millimetres",
+        "looks like millimeters",
     ),
     "lengths in cm as m": (
         blade_csv("radius_m,chord_m,twist_deg", 1e2 * RADIUS, 1e2 * CHORD, TWIST),
-        "looks like centimetres",
+        "looks like centimeters",
     ),
     "lengths in inches as m": (
         blade_csv("radius_m,chord_m,twist_deg", RADIUS / INCH, CHORD / INCH, TWIST),
@@ -90,19 +90,19 @@ BLADES = {
     ),
     "lengths in inches as mm": (
         blade_csv("radius_mm,chord_mm,twist_deg", RADIUS / INCH, CHORD / INCH, TWIST),
-        "looks like inches taken for millimetres",
+        "looks like inches read as millimeters",
     ),
     "lengths in mm as inches": (
         blade_csv("radius_in,chord_in,twist_deg", 1e3 * RADIUS, 1e3 * CHORD, TWIST),
-        "looks like millimetres taken for inches",
+        "looks like millimeters read as inches",
     ),
     "lengths in m as mm": (
         blade_csv("radius_mm,chord_mm,twist_deg", RADIUS, CHORD, TWIST),
-        "looks like metres taken for millimetres",
+        "looks like meters read as millimeters",
     ),
     "twist from the tip": (
         blade_csv("radius_m,chord_m,twist_deg", RADIUS, CHORD, TWIST[::-1]),
-        "listed from the tip to the root",
+        "run from the tip to the root",
     ),
     "twist from the axis": (
         blade_csv("radius_m,chord_m,twist_deg", RADIUS, CHORD, 90.0 - TWIST),
@@ -149,7 +149,7 @@ def test_blade_without_loads(run: Run, tmp_path: Path) -> None:
     ):
         result = run(*command)
         assert result.code == 0
-        assert "listed from the tip to the root" in result.err
+        assert "run from the tip to the root" in result.err
 
 
 ROWS = np.array([[5000.0, 4.0, 30.0], [6000.0, 8.0, 60.0], [7000.0, 10.0, 75.0]])
@@ -171,9 +171,9 @@ POINTS: dict[str, tuple[str, int, str]] = {
     "radians": (
         points_csv(beta=np.pi / 180.0),
         0,
-        "beta is 1.309 deg at most; it looks like radians",
+        "the largest beta is 1.309 deg; it looks like radians",
     ),
-    "huge": (points_csv(rpm=1e9), 2, "nothing here holds above Mach 1"),
+    "huge": (points_csv(rpm=1e9), 2, "propmap has no model above Mach 1"),
     "Mach 0.8": (points_csv(rpm=3.6), 0, "Mach 0.788"),
 }
 
@@ -280,8 +280,8 @@ LOADS = {
     "electrical rpm": (scaled(TUNNEL, rpm=7.0), "electrical rpm"),
     "slow electrical rpm": (scaled(TUNNEL, rpm=4.0), "electrical rpm"),
     "speed in km/h": (scaled(TUNNEL, speed_mps=3.6), "km/h"),
-    "thrust against its sign": (scaled(TUNNEL, thrust_N=-1.0), "thrust is negative near rest"),
-    "torque against its sign": (scaled(TUNNEL, torque_Nm=-1.0), "torque is negative near rest"),
+    "thrust against its sign": (scaled(TUNNEL, thrust_N=-1.0), "thrust is negative near V = 0"),
+    "torque against its sign": (scaled(TUNNEL, torque_Nm=-1.0), "torque is negative near V = 0"),
     "axial beta from the disk": (turned(AXIAL, lambda b: 90.0 - b), DISK),
     "oblique beta from the disk": (turned(OBLIQUE, lambda b: 90.0 - b), DISK),
     "beta in radians": (turned(OBLIQUE, np.radians), "looks like radians"),
@@ -319,7 +319,7 @@ def test_diameter_for_radius_shows_in_the_loads(tmp_path: Path) -> None:
     )
     large = propmap.propeller(tmp_path / "blade.csv")
     assert blade_warnings(large) == []
-    assert "a diameter taken for the radius" in told_of(TUNNEL, tmp_path, large)
+    assert "a diameter in place of the radius" in told_of(TUNNEL, tmp_path, large)
 
 
 def test_fit_refuses_what_cannot_be(run: Run, tmp_path: Path) -> None:

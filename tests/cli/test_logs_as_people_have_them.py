@@ -43,7 +43,7 @@ SLOTS = (None, 3, 1, None, 4, 2)
 OUTPUTS = [(k, motor) for k, motor in enumerate(SLOTS, start=1) if motor]
 DRIVEN = commands(LOG, noise=0.01)
 UNTOUCHED: dict[str, Any] = dict.fromkeys(("rotor_acceleration", "throttle", "throttle_by_lag"))
-FROM_THROTTLE = "rotor speeds are from throttle, by a curve that is fitted with the rest"
+FROM_THROTTLE = "rotor speeds are computed from throttle by a fitted curve"
 BETAFLIGHT = """[log]
 body_frame = "flu"
 world_frame = "enu"
@@ -183,7 +183,7 @@ FITS: dict[str, tuple[str, Callable[[], str], str]] = {
     "px4, no battery": (
         "log.ulg",
         lambda: px4(LOG, "esc_status", "battery_status", driven=DRIVEN),
-        "there is no voltage of the battery beside the throttle, and thrust drifts",
+        "there is throttle but no battery voltage, so that thrust drifts",
     ),
     "ardupilot, RCOU": (
         "log.bin",
@@ -202,7 +202,7 @@ FITS: dict[str, tuple[str, Callable[[], str], str]] = {
         lambda: betaflight_in_si(1000.0, 2000.0, "throttle_range = [1000, 2000]"),
         FROM_THROTTLE,
     ),
-    "ros 2, commands": ("bag", driven_bag, "there is no voltage of the battery"),
+    "ros 2, commands": ("bag", driven_bag, "there is throttle but no battery voltage"),
 }
 REFUSED: dict[str, tuple[str, Callable[[], str], tuple[str, ...]]] = {
     "px4, no telemetry": (

@@ -37,9 +37,9 @@ def test_by_name_it_is_installed_and_bare_where_that_is_asked_for(run: Run) -> N
 def test_output_says_which(run: Run) -> None:
     told = [" ".join(run(*NAMED, *more).out.split()) for more in ((), ("--bare",))]
     assert f"of the installed rotor: {TYPICAL_FACTOR[0]:g} (+- " in told[0]
-    assert "that of the blades alone" in told[1] and "correction installed" in told[1]
+    assert "that of bare blades" in told[1] and "correction installed" in told[1]
     stated = run(*NAMED, "--correction", "installed:factor=2,area_m2=0.001").out
-    assert "2 times the blades' own, and the drag of 10 cm^2" in " ".join(stated.split())
+    assert "2 times the drag of the blades, plus the drag of 10 cm^2" in " ".join(stated.split())
 
 
 def test_a_law_that_is_named_and_the_paper_s_model_are_bare(run: Run, rotor: propmap.Rotor) -> None:

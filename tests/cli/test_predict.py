@@ -58,7 +58,7 @@ def test_points_beyond_the_data_of_a_fit_are_told(run: Run, tmp_path: Path) -> N
     inside = run("predict", *law, "--speed", "5", "--beta", "60")
     assert (inside.code, inside.err) == (0, "")
     beyond = run("predict", *law, "--speed", "18", "--beta", "60")
-    assert beyond.err.startswith("note: it lies beyond the data of the fit: V sin(beta)")
+    assert beyond.err.startswith("note: the point lies beyond the data of the fit: V sin(beta)")
     assert "up to 0.29" in beyond.err and "(data 0 to 0.25)" in beyond.err
     down = run("predict", *law, "--speed", "5", "--beta", "170").err
     assert "V cos(beta)/(Omega R) down to -0.0926 (data -0.05 to 0.2)" in down
@@ -169,7 +169,7 @@ def test_constants_of_which_a_fit_knows_nothing_are_named(run: Run, tmp_path: Pa
     known = propmap.SectionUncertainty(propmap.SectionCovariance(("c_l1", "c_l2"), covariance))
     (tmp_path / "law.toml").write_text(law.with_parameters(uncertainty=known).to_toml())
     done = run("predict", "apc-8x6e", "--airfoil", tmp_path / "law.toml", *NAMED[1:])
-    assert "note: standard deviations do not count c_l2" in done.err and "std. dev." in done.out
+    assert "note: standard deviations exclude c_l2" in done.err and "std. dev." in done.out
 
 
 def test_a_table_of_points_shows_those_of_thrust_and_torque(run: Run, points_csv: Path) -> None:

@@ -50,10 +50,10 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
     done = run("report", tunnel_fit, "-o", "out")
     assert (done.code, done.err) == (0, "") and done.out.startswith(f"wrote out/{PAGE} and ")
     text, told = page_of(tmp_path / "out"), fit_record(tunnel_fit)
-    for wanted in ("can I trust", "Outside the data", "extrapolation", "no cross-validation"):
+    for wanted in ("reliability", "Outside the fitted", "extrapolation", "no cross-validation"):
         assert wanted.lower() in text.lower()
     # The data have no drag: how the rotor is installed cannot be known.
-    assert "Rotor drag is that of the blades alone" in text
+    assert "The rotor drag is that of bare blades" in text
     assert told["data"][0]["sha256"] in text and told["propmap"] in text
     errors = rows_of(tmp_path / "out" / "fit-errors.csv")
     by_speed = told["residuals"]["thrust"]["by_speed"]
@@ -90,7 +90,7 @@ def test_data_are_checked_as_by_check(
 ) -> None:
     assert run("report", tunnel_fit, "-o", "out", "--data", tunnel_csv).code == 0
     text = page_of(tmp_path / "out")
-    assert "Among the fit's own data, so no independent test: tunnel.csv" in text.replace(
+    assert "Data of the fit, which are no independent test: tunnel.csv" in text.replace(
         "&#39;", "'"
     )
     mine = rows_of(tmp_path / "out" / "fit-check.csv")
@@ -109,7 +109,7 @@ def test_data_are_checked_as_by_check(
     changed = tmp_path / "new.csv"
     changed.write_text(tunnel_csv.read_text() + "5000,6,0,1.5,0.03\n")
     assert run("report", tunnel_fit, "-o", "out", "--data", changed).code == 0
-    assert "so a test of it: new.csv" in page_of(tmp_path / "out")
+    assert "which test the fit: new.csv" in page_of(tmp_path / "out")
 
 
 @pytest.mark.slow
@@ -121,7 +121,7 @@ def test_a_fit_of_level_flights(run: Run, tmp_path: Path) -> None:
     done = run("report", "fit.toml", "-o", "out", "--data", "level.csv", *vehicle)
     assert (done.code, done.err) == (0, "")
     text = page_of(tmp_path / "out")
-    assert "torque and moments were not measured" in text
+    assert "torque and moments of a single rotor were not measured" in text
     told = fit_record(Path("fit.toml"))
     assert told["covered"]["points"] == 28  # Four rotors in seven flights.
     rows = rows_of(tmp_path / "out" / "fit-measured.csv")
@@ -150,11 +150,11 @@ def test_a_table(run: Run, tmp_path: Path) -> None:
     assert (done.code, done.err) == (0, "")
     assert not (tmp_path / "out" / "fit-check.csv").exists()
     text = page_of(tmp_path / "out")
-    assert "As a copy of the model: yes, and marked where not" in text
-    assert "within 0.21 % of the static loads" in text and "errors reach 3.1 %" in text
-    assert "As a model of the propeller: not known from this file" in text
-    assert "Tolerance 0.50% holds on 4096 points" in text
-    assert "were searched for, on 26000 points more" in text
+    assert "Accuracy against the model: certified, exceptions marked" in text
+    assert "at most 0.21 % of the static loads" in text and "errors reach 3.1 %" in text
+    assert "Accuracy against measurements: not in this file" in text
+    assert "he tolerance of 0.50% holds on 4096 points" in text
+    assert "search for the largest errors used 26000 more points" in text
     for row in rows_of(tmp_path / "out" / "table-certificate.csv"):
         place = [float(row[name]) for name in ("at_rpm", "at_speed_mps", "at_beta_deg")]
         assert place == pytest.approx([6000.0, 7.25, 45.0])
@@ -179,10 +179,10 @@ def test_tables_that_are_not_certified_or_do_not_hold(
     without_figures(monkeypatch)
     invented().save("map.npz")
     assert run("report", "map.npz", "-o", "out").code == 0
-    assert "As a copy of the model: not known" in page_of(tmp_path / "out")
+    assert "Accuracy against the model: unknown" in page_of(tmp_path / "out")
     certified(holds=False).save("map.npz")
     assert run("report", "map.npz", "-o", "out").code == 0
-    assert "As a copy of the model: no." in page_of(tmp_path / "out")
+    assert "Accuracy against the model: outside the tolerance." in page_of(tmp_path / "out")
 
 
 @pytest.mark.parametrize(
@@ -192,14 +192,14 @@ def test_tables_that_are_not_certified_or_do_not_hold(
         (["absent.npz"], "no such file"),
         (["map.csv"], "give a fit (.toml) or a table (.npz)"),
         (["set.toml"], "there is no table [fit]"),
-        (["old.toml"], "the table [fit] is damaged: Object missing required field covered"),
+        (["old.toml"], "the table [fit] cannot be read: Object missing required field covered"),
         (["damaged.toml"], "typical_rpm: Expected float > 0.0"),
-        (["bad.npz"], "no table, or a damaged one"),
-        (["map.npz", "--data", "tunnel.csv"], "--data and --vehicle are for fits"),
+        (["bad.npz"], "not a table, or it is damaged"),
+        (["map.npz", "--data", "tunnel.csv"], "--data and --vehicle apply to fits"),
         (["whole.toml", "--data", "absent.csv"], "neither a file nor a measurement"),
-        (["whole.toml", "--vehicle", "vehicle.toml"], "name them with --data"),
+        (["whole.toml", "--vehicle", "vehicle.toml"], "add them with --data"),
         (["flown.toml", "--data", "level.csv"], "add --vehicle FILE"),
-        (["map.npz", "-o", "taken"], "holds 'mine.txt', which this command does not write"),
+        (["map.npz", "-o", "taken"], "contains 'mine.txt', which this command does not write"),
         (["map.npz", "-o", "no/out"], "there is no folder"),
     ],
 )

@@ -18,7 +18,7 @@ from .invented_tables import invented
 pytestmark = pytest.mark.usefixtures("brief")
 
 ROTOR = ["apc-8x6e", "--airfoil", "plate.csv"]
-NOTE = "the table covers 1e+05 to 6e+05, its nearest row is used outside"
+NOTE = "the table covers 1e+05 to 6e+05; outside, its nearest row is used"
 
 
 @pytest.fixture(autouse=True)
@@ -44,7 +44,7 @@ def test_loads_are_those_of_the_table(run: Run) -> None:
     rows = Path("plate.csv").read_text().splitlines(keepends=True)
     Path("one.csv").write_text("".join(rows[:74]))
     one = run("predict", "apc-8x6e", "--airfoil", "one.csv", *POINT)
-    assert "the table has one Reynolds number, which is used for all" in one.err
+    assert "the table has one Reynolds number, which is used everywhere" in one.err
     # Inside the table's range there is nothing to say.
     dense = run("predict", *ROTOR, *POINT, "--rho", "11")
     assert (dense.code, dense.err.count("\n")) == (0, 1)
@@ -98,7 +98,7 @@ def test_what_needs_constants_says_so(run: Run, command: list[str]) -> None:
     option = [] if command[0] == "airfoils" else ["--airfoil"]
     done = run(*command, *option, "plate.csv")
     assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
-    assert "plate.csv: this is a section table, which has no constants" in done.err
+    assert "plate.csv: this is a section table, but the command needs" in done.err
 
 
 def test_in_python_too() -> None:
@@ -106,5 +106,5 @@ def test_in_python_too() -> None:
     from propmap.vehicle.files import read_vehicle
 
     Path("vehicle.toml").write_text(VEHICLE)
-    with pytest.raises(propmap.InputError, match="'plate' is no set of constants"):
+    with pytest.raises(propmap.InputError, match="'plate' is a section table, without constants"):
         trim(read_vehicle("vehicle.toml").vehicle, propmap.airfoil("plate.csv"), np.array([5.0]))

@@ -67,7 +67,7 @@ def test_a_flight_is_written_and_read_back(run: Run) -> None:
     assert found.speed == pytest.approx([9.0, 11.0, 13.0], abs=0.03)
     again = run(*SMALL, "--noise", "0.02", "--seed", "4", "--force", "--no-expectation")
     assert again.code == 0
-    assert "vehicle.toml reads it as it is" in again.out
+    assert "vehicle.toml already describes this log" in again.out
     assert "95 %" not in again.out and "[log]" not in again.out
     same = read_flight_log("flight.csv", read_vehicle("vehicle.toml"))
     assert np.array_equal(same.rotor_speed, log.rotor_speed)
@@ -100,10 +100,10 @@ def test_without_noise_the_log_is_the_trim(run: Run) -> None:
         (["--speeds", "fast"], "--speeds 'fast' cannot be read"),
         (["--speeds", "0.5:14.5"], "A:B:N"),
         (["--speeds", "-1,5"], "speed is negative"),
-        (["--speeds", "5,5"], "do not rise"),
+        (["--speeds", "5,5"], "do not increase"),
         (["--noise", "-0.01"], "--noise is -0.01"),
         (["--noise", "nan"], "--noise is nan"),
-        (["--noise", "1"], "a share of the weight"),
+        (["--noise", "1"], "times the weight"),
         (["--velocity-noise", "-1"], "--velocity-noise"),
         (["--radius", "0"], "radius is 0 m"),
         (["--dwell", "0.1"], "held for 0.1 s"),
@@ -112,7 +112,7 @@ def test_without_noise_the_log_is_the_trim(run: Run) -> None:
         (["--free", "c_l1,c_l3"], "'c_l3' is not a parameter"),
         (["--free", "wing_c_l1"], "no wing"),
         (["--speeds", "10,70"], "70 m/s cannot be flown"),
-        (["-o", "flight.txt"], "ending"),
+        (["-o", "flight.txt"], "extension"),
         (["-o", "absent/flight.csv"], "no folder"),
     ],
 )

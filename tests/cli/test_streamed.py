@@ -50,7 +50,7 @@ def test_a_sweep_is_streamed_and_announced(run: Run, tmp_path: Path) -> None:
     assert (again.code, again.err.count("\n")) == (2, 1)
     assert "complete; pass --force" in again.err
     other = run("sweep", *ROTOR, *GRID, "--rho", "1.1", "-o", path)
-    assert "begun with another model" in other.err
+    assert "created with another model" in other.err
     assert run("sweep", *ROTOR, *GRID, "--rho", "1.1", "-o", path, "--force").code == 0
 
 
@@ -61,7 +61,7 @@ def test_what_is_not_a_store_is_left_alone(run: Run, tmp_path: Path) -> None:
     for more in ([], ["--force"]):
         done = run("sweep", *ROTOR, *GRID, "-o", path, *more)
         assert (done.code, done.err.count("\n")) == (2, 1)
-        assert "no store of propmap's" in done.err
+        assert "not a store of propmap" in done.err
     assert (path / "thesis.txt").read_text() == "mine"
 
 
@@ -70,7 +70,7 @@ def test_much_is_asked_for(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("sys.stdin.isatty", lambda: False, raising=False)
     done = run("sweep", *ROTOR, *GRID, "-o", tmp_path / "map.zarr")
     assert done.code == 2
-    assert "not begun unasked; pass --yes" in done.err
+    assert "needs a confirmation; pass --yes" in done.err
     assert run("sweep", *ROTOR, *GRID, "-o", tmp_path / "map.zarr", "--yes").code == 0
 
 
@@ -87,9 +87,9 @@ def test_a_disk_that_is_too_small_is_told_before(run: Run, tmp_path: Path) -> No
     [
         ("local:0", "asks for '0' workers; give a number from 1"),
         ("local:many", "asks for 'many' workers"),
-        ("localhost", "no address; write local, local:4"),
-        ("tcp://localhost", "no address"),
-        ("tcp://localhost:99999", "no address"),
+        ("localhost", "not an address; write local, local:4"),
+        ("tcp://localhost", "not an address"),
+        ("tcp://localhost:99999", "not an address"),
         ("tcp://localhost:PORT", "no scheduler answers within 0.5 s; start one"),
     ],
 )
@@ -111,7 +111,7 @@ def test_wrong_clusters_are_one_line(
 
 def test_only_a_store_is_written_by_many(run: Run, tmp_path: Path) -> None:
     done = run("sweep", *ROTOR, *GRID, "-o", tmp_path / "map.nc", "--cluster", "local:2")
-    assert "end the file's name with .zarr" in done.err
+    assert "use the file extension .zarr" in done.err
 
 
 @pytest.mark.parametrize("ending", ["nc", "zarr"])

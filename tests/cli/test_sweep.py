@@ -87,7 +87,7 @@ def test_standard_deviations_are_variables_with_units(run: Run, tmp_path: Path) 
         assert found["thrust_std"].attrs["units"] == "N"
         assert found["thrust_std"].attrs["long_name"].startswith("standard deviation of")
         assert found["roll_moment_std"].attrs["units"] == "N m"
-        assert found["power_std_tunnel"].attrs["long_name"].endswith("by tunnel alone")
+        assert found["power_std_tunnel"].attrs["long_name"].endswith("from tunnel only")
         parts = [found[f"thrust_std_{s}"] for s in ("parameters", "discrepancy", "tunnel")]
         total = np.sqrt(sum(part.values**2 for part in parts))
         np.testing.assert_allclose(found["thrust_std"].values, total)

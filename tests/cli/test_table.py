@@ -51,7 +51,7 @@ def test_a_table_is_filed_and_its_certificate_shown(run: Run, tmp_path: Path) ->
     done = run("table", *ROTOR, *SMALL, "-o", "map.npz")
     assert (done.code, done.err) == (0, "")
     assert [p.name for p in tmp_path.iterdir()] == ["map.npz"]
-    assert "Certificate" in done.out and "tolerance 5.00% holds on" in done.out
+    assert "Certificate" in done.out and "tolerance of 5.00% holds on" in done.out
     table = LoadTable.load("map.npz", propeller=propmap.propeller("apc-8x6e"))
     assert table.envelope["beta"] == pytest.approx(np.radians([75.0, 90.0]))
     assert table.info["command"].startswith("propmap table apc-8x6e")
@@ -82,7 +82,7 @@ def test_a_fit_brings_its_covariance(
     np.testing.assert_array_equal(given["covariance"].matrix, [[0.04, -0.01], [-0.01, np.inf]])
     for shown in (done.out, run("show", "map.npz").out):
         assert "parameters, median" in shown and "1.500 %" in shown
-        assert "covariance of c_l1, on 1000 points" in shown
+        assert "covariance of c_l1, at 1000 points" in shown
         assert "do not determine them: c_d" in shown
     told = json.loads(run("show", "map.npz", "--format", "json").out)
     assert told["airfoil_covariance"] == {
@@ -112,13 +112,13 @@ def test_unresolved_cells_are_told(run: Run) -> None:
     _uncertain(SectionCovariance(("c_l1",), np.eye(1))).save("map.npz")
     done = run("show", "map.npz")
     assert (done.code, done.err) == (0, "")
-    assert "tolerance 0.50% holds on 4096 points" in done.out
-    assert "searched for, on 26000 points more" in done.out
+    assert "tolerance of 0.50% holds on 4096 points" in done.out
+    assert "largest errors used 26000 more points" in done.out
     assert "at [1/min]" in done.out
     assert len(re.findall(r"│ +6000 │ +7\.25 │ +45 │", done.out)) == len(LOADS)
     assert "unresolved: 12 cells, 0.98% of the envelope" in done.out
-    assert "there errors reach 3.10% on 1020 points" in done.out
-    assert "300 are vortex ring and 0 without loads" in done.out
+    assert "errors at 1020 points in these cells reach 3.10%" in done.out
+    assert "300 are in the vortex ring state and 0 have no loads" in done.out
     assert "envelope: 1909.86 to 9549.3 rpm" in done.out
 
 
@@ -133,8 +133,8 @@ def test_a_certificate_from_before_the_search_is_shown(
     LoadTable(replace(content, info={**content.info, "certificate": told})).save("map.npz")
     done = run("show", "map.npz")
     assert (done.code, done.err) == (0, "")
-    assert "tolerance 0.50% holds on 4096 points" in done.out
-    assert "searched" not in done.out and "at [" not in done.out
+    assert "tolerance of 0.50% holds on 4096 points" in done.out
+    assert "search for" not in done.out and "at [" not in done.out
     assert run("report", "map.npz", "-o", "out").code == 0
     assert "at_rpm" not in Path("out/table-certificate.csv").read_text()
 
@@ -143,7 +143,7 @@ def test_a_certificate_from_before_the_search_is_shown(
     ("arguments", "message"),
     [
         (["absent.npz"], "no such file"),
-        (["bad.npz"], "no table, or a damaged one"),
+        (["bad.npz"], "not a table, or it is damaged"),
         (["map.npz", "--format", "csv"], "use --format json"),
     ],
 )
@@ -165,18 +165,18 @@ def test_netcdf(run: Run) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--tolerance", "much"], "no share"),
-        (["--tolerance", "-1%"], "no share"),
-        (["--tolerance", "0.001%"], "must lie between 0.20% and 10%"),
-        (["--tolerance", "80%"], "must lie between"),
-        (["--rpm", "4000"], "no range"),
-        (["--rpm", "5000:4000"], "do not rise"),
+        (["--tolerance", "much"], "not a fraction"),
+        (["--tolerance", "-1%"], "not a fraction"),
+        (["--tolerance", "0.001%"], "must be between 0.20% and 10%"),
+        (["--tolerance", "80%"], "must be between"),
+        (["--rpm", "4000"], "not a range"),
+        (["--rpm", "5000:4000"], "do not increase"),
         (["--rpm", "0:4000"], "advance ratio is infinite"),
         (["--beta", "0:270"], "between 0 and pi"),
-        (["-o", "map.csv"], "ending"),
+        (["-o", "map.csv"], "extension"),
         (
             ["-o", "absent/map.npz"],
-            "error: absent/map.npz: there is no folder 'absent'; make it or choose another\n",
+            "error: absent/map.npz: there is no folder 'absent'; create it or choose another\n",
         ),
     ],
 )

@@ -25,12 +25,12 @@ def test_no_cell_is_cut(width: int) -> None:
     text = shown(width)
     assert max(map(len, text.splitlines())) <= width
     assert "…" not in text and "uiuc-apcsf-11x4.7" in text and "rpm_limit" in text
-    assert ("32.5" in text) != ("throttle [%]" in text.partition("left out")[2])
+    assert ("32.5" in text) != ("throttle [%]" in text.partition("hidden")[2])
 
 
 def test_columns_go_in_their_order() -> None:
-    assert "left out" not in shown(120)
-    assert "throttle" in shown(62).partition("left out")[2]
-    assert "P shaft" not in shown(62).partition("left out")[2]
+    assert "hidden" not in shown(120)
+    assert "throttle" in shown(62).partition("hidden")[2]
+    assert "P shaft" not in shown(62).partition("hidden")[2]
     narrow = shown(48)
     assert "201.9" not in narrow and "263.2" in narrow

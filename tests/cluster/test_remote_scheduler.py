@@ -75,7 +75,7 @@ def test_a_scheduler_of_its_own(
 ) -> None:
     with scheduler(address) as running:
         wait_for(address)
-        with pytest.raises(InputError, match="no workers; start some"), connected(address):
+        with pytest.raises(InputError, match="no workers; start workers"), connected(address):
             pass
         with worker(address):
             workers = contextlib.ExitStack()
@@ -100,6 +100,6 @@ def test_a_scheduler_of_its_own(
                         points_per_task=POINTS_PER_TASK,
                         progress=lambda done, _: running.kill() if done == 3 else None,
                     )
-                assert "run the command again to go on" in str(told.value)
+                assert "run the command again to resume" in str(told.value)
     sweep_to_store(rotor(), GRID, path, points_per_task=POINTS_PER_TASK)
     assert contents(path) == whole

@@ -42,10 +42,10 @@ def test_the_same_everywhere_is_right_and_so_is_another_patch_of_python() -> Non
     ("who", "package", "version", "told"),
     [
         ("worker", "propmap", None, f"worker {ADDRESS} does not have propmap; install propmap"),
-        ("worker", "propmap", "0.2.0", f"worker {ADDRESS} has propmap 0.2.0, the client 0.1.0"),
-        ("worker", "numpy", "2.3.0", "has numpy 2.3.0, the client 2.4.6; install the same"),
+        ("worker", "propmap", "0.2.0", f"worker {ADDRESS} has propmap 0.2.0, the client has 0.1.0"),
+        ("worker", "numpy", "2.3.0", "has numpy 2.3.0, the client has 2.4.6; install the"),
         ("worker", "numpy", "1.26.0", "has numpy 1.26.0"),
-        ("worker", "python", "3.11.7.final.0", "has python 3.11, the client 3.12"),
+        ("worker", "python", "3.11.7.final.0", "has python 3.11, the client has 3.12"),
         ("scheduler", "propmap", None, "the scheduler does not have propmap"),
     ],
 )
@@ -69,6 +69,6 @@ def test_a_scheduler_without_workers_is_told() -> None:
         scheduler=SimpleNamespace(address="tcp://10.0.0.1:8786"),
     )
     with pytest.raises(
-        InputError, match=r"no workers; start some: dask worker tcp://10\.0\.0\.1:8786"
+        InputError, match=r"no workers; start workers: dask worker tcp://10\.0\.0\.1:8786"
     ):
         DaskWorkers(client)

@@ -1,4 +1,4 @@
-"""The command ``propmap``: one module per command, no physics."""
+"""Command line of propmap: one module per command, without physics."""
 
 from __future__ import annotations
 

@@ -1,10 +1,11 @@
-"""The entry point: commands that are imported when they are asked for, and errors in one line."""
+"""Entry point of the command line: imports each command on first use, prints errors in one line."""
 
 from __future__ import annotations
 
 import importlib
 import io
 import os
+import re
 import sys
 from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar
@@ -18,14 +19,14 @@ from propmap.errors import InputError
 
 INTERRUPTED = 130
 
-# SciPy's matrices are small here: threads of its own would wait for each other beside the core's.
+# SciPy's matrices are small here: threads of OpenBLAS would only compete with those of the core.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 class LazyGroup(TyperGroup):
-    """A group that imports the module of a command when that command, or all help, is asked for."""
+    """A group that imports the module of a command only when the command or its help is needed."""
 
-    places: ClassVar[dict[str, str]]  # "module.function" within ``propmap.cli``, by command
+    places: ClassVar[dict[str, str]]  # "module.function" in ``propmap.cli``, by command name
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given)
@@ -33,7 +34,7 @@ class LazyGroup(TyperGroup):
         self.commands = none_yet
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return the command, imported on first use, or None where there is none of the name."""
+        """Return the command, imported on first use, or None if the name is unknown."""
         if cmd_name in self.places and self.commands[cmd_name] is None:
             module, _, name = self.places[cmd_name].partition(".")
             found = getattr(importlib.import_module(f"propmap.cli.{module}"), name)
@@ -47,7 +48,7 @@ class LazyGroup(TyperGroup):
 
 
 class Commands(LazyGroup):
-    """All commands, in the order in which help lists them."""
+    """All commands, in the order of the help."""
 
     places: ClassVar = {
         "demo": "demo.demo",
@@ -73,7 +74,7 @@ class Commands(LazyGroup):
 
 app = typer.Typer(
     cls=Commands,
-    help="Predict a propeller's six loads, from hover to fast oblique flight.",
+    help="Predict the six loads of a propeller, from hover to fast oblique flight.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -105,7 +106,7 @@ def _options(
             "--include-dir",
             callback=_show_headers,
             is_eager=True,
-            help="Show the folder of the core's C++ headers.",
+            help="Show the folder with the C++ headers of the core.",
         ),
     ] = False,
 ) -> None:
@@ -113,10 +114,10 @@ def _options(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run ``arguments``, or the process's; return 0, 2 for bad input, 130 when interrupted."""
+    """Run ``arguments`` (default: ``sys.argv``); return 0, 2 for bad input, 130 if interrupted."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
-        # A terminal without the characters of a table shows "?" rather than a traceback.
+        # A terminal that cannot encode the frame of a table prints "?" instead of a traceback.
         sys.stdout.reconfigure(errors="replace")
     command = typer.main.get_command(app)
     try:
@@ -125,13 +126,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         return _fail(str(error))
     except typer.TyperException as error:
-        context = getattr(error, "ctx", None)
-        command_path = context.command_path if context else "propmap"
-        return _fail(f"{error.format_message().rstrip('.')}; see {command_path} --help")
+        return _fail(_usage(error))
     except UnicodeError:
-        return _fail("a name holds bytes that are not UTF-8; rename the file or the folder")
+        return _fail("a name contains bytes that are not UTF-8; rename the file or the folder")
     except BrokenPipeError:
-        # The reader, such as `head`, has seen enough; what is left must not fail at exit.
+        # The reader, such as `head`, closed the pipe: the flush at exit must not fail.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
@@ -140,6 +139,79 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if code == INTERRUPTED:
         echo("propmap: interrupted", err=True)
     return code or 0
+
+
+# -------------------------------------------------------------------------------------------------
+# Answers to options and commands under the names that other tools and textbooks use.
+
+OPTION_ANSWERS = {
+    "--rpm": {
+        "use --rpm, in rpm (rad/s times 9.549)": "--omega --Omega -w --rad-s --rads",
+        "use --rpm, in rpm (revolutions per second times 60)": "-n --n --rps --hz",
+        "use --rpm": "--rotational-speed --rotor-speed --RPM --revs -r",
+    },
+    "--speed": {
+        "use --speed in m/s": "--airspeed --velocity --wind --wind-speed --tas -v -V --v --vinf",
+        "use --speed in m/s (J times revolutions per second times diameter)": "-J --advance-ratio",
+    },
+    "--beta": {
+        "use --beta in degrees from the rotor axis (0 climb, 90 edgewise, 180 descent)": (
+            "--angle --aoa --alpha --tilt --incidence --inflow-angle --psi"
+        ),
+    },
+    "--rho": {"use --rho in kg/m^3, or --altitude in m": "--density --air-density"},
+    "--mu": {"use --mu in Pa s": "--viscosity"},
+    "--blades": {"use --blades": "--n-blades --num-blades --nblades -B -b"},
+    "--radius": {"use --radius in m (half the diameter)": "--diameter -D --dia"},
+    "--format": {"use --format json or --format csv": "--json --csv"},
+    "--output": {"use -o FILE": "--out --outfile --save --file"},
+    "--airfoil": {"use --airfoil NAME or FILE": "--polar --section --foil"},
+    "": {
+        "propmap trim VEHICLE.toml computes the throttle from motor and battery": (
+            "--throttle --pwm --voltage --duty --kv"
+        ),
+        "propmap trim VEHICLE.toml computes the rotor speed for a thrust": "--thrust --mass",
+        "propmap plot map PROP draws the loads": "--plot --figure --fig",
+    },
+}  # the answer, and options that it answers, by the option that a command must have
+COMMAND_ANSWERS = {
+    "predict": "loads calc calculate compute run analyze analyse eval evaluate solve thrust",
+    "sweep": "grid batch map",
+    "props": "list search find propellers propeller prop catalog catalogue db",
+    "airfoils": "airfoil sections polars",
+    "show": "info inspect",
+    "trim": "hover performance endurance range fly",
+    "choose": "optimize optimise select rank recommend",
+    "fit": "identify calibrate estimate",
+    "check": "validate compare verify",
+    "explore": "gui web serve app ui",
+    "export": "convert write generate",
+    "vehicle": "init new",
+    "table": "lookup build tabulate",
+}  # other names of the commands
+
+
+def _usage(error: typer.TyperException) -> str:
+    """Return the message of an error in the command line, with what to type instead."""
+    context: Any = getattr(error, "ctx", None)
+    message = error.format_message().rstrip(".")
+    unknown = getattr(error, "option_name", None)
+    known = {name for one in (context.command.params if context else ()) for name in one.opts}
+    for needed, answers in OPTION_ANSWERS.items():
+        for answer, others in answers.items():
+            if unknown in others.split() and (not needed or needed in known):
+                return f"No such option: {unknown}; {answer}"
+    command = re.match(r"No such command '([^']*)'", message)
+    for name, others in COMMAND_ANSWERS.items():
+        if command and context.parent is None and command[1].lower() in others.split():
+            return f"No such command '{command[1]}'; use propmap {name}, see propmap {name} --help"
+    value = re.search(r"'([^']*\d[:,]\d[^']*)' is not a valid (float|integer)", message)
+    if value:
+        option = message.partition("'")[2].partition("'")[0]
+        grid = f"; propmap sweep PROP {option} {value[1]} ... computes a grid of points"
+        found = f"{message.split(': ')[0]}: {value[1]!r} is not one number"
+        return found + grid * (context.info_name == "predict")
+    return f"{message}; see {context.command_path if context else 'propmap'} --help"
 
 
 def _fail(message: str) -> int:

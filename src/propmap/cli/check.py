@@ -1,4 +1,4 @@
-"""``propmap check`` and ``propmap report``: a fit against measurements, as errors or as a page."""
+"""``propmap check`` and ``propmap report``: errors of a fit, and web pages on fits and tables."""
 
 from __future__ import annotations
 
@@ -38,17 +38,20 @@ def check(
     fit: Annotated[
         Path, Argument(metavar="FIT.toml", help="Fit, parameter set or section table to check.")
     ],
-    data: Annotated[list[str], Argument(metavar="DATA...", help="Tunnel data, or flight logs.")],
+    data: Annotated[
+        list[str],
+        Argument(metavar="DATA...", help="Wind-tunnel data, or flight logs with --vehicle."),
+    ],
     vehicle: opt.VehicleOfLogs = None,
     prop: Annotated[
-        str | None, Option(metavar="PROP", help="Propeller, where the file has no [fit].")
+        str | None, Option(metavar="PROP", help="Propeller; required if the file has no [fit].")
     ] = None,
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
     format_: out.FormatOption = None,
     output: out.TextOutput = None,
 ) -> None:
-    """Compare a fit with measurements it has not seen."""
+    """Compare a fit with held-out measurements."""
     chosen = out.chosen_format(format_, output)
     law = opt.with_physics(airfoil(fit), model, correction)
     found = _compare(fit, law, data, vehicle, prop)
@@ -78,11 +81,11 @@ def check(
 def _compare(
     fit: Path, law: Airfoil | SectionTable, data: list[str], vehicle: Path | None, prop: str | None
 ) -> Mapping[str, comparison.SpeedErrors]:
-    """Compare with tunnel data, or with flights where a vehicle is given."""
+    """Compare with tunnel data, or with flight logs if there is a vehicle."""
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is None:
         if fitted is None and prop is None:
-            fault = "which propeller is not said: the file has no table [fit]"
+            fault = "the propeller is unknown: the file has no table [fit]"
             raise InputError(fault, "add --prop NAME", str(fit))
         air = fitted.model.air if fitted else Air()
         blade = fitted.model.propeller if fitted and prop is None else propeller(prop or "")
@@ -97,7 +100,7 @@ def _compare(
         return comparison.compare_tunnel(model, measured, beyond)
 
     if prop is not None:
-        raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
+        raise InputError("--prop is given, but the vehicle file has a propeller", "leave it out")
     file = read_vehicle(vehicle)
     flown, paths = file.vehicle, [Path(item) for item in data]
     cutoff = fitted.low_pass if fitted else 0.0
@@ -150,16 +153,16 @@ def report(
         list[str] | None,
         Option(
             metavar="DATA",
-            help="Draw these tunnel data or flight logs and check a fit with them; may be "
+            help="Wind-tunnel data or flight log to draw and to check the fit with; may be "
             "repeated.",
         ),
     ] = None,
     vehicle: opt.VehicleOfLogs = None,
 ) -> None:
-    """Write a page that says how far to trust a fit or a table.
+    """Write a web page on the accuracy and limits of a fit or a table.
 
-    FOLDER gets index.html with all figures inside, and every figure as SVG and CSV; the files
-    are there all at once or not at all.
+    FOLDER receives index.html with all figures, and each figure as SVG and CSV. The command
+    writes either all files or none.
     """
     from propmap.report.html import PAGE, REPORT_FILES, check_folder, write_folder
 
@@ -170,29 +173,29 @@ def report(
 
         file = read_fit(source)
         if vehicle is not None and not data:
-            raise InputError("--vehicle is for flight logs", "name them with --data")
+            raise InputError("--vehicle needs flight logs", "add them with --data")
         if file.record.kind != "tunnel" and data and vehicle is None:
-            raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
+            raise InputError("--data for a fit to flights needs the vehicle", "add --vehicle FILE")
         given = _given(file, data, vehicle) if data else None
         digest = hashlib.sha256(source.read_bytes()).hexdigest()
         files = fit_pages(file, source.name, digest, given)
     elif ending == ".npz":
         if data or vehicle is not None:
-            found = "--data and --vehicle are for fits"
-            raise InputError(found, "compare data with the fit the table was built from")
+            found = "--data and --vehicle apply to fits only"
+            raise InputError(found, "compare data with the fit from which the table was built")
         from propmap.report.table_page import table_pages
         from propmap.table import LoadTable
 
         files = table_pages(LoadTable.load(source), source.name)
     else:
-        found = f"the file's ending is {source.suffix!r}"
+        found = f"the file extension is {source.suffix!r}"
         raise InputError(found, "give a fit (.toml) or a table (.npz)", str(source))
     write_folder(output, files, REPORT_FILES)
-    echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")
+    echo(f"wrote {output / PAGE} and {len(files) - 1} other files")
 
 
 def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenData:
-    """Compare a fit with the data given beside it."""
+    """Compare a fit with the data of ``--data``."""
     from propmap.report.fit_page import GivenData
 
     if vehicle is None:

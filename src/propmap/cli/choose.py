@@ -1,4 +1,4 @@
-"""``propmap choose``: which propeller suits an aircraft, and what the ranking leaves open."""
+"""``propmap choose``: rank propellers for an aircraft, with the uncertainty of the ranking."""
 
 from __future__ import annotations
 
@@ -24,59 +24,61 @@ from propmap.tasks import InProcesses, Workers, cores
 from propmap.units import INCH
 
 SHOWN = {"J": ("Wh", 3600.0), "s": ("min", 60.0), "m": ("km", 1000.0)}
-"""Units of scores as tables show them, and how much of the unit in files that is."""
-SURE = 0.95  # probability below which neighbours are said not to be separated
+"""Units of scores in tables, and their size in the units of files."""
+SURE = 0.95  # probability below which two adjacent propellers are reported as not separated
 
 
 def choose(
     vehicle: opt.VehicleArgument,
-    speed: Annotated[float | None, Option(help="Cruise speed [m/s], needed to cruise.")] = None,
+    speed: Annotated[float | None, Option(help="Cruise airspeed in m/s for --task cruise.")] = None,
     task: Annotated[
         str,
         Option(
             metavar="hover|cruise|fast|FILE.csv",
-            help="Rank by hover power, energy per metre, top speed or a mission's energy.",
+            help="Rank by hover power, energy per meter in cruise, top speed (fast), or the energy "
+            "of a mission (FILE.csv).",
         ),
     ] = "cruise",
     by: Annotated[
         Literal["energy", "time", "range"] | None,
-        Option(help="Rank hover or cruise by this instead of energy."),
+        Option(help="Criterion of the tasks hover and cruise (default: energy)."),
     ] = None,
     diameter: Annotated[
-        str | None, Option(metavar="A:B", help="Diameters of the propellers [in].")
+        str | None, Option(metavar="A:B", help="Range of diameters in inches (default: all).")
     ] = None,
-    blades: Annotated[int | None, Option(help="Number of blades of the propellers.")] = None,
+    blades: Annotated[int | None, Option(help="Number of blades (default: any).")] = None,
     propeller: Annotated[
-        list[str] | None, Option(metavar="FILE", help="Rank this one, too; may be repeated.")
+        list[str] | None, Option(metavar="FILE", help="Rank this propeller too; may be repeated.")
     ] = None,
     airfoil: Annotated[
         str | None, Option(metavar="NAME|FILE", help="Section law of each --propeller.")
     ] = None,
     thrust_margin: Annotated[
-        float, Option(help="Least ratio of largest thrust to weight in hover.")
+        float, Option(help="Minimum ratio of maximum thrust to weight in hover.")
     ] = 1.5,
-    top: Annotated[int, Option(min=1, help="How many are shown, and compared closely.")] = 10,
-    all_: Annotated[bool, Option("--all", help="Show propellers that do not fit, too.")] = False,
+    top: Annotated[int, Option(min=1, help="Number of propellers to show and compare.")] = 10,
+    all_: Annotated[bool, Option("--all", help="Also show unsuitable propellers.")] = False,
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
     max_rpm: opt.MaximumRpm = None,
     charge: opt.Charge = 1.0,
     no_wakes: opt.NoWakes = False,
     picture: Annotated[
-        Path | None, Option(metavar="FILE", help="Draw hover power and top speed.")
+        Path | None,
+        Option(metavar="FILE", help="Picture of hover power and top speed: .png, .svg or .pdf."),
     ] = None,
     format_: out.FormatOption = None,
     output: out.TextOutput = None,
     cluster: opt.Cluster = None,
 ) -> None:
-    """Rank the propellers of the catalogue on an aircraft."""
+    """Rank the propellers of the catalogue for an aircraft and a task."""
     sizes = _diameters(diameter)
     largest = opt.checked_rpm(max_rpm)
     out.check_pictures(picture)
     form = out.chosen_format(format_, output)
     if airfoil is not None and not propeller:
         found = "--airfoil is given without --propeller"
-        remedy = "leave it out: propellers of the catalogue have their own constants"
+        remedy = "leave it out: the catalogue has section constants for its propellers"
         raise InputError(found, remedy)
 
     read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
@@ -85,7 +87,7 @@ def choose(
     name = "mission" if legs else task
     wanted = ranking.Task(name, speed, legs, thrust_margin, by or "")
     if by in ("time", "range") and read.powertrain.battery is None:
-        raise InputError(f"--by {by}: the vehicle file has no [battery]", "add it")
+        raise InputError(f"--by {by}: the vehicle file has no [battery]", "add this table")
     law = section_law(airfoil) if airfoil else None
     own = [ranking.file_candidate(name, law) for name in propeller or ()]
     there = {one.name for one in own if law is None}
@@ -126,25 +128,26 @@ def _diameters(text: str | None) -> tuple[float, float]:
     if len(parts) == 1:
         parts *= 2
     if len(parts) != 2 or not 0.0 < parts[0] <= parts[1] < math.inf:
-        raise InputError(f"--diameter {quoted(text)} is no range", "write A:B in inches, as 9:10")
+        remedy = "write A:B in inches, such as 9:10"
+        raise InputError(f"--diameter {quoted(text)} is not a range", remedy)
     return parts[0] * INCH, parts[1] * INCH
 
 
 def _legs(task: str) -> Mission | None:
-    """Read the mission that ``--task`` names, None for another task."""
+    """Return the mission that ``--task`` names, or None for another task."""
     if task != "mission" and task in ranking.MEASURES:
         return None
     if not task.lower().endswith(".csv"):
         known = ", ".join(name for name in ranking.MEASURES if name != "mission")
         found = f"--task {quoted(task)} is not known"
-        raise InputError(found, f"choose from {known}, or name a mission's .csv")
+        raise InputError(found, f"choose from {known}, or name a mission file (.csv)")
     return read_mission(task)
 
 
 def _judged(
     judge: ranking.Ranking, candidates: list[ranking.Candidate], top: int, workers: Workers
 ) -> list[ranking.Judged]:
-    """Rank the candidates, with standard deviations of the first ``top``."""
+    """Rank the candidates, and add standard deviations to the first ``top`` of them."""
     count = itertools.count(1)
     with out.progress_bar("propellers") as update:
         found = judge.judged(candidates, lambda: update(next(count), len(candidates)), workers)
@@ -156,7 +159,7 @@ def _judged(
 
 
 # -------------------------------------------------------------------------------------------------
-# A ranking as `propmap choose` shows it: a table, what it leaves open, and rows for files.
+# Output of a ranking: table, remarks and rows for files.
 
 
 def _table(task: ranking.Task, judged: list[ranking.Judged], caution: str) -> out.WideGrid:
@@ -187,10 +190,10 @@ def _table(task: ranking.Task, judged: list[ranking.Judged], caution: str) -> ou
         cells["<constants"] = "good" if one.candidate.verdict == "good" else "doubtful"
         rows.append(cells)
     caption = (
-        "+-: one standard deviation, from that of the constants alone; beats next, 1 beats it: "
-        "probability of being better than the next, and that the first is better than it, from the "
-        "same; margin: thrust at the first limit over weight, in hover; doubtful constants: why, "
-        "by --format csv"
+        "+-: one standard deviation, from the section constants alone; beats next: probability "
+        "that a propeller is better than the next one; 1 beats it: probability that the first "
+        "propeller is better than this one; margin: thrust at the first limit divided by the "
+        "weight, in hover; doubtful constants: see --format csv for the reason"
     )
     spare = ("hover [min]", f"{cruise} [min]", "margin", "top [m/s]", "1 beats it", f"{cruise} [W]")
     title = f"ranked by {task.words} [{unit}]{caution}"
@@ -203,7 +206,7 @@ def _share(probability: float) -> str:
 
 
 def _remarks(judged: list[ranking.Judged], top: int, *, all_: bool) -> list[Any]:
-    """Say what the uncertainty does not separate, and why the rest do not fit."""
+    """Return remarks on pairs that the uncertainty does not separate and on unsuitable ones."""
     fit = [one for one in judged if one.feasible]
     rest = [one for one in judged if not one.feasible]
     remarks: list[Any] = []
@@ -213,7 +216,9 @@ def _remarks(judged: list[ranking.Judged], top: int, *, all_: bool) -> list[Any]
         if ranking.beats(a, b) < SURE
     ]
     if close:
-        remarks.append(f"neighbours not separated to {SURE:.0%}: {', '.join(close)}")
+        remarks.append(
+            f"adjacent pairs not separated with {SURE:.0%} probability: {', '.join(close)}"
+        )
     level = [k + 2 for k, one in enumerate(fit[1:top]) if ranking.beats(fit[0], one) < SURE]
     if level:
         remarks.append(f"not separated from the first: {', '.join(map(str, level))}")
@@ -222,19 +227,19 @@ def _remarks(judged: list[ranking.Judged], top: int, *, all_: bool) -> list[Any]
         words = (f"{STATUSES[name].removeprefix('beyond ')} ({n})" for name, n in limits.items())
         remarks.append(f"top speeds are limited by {', '.join(words)}")
     if len(fit) > top and not all_:
-        remarks.append(f"{len(fit) - top} more fit: all are shown by --all, or --format csv")
+        remarks.append(f"{len(fit) - top} more are suitable: see --all or --format csv")
     if not fit:
-        remarks.append("no propeller fits; the closest reasons are below")
+        remarks.append("no propeller is suitable; the reasons are below, best candidate first")
     if rest and (all_ or not fit):
         rows = [(one.candidate.name, one.why_not) for one in rest]
-        remarks.append(out.grid("<propeller|<why not", rows, f"{len(rest)} that do not fit"))
+        remarks.append(out.grid("<propeller|<reason", rows, f"{len(rest)} unsuitable propellers"))
     elif rest:
-        remarks.append(f"{len(rest)} do not fit: why is shown by --all")
+        remarks.append(f"{len(rest)} are unsuitable: --all shows the reasons")
     return remarks
 
 
 def _rows(task: ranking.Task, judged: list[ranking.Judged]) -> list[dict[str, Any]]:
-    """List the ranking as rows for files, None for NaN."""
+    """Return the ranking as rows for files, with None for NaN."""
     name = f"{task.ranked_by}_{task.unit.replace('/', '_per_')}"
     rows = []
     for k, one in enumerate(judged):

@@ -1,4 +1,4 @@
-"""``propmap demo``: what a propeller's name tells, beside measurements that come with propmap."""
+"""``propmap demo``: a catalogue prediction compared with measurements that propmap includes."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from propmap.loads import LOADS
 
 NAME, DATA = "APC 8x6E", "gill-dandrea-2019-8x6e"
 NEXT = f"""\
-the same for a point: propmap predict "{NAME}" --rpm 6000 --speed 10 --beta 60
-what else is known:   propmap props
-a table to fly with:  propmap table "{NAME}" --rpm 4000:8000 --speed 0:20 --tolerance 2% -o a.npz"""
+one operating point:  propmap predict "{NAME}" --rpm 6000 --speed 10 --beta 60
+other propellers:     propmap props
+a table of loads:     propmap table "{NAME}" --rpm 4000:8000 --speed 0:20 --tolerance 2% -o a.npz"""
 
 
 def demo() -> None:
-    """Compare what the name of a propeller tells with measured loads."""
+    """Compare a catalogue prediction with measured propeller loads."""
     data = measurement(DATA)
     rotor = propmap.Rotor(propmap.known_model(NAME, air=propmap.Air(data.air_density)))
     loads = rotor.loads(data.omega, data.speed, data.beta)
@@ -35,9 +35,9 @@ def demo() -> None:
         rows.append((name.replace("_", " "), *cells))
     out.show(
         None,
-        f"{NAME}, {data.omega.size} points up to {data.speed.max():g} m/s from climb to edgewise "
-        "flight: polynomials of a wind-tunnel campaign (Gill & D'Andrea 2019) beside what the name "
-        "tells, with constants from another tunnel's axial loads (UIUC)",
+        f"{NAME}, {data.omega.size} operating points up to {data.speed.max():g} m/s, from climb to "
+        "edgewise flight. Measured: polynomials of a wind-tunnel campaign (Gill & D'Andrea 2019). "
+        "The prediction uses section constants from axial loads in another tunnel (UIUC).",
         out.grid("<load|measured, rms|error, rms|in the 95 % band|error of k Omega^2", rows),
         NEXT,
     )

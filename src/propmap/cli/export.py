@@ -1,4 +1,4 @@
-"""``propmap export``: a table, a vehicle or its parameters in the form that other programs read."""
+"""``propmap export``: write tables, vehicles and propellers in the formats of other programs."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ from propmap.units import RPM
 if TYPE_CHECKING:
     from propmap.table import LoadTable
 
-# The table that is built from a fit: tip speeds and speeds [m/s], angles [rad], and the
-# largest error as a share of the static loads.
+# The table that is built from a fit: tip speeds and airspeeds [m/s], angles [rad], and the
+# largest error as a fraction of the static loads.
 TIP_SPEED = (20.0, 105.0)
 SPEED = (0.0, 20.0)
 BETA = (0.0, math.pi)
 TOLERANCE = 0.005
 
-TABLES = (".npz", ".nc")  # endings of tables
+TABLES = (".npz", ".nc")  # extensions of table files
 
 
 def _forms(source: str) -> str:
-    """List the targets of a ``source`` and what is written for them, for the help."""
+    """Return the targets of a ``source`` and their files as text for the help."""
     return "; ".join(f"{e.target}: {e.writes}" for e in EXPORTS if e.source == source)
 
 
@@ -51,22 +51,24 @@ def export(
         Path,
         Argument(
             metavar="TABLE|FIT|VEHICLE|PROP",
-            help="Table (.npz), fit (.toml), any section law, vehicle file, or propeller.",
+            help="Table (.npz), fit (.toml), section law, vehicle file, or propeller.",
         ),
     ],
     to: Annotated[
         str,
         Option(
             metavar="TARGET",
-            help=f"{_forms('table')}. For a vehicle file and --table: {_forms('vehicle')}. "
-            f"For a vehicle file: {_forms('autopilot')}; of a pusher or tailsitter, "
-            f"{_forms('pusher')}. For a propeller: {_forms('rotor')}.",
+            help=f"Output format. For a table, fit or section law: {_forms('table')}. "
+            f"For a vehicle file with --table: {_forms('vehicle')}. "
+            f"For a vehicle file: {_forms('autopilot')}. "
+            f"For a vehicle file of a pusher or tailsitter: {_forms('pusher')}. "
+            f"For a propeller: {_forms('rotor')}.",
         ),
     ],
-    output: Annotated[Path, out.output_option("Write to this folder, made if need be.", "DIR")],
+    output: Annotated[Path, out.output_option("Output folder; created if it is missing.", "DIR")],
     prop: Annotated[
         str | None,
-        Option(metavar="PROP", help="For a section law: propeller's name or geometry file."),
+        Option(metavar="PROP", help="For a section law: propeller by name, designation or file."),
     ] = None,
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
@@ -78,25 +80,26 @@ def export(
         ),
     ] = None,
     table: Annotated[
-        Path | None, Option(metavar="FILE.npz", help="For a vehicle: take loads from a table.")
+        Path | None, Option(metavar="FILE.npz", help="For a vehicle: table of the rotor loads.")
     ] = None,
     speed: Annotated[
         str | None,
         Option(
             metavar="A:B:N",
-            help="For px4 and ardupilot: level flights that drag is fitted to [m/s], else 1:15:8.",
+            help="For px4 and ardupilot: airspeeds in m/s of the level flights to which drag is "
+            "fitted (default: 1:15:8).",
         ),
     ] = None,
     charge: Annotated[
         float | None,
-        Option(help="For px4 and ardupilot: state of charge of the thrust curve, else 1."),
+        Option(help="For px4 and ardupilot: state of charge for the thrust curve (default: 1)."),
     ] = None,
     no_wakes: opt.NoWakes = False,
     force: out.Force = False,
 ) -> None:
-    """Write files for simulators, flight code and autopilots.
+    """Export rotor loads to simulators, flight code and autopilots.
 
-    A note beside the files says what errors the target's form makes.
+    A README file in the same folder states the errors of a format that is not exact.
     """
     from propmap.aircraft.assumptions import assumption_lines, assumptions
     from propmap.export import export_rotor, export_table, export_vehicle
@@ -107,7 +110,7 @@ def export(
         for name, value in given.items():
             if value is not None:
                 option = f"--{name.replace('_', '-')}"
-                fault = f"{option} is given with --to {to}, which has none"
+                fault = f"{option} does not apply to --to {to}"
                 raise InputError(fault, "leave it out")
 
     find_export(to)
@@ -117,7 +120,7 @@ def export(
         refuse(prop=prop)
         check_folder(output)
         if source.suffix.lower() != ".toml":
-            fault = f"{to} takes a vehicle file"
+            fault = f"--to {to} needs a vehicle file"
             raise InputError(fault, "give VEHICLE.toml, see propmap trim", str(source))
         speeds = SPEEDS if speed is None else opt.parse_axis("--speed", "speed", speed, len(SPEEDS))
         read, full = opt.vehicle_of(source, no_wakes=no_wakes), 1.0 if charge is None else charge
@@ -136,12 +139,12 @@ def export(
         refuse(prop=prop, model=model, correction=correction or None)
         refuse(airfoil=airfoil, speed=speed, charge=charge)
         if to not in VEHICLE_TARGETS:
-            fault = f"this is a vehicle file, and {to} is written of a table alone"
+            fault = f"this is a vehicle file, but --to {to} needs a table"
             remedy = f"give the table, or --to {', '.join(VEHICLE_TARGETS)}, px4 or ardupilot"
             raise InputError(fault, remedy, str(source))
         vehicle = opt.vehicle_of(source, no_wakes=no_wakes)
         if table is None:
-            fault = "this is a vehicle file, and the loads of its rotors are not given"
+            fault = "this is a vehicle file, but the loads of its rotors are missing"
             remedy = "build a table with propmap table and give it as --table FILE.npz"
             raise InputError(fault, remedy, str(source))
         check_folder(output)
@@ -161,7 +164,7 @@ def export(
 
 
 def _is_vehicle(path: Path) -> bool:
-    """Return whether the file is a vehicle's: TOML with a table ``[[rotors]]``."""
+    """Return whether the file is a vehicle file: TOML with a table ``[[rotors]]``."""
     if path.suffix.lower() != ".toml":
         return False
     try:
@@ -171,8 +174,8 @@ def _is_vehicle(path: Path) -> bool:
 
 
 def _meant_as_vehicle(source: Path, to: str, table: Path | None) -> bool:
-    """Return whether the file, however broken, has to be a vehicle's: nothing else goes ``to`` this
-    target, or goes there with a ``table``."""
+    """Return whether a file that cannot be read must be a vehicle file, because ``to`` and
+    ``table`` allow no other source."""
     if source.suffix.lower() in TABLES or to not in VEHICLE_TARGETS:
         return False
     return table is not None or to not in TARGETS
@@ -181,14 +184,14 @@ def _meant_as_vehicle(source: Path, to: str, table: Path | None) -> bool:
 def _table_of(
     source: Path, prop: str | None, physics: opt.ModelName | None, corrections: list[str] | None
 ) -> LoadTable:
-    """Load a table, or build one of a section law over what suits most multirotors."""
+    """Load a table, or build one from a section law for the range of most multirotors."""
     from propmap.table import LoadTable, build_table
 
     if source.suffix.lower() in TABLES or (prop is None and source.suffix != ".toml"):
         given = {"--prop": prop, "--model": physics, "--correction": corrections}
         for option, value in given.items():
             if value:
-                found = f"{option} is given with a table, which has its own"
+                found = f"{option} is given, but the table already contains it"
                 raise InputError(found, "leave it out")
         return LoadTable.load(source)
 
@@ -205,8 +208,7 @@ def _table_of(
     echo(
         f"building a table of {blade.name}, {model.law_title}, "
         f"at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, {SPEED[0]:g} to {SPEED[1]:g} m/s, "
-        "beta 0 to 180 deg, which takes minutes; "
-        "for another range, build it with propmap table",
+        "beta 0 to 180 deg (takes minutes); for another range, use propmap table",
         err=True,
     )
     opt.note_reynolds(model, np.array(omega), np.array(SPEED), np.array(BETA))

@@ -1,4 +1,4 @@
-"""``propmap fit``: what all fits share, and those to tunnels and thrust stands."""
+"""``propmap fit``: options and output of all fits, and fits to wind-tunnel and static tests."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from propmap.units import RPM
 
 
 class FitCommands(LazyGroup):
-    """What can be fitted, in the order in which help lists it."""
+    """Kinds of fits, in the order of the help."""
 
     places: ClassVar = {
         "tunnel": "fit.fit_tunnel",
@@ -49,73 +49,73 @@ class FitCommands(LazyGroup):
 fit_app = typer.Typer(
     name="fit",
     cls=FitCommands,
-    help="Identify section constants from measurements.",
+    help="Identify the section constants of a propeller from measurements.",
     rich_markup_mode=None,
 )
 
 
 # -------------------------------------------------------------------------------------------------
-# Options that all fits share, and what they mean.
+# Options of all fits.
 
 PriorFrom = Annotated[
     str | None,
     Option(
         "--prior-from",
         metavar="family|population|none|CODE",
-        help="Propellers whose constants are the prior: family, those of its family, or all where "
-        "that is not known; population, all; CODE, those of this family, as apcsf; none. By "
-        "default family, and none where --free or --airfoil says what to fit.",
+        help="Propellers whose constants form the prior: family (or all, if the family is "
+        "unknown), population (all), CODE of another family such as apcsf, or none. Default: "
+        "family, or none with --free or --airfoil.",
     ),
 ]
-WRITTEN = out.output_option("Write the fit to this file.", "FIT.toml")
+WRITTEN = out.output_option("Output file of the fit.", "FIT.toml")
 Output = Annotated[Path, WRITTEN]
 Accept = Annotated[
-    bool, Option("--accept", help="Write the fit however much of the loads it leaves unexplained.")
+    bool,
+    Option("--accept", help="Write the fit even if it misses over half of thrust or torque."),
 ]
 
 
 @dataclass(frozen=True)
 class FitChoice:
-    """What is free in a fit, what is known of it, and how it is done; its fields are options."""
+    """Free parameters, priors and settings of a fit; each field becomes an option."""
 
     free: Annotated[
         str | None, Option("--free", metavar="NAMES", help="Free parameters, separated by commas.")
     ] = None
     fix: Annotated[
         list[str] | None,
-        Option("--fix", metavar="NAME=VALUE", help="Hold this parameter; may be repeated."),
+        Option("--fix", metavar="NAME=VALUE", help="Value of a fixed parameter; may be repeated."),
     ] = None
     prior: Annotated[
         list[str] | None,
         Option(
             "--prior",
             metavar="NAME=MEAN:SD",
-            help="What is known of a free parameter; may be repeated.",
+            help="Prior mean and standard deviation of a free parameter; may be repeated.",
         ),
     ] = None
     prior_from: PriorFrom = None
     starts: Annotated[int, Option(min=1, help="Number of searches from different starts.")] = 4
-    robust: Annotated[bool, Option("--robust", help="Let outliers count less (soft L1 loss).")] = (
-        False
-    )
+    robust: Annotated[
+        bool, Option("--robust", help="Reduce the weight of outliers (soft L1 loss).")
+    ] = False
     folds: Annotated[int, Option(min=0, help="Number of folds of the cross-validation.")] = 5
     bootstrap: Annotated[
-        int, Option(min=0, help="Number of refits to rows drawn with replacement.")
+        int, Option(min=0, help="Number of bootstrap refits (rows drawn with replacement).")
     ] = 0
     seed: Annotated[int, Option(help="Seed of the random starts, folds and draws.")] = 2017
     picture: Annotated[
-        Path | None, Option(metavar="FILE", help="Draw the fit: .png, .svg or .pdf.")
+        Path | None, Option(metavar="FILE", help="Picture of the fit: .png, .svg or .pdf.")
     ] = None
 
     @property
     def settings(self) -> Settings:
-        """How the fit is done."""
+        """Settings of the fit."""
         loss = "soft_l1" if self.robust else "linear"
         return Settings(self.starts, loss, self.folds, self.bootstrap, self.seed)
 
     def expected(self, prop: str, blade: Propeller, base: Airfoil | None) -> SectionPrior | None:
-        """Predict the constants of ``prop``, by default where neither they nor a ``base`` are
-        given."""
+        """Return the prior of ``prop``, by default only without ``--free`` and a ``base``."""
         by_default = self.free is None and base is None
         return section_prior(self.prior_from, prop, blade, by_default=by_default)
 
@@ -126,9 +126,11 @@ class FitChoice:
         also_fixed: Mapping[str, float] | None = None,
         expected: SectionPrior | None = None,
     ) -> Choice:
-        """Choose what is free, by default ``default`` or the constants of a prior ``expected`` from
-        other propellers, less those fixed. What holds the others and starts it is of ``base``, and
-        of ``also_fixed``, as of a vehicle's wing."""
+        """Return the free and fixed parameters with their priors and start values.
+
+        Without ``--free``, the free parameters are ``default``, or the constants of the prior
+        ``expected``. ``base`` and ``also_fixed`` give start values and values of fixed parameters.
+        """
         law = base or (expected.airfoil if expected else None)
         given = {name: getattr(law, name) for name in SECTION} if law else {}
         stated = dict(_pair(text, "--fix") for text in self.fix or ())
@@ -149,7 +151,8 @@ class FitChoice:
         for name, text in believed.items():
             mean, colon, deviation = text.partition(":")
             if not colon:
-                raise InputError(f"--prior {name} has no deviation", "write --prior c_l2=2.0:0.3")
+                fault = f"--prior {name} has no standard deviation"
+                raise InputError(fault, "write --prior c_l2=2.0:0.3")
             beliefs[name] = Prior(*(_number(v, f"--prior {name}") for v in (mean, deviation)))
         start = {n: v for n, v in values.items() if n in wanted}
         return Choice(wanted, fixed, beliefs, start, expected)
@@ -173,15 +176,15 @@ def _number(text: str, where: str) -> float:
 def section_prior(
     wanted: str | None, prop: str, blade: Propeller | None = None, *, by_default: bool
 ) -> SectionPrior | None:
-    """Predict the constants of ``prop``, known or not, from others as ``--prior-from`` wants it, or
-    not, and then as ``by_default`` says; its ``blade`` gives the size. Raises ``InputError`` for an
-    unknown family."""
+    """Return the prior of the constants of ``prop`` from the propellers that ``--prior-from``
+    names; ``by_default`` applies without this option, and ``blade`` gives the size. Raises
+    ``InputError`` for an unknown family."""
     source = (wanted or ("family" if by_default else "none")).strip().lower()
     if source == "none":
         return None
     try:
         meant = meant_by(prop)
-    except InputError:  # a file, or the name of a blade in one
+    except InputError:  # ``prop`` is a file, or the name of a blade in a file
         meant = None
     family = meant.family if meant is not None else None
     if source == "population":
@@ -190,7 +193,7 @@ def section_prior(
         families = sorted({one.family for one in all_identified()})
         if source not in families:
             close = difflib.get_close_matches(source, families, n=3) or families
-            fault = f"{quoted(source)} is no family of identified propellers"
+            fault = f"{quoted(source)} is not a family of identified propellers"
             remedy = f"give family, population, none or a code such as {', '.join(close)}"
             raise InputError(fault, remedy, "--prior-from")
         family = source
@@ -202,29 +205,29 @@ def section_prior(
     members = siblings(family, without=own)
     few = "one propeller" if members == 1 else f"{members} propellers"
     others = f"{few} of the family {family}" if members else "small propellers of all families"
-    words = f"the prior of the section constants is that of {others}"
+    words = f"the prior of the section constants is from {others}"
     if own:
-        words += " (its own in the catalogue left out)"
+        words += " (without the catalogue constants of this propeller)"
     return SectionPrior(distribution, airfoil_at(distribution.mean, "expected", words), words)
 
 
 def note_prior(prior: SectionPrior | None) -> list[str]:
-    """Note what prior a fit has, and return it as remarks for the fit's file."""
+    """Note the prior of a fit, and return it as remarks for the fit file."""
     if prior is None:
         return []
-    out.note(f"{prior.source}; without, by --prior-from none")
+    out.note(f"{prior.source}; --prior-from none omits it")
     return [prior.source]
 
 
 def check_outputs(output: Path | None, *pictures: Path | None) -> None:
-    """Raise ``InputError`` where a fit or its pictures cannot be written."""
+    """Raise ``InputError`` if a fit or its pictures cannot be written."""
     if output is not None:
         out.check_output(output, (".toml",))
     out.check_pictures(*pictures)
 
 
 # -------------------------------------------------------------------------------------------------
-# What ``propmap fit`` writes and prints: parameters with their verdicts, residuals, remarks.
+# Output of ``propmap fit``: parameters with their verdicts, residuals, remarks.
 
 
 def finish(
@@ -235,7 +238,7 @@ def finish(
     output: Path | None,
     flights: Mapping[str, Mapping[str, FlightErrors]] | None = None,
 ) -> None:
-    """Write the ``text`` of a fit file and print the fit, by flight too where that is known."""
+    """Write the ``text`` of a fit file and print the fit, with the errors of single ``flights``."""
     if output is not None:
         out.write_text(text, output)
     out.show(None, *_printed(fitted, found.correction_texts, remarks, flights or {}))
@@ -260,7 +263,7 @@ def _printed(
         parameters.append((name, f"{fitted.x[k]:.5g}", interval, unit, sure.verdicts[k]))
     yield out.grid("<|value|<95 % interval|<unit|<verdict", parameters, "Parameters")
     values = ", ".join(f"{v:.2g}" for v in sure.singular_values)
-    yield f"sensitivities (singular values per spread, relative): {values}"
+    yield f"sensitivities (relative singular values of the scaled derivatives): {values}"
     residuals = []
     for k, (name, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
         e = errors(*fitted.compared(k))
@@ -280,25 +283,25 @@ def _printed(
         yield out.grid(heads, by_flight, "Residuals of each flight")
     ends = fitted.minimum.ends
     best = sum(end.minimum == 1 for end in ends)
-    many = f"{len(ends)} starts, {best} of them to the best minimum" if len(ends) > 1 else "1 start"
+    many = f"{len(ends)} starts, {best} reached the best minimum" if len(ends) > 1 else "1 start"
     yield f"{many}; {fitted.seconds:.1f} s"
-    yield f"with {in_words(corrections)}, which comes along wherever the fit is used"
+    yield f"fitted with {in_words(corrections)}; commands that use the fit apply the same"
     yield from (f"note: {remark}" for remark in remarks)
 
 
-MOST_LEFT = 0.5  # rms error over what was measured, beyond which no fit is of any use
+MOST_LEFT = 0.5  # rms error over measured rms above which a fit is refused
 
 
 def _refuse_poor(fitted: Fitted, warnings: Sequence[str], *, accept: bool) -> None:
-    """Raise ``InputError`` for a fit that leaves most of thrust or torque, unless that is accepted,
-    with what is doubtful about the data."""
+    """Raise ``InputError`` for a fit that does not explain thrust or torque, unless ``accept`` is
+    set; the message lists doubts about the data."""
     for k, name in enumerate(fitted.rows.names):
         left = errors(*fitted.compared(k)).relative_rms
         if name in ("thrust", "torque") and left > MOST_LEFT and not accept:
-            found = f"the fit leaves {left:.0%} of the {name} (rms) and is not written"
+            found = f"the fit leaves {left:.0%} of the {name} (rms) unexplained and is not written"
             odd = [text for text in warnings if ": columns: " not in text]
-            doubts = "; ".join(odd) or "neither units nor signs of the data stand out"
-            remedy = "correct the data or the propeller, or write it all the same by --accept"
+            doubts = "; ".join(odd) or "units and signs of the data look plausible"
+            remedy = "correct the data or the propeller, or write the fit anyway with --accept"
             raise InputError(f"{found}; {doubts}", remedy)
 
 
@@ -316,7 +319,7 @@ def _finish_tunnel(
     remarks: Sequence[str],
     warnings: Sequence[str],
 ) -> None:
-    """Write, draw and print a fit to loads; ``warnings`` on the data are in its file alone."""
+    """Write, draw and print a fit to loads; only its file contains the ``warnings`` on the data."""
     rotor = tunnel.rotor_with(model, fitted.values, choice.accuracy)
     blade = model.propeller
     text = fit_text(
@@ -344,22 +347,29 @@ def _finish_tunnel(
     finish(fitted, rotor.model, remarks, text, output)
 
 
-@opt.takes_choices
+@functools.partial(opt.takes_choices, airfoil=opt.FitAirfoilOption)
 def fit_tunnel(
     choice: opt.RotorChoice,
     data: Annotated[
-        list[str], Argument(metavar="DATA...", help="CSV or UIUC files, or measurements by name.")
+        list[str],
+        Argument(
+            metavar="DATA...",
+            help="CSV or UIUC files, or measurements in the catalogue such as uiuc-8x6e.",
+        ),
     ],
     output: Output,
-    loads: Annotated[str | None, Option(help="Loads to fit, separated by commas.")] = None,
+    loads: Annotated[
+        str | None, Option(help="Loads to fit, separated by commas (default: all measured).")
+    ] = None,
     weight: Annotated[
-        list[str] | None, Option(metavar="LOAD=W", help="Count this load's residuals W times.")
+        list[str] | None,
+        Option(metavar="LOAD=W", help="Factor on the residuals of a load; may be repeated."),
     ] = None,
     accept: Accept = False,
     cluster: opt.Cluster = None,
     asked: FitChoice = FitChoice(),
 ) -> None:
-    """Fit loads measured in a tunnel or on a bench."""
+    """Fit section constants to wind-tunnel or bench measurements."""
     check_outputs(output, asked.picture)
     base = opt.constants(choice.airfoil) if choice.airfoil else None
     blade = choice.blade()
@@ -401,28 +411,31 @@ def fit_tunnel(
 
 
 # -------------------------------------------------------------------------------------------------
-# ``propmap fit static``: a thrust stand's rows, and what they say of forward flight.
+# ``propmap fit static``: a fit to a static test, and the uncertainty it leaves in forward flight.
 
-LIKE_ELECTRICAL = 1.2  # measured power over what the prior predicts; from there the battery's?
-STILL = 0.5  # [m/s], what an anemometer at rest may show
+LIKE_ELECTRICAL = 1.2  # measured over expected power from which the power may be electrical
+STILL = 0.5  # largest reading of an anemometer in still air [m/s]
 
 
-@functools.partial(opt.takes_choices, prop=opt.PropOption)
+@functools.partial(opt.takes_choices, prop=opt.PropOption, airfoil=opt.FitAirfoilOption)
 def fit_static(
     choice: opt.RotorChoice,
     files: Annotated[
         list[Path],
         Argument(
             metavar="FILE...",
-            help="CSV with columns of rpm, thrust, and torque or the shaft's power where measured, "
-            "each with its unit, as thrust_g or 'Torque (N m)'; or UIUC files.",
+            help="UIUC files, or CSV files with rpm, thrust and, if measured, torque or shaft "
+            "power; column names include the unit, such as thrust_g or 'Torque (N m)'.",
         ),
     ],
     output: Annotated[Path | None, WRITTEN] = None,
     accept: Accept = False,
     asked: FitChoice = FitChoice(starts=1, folds=0),
 ) -> None:
-    """Fit a static test, and predict forward flight."""
+    """Fit section constants to a static test of a propeller.
+
+    The command also predicts thrust and torque in forward flight, with standard deviations.
+    """
     check_outputs(output, asked.picture)
     base = opt.constants(choice.airfoil) if choice.airfoil else None
     blade, air = choice.blade(), choice.medium()
@@ -448,17 +461,17 @@ def fit_static(
 
 
 def _read_static(path: Path, propeller: Propeller, air: Air) -> tunnel.TunnelData:
-    """Read loads at rest, coefficients with this propeller and air; ``InputError`` names the file
-    and what is wrong in it, also where the air moves."""
+    """Read static loads, with this propeller and air for coefficients; raise ``InputError`` with
+    the name of the file for bad data and for moving air."""
     found = tunnel.measured_loads(path, at_rest=True)(propeller, air)
     if np.any(found.speed > STILL):
-        fault = f"the air moves in some rows, by up to {np.max(found.speed):g} m/s"
+        fault = f"some rows have an airspeed, up to {np.max(found.speed):g} m/s"
         raise InputError(fault, "fit such data with propmap fit tunnel", str(path))
     return replace(found, speed=np.zeros_like(found.speed), beta=np.zeros_like(found.speed))
 
 
 def _like_electrical(fitted: Fitted, measured: tunnel.TunnelData) -> list[str]:
-    """Remark that a power is larger than a shaft's is likely to be."""
+    """Return a remark if the measured power is probably electrical power."""
     rows = fitted.rows
     if "torque" not in rows.names or not measured.by_power:
         return []
@@ -468,8 +481,8 @@ def _like_electrical(fitted: Fitted, measured: tunnel.TunnelData) -> list[str]:
     if ratio < LIKE_ELECTRICAL:
         return []
     return [
-        f"the power is {ratio:.2f} times what other propellers predict; if it is that of the "
-        "battery, with the losses of motor and controller, leave it out"
+        f"the measured power is {ratio:.2f} times the power expected from other propellers; if it "
+        "is battery power, which includes losses of motor and controller, leave it out"
     ]
 
 
@@ -486,11 +499,11 @@ def _show_trust(trust: comparison.ForwardTrust) -> None:
         where = f"{advance:.1f}", f"{np.degrees(beta):.0f} deg"
         rows.append((*where, f"{thrust:.3g} N", left[0], f"{torque:.3g} N m", left[1]))
     heads = "J|beta|thrust|sd before -> after|torque|sd before -> after"
-    title = f"What is left uncertain of flight at {trust.omega / RPM:.0f} rpm, 0 deg along the axis"
+    title = f"Uncertainty in flight at {trust.omega / RPM:.0f} rpm (beta 0 deg: along the axis)"
     out.show(
         None,
         out.grid(heads, rows, title),
-        "sd: standard deviation of what the constants leave open, and "
-        f"{comparison.MODEL_ERROR:.0%} of the load at rest for the model; checked in axial flow; "
-        "stands differ by some per cent besides",
+        "sd: relative standard deviation, from the section constants and from a model error of "
+        f"{comparison.MODEL_ERROR:.0%} of the static load; checked in axial flow only; excludes "
+        "differences between thrust stands (some percent)",
     )

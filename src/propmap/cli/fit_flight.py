@@ -1,4 +1,4 @@
-"""``propmap fit flight`` and ``propmap fit terms``: section parameters from logs of flights."""
+"""``propmap fit flight`` and ``propmap fit terms``: section constants from flight logs."""
 
 from __future__ import annotations
 
@@ -44,21 +44,21 @@ from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, ThrottleCurve
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
-# Logs of flight fits and checks, as samples or as operating points.
+# Logs for fits and checks, as samples of whole flights or as steady operating points.
 
 ENOUGH_STRETCHES = 4
 FROM_THROTTLE = (
-    "rotor speeds are from throttle, by a curve that is fitted with the rest: thrust and drag are "
-    "known less well than from measured speeds, torque and power hardly"
+    "rotor speeds are computed from throttle by a fitted curve: thrust and drag are less certain "
+    "than with measured rotor speeds, torque and power are hardly known"
 )
 UNKNOWN_BATTERY = (
-    "there is no voltage of the battery beside the throttle, and thrust drifts as it empties: name "
-    "battery_voltage or hover_throttle in [log.columns], or log it"
+    "there is throttle but no battery voltage, so that thrust drifts as the battery empties: name "
+    "battery_voltage or hover_throttle in [log.columns], or log the voltage"
 )
 
 
 class Flights(NamedTuple):
-    """A log, whether it holds steady operating points alone, and remarks for the report."""
+    """A log, whether it contains only steady operating points, and remarks for the report."""
 
     level: bool
     log: FlightLog
@@ -79,10 +79,10 @@ def read_flights(
 ) -> Flights:
     """Read logs, or tables of operating points, for the method "level", "balance" or "auto".
 
-    Steady stretches last ``seconds`` at least, and are drawn as a ``picture``. Whole flights
-    have so many ``samples`` at most, as neighbours err alike, with all signals passed below
-    ``low_pass`` [Hz], 0 for none.  Rotor speeds from throttle are by the constants of a ``curve``,
-    by default the usual ones and the logs' own hover.
+    Steady stretches last at least ``seconds``, and ``picture`` shows them.  Whole flights have at
+    most this number of ``samples``, because adjacent samples have similar errors; ``low_pass``
+    [Hz] filters all signals, 0 for no filter.  ``curve`` has the constants that convert throttle
+    to rotor speed, by default usual values and the hover throttle of the logs.
     """
     names = flight_names([str(path) for path in paths])
     if all_level_tables(paths):
@@ -100,8 +100,8 @@ def read_flights(
         return Flights(True, joined(tables, names), tuple(found))
     logs, remarks, curve = _recorded(paths, file, curve)
     if method == "level" and any(log.commanded for log in logs):
-        fault = "steady stretches with throttle in place of rotor speeds say nothing of the blade: "
-        fault += "they carry the weight at any"
+        fault = "steady stretches with throttle instead of rotor speeds do not determine the "
+        fault += "blade: any rotor speed could carry the weight"
         raise InputError(fault, "use --method balance, or log rotor speeds")
     if method != "balance" and not any(log.commanded for log in logs):
         points = _points(logs, seconds, picture, needed=method == "level")
@@ -117,8 +117,9 @@ def read_flights(
         if rate < needed:
             remarks.append(
                 f"{log.source}: {rate:.3g} samples per second are too few for a low-pass at "
-                f"{low_pass:g} Hz, which takes {needed:g}, and are fitted as they are: log the "
-                f"slowest signal faster, or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
+                f"{low_pass:g} Hz, which needs {needed:g}, so that the fit uses unfiltered "
+                "samples: log the slowest signal faster, or lower --low-pass to "
+                f"{rate / FEWEST_PER_PERIOD:.2g}"
             )
     logs = _turning([low_passed(log, low_pass) for log in logs], file.vehicle, curve)
     flying = joined([log.picked(steady.airborne(log)) for log in logs], names)
@@ -129,7 +130,7 @@ def read_flights(
 def _recorded(
     paths: Sequence[Path], file: VehicleFile, curve: Mapping[str, float] | None
 ) -> tuple[list[FlightLog], list[str], Mapping[str, float]]:
-    """Read logs, with warnings on what they may not be, and the curve from throttle to speeds."""
+    """Read logs, warnings on probable mistakes, and the curve from throttle to rotor speeds."""
     logs, remarks = list[FlightLog](), list[str]()
     for path in paths:
         recording = read_recording(path, file)
@@ -145,13 +146,13 @@ def _recorded(
         if curve is None:
             curve = {HOVER_DRIVE: checks.drive_in_hover(logs)}
         if HOVER_DRIVE not in curve:
-            found = "there is throttle and no rotor speed, and the constants are of measured ones"
-            remedy = "compare with a log of rotor speeds, or fit logs with throttle as well"
+            found = "there is throttle but no rotor speed, and the fit used measured rotor speeds"
+            remedy = "compare with a log of rotor speeds, or add logs with throttle to the fit"
             raise InputError(found, remedy, driven[0])
     curve = curve or {}
     logs = _turning(logs, file.vehicle, curve)
     for log in logs:
-        # Where it need not be stated, it is rpm.
+        # The vehicle file may omit the unit only if it is rpm.
         unit = file.log.rotor_unit or "rpm"
         remarks += checks.check_rotor_speed(log, _nominal_rotor(file), file.vehicle, unit)
         checks.check_rotor_order(log, file.vehicle)
@@ -161,7 +162,7 @@ def _recorded(
 def _turning(
     logs: list[FlightLog], vehicle: Vehicle, curve: Mapping[str, float]
 ) -> list[FlightLog]:
-    """Give the logs rotor speeds by a ``curve`` where they have throttle."""
+    """Return the logs with rotor speeds computed by the ``curve`` for logs with throttle."""
     if not any(log.commanded for log in logs):
         return logs
     return [log.with_curve(ThrottleCurve.of(vehicle, curve)) for log in logs]
@@ -201,34 +202,35 @@ def all_level_tables(paths: Sequence[Path]) -> bool:
 
 
 # -------------------------------------------------------------------------------------------------
-# What is free in fits to flights, and what is known of it beforehand.
+# Free parameters of flight fits, and their priors.
 
 LowPass = Annotated[
     float | None,
     Option(
         "--low-pass",
         metavar="HZ",
-        help="Cut-off of all signals of whole flights; by default 6, 0 for none.",
+        help="Cut-off frequency of the low-pass filter for whole flights in Hz; 0 for no filter "
+        "(default: 6).",
     ),
 ]
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
-"""Constants of the blade that a flight moves; it says nothing of the others."""
+"""Constants of the blade that flights determine."""
 BODY_PLATE = "plate_area"
 BODY_ALONG_Z = (BODY_PLATE, "download_area_x", "download_area_y")
-"""Terms of the body that the drag of the rotors' mounts does not take the place of."""
+"""Terms of the body that the drag of the rotor mounts does not replace."""
 
-# Standard deviations: areas of a body over that of all disks, and of a mount over that of its
-# disk; places of the accelerometer and of the centre of mass over the hubs' mean distance; mass of
-# a rotor at its radius over the vehicle's.
+# Prior standard deviations as fractions: body areas of the area of all disks, mount area of the
+# area of its disk, positions of the accelerometer and of the center of mass of the mean distance of
+# the hubs, mass of a rotor (at its radius) of the mass of the vehicle.
 BODY_SHARE, MOUNT_SHARE = 0.4, 0.1
 SENSOR_SHARE, CENTRE_SHARE = 0.5, 0.1
 ROTOR_SHARE = 0.01
 
 
 def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, parameters.Prior]:
-    """Give priors of all parameters but the section's, and of stall, by the vehicle's size.
+    """Return priors of stall and of all parameters outside the section law, for the vehicle's size.
 
-    With ``hover``, the thrust scale of each flight is expected where its own hover has it.
+    With ``hover``, the hover of each flight gives the prior of its thrust scale.
     """
     disk = math.pi * vehicle.propeller.radius**2
     bodies = parameters.Prior(0.0, BODY_SHARE * disk * len(vehicle.mounts))
@@ -255,12 +257,12 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
 
 
 def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[str, ...]:
-    """List what a fit to flights varies where nothing is stated.
+    """Return the parameters that a fit to flights varies by default.
 
-    With steady stretches (``level``) the paper's four; with whole flights what else moves the
-    residuals: drag of the rotors' mounts, which takes the place of the body's in the disk plane,
-    the body's along z, the accelerometer, the wakes of several rotors on each other, and of each
-    flight of the ``log`` the clock and, beside others, the thrust scale.
+    Fits to steady stretches (``level``) vary the four constants of the paper.  Fits to whole
+    flights also vary the drag of the rotor mounts, which replaces the body drag in the disk plane,
+    the body drag along z, the accelerometer, the wakes of several rotors on each other, and for
+    each flight of the ``log`` the clock and, with several flights, the thrust scale.
     """
     if level:
         return PAPER_FOUR
@@ -270,7 +272,7 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     scales = flight.of_each("thrust_scale", log) if len(log.flights) > 1 else ()
     driven = (*CURVE, *flight.TILT) if log.commanded else ()
     own = (*flight.of_each("clock_offset", log), *scales, *driven)
-    # A wing is a plate itself, with the lift of one at an angle.
+    # The model of a wing already has the force of an inclined plate.
     body = BODY_ALONG_Z if vehicle.wing is None else ("drag_area_z", *BODY_ALONG_Z[1:])
     return (*BLADE, *parameters.FLEX, *mount, *body, *flight.OFFSET, *turning, *wakes, *own)
 
@@ -278,10 +280,10 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
 def with_flight_priors(
     choice: parameters.Choice, known: Mapping[str, parameters.Prior]
 ) -> parameters.Choice:
-    """Add what is known of those free parameters that have no prior.
+    """Add the ``known`` priors of free parameters that have no prior.
 
-    The body's plate starts at a deviation: 0 is its bound, which searches leave so slowly that they
-    end in other minima.
+    The plate area of the body starts at one standard deviation.  From its bound of 0, searches
+    move so slowly that they end in other minima.
     """
     more = {n: p for n, p in known.items() if n in choice.free and n not in choice.priors}
     start = {n: p.deviation for n, p in more.items() if n == BODY_PLATE}
@@ -289,9 +291,10 @@ def with_flight_priors(
 
 
 # -------------------------------------------------------------------------------------------------
-# ``propmap fit flight``: section parameters from flight logs of a vehicle.
+# ``propmap fit flight``: section constants from flight logs of a vehicle.
 
-# One in so many samples of whole flights is fitted from all starts, and all from the best end.
+# With FEW samples or more, all starts use only one in EVERY samples of whole flights; the fit to
+# all samples then starts from the best result.
 EVERY, FEW = 3, 1500
 
 
@@ -300,7 +303,8 @@ def fit_flight(
     logs: Annotated[
         list[Path],
         Argument(
-            metavar="LOG...", help="CSV, Parquet, ULog, DataFlash, bag, or a level-flight table."
+            metavar="LOG...",
+            help="Flight logs (CSV, Parquet, ULog, DataFlash, bag), or level-flight tables.",
         ),
     ],
     vehicle: opt.VehicleOption,
@@ -308,43 +312,43 @@ def fit_flight(
     method: Annotated[
         Literal["auto", "level", "balance"],
         Option(
-            help="level: vertical balance of steady stretches, as in the paper; balance: all "
-            "forces at all times; auto: level if there are enough steady stretches."
+            help="level: vertical force balance in steady stretches, as in the paper; balance: all "
+            "forces at all times; auto: level if there are enough steady stretches, or balance."
         ),
     ] = "auto",
-    name_or_file: Annotated[
-        str | None,
-        Option(
-            "--airfoil", metavar="NAME|FILE", help="Take the values of what is not free from here."
-        ),
-    ] = None,
+    name_or_file: opt.FitAirfoilOption = None,
     physics: opt.ModelOption = None,
     correction: opt.Corrections = None,
-    seconds: Annotated[float, Option(help="Shortest steady stretch [s].")] = 2.0,
+    seconds: Annotated[float, Option(help="Minimum length of a steady stretch in s.")] = 2.0,
     samples: Annotated[
-        int, Option(min=10, help="Largest number of samples used of whole flights.")
+        int, Option(min=10, help="Maximum number of samples from whole flights.")
     ] = 500,
     low_pass: LowPass = None,
     hover_scale: Annotated[
         bool,
         Option(
             "--hover-scale/--no-hover-scale",
-            help="Expect each flight's thrust scale where its own hover has it.",
+            help="Use the hover of each flight as the prior of its thrust scale.",
         ),
     ] = True,
     body_study: Annotated[
-        bool, Option("--body-study", help="Say whether terms for body lift and drag pay.")
+        bool, Option("--body-study", help="Report whether body lift and body drag improve the fit.")
     ] = False,
     stretches_picture: Annotated[
-        Path | None, Option("--stretches", metavar="FILE", help="Draw the steady stretches.")
+        Path | None,
+        Option(
+            "--stretches",
+            metavar="FILE",
+            help="Picture of the steady stretches: .png, .svg or .pdf.",
+        ),
     ] = None,
     cluster: opt.Cluster = None,
     asked: FitChoice = FitChoice(starts=2),  # noqa: B008 - frozen
 ) -> None:
-    """Fit flight logs of a vehicle.
+    """Fit section constants to flight logs of a vehicle.
 
-    Whole flights have a thrust scale (where there are several) and a clock each. Wind is not
-    estimated: state it in the vehicle file.
+    Each whole flight has its own clock offset and, if there are several flights, its own thrust
+    scale. The fit does not estimate wind: state it in the vehicle file.
     """
     check_outputs(output, asked.picture, stretches_picture)
     base = opt.constants(name_or_file) if name_or_file else None
@@ -366,7 +370,8 @@ def fit_flight(
     expected = asked.expected(blade.name, blade, base)
     wing = flight.wing_values(file.vehicle)
     if not flights.level and asked.free is None:
-        # With one blade in one air, what hardly moves stays where other propellers have it.
+        # Flights of one blade in one air do not determine the other constants: these keep the
+        # values expected from other propellers.
         held, believed = (
             [text.partition("=")[0].strip() for text in texts or ()]
             for texts in (asked.fix, asked.prior)
@@ -430,10 +435,10 @@ def fit_flight(
 
 
 # -------------------------------------------------------------------------------------------------
-# ``propmap fit terms``: what each term of a flight fit is worth, as a page.
+# ``propmap fit terms``: a web page on the benefit of each term of a flight fit.
 
-ALMOST_NONE = 1e-9  # area [m^2] of a mount that drags nothing
-STALL = ("c_l1", "c_d", "alpha_0")  # the paper's four without c_l2, which level flights do not show
+ALMOST_NONE = 1e-9  # area of a mount without drag [m^2]
+STALL = ("c_l1", "c_d", "alpha_0")  # the paper's four without c_l2: level flights do not show it
 DRAGS, DOWN = ("drag_area_x", "drag_area_y", "drag_area_z"), ("download_area_x", "download_area_y")
 ENDINGS = ("x", "y", "z")
 
@@ -441,35 +446,35 @@ ENDINGS = ("x", "y", "z")
 def fit_terms_page(
     logs: Annotated[
         list[Path],
-        Argument(metavar="LOG...", help="CSV, Parquet, ULog, DataFlash or bag; two or more."),
+        Argument(
+            metavar="LOG...", help="Two or more flight logs (CSV, Parquet, ULog, DataFlash, bag)."
+        ),
     ],
     vehicle: opt.VehicleOption,
     output: out.FolderOutput,
-    samples: Annotated[
-        int, Option(min=10, help="Largest number of samples that each fit takes.")
-    ] = 300,
+    samples: Annotated[int, Option(min=10, help="Maximum number of samples in each fit.")] = 300,
     low_pass: LowPass = None,
     prior_from: PriorFrom = None,
     prediction: Annotated[
         str | None,
         Option(
             metavar="COLUMNS",
-            help="Compare with the forces along x, y, z [N] that something else predicts, in three "
-            "columns of CSV logs, separated by commas. By default those ending in _fx, _fy, _fz.",
+            help="Compare with another model: three columns of the CSV logs, separated by commas, "
+            "with its forces along x, y, z in N (default: the columns ending in _fx, _fy, _fz).",
         ),
     ] = None,
 ) -> None:
-    """Write a page that says which terms of a flight fit pay.
+    """Report on a web page which terms improve a flight fit.
 
-    The steps are the hover model, the vertical balance, then one term more at a time. Each is
-    fitted to all flights but one and checked on that one, beside a prediction that comes with
-    the logs.
+    The first models are the hover model and the vertical balance; each further model adds one
+    term. The command fits each model to all flights except one and checks it on the held-out
+    flight. The page also shows the errors of another model, if the logs contain its predictions.
     """
     from propmap.report.html import PAGE, TERMS_FILES, check_folder, write_folder
 
     check_folder(output, TERMS_FILES)
     file = read_vehicle(vehicle)
-    # Moments play no part here, and the wakes are one of the terms.
+    # The comparison ignores moments, and the wakes are one of its terms.
     file = replace(file, vehicle=replace(file.vehicle, inertia=None, wakes=None))
 
     from propmap.report.terms_page import terms_pages
@@ -491,24 +496,24 @@ def fit_terms_page(
         file.vehicle, flights, found, low_pass=cutoff, samples=samples, remarks=remarks
     )
     write_folder(output, pages, TERMS_FILES)
-    echo(f"wrote {output / PAGE} and {len(pages) - 1} files beside it")
+    echo(f"wrote {output / PAGE} and {len(pages) - 1} other files")
 
 
 def expected(prior_from: str | None, vehicle: Vehicle) -> parameters.SectionPrior:
-    """Predict the constants of the vehicle's blade; ``InputError`` where no prior is wanted."""
+    """Return the prior of the vehicle's blade; raise ``InputError`` for ``--prior-from none``."""
     blade = vehicle.propeller
     prior = FitChoice(prior_from=prior_from).expected(blade.name, blade, None)
     if prior is None:
-        raise InputError("the terms are fitted with a prior", "leave --prior-from none out")
+        raise InputError("fit terms needs a prior", "leave --prior-from none out")
     return prior
 
 
 def steps(
     vehicle: Vehicle, prior: parameters.SectionPrior, known: Mapping[str, parameters.Prior]
 ) -> list[comparison.Step]:
-    """List models of a vehicle's flights, each with one term more.
+    """Return models of a vehicle's flights, each with one more term.
 
-    Other propellers give the ``prior`` of the blade; ``known`` are the priors of other terms.
+    ``prior`` is the prior of the blade from other propellers; ``known`` has the other priors.
     """
     own_mounts = any(one.drag for one in vehicle.mounts)
     mount = () if own_mounts else tuple(parameters.INSTALLED)
@@ -530,7 +535,7 @@ def steps(
     absent = {**bare, **dict.fromkeys(parameters.FLEX, 0.0)}
 
     def choice(free: tuple[str, ...]) -> parameters.Choice:
-        """Hold what is not free where other propellers have it, or absent."""
+        """Fix parameters that are not free at the prior mean, or at zero for absent terms."""
         fixed = {name: value for name, value in {**at, **absent}.items() if name not in free}
         start = {name: value for name, value in at.items() if name in free}
         return with_flight_priors(parameters.Choice(free, fixed, {}, start, prior), known)
@@ -542,25 +547,25 @@ def steps(
 def read_pairs(
     paths: Sequence[Path], file: VehicleFile, cutoff: float, prediction: str | None
 ) -> tuple[list[comparison.RecordedFlight], list[str]]:
-    """Read flights, their signals low-passed below ``cutoff`` [Hz] and raw, and remarks on them.
+    """Read flights with low-passed (``cutoff`` [Hz]) and raw signals, and remarks on them.
 
-    Raises ``InputError`` for bad logs, and for columns of the ``prediction`` that are not there.
+    Raises ``InputError`` for bad logs and for missing columns of the ``prediction``.
     """
     names = [path.stem for path in paths]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
-        raise InputError(f"two logs are called {twice[0]!r}", "give each flight once")
+        raise InputError(f"two logs have the name {twice[0]!r}", "give each flight once")
     found: list[comparison.RecordedFlight] = []
     remarks: list[str] = []
     for path in paths:
         passed, raw = (read_flights([path], file, "balance", low_pass=hz) for hz in (cutoff, 0.0))
         remarks += passed.remarks
         if passed.log.commanded:
-            fault = "there are commands to the motors in place of rotor speeds"
-            raise InputError(fault, "compare terms on flights with measured speeds", str(path))
+            fault = "there are motor commands instead of rotor speeds"
+            raise InputError(fault, "use flights with measured rotor speeds", str(path))
         if not np.isfinite(passed.log.specific_force).all():
-            fault = "there is no specific force (accelerometer) for all samples"
-            raise InputError(fault, "log it", str(path))
+            fault = "the specific force (accelerometer) is missing in some samples"
+            raise InputError(fault, "log the accelerometer", str(path))
         both = [
             _predicted(path, file, flown.log.time, hz, prediction)
             for flown, hz in ((passed, cutoff), (raw, 0.0))
@@ -572,7 +577,7 @@ def read_pairs(
 def _predicted(
     path: Path, file: VehicleFile, time: Floats, cutoff: float, columns: str | None
 ) -> Floats | None:
-    """Read forces [N] (n, 3) that columns of a CSV log predict at these times, low-passed."""
+    """Read predicted forces [N] (n, 3) at these times from columns of a CSV log, low-passed."""
     if path.suffix.lower() != ".csv":
         return None
     with path.open(encoding="utf-8-sig", errors="replace") as lines:
@@ -581,7 +586,7 @@ def _predicted(
         names = [name.strip() for name in columns.split(",")]
         missing = [name for name in names if name not in heads]
         if missing or len(names) != len(ENDINGS):
-            what = quoted(missing[0]) + " is no column" if missing else f"{len(names)} columns"
+            what = quoted(missing[0]) + " is not a column" if missing else f"{len(names)} columns"
             raise InputError(f"--prediction: {what}", "name three columns of the log", str(path))
     else:
         stems = [head.removesuffix("_fx") for head in heads if head.endswith("_fx")]

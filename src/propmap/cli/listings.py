@@ -1,4 +1,4 @@
-"""``propmap props`` and ``propmap airfoils``: what comes with propmap, and how well it is known."""
+"""``propmap props`` and ``propmap airfoils``: propellers and section laws of the catalogue."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ OUTLINE_WIDTH = 72  # characters from the axis to the tip
 
 
 class ListByDefault(TyperGroup):
-    """Make `list` the command that need not be named: `props apc` is `props list apc`."""
+    """A group with `list` as its default command: `props apc` means `props list apc`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Put `list` in front where no command of the group is named."""
+        """Insert `list` if the arguments name no command of the group."""
         if not args or args[0] not in {*self.commands, "--help"}:
             args = ["list", *args]
         return super().parse_args(ctx, args)
@@ -50,7 +50,7 @@ airfoils_app = typer.Typer(
 
 @airfoils_app.command("list")
 def list_airfoils(format_: out.FormatOption = None, output: out.TextOutput = None) -> None:
-    """List the parameter sets that come with propmap."""
+    """List the section laws that propmap includes."""
     chosen = out.chosen_format(format_, output)
     sets = [parameter_set(name) for name in airfoil_names()]
     if chosen != "table":
@@ -68,10 +68,12 @@ def list_airfoils(format_: out.FormatOption = None, output: out.TextOutput = Non
 
 @airfoils_app.command("show")
 def show_airfoil(
-    name: Annotated[str, Argument(metavar="NAME|FILE", help="Parameter set or TOML file.")],
+    name: Annotated[
+        str, Argument(metavar="NAME|FILE", help="Name of a section law, or fit or parameter set.")
+    ],
     output: out.TextOutput = None,
 ) -> None:
-    """Print a parameter set as TOML, a template for one's own."""
+    """Print a section law as TOML, for example as a template."""
     if output is not None:
         out.check_output(output, (".toml",))
     out.emit(opt.constants(name).to_toml(), output)
@@ -85,7 +87,7 @@ def list_props(
     format_: out.FormatOption = None,
     output: out.TextOutput = None,
 ) -> None:
-    """List the propellers, all or those that match all words."""
+    """List all propellers, or the propellers that match all words."""
     chosen = out.chosen_format(format_, output)
     text = " ".join(words or [])
     entries = search(text)
@@ -104,10 +106,10 @@ def show_prop(
     blades: opt.Blades = None,
     radius: opt.Radius = None,
     output: Annotated[
-        Path | None, out.output_option("Draw the blade too: .png, .svg, .pdf.")
+        Path | None, out.output_option("Picture of the blade: .png, .svg or .pdf.")
     ] = None,
 ) -> None:
-    """Show a propeller's blade and its section constants."""
+    """Show the blade and the section constants of a propeller."""
     from rich.text import Text
 
     out.check_pictures(output)
@@ -118,7 +120,7 @@ def show_prop(
     ]
     out.show(
         None,
-        f"{blade.name}: {blade.blades} blades, radius {blade.radius:.5g} m, loaded from "
+        f"{blade.name}: {blade.blades} blades, radius {blade.radius:.5g} m, loaded part from "
         f"{blade.root:.5g} m",
         out.grid("radius [m]|r/R|chord [mm]|twist [deg]", rows),
         Text("\n".join(outline(blade)), no_wrap=True),
@@ -135,11 +137,11 @@ def show_prop(
 
 
 def outline(blade: Propeller) -> list[str]:
-    """Draw the blade to scale about mid-chord in half blocks, twice as high as wide."""
+    """Return a drawing of the blade to scale, centered on mid-chord, in half-block characters."""
     step = blade.radius / OUTLINE_WIDTH
     middles = (np.arange(OUTLINE_WIDTH) + 0.5) * step
     chord = np.interp(middles, blade.station, blade.chord, left=0.0)
-    # A blade thinner than a half block is still drawn.
+    # A part of the blade that is narrower than a half block is still drawn.
     chord = np.where(middles >= blade.station[0], np.maximum(chord, step), 0.0)
     rows = max(2, 2 * int(np.ceil(chord.max() / step / 2.0)))
     heights = (np.arange(rows) + 0.5 - 0.5 * rows) * step
@@ -151,7 +153,7 @@ def outline(blade: Propeller) -> list[str]:
 
 
 def _constants(meant: Meant, blade: Propeller) -> list[object]:
-    """Show the constants that commands take for PROP by default, and how sure they are."""
+    """Return the default section constants of PROP with their standard deviations, for display."""
     if meant is None:
         return []
     shown: list[object] = []
@@ -163,14 +165,14 @@ def _constants(meant: Meant, blade: Propeller) -> list[object]:
         predicted = predicted_constants(meant, blade)
         law = predicted.airfoil
         if isinstance(meant, Entry):
-            # Else a note on the blade has said what both rest on.
+            # Otherwise a note on the blade already states the source.
             shown.append(predicted.summary)
     name = meant.name if isinstance(meant, Entry) else None
     same = [one.blades for one in all_identified() if one.propeller == name]
     others = sorted({*same} - {blade.blades})
     if others:
-        shown.append(f"identified with {' and '.join(map(str, others))} blades too: --blades N")
-    assert law.uncertainty is not None  # both kinds carry it
+        shown.append(f"also identified with {' and '.join(map(str, others))} blades: --blades N")
+    assert law.uncertainty is not None  # identified and predicted constants have it
     deviations = np.sqrt(np.diag(law.uncertainty.covariance.matrix))
     rows = [
         (name, f"{getattr(law, name):.4f}", f"{deviation:.4f}", CONSTANTS[name].unit)

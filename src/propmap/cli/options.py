@@ -1,4 +1,4 @@
-"""Options that commands share, and what they describe: rotor, aircraft, points, workers."""
+"""Options that several commands share: rotor, aircraft, operating points and workers."""
 
 from __future__ import annotations
 
@@ -42,28 +42,33 @@ if TYPE_CHECKING:
 
 
 # -------------------------------------------------------------------------------------------------
-# PROP and the options that choose a rotor.
+# PROP and the options that define the rotor.
 
-SAME_BLADE = 0.02  # share within which radius and chord are those of one blade
+SAME_BLADE = 0.02  # relative difference in radius and chord below which two blades are the same
 Law = TypeVar("Law", bound=SectionLaw)
 
-PROP_HELP = "Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file."
+PROP_HELP = "Propeller: catalogue name, designation such as 'HQ 5x4.3x3', or geometry file."
+BETA_HELP = "Angle beta between velocity and rotor axis"
+AXIS_HELP = "N values from A to B, or a list such as 1,5,9"
 PropArgument = Annotated[str, Argument(metavar="PROP", help=PROP_HELP)]
 PropOption = Annotated[str, Option("--prop", metavar="PROP", help=PROP_HELP)]
-Blades = Annotated[int | None, Option("--blades", metavar="N", help="Number of blades.")]
+Blades = Annotated[
+    int | None,
+    Option("--blades", metavar="N", help="Number of blades (default: from the catalogue or file)."),
+]
 Radius = Annotated[
-    float | None, Option("--radius", help="Tip radius [m], where the file gives none.")
+    float | None, Option("--radius", help="Tip radius in m, if the file does not state it.")
 ]
 RootCutout = Annotated[
-    float | None, Option("--root-cutout", help="Radius where the loaded blade begins [m].")
+    float | None, Option("--root-cutout", help="Inner radius of the loaded blade in m.")
 ]
 Corrections = Annotated[
     list[str] | None,
     Option(
         "--correction",
         metavar="NAME[:FIELD=VALUE]",
-        help=f"Add a correction to the model: {', '.join(CORRECTIONS)} (a field as in "
-        "hub-loss:radius_m=0.012); may be repeated.",
+        help="Correction to add to the model; may be repeated. To set a field: "
+        f"hub-loss:radius_m=0.012. Names: {', '.join(CORRECTIONS)}.",
     ),
 ]
 ModelName = Literal["recommended", "paper"]  # the keys of ``MODELS``
@@ -71,18 +76,18 @@ ModelOption = Annotated[
     ModelName | None,
     Option(
         "--model",
-        help="Physics: recommended is the paper's with an inflow that varies around the disk "
-        "(pitt-peters) and friction along the flow (radial-friction), paper is Gill & D'Andrea "
-        "2017 to the letter. By default the one with which the section law's constants were found, "
-        "else recommended.",
+        help="Physical model: paper is exactly the model of Gill & D'Andrea 2017; recommended adds "
+        "an inflow that varies around the disk (pitt-peters) and spanwise skin friction "
+        "(radial-friction). Default: the model used to identify the section constants, or "
+        "recommended if they state none.",
     ),
 ]
 BareOption = Annotated[
     bool,
     Option(
         "--bare",
-        help="Give the rotor drag of the blades alone. By default a propeller by name is installed "
-        "as rotors on motors are, with the correction installed, except with --model paper.",
+        help="Report the rotor drag of the bare blades. By default, the rotor is modeled as "
+        "installed on a motor (correction installed), except with --airfoil or --model paper.",
     ),
 ]
 AccuracyName = Literal["standard", "fine"]
@@ -91,31 +96,45 @@ AirfoilOption = Annotated[
     Option(
         "--airfoil",
         metavar="NAME|FILE",
-        help="Section law: a name of propmap airfoils, a fit or parameter set (.toml), or a "
-        "section table of AeroDyn, XFOIL (a file or a folder), CACTUS or CSV. By default the "
-        "constants identified for the propeller, else those predicted from its family or from all "
-        "propellers; a fit starts from the paper's first guess.",
+        help="Section law: a name that `propmap airfoils` lists, a fit or parameter set (.toml), "
+        "or a section table (AeroDyn, XFOIL file or folder, CACTUS, CSV). Default: the constants "
+        "identified for the propeller; if there are none, the constants predicted from its family "
+        "or from all propellers.",
+    ),
+]
+FitAirfoilOption = Annotated[
+    str | None,
+    Option(
+        "--airfoil",
+        metavar="NAME|FILE",
+        help="Values of the fixed section constants and start values of the free ones: a name that "
+        "`propmap airfoils` lists, or a fit or parameter set (.toml). Default: from the prior "
+        "(--prior-from), or the first guess of the paper without a prior.",
     ),
 ]
 AccuracyOption = Annotated[
     AccuracyName,
-    Option("--accuracy", help="Compute loads to 0.1 % (standard) or to 0.01 %, slower."),
+    Option("--accuracy", help="Accuracy of the loads: standard 0.1 %, fine 0.01 % (slower)."),
 ]
 
 
 @dataclass(frozen=True)
 class RotorChoice:
-    """The propeller, section law and air that a user asked for; its fields become options."""
+    """Choice of propeller, section law and air; each field becomes an option."""
 
     prop: PropArgument
     airfoil: AirfoilOption = None
-    rho: Annotated[float | None, Option(help=f"Air density [kg/m^3], else {PAPER_DENSITY}.")] = None
-    mu: Annotated[float | None, Option(help=f"Viscosity [Pa s], else {PAPER_VISCOSITY}.")] = None
+    rho: Annotated[
+        float | None, Option(help=f"Air density in kg/m^3 (default: {PAPER_DENSITY}).")
+    ] = None
+    mu: Annotated[
+        float | None, Option(help=f"Viscosity of the air in Pa s (default: {PAPER_VISCOSITY}).")
+    ] = None
     altitude: Annotated[
-        float | None, Option(help="Take the standard atmosphere's air at this height [m].")
+        float | None, Option(help="Use the standard atmosphere at this altitude in m.")
     ] = None
     temperature_offset: Annotated[
-        float | None, Option(help="Difference from the standard atmosphere's [K].")
+        float | None, Option(help="Temperature offset from the standard atmosphere in K.")
     ] = None
     model: ModelOption = None
     correction: Corrections = None
@@ -126,7 +145,7 @@ class RotorChoice:
     accuracy: AccuracyOption = "standard"
 
     def rotor(self) -> Rotor:
-        """Make the rotor; notes say what is assumed and what is implausible about it."""
+        """Return the rotor, and print notes on assumptions and implausible values."""
         blade, air = self.blade(), self.medium()
         law = section_law(self.airfoil, self.prop, blade, self.blades)
         by_name = self.airfoil is None and not self.bare
@@ -137,15 +156,15 @@ class RotorChoice:
         return Rotor(Model(blade, section, air), accuracy=self.accuracy)
 
     def blade(self) -> Propeller:
-        """Read the propeller; notes say what is assumed and what is implausible about it."""
+        """Return the propeller, and print notes on assumptions and implausible values."""
         return propeller_noted(self.prop, self.blades, self.radius, self.root_cutout)
 
     def medium(self) -> Air:
-        """Make the air; notes say what is implausible about its figures."""
+        """Return the air, and print notes on implausible values."""
         stated = self.rho is not None or self.mu is not None
         if self.altitude is not None or self.temperature_offset is not None:
             if stated:
-                found = "the air is given twice, by its figures and by the standard atmosphere"
+                found = "the air is given twice: by its properties and by the standard atmosphere"
                 remedy = "give --rho and --mu, or --altitude and --temperature-offset"
                 raise InputError(found, remedy)
             return Air.standard(self.altitude or 0.0, self.temperature_offset or 0.0)
@@ -161,7 +180,7 @@ def propeller_noted(
     radius: float | None = None,
     root_cutout: float | None = None,
 ) -> Propeller:
-    """Read PROP, with notes on how, on a blade not measured and on what is implausible."""
+    """Read PROP, and print notes on its interpretation and on implausible values."""
     found = lookup.propeller(prop, blades, radius, root_cutout)
     note_reading(prop, found, blades)
     note(*blade_warnings(found))
@@ -169,7 +188,7 @@ def propeller_noted(
 
 
 def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
-    """Note how PROP, no name of the catalogue, was read as ``found`` with ``asked`` blades."""
+    """Note how a PROP that is not a catalogue name was read as ``found`` with ``asked`` blades."""
     meant = lookup.meant_by(prop, asked)
     if isinstance(meant, ExpectedBlade):
         note(meant.summary)
@@ -177,30 +196,30 @@ def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
         note(*how_read(prop, asked))
     in_title = blades_in_title(prop, read_lines(prop)) if meant is None else None
     if in_title not in (None, found.blades):
-        whose = "the file has" if asked is None else "--blades says"
-        note(f"its title tells of {in_title} blades; {found.blades} are taken, as {whose}")
+        whose = "the data of the file" if asked is None else "--blades"
+        note(f"the title states {in_title} blades; {found.blades} are used, from {whose}")
     elif in_title is not None and asked is None:
-        note(f"{in_title} blades, as its title tells")
+        note(f"{in_title} blades, from the title of the file")
 
 
 def section_law(
     asked: str | None, prop: str, blade: Propeller, blades: int | None = None
 ) -> Airfoil | SectionTable:
-    """Find the law that ``--airfoil`` asks for, else with a note that identified or predicted for
-    PROP with so many ``blades`` as were asked for."""
+    """Return the law of ``--airfoil``; without it, note and return the law identified or predicted
+    for PROP with the given number of ``blades``."""
     if asked is not None:
         note(*_of_another_propeller(asked, blade))
         return lookup.airfoil(asked)
     meant = lookup.meant_by(prop, blades)
     found = lookup.own_constants(meant, blade.blades) or lookup.predicted_constants(meant, blade)
     if not (isinstance(meant, ExpectedBlade) and meant.own is None):
-        # Else the note on the blade has said what the constants rest on too.
-        note(f"{found.summary}; another law by --airfoil")
+        # Otherwise the note on the blade already states the source of the constants.
+        note(f"{found.summary}; --airfoil selects another law")
     return found.airfoil
 
 
 def _of_another_propeller(asked: str, blade: Propeller) -> list[str]:
-    """Remark that ``--airfoil`` asks for a fit to another propeller than the ``blade``."""
+    """Return a remark if ``--airfoil`` names a fit to a propeller other than the ``blade``."""
     path = Path(asked)
     if path.suffix.lower() != ".toml" or not path.is_file():
         return []
@@ -219,7 +238,7 @@ def _of_another_propeller(asked: str, blade: Propeller) -> list[str]:
 def with_physics(
     law: Law, model: ModelName | None, added: Sequence[str] | None, *, installed: bool = False
 ) -> Law:
-    """Return the law with what ``--model`` and ``--correction`` ask for, see ``corrections_of``."""
+    """Return the law with the corrections of ``--model`` and ``--correction``."""
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
     physics, mount = split_mount(more)
     if model is None and not physics and own is not None:
@@ -229,24 +248,26 @@ def with_physics(
 
 
 def constants(name_or_path: str) -> Airfoil:
-    """Read the constants that ``--airfoil`` names; ``InputError`` for a section table."""
+    """Return the constants that ``--airfoil`` names; raise ``InputError`` for a section table."""
     found = lookup.airfoil(name_or_path)
     if isinstance(found, SectionTable):
-        fault = "this is a section table, which has no constants such as c_l1 to fit or to fly with"
+        fault = "this is a section table, but the command needs section constants such as c_l1"
         remedy = f"give one of {', '.join(airfoil_names())}, or a .toml file"
         raise InputError(fault, remedy, name_or_path)
     return found
 
 
-def takes_choices(command: Callable[..., None], prop: Any = PropArgument) -> Callable[..., None]:
-    """Give a command the fields of its parameters that are dataclasses as options, by default as in
-    such a parameter's default; ``prop``, of ``RotorChoice``, is an argument or an option."""
+def takes_choices(
+    command: Callable[..., None], prop: Any = PropArgument, airfoil: Any = AirfoilOption
+) -> Callable[..., None]:
+    """Turn each field of a command's dataclass parameters into an option; ``prop`` and ``airfoil``
+    define these two fields of ``RotorChoice``."""
     own = inspect.signature(command, eval_str=True).parameters
     kinds: dict[str, Any] = {n: p.annotation for n, p in own.items() if is_dataclass(p.annotation)}
     plain = [one.replace(kind=one.KEYWORD_ONLY) for n, one in own.items() if n not in kinds]
     needed, shared = [], []
     for name, kind in kinds.items():
-        types = get_type_hints(kind, include_extras=True) | {"prop": prop}
+        types = get_type_hints(kind, include_extras=True) | {"prop": prop, "airfoil": airfoil}
         for field in fields(kind):
             default = getattr(own[name].default, field.name, field.default)
             option = inspect.Parameter(
@@ -270,7 +291,7 @@ def takes_choices(command: Callable[..., None], prop: Any = PropArgument) -> Cal
 
 
 # -------------------------------------------------------------------------------------------------
-# VEHICLE and the options that choose the loads of its rotors.
+# VEHICLE and the options that define the loads of its rotors.
 
 VehicleArgument = Annotated[
     Path, Argument(metavar="VEHICLE.toml", help="Vehicle file with rotors and motors.")
@@ -280,18 +301,18 @@ VehicleOfLogs = Annotated[
     Path | None, Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle file, for flight logs.")
 ]
 MaximumRpm = Annotated[
-    float | None, Option("--max-rpm", help="Largest speed of the rotors [1/min].")
+    float | None, Option("--max-rpm", help="Maximum rotational speed of the rotors in rpm.")
 ]
 Charge = Annotated[
-    float, Option("--charge", help="State of charge at which limits hold, 1 when full.")
+    float, Option("--charge", help="State of charge of the battery for the limits; 1 is full.")
 ]
 NoWakes = Annotated[
-    bool, Option("--no-wakes", help="Leave out what the rotors' wakes do to each other.")
+    bool, Option("--no-wakes", help="Ignore the effect of rotor wakes on other rotors.")
 ]
 
 
 def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
-    """Read a vehicle; with ``no_wakes`` its rotors do not act on each other."""
+    """Read a vehicle; ``no_wakes`` removes the effect of its rotors on each other."""
     from propmap.vehicle.files import read_vehicle
 
     found = read_vehicle(path).vehicle
@@ -308,19 +329,19 @@ def aircraft_of(
     maximum_rpm: float | None = None,
     charge: float = 1.0,
 ) -> Aircraft:
-    """Make the aircraft, with loads from a table or from a rotor in the vehicle's air."""
+    """Return the aircraft, with loads from a table or from a rotor in the vehicle's air."""
     limits = {"maximum_rotor_speed": checked_rpm(maximum_rpm), "charge": charge}
     from propmap.aircraft.trim import Aircraft
 
     if table is not None:
         if airfoil or model or correction:
             fault = "--table is given with --airfoil, --model or --correction"
-            raise InputError(fault, "leave these out: the table was built with its own")
+            raise InputError(fault, "leave these out: the table already contains a section law")
         from propmap.table.query import LoadTable
 
         return Aircraft(vehicle, LoadTable.load(table), **limits)
     blade = vehicle.propeller
-    # A name that is not in the catalogue is of a file, written so that it is taken for one.
+    # A name outside the catalogue is a file name; "./" prevents the lookup of a designation.
     name = blade.name if blade.name in catalogue.names() else f"./{blade.name}"
     law = section_law(airfoil, name, blade)
     law = with_physics(law, model, correction, installed=airfoil is None)
@@ -331,7 +352,7 @@ def aircraft_of(
 
 
 def checked_rpm(maximum: float | None) -> float:
-    """Return ``--max-rpm`` in rad/s, infinite where it is not given."""
+    """Return ``--max-rpm`` in rad/s, or infinity without the option."""
     if maximum is None:
         return math.inf
     if not 0.0 < maximum < math.inf:
@@ -340,11 +361,11 @@ def checked_rpm(maximum: float | None) -> float:
 
 
 # -------------------------------------------------------------------------------------------------
-# Operating points, and how sure their loads are.
+# Operating points, and the standard deviations of their loads.
 
 
 def single_point(rpm: float, speed: float, beta: float, **further: float | None) -> OperatingPoints:
-    """Check one operating point [1/min], [m/s], [deg], with those ``further`` given."""
+    """Return one checked operating point [1/min], [m/s], [deg] with ``further`` quantities."""
 
     def checked(name: str, value: float) -> Floats:
         return np.array([check_value(name, value)])
@@ -355,8 +376,8 @@ def single_point(rpm: float, speed: float, beta: float, **further: float | None)
 
 
 def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:
-    """Read rising values (n,) from "6000", "10,20" or "A:B:N", N values from A to B; ``count`` is
-    the N of "A:B", refused without it, and messages name the ``option``."""
+    """Read increasing values (n,) from "6000", "10,20" or "A:B:N" (N values from A to B); "A:B"
+    needs a ``count``, and messages name the ``option``."""
     parts = text.split(":")
     form = "A:B:N" if count is None else "A:B or A:B:N"
     remedy = f"write a number, a list such as 10,20, or {form} (N values from A to B)"
@@ -376,13 +397,13 @@ def parse_axis(option: str, quantity: str, text: str, count: int | None = None) 
     for value in values.tolist():
         check_value(quantity, value)
     if any(b <= a for a, b in itertools.pairwise(values.tolist())):
-        raise InputError(f"{option} {text}: the values do not rise", "write each once, rising")
+        raise InputError(f"{option} {text}: the values do not increase", "give increasing values")
     return values
 
 
 def note_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
-    """Note what is implausible about points [rad/s], [m/s], [rad] and how far they are beyond the
-    constants' data; ``InputError`` where a blade tip is faster than sound."""
+    """Note points [rad/s], [m/s], [rad] that are implausible or beyond the data of the section
+    constants; raise ``InputError`` for a supersonic blade tip."""
     note_reynolds(model, omega, speed, beta)
     note(*point_warnings(model.propeller, omega, speed, beta))
     known = model.uncertainty
@@ -393,7 +414,7 @@ def note_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> Non
 
 
 def note_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
-    """Note where a section table does not reach at operating points [rad/s], [m/s], [rad]."""
+    """Note operating points [rad/s], [m/s], [rad] outside the range of a section table."""
     if not isinstance(model.airfoil, SectionTable):
         return
     points = np.broadcast_arrays(omega, speed, beta)
@@ -401,40 +422,40 @@ def note_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> N
     low, high = model.reynolds(*(values.ravel()[some] for values in points))
     first, last = model.airfoil.reynolds[[0, -1]]
     if low < first or high > last:
-        covered = f"covers {first:.2g} to {last:.2g}, its nearest row is used outside"
+        covered = f"covers {first:.2g} to {last:.2g}; outside, its nearest row is used"
         if first == last:
-            covered = "has one Reynolds number, which is used for all"
-        note(f"Re from {low:.2g} to {high:.2g} along the blade; the table {covered}")
+            covered = "has one Reynolds number, which is used everywhere"
+        note(f"Re is {low:.2g} to {high:.2g} along the blade; the table {covered}")
 
 
 Bands = Annotated[
     bool,
     Option(
         "--bands/--no-bands",
-        help="Show standard deviations of the loads, where the constants or the blade say how "
-        "well they are known.",
+        help="Show standard deviations of the loads, if the section constants or the blade have "
+        "an uncertainty.",
     ),
 ]
 StdBySource = Annotated[
     bool,
     Option(
         "--std-by-source",
-        help="Show standard deviations by source, too: parameters of the section law, geometry "
-        "that was not measured, discrepancy of the model, another tunnel.",
+        help="Also show the standard deviations by source: section constants, unmeasured blade "
+        "geometry, errors of the model, differences between tunnels, installation.",
     ),
 ]
 
 
 def note_not_counted(model: Model) -> None:
-    """Note which constants the standard deviations leave out: the fit's data do not show them."""
+    """Note constants that the fit does not determine and the standard deviations exclude."""
     known = model.uncertainty
     if known is not None and known.covariance.unknown:
         names = ", ".join(known.covariance.unknown)
-        note(f"standard deviations do not count {names}, of which the data of the fit say nothing")
+        note(f"standard deviations exclude {names}: the data of the fit do not determine them")
 
 
 def note_untested_bands(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
-    """Note where bands were not compared with data: in descent, and above ``MEASURED_TO``."""
+    """Note points where bands were not compared with data: in descent and above ``MEASURED_TO``."""
     known = model.uncertainty
     if known is None or not known.another_tunnel:
         return
@@ -444,15 +465,15 @@ def note_untested_bands(model: Model, omega: Floats, speed: Floats, beta: Floats
     if (along < -1e-9 * speed).any():
         places.append("in descent")
     if places:
-        note(f"no measurement was compared with the bands {' and '.join(places)}")
+        note(f"the bands were not compared with measurements {' and '.join(places)}")
 
 
 # -------------------------------------------------------------------------------------------------
-# The command line as it was given, and ``--cluster``: who does the work, and how far it is.
+# The command line as typed, and the workers of ``--cluster``.
 
 
 def command_line(context: typer.Context) -> str:
-    """Write the command as it was typed, for files that say what made them."""
+    """Return the command as typed, for the metadata of output files."""
     return shlex.join(["propmap", *context.obj])
 
 
@@ -461,15 +482,15 @@ Cluster = Annotated[
     Option(
         "--cluster",
         metavar="local[:N]|tcp://HOST:PORT",
-        help="Work on N processes of this machine, by default one per core, or on the workers of a "
-        "Dask scheduler. Results do not depend on it.",
+        help="Compute in N processes on this computer (default: one per core), or on the workers "
+        "of a Dask scheduler. The choice does not change the results.",
     ),
 ]
 
 
 @contextmanager
 def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterator[Workers]:
-    """Connect to the workers of ``--cluster``; without it give ``otherwise`` or this process."""
+    """Connect to the workers of ``--cluster``; without it, yield ``otherwise`` or this process."""
     if cluster is None:
         yield otherwise or InTurn()
         return
@@ -482,8 +503,8 @@ def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterato
 
 
 def workers_of_bootstrap(cluster: str | None, bootstrap: int) -> AbstractContextManager[Workers]:
-    """Connect as ``workers_of`` does for a fit, whose only independent tasks are its refits."""
+    """Connect like ``workers_of``, for a fit, whose only independent tasks are its refits."""
     if cluster is not None and not bootstrap:
-        found = "--cluster spreads the refits of --bootstrap, of which there are none"
+        found = "--cluster distributes only the refits of --bootstrap, and there are none"
         raise InputError(found, "give --bootstrap 200, or leave --cluster out")
     return workers_of(cluster)

@@ -1,4 +1,4 @@
-"""Output of commands: checked paths, formats, tables, text to a file or the terminal, notes."""
+"""Output of commands: path checks, formats, tables, files and notes."""
 
 from __future__ import annotations
 
@@ -22,54 +22,57 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 PICTURES = (".png", ".svg", ".pdf")
-EXTRA_OF = {**dict.fromkeys(PICTURES, "figures"), ".nc": "netcdf"}  # that writes such files
+EXTRA_OF = {**dict.fromkeys(PICTURES, "figures"), ".nc": "netcdf"}  # needed, by file extension
 
 
 def output_option(help_: str, metavar: str = "FILE") -> Any:
-    """Make the option ``--output``, ``-o`` of a command with this help."""
+    """Return the option ``--output``, ``-o`` with this help text."""
     return Option("--output", "-o", metavar=metavar, help=help_)
 
 
-WIDTH_ELSEWHERE = 160  # columns of a table that does not go to a terminal, so that nothing is cut
+WIDTH_ELSEWHERE = 160  # characters per line in files and pipes: enough to truncate no cell
 
 Format = Literal["table", "json", "csv"]
 FormatOption = Annotated[
     Format | None,
-    Option("--format", help="Form of the output; by default as the file's ending says."),
+    Option("--format", help="Output format (default: by the extension of FILE, or table)."),
 ]
-TextOutput = Annotated[Path | None, output_option("Write to this file, replacing it.")]
-PictureOutput = Annotated[Path, output_option("Write this picture: .png, .svg or .pdf.")]
+TextOutput = Annotated[
+    Path | None, output_option("Output file; overwritten if it exists (default: the terminal).")
+]
+PictureOutput = Annotated[Path, output_option("Picture file: .png, .svg or .pdf.")]
 FolderOutput = Annotated[
-    Path, output_option("Folder for the page: new, empty, or written by this command.", "FOLDER")
+    Path,
+    output_option("Output folder: new, empty, or written earlier by this command.", "FOLDER"),
 ]
-Force = Annotated[bool, Option("--force", help="Replace what exists.")]
+Force = Annotated[bool, Option("--force", help="Overwrite existing output.")]
 
 
 def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool = False) -> None:
-    """Raise ``InputError`` before any work if no file with one of the ``endings``, if any, can be
-    written at the path, or one is there and ``keep_existing``."""
+    """Raise ``InputError`` if the path has none of the ``endings``, cannot be written, or exists
+    and ``keep_existing`` is set; commands call this before any work."""
     where = str(path)
     ending = path.suffix.lower()
     if endings and ending not in endings:
-        found = f"the file's ending is {path.suffix!r}"
+        found = f"the file extension is {path.suffix!r}"
         raise InputError(found, f"use {' or '.join(endings)}", where)
     if endings and ending in EXTRA_OF:
         require(EXTRA_OF[ending])
     if path.is_dir():
         raise InputError("this is a folder", "name a file inside it", where)
     if check_place(path, where) and keep_existing:
-        raise InputError("the file exists", "pass --force to replace it", where)
+        raise InputError("the file exists", "pass --force to overwrite it", where)
 
 
 def check_pictures(*paths: Path | None) -> None:
-    """Check each path that is given as ``check_output`` does, for the ending of a picture."""
+    """Check each given path like ``check_output``, for the extension of a picture."""
     for path in paths:
         if path is not None:
             check_output(path, PICTURES)
 
 
 def chosen_format(wanted: Format | None, output: Path | None) -> Format:
-    """Check the file and return the format: as asked for, by the file's ending, or a table."""
+    """Check the output file and return the format: ``wanted``, by the file extension, or table."""
     if output is not None:
         check_output(output)
     if wanted is None and output is not None:
@@ -79,7 +82,7 @@ def chosen_format(wanted: Format | None, output: Path | None) -> Format:
 
 
 def emit(text: str, output: Path | None) -> None:
-    """Write text to the file, whole or not at all, or to standard output."""
+    """Write text to the file, completely or not at all, or to standard output."""
     if output is None:
         echo(text, nl=False)
     else:
@@ -95,7 +98,7 @@ def emit_rows(
     *,
     whole: Any = None,
 ) -> None:
-    """Write rows as CSV, or them or a ``whole`` that holds them as JSON."""
+    """Write rows as CSV or JSON; JSON contains ``whole``, if given, in place of the rows."""
     if form == "csv":
         emit(csv_text(columns, rows), output)
     else:
@@ -103,13 +106,13 @@ def emit_rows(
 
 
 def write_text(text: str, output: Path) -> None:
-    """Write text to the file, whole or not at all."""
+    """Write text to the file, completely or not at all."""
     with replacing(output) as part:
         part.write_text(text, encoding="utf-8", newline="")
 
 
 def save_picture(figure: Figure, output: Path) -> None:
-    """Save a figure and say so on standard error."""
+    """Save a figure and print its path on standard error."""
     from propmap.report.html import save
 
     save(figure, output)
@@ -124,7 +127,7 @@ def note(*texts: str) -> None:
 
 @contextmanager
 def blamed_on(file: Path) -> Iterator[None]:
-    """Let an ``InputError`` from within name this file, unless it names a place itself."""
+    """Add this file to an ``InputError`` of the block, unless the error names a place itself."""
     try:
         yield
     except InputError as error:
@@ -132,17 +135,17 @@ def blamed_on(file: Path) -> Iterator[None]:
 
 
 def digits(value: float, count: int = 4) -> str:
-    """Write so many significant digits, a dash for what is not finite."""
+    """Return ``value`` with ``count`` significant digits, or a dash if it is not finite."""
     return f"{value:.{count}g}" if math.isfinite(value) else "-"
 
 
 def json_text(value: Any) -> str:
-    """Format strict JSON, which has no NaN: callers put None where there is no number."""
+    """Return strict JSON, which has no NaN: callers pass None for a missing number."""
     return json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def grid(heads: str, rows: Iterable[Sequence[str]], title: str = "", caption: str = "") -> Table:
-    """Make a table of texts; heads are separated by bars, those of words begin with "<"."""
+    """Return a table of texts; ``heads`` are separated by "|", and "<" aligns a column left."""
     from rich.table import Table
 
     found = Table(
@@ -155,23 +158,23 @@ def grid(heads: str, rows: Iterable[Sequence[str]], title: str = "", caption: st
     return found
 
 
-FRAME = 3  # characters that a column takes beside its cells
+FRAME = 3  # characters of border and padding per column
 
 
 @dataclass(frozen=True)
 class WideGrid:
-    """A ``grid`` that leaves out columns where a terminal is too narrow, and says which."""
+    """A ``grid`` that hides columns on a narrow terminal and names them in its caption."""
 
     heads: str
     rows: Sequence[Sequence[str]]
     title: str
     caption: str
-    spare: tuple[str, ...]  # heads of the columns to leave out, the first first
+    spare: tuple[str, ...]  # heads of the columns that may be hidden, in this order
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Table]:
-        """Draw the table as wide as the terminal is, which rich calls for."""
+        """Yield the table in the width of the terminal; rich calls this method."""
         heads = self.heads.split("|")
-        # Heads may be broken at their spaces, cells not.
+        # Heads may wrap at their spaces, cells may not.
         needed = [
             max(map(len, [*head.lstrip("<").split(), *cells, ""])) + FRAME
             for head, *cells in zip(heads, *self.rows, strict=True)
@@ -187,22 +190,22 @@ class WideGrid:
         kept = [k for k, width in enumerate(needed) if width]
         caption = self.caption
         if left_out:
-            caption += f"\nleft out for want of width, and in --format csv: {', '.join(left_out)}"
+            caption += f"\nhidden on this narrow terminal, see --format csv: {', '.join(left_out)}"
         rows = ([row[k] for k in kept] for row in self.rows)
         found = grid("|".join(heads[k] for k in kept), rows, self.title, caption)
         natural = [max(needed[k], len(heads[k].lstrip("<")) + FRAME) for k in kept]
         if sum(natural) + 1 > options.max_width:
-            # Rich would narrow all columns alike, and cut cells off.
+            # Without fixed widths, rich narrows all columns equally and truncates cells.
             for column, k in zip(found.columns, kept, strict=True):
                 column.width = needed[k] - FRAME
         yield found
 
 
 def show(output: Path | None, *parts: object) -> None:
-    """Print texts and tables to the terminal, or as plain text to the file or a pipe."""
+    """Print texts and tables to the terminal, or write them as plain text to a file or pipe."""
     from rich.console import Console
 
-    # Without markup: "[deg]" in a heading is a unit and a file's name may hold brackets.
+    # Without markup: "[deg]" in a heading is a unit, and file names may contain brackets.
     plain: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
     text = io.StringIO()
     console = Console(**plain)
@@ -218,7 +221,7 @@ def show(output: Path | None, *parts: object) -> None:
 
 @contextmanager
 def progress_bar(what: str) -> Iterator[Callable[..., None]]:
-    """Show a progress bar on a terminal, and give the function that sets done, total and words."""
+    """Show a progress bar on a terminal; yield a function that sets done, total and text."""
     from rich import progress
     from rich.console import Console
 

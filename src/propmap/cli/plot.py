@@ -1,4 +1,4 @@
-"""``propmap plot`` and ``propmap explore``: loads, blade and disk in pictures or a browser."""
+"""``propmap plot`` and ``propmap explore``: pictures of loads, blade and disk, and a web page."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
 SPEEDS_PER_CURVE = 61
-SAME_RPM = 0.01  # measured rows within this share of the picture's rpm are drawn
+SAME_RPM = 0.01  # relative difference from the rpm of the picture up to which rows are drawn
 PORT = 8765
 
 plot_app = typer.Typer(
-    name="plot", help="Draw loads against speed, a blade or the disk.", rich_markup_mode=None
+    name="plot", help="Draw the loads, blade or disk of a propeller.", rich_markup_mode=None
 )
 
 
@@ -35,22 +35,22 @@ plot_app = typer.Typer(
 @opt.takes_choices
 def plot_map(
     choice: opt.RotorChoice,
-    rpm: Annotated[float, Option(help="Rotational speed [1/min].")],
+    rpm: Annotated[float, Option(help="Rotational speed in rpm.")],
     output: out.PictureOutput,
-    speed: Annotated[str, Option(metavar="A:B", help="Flight speeds [m/s].")] = "0:20",
+    speed: Annotated[str, Option(metavar="A:B", help="Range of airspeeds in m/s.")] = "0:20",
     beta: Annotated[
-        str, Option(metavar="B,B,...", help="Angles of velocity to axis [deg], a curve each.")
+        str, Option(metavar="B,B,...", help=f"{opt.BETA_HELP} in degrees, one curve each.")
     ] = "0,30,60,90",
     measured: Annotated[
         Path | None,
         Option(
             metavar="FILE.csv",
-            help="Draw these points too: rpm, speed_mps, beta_deg and loads such as thrust_N.",
+            help="Measured points to draw: rpm, speed_mps, beta_deg and loads such as thrust_N.",
         ),
     ] = None,
     bands: opt.Bands = True,
 ) -> None:
-    """Draw all loads against flight speed, the hover model dashed."""
+    """Draw the loads of a propeller over airspeed (dashed: hover model)."""
     point = opt.single_point(rpm, 0.0, 0.0)
     omega = float(point.si[0][0])
     speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS_PER_CURVE)
@@ -74,7 +74,7 @@ def plot_planform(
     radius: opt.Radius = None,
     root_cutout: opt.RootCutout = None,
 ) -> None:
-    """Draw a blade's outline, chord and twist."""
+    """Draw the outline, chord and twist of a blade."""
     out.check_pictures(output)
     blade = opt.propeller_noted(prop, blades, radius, root_cutout)
 
@@ -87,16 +87,16 @@ def plot_planform(
 @opt.takes_choices
 def plot_disk(
     choice: opt.RotorChoice,
-    rpm: Annotated[float, Option(help="Rotational speed [1/min].")],
-    speed: Annotated[float, Option(help="Flight speed [m/s].")],
-    beta: Annotated[float, Option(help="Angle of velocity to axis [deg].")],
+    rpm: Annotated[float, Option(help="Rotational speed in rpm.")],
+    speed: Annotated[float, Option(help="Airspeed in m/s.")],
+    beta: Annotated[float, Option(help=f"{opt.BETA_HELP} in degrees.")],
     output: Annotated[
-        Path, out.output_option("Write this picture (.png, .svg or .pdf) or field (.csv).")
+        Path, out.output_option("Picture (.png, .svg or .pdf) or values on the disk (.csv).")
     ],
 ) -> None:
-    """Draw the angle of attack over the disk.
+    """Draw the angle of attack over the disk of a propeller.
 
-    Stall and reverse flow are outlined.
+    The picture outlines stall and reverse flow.
     """
     point = opt.single_point(rpm, speed, beta)
     out.check_output(output, (*out.PICTURES, ".csv"))
@@ -114,7 +114,7 @@ def plot_disk(
 
 
 def _save(figure: Figure, output: Path) -> None:
-    """Save a figure and print its path for the shell."""
+    """Save a figure and print its path on standard output."""
     from propmap.report.html import save
 
     save(figure, output)
@@ -139,22 +139,22 @@ def explore(
         str | None,
         Argument(
             metavar="[PROP|FIT.toml|TABLE.npz|VEHICLE.toml]",
-            help="Name, designation or file of a propeller; a fit, constants, a table, a vehicle; "
-            "or measured loads (.csv).",
+            help="Propeller (catalogue name, designation or file), fit, parameter set, table, "
+            "vehicle file, or measured loads (.csv).",
             show_default=False,
         ),
     ] = None,
     port: Annotated[
-        int | None, Option(min=0, max=65535, help=f"Port; by default {PORT} or the next free one.")
+        int | None, Option(min=0, max=65535, help=f"Port (default: {PORT} or the next free one).")
     ] = None,
     browser: Annotated[
-        bool, Option("--browser/--no-browser", help="Open a browser, or not.")
+        bool, Option("--browser/--no-browser", help="Open the page in a browser.")
     ] = True,
     host: Annotated[
-        str, Option(help="Address to listen at; by default for this machine alone.")
+        str, Option(help="Address of the server; the default serves this computer only.")
     ] = "127.0.0.1",
 ) -> None:
-    """Explore a propeller in the browser."""
+    """Explore the loads of a propeller interactively in the browser."""
     from propmap.explore.app import Application, guard, is_loopback, listen, names_of, serve
     from propmap.explore.session import Session, Shelf, read_path
     from propmap.explore.views import VIEWS
@@ -165,11 +165,11 @@ def explore(
         first = first.with_file(given, shelf.put(given, always=True))
     elif subject is not None:
         first = Session(prop=subject)
-    first.model  # noqa: B018 - what is wrong with it is said before anything listens
+    first.model  # noqa: B018 - reports a bad input before the server starts
     app = Application(first, VIEWS, shelf)
     guard(app.dash.server, names_of(host))
     server = listen(app.dash.server, host, port, PORT)
     if not is_loopback(host):
-        who = f"whoever reaches {host} can use this server: it has no password"
+        who = f"anyone who can reach {host} can use this server: it has no password"
         echo(f"propmap: warning: {who}", err=True)
     serve(server, echo, browser=browser, host=host)

@@ -1,4 +1,4 @@
-"""``propmap predict``: loads at one operating point or at those of a file."""
+"""``propmap predict``: loads at one operating point, or at the operating points of a file."""
 
 from __future__ import annotations
 
@@ -27,21 +27,25 @@ if TYPE_CHECKING:
 @opt.takes_choices
 def predict(
     choice: opt.RotorChoice,
-    rpm: Annotated[float | None, Option(help="Rotational speed [1/min].")] = None,
-    speed: Annotated[float | None, Option(help="Speed through the air [m/s], else 0.")] = None,
+    rpm: Annotated[float | None, Option(help="Rotational speed in rpm.")] = None,
+    speed: Annotated[float | None, Option(help="Airspeed in m/s (default: 0).")] = None,
     beta: Annotated[
         float | None,
-        Option(help="Angle of velocity to axis [deg]: 0 climb, 90 edgewise, 180 descent; else 0."),
+        Option(
+            help=f"{opt.BETA_HELP} in degrees: 0 climb, 90 edgewise flight, 180 descent "
+            "(default: 0)."
+        ),
     ] = None,
     height: Annotated[
         float | None,
-        Option(help="Height of the disk above level ground [m]; by default far from it."),
+        Option(help="Height of the disk above level ground in m (default: no ground effect)."),
     ] = None,
     points: Annotated[
         Path | None,
         Option(
             metavar="FILE.csv",
-            help="Operating points: rpm, speed_mps, beta_deg, and height_m if there is ground.",
+            help="Operating points: columns rpm, speed_mps, beta_deg and, for ground effect, "
+            "height_m.",
         ),
     ] = None,
     format_: out.FormatOption = None,
@@ -49,7 +53,7 @@ def predict(
     bands: opt.Bands = True,
     std_by_source: opt.StdBySource = False,
 ) -> None:
-    """Predict loads and power at operating points."""
+    """Predict the loads and power of a propeller at operating points."""
     where = _points(rpm, speed, beta, points, height=height)
     chosen = out.chosen_format(format_, output)
     rotor = choice.rotor()
@@ -59,14 +63,14 @@ def predict(
     if count := int(np.count_nonzero(loads.roots > 1)):
         out.note(
             f"multiple_roots in {count} of {omega.size} points: near stall the momentum balance "
-            "has several solutions; the largest, of attached flow, is used"
+            "has several solutions; propmap uses the largest one, of attached flow"
         )
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
         opt.note_not_counted(rotor.model)
         opt.note_untested_bands(rotor.model, omega, speeds, angles)
         if where.further:
-            out.note("the deviations leave out what the ground's factor errs by")
+            out.note("the standard deviations exclude the error of the ground effect")
     if chosen != "table":
         rows = where.rows(loads, spread)
         whole = None if points else rows[0]
@@ -111,7 +115,7 @@ def _points(
 def _one_point(
     where: OperatingPoints, loads: Loads, spread: Mapping[str, Floats], hover: Mapping[str, Floats]
 ) -> Table:
-    """Make a table with a row per load, and a column per kind of standard deviation."""
+    """Return a table with a row per load and a column per kind of standard deviation."""
     sources = ["std", *(f"std_{source}" for source in SOURCES)]
     kinds = [kind for kind in sources if f"power_{kind}_W" in spread]
     units = {name: load.unit for name, load in LOADS.items()} | {"power": "W"}
@@ -131,7 +135,7 @@ def _one_point(
     title = f"{where.rpm[0]:g} rpm, {where.speed_mps[0]:g} m/s, beta {where.beta_deg[0]:g} deg"
     title += "".join(f", {name} {values[0]:g} m" for name, values in where.further.items())
     heads = [kind.replace("std_", "by ").replace("std", "std. dev.") for kind in kinds]
-    caption = "within two standard deviations with a probability of 95 %" if kinds else ""
+    caption = "95 % band: two standard deviations on either side" if kinds else ""
     return out.grid(
         "|".join(("<", "propmap", *heads, "hover model", "<unit")), rows, title, caption
     )
@@ -140,7 +144,7 @@ def _one_point(
 def _many_points(
     where: OperatingPoints, loads: Loads, spread: Mapping[str, Floats], hover: Mapping[str, Floats]
 ) -> Table:
-    """Make a table with a row per operating point."""
+    """Return a table with a row per operating point."""
     columns = {}
     for name, load in LOADS.items():
         columns[f"{load.head} [{load.unit}]"] = getattr(loads, name)
@@ -157,11 +161,11 @@ def _many_points(
         rows.append([*cells, str(loads.roots[i]), status])
     caption = "T h, Q h: thrust and torque of the hover model"
     if spread:
-        caption += "; s: standard deviations, those of the other loads with --format csv"
+        caption += "; s: standard deviations; for the other loads see --format csv"
     more = (f"{name} [m]" for name in where.further)
     heads = "|".join(("rpm", "V [m/s]", "beta [deg]", *more, *columns, "roots", "<status"))
     return out.grid(heads, rows, caption=caption)
 
 
 def _digits(value: float) -> str:
-    return f"{value + 0.0:.4g}"  # without the sign of a zero
+    return f"{value + 0.0:.4g}"  # adding 0.0 removes the sign of -0.0

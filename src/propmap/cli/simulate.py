@@ -1,4 +1,4 @@
-"""``propmap simulate`` and ``propmap vehicle``: a log and a vehicle file before any flight."""
+"""``propmap simulate`` and ``propmap vehicle``: simulated logs and drafts of vehicle files."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
     from propmap.flight.simulate import Expectation
 
-LARGEST_ERROR = 0.2  # share of the weight; with more, some draw leaves no vertical force to carry
+LARGEST_ERROR = 0.2  # fraction of the weight; above it, a random draw can exceed the weight
 
 simulate_app = typer.Typer(
     name="simulate",
-    help="Simulate flights, and say how well a fit to them would do.",
+    help="Simulate flight logs, and predict the accuracy of a fit to them.",
     rich_markup_mode=None,
 )
 
@@ -41,44 +41,48 @@ def _group() -> None:
 def simulate_flight(
     vehicle: opt.VehicleOption,
     section: Annotated[
-        str, Option("--airfoil", metavar="NAME|FILE", help="Section law taken for the truth.")
+        str,
+        Option(
+            "--airfoil",
+            metavar="NAME|FILE",
+            help="Section law of the simulated blade: a name that `propmap airfoils` lists, or a "
+            "fit or parameter set (.toml).",
+        ),
     ],
     speed: Annotated[
-        str, Option("--speeds", metavar="A:B:N", help="Flight speeds [m/s], or a list 1,5,9.")
+        str,
+        Option("--speeds", metavar="A:B:N", help=f"Airspeeds in m/s, {opt.AXIS_HELP}."),
     ],
-    output: Annotated[Path, out.output_option("Write the log to this CSV file.", "FILE.csv")],
+    output: Annotated[Path, out.output_option("Output file of the log.", "FILE.csv")],
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
-    radius: Annotated[float, Option(help="Radius of the circles [m].")] = 1.7,
-    banked: Annotated[
-        bool, Option("--banked", help="Bank into the circle instead of a tether.")
-    ] = False,
+    radius: Annotated[float, Option(help="Radius of the circles in m.")] = 1.7,
+    banked: Annotated[bool, Option("--banked", help="Fly banked turns without a tether.")] = False,
     noise: Annotated[
         float,
-        Option(help="Error of the vertical force at each speed, as a share of the weight [sd]."),
+        Option(help="Error of the vertical force at each speed, as a fraction of the weight."),
     ] = 0.01,
-    rotor_noise: Annotated[float, Option(help="Error of a rotor speed, as a share [sd].")] = 0.005,
-    velocity_noise: Annotated[float, Option(help="Error of a velocity [m/s, sd].")] = 0.05,
-    attitude_noise: Annotated[float, Option(help="Error of pitch and roll [deg, sd].")] = 0.3,
-    accelerometer_noise: Annotated[
-        float, Option(help="Error of a specific force [m/s^2, sd].")
-    ] = 0.3,
-    dwell: Annotated[float, Option(help="Time at each speed [s].")] = 6.0,
-    rate: Annotated[float, Option(help="Samples per second.")] = 100.0,
-    seed: Annotated[int, Option(min=0, help="Seed of the errors.")] = 0,
+    rotor_noise: Annotated[float, Option(help="Relative error of rotor speeds.")] = 0.005,
+    velocity_noise: Annotated[float, Option(help="Error of velocities in m/s.")] = 0.05,
+    attitude_noise: Annotated[float, Option(help="Error of pitch and roll in degrees.")] = 0.3,
+    accelerometer_noise: Annotated[float, Option(help="Error of specific forces in m/s^2.")] = 0.3,
+    dwell: Annotated[float, Option(help="Time at each speed in s.")] = 6.0,
+    rate: Annotated[float, Option(help="Sampling rate in Hz.")] = 100.0,
+    seed: Annotated[int, Option(min=0, help="Seed of the random errors.")] = 0,
     no_wakes: opt.NoWakes = False,
     free: Annotated[
-        str, Option(metavar="NAME,...", help="Free parameters of the planned fit.")
+        str, Option(metavar="NAMES", help="Free parameters of the fit, separated by commas.")
     ] = "c_l1,c_l2,c_d,alpha_0",
     no_expectation: Annotated[
-        bool, Option("--no-expectation", help="Do not predict the intervals.")
+        bool, Option("--no-expectation", help="Do not predict the 95 % intervals.")
     ] = False,
     force: out.Force = False,
 ) -> None:
-    """Simulate the paper's experiment and write its log.
+    """Simulate the flight experiment of the paper and write its log.
 
-    The vehicle flies level circles at each speed, on a tether. The 95 % intervals that a fit to
-    such a flight would have are printed first.
+    The vehicle flies a level circle on a tether at each airspeed. The command also prints the
+    95 % intervals of the section constants to expect from a fit to this flight. All error
+    options are standard deviations.
     """
     speeds = opt.parse_axis("--speeds", "speed", speed)
     sizes = {
@@ -92,7 +96,7 @@ def simulate_flight(
         if not 0.0 <= size < math.inf:
             raise InputError(f"{option} is {size:g}", "give a standard deviation, 0 or more")
     if noise > LARGEST_ERROR:
-        found = f"--noise is {noise:g}, a share of the weight"
+        found = f"--noise is {noise:g} times the weight"
         raise InputError(found, f"give at most {LARGEST_ERROR:g}")
     out.check_output(output, (".csv",), keep_existing=not force)
     law = opt.with_physics(opt.constants(section), model, correction)
@@ -104,10 +108,10 @@ def simulate_flight(
     read = read_vehicle(vehicle)
     flown = replace(read.vehicle, wakes=None) if no_wakes else read.vehicle
     if any(read.vehicle.sensor):
-        found = "the vehicle has [sensor], and a simulated accelerometer is at the centre of mass"
-        raise InputError(found, "remove that table", str(vehicle))
+        found = "there is a table [sensor], but the simulated sensor is at the center of mass"
+        raise InputError(found, "remove this table", str(vehicle))
 
-    # Another stream than that of the sensors.
+    # A random stream independent of the sensor noise.
     error = noise * np.random.default_rng([seed, 1]).standard_normal(speeds.size)
     points = simulate.trim(flown, law, speeds, radius=radius, tether=not banked, disturbance=error)
     sensors = simulate.SensorNoise(
@@ -125,9 +129,9 @@ def simulate_flight(
     )
     rotors = len(read.vehicle.mounts)
     if replace(simulate.log_map(rotors), file=read.log.file) == read.log:
-        echo(f"{vehicle} reads it as it is")
+        echo(f"{vehicle} already describes this log")
     else:
-        echo(f"to read it, let the vehicle file say:\n\n{simulate.log_table(rotors)}", nl=False)
+        echo(f"the vehicle file needs this table:\n\n{simulate.log_table(rotors)}", nl=False)
 
 
 def _expected(expected: Expectation, flights: int) -> Table:
@@ -137,12 +141,12 @@ def _expected(expected: Expectation, flights: int) -> Table:
         values = (f"{each[k]:.4g}" for each in (expected.truth, found.low, found.high))
         rows.append((name, *values, EVERY[name].unit, found.verdicts[k]))
     share = f"{expected.error:.2%} of the weight each"
-    title = f"To expect of {flights} speeds with a force error of {share}"
+    title = f"Expected fit to {flights} speeds with a force error of {share}"
     return out.grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)
 
 
 vehicle_app = typer.Typer(
-    name="vehicle", help="Write a vehicle file: vehicle from-log LOG.", rich_markup_mode=None
+    name="vehicle", help="Draft a vehicle file: vehicle from-log LOG.", rich_markup_mode=None
 )
 
 
@@ -152,13 +156,15 @@ vehicle_app.callback()(_group)
 @vehicle_app.command("from-log")
 def vehicle_from_log(
     log: Annotated[Path, Argument(metavar="LOG", help="ULog file of PX4.")],
-    output: out.TextOutput = None,
+    output: Annotated[
+        Path | None, out.output_option("Output file (default: the terminal).", "VEHICLE.toml")
+    ] = None,
     force: out.Force = False,
 ) -> None:
-    """Draft a vehicle file from the parameters that a PX4 log holds.
+    """Draft a vehicle file from the parameters in a PX4 log.
 
-    Rotors have the places, axes and spins of CA_ROTORn_*. What the log does not say is a comment
-    that begins with MISSING, without which commands refuse the file.
+    CA_ROTORn_* define the positions, axes and spins of the rotors. For each missing value the
+    draft has a comment that begins with MISSING. Replace these comments before using the file.
     """
     if output is not None:
         out.check_output(output, (".toml",), keep_existing=not force)
@@ -168,4 +174,4 @@ def vehicle_from_log(
     with out.blamed_on(log):
         text = draft_vehicle(log)
     out.emit(text, output)
-    out.note(f"fill in what the log does not say: {', '.join(missing_in(text))}")
+    out.note(f"fill in the values that the log does not contain: {', '.join(missing_in(text))}")

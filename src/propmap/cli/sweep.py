@@ -1,4 +1,4 @@
-"""``propmap sweep`` and ``propmap study``: loads over a grid of points, or of many designs."""
+"""``propmap sweep`` and ``propmap study``: loads on a grid of operating points or of designs."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ if TYPE_CHECKING:
 
 
 # -------------------------------------------------------------------------------------------------
-# A run into a Zarr store, new or to go on with; its size and time are printed first.
+# Runs into a Zarr store, new or resumed; the command prints size and time first.
 
 ASK_ABOVE_BYTES = 1e9
-ASK_ABOVE_SECONDS = 3600.0  # a larger or longer run is not begun without ``--yes``
+ASK_ABOVE_SECONDS = 3600.0  # larger or longer runs need a confirmation or ``--yes``
 
 Yes = Annotated[
-    bool, Option("--yes", "-y", help="Do not ask before a run of over 1 GB or one hour (.zarr).")
+    bool, Option("--yes", "-y", help="Start runs of over 1 GB or one hour without asking.")
 ]
 
 
 def check_store(path: Path, *, force: bool) -> None:
-    """Raise ``InputError`` where no store can be made or gone on with; ``force`` removes ours."""
+    """Raise ``InputError`` if a store can be neither created nor resumed; ``force`` deletes it."""
     if check_place(path, str(path)):
         begun(path)
         if force:
@@ -48,12 +48,12 @@ def check_store(path: Path, *, force: bool) -> None:
 
 
 def opened(path: Path, layout: Layout) -> Store:
-    """Make the store or go on, saying so; ``InputError`` for a complete one or too small a disk."""
+    """Create or resume the store; raise ``InputError`` if it is complete or too large."""
     where = str(path)
     if not path.exists():
         free = shutil.disk_usage(path.parent).free
         if layout.bytes > free:
-            found = f"this takes up to {decimal(layout.bytes)}, and {decimal(free)} are free"
+            found = f"the store needs up to {decimal(layout.bytes)}, but {decimal(free)} are free"
             raise InputError(found, "choose another disk or fewer points", where)
         return Store.create(path, layout)
     try:
@@ -61,14 +61,14 @@ def opened(path: Path, layout: Layout) -> Store:
     except InputError:
         if (path / list(layout.quantities)[-1] / "c").exists():
             raise
-        # Another run that was refused or stopped before its first task: nothing is lost.
+        # The store of another run that stopped before its first task contains no results.
         shutil.rmtree(path)
         return opened(path, layout)
     done = store.done(layout)
     if done.all():
-        raise InputError("the store is there and complete", "pass --force to begin anew", where)
+        raise InputError("the store is complete", "pass --force to compute it again", where)
     if done.any():
-        echo(f"{path}: {int(done.sum())} of {done.size} tasks are done; going on", err=True)
+        echo(f"{path}: {int(done.sum())} of {done.size} tasks are done; resuming", err=True)
     return store
 
 
@@ -81,8 +81,8 @@ def run_announced(
     yes: bool,
     what: str,
 ) -> None:
-    """Run with a progress bar, after printing size and time, and asking where these are much unless
-    ``yes``; ``what`` is "operating points" or the like."""
+    """Print size and time of a run, ask before a large run unless ``yes`` is set, and run it with a
+    progress bar; ``what`` names the points, such as "operating points"."""
     with opt.workers_of(cluster) as workers:
         seconds = evaluation.seconds_per_point(workers)
         points, parts = math.prod(layout.shape), parts_count(layout.shape, layout.chunk)
@@ -94,16 +94,16 @@ def run_announced(
         )
         if not yes and (layout.bytes > ASK_ABOVE_BYTES or needed > ASK_ABOVE_SECONDS):
             if not sys.stdin.isatty():
-                found = f"a run of {decimal(layout.bytes)} and {time_text(needed)} is not begun "
-                found += "unasked"
-                raise InputError(found, "pass --yes, or ask for fewer points")
-            typer.confirm("begin?", abort=True, err=True)
+                found = f"a run of {decimal(layout.bytes)} and {time_text(needed)} needs a "
+                found += "confirmation"
+                raise InputError(found, "pass --yes, or reduce the number of points")
+            typer.confirm("start the run?", abort=True, err=True)
         with out.progress_bar("tasks") as update:
             evaluation.run(store, layout, workers, update)
 
 
 def time_text(seconds: float) -> str:
-    """Write a time in seconds as "3.5 h"."""
+    """Return a time in seconds as text such as "3.5 h"."""
     for unit, length in (("years", 3.156e7), ("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * length:
             return f"{seconds / length:.3g} {unit}"
@@ -111,11 +111,11 @@ def time_text(seconds: float) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# ``propmap sweep``: loads over a grid of operating points, to NetCDF, CSV or Zarr.
+# ``propmap sweep``: loads on a grid of operating points, to NetCDF, CSV or Zarr.
 
 CHUNK = 4096  # operating points per step of the progress bar: some tenths of a second
 MOST_POINTS = 10_000_000  # of a grid that is computed in memory
-SOME = 30  # values of each axis at which a streamed sweep looks for what is implausible
+SOME = 30  # values of each axis that a sweep into a store checks for plausibility
 
 
 @opt.takes_choices
@@ -123,17 +123,17 @@ def sweep(
     choice: opt.RotorChoice,
     context: typer.Context,
     rpm: Annotated[
-        str, Option(metavar="A:B:N", help="Rotational speeds [1/min], or a list 4000,6000.")
+        str, Option(metavar="A:B:N", help=f"Rotational speeds in rpm, {opt.AXIS_HELP}.")
     ],
-    speed: Annotated[str, Option(metavar="A:B:N", help="Flight speeds [m/s], or a list.")],
+    speed: Annotated[str, Option(metavar="A:B:N", help=f"Airspeeds in m/s, {opt.AXIS_HELP}.")],
     beta: Annotated[
-        str, Option(metavar="A:B:N", help="Angles of velocity to axis [deg], or a list.")
+        str, Option(metavar="A:B:N", help=f"{opt.BETA_HELP} in degrees, {opt.AXIS_HELP}.")
     ],
     output: Annotated[
         Path,
         out.output_option(
-            "Write NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr), which is "
-            "written as it is computed, so that a run that was stopped goes on."
+            "Output file: NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr). A "
+            "repeated command resumes a Zarr store that is not complete."
         ),
     ],
     force: out.Force = False,
@@ -142,7 +142,7 @@ def sweep(
     cluster: opt.Cluster = None,
     yes: Yes = False,
 ) -> None:
-    """Compute loads over a grid of operating points."""
+    """Compute the loads of a propeller on a grid of operating points."""
     axes = (
         opt.parse_axis("--rpm", "rpm", rpm),
         opt.parse_axis("--speed", "speed", speed),
@@ -156,11 +156,11 @@ def sweep(
         _stream(made, axes, output, command, cluster=cluster, yes=yes)
         return
     if cluster is not None:
-        found = f"--cluster with {output.name}: only a Zarr store is written by many workers"
-        raise InputError(found, "end the file's name with .zarr")
+        found = f"--cluster with {output.name}: only a Zarr store can have several writers"
+        raise InputError(found, "use the file extension .zarr")
     if count > MOST_POINTS:
-        found = f"the grid has {count} points, more than the {MOST_POINTS} of such a file"
-        raise InputError(found, "end the file's name with .zarr")
+        found = f"the grid has {count} points, but such a file has at most {MOST_POINTS}"
+        raise InputError(found, "use the file extension .zarr")
     out.check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
     rotor = choice.rotor()
     points = OperatingPoints.grid(*axes)
@@ -176,7 +176,7 @@ def sweep(
         values = quantities(loads, bands=bands, by_source=std_by_source)
         write_dataset(evaluation.layout(command).dataset(values), output, new=not force)
     lost = int((loads.status == "not_converged").sum())
-    remark = f", {lost} of them not converged" if lost else ""
+    remark = f", {lost} not converged" if lost else ""
     echo(f"wrote {output}: {count} points{remark}")
 
 
@@ -189,7 +189,7 @@ def _stream(
     cluster: str | None,
     yes: bool,
 ) -> None:
-    """Run or go on with a sweep over ``axes`` [1/min], [m/s], [deg] into a store."""
+    """Run or resume a sweep over ``axes`` [1/min], [m/s], [deg] into a store."""
     model = made.rotor.model
     few = [axis[np.unique(np.linspace(0, axis.size - 1, SOME).astype(int))] for axis in axes]
     opt.note_points(model, *OperatingPoints.grid(*few).si)
@@ -207,7 +207,7 @@ def _compute(evaluation: Sweep) -> Loads:
     with out.progress_bar("operating points") as update:
         for found in evaluation.in_turn():
             if evaluation.bands:
-                _ = found.std_by_source  # now, while the bar shows the progress
+                _ = found.std_by_source  # computed here, so that the bar shows the progress
             parts.append(found)
             done += found.status.size
             update(done, math.prod(evaluation.shape))
@@ -215,7 +215,7 @@ def _compute(evaluation: Sweep) -> Loads:
 
 
 # -------------------------------------------------------------------------------------------------
-# ``propmap study``: many designs made from a propeller, at many operating points.
+# ``propmap study``: many designs derived from a propeller, at many operating points.
 
 MOST_IN_MEMORY = 5_000_000  # operating points of a study that goes into a NetCDF file
 
@@ -223,24 +223,26 @@ MOST_IN_MEMORY = 5_000_000  # operating points of a study that goes into a NetCD
 def study(
     context: typer.Context,
     file: Annotated[
-        Path, Argument(metavar="FILE.toml", help="Study file: what varies, and where.")
+        Path,
+        Argument(metavar="FILE.toml", help="Study file: varied quantities and operating points."),
     ],
     output: Annotated[
         Path,
         out.output_option(
-            "Write NetCDF (.nc) or, for studies of any size, Zarr (.zarr), where a run that was "
-            "stopped goes on."
+            "Output file: NetCDF (.nc) or, for studies of any size, Zarr (.zarr). A repeated "
+            "command resumes a Zarr store that is not complete."
         ),
     ],
     picture: Annotated[
-        Path | None, Option(metavar="FILE", help="Draw the response surface: .png, .svg or .pdf.")
+        Path | None,
+        Option(metavar="FILE", help="Picture of the response surface: .png, .svg or .pdf."),
     ] = None,
     accuracy: opt.AccuracyOption = "standard",
     cluster: opt.Cluster = None,
     force: out.Force = False,
     yes: Yes = False,
 ) -> None:
-    """Compute loads of designs that vary a propeller."""
+    """Compute the loads of many designs that vary a propeller."""
     streamed = output.suffix.lower() == ".zarr"
     if streamed:
         check_store(output, force=force)
@@ -250,15 +252,16 @@ def study(
 
     read = read_study(file)
     if picture is not None and read.surface is None:
-        raise InputError("--picture needs two quantities that vary", "vary another", str(file))
+        fault = "--picture needs two varied quantities"
+        raise InputError(fault, "vary another quantity", str(file))
     choice = opt.RotorChoice(read.propeller, airfoil=read.airfoil or None, accuracy=accuracy)
     with out.blamed_on(file):
         made = read.study(choice.rotor())
     layout = made.layout(opt.command_line(context))
     points = math.prod(made.shape)
     if not streamed and points > MOST_IN_MEMORY:
-        fault = f"the study has {points} points, more than the {MOST_IN_MEMORY} of a NetCDF file"
-        raise InputError(fault, "end the file's name with .zarr")
+        fault = f"the study has {points} points, but a NetCDF file has at most {MOST_IN_MEMORY}"
+        raise InputError(fault, "use the file extension .zarr")
     store = opened(output, layout) if streamed else InMemory(layout)
     run_announced(made, store, layout, cluster, yes=yes, what="points")
     if isinstance(store, InMemory):
@@ -269,7 +272,7 @@ def study(
 
         found = xarray.open_dataset(output, engine="zarr", chunks=None)
     lost = int(np.isnan(found["thrust"]).sum())
-    remark = f", {lost} of them without loads" if lost else ""
+    remark = f", {lost} without loads" if lost else ""
     echo(f"wrote {output}: {made.count} designs, {points} points{remark}")
     if read.surface is not None:
         _show_surface(read, read.surface, made, found, picture)
@@ -278,7 +281,7 @@ def study(
 def _show_surface(
     read: StudyFile, asked: Surface, made: Study, found: xarray.Dataset, picture: Path | None
 ) -> None:
-    """Fit the response surface, print how good it is, and draw it."""
+    """Fit the response surface, print its error, and draw it."""
     at: dict[str, Any] = {}
     fixed = []
     for dim, (name, unit, _) in AXES.items():
@@ -293,9 +296,9 @@ def _show_surface(
     out.show(
         None,
         f"{asked.quantity} at {', '.join(fixed) or 'the points of the designs'}: "
-        f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g} {unit}; a quadratic of "
-        f"{', '.join(surface.names)} predicts designs left out to {surface.left_out_rms:.2g} "
-        f"{unit} rms",
+        f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g} {unit}; a quadratic in "
+        f"{', '.join(surface.names)} predicts left-out designs with an rms error of "
+        f"{surface.left_out_rms:.2g} {unit}",
     )
     if picture is None:
         return

@@ -1,4 +1,4 @@
-"""``propmap table`` builds a certified table of loads, ``propmap show`` shows what one holds."""
+"""``propmap table`` and ``propmap show``: build a certified table of loads, and describe one."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ if TYPE_CHECKING:
 def table(
     choice: opt.RotorChoice,
     context: typer.Context,
-    rpm: Annotated[str, Option(metavar="A:B", help="Rotational speeds [1/min].")],
-    speed: Annotated[str, Option(metavar="A:B", help="Flight speeds [m/s].")],
-    output: Annotated[Path, out.output_option("Write this table (.npz) or NetCDF (.nc).")],
+    rpm: Annotated[str, Option(metavar="A:B", help="Range of rotational speeds in rpm.")],
+    speed: Annotated[str, Option(metavar="A:B", help="Range of airspeeds in m/s.")],
+    output: Annotated[Path, out.output_option("Output file: table (.npz) or NetCDF (.nc).")],
     beta: Annotated[
-        str, Option(metavar="A:B", help="Angles of velocity to axis [deg], in 0:180.")
+        str, Option(metavar="A:B", help=f"{opt.BETA_HELP}: range in degrees, within 0:180.")
     ] = "0:180",
     tolerance: Annotated[
-        str, Option(metavar="SHARE", help="Largest error, as a share of the static loads.")
+        str, Option(metavar="SHARE", help="Largest error, as a fraction of the static loads.")
     ] = "0.5%",
     no_vortex_ring: Annotated[
-        bool, Option("--no-vortex-ring", help="Leave NaN in the vortex ring state.")
+        bool, Option("--no-vortex-ring", help="Store NaN for points in the vortex ring state.")
     ] = False,
     force: out.Force = False,
     cluster: opt.Cluster = None,
 ) -> None:
-    """Build a look-up table of the loads with certified errors."""
+    """Build a look-up table of propeller loads with certified errors."""
     ranges = [_range(name, text) for name, text in (("rpm", rpm), ("speed", speed), ("beta", beta))]
     share = _share("--tolerance", tolerance)
     out.check_output(output, (".npz", ".nc"), keep_existing=not force)
@@ -76,20 +76,20 @@ def table(
 
 
 def _share(option: str, text: str) -> float:
-    """Read 0.005 from "0.5%" or "0.005", for a message about the ``option``."""
+    """Read 0.005 from "0.5%" or "0.005"; messages name the ``option``."""
     try:
         value = float(text[:-1]) / 100.0 if text.endswith("%") else float(text)
     except ValueError:
         value = math.nan
     if not (math.isfinite(value) and value > 0.0):
-        raise InputError(f"{option} {quoted(text)} is no share", "write 0.5% or 0.005")
+        raise InputError(f"{option} {quoted(text)} is not a fraction", "write 0.5% or 0.005")
     return value
 
 
 def _range(quantity: str, text: str) -> Floats:
     """Read the ends (2,) of "A:B"."""
     if text.count(":") != 1:
-        raise InputError(f"--{quantity} {quoted(text)} is no range", "write A:B, from A to B")
+        raise InputError(f"--{quantity} {quoted(text)} is not a range", "write A:B, from A to B")
     return opt.parse_axis(f"--{quantity}", quantity, text, count=2)
 
 
@@ -98,10 +98,10 @@ def show_table(
     format_: out.FormatOption = None,
     output: out.TextOutput = None,
 ) -> None:
-    """Show where a table comes from, its range and its errors."""
+    """Show the origin, the range and the errors of a table."""
     chosen = out.chosen_format(format_, output)
     if chosen == "csv":
-        raise InputError("what a table holds has no columns", "use --format json")
+        raise InputError("--format csv: the description has no columns", "use --format json")
 
     from propmap.export.files import origin
     from propmap.table import LoadTable
@@ -114,12 +114,12 @@ def show_table(
 
 
 def certificate_of(found: LoadTable) -> Iterator[object]:
-    """Say how far the table is from the model, and the model's own uncertainty if it is known."""
+    """Yield the errors of the table against the model and, if known, the model's uncertainty."""
     from propmap.table.certificate import PLACE, TITLES, claims, largest_at, parameter_claims
 
     errors = found.certificate
     if not errors:
-        yield "not certified: how far the table is from the model is not known"
+        yield "not certified: the errors of the table against the model are unknown"
         return
     columns = {
         "max": errors["max_error"],

@@ -1,4 +1,4 @@
-"""``propmap trim``: steady states, power curve, top speed and missions, as tables and files."""
+"""``propmap trim``: steady flight, power curve, top speed and missions of an aircraft."""
 
 from __future__ import annotations
 
@@ -30,23 +30,25 @@ if TYPE_CHECKING:
     import xarray
 
 
-SPEEDS = 21  # where --speed is A:B
+SPEEDS = 21  # number of values of --speed A:B
 
 
 def trim(
     context: typer.Context,
     vehicle: opt.VehicleArgument,
     speed: Annotated[
-        str, Option(metavar="A:B:N", help="Horizontal speeds [m/s], or a list.")
+        str, Option(metavar="A:B:N", help=f"Horizontal airspeeds in m/s, {opt.AXIS_HELP}.")
     ] = "0:20",
-    climb: Annotated[str, Option(metavar="A:B:N", help="Climb rates [m/s], or a list.")] = "0",
+    climb: Annotated[
+        str, Option(metavar="A:B:N", help=f"Climb rates in m/s, {opt.AXIS_HELP}.")
+    ] = "0",
     bank: Annotated[
-        float, Option(help="Bank of a coordinated level turn [deg], right positive.")
+        float, Option(help="Bank angle of a coordinated level turn in degrees, right positive.")
     ] = 0.0,
-    wind: Annotated[float, Option(help="Headwind [m/s], for distances.")] = 0.0,
+    wind: Annotated[float, Option(help="Headwind in m/s, for distances.")] = 0.0,
     airfoil: opt.AirfoilOption = None,
     table: Annotated[
-        Path | None, Option(metavar="FILE.npz", help="Take loads from a table instead.")
+        Path | None, Option(metavar="FILE.npz", help="Table of rotor loads to use instead.")
     ] = None,
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
@@ -57,31 +59,35 @@ def trim(
     mission: Annotated[
         Path | None,
         Option(
-            metavar="FILE.csv", help="Fly these legs instead: speed_mps, climb_mps, duration_s."
+            metavar="FILE.csv", help="Mission to fly: columns speed_mps, climb_mps, duration_s."
         ),
     ] = None,
     bands: opt.Bands = True,
     picture: Annotated[
         Path | None,
-        Option(metavar="FILE", help="Draw power, pitch, rpm and margin, or a mission over time."),
+        Option(metavar="FILE", help="Picture of power curve or mission: .png, .svg or .pdf."),
     ] = None,
     format_: out.FormatOption = None,
     output: out.TextOutput = None,
 ) -> None:
-    """Find steady flight: power, range, endurance, top speed."""
+    """Find the power, range, endurance and top speed of an aircraft.
+
+    With -o FILE.nc, the command writes NetCDF.
+    """
     speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS)
     climbs = opt.parse_axis("--climb", "climb", climb)
     if mission is not None and (bank or climbs.size > 1 or climbs[0] != 0.0):
         fault = "--mission is given with --climb or --bank"
-        raise InputError(fault, "leave these out: legs say all")
+        raise InputError(fault, "leave these out: the legs define the flight")
     if not math.isfinite(bank):
-        raise InputError(f"--bank is {bank}", "give degrees")
+        raise InputError(f"--bank is {bank}", "give an angle in degrees")
     out.check_pictures(picture)
     netcdf = output if output is not None and output.suffix.lower() == ".nc" else None
     if netcdf is not None:
         out.check_output(netcdf, (".nc",))
         if format_ is not None or mission is not None:
-            raise InputError("the output is NetCDF", "leave --format and --mission out")
+            fault = "--format or --mission is given with a NetCDF file"
+            raise InputError(fault, "leave it out, or write another file")
     form = out.chosen_format(format_, None if netcdf else output)
 
     read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
@@ -95,7 +101,7 @@ def trim(
         return
     if bank and speeds[0] == 0.0:
         speeds = speeds[1:]
-        out.note("a turn takes speed: 0 m/s is left out")
+        out.note("a turn needs airspeed: 0 m/s is omitted")
 
     def steady(craft: Aircraft) -> list[SteadyStates]:
         return [craft.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
@@ -144,16 +150,16 @@ def trim(
 
 
 # -------------------------------------------------------------------------------------------------
-# Steady states as `propmap trim` shows them: tables, lines, and notes on what is odd.
+# Output of steady states: tables, lines, and notes on implausible values.
 
-# Columns that a narrow window goes without, the first first.
-SPARE = ("throttle [%]", "I motor [A]", "T [N]", "P shaft [W]", "way [km]", "roll [deg]", "rpm")
-LEVEL = 1e-4  # roll [rad] that is not worth a column
-NOTHING = 1e-4  # unbalanced moment over mass and radius [m/s^2] that is not worth a word
+# Columns that a narrow terminal hides, in this order.
+SPARE = ("throttle [%]", "I motor [A]", "T [N]", "P shaft [W]", "range [km]", "roll [deg]", "rpm")
+LEVEL = 1e-4  # roll below which the table has no column for it [rad]
+NOTHING = 1e-4  # unbalanced moment over mass and radius below which there is no note [m/s^2]
 
 
 def _note_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
-    """Note moments that the rotors cannot balance: a wing's flaps do, or a spin is wrong."""
+    """Note moments that the rotors cannot balance and that flaps or a wrong spin may explain."""
     left = np.concatenate([np.abs(states.moment) for states in flown])
     if not np.isfinite(left).any():
         return
@@ -161,14 +167,14 @@ def _note_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
     if largest.max() > NOTHING * craft.vehicle.mass * craft.vehicle.propeller.radius:
         moments = ", ".join(f"{name} {m:.2g}" for name, m in zip("xyz", largest, strict=True))
         out.note(
-            f"the rotors cannot balance all moments; up to {moments} N m about these axes are "
-            "left to control surfaces (check position and spin, if there are none)"
+            f"the rotors cannot balance all moments: up to {moments} N m about these axes are left "
+            "to control surfaces (without control surfaces, check position and spin)"
         )
 
 
 def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "") -> None:
-    """Note, after ``where`` if these are not all, which states are implausible or beyond the data
-    of the constants."""
+    """Note states that are implausible or beyond the data of the section constants; each note
+    begins with ``where``."""
     if not isinstance(craft.loads, Rotor):
         return
     blade = craft.vehicle.propeller
@@ -188,18 +194,16 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
         advance = float((2.0 * np.pi * speed / (omega * blade.diameter)).max())
         parts = []
         if rpm > own.rpm_high:
-            parts.append(f"{rpm:.0f} rpm where the data end at {own.rpm_high:.0f}")
+            parts.append(f"{rpm:.0f} rpm, data up to {own.rpm_high:.0f}")
         if advance > own.advance_high:
-            parts.append(
-                f"J = V/(n D) up to {advance:.2f} where they end at {own.advance_high:.2f}"
-            )
+            parts.append(f"J = V/(n D) up to {advance:.2f}, data up to {own.advance_high:.2f}")
         if parts:
             warnings = [*warnings, f"beyond the data of the constants: {'; '.join(parts)}"]
     out.note(*(f"{where}{warning}" for warning in warnings))
 
 
 def plain(state: performance.NamedState | None) -> dict[str, float | None] | None:
-    """Return the fields of a state for JSON, None where there is none."""
+    """Return the fields of a state for JSON, or None without a state."""
     return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
 
 
@@ -212,7 +216,7 @@ def _title(craft: Aircraft) -> str:
 
 
 def _digits(value: float) -> str:
-    """Write a cell of a table, a dash for NaN."""
+    """Return the text of a table cell, a dash for NaN."""
     if not math.isfinite(value):
         return "-"
     return "0" if abs(value) < 5e-4 else f"{value:.4g}"
@@ -221,7 +225,7 @@ def _digits(value: float) -> str:
 def _table(
     states: SteadyStates, sure: StateChange | None, found: performance.Performance | None
 ) -> out.WideGrid:
-    """Make a table of states at one climb rate and bank."""
+    """Return a table of states at one climb rate and bank."""
 
     def cells(values: Any) -> list[str]:
         return [_digits(value) for value in values]
@@ -245,13 +249,13 @@ def _table(
         columns["throttle [%]"] = cells(100.0 * states.throttle.max(axis=1))
     if found is not None and np.isfinite(found.endurance).any():
         columns["time [min]"] = cells(found.endurance / 60.0)
-        columns["way [km]"] = cells(found.distance / 1000.0)
+        columns["range [km]"] = cells(found.distance / 1000.0)
     columns |= {"thrust margin": cells(states.thrust_margin), "<status": states.status.tolist()}
     climb, bank = float(states.climb[0]), math.degrees(float(states.bank[0]))
     title = f"climb {climb:g} m/s" if climb else (f"bank {bank:g} deg" if bank else "level flight")
-    caption = "rpm: slowest to fastest rotor; thrust margin: T at the first limit over T needed"
+    caption = "rpm: slowest to fastest rotor; thrust margin: T at the first limit / required T"
     if deviations:
-        caption += "\n+-: one standard deviation of the power, from those of the rotors' loads"
+        caption += "\n+-: one standard deviation of the power, from the errors of the rotor loads"
     met = [status for status in STATUSES if status != "ok" and status in states.status]
     caption += "".join(f"\n{status}: {STATUSES[status]}" for status in met)
     rows = list(zip(*columns.values(), strict=True))
@@ -259,7 +263,7 @@ def _table(
 
 
 def _rough(std: float) -> str:
-    """Write two digits without an exponent."""
+    """Return a number with two digits and without an exponent."""
     return f"{float(f'{std:.2g}'):g}" if math.isfinite(std) else "-"
 
 
@@ -289,7 +293,7 @@ def _named_lines(craft: Aircraft, found: performance.Performance | None) -> list
                 lines.append(f"{words}: none; {STATUSES.get(why, 'not found')}")
             margin = float(found.states.thrust_margin[0])
             if name == "hover" and found.states.speed[0] == 0.0 and margin < 1.0:
-                lines[-1] += f"; it cannot lift off, thrust is {margin:.2f} of the weight"
+                lines[-1] += f"; too heavy to lift off, thrust is {margin:.2f} of the weight"
             continue
         kind = "" if math.isfinite(state.electrical_power) else "shaft "
         parts = [
@@ -319,7 +323,7 @@ AXES = ("climb_mps", "speed_mps")
 def _dataset(
     craft: Aircraft, flown: list[SteadyStates], sure: list[StateChange | None], command: str
 ) -> xarray.Dataset:
-    """Pack states at the same speeds for each of several climb rates, with provenance."""
+    """Return a dataset of states at the same airspeeds for each climb rate, with provenance."""
     import xarray
 
     parts = [performance.columns(*both) for both in zip(flown, sure, strict=True)]
@@ -355,7 +359,7 @@ def _dataset(
     names = list(STATUSES)
     codes = [[names.index(status) for status in states.status.tolist()] for states in flown]
     flags = {
-        "long_name": "whether the state was found within the limits",
+        "long_name": "status of the steady state",
         "flag_values": np.arange(len(names), dtype=np.uint8),
         "flag_meanings": " ".join(names),
     }
@@ -364,7 +368,7 @@ def _dataset(
 
 
 # -------------------------------------------------------------------------------------------------
-# A mission as `propmap trim` shows it: energy and state of charge, leg by leg and over time.
+# Output of a mission: energy and state of charge, by leg and over time.
 
 
 def _fly(
@@ -375,7 +379,7 @@ def _fly(
     output: Path | None,
     picture: Path | None,
 ) -> None:
-    """Fly a mission, and show it leg by leg or draw it over time."""
+    """Fly a mission, print or write it by leg, and draw it over time."""
     flown = fly(craft, legs)
     course = flown.course
     columns = {
@@ -396,7 +400,7 @@ def _fly(
             f"{heads}|<status",
             zip(*([_digits(v) for v in each] for each in columns.values()), status, strict=True),
             f"mission {legs.source}",
-            "charge, U: state of charge (1 when full) and the battery's voltage at the end of the "
+            "charge, U: state of charge (1 is full) and voltage of the battery at the end of the "
             "leg",
         )
         lost = ~flown.lasted
