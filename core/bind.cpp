@@ -1,4 +1,4 @@
-// The Python module of the core: rotors as dictionaries of numbers, operating points and loads as arrays.
+// The Python module of the core.  Rotors are passed as dictionaries of numbers, operating points and loads as arrays.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -62,7 +62,7 @@ Numbers make_array(std::initializer_list<std::size_t> shape, double*& data) {  /
 }
 
 // Call `one(k)` for all k below `count`, on this number of threads, and stop at a signal such as Ctrl-C.
-// No result depends on the number of threads.  Threads live for one call, so that a process may fork between calls.
+// No result depends on the number of threads.  Threads end with the call, so that a process may fork between calls.
 void for_each_point(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
     constexpr auto patience = std::chrono::milliseconds(50);
     std::atomic<std::size_t> next{0};
@@ -111,9 +111,9 @@ void for_each_point(std::size_t count, int threads, const std::function<void(std
     if (stop) throw nb::python_error();
 }
 
-constexpr int together = 8, a_few = 3;  // directions in one pass; `a_few` for the last ones
+constexpr int together = 8, a_few = 3;  // derivatives per pass; `a_few` in the last passes
 
-// The numbers of blade, flow, law and mount by which loads can be differentiated, by name.
+// The numbers of blade, flow, law and mount with respect to which loads can be differentiated, with their names.
 template <class S, template <class> class LawOf>
 std::vector<std::pair<std::string, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<S>& flow) {
     std::vector<std::pair<std::string, S*>> all{{"chord_scale", &rotor.change.chord_scale},
@@ -125,7 +125,7 @@ std::vector<std::pair<std::string, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<
     return all;
 }
 
-// Copy rotor and flow to dual numbers; direction d is the derivative by number which[d].
+// Copy rotor and flow to dual numbers; direction d is the derivative with respect to number which[d].
 template <int N, template <class> class LawOf>
 void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<int>& which,
           Rotor<Dual<double, N>, LawOf>& to, Flow<Dual<double, N>>& flow) {
@@ -198,7 +198,7 @@ Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) 
     return array;
 }
 
-// A rotor and its model, which can be solved at any operating point.
+// Solver for the loads of one rotor, with its model, at any operating point.
 class CoreRotor {
   public:
     CoreRotor(const nb::dict& blade, const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine)
@@ -242,8 +242,8 @@ class CoreRotor {
         return array;
     }
 
-    // From states of the inflow (N, 3) in the rotor frame, directions of flight (N, 3), spin and times [s]: static
-    // states, rates, later states (N, 3), loads (6, N), derivatives of rates by states, and (5, N) from `keep`.
+    // Return static states, rates and later states (N, 3), loads (6, N), derivatives of the rates (N, 3, 3), and (5, N)
+    // from `keep`.  States of the inflow and directions of flight (N, 3) are in the rotor frame; `times` are steps [s].
     nb::tuple inflow_motion(const Points& points, Vector states, Vector directions, double spin, Vector times, int threads) const {
         const std::size_t n = points.shape(1);
         double *steady, *rates, *later, *loads, *linear, *other;
@@ -270,7 +270,7 @@ class CoreRotor {
         return nb::make_tuple(steadies, rate_array, laters, load_array, matrices, others);
     }
 
-    // Fields over the disk at one operating point, by name: (S,) or (S, P), for 1 to 1000 radii.
+    // Fields over the disk at one operating point, by name: (S,) or (S, P), for 1 to `most_nodes` radii.
     nb::dict disk_field(const Points& points, const std::vector<double>& radii, const std::vector<double>& psi) const {
         return std::visit([&](const auto& solver) {
             Solution s;
@@ -342,7 +342,7 @@ class CoreRotor {
     nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }  // [m]
 
   private:
-    // Write status, number of roots, share of the vortex ring, mean inflow and share of reverse flow of point k of n.
+    // Write status, number of roots, weight of the vortex ring, mean inflow and share of reverse flow of point k of n.
     template <class R> static void keep(const Solution& s, const R& rotor, double* into, std::size_t k, std::size_t n) {
         const double known[] = {double(s.result.status), double(s.result.roots), s.result.ring, s.result.mean_inflow,
                                 reverse_flow_share(s.flow, rotor.root(), rotor.tip())};
@@ -380,8 +380,8 @@ class CoreRotor {
         const std::size_t n = points.shape(1), p = names.size();
         Rotor<double, LawOf> example = solver.rotor();
         Flow<double> still{};
-        std::vector<int> which;         // numbers by which the solution is differentiated
-        std::vector<std::size_t> place;  // and the place of each among the names
+        std::vector<int> which;         // numbers with respect to which the solution is differentiated
+        std::vector<std::size_t> place;  // the index of each in `names`
         const auto known = numbers_of(example, still);
         for (std::size_t d = 0; d < p; ++d) {
             std::size_t k = 0;
@@ -399,7 +399,7 @@ class CoreRotor {
             const auto keep = [&](int j, std::size_t d, double slope) {
                 slopes[(j * p + d) * n + k] = lost ? std::nan("") : slope;
             };
-            // Factor and area of the mount change the drag alone, in proportion, and leave the inflow as it is.
+            // Drag is linear in `drag_factor` and `mount_area`.  No other load depends on them, nor does the inflow.
             for (std::size_t d = 0; d < p; ++d) {
                 if (names[d] != "mount_area" && names[d] != "drag_factor") continue;
                 const double slope = names[d] == "drag_factor"
@@ -427,7 +427,7 @@ class CoreRotor {
     AnySolver solver_;
 };
 
-// A load table: knots and polynomials of both axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), envelope (3, 2).
+// A load table: knots and polynomials of both axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), limits (3, 2).
 class CoreTable {
   public:
     using Values = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
@@ -498,7 +498,8 @@ using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::de
 Vector3 vector(const double* from) { return {from[0], from[1], from[2]}; }
 double* keep(const Vector3& v, double* to) { return std::copy(v.begin(), v.end(), to); }
 
-// Axial and in-plane velocity (n m), downstream direction (n m, 3) in the disk plane, of hubs (n m, 3) on axes (m, 3).
+// Return axial and in-plane speed (N) and downstream direction in the disk plane (N, 3) from the velocities of N hubs
+// (N, 3) and the thrust axes of m rotors (m, 3).  Hub k belongs to rotor k % m.
 nb::tuple hub_flows(Vectors axes, Vectors hubs) {
     double *along, *across, *downstream;
     const std::size_t n = hubs.shape(0), m = axes.shape(0);
@@ -511,7 +512,7 @@ nb::tuple hub_flows(Vectors axes, Vectors hubs) {
     return nb::make_tuple(axial, inplane, away);
 }
 
-// Forces and moments (P, n m, 3) about the hubs, from loads (L, P, n m).
+// Forces, and moments about the hubs, (P, N, 3) each, from loads (L, P, N); arguments as in `hub_flows`.
 nb::tuple hub_wrenches(Vectors axes, Vector spins, Vectors downstream,
                        nb::ndarray<const double, nb::shape<Loads<double>::count, -1, -1>, nb::c_contig, nb::device::cpu> loads) {
     double *force, *moment;
@@ -562,8 +563,7 @@ class FreeBody {
     using Mounts = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
 
     // Rows of `mounts` (k, 7): position, axis, spin.  `sources` has a rotor or a table for each.
-    FreeBody(Mounts mounts, const nb::dict& frame,
-             const nb::list& sources, double heavy, Vector centre, bool clamp)
+    FreeBody(Mounts mounts, const nb::dict& frame, const nb::list& sources, double heavy, Vector centre, bool clamp)
         : frame_(airframe(frame)), sources_(sources), heavy_(heavy), centre_(vector(centre.data())), clamp_(clamp) {
         for (std::size_t k = 0; k < mounts.shape(0); ++k) {
             const double* row = mounts.data() + 7 * k;
@@ -575,10 +575,10 @@ class FreeBody {
         }
     }
 
-    // Add force (world frame) and moment about the body's origin (body frame) to `forces`.  If a rotor has no loads or
-    // no finite speed, add nothing and return the first such rotor.  `pose` is position and quaternion; `motion` is the
+    // Add force (world frame) and moment about the body's origin (body frame) to `forces`.  If a rotor has no finite
+    // loads or speed, add nothing and return the first such rotor.  `pose` is position and quaternion; `motion` is the
     // velocity of the origin in the world frame, and the rates.  `omega`, `change` and `added` (axial flow from wakes)
-    // have a number per rotor.  `codes` gets the status of each rotor, and the worst so far.
+    // have one number per rotor.  The status of each rotor, and its worst status so far, are written to `codes`.
     std::optional<std::size_t> push(State pose, State motion, State wind, State omega, State change, State added, Forces forces, Codes codes) const {
         const std::size_t k_all = mounts_.size();
         const double* q = pose.data() + 3;
@@ -622,7 +622,7 @@ class FreeBody {
                 loads = found.loads, code = std::uint8_t(found.status);
                 continue;
             }
-            // In symmetric vehicles half of the rotors have the flow, and so the loads, of the other half.
+            // In symmetric flight, half of the rotors have the same flow and loads as the other half.
             std::size_t like = 0;
             while (like < k && !(of_[like].rotor == rotor && alike(known[like].flow, flow))) ++like;
             if (like < k) loads = known[like].loads, code = known[like].code;

@@ -1,4 +1,4 @@
-"""The paper's model and the recommended model in plain Python: literal, slow, written to be read.
+"""The paper's model and the recommended model in plain Python, written to be read, not to be fast.
 
 "The paper" is R. Gill, R. D'Andrea, "Propeller Thrust and Drag in Forward Flight", IEEE CCTA 2017,
 doi 10.1109/CCTA.2017.8062443.  The functions follow its order.  A comment such as ``# Eq. (10)``
@@ -89,7 +89,8 @@ def loads(
     Raises
     ------
     InputError
-        For a model outside the reference, invalid points, too few steps, or too wide blades.
+        For a model outside the reference, invalid points, too few steps, or blades that are too
+        wide.
 
     References
     ----------
@@ -181,7 +182,7 @@ def lift_coefficient(alpha: Floats, airfoil: Airfoil) -> Floats:
 
 
 def drag_coefficient(alpha: Floats, reynolds: Floats, airfoil: Airfoil) -> Floats:
-    """Compute C_D at angles of attack from the one of least pressure drag [rad]."""
+    """Compute C_D; ``alpha`` is measured from the angle of least pressure drag [rad]."""
     # At Re = 0 the velocity and the drag are zero, so that any finite C_D is correct.
     friction = 2.0 * 1.02 * airfoil.c_p / np.sqrt(np.maximum(reynolds, 1e-12))
     return airfoil.c_d * np.sin(alpha) ** 2 + friction + airfoil.c_d0  # Eq. (4)
@@ -241,7 +242,8 @@ def momentum_thrust(case: Case, y: float, v_i: Any) -> Any:
 
     Eq. (8) is mass flow times the change of velocity, 2 v_i.  The paper negates it where the wake
     is above the disk, which is correct for a mass flow with a sign.  The mass flow of (10) has no
-    sign: the air is slowed against the thrust in both directions.  Eq. (9) is (10) in axial flow.
+    sign, and the velocity changes by 2 v_i against the thrust for both directions of the flow.
+    Eq. (9) is (10) in axial flow.
     """
     v_axial, v_inplane, rho = case.v_axial, case.v_inplane, case.model.air.density
 

@@ -1,15 +1,18 @@
 // The hybrid inflow v_i(y) of an annulus: the largest root of eq. (11), element thrust (5) = momentum thrust (10).
 //
-// The residual g(v_i) is (5) minus (10).  It is negative above all roots and rises as v_i falls, until stall.
-// - Hump: the local maximum of g near stall.  Its peak is the top, and the value of g there is its height.
-// - Branches: v_i is larger than at the top on the attached branch, and smaller on the stalled branch.  If the height
-//   is positive, the largest root is on the attached branch; if g is negative again past stall, two more roots follow.
-//   If the height is negative, the only root is on the stalled branch.
-// - Shoulder: a hump without a maximum.  It is the point near stall at which g rises least as v_i falls.
-// - Fold: a radius at which the height is zero.  There the largest root jumps from one branch to the other.
+// The residual g(v_i) is (5) minus (10).  It is negative for all v_i above the largest root.
+// - Top: the local maximum of g near stall.
+// - Shoulder: if g has no maximum near stall, the point at which g increases least as v_i decreases.
+// - Hump: the top or, if there is none, the shoulder.  Its height is the value of g at this point.
+// - Branches: v_i is above that of the top on the attached branch, and below it on the stalled branch.  (At negative
+//   angles of attack, the flow above the top is stalled.)  If the height is positive, the largest root is above the
+//   top, and two more roots may follow.  If the height is negative, the largest root is below the top.
+// - Fold: a radius at which the height is zero.  At a fold with a top, the largest root jumps from one branch to the
+//   other.  At a fold with a shoulder, it varies most steeply along the blade.
+//
 // Three methods find the largest root, the cheapest one first: Newton's method in attached flow, with a proof that no
-// root lies above (`surely_largest`); Newton's method on the branch that humps at neighboring radii predict (`Outlook`
-// in disk.hpp); and a scan of g over all inflows (`scan`).
+// root is larger (`surely_largest`); Newton's method on the branch that humps at neighboring radii predict (`Outlook`
+// in disk.hpp); and a scan of g over all inflows (`scan`).  Each lane of `Lanes` is a radius, or an inflow at a radius.
 #pragma once
 
 #include <array>
@@ -28,7 +31,7 @@ template <class R> struct Annuli {
 
     Station<Lanes> station(Lanes radius) const { return station_at(rotor, flow.omega, radius); }
 
-    // The residual per radius and density, with its derivative by the inflow.
+    // The residual per radius and density [m^3/s^2], with its derivative with respect to the inflow.
     Dual<Lanes, 1> residual(const Station<Lanes>& at, Lanes inflow, const Azimuths& over) const {
         const Dual<Lanes, 1> v{inflow, {broadcast(1.0)}};
         return annulus_thrust(rotor, at, flow, v, over) -
@@ -36,21 +39,21 @@ template <class R> struct Annuli {
     }
     Dual<Lanes, 1> residual(const Station<Lanes>& at, Lanes inflow) const { return residual(at, inflow, psi); }
 
-    // Root mean square of U_T over azimuth [m/s].  "Mean" angles of attack below are angles at this speed.
+    // Root mean square of U_T over azimuth [m/s].  Below, the mean angle of attack is the angle for this value of U_T.
     Lanes rms_speed(const Station<Lanes>& at) const {
         const Lanes turning = flow.omega * at.radius;
         return square_root(turning * turning + (0.5 * flow.v_inplane * flow.v_inplane + 1e-18));
     }
-    double stall_angle(double reynolds_per_speed, double radius, double side) const {  // [rad], at U = Omega y
+    double stall_angle(double reynolds_per_speed, double radius, double side) const {  // [rad], for U = Omega y
         return value(rotor.law.stall_angle(reynolds_per_speed * flow.omega * radius, side));
     }
-    // Whether a few samples are enough to know the residual between them.  They are not if lift has further bends in
-    // deep stall, nor in descent with tip or hub loss, which is greatest where the air at the disk stands still.
+    // Whether a few samples determine the residual between them.  They do not if lift bends again in deep stall, nor in
+    // descent with tip or hub loss: Prandtl's factor peaks at 1 where no air passes the disk.
     bool plain() const {
         return rotor.law.plain_stall && rotor.law.stall_delay == 0.0 &&
                !(flow.v_axial < 0.0 && (rotor.tip_loss || rotor.hub_radius > 0.0));
     }
-    // Spacing of samples near stall, relative to the paper's stall (M = 50): a sharper stall needs closer samples.
+    // Spacing of samples near stall, relative to that for the paper's M = 50: a sharper stall needs closer samples.
     double stall_scale() const { return std::min(rotor.law.stall_width() / 0.02, 1.0); }
 };
 
@@ -60,8 +63,8 @@ inline Lanes angle_at(const Station<Lanes>& at, Lanes u_t, Lanes u_p) {
     return radians(at.line - Angle<Lanes>{u_p * per, u_t * per, {}});
 }
 
-// First guess of the inflow [m/s], for attached flow without drag: v W = k (U_T^2 theta - U_T u), where u is U_P and W
-// the speed in (10).  Four Newton steps from above the root.
+// First guess of the inflow [m/s], for attached flow without drag: v W = k (U_T^2 theta - U_T U_P), where W is the root
+// in (10) and k = N_b c_l1 c/(8 pi y).  Four Newton steps start above the solution.
 template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes>& at) {
     const auto& f = of.flow;
     const Lanes speed = of.rms_speed(at);
@@ -77,8 +80,8 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
 }
 
 // Return the lanes whose root v is in attached flow at all azimuths, so that no root lies above it.
-// If v >= 0, thrust (5) falls and (10) rises with v_i above v.  If v < 0, the lift is negative: the same holds up to
-// v_i = 0, provided that no element stalls on the way; above v_i = 0 the two thrusts have opposite signs.
+// If v >= 0, thrust (5) decreases and (10) increases as v_i increases above v.  If v < 0, lift is negative; the same is
+// true up to v_i = 0, provided that no element stalls in between.  Above v_i = 0 the two thrusts have opposite signs.
 template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>& at, Lanes v) {
     const auto& f = of.flow;
     const double margin = 3.0 * std::max(of.rotor.law.stall_width(), 0.02);  // [rad]: three widths of stall
@@ -94,17 +97,17 @@ template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>
     const Lanes later = angle_at(at, slow, f.v_axial + maximum(v, 0.0));
     Mask sure = (slow > 0.0) & (maximum(one, other) < most) & (minimum(minimum(one, other), later) > least);
     const Mask climb = f.v_axial + Lanes{} >= 0.0;
-    // On the windmill branch (10) rises with v_i for either direction of the flow through the disk.
+    // On the windmill branch (10) increases with v_i for both directions of the flow through the disk.
     const Mask rises = of.windmill && of.plain() ? v >= 0.0 : u >= 0.0;
     sure &= (v >= 0.0) ? rises : (climb & (f.v_axial + 2.0 * v > 0.0));
     return sure;
 }
 
-// The cubic between two samples, over t = 0 at the first to 1 at the second.  Its derivative by t is a + b t + c t^2.
+// The cubic between two samples, for t = 0 (first sample) to 1 (second sample).  Its derivative is a + b t + c t^2.
 template <class T> struct Cubic {
     T start, a, b, c;
 
-    // From values and derivatives by v_i at two inflows; the second is smaller by `run`.
+    // From values and derivatives with respect to v_i at two inflows, of which the second is smaller by `run`.
     Cubic(T run, T value, T slope, T next_value, T next_slope) {
         const T rise = next_value - value, end = -next_slope * run;
         start = value, a = -slope * run;
@@ -112,7 +115,7 @@ template <class T> struct Cubic {
     }
     T at(T t) const { return start + t * (a + t * (0.5 * b + t * c / 3.0)); }
 
-    // Write the extremes between 0 and 1 to t in rising order, and return their number.
+    // Write the extremes between t = 0 and 1 to `t` in increasing order, and return their number.
     int extremes(double (&t)[2]) const {
         int count = 0;
         const double square = b * b - 4.0 * a * c;
@@ -125,7 +128,7 @@ template <class T> struct Cubic {
     }
 };
 
-// Samples of the residual at one radius, in order of falling v_i.
+// Samples of the residual at one radius, in order of decreasing v_i.
 struct Samples {
     static constexpr int most = 400;  // capacity
     int count = 0;
@@ -145,12 +148,12 @@ struct Samples {
 struct Scan {
     bool found = false;
     double low, high;  // bracket of the largest root [m/s]
-    double guess;      // the largest root, by the cubic in the bracket [m/s]
+    double guess;      // estimate of this root from the cubic in the bracket [m/s]
     int roots = 0;     // number of sign changes
 };
 
 // Scan the residual over all inflows at one radius.  Every change of sign is a root.  Intervals that may hide two more
-// are sampled again.  Of the places near stall, where the residual bends most, only every `every`-th is sampled.
+// roots are sampled again.  Of the angles near stall, where the residual bends most, only every `every`-th is sampled.
 template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples, int every) {
     const auto& f = of.flow;
     const Station<Lanes> at = of.station(broadcast(radius));
@@ -158,12 +161,10 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
     const double line = radians(at.line)[0];
     std::array<double, 96> grid;
     int count = 0;
-    // Some fifty places: even angles of the flow, closer ones about both stall angles, turning points of (10).
+    // Up to 45 inflows: equally spaced inflow angles, closer ones around both stall angles, and those below.
     std::array<double, 48> angle;
     int angles = 0;
-    const auto add_angle = [&](double phi) {
-        if (std::fabs(phi) < 1.45) angle[angles++] = phi;
-    };
+    const auto add_angle = [&](double phi) { if (std::fabs(phi) < 1.45) angle[angles++] = phi; };
     for (int k = -7; k <= 7; ++k) add_angle(0.2 * k);
     for (double side : {1.0, -1.0}) {
         const double stall = of.stall_angle(at.reynolds_per_speed[0], radius, side);
@@ -198,7 +199,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         }
     };
     evaluate(grid.data(), count, samples);
-    // Move both ends outwards until the first value is negative and the last one positive: no root is outside.
+    // Move both ends outwards until the first value is negative and the last one positive: then no root is outside.
     const double whole = speed + std::fabs(f.v_axial);
     for (double more = 100.0; more < 1e7; more *= 10.0) {
         const bool high = samples.value[0] < 0.0, low = samples.value[count - 1] > 0.0;
@@ -212,27 +213,28 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         replace(0, 0), replace(count - 1, 1);
     }
 
-    // Sample again where two more roots may hide: where the cubic turns, beyond zero or close to it.
+    // Sample again where two more roots may hide: between samples of opposite signs if the cubic has an extreme, and
+    // between samples of the same sign if the cubic has an extreme of the opposite sign or close to zero.
     constexpr int between = 4;
     for (int round = 0; round < 8; ++round) {
         std::array<double, Samples::most> asked;
         int more = 0;
         for (int k = 0; k + 1 < samples.count; ++k) {
             const double run = samples.inflow[k] - samples.inflow[k + 1];
-            if (run < 1e-7 * whole || samples.count + more + between > Samples::most) continue;  // too close, or full
+            if (run < 1e-7 * whole || samples.count + more + between > Samples::most) continue;  // too short, or no capacity
             const Cubic<double> cubic = samples.cubic(k);
             const double g0 = samples.value[k], g1 = samples.value[k + 1];
             double t[2];
             const int extremes = cubic.extremes(t);
             const bool crosses = (g0 < 0.0) != (g1 < 0.0);  // one root at least
-            const bool opposed = cubic.a * (cubic.a + cubic.b + cubic.c) < 0.0;  // slopes of opposite signs: an extreme
+            const bool opposed = cubic.a * (cubic.a + cubic.b + cubic.c) < 0.0;  // opposite slopes: an extreme
             bool hides = crosses && (extremes > 0 || opposed);
             for (int e = 0; e < extremes && !crosses; ++e) {
                 const double there = cubic.at(t[e]), nearest = std::min(std::fabs(g0), std::fabs(g1));
                 const bool beyond = (there < 0.0) != (g0 < 0.0);
                 hides |= beyond || std::fabs(there) < 0.7 * nearest;
             }
-            // A peak may be sharper than that of the cubic, but it ends where the tangents at both samples meet.
+            // An extreme may be sharper than that of the cubic.  The tangents at both samples bound it.
             if (!crosses && opposed) {
                 const double end = cubic.a + cubic.b + cubic.c, met = (g1 - g0 - end) / (cubic.a - end);
                 hides |= ((g0 + cubic.a * met) < 0.0) != (g0 < 0.0) && met > 0.0 && met < 1.0;
@@ -259,7 +261,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
         if (result.found) continue;
         result.found = true;
         result.high = samples.inflow[k], result.low = samples.inflow[k + 1];
-        // Bisect the cubic, which costs far less than an evaluation.
+        // Bisect the cubic, which is far cheaper than an evaluation of the residual.
         const Cubic<double> cubic = samples.cubic(k);
         double low = 0.0, high = 1.0;
         for (int step = 0; step < 30; ++step) {
@@ -271,7 +273,8 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
     return result;
 }
 
-// Newton's method for the roots between `low` and `high`, from v, with bisection to stay between; NaN if it fails.
+// Find the roots between `low` and `high` by Newton's method from v, with bisection where a step leaves the bracket.
+// Return NaN where the method does not converge.
 template <class R>
 Lanes polished_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes low, Lanes high, Lanes v) {
     const Lanes scale = of.rms_speed(at) + std::fabs(of.flow.v_axial) + 1e-12;
@@ -292,24 +295,24 @@ Lanes polished_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes low, L
     return open ? broadcast(std::nan("")) : v;
 }
 
-// The hump at one radius: its top or, where it has no maximum, its shoulder.  A top that turns into a shoulder along
-// the blade does so at one point, so the height is continuous.
+// The hump at one radius.  Where a top becomes a shoulder along the blade, the two coincide: the height is continuous.
 struct Hump {
-    double radius;
-    double height;  // the residual at this point
-    double inflow;  // v_i at this point [m/s]
-    double past;    // mean angle of attack past the stall angle [rad]; nearly the same along the blade
-    double slope;   // derivative of the height along the blade
-    double below;   // angle like `past`, at a smaller v_i at which the residual is positive; NaN if none was seen
-    bool clear;     // no other maximum between the hump and `below`
-    bool falls;     // the residual falls with v_i everywhere, so that (11) has one root
-    bool top;       // a maximum, not a shoulder
-    bool folded;    // (11) has three roots here
-    bool near;      // the absolute height is below 0.3 of the momentum thrust
-    bool touching;  // it is below 0.04: the shape of the blade between two of its stations may move it through zero
+    double radius;  // [m]
+    double height;  // the residual at the hump [m^3/s^2]
+    double inflow;  // v_i at the hump [m/s]
+    double past;    // mean angle of attack at the hump minus the stall angle [rad]; nearly constant along the blade
+    double slope;   // derivative of the height with respect to the radius
+    double below;   // an angle like `past`, at a v_i below the hump where the residual is positive; NaN if not found
+    bool clear;     // there is no other maximum between the hump and `below`
+    bool falls;     // the residual decreases with v_i at all samples, so (11) has one root
+    bool top;       // the hump is a top, not a shoulder
+    bool folded;    // (11) has three roots at this radius
+    bool near;      // |height| is below 0.3 of the momentum thrust
+    bool touching;  // |height| is below 0.04 of it: the sign may change between two measured stations of the blade
 };
 
-// Residuals in the lanes `asked`, at `count` inflows each, packed into full vectors: half of all calls need one lane.
+// Compute the residuals in the lanes `asked`, at `count` inflows per lane.  They are packed into full vectors, because
+// half of all calls ask for a single lane.
 template <class R, std::size_t N>
 void residuals(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, const std::array<Lanes, N>& v, int count,
                const Azimuths& over, std::array<Dual<Lanes, 1>, N>& found) {
@@ -342,16 +345,17 @@ void residuals(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, const 
     }
 }
 
-// Samples of the residual at a radius per lane, in order of falling v_i.  A lane without a sample has NaN.
+// Samples of the residual at one radius per lane, in order of decreasing v_i.  Missing samples are NaN.
 struct LaneSamples {
     static constexpr std::size_t most = 24;
     int count = 0;
     std::array<Lanes, most> inflow;
-    std::array<Dual<Lanes, 1>, most> residual;  // with its derivative by v_i
+    std::array<Dual<Lanes, 1>, most> residual;  // with its derivative with respect to v_i
 };
 
-// Find the maximum that decides which root is the largest: the first above zero, or else the highest.  (The first in
-// any case hid attached stretches near the tip, 0.9 % of thrust.)  Return the lanes with one; others get the shoulder.
+// Find the maximum that decides on which branch the largest root is: the first one above zero or, if there is none, the
+// highest one.  (Without this rule, attached intervals near the tip were missed, an error of 0.9 % of static thrust.)
+// Return the lanes that have a maximum.  In all other lanes, `inflow` and `height` are those of the shoulder.
 inline Mask deciding_top(const LaneSamples& s, Lanes& inflow, Lanes& height) {
     const Lanes none = broadcast(-INFINITY), one = broadcast(1.0);
     const auto clamped = [&](Lanes t) { return minimum(maximum(t, 0.0), one); };
@@ -360,7 +364,8 @@ inline Mask deciding_top(const LaneSamples& s, Lanes& inflow, Lanes& height) {
         const Lanes run = s.inflow[k] - s.inflow[k + 1];
         const auto &above = s.residual[k], &below = s.residual[k + 1];
         const Cubic<Lanes> cubic(run, above.v, above.d[0], below.v, below.d[0]);
-        // `lowest` has the least derivative by t.  If that falls from above zero to below, a maximum is between.
+        // `lowest` is the t of the smallest derivative.  If the derivative changes from positive at t = 0 to negative
+        // at `lowest`, there is a maximum in between.
         Lanes lowest = cubic.b + cubic.c > 0.0 ? Lanes{} : one;
         lowest = cubic.c > 0.0 ? clamped(-0.5 * cubic.b / cubic.c) : lowest;
         const Lanes least = cubic.a + (cubic.b + cubic.c * lowest) * lowest;
@@ -376,7 +381,7 @@ inline Mask deciding_top(const LaneSamples& s, Lanes& inflow, Lanes& height) {
     return highest > none;
 }
 
-// Return the lanes among `asked` in which the top near this inflow, over all azimuths, is below zero.
+// Return the lanes among `asked` in which the top near this inflow has a negative height, averaged over all azimuths.
 template <class R> Mask top_below_zero(const Annuli<R>& of, const Station<Lanes>& at, Mask asked, Lanes top) {
     if (!any(asked)) return asked;
     const Lanes reach = 0.012 * of.stall_scale() * of.rms_speed(at);
@@ -388,30 +393,30 @@ template <class R> Mask top_below_zero(const Annuli<R>& of, const Station<Lanes>
     return asked & (height < 0.0) & (absolute(inflow - top) < 0.9 * reach);
 }
 
-// Stall angles [rad] at positive (side = 1) or negative angles.
+// Stall angle [rad] in each lane, at positive (side = 1) or negative (side = -1) angles of attack.
 template <class R> Lanes stall_angles(const Annuli<R>& of, const Station<Lanes>& at, double side) {
     return each_lane([&](int k) { return of.stall_angle(at.reynolds_per_speed[k], at.radius[k], side); });
 }
 
-// Inflow at which the mean angle of attack is `angle`; NaN where the flow would be almost along the axis.
+// Inflow at which the mean angle of attack is `angle` [rad]; NaN if the flow would be almost parallel to the axis.
 template <class R> Lanes inflow_at_angle(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes angle) {
     const auto phi = at.line - angle_from(angle);
     return phi.cosine > 0.05 ? speed * phi.sine / phi.cosine - of.flow.v_axial : broadcast(std::nan(""));
 }
-// Inflow at which the mean angle of attack is `off` past stall, or less in proportion to a sharper stall.
+// Inflow at which the mean angle of attack is the stall angle plus `off` [rad] times `stall_scale`.
 template <class R>
 Lanes inflow_past_stall(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes stall, double off) {
     return inflow_at_angle(of, at, speed, stall + off * of.stall_scale());
 }
 
-// Width of the range of mean angles over which an annulus stalls, relative to the widest one that is sampled.  In
-// forward flight it is wider, as some azimuths stall before others.
+// Factor, at most 1, on the offsets from the stall angle at which `humps_at` samples.  It is larger in forward flight:
+// some azimuths stall before others, so the annulus stalls over a wider range of mean angles.
 template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>& at, Lanes stall) {
     const Lanes rise = absolute((at.line - angle_from(stall)).sine);  // sin(phi) at stall
     return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
 }
 
-// Find the humps near stall at positive (side = 1) or negative angles, at the radii in the first `radii` lanes.
+// Find the humps at the radii in the first `radii` lanes, at positive (side = 1) or negative (side = -1) stall angles.
 template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, double side, Hump (&found)[width]) {
     const Dual<Lanes, 1> moved{radius, {broadcast(1.0)}};
     const Station<Dual<Lanes, 1>> moving = station_at(of.rotor, of.flow.omega, moved);
@@ -433,13 +438,14 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
         residuals(of, at, lanes, v, count, of.few, g);
         for (int j = 0; j < count; ++j, ++s.count) s.inflow[s.count] = v[j], s.residual[s.count] = g[j];
     };
-    // Offsets from stall [rad].  Further bends of lift in deep stall affect the root, too (4 % of static thrust).
+    // Offsets from the stall angle [rad].  If lift may bend again in deep stall, the bends decide which root is found:
+    // with fewer samples there, thrust erred by 4 % of static thrust.
     sample(asked, {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15}, stall_spread(of, at, stall));
     const Lanes whole = broadcast(1.0);
     if (!of.plain()) sample(asked, {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85}, whole);
     Lanes inflow = unknown, top_height = unknown, below = unknown, depth = broadcast(INFINITY);
     Mask top = deciding_top(s, inflow, top_height);
-    // If the top is not above zero the blade is stalled: sample deep stall, where `below` lies.
+    // Without a top above zero, the blade is stalled: sample deep stall, where `below` lies.
     const Mask known = inflow == inflow, deeper = known & ~(top & (top_height > 0.0));
     if (of.plain()) sample(deeper, {0.25, 0.45, 0.85}, whole);
     Mask falls = known, clear = known, rising{};
@@ -452,9 +458,9 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
         rising |= past & (slope < 0.0);
         below = not_yet & (value > 0.0) ? s.inflow[j] : below;
     }
-    // Below a shoulder there is no maximum if the residual rises in all samples as v_i falls.
+    // Below a shoulder there is no maximum if the residual increases as v_i decreases, at all samples.
     clear = top ? clear : falls;
-    // Locate the hump by samples that are closer, and over all azimuths if its height is small.
+    // Refine the hump with closer samples, over all azimuths if its height is small.
     const Lanes wake = absolute(wake_thrust(of.rotor, radius, of.flow, of.windmill, inflow));
     const Mask small = absolute(top_height) < 0.2 * wake;
     const Lanes reach = 0.012 * of.stall_scale() * speed;
@@ -471,7 +477,7 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
         open &= absolute(now - inflow) > 0.9 * reach;
         inflow = now;
     }
-    // At the top the derivative by v_i is zero, so the height varies along the blade as the residual at a fixed v_i.
+    // At a top, dg/dv_i = 0.  The height therefore varies along the blade like the residual at constant v_i.
     const auto over = [&](const Azimuths& psi) {
         return annulus_thrust(of.rotor, moving, of.flow, inflow, psi) -
                wake_thrust(of.rotor, moved, of.flow, of.windmill, inflow);
@@ -491,17 +497,17 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
                     falls[k] != 0, top[k] != 0, folded[k] != 0, near[k] != 0, touching[k] != 0};
 }
 
-// A radius at which the largest root jumps from one branch to the other, or varies most steeply.
+// A radius at which the largest root jumps from one branch to the other, or varies most steeply with the radius.
 struct Fold {
     enum class Kind {
-        top,       // a jump: the residual and its derivative by v_i are zero
-        shoulder,  // a steep rise: the residual and its second difference over v_i are zero
-        angle      // neither was found: the residual is zero where the mean angle of attack is the stall angle
+        top,       // a jump: the residual and its derivative with respect to v_i are zero
+        shoulder,  // steepest variation: the residual and its second difference over v_i are zero
+        angle      // neither was found: the residual is zero at the inflow that gives the stall angle
     };
     double radius;  // [m], NaN for none
     double inflow;  // v_i at this radius [m/s]
     Kind kind;
-    double side;    // 1 for stall at positive angles, -1 at negative ones
+    double side;    // 1 for stall at positive angles of attack, -1 at negative angles
 };
 
 // The residual at the inflow for which the mean angle of attack is the stall angle.
@@ -515,7 +521,7 @@ auto residual_at_stall(const R& rotor, const St& at, const F& flow, const Azimut
     return annulus_thrust(rotor, at, flow, inflow, psi) - wake_thrust(rotor, at.radius, flow, windmill, inflow);
 }
 
-// Spacing [m/s] of the three inflows that give the second derivative by v_i (at a top) or its change (at a shoulder).
+// Spacing [m/s] of the three inflows between which `fold_between` computes differences.
 template <class R, class F, class Y> auto fold_width(const Annuli<R>& of, const F& flow, const Y& radius, bool top) {
     const auto turning = flow.omega * radius;
     const auto speed = square_root(turning * turning + flow.v_inplane * flow.v_inplane) + absolute(flow.v_axial);
@@ -523,9 +529,10 @@ template <class R, class F, class Y> auto fold_width(const Annuli<R>& of, const 
 }
 
 // Find the fold between two radii whose humps have heights of opposite signs.
-// Newton's method solves for radius y and inflow v: residual and derivative by v are zero at a top, residual and second
-// difference at a shoulder.  One evaluation gives all derivatives: three lanes differ in v, the fourth in y.  If a step
-// leaves the interval, humps at four radii inside narrow it.  The last resort is `Kind::angle`.
+// Newton's method solves for the radius y and the inflow v.  At a top, the residual and dg/dv are zero; at a
+// shoulder, the residual and its second difference over v.  One evaluation gives all derivatives: three lanes differ
+// in v, the fourth in y.  If a step leaves the interval, humps at four radii inside it give a shorter interval.  If no
+// fold is found, the result has `Kind::angle`.
 template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, double side) {
     const double first = low.radius, last = high.radius;
     for (int narrowing = 0; narrowing < 12; ++narrowing) {
@@ -545,7 +552,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
             const auto g = of.residual(of.station(radius), inflow, near_enough ? of.psi : of.few);
             const double s0 = g.d[0][0], s1 = g.d[0][1], s2 = g.d[0][2];
             const double bend = (s0 - s2) / (2.0 * wide), turn = s0 - 2.0 * s1 + s2;
-            // Far from the top or shoulder, where the curvature has the wrong sign, step toward the flatter side.
+            // If the curvature has the wrong sign, step uphill (to a top) or to the flatter side (to a shoulder).
             const double curved = top ? bend : turn, missed = top ? s1 : g.v[0] - 2.0 * g.v[1] + g.v[2];
             const double uphill = top ? (s1 > 0.0 ? 1.0 : -1.0) : (s0 > s2 ? 1.0 : -1.0);
             double dv = curved < 0.0 ? -missed / curved : 2.0 * wide * uphill;
@@ -556,13 +563,13 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
             const double dy = along != 0.0 ? -here / along : 0.0;
             y += dy, v += dv;
             if (!(y > low.radius && y < high.radius)) break;
-            // Few azimuths are enough until the steps are short.
+            // Few azimuths are sufficient until the steps are short.
             if (!near_enough) {
                 near_enough = std::fabs(dy) < 2e-3 * y && std::fabs(dv) < 3e-3 * speed;
                 continue;
             }
             if (std::fabs(dy) < 1e-9 * y && std::fabs(dv) < 1e-6 * speed) {
-                // Newton's method may end at the fold of another hump, at another angle: then narrow the interval.
+                // Newton's method may converge to another hump, at another angle of attack: then narrow the interval.
                 const Hump& above = low.height > 0.0 ? low : high;
                 const auto at = of.station(broadcast(y));
                 const Lanes past = angle_at(at, of.rms_speed(at), broadcast(of.flow.v_axial + v)) - stall_angles(of, at, side);
@@ -571,7 +578,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
                 break;
             }
         }
-        // In climb no top was found between two shoulders, at 20,000 random oblique points.
+        // At 20,000 random oblique points in climb, there was no top between two shoulders.
         if (!low.top && !high.top && of.flow.v_axial >= 0.0) break;
         Hump inside[width];
         const double spread = narrowing < 2 ? 0.05 : 0.25;
@@ -592,9 +599,9 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
     }
     const Hump& near = std::fabs(low.height) < std::fabs(high.height) ? low : high;
     if (near.top) return {near.radius, near.inflow, Fold::Kind::top, side};
-    // No fold of a top or shoulder was found: solve for the radius at which the residual at the stall angle is zero.
+    // No fold at a top or shoulder was found: solve for the radius at which the residual at the stall angle is zero.
     double y = 0.5 * (first + last), step = last - first;
-    // After a Newton step of 1e-7 the next one would be 1e-14.
+    // The Newton step after one of 1e-7 would be about 1e-14.
     for (int k = 0; k < 20 && std::fabs(step) > 1e-7 * y; ++k) {
         const Dual<Lanes, 1> moved{broadcast(y), {broadcast(1.0)}};
         const auto at = station_at(of.rotor, of.flow.omega, moved);

@@ -7,17 +7,15 @@ namespace propmap {
 
 // Chord and twist by monotone cubics (PCHIP) through the measured stations.
 struct BladeShape {
-    std::vector<double> station;  // radii, rising [m]
+    std::vector<double> station;  // radii in increasing order [m]
     // Between two stations: start, width, and cubics of chord [m] and twist [rad] over the fraction of the width.
-    struct Interval {
-        double start, width, chord[4], twist[4];
-    };
+    struct Interval { double start, width, chord[4], twist[4]; };
     std::vector<Interval> intervals;
     double root = 0.0;  // radius at which the blade begins [m]
     double tip = 0.0;   // R [m]
     int blades = 2;     // N_b
 
-    const Interval& at(double radius) const {  // by bisection
+    const Interval& at(double radius) const {  // the interval that contains the radius, by bisection
         std::size_t low = 0, high = intervals.size() - 1;
         while (low < high) {
             const std::size_t middle = (low + high + 1) / 2;
@@ -27,7 +25,7 @@ struct BladeShape {
     }
 };
 
-// The cubics of all intervals, through chord and twist at the stations.
+// Make the cubics of all intervals, through chord and twist at the stations.
 inline std::vector<BladeShape::Interval> pchip_intervals(const std::vector<double>& station,
                                                          const std::vector<double>& chord,
                                                          const std::vector<double>& twist) {
@@ -46,14 +44,15 @@ inline std::vector<BladeShape::Interval> pchip_intervals(const std::vector<doubl
     return found;
 }
 
-// A blade from stations [m], chord [m], twist [rad], number of blades and root radius [m].
+// Make a blade from stations [m], chord [m], twist [rad], number of blades and root radius [m].
 inline BladeShape make_blade(const std::vector<double>& station, const std::vector<double>& chord,
                              const std::vector<double>& twist, int blades, double root) {
     return {station, pchip_intervals(station, chord, twist), root, station.back(), blades};
 }
 
 // Extend the blade inwards from its first station to a hub of this radius [m].  The chord line keeps its geometric
-// pitch.  The chord keeps its mean slope over a tenth of R, between 0.5 and 1 times the first chord.
+// pitch, y tan(theta).  The chord continues with its mean slope over the first 0.1 R of the blade, limited to 0.5 to 1
+// times the first chord.
 inline BladeShape continued_to(const BladeShape& blade, double hub) {
     const auto shape = [&](double y, bool of_twist) {
         const auto& i = blade.at(y);
@@ -79,7 +78,7 @@ inline BladeShape continued_to(const BladeShape& blade, double hub) {
     return longer;
 }
 
-// Changes of the blade's shape, by which loads can be differentiated.
+// Changes of the blade's shape, with respect to which loads can be differentiated.
 template <class S> struct BladeChange {
     S chord_scale;   // common relative change of the chord [-]
     S twist_offset;  // common offset of the twist [rad]
@@ -87,7 +86,7 @@ template <class S> struct BladeChange {
 };
 
 // Loss of twist in rotation [rad] (Houbolt & Brooks, NACA Report 1346, 1958).  Centrifugal force turns sections toward
-// the disk plane: the tip by an angle that grows with its speed squared, others by s (2 - s) of it, s = y/R.
+// the disk plane: the tip by an angle in proportion to its speed squared, a section at y = s R by s (2 - s) of that.
 template <class U, class R, class W> auto untwisting(const U& tip_angle, double tip, const R& radius, const W& omega) {
     const auto share = radius * (1.0 / tip);
     const auto speed = omega * (tip / 100.0);

@@ -8,7 +8,7 @@ namespace propmap {
 // Variation of the inflow around the disk; see inflow.hpp.
 enum class InflowShape { uniform, pitt_peters, pitt_peters_gradient, coleman, white_blake, drees };
 
-// Blade, air and corrections, by which loads are not differentiated.
+// Blade, air and corrections, with respect to which loads are not differentiated.
 struct RotorSettings {
     const BladeShape* blade = nullptr;
     double density = 1.225;        // rho [kg/m^3]
@@ -17,7 +17,7 @@ struct RotorSettings {
     double hub_radius = 0.0;       // radius for Prandtl's loss at the hub [m]; 0 for none
     InflowShape inflow_shape = InflowShape::uniform;  // see inflow.hpp
     bool installed = false;        // on a mount, which changes the rotor drag
-    double mount_wake = 1.0;       // inflow at the mount over that at the disk [-]
+    double mount_wake = 1.0;       // inflow at the mount divided by the inflow at the disk [-]
     bool radial_friction = false;
 
     double tip() const { return blade->tip; }

@@ -1,4 +1,9 @@
-// The inflow over the disk: panels along the blade that meet where stall begins or ends, and v_i at their nodes.
+// The inflow v_i over the disk, at the nodes of one or more panels along the blade.
+//
+// A node is a radius at which (11) is solved.  A panel is a part of the blade with its own Gauss-Legendre nodes.
+// The hump is the maximum (top) of the residual of (11) near stall or, if there is none, its flattest point (shoulder);
+// its height is the residual there.  A fold is a radius at which the height is zero.  The inflow jumps there, or varies
+// steeply: stall begins or ends.  Panels that follow stall meet at folds.  annulus.hpp has the exact definitions.
 #pragma once
 
 #include <map>
@@ -8,21 +13,22 @@
 
 namespace propmap {
 
-inline constexpr int most_nodes = 1100;  // the 960 of Accuracy in rotor.hpp, and two more for each panel
-inline constexpr int most_edges = 12;  // folds that panels follow
-inline constexpr int run = 4;  // consecutive nodes judged together, so that results do not depend on `width`
+inline constexpr int most_nodes = 1100;  // the largest number in `Accuracy` (rotor.hpp), 960, and two more per panel
+inline constexpr int most_edges = 12;  // largest number of folds at which panels meet
+inline constexpr int run = 4;  // consecutive nodes judged together; not `width`, so no result depends on the processor
 static_assert(width % run == 0);
 
 // Nodes and weights of one panel, relative to its length, and the Legendre polynomials that estimate the error.
 //
-// Gauss-Legendre nodes in t are crowded toward the outer edge of a single panel, and less strongly toward both edges of
-// several: inflow near a fold, and chord near the tip, vary as the square root of the distance.
+// The nodes are Gauss-Legendre nodes t, mapped so that they are dense near the tip if there is one panel and, less
+// strongly, near both edges of each panel if there are several (`both`).  The reason: inflow near a fold and chord near
+// the tip vary as the square root of the distance.
 struct PanelRule {
-    static constexpr int tail = 4;  // highest Legendre coefficients, whose size shows the error
+    static constexpr int tail = 4;  // number of last Legendre coefficients, whose size indicates the error
     std::vector<double> place, weight;
     std::vector<double> last;  // (2 k + 1) P_k at the nodes for the `tail` highest k, (tail, n)
 
-    explicit PanelRule(int key) : PanelRule(key / 2, key % 2 == 1) {}  // key: 2 n + both
+    explicit PanelRule(int key) : PanelRule(key / 2, key % 2 == 1) {}  // key = 2 n + both
     PanelRule(int n, bool both) : place(n), weight(n), last(std::size_t(tail) * n) {
         for (int i = 0; i < n; ++i) {
             double x = std::cos(pi * (n - 1 - i + 0.75) / (n + 0.5)), slope = 1.0;
@@ -64,7 +70,7 @@ struct AzimuthRule {
     }
 };
 
-// The rule of this number, made on first use and stored.
+// Return the rule that is constructed from this number.  It is constructed on first use and stored.
 template <class Rule> const Rule& rule_of(int number) {
     static std::mutex guard;
     static std::map<int, Rule> rules;
@@ -79,24 +85,24 @@ inline Azimuths azimuths(int count) {
     return {int(rule.sine.size()), rule.sine.data(), rule.cosine.data()};
 }
 
-// The panels along the blade, and the inflow at their nodes.  A group is as many nodes as a vector has lanes.
+// The panels along the blade, and the inflow at their nodes.  A group is `width` consecutive nodes, one per lane.
 struct Disk {
     int panels = 1;
-    std::array<double, most_edges + 2> edge;    // from root to tip [m]
-    std::array<Fold, most_edges + 2> fold;      // the fold that edge k follows, if moves[k]
+    std::array<double, most_edges + 2> edge;    // of the panels, from root to tip [m]
+    std::array<Fold, most_edges + 2> fold;      // the fold at which edge k lies, if moves[k]
     std::array<bool, most_edges + 2> moves{};
     std::array<int, most_edges + 1> count;      // number of nodes of each panel
     int nodes = 0, groups = 0;
     std::vector<Station<Lanes>> at;  // the blade at the nodes; lanes after the last node repeat it
     std::vector<Lanes> weight;       // of the nodes [m]; zero after the last node
     std::vector<Lanes> inflow;       // v_i [m/s]; NaN where it was not found
-    std::vector<Mask> ended;         // where Newton's method converged
+    std::vector<Mask> ended;         // nodes at which Newton's method converged
     bool several = false;            // whether (11) has several roots at some node
 
     double radius(int node) const { return at[node / width].radius[node % width]; }
     int runs() const { return (nodes + run - 1) / run; }
 
-    // Lanes of a group in which several roots are searched for: every third run of nodes.
+    // Lanes of a group in which `several_roots` is evaluated: those of every third run of nodes.
     static Mask every_third_run(int group) {
         Mask chosen{};
         for (int k = 0; k < width; ++k) chosen[k] = -((group * width + k) / run % 3 == 0);
@@ -114,7 +120,7 @@ struct Disk {
     }
 };
 
-// Compute radii, weights and blade of all nodes.
+// Compute radii and weights of all nodes, and the shape of the blade there.
 template <class R> void place_nodes(const R& rotor, double omega, Disk& disk) {
     disk.nodes = 0;
     for (int p = 0; p < disk.panels; ++p) disk.nodes += disk.count[p];
@@ -129,7 +135,7 @@ template <class R> void place_nodes(const R& rotor, double omega, Disk& disk) {
     });
 }
 
-// Radii and weights of the nodes with their derivatives, since nodes move with the edges of panels.
+// Radii and weights of the nodes, with derivatives, because nodes move with the edges of panels.
 template <class S> struct MovingNodes {
     using T = decltype(Lanes{} * S{});
     std::vector<T> radius, weight;
@@ -146,8 +152,8 @@ template <class S> struct MovingNodes {
     }
 };
 
-// Whether (11) has further roots below a root in attached flow, in any of these lanes: the residual past stall is then
-// negative.  All azimuths are computed only where the residual at the mean velocity is small.
+// Return whether (11) has more roots below `inflow`, a root in attached flow, in any of these lanes.  If it has, the
+// residual past stall is negative.  To save time, the residual for sin(psi) = 0 alone is tested first.
 template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes inflow, Mask lanes) {
     if (!any(lanes)) return false;
     const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, 1.0);
@@ -167,14 +173,15 @@ template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>&
     return any(found);
 }
 
-inline constexpr double close_enough = 3e-6;  // a Newton step relative to the speed; the next one would be 1e-11
+inline constexpr double close_enough = 3e-6;  // last Newton step, relative to the speed; the next one would be 1e-11
 
-template <class R> Lanes speed_scale(const Annuli<R>& of, const Station<Lanes>& at) {  // of velocities [m/s]
+template <class R> Lanes speed_scale(const Annuli<R>& of, const Station<Lanes>& at) {  // typical speed of the air [m/s]
     return of.rms_speed(at) + std::fabs(of.flow.v_axial);
 }
 
-// Newton's method at all nodes, from their inflow, in `most` steps at most.  A node ends at a step below `close` times
-// the speed, if the residual falls with v_i.  All groups take a step before the next one, so that they overlap in time.
+// Improve the inflow at all nodes by at most `most` Newton steps.  A node has converged if its step is at most `close`
+// times the speed and the residual decreases with v_i.  Each step is computed for all groups before the next step, so
+// that the processor can overlap the groups.
 template <class R> void newton(const Annuli<R>& of, Disk& disk, const Azimuths& over, double close, int most) {
     disk.ended.assign(disk.groups, Mask{});
     bool open = true;
@@ -196,8 +203,8 @@ template <class R> void newton(const Annuli<R>& of, Disk& disk, const Azimuths& 
     }
 }
 
-// Solve (11) at all nodes by Newton's method from attached flow, first over few azimuths.  If a node is near stall,
-// return false, with the runs of such nodes marked in `near_stall`.
+// Solve (11) at all nodes by Newton's method from attached flow, first over few azimuths.  If nodes are near stall,
+// return false and mark their runs in `near_stall`.
 template <class R> bool solve_attached(const Annuli<R>& of, Disk& disk, std::vector<bool>& near_stall) {
     near_stall.assign(disk.runs(), false);
     const auto all_sure = [&](const Azimuths& over, double close, int most) {
@@ -218,21 +225,22 @@ template <class R> bool solve_attached(const Annuli<R>& of, Disk& disk, std::vec
     return true;
 }
 
-// The folds along the blade, at which the height of the hump passes zero, and the humps seen in the search.
+// The folds along the blade, at which the height of the hump changes sign, and all humps computed in the search.
 struct Folds {
-    double side = 1.0;  // 1 if the blade stalls at positive angles, -1 at negative ones
+    double side = 1.0;  // 1 if the blade stalls at positive angles of attack, -1 at negative angles
     int count = 0;
     std::array<Fold, most_edges> fold;
-    std::vector<Hump> seen;  // in order of rising radius
+    std::vector<Hump> seen;  // in order of increasing radius
 };
-// Search for folds in runs near stall; elsewhere flow is attached.  Between two radii the height is a cubic, since its
-// derivative is known.  Where the cubic turns near zero, two folds may hide, and a radius in between is added.
+// Search for folds in the runs near stall; in all other runs, flow is attached.  Between two radii, the height of the
+// hump is interpolated by a cubic from values and derivatives.  If the cubic has an extreme near zero, two folds may
+// hide there, and the hump at a radius in between is computed, too.
 template <class R>
 void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& near_stall, bool follow, Folds& folds,
                 bool& several) {
     const double root = of.rotor.root(), tip = of.rotor.tip();
     const auto& f = of.flow;
-    // The angle of attack without inflow, at 60 % of the blade, has the sign of the angles at which it stalls.
+    // The stall angle is assumed to have the sign of the angle of attack without inflow at 60 % of the blade's length.
     const double out = root + 0.6 * (tip - root);
     const auto beside = of.station(broadcast(out));
     const double side = beside.line.sine[0] * f.omega * out - beside.line.cosine[0] * f.v_axial < 0.0 ? -1.0 : 1.0;
@@ -251,12 +259,12 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     const auto sort = [&] {
         std::sort(seen.begin(), seen.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
     };
-    // Every second node is enough, as derivatives are known; every fourth if no panels follow the folds.
+    // Because derivatives are known, every second node is sufficient; every fourth, if panels do not follow stall.
     const int every = follow ? 2 : 4;
     std::array<double, most_nodes + 2> places;
     int near = 0, chosen = 0;
     const auto add_run = [&](int k) {
-        // A fold may be between the last node and the end of the blade.
+        // A fold may lie between an end of the blade and the node next to it.
         const double inset = 1e-5 * (tip - root);
         if (k == 0) places[near++] = root + inset;
         for (int node = k * run; node < std::min((k + 1) * run, disk.nodes); ++node) places[near++] = disk.radius(node);
@@ -273,7 +281,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     for (int k = 0; k < disk.runs(); ++k)
         if (near_stall[k]) add_run(k);
     look_at_places();
-    // Add the neighboring runs, unless the height there is positive, large, and not about to fall.
+    // Add neighboring runs, unless the nearest height is positive and large, and its slope predicts over half of it.
     for (int k = 0; k < disk.runs(); ++k) {
         const bool within = k > 0 && near_stall[k - 1], without = k + 1 < disk.runs() && near_stall[k + 1];
         if (near_stall[k] || !(within || without)) continue;
@@ -292,12 +300,12 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             const Hump &a = seen[k], &b = seen[k + 1];
             const double gap = b.radius - a.radius;
             if (gap < 1e-5 * tip || gap > 0.2 * tip) continue;
-            const Cubic<double> cubic(gap, a.height, -a.slope, b.height, -b.slope);  // over minus the radius
+            const Cubic<double> cubic(gap, a.height, -a.slope, b.height, -b.slope);  // for -radius, which decreases
             double t[2];
             const bool crosses = (a.height < 0.0) != (b.height < 0.0);
             const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
             double place = 0.0;
-            // Two folds may hide at an extreme near or beyond zero, or between small heights that are far apart.
+            // Two folds may hide at an extreme beyond or near zero, or between small heights at distant radii.
             for (int e = cubic.extremes(t) - 1; e >= 0 && place == 0.0; --e) {
                 const double there = cubic.at(t[e]);
                 const bool far = gap < 0.02 * tip || !a.near || !b.near;
@@ -305,10 +313,10 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
                 const double least = crosses ? 0.02 : 1e-6 * tip / gap;
                 if (t[e] > least && t[e] < 1.0 - least) place = t[e];
             }
-            // A top and a shoulder are two different humps, and the height may jump from one to the other.
+            // A top and a shoulder may be different humps: the height then jumps somewhere between the two radii.
             const double steepest = std::max(std::fabs(a.slope), std::fabs(b.slope));
             if (!crosses && a.top != b.top && gap > 0.004 * tip && nearest < steepest * gap) place = 0.5;
-            // A touching height may pass zero between stations: one stretch was missed before (2.6 % of static thrust).
+            // A height close to zero may change sign between stations: one missed interval cost 2.6 % of static thrust.
             if (place == 0.0 && (a.touching || b.touching) && gap > 0.012 * tip) place = 0.5;
             if (place > 0.0) closer.push_back(a.radius + place * gap);
         }
@@ -322,7 +330,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
         if ((seen[k].height < 0.0) == (seen[k + 1].height < 0.0)) continue;
         const Fold found = fold_between(of, seen[k], seen[k + 1], side);
         if (!(found.radius > root && found.radius < tip)) continue;
-        // Two folds of Kind::angle at one place are one.
+        // Two folds of Kind::angle at the same radius are one fold.
         if (folds.count > 0 && found.kind == Fold::Kind::angle) {
             const Fold& before = folds.fold[folds.count - 1];
             if (before.kind == Fold::Kind::angle && std::fabs(found.radius - before.radius) < 1e-6 * tip) continue;
@@ -332,7 +340,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     }
 }
 
-// Make panels that meet at the folds.  There are at least three, with fixed edges for missing folds.
+// Make panels that meet at the folds.  There are at least three panels; fixed edges replace missing folds.
 inline void make_panels(const Folds& folds, double root, double tip, int nodes, Disk& disk) {
     struct Edge {
         double radius;
@@ -351,7 +359,7 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
         disk.moves[k + 1] = edges[k].fold >= 0;
         if (edges[k].fold >= 0) disk.fold[k + 1] = folds.fold[edges[k].fold];
     }
-    // Nodes by length, but some for each panel: with 12 in a long inner one, loads erred by up to 0.13 %.
+    // Three panels share nodes by length, at least `least` each.  With 12 in a long inner one, errors reached 0.13 %.
     constexpr int least = 8;
     int left = nodes;
     for (int p = disk.panels - 1; p >= 0; --p) {
@@ -371,13 +379,13 @@ inline void single_panel(Disk& disk, double root, double tip, int nodes) {
     disk.count[0] = nodes;
 }
 
-// Forecast of the roots at the radii in the lanes, from the nearest hump on either side.
+// Forecast of the largest root at the radius in each lane, from the nearest humps on both sides.
 struct Outlook {
-    Mask known{};    // there are humps nearby
-    Mask single{};   // both are shoulders and the residual falls with v_i: (11) has one root
-    Mask clear{};    // neither hump has another maximum before the residual is positive again
-    Mask attached{}, stalled{};  // the root is above the top, or below it; both false if it may be either
-    Lanes top, below;  // v_i of the top, and one below it at which the residual is positive; NaN if unknown
+    Mask known{};    // whether there are humps nearby; if not, nothing else is known
+    Mask single{};   // both humps are shoulders and the residual decreases with v_i: (11) has one root
+    Mask clear{};    // neither hump has another maximum below it before the residual is positive again
+    Mask attached{}, stalled{};  // the root is above the hump, or below it; both are false if either is possible
+    Lanes top, below;  // v_i of the hump, and a smaller v_i at which the residual is positive; NaN if unknown
 };
 template <class R>
 Outlook outlook(const Annuli<R>& of, const Folds& folds, bool follow, const Station<Lanes>& at, Lanes speed) {
@@ -393,7 +401,7 @@ Outlook outlook(const Annuli<R>& of, const Folds& folds, bool follow, const Stat
         const Hump& a = after == seen.begin() ? *after : *(after - 1);
         const Hump& b = after == seen.end() ? a : *after;
         if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > reach) continue;
-        // A hump on the far side of a jump does not predict the branch on this side.
+        // A hump on the far side of a fold does not predict the branch on this side.
         bool within = true, without = true;
         for (int f = 0; follow && f < folds.count; ++f) {
             const double jump = folds.fold[f].radius;
@@ -413,20 +421,20 @@ Outlook outlook(const Annuli<R>& of, const Folds& folds, bool follow, const Stat
     o.top = inflow_at_angle(of, at, speed, stall + past), o.below = inflow_at_angle(of, at, speed, stall + below);
     o.known &= o.top == o.top;
     if (!of.plain()) o.single = o.clear = Mask{};
-    // Near the hub, hub loss removes momentum thrust, and humps vary quickly: a smaller root was taken there.
+    // Near the hub, hub loss removes momentum thrust and humps vary quickly.  Forecasts there led to a smaller root.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) o.known &= at.radius > 1.5 * hub;
-    // Deep in reverse flow stall covers most azimuths, and its angle does not predict the roots.
+    // Deep in reverse flow, stall covers most azimuths, and the stall angle does not predict the roots.
     o.known &= of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius);
     return o;
 }
 
-// Find the inflow at all nodes.  Newton's method starts on the branch of the forecast, and its root is accepted if it
-// is in attached flow or on that branch.  At all other nodes a scan finds the root.
+// Find the inflow at all nodes.  Newton's method starts on the branch that `Outlook` predicts.  Its root is accepted if
+// it is in attached flow or on this branch.  At all other nodes, a scan finds the root.
 template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds* folds, bool follow) {
     std::array<int, most_nodes + width> open;
     int left = 0;
     const auto turn = turning_points(of.flow.v_axial, of.flow.v_inplane);
-    // Above this inflow (10) rises with v_i.
+    // Above this inflow, (10) increases with v_i.
     const double rises = of.windmill || turn.second <= turn.first ? -INFINITY : turn.second;
     std::array<Outlook, most_nodes / width + 1> outlooks;
     for (int g = 0; g < disk.groups; ++g) {
@@ -436,7 +444,7 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
         if (!folds) continue;
         const Lanes speed = of.rms_speed(at);
         const Outlook& o = outlooks[g] = outlook(of, *folds, follow, at, speed);
-        // Stall at negative angles swaps the branches: the stalled one is above the top.
+        // For stall at negative angles of attack, flow is stalled above the top.
         if (folds->side > 0.0) {
             v = o.stalled & (o.below == o.below) ? o.below : v;
         } else if (any(o.attached & o.known)) {
@@ -458,7 +466,7 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
             Mask stalled = o.stalled;
             const Mask beneath = o.clear & (v < o.top + near) & (folds->side < 0.0 ? v == v : v > o.below - near);
             const Mask settled = above | o.single | (o.attached & about), open = disk.ended[g] & o.known & (v >= rises);
-            // Between a hump above zero and one below, without a jump, compute the hump at the node.
+            // If the neighboring heights have opposite signs and no fold lies between, compute the top at the node.
             if (folds->side > 0.0) stalled |= top_below_zero(of, at, open & beneath & ~(found | settled | o.stalled | o.attached), o.top);
             found |= open & (settled | (stalled & beneath));
         }
@@ -479,8 +487,8 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
             guess[k] = found.found ? found.guess : std::nan("");
             return found.roots;
         };
-        // In climb, deep in reverse flow, stall covers most azimuths.  Few azimuths and half of the places near stall
-        // are enough there, if they give one root and all azimuths confirm its bracket.
+        // In climb, deep in reverse flow, stall covers most azimuths.  A scan with few azimuths and half of the angles
+        // near stall is sufficient if it finds one root and all azimuths confirm the bracket of this root.
         Mask agreed{};
         for (int k = 0; k < count && of.flow.v_axial >= 0.0 && of.few.count < of.psi.count; ++k)
             agreed[k] = -(of.flow.v_inplane > of.flow.omega * radius[k] && look(k, of.few, 2) == 1);

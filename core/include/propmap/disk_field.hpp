@@ -16,7 +16,7 @@ struct DiskField {
     std::vector<double> normal_force;            // along the axis, per radius of one blade [N/m]
 };
 
-// Compute the fields at 1 to `most_nodes` radii, at the operating point that was solved in s.
+// Compute the fields at 1 to `most_nodes` radii [m], at the operating point whose solution is `s`.
 template <template <class> class LawOf>
 DiskField disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector<double>& radii,
                      const std::vector<double>& psi) {

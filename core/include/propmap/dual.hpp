@@ -1,14 +1,14 @@
 // Dual numbers: a value with its derivatives along N directions, for forward-mode differentiation.
 //
-// The value is a double or Lanes.  All other numbers are constants, so that expressions may mix both kinds.  Parts of
-// an expression without dual numbers cost no more than without derivatives.
+// The value is a double or Lanes.  Expressions may mix dual numbers with ordinary numbers, which are constants.
+// Subexpressions without dual numbers are computed without derivatives, at no extra cost.
 #pragma once
 
 #include "elementary.hpp"
 
 namespace propmap {
 
-// Derivatives along N directions.  A single one is not an array, so that compilers keep it in a register.
+// Derivatives along N directions.  A single derivative is not an array, so that compilers keep it in a register.
 template <class V, int N> struct Slopes {
     V along[N];
     V& operator[](int k) { return along[k]; }
@@ -38,7 +38,7 @@ template <class T> inline constexpr int directions_of = Traits<T>::directions;
 template <class T> concept IsDual = (directions_of<T> > 0);
 template <class T> using ValueOf = typename Traits<T>::Value;
 
-template <class T> const auto& value(const T& x) {  // without derivatives
+template <class T> const auto& value(const T& x) {  // x without its derivatives
     if constexpr (IsDual<T>) return x.v;
     else return x;
 }
@@ -60,7 +60,7 @@ template <class T, class V> auto chain(const T& x, const V& f, const V& slope) {
 
 template <class A, class B> concept EitherDual = IsDual<A> || IsDual<B>;
 
-// f(x, y) with its derivatives by x and y.
+// f(x, y) with its derivatives with respect to x and y.
 template <class A, class B, class V> auto chain(const A& x, const B& y, const V& f, const V& by_x, const V& by_y) {
     if constexpr (IsDual<A> && IsDual<B>) {
         auto r = chain(x, f, by_x);
@@ -73,7 +73,7 @@ template <class A, class B, class V> auto chain(const A& x, const B& y, const V&
     }
 }
 
-// Subtracting zero makes a constant as wide as V at no cost; compilers would not drop an addition of zero.
+// Subtracting V{} makes a constant as wide as V at no cost; compilers would not drop an addition of zero.
 template <class A, class B> requires EitherDual<A, B> auto operator+(const A& a, const B& b) {
     constexpr int N = common_directions<A, B>;
     using V = decltype(value(a) + value(b));
@@ -186,7 +186,8 @@ template <class A, class B> requires EitherDual<A, B> auto angle_of(const A& cos
     return turn;
 }
 
-// An angle by sine and cosine.  `change`, of value zero, has the derivatives of the angle, which makes sums cheap.
+// An angle, stored as sine and cosine.  `change` has the value zero and the derivatives of the angle, so that sine and
+// cosine need none.
 template <class T> struct Angle {
     ValueOf<T> sine, cosine;
     T change;

@@ -1,8 +1,9 @@
-// Dynamic inflow of the whole disk by Pitt and Peters: the inflow lags, as its air has mass.
+// Dynamic inflow of the whole disk by Pitt and Peters: the inflow lags behind the loads, because the air has mass.
 //
-// The state is the mean inflow over the disk and the two gradients of `Harmonics`.  Per density, T is the thrust, L the
-// moment that lifts the advancing side, M the moment that lifts the rear; d marks deviations from the static solution.
-// The static gains k are those of `HarmonicResponse`; W is the mass-flow parameter for deviations of any size.
+// The state is the mean inflow v_0 over the disk and the gradients v_s and v_c of `Harmonics`.  Per density, T is the
+// thrust, L the moment that lifts the advancing side, M the moment that lifts the rear; d marks deviations from the
+// static solution.  The gains k_t, k_s, k_c are by_thrust, by_roll, by_rear of `HarmonicResponse`.  W is the mass-flow
+// parameter as a secant: the change of (v_0 times air speed at the disk) over the change of v_0, static to present.
 //
 //     8/3 R^3    dv_0/dt = dT - 2 pi R^2 W dv_0
 //     16/45 R^4  dv_s/dt = dL - dv_s / k_s
@@ -86,28 +87,28 @@ using State = std::array<double, 3>;  // mean inflow, v_s and v_c [m/s]
 struct Heading {
     double x, y, spin;
 
-    // Convert gradients along x and y of the rotor frame to gradients along the flight, and back.
+    // Convert gradients along x and y of the rotor frame to v_s and v_c, and back.
     State along_flight(const double* s) const { return {s[0], spin * (s[1] * y - s[2] * x), -(s[1] * x + s[2] * y)}; }
     State in_rotor_frame(const State& s) const {
         return {s[0], spin * s[1] * y - s[2] * x, -spin * s[1] * x - s[2] * y};
     }
 };
 
-struct Motion {  // of the inflow, from a given state
+struct Motion {  // of the inflow, starting at a given state
     State steady;         // the static solution
     State rates;          // time derivatives of the given state [m/s^2]
     State later;          // the state after the time step
-    Loads<double> loads;  // of the blades in the inflow of the given state [N], [N m]
-    Matrix linear;        // derivatives of the rates by the state, at the static solution [1/s]
+    Loads<double> loads;  // in the given state [N], [N m]
+    Matrix linear;        // derivatives of the rates with respect to the state, at the static solution [1/s]
 };
 
-// The motion from `state` for a step of `time` [s], at the operating point that was solved in s.
+// Compute the motion from `state` over a step of `time` [s], at the operating point whose static solution is `s`.
 template <template <class> class LawOf>
 Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const State& state, double time) {
     const auto& rotor = solver.rotor();
     const double radius = rotor.tip(), density = rotor.density;
-    // Loads in the static inflow with the mean and gradients of the state, which need several azimuths.
-    const Azimuths psi = s.psi.count < 8 ? azimuths(16) : s.psi;
+    // Loads in the static inflow (`there`), and with the mean inflow and gradients of the state (`here`).
+    const Azimuths psi = s.psi.count < 8 ? azimuths(16) : s.psi;  // gradients need several azimuths
     const std::vector<Lanes> inflow = solver.blended_inflow(s);
     Loads<double> there, slopes[3] = {s.by[0], s.by[1], s.by[2]};
     if (psi.count == s.psi.count && solver.has_harmonics(s)) {
@@ -133,8 +134,8 @@ Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const 
     State deviation;
     for (int k = 0; k < 3; ++k) deviation[k] = state[k] - motion.steady[k];
 
-    // W: the change of v times the air speed at the disk, over the change of v, from one mean inflow to the other.  It
-    // is at least half of the mass-flow parameter; less would be a state against the flow.
+    // `secant` is W.  It is limited to at least half of the mass-flow parameter of the static solution: smaller values
+    // belong to mean inflows that oppose or reverse the flow through the disk.
     const auto momentum = [&](double mean) {
         const double v0 = motion.steady[0], v1 = v0 + mean, a = s.flow.v_axial, p = s.flow.v_inplane;
         const double total = std::hypot(p, a + v1) + std::hypot(p, a + v0) + 1e-30;
@@ -165,9 +166,9 @@ Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const 
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) motion.linear.m[i][j] += blades.m[i][j] * mobility[i];
 
-    // The step writes the rates as a matrix times the deviation: of all matrices with the present rates, the one
-    // nearest to that at the static solution.  Its exponential is exact for linear forces, and stable for any time.
-    // Stalled blades may drive the inflow away from the static solution; the step then leaves them out.
+    // The step writes the rates as a matrix times the deviation.  Of all matrices that give the present rates, it takes
+    // the one closest to the matrix at the static solution.  Its exponential is exact for linear forces and stable for
+    // any time.  If stalled blades drive the inflow away from the static solution, the momentum terms are used alone.
     Matrix whole = own;
     const double per = square > 0.0 ? 1.0 / square : 0.0;
     for (int i = 0; i < 3; ++i)

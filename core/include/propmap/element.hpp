@@ -6,9 +6,7 @@
 namespace propmap {
 
 // Force per radius and density [m^3/s^2], along the thrust and against the rotation.
-template <class T> struct Forces {
-    T normal, tangential;
-};
+template <class T> struct Forces { T normal, tangential; };
 
 // Velocity [m/s] of the air at a blade element, and the flow at its section.
 template <class T, class P, class Section> struct ElementFlow {
@@ -28,7 +26,7 @@ auto element_flow(const St& at, const F& flow, const V& inflow, const A& sine_ps
     const auto per_root = inverse_fourth_root(squared);  // U^(-1/2)
     const auto per_u = per_root * per_root, speed = squared * per_u;
     const auto sin_phi = value(u_p) * per_u, cos_phi = value(u_t) * per_u;
-    // The velocity component along the flow changes U, the component across it changes phi.
+    // For derivatives: a change of velocity along the flow changes U, a change across the flow changes phi.
     const auto u = chain(u_t, u_p, speed, cos_phi, sin_phi);
     const auto turned = chain(u_t, u_p, 0.0 * per_u, -sin_phi * per_u, cos_phi * per_u);
     const Angle<std::remove_const_t<decltype(turned)>> phi{sin_phi, cos_phi, turned};
@@ -72,19 +70,13 @@ template <class R, class St, class F, class V>
 
 // Variation of the inflow around the disk [m/s]: at azimuth psi it is v_i + mean + y/R (lateral sin(psi) + longitudinal
 // cos(psi)), where v_i(y) is the annulus inflow of eq. (11).
-template <class S> struct Harmonics {
-    S mean{}, lateral{}, longitudinal{};
-};
+template <class S> struct Harmonics { S mean{}, lateral{}, longitudinal{}; };
 
 // Means over a turn of a force, and of its products with sin(psi) and cos(psi).
-template <class T> struct Turn {
-    T mean, sine, cosine;
-};
-template <class T> struct TurnForces {
-    Turn<T> normal, tangential;
-};
+template <class T> struct Turn { T mean, sine, cosine; };
+template <class T> struct TurnForces { Turn<T> normal, tangential; };
 
-// Add a force at the rear and at the front of the disk: their sum (even) and their difference (odd).
+// Add the forces at the rear and at the front of the disk, given by their sum (even) and their difference (odd).
 template <class T> void add(Turn<T>& sums, const T& even, const T& odd, double sine, double cosine) {
     sums.mean += even;
     sums.sine += even * sine;
@@ -137,11 +129,9 @@ template <class R, class St, class F, class V, class S>
     return sums;
 }
 
-// Forces averaged over a turn with harmonics, and their derivatives by changes of the inflow of the shapes 1, sin(psi)
-// and cos(psi).  Derivatives by the harmonics `lateral` and `longitudinal` are the last two times y/R.
-struct TurnSlopes {
-    TurnForces<Lanes> forces, by_mean, by_sine, by_cosine;
-};
+// Forces averaged over a turn with harmonics, and their derivatives with respect to added inflows of the shapes 1,
+// sin(psi) and cos(psi).  The last two, times y/R, are the derivatives with respect to `lateral` and `longitudinal`.
+struct TurnSlopes { TurnForces<Lanes> forces, by_mean, by_sine, by_cosine; };
 template <class R, class St, class F>
 [[gnu::flatten]] TurnSlopes turn_slopes(const R& rotor, const St& at, const F& flow, Lanes inflow, const Azimuths& psi,
                        const Harmonics<double>& harmonics) {
@@ -184,7 +174,7 @@ template <class R, class St, class F>
     return sums;
 }
 
-// Loads per density, of an annulus (times rho: N/m, N) or of the rotor (N, N m).  The last three are not in the paper.
+// Loads per density: times rho, N/m and N for an annulus, N and N m for a rotor.  The last three are not in the paper.
 template <class T> struct Loads {
     T thrust{}, drag{}, torque{};
     T roll_moment{};   // about the in-plane velocity, positive where the advancing side is lifted
@@ -209,7 +199,7 @@ template <class R, class St, class T> auto loads_of(const R& rotor, const St& at
                     arm * n.sine + L{}, blades * t.cosine + L{}, -(arm * n.cosine) + L{}};
 }
 
-// Skin friction along the blade: its part of the loads of an annulus, once the inflow is known.
+// Change of the loads of an annulus due to skin friction along the blade, for a known inflow.
 //
 // In forward flight air also flows along the blade, with U_R = V sin(beta) cos(psi).  Lift and pressure drag do not
 // change (independence principle: Jones, NACA TR 884, 1947).  Friction acts along the whole velocity W: the viscous

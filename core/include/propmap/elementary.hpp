@@ -2,7 +2,7 @@
 //
 // A lane is one radius of a blade, or one trial inflow at one radius.  The compiler's vector extensions do the
 // arithmetic.  A mathematics library would compute one lane at a time, so the few functions needed are polynomials
-// here.  Each lane is computed by itself: no result depends on `width`.
+// here.  Each lane is computed by itself: no result depends on `width`, the number of lanes.
 #pragma once
 
 #include <bit>
@@ -24,11 +24,9 @@ inline constexpr int width = 4;
 #endif
 
 using Lanes = double __attribute__((vector_size(8 * width)));
-using Mask = decltype(Lanes{} < Lanes{});  // result of a comparison; compilers differ in its name for 64 bits
+using Mask = decltype(Lanes{} < Lanes{});  // result of a comparison; compilers differ in its 64-bit type
 
 inline constexpr double pi = 3.14159265358979323846;
-
-template <class T> inline constexpr bool is_lanes = std::is_same_v<T, Lanes>;
 
 inline Lanes broadcast(double x) { return x - Lanes{}; }  // x in all lanes
 
@@ -96,7 +94,7 @@ inline constexpr double power_series[] = {
     1.325964524488711024e-6, 1.020590541376559579e-7};
 
 template <class T, class I> T power_of_two(T x) {
-    // Adding so large a number rounds x to a whole number, which the last bits of the sum contain.
+    // Adding this large number rounds x to a whole number, which is then in the last bits of the sum.
     const double shift = 1.5 * 4503599627370496.0;
     T large = x + shift;
     T whole = large - shift;
@@ -104,7 +102,7 @@ template <class T, class I> T power_of_two(T x) {
     return std::bit_cast<T>(std::bit_cast<I>(power) + (std::bit_cast<I>(large) << 52));
 }
 
-// An angle over its sine, a polynomial of 2 cos - 1 for cosines from 0 to 1 (error 4e-13).
+// An angle divided by its sine: a polynomial of 2 cos - 1, for cosines from 0 to 1 (error 4e-13).
 inline constexpr double angle_series[] = {
     1.209199576155869516,     -0.263600141281195541,     0.06973319208731127941,  -0.01983714693391221358,
     0.005861628237479900151,  -0.001772928222006002394,  0.00054477984047757279,  -0.0001693118448556759471,
@@ -122,9 +120,9 @@ template <class T> T angle_of(T cosine, T sine) {
 inline double power_of_two(double x) { return detail::power_of_two<double, std::int64_t>(x); }
 inline Lanes power_of_two(Lanes x) { return detail::power_of_two<Lanes, Mask>(x); }
 
-// 1/x^(1/4) and 1/x for x > 0, except the smallest and largest numbers.  A root or quotient takes processors ten times
-// as long as a product.  A first value from the bits errs by 3 and 5 %; a polynomial of its defect leaves errors of
-// 3e-6 and 3e-5; the Taylor series of that defect gives the result.
+// 1/x^(1/4) and 1/x for x > 0, except the smallest and largest numbers.  Roots and quotients take ten times as long as
+// products.  A first value r from the bits of x errs by 3 and 5 %.  A polynomial of its defect `missing`, 1 - x r^4 or
+// 1 - x r, reduces the errors to 3e-6 and 3e-5.  A Taylor series of the new defect gives the result.
 inline Lanes inverse_fourth_root(Lanes x) {
     Lanes r = std::bit_cast<Lanes>(0x4feb03120f70692b - (std::bit_cast<Mask>(x) >> 2));
     Lanes square = r * r, missing = 1.0 - x * square * square;
@@ -149,9 +147,7 @@ inline Lanes square_root(Lanes x) { return x * inverse_square_root(x); }  // for
 inline double angle_of(double cosine, double sine) { return detail::angle_of(cosine, sine); }
 inline Lanes angle_of(Lanes cosine, Lanes sine) { return detail::angle_of(cosine, sine); }
 
-template <class T> struct SineCosine {
-    T sine, cosine;
-};
+template <class T> struct SineCosine { T sine, cosine; };
 
 inline SineCosine<double> sine_cosine(double x) { return {std::sin(x), std::cos(x)}; }
 

@@ -13,25 +13,25 @@ template <class S> struct DiskFlow {
     S omega, v_axial, v_inplane;
     S inflow;  // v_i averaged over the area of the disk [m/s]
 
-    // Speed W of the air at the disk [m/s], Glauert's resultant.
+    // Glauert's resultant speed W of the air at the disk [m/s].
     S speed() const { return square_root(speed_squared(v_inplane, v_axial + inflow)); }
 
-    // Part of the inflow that meets air from below [m/s].  If all of it does, no air passes the disk and the wake has
-    // no direction: the flow is then assumed to have this speed along the axis.
+    // Part of the inflow that meets air from below [m/s], 0 to v_i.  Where inflow and descent cancel, no air passes the
+    // disk and the wake has no direction; the wake is then assumed to leave along the axis at this speed.
     S recirculation() const {
         const S none = 0.0 * inflow;
         return maximum(minimum(S(-v_axial), inflow), none);
     }
 
-    // Mass-flow parameter of Peters and HaQuang [m/s], d(v_i W)/dv_i: 2 v_i in hover, W in fast flight.  It is limited,
-    // since it vanishes where a braking rotor turns the air back, which no such theory describes.
+    // Mass-flow parameter of Peters and HaQuang [m/s], d(v_i W)/dv_i: 2 v_i in hover, W in fast flight.  It has a lower
+    // limit: it would vanish where a braking rotor reverses the flow, and momentum theory does not hold there.
     S mass_flow() const {
         const S w = speed(), through = v_axial + inflow;
         const S least = maximum(S(0.5 * w), recirculation());
         return maximum(S(w + inflow * through / w), least);
     }
 
-    // Speed along the axis that carries the wake away [m/s].  A wake above the disk is the mirror image of one below.
+    // Speed along the axis that carries the wake away [m/s].  A wake above the disk is treated like one below.
     S along() const { return maximum(absolute(S(v_axial + inflow)), recirculation()); }
     S skew_cosine() const { return along() / square_root(speed_squared(v_inplane, along())); }  // cos(chi)
     // tan(chi/2) of the wake's skew chi: 0 in axial flow, 1 edgewise.
@@ -39,13 +39,11 @@ template <class S> struct DiskFlow {
 };
 
 // Loads per density that drive the harmonics: thrust, rolling moment, and the moment that lifts the rear.
-template <class S> struct DiskMoments {
-    S thrust{}, roll{}, rear{};
-};
+template <class S> struct DiskMoments { S thrust{}, roll{}, rear{}; };
 
 // The harmonics (v_0 mean, v_s lateral, v_c longitudinal) as a linear function of the loads per density.
 template <class S> struct HarmonicResponse {
-    S mean_by_thrust;                          // v_0 per change of thrust, 1/(2 pi R^2 V) [s/m^3]
+    S mean_by_thrust;                          // v_0 per change of thrust, 1/(2 pi R^2 V_m) [s/m^3], V_m: mass_flow()
     S lateral, longitudinal;                   // v_s and v_c without loads [m/s]
     S by_thrust, by_roll, by_rear;             // v_c per thrust, v_s per roll, v_c per moment that lifts the rear
 
@@ -63,16 +61,16 @@ template <class S> HarmonicResponse<S> harmonic_response(InflowShape shape, cons
     switch (shape) {
         case InflowShape::uniform: break;
         case InflowShape::pitt_peters: {
-            // Pitt & Peters, Vertica 5(1), 1981; Peters & HaQuang, J. AHS 33(4), 1988.  With coefficients by
-            // rho A (Omega R)^2: lambda_s = 4/(1 + cos chi) C_roll/V, lambda_c = 15 pi/64 tan(chi/2) C_T/V +
-            // 4 cos chi/(1 + cos chi) C_rear/V.  There is more downwash where the disk lifts more.
+            // Pitt & Peters, Vertica 5(1), 1981; Peters & HaQuang, J. AHS 33(4), 1988.  For loads divided by
+            // rho A (Omega R)^2 (moments also by R), and velocities by Omega R: lambda_s = 4/(1 + cos chi) C_roll/V_m,
+            // lambda_c = 15 pi/64 tan(chi/2) C_T/V_m + 4 cos chi/(1 + cos chi) C_rear/V_m.
             const S cosine = flow.skew_cosine();
             r.by_roll = 4.0 * per_load / (tip * (1.0 + cosine));
             r.by_rear = cosine * r.by_roll;
             r.by_thrust = (15.0 * pi / 64.0) * flow.half_skew_tangent() * per_load;
             break;
         }
-        case InflowShape::pitt_peters_gradient:  // the gradient by thrust, without feedback of moments
+        case InflowShape::pitt_peters_gradient:  // the gradient due to thrust, without the moments
             r.longitudinal = (15.0 * pi / 32.0) * flow.half_skew_tangent() * flow.inflow;
             break;
         case InflowShape::coleman:  // Coleman, Feingold, Stempin, NACA ARR L5E10, 1945
@@ -82,8 +80,8 @@ template <class S> HarmonicResponse<S> harmonic_response(InflowShape shape, cons
             r.longitudinal = 1.41421356237309505 * flow.v_inplane / flow.speed() * flow.inflow;
             break;
         case InflowShape::drees: {
-            // Drees, J. Helicopter Association of Great Britain 3(2), 1949: v_c = 4/3 (1 - cos chi - 1.8 mu^2) / sin
-            // chi, v_s = -2 mu, times the mean inflow.  The factors are meant for small mu, which is limited to 0.5.
+            // Drees, J. Helicopter Association of Great Britain 3(2), 1949.  Divided by the mean inflow,
+            // v_c = 4/3 (1 - cos chi - 1.8 mu^2)/sin chi and v_s = -2 mu, with mu = V sin(beta)/(Omega R), at most 0.5.
             const S slow = maximum(S(flow.omega * tip), S(2.0 * flow.v_inplane)) + speed_floor;
             const S square = flow.v_inplane * flow.speed() / (slow * slow);  // mu^2 / sin chi
             r.longitudinal = (4.0 / 3.0) * (flow.half_skew_tangent() - 1.8 * square) * flow.inflow;

@@ -13,8 +13,7 @@ namespace propmap {
 inline const char* best_instructions() {
 #ifdef __x86_64__
     const auto all = [](unsigned in, std::initializer_list<int> bits) {
-        for (int bit : bits)
-            if (!(in >> bit & 1)) return false;
+        for (int bit : bits) if (!(in >> bit & 1)) return false;
         return true;
     };
     unsigned a, b, basic = 0, more = 0, extended = 0, kept = 0, d;

@@ -1,5 +1,5 @@
 // Loads from a table over the advance ratio J = V/(Omega R) and the angle beta of the velocity: C1 cubics between
-// knots, and linear in Omega^(-1/2) between its lowest and highest Omega, like the friction term of eq. (4).
+// knots.  Loads over Omega^2 are linear in Omega^(-1/2), like the friction term of eq. (4), within the limits of Omega.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@ namespace propmap {
 // In order of severity: if several apply, the last one is returned.
 enum class TableStatus : unsigned char { ok, vortex_ring, unresolved, clamped, no_value, outside };
 
-// One axis with n knots.  In an interval the value is a weighted sum of four: at both ends, and one further on either
-// side.  The weights are polynomials of the fraction of the interval.
+// One axis with n knots.  In each interval, the value is a weighted sum of the values at four knots: both ends, and the
+// next knot on either side.  The weights are polynomials of the fraction of the interval.
 struct TableAxis {
     std::vector<double> knots, polynomials;  // (n), (n - 1, 4, 4)
 
@@ -35,7 +35,7 @@ struct TableAxis {
 
 struct LoadTable {
     static constexpr int count = Loads<double>::count;
-    using Row = std::array<double, 2 * count>;  // loads over Omega^2, then their derivatives by Omega^(-1/2)
+    using Row = std::array<double, 2 * count>;  // loads over Omega^2, then slopes in Omega^(-1/2)
 
     struct Query {
         double omega, speed, beta;  // inside the envelope; omega is NaN for a point outside
@@ -49,13 +49,14 @@ struct LoadTable {
 
     TableAxis advance, beta;
     std::vector<Row> values;         // at the lowest omega, (n + 2, m + 2), with ghost values on each side
-    std::vector<TableStatus> cells;  // (n - 1, m - 1)
+    std::vector<TableStatus> cells;  // status between knots, (n - 1, m - 1)
     std::array<double, 3> low, high;  // limits of omega [rad/s], speed [m/s], beta [rad]
     double radius;                    // [m]
 
-    static constexpr double slack = 1e-9;  // fraction of an axis by which rounding may put points outside
+    static constexpr double slack = 1e-9;  // fraction of an axis by which rounding may move points outside
 
-    // Bring a point into the envelope: beta by the mirror symmetry of loads, the rest within `slack` or if `clamp`.
+    // Bring a point into the envelope.  Replace beta outside 0 to pi by its mirror image inside, where loads are
+    // the same.  Move variables to their limits if they are within `slack` of them, or if `clamp` is true.
     Query bounded(double omega, double speed, double angle, bool clamp) const {
         if (!(angle >= 0.0 && angle <= pi)) angle = std::fabs(std::remainder(angle, 2.0 * pi));
         const std::array<double, 3> given{omega, speed, angle};
@@ -85,7 +86,7 @@ struct LoadTable {
         return f;
     }
 
-    // Values at J and beta, and their derivatives by beta, by J, and by both.
+    // Values at J and beta, and their derivatives with respect to beta, J, and both.
     std::array<Row, 4> slopes(double at_advance, double angle) const {
         const auto i = advance.place_of(at_advance), j = beta.place_of(angle);
         const auto of = [&](const double* a, const double* b) { return sum(i.interval, j.interval, a, b); };

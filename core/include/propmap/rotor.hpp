@@ -1,4 +1,7 @@
 // Loads of a rotor at any operating point, eqs. (13) to (15), with derivatives and a status.
+//
+// Eq. (11) is solved at nodes, the quadrature radii of one or more panels along the blade.  Panels follow stall if they
+// meet at folds, the radii at which stall begins or ends (disk.hpp).  Harmonics: inflow that varies around the disk.
 #pragma once
 
 #include "disk.hpp"
@@ -6,27 +9,28 @@
 
 namespace propmap {
 
-// Numbers of nodes, and limits of the tail (an error estimate), set by random section laws (docs/theory.md).
+// Numbers of nodes, and limits of the error estimate `tail`, determined with random section laws (docs/theory.md).
 struct Accuracy {
     struct Share {
         double advance;  // up to this V sin(beta)/(Omega R)
         int azimuths;    // over a full turn
     };
     std::vector<Share> azimuths;
-    int free, stalled, fast;  // radial nodes if no blade stalls, if panels follow stall, if stall is spread over azimuth
-    double largest_tail;      // relative to the static load; a point with a larger tail (see `tail`) is evaluated again
+    int free, stalled, fast;  // radial nodes: if the blade does not stall, if panels follow stall, if they do not
+    double largest_tail;      // relative to the static load; a point with a larger tail is evaluated again
     struct Finer {
         int nodes;
         double largest_tail;
     };
-    std::vector<Finer> finer;  // further evaluations, one after the other
+    std::vector<Finer> finer;  // further evaluations, in this order, until the tail is small enough
 
     static constexpr int counts[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384};  // of azimuths
 
     static int place_of(int count) {
         return int(std::lower_bound(std::begin(counts), std::end(counts), count) - std::begin(counts));
     }
-    // More azimuths in proportion to the sharpness of stall, and a step more per further evaluation but the first.
+    // The number of azimuths, in proportion to the sharpness of stall.  `times` is the number of the evaluation; from 2
+    // on, each takes the next larger of `counts`.
     int azimuths_at(double advance, double sharper, int times) const {
         std::size_t k = 0;
         while (k + 1 < azimuths.size() && advance > azimuths[k].advance) ++k;
@@ -35,8 +39,8 @@ struct Accuracy {
     }
 };
 
-// Errors: 0.1 % of static thrust and torque for `standard`, 0.01 % for `fine`.  With 0.028 in place of the tail 0.022,
-// one of 20,000 descents of a blade of steep pitch erred by 0.13 %.
+// Errors: 0.1 % of static thrust and torque for `standard`, 0.01 % for `fine`.  With a tail limit of 0.028 instead of
+// 0.022, one of 20,000 descents of a blade of steep pitch erred by 0.13 %.
 inline const Accuracy standard_accuracy{
     {{0.03, 8}, {0.06, 12}, {0.12, 16}, {0.18, 24}, {0.3, 32}, {0.5, 64}, {1.0, 96}, {INFINITY, 128}},
     24, 48, 64, 0.022, {{80, 0.022}, {240, 0.05}, {960, 0.09}}};
@@ -44,11 +48,12 @@ inline const Accuracy fine_accuracy{
     {{0.1, 32}, {0.15, 48}, {0.3, 96}, {0.5, 192}, {1.0, 256}, {INFINITY, 384}},
     96, 160, 160, 0.004, {{320, 0.004}, {960, 0.01}}};
 
-// Advance ratios above which panels that follow stall gain nothing, in climb and in descent, as the radius of stall
-// varies over azimuth; and above which reverse flow needs as many nodes as stall, so that attached flow is not tried.
+// Advance ratios.  Above `follow_below` (climb) and `follow_descent_below` (descent), the radius of stall varies over
+// azimuth, and panels do not follow it.  Above `reversed_above`, reverse flow needs as many nodes as stall, and
+// `solve_attached` is not tried.
 inline constexpr double follow_below = 0.24, follow_descent_below = 0.45, reversed_above = 0.3;
 
-// A faster flow [m/s] has no loads: the squares of its speed lose all smaller terms.
+// Above this speed [m/s], loads are NaN, because rounding of squared speeds removes all smaller terms.
 inline constexpr double fastest_flow = 1e6;
 
 // In order of severity: if several apply, the last one is returned.
@@ -58,13 +63,13 @@ struct Result {  // at an operating point
     Loads<double> loads;  // [N], [N m]
     Status status = Status::ok;
     int roots = 1;        // number of roots of (11): 1, or 3 if some node has several
-    double ring = 0.0;    // share of the vortex ring's inflow in the inflow used
+    double ring = 0.0;    // weight of the vortex-ring inflow in the inflow used, 0 to 1
     double mean_inflow = 0.0;  // over the area of the disk [m/s]
-    double blade_drag = 0.0;  // drag [N] of the blades alone, without the mount
+    double blade_drag = 0.0;  // drag [N] of the bare blades, without `drag_factor` and mount
 };
 
-// Longest last Newton step of the harmonics, relative to the sum of all speeds.  The loads follow it by their
-// derivatives, with an error of its square: up to 3e-8 of the static loads.
+// Longest last Newton step of the harmonics, relative to tip speed plus air speed.  The loads are corrected for this
+// step to first order; the error, of second order, is at most 3e-8 of the static loads.
 inline constexpr double harmonics_close = 2e-5;
 
 // Sum over lanes.
@@ -79,7 +84,7 @@ template <int N> Dual<double, N> sum(const Dual<Lanes, N>& x) {
     return total;
 }
 
-// From the blades' loads per density to the rotor's loads [N], [N m]: mount, ground effect, density.
+// Convert the blades' loads per density to the rotor's loads [N], [N m]: apply mount, ground effect and density.
 template <class R, class S> void complete_loads(const R& rotor, const Flow<S>& flow, const S& mean_inflow, Loads<S>& loads) {
     if (rotor.installed) loads.drag = rotor.drag_factor * loads.drag + mount_drag(rotor, flow, mean_inflow);
     loads.thrust = loads.thrust * ground_effect(rotor.tip(), flow, mean_inflow);
@@ -91,17 +96,18 @@ struct Solution {
     Flow<double> flow{};
     Disk disk;
     Folds folds;
-    std::vector<bool> near_stall;  // runs of nodes near stall
+    std::vector<bool> near_stall;  // for each run of nodes (disk.hpp): whether one is near stall
     Azimuths psi;  // over which (5) to (7) are averaged
     bool windmill = false;  // whether (11) has the windmill branch
     Harmonics<double> harmonics{};
-    Loads<double> by[3];  // derivatives of loads per density by the harmonics, if there are any
+    Loads<double> by[3];  // derivatives of loads per density with respect to the harmonics, if there are any
     DiskFlow<double> mean;
     double thrust_tail = 0.0, torque_tail = 0.0;  // size of the last Legendre coefficients, see `tail`
     Result result;
 };
 
-// Step of the harmonics toward response(loads) = harmonics, from the defects `wanted`, by Cramer's rule.
+// Newton step of the harmonics toward harmonics = response(loads), by Cramer's rule.  `wanted` is the right-hand side
+// minus the left-hand side, `by` the derivatives of the loads with respect to the harmonics.
 template <class S>
 Harmonics<S> harmonics_step(const HarmonicResponse<double>& r, const Loads<double> (&by)[3], const S (&wanted)[3]) {
     double m[3][3];
@@ -123,13 +129,13 @@ Harmonics<S> harmonics_step(const HarmonicResponse<double>& r, const Loads<doubl
     return {solved(0), solved(1), solved(2)};
 }
 
-// A rotor with an accuracy, which solves any operating point.
+// Solver for the loads of a rotor at any operating point, with a given accuracy.
 template <template <class> class LawOf> class RotorSolver {
   public:
     using Plain = Rotor<double, LawOf>;
 
     RotorSolver(Plain rotor, const Accuracy& accuracy) : rotor_(std::move(rotor)), accuracy_(accuracy) {
-        // Static loads over Omega^2, the unit of the tails.  A blade that is stalled at rest has small ones: mean
+        // Static loads over Omega^2, by which tails are divided.  They are small if the blade stalls at rest: mean
         // coefficients of at least 0.1 (lift) and 0.01 (force against the rotation) are assumed.
         const double omega = 100.0 / rotor_.tip();
         Solution at_rest;
@@ -186,7 +192,7 @@ template <template <class> class LawOf> class RotorSolver {
         s.windmill = vortex_ring::windmill(s.flow);
         const double tip_speed = omega * rotor_.tip();
         const double advance = v_inplane == 0.0 ? 0.0 : v_inplane / tip_speed;
-        const double sharper = 0.02 / rotor_.law.stall_width();  // than the paper's stall
+        const double sharper = 0.02 / rotor_.law.stall_width();  // relative to the paper's stall
         const bool axial = v_inplane == 0.0;
         s.disk.several = false;
 
@@ -202,7 +208,7 @@ template <template <class> class LawOf> class RotorSolver {
             solve_stalled(s, follow ? accuracy_.stalled : 0);
         }
         find_loads(s);
-        const double squared = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;  // a sharper stall has smaller tails
+        const double squared = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;  // a sharper stall needs lower limits
         double limit = accuracy_.largest_tail / squared;
         for (std::size_t times = 0; times < accuracy_.finer.size() && tail_share(s) > limit; ++times) {
             s.psi = azimuths(axial ? 1 : accuracy_.azimuths_at(advance, sharper, int(times) + 1));
@@ -219,7 +225,7 @@ template <template <class> class LawOf> class RotorSolver {
         set_status(s, tail_share(s) > last_limit);
     }
 
-    // Solve (11) where the blade may stall, on `following` nodes in panels that follow stall, or on one panel for 0.
+    // Solve (11) if the blade may stall: on `following` nodes in panels that follow stall or, if it is 0, on one panel.
     void solve_stalled(Solution& s, int following) const {
         const auto of = annuli(s);
         find_folds(of, s.disk, s.near_stall, following > 0, s.folds, s.disk.several);
@@ -229,7 +235,7 @@ template <template <class> class LawOf> class RotorSolver {
         solve_nodes(of, s.disk, &s.folds, following > 0);
     }
 
-    // Larger tail of thrust and torque, relative to the static load at Omega or, if larger, at V/R.
+    // The larger of the tails of thrust and torque, relative to the static load at Omega or, if larger, at V/R.
     double tail_share(const Solution& s) const {
         const auto& f = s.flow;
         const double wind = (f.v_axial * f.v_axial + f.v_inplane * f.v_inplane) / (rotor_.tip() * rotor_.tip());
@@ -244,13 +250,13 @@ template <template <class> class LawOf> class RotorSolver {
         return static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
     }
 
-    // Eq. (11) at this point; the small set has a quarter of the azimuths.
+    // Eq. (11) at this point.  The set `few` has a quarter of the azimuths, but at least 8.
     Annuli<Plain> annuli(const Solution& s) const {
         const Azimuths few = s.psi.count > 4 ? azimuths(std::max(8, 2 * (s.psi.count / 4))) : s.psi;
         return {rotor_, s.flow, s.psi, few, s.windmill};
     }
 
-    // Derivatives of the loads [N], [N m] along N directions, which seed `rotor` and `flow`.
+    // Derivatives of the loads [N], [N m] along the N directions that the dual numbers in `rotor` and `flow` define.
     template <int N>
     Loads<Dual<double, N>> slopes(const Solution& s, const Rotor<Dual<double, N>, LawOf>& rotor,
                                   Flow<Dual<double, N>> flow) const {
@@ -264,7 +270,7 @@ template <template <class> class LawOf> class RotorSolver {
             const auto at_rest = slopes<N>(still, rotor, Flow<S>{flow.omega, zero, zero});
             flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor_.density)), rotor_.tip());
         }
-        // A velocity across the axis makes loads vary over azimuth: the mean of sin^2(psi) needs several nodes.
+        // An in-plane velocity makes loads vary over azimuth: the mean of sin^2(psi) needs several azimuths.
         const Azimuths psi = s.psi.count > 1 ? s.psi : azimuths(8);
         const auto of = annuli(s);
         std::array<S, most_edges + 2> edge;
@@ -313,8 +319,7 @@ template <template <class> class LawOf> class RotorSolver {
             } else {
                 add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow[g], psi)));
             }
-            if (rotor_.radial_friction)
-                add_up(radial_friction(rotor, at, flow, inflow[g], psi));
+            if (rotor_.radial_friction) add_up(radial_friction(rotor, at, flow, inflow[g], psi));
         }
         if (around) {
             const DiskFlow<S> mean{flow.omega, flow.v_axial, flow.v_inplane, mean_inflow};
@@ -329,15 +334,15 @@ template <template <class> class LawOf> class RotorSolver {
                 for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += by[j].begin()[k] * steps[j];
         }
         complete_loads(rotor, flow, mean_inflow, total);
-        // In axial flow, loads in the disk plane and moments about it depend on the in-plane velocity alone.
+        // In axial flow, in-plane forces and moments about in-plane axes change only with the in-plane velocity.
         for (int d = 0; d < N && s.flow.v_inplane == 0.0; ++d)
             if (flow.v_inplane.d[d] == 0.0)
                 for (S* load : {&total.drag, &total.roll_moment, &total.side_force, &total.pitch_moment}) load->d[d] = 0.0;
         return total;
     }
 
-    // Derivatives of the radius of a fold, by the implicit function theorem: the residual g stays zero there, and so
-    // does its derivative by v_i at a jump, or its second difference C at a shoulder.
+    // Derivatives of the radius of a fold, by the implicit function theorem.  Two values stay zero there: the residual
+    // g, and C, which is dg/dv_i at a top and the second difference of g over v_i at a shoulder.
     template <int N>
     void follow_fold(const Annuli<Plain>& of, const Solution& s, const Rotor<Dual<double, N>, LawOf>& rotor,
                      const Flow<Dual<double, N>>& flow, const Fold& fold, Dual<double, N>& radius) const {
@@ -375,7 +380,7 @@ template <template <class> class LawOf> class RotorSolver {
         return rotor_.inflow_shape != InflowShape::uniform && s.flow.v_inplane > 0.0;
     }
 
-    // The inflow of the annuli, blended with that of the vortex ring [m/s].
+    // The inflow of the annuli, blended with the vortex-ring inflow [m/s].
     std::vector<Lanes> blended_inflow(const Solution& s) const {
         std::vector<Lanes> inflow(s.disk.inflow.begin(), s.disk.inflow.begin() + s.disk.groups);
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
@@ -384,14 +389,14 @@ template <template <class> class LawOf> class RotorSolver {
         return inflow;
     }
 
-    // The response with its gains reduced by `share`: harmonics fade within the vortex ring.
+    // The response with its gains multiplied by `share`: harmonics fade out within the vortex ring.
     template <class S> static HarmonicResponse<S> faded(HarmonicResponse<S> r, const S& share) {
         for (S* part : {&r.mean_by_thrust, &r.lateral, &r.longitudinal, &r.by_thrust, &r.by_roll, &r.by_rear})
             *part = *part * share;
         return r;
     }
 
-    // Loads per density with harmonics, and their derivatives by the harmonics.
+    // Loads per density with harmonics, their derivatives with respect to the harmonics, and the integrand for `tail`.
     void loads_and_slopes(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, const Harmonics<double>& h,
                           Loads<double>& loads, Loads<double> (&by)[3], double* integrand) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
@@ -433,8 +438,8 @@ template <template <class> class LawOf> class RotorSolver {
         }
     }
 
-    // Size of the last Legendre coefficients of the integrand on all panels, an estimate of the error: they stay large
-    // at a kink or step that the nodes do not resolve.
+    // The tail: the size of the last Legendre coefficients of the integrand on all panels.  It is an error estimate,
+    // because these coefficients are large if a panel has a kink or step that the nodes do not resolve.
     double tail(const Solution& s, const double* values) const {
         double total = 0.0;
         int first = 0;
@@ -492,8 +497,8 @@ template <template <class> class LawOf> class RotorSolver {
         s.result.ring = ring, s.result.mean_inflow = s.mean.inflow;
     }
 
-    // Solve for harmonics and loads that depend on each other: three equations, Newton's method from zero, first over
-    // few azimuths.  Mostly the next step, over all, is so short that the loads follow it by their derivatives.
+    // Solve for the harmonics and the loads, which depend on each other: three equations, Newton's method from zero,
+    // first over few azimuths.  Usually the next step, over all azimuths, is the last one (see `harmonics_close`).
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
         const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
@@ -507,7 +512,7 @@ template <template <class> class LawOf> class RotorSolver {
             const auto by_step = harmonics_step<double>(response, by, wanted);
             double change[3] = {by_step.mean, by_step.lateral, by_step.longitudinal};
             size = std::max({std::fabs(change[0]), std::fabs(change[1]), std::fabs(change[2])}) / speed;
-            const double share = std::min(1.0, 0.05 / std::max(size, 1e-30));  // no step above 5 % of the speeds
+            const double share = std::min(1.0, 0.05 / std::max(size, 1e-30));  // limit steps to 5 % of `speed`
             for (double& c : change) c *= share;
             h = {h.mean + change[0], h.lateral + change[1], h.longitudinal + change[2]};
             for (int j = 0; j < 3; ++j)
@@ -521,7 +526,7 @@ template <template <class> class LawOf> class RotorSolver {
             loads_and_slopes(s, few, inflow, h, loads, by, integrand);
             step_to(without);
         }
-        // By (11) the blades' thrust without harmonics equals the momentum thrust, except within the vortex ring.
+        // By (11), the blades' thrust without harmonics equals the momentum thrust, except within the vortex ring.
         if (!(ring > 0.0)) without = wake_thrust_of(s);
         size = INFINITY;
         for (int step = 0; step < 40 && size > harmonics_close; ++step) {
@@ -543,7 +548,7 @@ template <template <class> class LawOf> class RotorSolver {
         return total;
     }
 
-    // Loads per density without harmonics, and their derivatives as far as the first step needs them.
+    // Loads per density without harmonics, and the derivatives that the first step needs.
     [[gnu::flatten]] void without_harmonics(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, Loads<double>& loads,
                            Loads<double> (&by)[3]) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
@@ -571,7 +576,7 @@ template <template <class> class LawOf> class RotorSolver {
         }
     }
 
-    void set_status(Solution& s, bool coarse) const {  // and the number of roots
+    void set_status(Solution& s, bool coarse) const {  // set it and the number of roots
         Result& r = s.result;
         const auto& f = s.flow;
         r.roots = s.disk.several ? 3 : 1;

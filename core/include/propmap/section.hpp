@@ -2,8 +2,8 @@
 //
 // A section law is a struct of numbers.  `coefficients`, `zero_lift_angle_at` and `least_drag_angle_at` are its
 // aerodynamics.  `stall_angle`, `stall_width`, `attached_slope` and `plain_stall` describe its stall to the search for
-// the inflow.  `kind` is its name.  `each_number` lists the numbers by which loads can be differentiated; `read_fixed`
-// and `copy_fixed` set all others, after these.  To add a law, write such a struct and list it in laws.hpp.
+// the inflow.  `kind` is its name.  `each_number` visits the numbers with respect to which loads can be differentiated.
+// `read_fixed` and `copy_fixed` then set all other members.  To add a law, write such a struct and list it in laws.hpp.
 #pragma once
 
 #include <algorithm>
@@ -43,11 +43,11 @@ template <class S> struct BlendedLaw {
     S reynolds_camber;  // growth of the zero-lift angle with ln(Re) [rad]
     S drag_angle;       // angle of least pressure drag minus zero_lift_angle [rad]
     double attached;    // 1 for eq. (3); 0 for the simplified lift of footnote 1, whose c_l is c_l2
-    double plate;       // 0.44 for the separated lift of a plate, 0 for the paper's
-    S far;              // exp(-2 M alpha_0), for stall at the opposite angle
-    double most = 40.0; // limit of the blend's exponents [-], beyond which it is constant
+    double plate;       // 0.44 for the separated lift of a plate, 0 for that of the paper
+    S far;              // exp(-2 M alpha_0), for stall at negative angles
+    double most = 40.0; // limit of the exponents in the stall blend [-]; beyond it the blend is constant
 
-    static constexpr bool plain_stall = true;  // lift bends near stall only
+    static constexpr bool plain_stall = true;  // lift bends sharply near stall only
     static constexpr const char* kind = "blended";
     template <class Visit> void each_number(Visit visit) {
         visit("c_l1", c_l1), visit("c_l2", c_l2), visit("c_d", c_d), visit("alpha_0", alpha_0);
@@ -61,7 +61,7 @@ template <class S> struct BlendedLaw {
 
     static constexpr double log2_e = 1.44269504088896340736;
 
-    // Re is that of the rotation alone, so that the angle is known before the inflow.
+    // `reynolds` is that of the rotation alone, without inflow, so the angle is known before the inflow.
     template <class R> auto zero_lift_angle_at(const R& reynolds) const {
         if constexpr (!IsDual<S> && !IsDual<R>)
             if (reynolds_camber == 0.0) return zero_lift_angle + 0.0 * reynolds;
@@ -70,7 +70,6 @@ template <class S> struct BlendedLaw {
         return zero_lift_angle + reynolds_camber * logarithm(within * (1.0 / 5e4));
     }
     template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle + drag_angle; }
-    bool varies_with_reynolds() const { return value(reynolds_camber) != 0.0 || IsDual<S>; }
 
     template <class F> auto coefficients(const F& flow) const {
         const auto angle = radians(flow.alpha);
@@ -82,8 +81,8 @@ template <class S> struct BlendedLaw {
         return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
     }
 
-    // Separated lift over c_l2: sin cos in eq. (3).  For a plate it is divided by 0.56 + 0.44 sin (Hoerner,
-    // Fluid-Dynamic Drag, 1965, p. 3-16), which gives more lift just past stall.
+    // Separated lift divided by c_l2: sin(a) cos(a) in eq. (3).  For a plate it is divided by 0.56 + 0.44 |sin(a)|
+    // (Hoerner, Fluid-Dynamic Drag, 1965, p. 3-16), which gives more lift just past stall.
     template <class C, class V> auto separated_share(const C& change, const V& sine, const V& cosine) const {
         const V lift = sine * cosine, slope = cosine * cosine - sine * sine;
         if (plate == 0.0) return chain(change, lift, slope);
@@ -93,7 +92,7 @@ template <class S> struct BlendedLaw {
 
     // 1 - sigma, the attached share of the flow.
     // The paper writes sigma = (1 + A + B)/((1 + A)(1 + B)), A = exp(-M (a - a0)), B = exp(M (a + a0)), which
-    // overflows.  It is even in a.  For a >= 0, 1 - sigma = x/((1 + x)(x + e)) with x = 1/A and e = exp(-2 M a0): a
+    // overflows.  sigma is even in a.  For a >= 0, 1 - sigma = x/((1 + x)(x + e)) with x = 1/A and e = exp(-2 M a0): a
     // single exponential, whose argument is limited.
     template <class A> auto attached_share(const A& angle) const {
         const auto exponent = sharpness * (absolute(angle) - alpha_0);
@@ -113,13 +112,13 @@ template <class S> struct BlendedLaw {
 // first: of C_L, dC_L/d ln(Re), C_D and dC_D/d ln(Re).
 struct SectionTable {
     std::vector<double> knots;   // angles from zero lift [rad], rising from -pi to pi
-    std::vector<int> first;      // the interval at the start of each of many equal steps around the circle
+    std::vector<int> first;      // for each of many equal steps around the circle: the interval at its start
     std::vector<double> rows;    // 16 numbers per Reynolds number and interval
     std::vector<double> log_re;  // rising
     std::vector<double> stall_up, stall_down;  // stall angles at each Reynolds number [rad]
     double zero_lift_angle;                    // at the middle Reynolds number [rad]
     double attached_slope;                     // of lift over angle [1/rad]
-    double stall_width = 0.014;                // [rad], assumed: a sharper stall causes larger tails of the loads
+    double stall_width = 0.014;                // [rad], assumed; a sharper stall raises the error estimate, rotor.hpp
 };
 
 // Make a table from C_L and C_D (R, K) at K angles of attack from the chord line, -pi to pi, and R Reynolds numbers.
@@ -162,7 +161,7 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
         return r;
     };
     lift = rearranged(lift), drag = rearranged(drag);
-    // Derivatives by ln(Re): zero at the lowest and the highest Reynolds number.
+    // Derivatives with respect to ln(Re): zero at the lowest and the highest Reynolds number.
     const auto by_log_re = [&](const std::vector<double>& values) {
         std::vector<double> r(values.size(), 0.0), column(rows);
         for (std::size_t k = 0; k < knots && rows > 2; ++k) {
@@ -193,8 +192,8 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
         const auto after = std::upper_bound(t.knots.begin(), t.knots.end(), -pi + 2.0 * pi * step / count);
         t.first.push_back(std::clamp(int(after - t.knots.begin()) - 1, 0, int(knots) - 2));
     }
-    // Stall is the first peak of lift on either side of zero lift; the largest peak may be the one at 45 deg.  Up to
-    // 0.9 of this lift the section counts as attached, at every Reynolds number.
+    // Stall is the first peak of lift on either side of zero lift; the largest peak may be the one near 45 deg.  Up to
+    // the angle `attached`, lift is below 0.9 of its value at stall at all Reynolds numbers: flow counts as attached.
     const std::size_t zero = std::lower_bound(t.knots.begin(), t.knots.end(), 0.0) - t.knots.begin();
     double attached = pi;
     for (std::size_t row = 0; row < rows; ++row) {
@@ -217,17 +216,14 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
     return t;
 }
 
-// C_L and C_D by monotone cubics in the angle and, between two Reynolds numbers, by the cubic in ln(Re) with the values
-// and derivatives there.  Outside the table the nearest Reynolds number is used.
+// C_L and C_D from a table, by monotone cubics in the angle and in ln(Re).  Outside the table, the nearest Re is used.
 template <class S> struct TabulatedLaw {
     std::shared_ptr<const SectionTable> table;
     S zero_lift_angle;  // [rad]
 
     static constexpr bool plain_stall = false;
     static constexpr const char* kind = "tabulated";
-    template <class Visit> void each_number(Visit visit) {
-        visit("zero_lift_angle", zero_lift_angle);
-    }
+    template <class Visit> void each_number(Visit visit) { visit("zero_lift_angle", zero_lift_angle); }
     template <class Source> void read_fixed(const Source& from) {
         table = std::make_shared<SectionTable>(make_section_table(from.numbers("angle"), from.numbers("reynolds"),
                                                                   from.numbers("lift"), from.numbers("drag")));
@@ -241,9 +237,9 @@ template <class S> struct TabulatedLaw {
 
     template <class R> auto zero_lift_angle_at(const R&) const { return zero_lift_angle; }
     template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle; }
-    bool varies_with_reynolds() const { return false; }
 
-    // C_L (which = 0) or C_D (which = 8), `along` interval k of angles [rad], and at t in interval r of ln(Re).
+    // C_L (which = 0) or C_D (which = 8) at the angle `along` [rad] past the start of interval k of angles, and at the
+    // fraction t of interval r of ln(Re).
     Value look_up(int which, int k, double along, int r, double t, double width_of_re) const {
         const int intervals = int(table->knots.size()) - 1;
         const auto cubic = [&](int row, int at) {
@@ -267,14 +263,14 @@ template <class S> struct TabulatedLaw {
         return {v, s, by_log_re};
     }
 
-    int interval(double angle) const {  // of this angle
+    int interval(double angle) const {  // the interval that contains this angle
         const int count = int(table->first.size()), intervals = int(table->knots.size()) - 1;
         const double step = (angle + pi) * (count / (2.0 * pi));
         int k = table->first[step >= 0.0 ? std::min(int(std::min(step, count - 1.0)), count - 1) : 0];
         return k + (angle >= table->knots[k + 1] && k < intervals - 1);
     }
 
-    // The interval of ln(Re), the place t in it from 0 to 1, and whether the table includes it.
+    // Return the interval of ln(Re).  Set the fraction t in this interval, and whether `log_re` is inside the table.
     int among_reynolds(double log_re, double& t, bool& inside) const {
         const auto& x = table->log_re;
         if (x.size() == 1) return t = 0.0, inside = false, 0;
@@ -328,7 +324,7 @@ struct LiftCorrections {
     double speed_of_sound = 0.0;  // [m/s]; 0 for incompressible flow
 };
 
-// A law with these corrections.
+// A section law with corrections of its lift.
 template <class Law> struct CorrectedLaw : Law, LiftCorrections {
     template <class F, class R, class C>
     auto corrected(const F& flow, const R& radius, const C& chord) const {
@@ -342,7 +338,8 @@ template <class Law> struct CorrectedLaw : Law, LiftCorrections {
     }
 
     // Stall delay: Snel, Houwink, Bosschers, ECN-C--93-052, 1994.  Where the chord is large compared with the radius,
-    // rotation restores a share min(k (c/y)^2, 1) of the lift lost in stall.  The effect fades between 30 and 60 deg.
+    // rotation restores a share min(k (c/y)^2, 1) of the lift lost in stall, with k = `stall_delay`.  The effect fades
+    // out between angles of attack of 30 and 60 deg.
     template <class L, class F, class R, class C>
     auto delayed(const L& lift, const F& flow, const R& radius, const C& chord) const {
         const double from = pi / 6.0, span = pi / 6.0;

@@ -38,7 +38,7 @@ inline HubFlow hub_flow(const Vector3& axis, const Vector3& velocity) {
 }
 
 // Force and moment on the vehicle, about the hub.  `spin` is 1 for counter-clockwise as seen from above, -1 for
-// clockwise.  Counter-clockwise, the advancing side is on the right: lifting it rolls the vehicle about -`ahead`.
+// clockwise.  If the spin is 1, the advancing side is on the right; lift there rolls the vehicle about -`ahead`.
 inline Wrench hub_wrench(const Vector3& axis, double spin, const Vector3& ahead, const Loads<double>& of) {
     const Vector3 left = cross(axis, ahead);
     Wrench w;
@@ -82,12 +82,12 @@ struct Airframe {
 };
 
 struct Mount {
-    Vector3 position, axis;  // of the hub from the center of mass [m]; along the thrust
+    Vector3 position, axis;  // hub relative to the center of mass [m]; unit vector along the thrust
     double spin;             // 1 for counter-clockwise, -1 for clockwise
 };
 
-// Force and moment of the air about the center of mass of a vehicle that moves through it at `velocity` [m/s] and turns
-// at `rates` [rad/s].  `loads(k, flow)` returns the loads of rotor k.
+// Force of the air on a vehicle, and moment about its center of mass, at its `velocity` through the air [m/s] and its
+// angular velocity `rates` [rad/s].  `loads(k, flow)` returns the loads of rotor k.
 template <class LoadsOf>
 Wrench vehicle_wrench(const std::vector<Mount>& mounts, const Airframe& frame, const Vector3& velocity, const Vector3& rates,
                       LoadsOf loads) {
@@ -102,8 +102,8 @@ Wrench vehicle_wrench(const std::vector<Mount>& mounts, const Airframe& frame, c
     return all;
 }
 
-// Moment of the spinning rotors, whose angular momentum turns with the vehicle and changes with their speed.  Each has
-// the moment of inertia `heavy` [kg m^2], a speed `omega` [rad/s] and its rate `change` [rad/s^2].
+// Moment of the spinning rotors on the vehicle: their angular momentum turns with the vehicle and changes with their
+// speed.  Each has the moment of inertia `heavy` [kg m^2], the speed `omega` [rad/s] and its rate `change` [rad/s^2].
 inline Vector3 spin_moment(const std::vector<Mount>& mounts, double heavy, const double* omega, const double* change,
                            const Vector3& rates) {
     Vector3 momentum{}, by_speed{};
@@ -114,7 +114,7 @@ inline Vector3 spin_moment(const std::vector<Mount>& mounts, double heavy, const
     return add(add({}, -1.0, cross(rates, momentum)), -1.0, by_speed);
 }
 
-// A unit quaternion (w, x, y, z) that turns the frame of the vehicle into that of the world.
+// A unit quaternion (w, x, y, z) that rotates vectors from the frame of the vehicle to the frame of the world.
 struct Attitude {
     double w;
     Vector3 v;

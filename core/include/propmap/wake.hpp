@@ -17,9 +17,7 @@ template <class Y, class F, class V> auto momentum_thrust(const Y& radius, const
 
 // The two v_i [m/s] between which (10) falls; equal if it does not fall.  In descent within 19.5 deg of the axis (10)
 // rises up to the first one, where in axial flow the far wake stands still.  Beyond it momentum theory does not hold.
-template <class S> struct TurningPoints {
-    S first, second;
-};
+template <class S> struct TurningPoints { S first, second; };
 template <class S> TurningPoints<S> turning_points(const S& v_axial, const S& v_inplane) {
     const S square = v_axial * v_axial - 8.0 * (v_inplane * v_inplane);
     const S none = 0.0 * square;
@@ -31,7 +29,7 @@ template <class S> TurningPoints<S> turning_points(const S& v_axial, const S& v_
 //
 // Up to the first turning point it is (10) unchanged.  Beyond, the falling part is mirrored upwards.  In axial flow
 // this is the parabola 4 pi y (v_i - first)^2 above the turning point.  Like Buhl's empirical curve (NREL/TP-500-36834,
-// 2005) it ends at C_T = 2 where v_i = |V cos(beta)|.  In oblique flow the mirrored curve is averaged with the
+// 2005), it reaches C_T = 2 at v_i = |V cos(beta)|.  In oblique flow the mirrored curve is averaged with the
 // parabola, whose weight falls from 1 in axial flow to 0 at 19.5 deg.  Without the parabola the curve would be flat at
 // the second turning point, which would give (11) more roots.
 template <class Y, class F, class V> auto windmill_thrust(const Y& radius, const F& flow, const V& inflow) {
@@ -89,8 +87,8 @@ template <class S> S static_inflow(const S& thrust, double tip) {
 // The paper uses (12) wherever V cos(beta) < 0 < V cos(beta) + v_i.  Loads would then jump at beta = 90 deg: in fast
 // flight with a trace of descent, the in-plane flow carries the wake away and (10) holds.  So (12) is used in the
 // region of Johnson, NASA/TP-2005-213477, table 4 (points D, N, X, E, M), in units of the static inflow v_h, with
-// blended edges.  There it is multiplied by Leishman's fit to the inflow measured in vertical descent (Principles of
-// Helicopter Aerodynamics, 2nd ed., section 2.13), 1 in hover.  With (12) alone, thrust is a third too high.
+// blended edges.  There, (12) is multiplied by Leishman's fit to the inflow measured in vertical descent, which is 1 in
+// hover (Principles of Helicopter Aerodynamics, 2nd ed., section 2.13).  With (12) alone, thrust is a third too high.
 namespace vortex_ring {
 
 inline constexpr double onset = -0.2, full_from = -0.45, full_to = -1.5, gone = -2.0;  // V cos(beta)/v_h
@@ -104,7 +102,7 @@ template <class S> S rise(const S& t) {  // a smooth step from t = 0 to t = 1
     return t * t * t * (10.0 + t * (6.0 * t - 15.0));
 }
 
-// Share of the vortex ring's inflow in the inflow used [-].
+// Weight of the vortex-ring inflow in the inflow used [-], from 0 to 1.
 template <class S> S weight(const Flow<S>& flow) {
     if (value(flow.v_axial) >= 0.0) return 0.0 * flow.v_axial;
     const S v_h = maximum(flow.v_hover, 0.0 * flow.v_hover + 1e-9);
@@ -129,7 +127,7 @@ template <class S> bool windmill(const Flow<S>& flow) {  // whether (11) has the
 }  // namespace vortex_ring
 
 // In-plane part of the drag of the mount in the slipstream [N per density]: 1/2 f V_in sqrt(V_in^2 + (V_ax + k v_i)^2),
-// with `mount_area` f and `mount_wake` k.  The slipstream raises it.
+// with `mount_area` f and `mount_wake` k.  The slipstream increases it.
 template <class R, class S> S mount_drag(const R& rotor, const Flow<S>& flow, const S& mean_inflow) {
     const S through = flow.v_axial + rotor.mount_wake * mean_inflow;
     return 0.5 * rotor.mount_area * flow.v_inplane * square_root(speed_squared(flow.v_inplane, through));
