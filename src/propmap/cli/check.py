@@ -44,7 +44,7 @@ def check(
     ],
     vehicle: opt.VehicleOfLogs = None,
     prop: Annotated[
-        str | None, Option(metavar="PROP", help="Propeller; required if the file has no [fit].")
+        str | None, Option(metavar="PROP", help="Propeller; required if FIT.toml has no [fit].")
     ] = None,
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,

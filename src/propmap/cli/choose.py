@@ -35,13 +35,13 @@ def choose(
         str,
         Option(
             metavar="hover|cruise|fast|FILE.csv",
-            help="Rank by hover power, energy per meter in cruise, top speed (fast), or the energy "
-            "of a mission (FILE.csv).",
+            help="Flight to rank for: hover, cruise at --speed, flight at top speed (fast), or a "
+            "mission (FILE.csv).",
         ),
     ] = "cruise",
     by: Annotated[
         Literal["energy", "time", "range"] | None,
-        Option(help="Criterion of the tasks hover and cruise (default: energy)."),
+        Option(help="Rank hover or cruise by energy used, flight time or range (default: energy)."),
     ] = None,
     diameter: Annotated[
         str | None, Option(metavar="A:B", help="Range of diameters in inches (default: all).")

@@ -43,7 +43,7 @@ TABLES = (".npz", ".nc")  # extensions of table files
 
 def _forms(source: str) -> str:
     """Return the targets of a ``source`` and their files as text for the help."""
-    return "; ".join(f"{e.target}: {e.writes}" for e in EXPORTS if e.source == source)
+    return ", ".join(f"{e.target} ({e.writes})" for e in EXPORTS if e.source == source)
 
 
 def export(
@@ -58,11 +58,11 @@ def export(
         str,
         Option(
             metavar="TARGET",
-            help=f"Output format. For a table, fit or section law: {_forms('table')}. "
-            f"For a vehicle file with --table: {_forms('vehicle')}. "
-            f"For a vehicle file: {_forms('autopilot')}. "
-            f"For a vehicle file of a pusher or tailsitter: {_forms('pusher')}. "
-            f"For a propeller: {_forms('rotor')}.",
+            help=f"Output format, by input. Table, fit or section law: {_forms('table')}. "
+            f"Vehicle file with --table: {_forms('vehicle')}. "
+            f"Vehicle file: {_forms('autopilot')}. "
+            f"Vehicle file of a pusher or tailsitter: {_forms('pusher')}. "
+            f"Propeller: {_forms('rotor')}.",
         ),
     ],
     output: Annotated[Path, out.output_option("Output folder; created if it is missing.", "DIR")],
@@ -86,8 +86,8 @@ def export(
         str | None,
         Option(
             metavar="A:B:N",
-            help="For px4 and ardupilot: airspeeds in m/s of the level flights to which drag is "
-            "fitted (default: 1:15:8).",
+            help="For px4 and ardupilot: airspeeds in m/s of the simulated level flights from "
+            "which the drag parameters are fitted (default: 1:15:8).",
         ),
     ] = None,
     charge: Annotated[
@@ -99,7 +99,7 @@ def export(
 ) -> None:
     """Export rotor loads to simulators, flight code and autopilots.
 
-    A README file in the same folder states the errors of a format that is not exact.
+    For approximate formats, the output folder also receives a README with the approximation errors.
     """
     from propmap.aircraft.assumptions import assumption_lines, assumptions
     from propmap.export import export_rotor, export_table, export_vehicle

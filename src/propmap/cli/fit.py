@@ -71,7 +71,10 @@ WRITTEN = out.output_option("Output file of the fit.", "FIT.toml")
 Output = Annotated[Path, WRITTEN]
 Accept = Annotated[
     bool,
-    Option("--accept", help="Write the fit even if it misses over half of thrust or torque."),
+    Option(
+        "--accept",
+        help="Write the fit even if its rms error of thrust or torque is above half of the load.",
+    ),
 ]
 
 

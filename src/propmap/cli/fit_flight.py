@@ -312,14 +312,14 @@ def fit_flight(
     method: Annotated[
         Literal["auto", "level", "balance"],
         Option(
-            help="level: vertical force balance in steady stretches, as in the paper; balance: all "
-            "forces at all times; auto: level if there are enough steady stretches, or balance."
+            help="level: vertical force balance in steady segments, as in the paper; balance: all "
+            "forces at all times; auto: level if there are enough steady segments, else balance."
         ),
     ] = "auto",
     name_or_file: opt.FitAirfoilOption = None,
     physics: opt.ModelOption = None,
     correction: opt.Corrections = None,
-    seconds: Annotated[float, Option(help="Minimum length of a steady stretch in s.")] = 2.0,
+    seconds: Annotated[float, Option(help="Minimum length of a steady segment in s.")] = 2.0,
     samples: Annotated[
         int, Option(min=10, help="Maximum number of samples from whole flights.")
     ] = 500,
@@ -328,7 +328,7 @@ def fit_flight(
         bool,
         Option(
             "--hover-scale/--no-hover-scale",
-            help="Use the hover of each flight as the prior of its thrust scale.",
+            help="Estimate the prior of each thrust scale from the hover of its flight.",
         ),
     ] = True,
     body_study: Annotated[
@@ -347,8 +347,8 @@ def fit_flight(
 ) -> None:
     """Fit section constants to flight logs of a vehicle.
 
-    Each whole flight has its own clock offset and, if there are several flights, its own thrust
-    scale. The fit does not estimate wind: state it in the vehicle file.
+    With --method balance, the fit also estimates a clock offset for each flight and, for two or
+    more flights, a thrust scale. It does not estimate wind: state it in the vehicle file.
     """
     check_outputs(output, asked.picture, stretches_picture)
     base = opt.constants(name_or_file) if name_or_file else None
@@ -464,11 +464,12 @@ def fit_terms_page(
         ),
     ] = None,
 ) -> None:
-    """Report on a web page which terms improve a flight fit.
+    """Write a web page that shows which terms of the model improve a flight fit.
 
-    The first models are the hover model and the vertical balance; each further model adds one
-    term. The command fits each model to all flights except one and checks it on the held-out
-    flight. The page also shows the errors of another model, if the logs contain its predictions.
+    The command compares a series of models. The first two are the hover model and the vertical
+    force balance; each later model adds one term. Each model is fitted to all flights except one
+    and checked on the held-out flight. The page also shows the errors of another model, if the logs
+    contain its predictions.
     """
     from propmap.report.html import PAGE, TERMS_FILES, check_folder, write_folder
 

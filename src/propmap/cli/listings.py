@@ -37,13 +37,13 @@ class ListByDefault(TyperGroup):
 props_app = typer.Typer(
     name="props",
     cls=ListByDefault,
-    help="List propellers, or show one: props [TEXT], props show NAME.",
+    help="List propellers (default), or show one.",
     rich_markup_mode=None,
 )
 airfoils_app = typer.Typer(
     name="airfoils",
     cls=ListByDefault,
-    help="List section laws, or show one: airfoils show NAME.",
+    help="List airfoil models (section laws; default), or show one.",
     rich_markup_mode=None,
 )
 
@@ -87,7 +87,7 @@ def list_props(
     format_: out.FormatOption = None,
     output: out.TextOutput = None,
 ) -> None:
-    """List all propellers, or the propellers that match all words."""
+    """List all propellers, or those whose entry contains every word of TEXT."""
     chosen = out.chosen_format(format_, output)
     text = " ".join(words or [])
     entries = search(text)

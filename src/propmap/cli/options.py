@@ -79,15 +79,15 @@ ModelOption = Annotated[
         help="Physical model: paper is exactly the model of Gill & D'Andrea 2017; recommended adds "
         "an inflow that varies around the disk (pitt-peters) and spanwise skin friction "
         "(radial-friction). Default: the model used to identify the section constants, or "
-        "recommended if they state none.",
+        "recommended if that model is not recorded.",
     ),
 ]
 BareOption = Annotated[
     bool,
     Option(
         "--bare",
-        help="Report the rotor drag of the bare blades. By default, the rotor is modeled as "
-        "installed on a motor (correction installed), except with --airfoil or --model paper.",
+        help="Report the rotor drag of the bare blades. By default, the correction "
+        "'installed' models the rotor on a motor, except with --airfoil or --model paper.",
     ),
 ]
 AccuracyName = Literal["standard", "fine"]
@@ -108,8 +108,8 @@ FitAirfoilOption = Annotated[
         "--airfoil",
         metavar="NAME|FILE",
         help="Values of the fixed section constants and start values of the free ones: a name that "
-        "`propmap airfoils` lists, or a fit or parameter set (.toml). Default: from the prior "
-        "(--prior-from), or the first guess of the paper without a prior.",
+        "`propmap airfoils` lists, or a fit or parameter set (.toml). Default: the "
+        "mean of the prior (--prior-from); without a prior, the first guess of the paper.",
     ),
 ]
 AccuracyOption = Annotated[
@@ -304,7 +304,11 @@ MaximumRpm = Annotated[
     float | None, Option("--max-rpm", help="Maximum rotational speed of the rotors in rpm.")
 ]
 Charge = Annotated[
-    float, Option("--charge", help="State of charge of the battery for the limits; 1 is full.")
+    float,
+    Option(
+        "--charge",
+        help="State of charge of the battery for top speed and thrust margin; 1 is full.",
+    ),
 ]
 NoWakes = Annotated[
     bool, Option("--no-wakes", help="Ignore the effect of rotor wakes on other rotors.")

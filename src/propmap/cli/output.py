@@ -35,7 +35,10 @@ WIDTH_ELSEWHERE = 160  # characters per line in files and pipes: enough to trunc
 Format = Literal["table", "json", "csv"]
 FormatOption = Annotated[
     Format | None,
-    Option("--format", help="Output format (default: by the extension of FILE, or table)."),
+    Option(
+        "--format",
+        help="Output format (default: from the extension of the output file; table on the terminal).",
+    ),
 ]
 TextOutput = Annotated[
     Path | None, output_option("Output file; overwritten if it exists (default: the terminal).")

@@ -50,7 +50,10 @@ def plot_map(
     ] = None,
     bands: opt.Bands = True,
 ) -> None:
-    """Draw the loads of a propeller over airspeed (dashed: hover model)."""
+    """Draw the loads of a propeller over airspeed.
+
+    Dashed lines show the hover model.
+    """
     point = opt.single_point(rpm, 0.0, 0.0)
     omega = float(point.si[0][0])
     speeds = opt.parse_axis("--speed", "speed", speed, SPEEDS_PER_CURVE)

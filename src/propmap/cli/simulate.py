@@ -80,8 +80,8 @@ def simulate_flight(
 ) -> None:
     """Simulate the flight experiment of the paper and write its log.
 
-    The vehicle flies a level circle on a tether at each airspeed. The command also prints the
-    95 % intervals of the section constants to expect from a fit to this flight. All error
+    The vehicle flies a level circle on a tether at each airspeed. The command also
+    predicts the 95 % intervals of the section constants that a fit to this flight would have. All error
     options are standard deviations.
     """
     speeds = opt.parse_axis("--speeds", "speed", speed)
@@ -146,7 +146,7 @@ def _expected(expected: Expectation, flights: int) -> Table:
 
 
 vehicle_app = typer.Typer(
-    name="vehicle", help="Draft a vehicle file: vehicle from-log LOG.", rich_markup_mode=None
+    name="vehicle", help="Draft a vehicle file from a flight log.", rich_markup_mode=None
 )
 
 

@@ -242,7 +242,7 @@ def study(
     force: out.Force = False,
     yes: Yes = False,
 ) -> None:
-    """Compute the loads of many designs that vary a propeller."""
+    """Compute the loads of many variants of a propeller."""
     streamed = output.suffix.lower() == ".zarr"
     if streamed:
         check_store(output, force=force)

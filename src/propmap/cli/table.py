@@ -41,7 +41,7 @@ def table(
     force: out.Force = False,
     cluster: opt.Cluster = None,
 ) -> None:
-    """Build a look-up table of propeller loads with certified errors."""
+    """Build a look-up table of propeller loads with certified error bounds."""
     ranges = [_range(name, text) for name, text in (("rpm", rpm), ("speed", speed), ("beta", beta))]
     share = _share("--tolerance", tolerance)
     out.check_output(output, (".npz", ".nc"), keep_existing=not force)

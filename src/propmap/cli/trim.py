@@ -45,10 +45,11 @@ def trim(
     bank: Annotated[
         float, Option(help="Bank angle of a coordinated level turn in degrees, right positive.")
     ] = 0.0,
-    wind: Annotated[float, Option(help="Headwind in m/s, for distances.")] = 0.0,
+    wind: Annotated[float, Option(help="Headwind in m/s; affects only range and distances.")] = 0.0,
     airfoil: opt.AirfoilOption = None,
     table: Annotated[
-        Path | None, Option(metavar="FILE.npz", help="Table of rotor loads to use instead.")
+        Path | None,
+        Option(metavar="FILE.npz", help="Table of rotor loads; replaces the rotor model."),
     ] = None,
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
