@@ -37,7 +37,7 @@ FormatOption = Annotated[
     Format | None,
     Option(
         "--format",
-        help="Output format (default: from the extension of the output file; table on the terminal).",
+        help="Output format (default: from the output file, else table).",
     ),
 ]
 TextOutput = Annotated[

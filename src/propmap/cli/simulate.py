@@ -81,8 +81,8 @@ def simulate_flight(
     """Simulate the flight experiment of the paper and write its log.
 
     The vehicle flies a level circle on a tether at each airspeed. The command also
-    predicts the 95 % intervals of the section constants that a fit to this flight would have. All error
-    options are standard deviations.
+    predicts the 95 % intervals of the section constants that a fit to this flight would have. All
+    error options are standard deviations.
     """
     speeds = opt.parse_axis("--speeds", "speed", speed)
     sizes = {

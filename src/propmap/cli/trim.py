@@ -49,7 +49,7 @@ def trim(
     airfoil: opt.AirfoilOption = None,
     table: Annotated[
         Path | None,
-        Option(metavar="FILE.npz", help="Table of rotor loads; replaces the rotor model."),
+        Option(metavar="FILE.npz", help="Load table; replaces the rotor model."),
     ] = None,
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
