@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 from matplotlib.path import Path
 
-from propmap.report.html import COLOURS, new_figure, save, style
+from propmap.report.html import COLORS, new_figure, save, style
 from tools.import_graph import lines, room_imports
 
 WIDTH, HEIGHT = 0.8, 0.56
@@ -116,7 +116,7 @@ def _box(axes: Axes, place: Place, name: str, count: int) -> None:
             HEIGHT,
             boxstyle="round,pad=0,rounding_size=0.06",
             facecolor="white",
-            edgecolor=COLOURS[0],
+            edgecolor=COLORS[0],
             zorder=3,
         )
     )

@@ -64,7 +64,7 @@ UIUC_TITLES = {
     "mas": "Master Airscrew Scimitar",
     "union": "Union",
 }
-# Families whose diameter and pitch are labelled in millimetres.
+# Families whose diameter and pitch are labeled in millimeters.
 UIUC_METRIC = {"ef", "kpf", "pl", "vp"}
 
 # The NR640 has a hub of adjustable pitch.  The database tabulates its blade once, at 15 degrees
@@ -296,9 +296,9 @@ def _davoudi(folder: Path) -> dict[str, Any]:
         "schema": 1,
         "name": "davoudi-8x4.5mr-thrust",
         "propeller": "apc-8x4.5mr",
-        "kind": "digitised",
+        "kind": "digitized",
         "air_density": RHO,
-        "note": "Digitised from a figure, 2-3 % of full scale. The air density of the tests is "
+        "note": "Digitized from a figure, 2-3 % of full scale. The air density of the tests is "
         "not known; 1.225 kg/m^3 is assumed.",
         "citation": "Davoudi, Duraisamy, A Hybrid Blade Element Momentum Model for Flight "
         "Simulation of Rotary Wing UAVs, AIAA 2019",

@@ -40,7 +40,7 @@ from propmap.catalogue.expected import (
 from propmap.catalogue.identified import PARAMETERS
 from propmap.model.air import Air
 from propmap.model.airfoil import SectionCovariance
-from propmap.model.corrections import corrections_of
+from propmap.model.corrections import model_corrections
 from propmap.model.model import Model
 from propmap.results import Loads
 from propmap.rotor import Rotor
@@ -80,7 +80,7 @@ class StaticTest(NamedTuple):
         assert law.uncertainty is not None  # for type checkers: expected constants have one
         known = replace(law.uncertainty, covariance=covariance)
         law = law.with_parameters(uncertainty=known)
-        return Rotor(Model(blade, law, Air(self.density), corrections_of("recommended")))
+        return Rotor(Model(blade, law, Air(self.density), model_corrections("recommended")))
 
     def loads(self, factor: float, deviation: float = STAND_DEVIATION) -> Loads:
         """Predict the loads of the propeller."""

@@ -81,7 +81,7 @@ def campaign(name: str, propeller: str, path: Path, columns: Mapping[str, str]) 
         return np.array([float(row[text.lstrip("-")]) for row in rows])
 
     omega, speed, beta = column("rpm") * RPM, column("speed_mps"), np.radians(column("beta_deg"))
-    model = propmap.known_model(propeller, air=Air())
+    model = propmap.catalogue_model(propeller, air=Air())
     oblique = speed * np.sin(beta) > NEAR_REST * omega * model.propeller.radius
     measured = {
         load: (-1.0 if text.startswith("-") else 1.0) * column(text)[oblique]
@@ -190,7 +190,7 @@ def in_plane(data: Path) -> Iterator[InPlane]:
     """Compare catalogue predictions of edgewise force with ``gill2019_inplane.csv``."""
     for row in rows_of(data / "drag" / "gill2019_inplane.csv"):
         radius = float(row["radius_m"])
-        model = propmap.known_model(_named(row["propeller"]), int(row["blades"]))
+        model = propmap.catalogue_model(_named(row["propeller"]), int(row["blades"]))
         omega = TIP_SPEED / radius
         flow = (omega, ADVANCE * TIP_SPEED, 0.5 * np.pi)
         pressure = 0.5 * model.air.density * np.pi * radius**2 * TIP_SPEED**2
@@ -229,7 +229,7 @@ def vehicles() -> Iterator[tuple[str, str, float, float, float]]:
     """Yield name, then H/(T mu): published, of bare blades, of the installed rotor, and half its
     95 % band, at an advance ratio of 0.1."""
     for name, propeller, blades, tip, published in VEHICLES:
-        model = propmap.known_model(propeller, blades)
+        model = propmap.catalogue_model(propeller, blades)
         flow = (tip / model.propeller.radius, 0.1 * tip, 0.5 * np.pi)
         loads = Rotor(model).loads(*flow)
         bare = Rotor(model.with_mount(Installed(1.0, 0.0))).loads(*flow)

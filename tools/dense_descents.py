@@ -24,7 +24,7 @@ misses errors of both accuracies.
 
 Random points and errors:
 
-- Half are on the propellers ``FAVOURED``, whose errors were the largest, half on any propeller of
+- Half are on the propellers ``FAVORED``, whose errors were the largest, half on any propeller of
   the catalogue.  One in four has the paper's model, without corrections.
 - Tip speeds are 20 to 200 m/s.  Airspeeds reach 4 static inflows (half of the points) or the tip
   speed.  beta is 90 to 180 deg, with one point in 25 at each end.
@@ -68,7 +68,7 @@ FLAGS = (
     "-ffp-contract=fast",
 )
 COMPILER = os.environ.get("CXX", "c++").split()
-FAVOURED = ("uiuc-apcsp-11x4", "uiuc-mit-5x4")
+FAVORED = ("uiuc-apcsp-11x4", "uiuc-mit-5x4")
 SEED = 40
 NAMES = tuple(LOADS)
 CHUNK = 500
@@ -151,13 +151,13 @@ def dense_loads(model: pm.Model, look: Look, motion: Floats) -> Floats:
     return at[-1]
 
 
-known_model = functools.cache(pm.known_model)
+catalogue_model = functools.cache(pm.catalogue_model)
 
 
 @functools.cache
 def rotor(name: str, paper: bool, accuracy: str = "standard") -> pm.Rotor:
     """Return a catalogue propeller with the recommended model or the paper's."""
-    model = known_model(name)
+    model = catalogue_model(name)
     return pm.Rotor(replace(model, corrections=()) if paper else model, accuracy=accuracy)
 
 
@@ -165,7 +165,7 @@ def sample(index: int, advance: float = 0.0) -> Point:
     """Return random point ``index``, with V/(Omega R) above ``advance`` if that is positive."""
     random = np.random.default_rng([SEED, index])
     share, which = random.uniform(size=2)
-    pool = FAVOURED if share < 0.5 else tuple(names())
+    pool = FAVORED if share < 0.5 else tuple(names())
     name, paper = pool[int(which * len(pool))], bool(random.uniform() < 0.25)
     one = rotor(name, paper)
     tip_speed = random.uniform(20.0, 200.0)

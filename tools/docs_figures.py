@@ -20,11 +20,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon
 
 from propmap.io.csv import replacing
-from propmap.report.html import COLOURS, MARKERS, key, new_figure, style
+from propmap.report.html import COLORS, MARKERS, key, new_figure, style
 from tools import architecture_picture
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
-BLUE, RED, GREEN, PINK = COLOURS[:4]
+BLUE, RED, GREEN, PINK = COLORS[:4]
 INK = "0.15"
 
 Point = tuple[float, float]
@@ -172,7 +172,7 @@ def cost_against_error(found: dict[str, Any]) -> Figure:
         figure = new_figure(7.6, 3.4)
         against_model, against_data = figure.subplots(1, 2, sharex=True)
         for k, way in enumerate(found["ways"]):
-            look = {"color": COLOURS[k], "marker": MARKERS[k], "linestyle": "none"}
+            look = {"color": COLORS[k], "marker": MARKERS[k], "linestyle": "none"}
             cost = way["microseconds_single"]
             if way["model_error"] is not None:
                 against_model.plot(cost, 100.0 * way["model_error"]["thrust"], **look)
@@ -205,10 +205,10 @@ def mission(found: dict[str, Any]) -> Figure:
         figure = new_figure(8.4, 5.0)
         rows = figure.subplots(2, 2, sharex=True)
         for axes, (title, names) in zip(rows.flat, panels, strict=True):
-            for model, colour in (("propmap", BLUE), ("hover", RED)):
+            for model, color in (("propmap", BLUE), ("hover", RED)):
                 columns = found[model]["series"]
                 for name, line in zip(names, ("-", "--"), strict=False):
-                    axes.plot(columns["time"], columns[name], line, color=colour, linewidth=1.2)
+                    axes.plot(columns["time"], columns[name], line, color=color, linewidth=1.2)
             axes.set_title(title, fontsize=9.0)
         for axes in rows[1]:
             axes.set_xlabel("time [s]")
@@ -232,7 +232,7 @@ def _blank(axes: Axes, across: Point, up: Point, title: str) -> None:
 
 
 def _arrow(
-    axes: Axes, begin: Point, end: Point, colour: str, name: str, where: Point, width: float = 1.8
+    axes: Axes, begin: Point, end: Point, color: str, name: str, where: Point, width: float = 1.8
 ) -> None:
     axes.annotate(
         "",
@@ -240,13 +240,13 @@ def _arrow(
         xytext=begin,
         arrowprops={
             "arrowstyle": "-|>",
-            "color": colour,
+            "color": color,
             "linewidth": width,
             "shrinkA": 0.0,
             "shrinkB": 0.0,
         },
     )
-    axes.text(*where, name, color=colour)
+    axes.text(*where, name, color=color)
 
 
 if __name__ == "__main__":

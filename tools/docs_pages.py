@@ -43,10 +43,10 @@ LOADS = {
 
 LEFT_OUT = {
     "own": "its own constants",
-    "own_run": "its own constants without the run at its middle speed: errors of that run",
-    "own_fastest": "its own constants without its fastest run: errors of that run",
+    "own_run": "its own constants without the run at its middle rpm: errors of this run",
+    "own_fastest": "its own constants without the run at its highest rpm: errors of this run",
     "family": "constants of its family; its blade is known",
-    "other_blade_of_family": "the same, without family members with its own blade",
+    "other_blade_of_family": "constants of family members with other blades; its blade is known",
     "population": "constants of all propellers; its blade is known",
     "maker": "constants of its family; its blade from the maker's file",
     "family_blade": "mean blade and constants of its family",
@@ -55,7 +55,7 @@ LEFT_OUT = {
     "population_static": "constants of all propellers, after a static test: errors of moving rows",
     "family_label": "mean blade and constants of its family; its blade was never measured",
     "siblings_label": "mean blade of all, constants of its family; no family blade was measured",
-    "population_label": "mean blade and constants of all, for these and for single propellers",
+    "population_label": "mean blade and constants of all propellers; no family blade was measured",
 }
 
 

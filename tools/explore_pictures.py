@@ -21,8 +21,8 @@ PICTURES = {
 }
 """Where each picture is taken: its file, and the address."""
 
-COLOURS = 160
-"""Colours of the pictures: few, so that they are small."""
+COLORS = 160
+"""Colors of the pictures: few, so that they are small."""
 
 
 def main() -> None:
@@ -36,7 +36,7 @@ def main() -> None:
             path = FOLDER / f"{name}.png"
             page.screenshot(path=path)
             with Image.open(path) as picture:
-                few = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+                few = picture.convert("RGB").quantize(COLORS, dither=Image.Dither.NONE)
             few.save(path, optimize=True)
             print(f"wrote {path} ({path.stat().st_size / 1e3:.0f} kB)")
 

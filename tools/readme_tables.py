@@ -105,7 +105,7 @@ def model_accuracy(found: dict[str, Any]) -> str:
 def headline(found: dict[str, Any]) -> str:
     """Tabulate the relative rms errors for the loads in HEADLINE."""
     rows = [
-        "| data | load | points | band of the data | " + " | ".join(MODELS.values()) + " |",
+        "| data | load | points | data spread | " + " | ".join(MODELS.values()) + " |",
         "|---|---|---:|---:|" + "---:|" * len(MODELS),
     ]
     for title, loads in HEADLINE.items():
@@ -123,7 +123,7 @@ def headline(found: dict[str, Any]) -> str:
 def model_errors(found: dict[str, Any]) -> str:
     """Tabulate errors of the models and the difference between two forms of the data."""
     rows = [
-        "| data | load | points | measured rms | band of the data | "
+        "| data | load | points | measured rms | data spread | "
         + " | ".join(f"{title}, rms" for title in MODELS.values())
         + " |",
         "|---|---|---:|---:|---:|" + "---:|" * len(MODELS),

@@ -65,7 +65,7 @@ def workers(found: dict[str, Any]) -> str:
     part = found["scheduler"]
     rows = [
         f"| workers | {part['points_per_task']} points per task: wall time | simulated "
-        "| efficiency | cores received | simulated with these cores | tasks that wait: wall time "
+        "| efficiency | cores received | simulated with these cores | sleeping tasks: wall time "
         "| simulated |",
         "|---:|---:|---:|---:|---:|---:|---:|---:|",
     ]
@@ -79,9 +79,9 @@ def workers(found: dict[str, Any]) -> str:
             f"({_off(one['waiting_simulated_s'], one['waiting_wall_s'])}) |"
         )
     told = (
-        f"The machine has {part['cores']} cores. Other processes used a part of them, so the "
-        "workers received only the cores of the fifth column. The third column is simulated with "
-        "all cores, the sixth with the received cores. " + _machine(part)
+        f"The machine has {part['cores']} cores. Other processes used part of them; the fifth "
+        "column lists the number of cores that the workers received. The third column is simulated "
+        "with all cores, the sixth with the received cores. " + _machine(part)
     )
     return "\n".join([*rows, "", told])
 

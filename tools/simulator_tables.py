@@ -15,12 +15,12 @@ READINGS = (
     ("hover: rotor speed [rad/s]", "hover_front", 1),
     ("hover: shaft power [W]", "hover_power", 1),
     ("12 m/s: pitch, nose down [deg]", "cruise_pitch_deg", 2),
-    ("12 m/s: rotor speed in front [rad/s]", "cruise_front", 1),
-    ("12 m/s: rotor speed in the rear [rad/s]", "cruise_rear", 1),
+    ("12 m/s: front rotor speed [rad/s]", "cruise_front", 1),
+    ("12 m/s: rear rotor speed [rad/s]", "cruise_rear", 1),
     ("12 m/s: shaft power [W]", "cruise_power", 1),
     ("braking: largest pitch, nose up [deg]", "braking_nose_up_deg", 1),
-    ("3 m/s down: rotor speed [rad/s]", "descent_front", 1),
-    ("3 m/s down: shaft power [W]", "descent_power", 1),
+    ("descent at 3 m/s: rotor speed [rad/s]", "descent_front", 1),
+    ("descent at 3 m/s: shaft power [W]", "descent_power", 1),
     ("largest distance from the course [m]", "largest_error", 3),
     ("shaft energy of the mission [J]", "energy", 1),
 )
@@ -58,7 +58,8 @@ def agreement(found: dict[str, Any]) -> str:
     ]
     rows += [
         "",
-        f"The largest ratio of found to allowed is {max(shares):.2f}, including the hover model.",
+        "The largest ratio of found to allowed difference, flights with the hover model included, "
+        f"is {max(shares):.2f}.",
     ]
     return "\n".join(rows)
 
@@ -66,7 +67,7 @@ def agreement(found: dict[str, Any]) -> str:
 def energy(found: dict[str, Any]) -> str:
     """Tabulate the energy gain of each simulator and the work of the air."""
     rows = [
-        "| simulator | loads | change of kinetic and potential energy [J] | work of the air [J] "
+        "| simulator | loads | change of kinetic and potential energy [J] | aerodynamic work [J] "
         "| largest difference during the mission [J] | shaft energy [J] |",
         "|---|---|---:|---:|---:|---:|",
     ]
@@ -109,12 +110,12 @@ def elsewhere(found: dict[str, Any]) -> str:
     mean = 0.5 * (mine["cruise_front"] + mine["cruise_rear"])
     drag = found["steady"]["rotor_drag"]
     return (
-        "The readings of SciPy, RotorPy, MuJoCo and Drake differ by at most a fraction of "
-        f"{_power(spread)}. At 12 m/s, `propmap simulate flight` has a pitch of "
-        f"{log['pitch_deg']:.2f}° and all rotors at {log['rotor_speed']:.1f} rad/s; the mean of "
-        f"the flight is {mean:.1f}. The standard deviation of the rotor drag is "
-        f"{100.0 * drag['relative_std']:.0f} % there, because the mount is unknown. With bare "
-        f"blades the pitch is {drag['pitch_of_bare_blades_deg']:.1f}°."
+        "The relative differences between SciPy, RotorPy, MuJoCo and Drake in these values are at "
+        f"most {_power(spread)}. At 12 m/s, `propmap simulate flight` computes a pitch of "
+        f"{log['pitch_deg']:.2f}° and {log['rotor_speed']:.1f} rad/s for all rotors; the mean of "
+        f"front and rear rotors above is {mean:.1f} rad/s. The standard deviation of the rotor "
+        f"drag is {100.0 * drag['relative_std']:.0f} % at this speed, because the mount is "
+        f"unknown. With bare blades, the pitch is {drag['pitch_of_bare_blades_deg']:.1f}°."
     )
 
 

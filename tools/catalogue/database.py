@@ -115,16 +115,16 @@ def refiled(every: Sequence[MeasuredPropeller]) -> list[MeasuredPropeller]:
 
     A propeller of which no run is left is left out.
     """
-    labelled = []
+    labeled = []
     for one in every:
         blade = LOST_POINTS.get(one.blade, one.blade)
-        labelled.append(one._replace(name=one.name.replace(one.blade, blade), blade=blade))
+        labeled.append(one._replace(name=one.name.replace(one.blade, blade), blade=blade))
     parts: dict[str, list[tuple[MeasuredPropeller, NDArray[np.bool_]]]] = {}
-    for one in labelled:
+    for one in labeled:
         others = [_run(one, rpm) for name, rpm in MISFILED if name == one.name]
         own = ~np.any(others, axis=0) if others else np.ones(one.rpm.size, bool)
         parts[one.name] = [(one, own)]
-    for one in labelled:
+    for one in labeled:
         for (name, rpm), blades in MISFILED.items():
             if name == one.name and _run(one, rpm).any():
                 right = parts.setdefault(f"{one.blade} - {blades}", [])

@@ -67,7 +67,7 @@ class AxialTest(NamedTuple):
         """C_T and C_P [-], (2, n)."""
         return np.stack([self.tested.thrust, self.tested.power])
 
-    def modelled(self, constants: Floats) -> tuple[Floats, Floats]:
+    def modeled(self, constants: Floats) -> tuple[Floats, Floats]:
         """C_T and C_P [-], (2, n), and their derivatives by ``constants`` (P,), (2, P, n).
 
         NaN where no inflow was found.
@@ -119,7 +119,7 @@ class _Penalised:
         """
         key = place.tobytes()
         if key not in self._found:
-            value, slope = self.test.modelled(constants_of(place))
+            value, slope = self.test.modeled(constants_of(place))
             lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
             error = np.where(lost, np.nan, value - self.test.measured)
             slope = np.where(lost[:, None], 0.0, slope)

@@ -129,7 +129,7 @@ def predicted(
     ``errors`` (2,) are standard deviations of C_T and C_P [-] about the model with the best
     constants; with ``moving_only``, rows at rest are not counted.
     """
-    value, slope = test.modelled(constants_of(prior.mean))
+    value, slope = test.modeled(constants_of(prior.mean))
     by_place = np.einsum("lcn,cp->lpn", slope, slopes_of(prior.mean))
     variance = np.einsum("lpn,pq,lqn->ln", by_place, prior.covariance, by_place)
     error = value - test.measured

@@ -1,4 +1,4 @@
-"""How section constants are spread over propellers, by expectation and maximisation.
+"""How section constants are spread over propellers, by expectation and maximization.
 
 There are three populations, by ``GEOMETRIES``: on propellers' own blades, and on mean blades of
 their family or of all.
@@ -116,7 +116,7 @@ def population_of(
     """Find the population under which the data of ``members`` are most likely.
 
     Each member's coordinates are taken to be normal given its data.  A step of expectation and
-    maximisation puts each member where its data and its siblings let expect it, and takes mean,
+    maximization puts each member where its data and its siblings let expect it, and takes mean,
     trend and covariances from there (Dempster, Laird, Rubin, J. R. Stat. Soc. B 39, 1977).
     Also gives the logarithm of the likelihood before the last step, but for what the data alone
     determine.  ``errors`` (2,) of C_T and C_P [-] are kept with the rest.

@@ -12,7 +12,7 @@ from propmap.catalogue.identified import PARAMETERS, Identified
 from propmap.catalogue.lookup import propeller
 from propmap.loads import LOADS
 from propmap.model.airfoil import CONSTANTS
-from propmap.model.corrections import corrections_of
+from propmap.model.corrections import model_corrections
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
@@ -136,7 +136,7 @@ def _bands(one: Identified, blade: Propeller) -> str:
     rpm = 0.5 * (one.rpm_low + one.rpm_high)
     along, across = 0.5 * one.advance_high * rpm / 60.0 * blade.diameter, EDGEWISE * rpm * RPM
     speed = np.array([0.0, along, across * blade.radius])
-    corrections = corrections_of("recommended", installed=True)
+    corrections = model_corrections("recommended", installed=True)
     loads = Rotor(Model(blade, one.airfoil, corrections=corrections)).loads(
         rpm * RPM, speed, np.array([0.0, 0.0, 0.5 * np.pi])
     )

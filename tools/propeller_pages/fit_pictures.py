@@ -6,7 +6,7 @@ import numpy as np
 
 from propmap.typing import Floats
 from tools.propeller_pages.comparison import Comparison
-from tools.propeller_pages.plot import COLOURS, Series, plot
+from tools.propeller_pages.plot import COLORS, Series, plot
 
 NAMES = ("C_T", "C_P")
 
@@ -17,7 +17,7 @@ LEAST_ERRORS = (0.01, 0.006)
 def keys(found: Comparison) -> str:
     """Return the legend of colors and rotor speeds as HTML."""
     items = [
-        f'<li class="c{n % COLOURS}">{curve.rpm[0]:.0f} rpm</li>'
+        f'<li class="c{n % COLORS}">{curve.rpm[0]:.0f} rpm</li>'
         for n, curve in enumerate(found.moving)
     ]
     return f'<ul class="plot-keys">{"".join(items)}</ul>'
@@ -39,7 +39,7 @@ def pictures(found: Comparison) -> list[str]:
 def _over_advance(found: Comparison, k: int, measured: Floats) -> str:
     points = _points(found, measured)
     lines = [
-        Series(curve.advance, curve.coefficients[k], line=True, colour=n)
+        Series(curve.advance, curve.coefficients[k], line=True, color=n)
         for n, curve in enumerate(found.moving)
     ]
     return plot(NAMES[k], "J", [*points, *lines])
@@ -62,6 +62,6 @@ def _at_rest(found: Comparison, k: int, measured: Floats) -> str:
 def _points(found: Comparison, values: Floats) -> list[Series]:
     """Return the values of all rows in axial flow over J, in the colors of their curves."""
     return [
-        Series(found.tested.advance[curve.rows], values[curve.rows], line=False, colour=n)
+        Series(found.tested.advance[curve.rows], values[curve.rows], line=False, color=n)
         for n, curve in enumerate(found.moving)
     ]

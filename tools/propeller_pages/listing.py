@@ -30,8 +30,8 @@ FILTER = """\
 SCRIPT = '<script src="_static/propellers.js"></script>'
 
 REASONS = {
-    "da4022 5.0x3.75 - 4": "At rest C_P falls by a seventh from the slowest to the fastest rows, "
-    "that of the model by half as much.",
+    "da4022 5.0x3.75 - 4": "At rest the measured C_P falls by a seventh from the slowest to the "
+    "fastest rows, the modeled C_P by half as much.",
     "gwsdd 5.0x4.3 - 2": "The runs are from three specimens, whose loads differ by a third. The "
     "database does not identify the specimen of a run, so the constants are a compromise.",
     "mi 3.2x2.2 - 2": "Low Reynolds numbers: C_T at rest grows by a fifth with the rotor speed. "
@@ -42,7 +42,7 @@ REASONS = {
     "mit 4.3x3.5 - 2": "As the MI 3.2x2.2; C_P at rest first falls, then grows with the rotor "
     "speed.",
     "gwssf 9.0x7.0 - 2": "Three runs agree. In the fastest run, C_T is lower from half of its J "
-    "upward and vanishes at a J an eighth lower. This is no effect of the Reynolds number. A "
+    "upward and vanishes at a J an eighth lower. The Reynolds number does not cause this. A "
     "blade that twists under load, or another specimen, would explain it; the database "
     "mentions neither.",
     "nr640 5x3.16 - 4": "At rest C_T grows by two fifths from the slowest to the fastest row, C_P "

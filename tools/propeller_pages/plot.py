@@ -15,7 +15,7 @@ WIDTH, HEIGHT = 360.0, 230.0
 LEFT, RIGHT, TOP, BOTTOM = 50.0, 10.0, 24.0, 36.0
 """Margins of a plot; all lengths are in the units of its view box."""
 
-COLOURS = 7
+COLORS = 7
 """Number of colors in the style sheet; further series repeat them."""
 
 
@@ -26,7 +26,7 @@ class Series:
     x: Floats  # (n,): positions; points with a y that is not finite are omitted
     y: Floats
     line: bool  # whether to draw a line instead of points
-    colour: int = 0
+    color: int = 0
 
 
 def plot(
@@ -93,12 +93,12 @@ def path(x: Floats, y: Floats) -> str:
 
 def _drawn(one: Series, x: Floats, y: Floats) -> str:
     seen = np.isfinite(y)
-    colour = f"c{one.colour % COLOURS}"
+    color = f"c{one.color % COLORS}"
     if one.line:
-        return f'<path class="curve {colour}" d="{path(x[seen], y[seen])}"/>'
+        return f'<path class="curve {color}" d="{path(x[seen], y[seen])}"/>'
     # A line of zero length with round ends is a disk, in a dozen characters.
     dots = "".join(f"M{a:.1f} {b:.1f}h0" for a, b in zip(x[seen], y[seen], strict=True))
-    return f'<path class="dots {colour}" d="{dots}"/>'
+    return f'<path class="dots {color}" d="{dots}"/>'
 
 
 def _ticks(values: Sequence[float]) -> tuple[list[tuple[float, str]], float, float]:

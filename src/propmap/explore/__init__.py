@@ -1,4 +1,4 @@
-"""A propeller in the browser: a local web application on the models, fits and tables."""
+"""A local web application that explores models, fits, tables and vehicles in the browser."""
 
 from propmap.errors import require
 

@@ -1,4 +1,4 @@
-"""The Dash application and its server: what a browser asks, and what it is answered."""
+"""The Dash application and its server: pages, callbacks, access control and background fits."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ from propmap.explore.view import View, values_of
 
 send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
 
-LIVE = "/_live"  # where figures are asked for while something moves
-OF_BLADE = ("chord-", "twist-")  # how controls begin that mean nothing for another blade
+LIVE = "/_live"  # address of figures while a control moves
+OF_BLADE = ("chord-", "twist-")  # prefixes of controls that apply to one blade only
 
 
 class Application:
-    """The pages on a ``first`` session, that of the command line; the first view is that of /."""
+    """The application, with the ``first`` session from the command line and the first view at /."""
 
     def __init__(self, first: Session, views: Sequence[View], shelf: Shelf) -> None:
         self.first, self.shelf = first, shelf
@@ -57,22 +57,22 @@ class Application:
         self.dash.index_string = INDEX
         self.dash.layout = page(views)
         self._register()
-        # The first page is what a browser waits for; this one finds what is the same for all.
+        # Fills the caches, so the first page in the browser appears sooner.
         self.page("/", "")
 
     def session(self, search: Any) -> Session:
-        """Read the session of an address; ``InputError`` where it is nonsense."""
+        """Return the session of an address; raise ``InputError`` for an invalid address."""
         if search is not None and not isinstance(search, str):
-            raise InputError("the address is damaged", "open / instead")
+            raise InputError("the address is invalid", "open the start page /")
         return Session.of(query_of(search), self.first, self.shelf)
 
     def view(self, path: Any) -> View:
-        """Find the view of an address, the first for any other."""
+        """Return the view of an address, or the first view for an unknown address."""
         name = str(path or "").strip("/")
         return self.views.get(name) or next(iter(self.views.values()))
 
     def page(self, path: Any, search: Any) -> tuple[Any, Any]:
-        """Make a view as it is first shown, and what the browser keeps of the session."""
+        """Return a view with its first answer, and the session data for the browser."""
         view, session = self.view(path), None
         try:
             session = self.session(search)
@@ -87,7 +87,7 @@ class Application:
         return shown, {"query": session.query(), "view": view.name}
 
     def live(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        """Draw figures while something moves; none where that is slow or fails."""
+        """Return the figures while a control moves; none for slow views and after errors."""
         try:
             view, session = self.view(asked.get("view")), self.session(asked.get("search"))
             if view.slow:
@@ -99,7 +99,7 @@ class Application:
         return {"figures": dict(found.figures)}
 
     def answer(self, path: Any, here: Any, given: Any) -> tuple[Any, ...]:
-        """Give figures, which are hidden, tables, remarks, legend, command and Python."""
+        """Return figures, which of them are hidden, tables, remarks, legend, command and Python."""
         places = [entry["id"]["graph"] for entry in ctx.outputs_list[0]]
         try:
             view, session = self.view(path), self.session(here)
@@ -117,15 +117,15 @@ class Application:
         return drawn, hidden, tables, lines, legend(found.legend), *texts
 
     def chosen(self, here: Any, prop: Any, law: Any, physics: Any) -> tuple[Any, str]:
-        """Give the address of another propeller, constants or physics, or what is wrong."""
+        """Return the address for other propeller, constants or physics, and an error message."""
         try:
             session = self.session(here)
             if (prop, law, physics) == (session.name, session.law, session.physics):
-                # The page has just been drawn.
+                # The callback also runs when the page was just drawn.
                 return no_update, ""
             gone = []
             if prop != session.name:
-                # What follows from the blade is as usual for the new one.
+                # These settings return to the defaults of the new blade.
                 gone += ["file-fit", "file-geometry", "file-vehicle", "rpm", "data"]
             if law != session.law:
                 gone += ["file-fit", "file-constants"]
@@ -136,26 +136,26 @@ class Application:
             }
             query |= {"prop": str(prop or session.prop), "law": str(law or KNOWN)}
             query["physics"] = str(physics or "")
-            Session.of(query, self.first, self.shelf).model  # noqa: B018 - it may not exist
+            Session.of(query, self.first, self.shelf).model  # noqa: B018 - raises for invalid choices
         except InputError as error:
             return no_update, str(error)
         return f"?{urlencode(query)}", ""
 
     def uploaded(self, here: Any, content: Any, name: Any) -> tuple[Any, str]:
-        """Give the address with one more file, or what its reader says."""
+        """Return the address with an uploaded file, and an error message."""
         try:
             _, comma, body = str(content).partition(",")
             if not comma or len(body) > 1.4 * MOST_BYTES:
                 found = "the file is too large" if comma else "there is no file"
-                remedy = f"give one of at most {MOST_BYTES / 1e6:g} MB"
+                remedy = f"give a file of at most {MOST_BYTES / 1e6:g} MB"
                 raise InputError(found, remedy, str(name)[-80:])
             try:
                 data = b64decode(body, validate=True)
             except ValueError:
-                raise InputError("the file came damaged", "give it again") from None
+                raise InputError("the upload is damaged", "drop the file again") from None
             given = read_upload(str(name), data)
             session = self.session(here).with_file(given, self.shelf.put(given))
-            session.model  # noqa: B018 - it may not exist
+            session.model  # noqa: B018 - raises for invalid choices
             query = {k: v for k, v in query_of(here).items() if not k.startswith("file-")}
             if given.kind in ("geometry", "fit", "vehicle"):
                 query.pop("rpm", None)
@@ -166,7 +166,7 @@ class Application:
         return f"?{urlencode({**query, **session.query()})}", ""
 
     def removed(self, here: Any, kind: str) -> str:
-        """Give the address without a file."""
+        """Return the address without a file."""
         query = {**query_of(here), **self.session(here).query()}
         query.pop(f"file-{kind}", None)
         return f"?{urlencode(query)}"
@@ -196,7 +196,7 @@ class Application:
 
         newest = Newest()
 
-        # A step of a slider passes Dash by: half of what it takes was its bookkeeping.
+        # Steps of sliders bypass Dash, whose bookkeeping took half of the time.
         def _live() -> Any:
             asked = _mapping(request.get_json(silent=True))
             newest.note(asked)
@@ -215,7 +215,7 @@ class Application:
             given = _mapping(asked.get("values"))
             with newest.in_turn:
                 if not newest.is_it(asked):
-                    # The page has moved on; whoever waits behind is to be answered sooner.
+                    # A newer request of the tab makes this answer useless.
                     raise PreventUpdate
                 found = self.answer(path, here, given)
             return *found, asked.get("serial", 0)
@@ -277,37 +277,39 @@ class Application:
 
 
 def query_of(search: str | None) -> dict[str, str]:
-    """Read the parameters of an address, of ``?a=1&b=2``."""
+    """Return the parameters of an address such as ``?a=1&b=2``."""
     return dict(parse_qsl((search or "").lstrip("?"), keep_blank_values=True, max_num_fields=100))
 
 
 def _mapping(value: Any) -> dict[str, Any]:
-    """Take what came from a browser if it is a mapping; else an empty one."""
+    """Return a value from a browser if it is a mapping, or an empty mapping."""
     return value if isinstance(value, dict) else {}
 
 
 # -------------------------------------------------------------------------------------------------
-# The server: where it listens, whom it answers, and how it ends.
+# The server: address, access control, start and end.
 
-LARGEST_REQUEST = 8_000_000  # bytes: an upload of 5 MB is a third larger on its way
+LARGEST_REQUEST = 8_000_000  # bytes: base64 encoding makes an upload of 5 MB a third larger
 LOOPBACK = ("localhost", "127.0.0.1", "[::1]")
 PORTS_TRIED = 20
 
 
 def guard(server: Flask, names: Iterable[str]) -> None:
-    """Refuse what is too large or does not call the server by one of its ``names``: a page of
-    another site that points its name here sends that name."""
+    """Refuse large requests, and requests to other host names than ``names``.
+
+    This prevents DNS rebinding: a page of another site would send the name of that site.
+    """
     allowed = {name.lower() for name in names}
     server.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
 
     @server.before_request
     def _known_host() -> Response | None:
         host, colon, port = request.host.rpartition(":")
-        # The colons of an IPv6 address without a port are in brackets.
+        # The last colon of an IPv6 address without port is inside brackets.
         name = host if colon and port.isdigit() and (":" not in host or host[-1] == "]") else ""
         if (name or request.host).lower() in allowed:
             return None
-        return Response("This server does not answer under that name.\n", 403)
+        return Response("This server does not answer under this name.\n", 403)
 
     @server.errorhandler(Exception)
     def _failed(error: Exception) -> Any:
@@ -330,7 +332,7 @@ def guard(server: Flask, names: Iterable[str]) -> None:
 
 
 def names_of(host: str) -> set[str]:
-    """Name what a server that listens on ``host`` may be called."""
+    """Return the allowed names of a server that listens on ``host``."""
     found = {*LOOPBACK, host, f"[{host}]"}
     if not is_loopback(host):
         own = socket.gethostname()
@@ -342,7 +344,7 @@ def names_of(host: str) -> set[str]:
 
 
 def is_loopback(host: str) -> bool:
-    """Tell whether ``host`` is this machine alone."""
+    """Return whether only this machine can reach ``host``."""
     if host == "localhost":
         return True
     try:
@@ -352,12 +354,14 @@ def is_loopback(host: str) -> bool:
 
 
 def listen(app: Flask, host: str, port: int | None, first: int) -> BaseWSGIServer:
-    """Listen on ``port``, without one on ``first`` or the next that is free; ``InputError`` where
-    it is taken or not allowed, or there is no such host."""
+    """Listen on ``port``; if None, on ``first`` or the next free port.
+
+    Raise ``InputError`` if the port is in use or not allowed, or the host does not exist.
+    """
     tried = [port] if port is not None else list(range(first, first + PORTS_TRIED))
     name, family = host.strip("[]"), socket.AF_INET6 if ":" in host else socket.AF_INET
     for one in tried:
-        # Bound here: werkzeug would print lines of its own and end the process if a port is taken.
+        # werkzeug must not bind the port: it would end the process if the port is in use.
         with socket.socket(family, socket.SOCK_STREAM) as listener:
             try:
                 listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -370,7 +374,7 @@ def listen(app: Flask, host: str, port: int | None, first: int) -> BaseWSGIServe
                     continue
                 if taken:
                     found = f"port {one} of {host} is in use"
-                    raise InputError(found, "give another by --port, or end what uses it") from None
+                    raise InputError(found, "give another port with --port") from None
                 reason = error.strerror or str(error)
                 found = f"cannot listen on {host}, port {one}: {reason}"
                 raise InputError(found, "give another --host or --port") from None
@@ -378,17 +382,17 @@ def listen(app: Flask, host: str, port: int | None, first: int) -> BaseWSGIServe
 
 
 def serve(server: BaseWSGIServer, say: Callable[[str], None], *, browser: bool, host: str) -> None:
-    """Answer until Ctrl-C, which ends the process at once; ``say`` prints, ``host`` is as given."""
+    """Serve until Ctrl-C, which ends the process at once; ``say`` prints messages."""
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
     shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
     address = f"http://{f'[{shown}]' if ':' in shown else shown}:{server.port}/"
     with contextlib.suppress(KeyboardInterrupt):
-        say(f"propmap explore is at {address}")
-        say("Ctrl-C ends it.")
+        say(f"propmap explore runs at {address}")
+        say("Press Ctrl-C to stop.")
         if browser:
             threading.Thread(target=_open_browser, args=(address, say), daemon=True).start()
         server.serve_forever()
-    # A fit under way is not waited for.
+    # Do not wait for a running fit.
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)
@@ -400,33 +404,33 @@ def _open_browser(address: str, say: Callable[[str], None]) -> None:
         with contextlib.suppress(webbrowser.Error):
             opened = webbrowser.open(address)
     if not opened:
-        say("There is no display or no browser here: open the address above yourself.")
+        say("There is no display or no browser: open the address above in a browser.")
 
 
 # -------------------------------------------------------------------------------------------------
-# Fits that run while the page goes on: each under a name that its tab alone knows.
+# Background fits, each under a name that only its tab knows.
 
-MOST = 50  # jobs that are remembered
+MOST = 50  # maximum number of stored jobs
 
 
 @dataclass
 class Job:
-    """A fit under way or done."""
+    """A running or finished fit."""
 
-    message: str = "waiting for its turn"  # how far it is, or what came of it
-    found: Mapping[str, float] = field(default_factory=dict)  # constants, once it is done
+    message: str = "waiting for other fits"  # progress or result
+    found: Mapping[str, float] = field(default_factory=dict)  # constants, when finished
     done: bool = False
     begun: float = field(default_factory=time.monotonic)
 
     @property
     def line(self) -> str:
-        """Say how far it is, with the time it has taken so far."""
+        """Progress with the elapsed time, or the result."""
         seconds = time.monotonic() - self.begun
         return self.message if self.done else f"{self.message} ({seconds:.0f} s)"
 
 
 class Jobs:
-    """All fits of a server, one at a time."""
+    """All fits of a server, which run one at a time."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[str, Job] = OrderedDict()
@@ -434,12 +438,12 @@ class Jobs:
         self._turn = threading.Lock()
 
     def begin(self, work: Callable[[Job], Mapping[str, float]]) -> str:
-        """Do ``work`` in a thread of its own, and give the name under which it is asked for."""
+        """Run ``work`` in a thread, and return the name of the job."""
         name, job = secrets.token_urlsafe(12), Job()
         with self._lock:
             done = [key for key, other in self._kept.items() if other.done]
             if len(self._kept) - len(done) >= MOST:
-                raise InputError("too many fits are under way", "wait for one to end")
+                raise InputError("too many fits are running", "wait until one has finished")
             self._kept[name] = job
             for old in done[: -MOST // 2]:
                 del self._kept[old]
@@ -452,23 +456,23 @@ class Jobs:
                     job.message = str(error)
                 except Exception:
                     logging.getLogger(__name__).exception("a fit failed")
-                    job.message = "the fit failed; the terminal says more"
+                    job.message = "the fit failed; see the terminal for details"
             job.done = True
 
         threading.Thread(target=run, daemon=True).start()
         return name
 
     def get(self, name: str) -> Job | None:
-        """Find a fit by its name; None where there is none of it."""
+        """Return the job with a name, or None."""
         with self._lock:
             return self._kept.get(name)
 
 
-MOST_TABS = 1000  # that are remembered
+MOST_TABS = 1000  # maximum number of stored tabs
 
 
 class Newest:
-    """Which request of a tab is its newest: others need no answer that takes long."""
+    """The newest request of each tab; slow answers to older requests can be skipped."""
 
     def __init__(self) -> None:
         self.in_turn = threading.Lock()
@@ -476,7 +480,7 @@ class Newest:
         self._lock = threading.Lock()
 
     def note(self, asked: Mapping[str, Any]) -> None:
-        """Remember the request that was ``asked``."""
+        """Store the request ``asked`` as the newest of its tab."""
         tab = _tab(asked)
         with self._lock:
             self._serials[tab] = asked.get("serial")
@@ -485,7 +489,7 @@ class Newest:
                 self._serials.popitem(last=False)
 
     def is_it(self, asked: Mapping[str, Any]) -> bool:
-        """Tell whether none has come from the same tab since this one was ``asked``."""
+        """Return whether the request ``asked`` is the newest of its tab."""
         return bool(self._serials.get(_tab(asked)) == asked.get("serial"))
 
 
@@ -494,7 +498,7 @@ def _tab(asked: Mapping[str, Any]) -> str:
 
 
 def register_in_the_browser(app: Dash) -> None:
-    """Register which functions of assets/explore.js run at what."""
+    """Register the functions of assets/explore.js as callbacks."""
 
     def here(function: str, *parts: Any) -> None:
         register: Any = app.clientside_callback

@@ -1,4 +1,4 @@
-"""The page in the browser: fields and sliders, figures, tables, and what can be copied."""
+"""Elements of the page in the browser: controls, figures, tables and copied commands."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ HEIGHTS = {
     (True, False): "300px",
     (False, True): "min(86vw, 460px)",
     (True, True): "min(86vw, 560px)",
-}  # of a graph by whether it is wide and tall: equal before and after it is drawn
+}  # height of a graph by (wide, tall); fixed, so the page does not move when a graph is drawn
 EMPTY: Mapping[str, Any] = {"data": [], "layout": {"paper_bgcolor": "rgba(0,0,0,0)"}}
 KINDS = {
     "geometry": "propeller",
@@ -39,7 +39,7 @@ INDEX = Path(__file__).with_name("index.html").read_text(encoding="utf-8")
 
 
 def page(views: Sequence[View]) -> Any:
-    """Make what the browser gets first."""
+    """Return the frame of the page, which the browser loads first."""
     menu = [
         dcc.Link(view.title, href=f"/{view.name}", id={"menu": view.name}, className="menu-item")
         for view in views
@@ -69,7 +69,7 @@ def page(views: Sequence[View]) -> Any:
 def view_page(
     view: View, session: Session, values: Values, controls: Sequence[Control], answer: Answer
 ) -> Any:
-    """Make a view with its first answer."""
+    """Return the page of a view with its first answer."""
     head = html.Div([html.H1(view.title), html.P(view.question, className="question")])
     undo = html.Button("undo", id="undo", n_clicks=0)
     set_here = *_settings(controls, values), undo, *view.more()
@@ -88,10 +88,10 @@ def view_page(
 
 
 def failed(session: Session | None, message: str) -> Any:
-    """Make a page that says in a line what is wrong."""
+    """Return a page with an error message."""
     return _part(
         "view",
-        html.Div([html.H1("Nothing to show")]),
+        html.Div([html.H1("This view cannot be shown")]),
         _subject(session),
         html.Div(remarks([message], "trouble"), id="remarks", role="alert"),
         *(html.Div(id=name, hidden=True) for name in ("tables", "legend", "command", "python")),
@@ -99,16 +99,16 @@ def failed(session: Session | None, message: str) -> Any:
 
 
 def _part(look: str, *parts: Any, of: Any = html.Div, **more: Any) -> Any:
-    """Make an element of this look that holds the ``parts``."""
+    """Return an element of CSS class ``look`` with children ``parts``."""
     return of(list(parts), className=look, **more)
 
 
 # -------------------------------------------------------------------------------------------------
-# What is set and chosen: the subject, fields, sliders, choices.
+# Controls: propeller, constants and files; fields, sliders and choices.
 
 
 def _subject(session: Session | None) -> Any:
-    """Show what is explored, to be changed."""
+    """Return the controls for propeller, constants, physics and files."""
     session = session or Session()
     files = []
     for kind, given in session.files.items():
@@ -116,21 +116,21 @@ def _subject(session: Session | None) -> Any:
         remove = html.Button("remove", className="quiet", n_clicks=0, **name)
         what = f", {given.found.summary}" if kind == "geometry" else ""
         files.append(html.Li([f"{KINDS[kind]}: {given.name}{what} ", remove]))
-    laws = [(KNOWN, "best known"), *((name, name) for name in airfoil_names())]
-    physics = [("", "as the constants"), *((name, name) for name in PHYSICS)]
+    laws = [(KNOWN, "best available"), *((name, name) for name in airfoil_names())]
+    physics = [("", "as identified with the constants"), *((name, name) for name in PHYSICS)]
     prop = [
         html.Label("Propeller", htmlFor="prop"),
         dcc.Input(id="prop", type="text", value=session.name, debounce=True, list="props",
                   maxLength=80, autoComplete="off", className="text"),
         html.Datalist([html.Option(value=name) for name in names()], id="props"),
     ]  # fmt: skip
-    upload = html.Button("Open a file, or drop it here", className="quiet", type="button")
+    upload = html.Button("Open a file or drop it here", className="quiet", type="button")
     drop = dcc.Upload(upload, id="upload", max_size=-1, className="drop")
     return _part(
         "subject",
         _part("field", *prop),
         _radio("law", "Constants", laws, session.law),
-        _radio("physics", "Physics", physics, session.physics),
+        _radio("physics", "Model", physics, session.physics),
         html.Div(drop, className="field"),
         html.Ul(files, className="files") if files else html.Span(),
         html.P("", id="trouble", role="alert", className="trouble"),
@@ -138,7 +138,7 @@ def _subject(session: Session | None) -> Any:
 
 
 def _radio(name: str, label: str, options: Sequence[tuple[str, str]], value: str) -> Any:
-    """Make a choice behind a heading that says what is chosen."""
+    """Return a collapsed choice whose heading shows the selected option."""
     shown = [{"value": key, "label": text} for key, text in options]
     summary = html.Summary([f"{label}: ", html.Em(dict(options).get(value, value))])
     choice = dcc.RadioItems(id=name, options=shown, value=value, className="options")
@@ -146,7 +146,7 @@ def _radio(name: str, label: str, options: Sequence[tuple[str, str]], value: str
 
 
 def _settings(controls: Sequence[Control], values: Values) -> list[Any]:
-    """Make all controls, those of a group in a frame where its first one stands."""
+    """Return all controls; a frame at the place of the first one encloses each group."""
     found: dict[tuple[str, str], list[Any]] = {}
     for control in controls:
         key = control.group, "" if control.group else control.name
@@ -193,13 +193,13 @@ def _setting(control: Control, value: Any) -> Any:
 
 
 # -------------------------------------------------------------------------------------------------
-# What is answered: figures, tables, remarks, and the numbers elsewhere.
+# Answers: figures, tables, remarks, and commands for the same numbers.
 
 
 def _place(graph: Graph, answer: Answer) -> Any:
-    """Make the place of a figure, with what can be saved of it."""
+    """Return the element of a figure with its caption and save buttons."""
     figure = answer.figures.get(graph.name)
-    # Points can be dragged where a figure has such.
+    # Only figures with draggable points are editable.
     drag = figure is not None and figure["layout"].get("meta", {}).get("drag")
     edits = {"edits": {"shapePosition": True}} if drag else {}
     look = " ".join(["place", *(["wide"] if graph.wide else []), *(["tall"] if graph.tall else [])])
@@ -220,22 +220,22 @@ def _place(graph: Graph, answer: Answer) -> Any:
 
 
 def remarks(lines: Sequence[str], look: str = "remark") -> list[Any]:
-    """Make remarks, a line each; ``look`` is "trouble" for errors."""
+    """Return one line per remark; ``look`` is "trouble" for errors."""
     return [html.P(line, className=look) for line in lines]
 
 
 def legend(entries: Sequence[tuple[str, str]]) -> list[Any]:
-    """Say what colours mean."""
+    """Return a legend of names and line styles."""
     found = []
-    for name, colour in entries:
-        dashed, style = colour.startswith("-"), {"borderColor": colour.lstrip("-")}
+    for name, color in entries:
+        dashed, style = color.startswith("-"), {"borderColor": color.lstrip("-")}
         mark = html.I(className="dashed" if dashed else "", style=style, **{"aria-hidden": "true"})
         found.append(html.Span([mark, name]))
     return found
 
 
 def table(found: Table) -> Any:
-    """Make a table of numbers."""
+    """Return the element of a table."""
     heads = [html.Th(head, scope="col") for head in found.heads]
     rows = [
         html.Tr([html.Th(row[0], scope="row"), *(html.Td(cell) for cell in row[1:])])
@@ -248,7 +248,7 @@ def table(found: Table) -> Any:
 
 
 def _reproduce(view: View) -> Any:
-    """Offer the command line, Python and files."""
+    """Return buttons and texts for the command line, Python and files."""
     offered = {("copy", "command"): "copy command", ("copy", "python"): "copy Python"}
     offered |= {("save", one.file): f"save {one.label}" for one in view.downloads}
     buttons = [html.Button(label, id={do: of}, n_clicks=0) for (do, of), label in offered.items()]
@@ -258,5 +258,5 @@ def _reproduce(view: View) -> Any:
         html.Pre("", id="command", tabIndex="0", **{"aria-label": "command line"}),
         html.Pre("", id="python", tabIndex="0", **{"aria-label": "Python"}),
     ]
-    head, more = html.H2("These numbers elsewhere"), html.Details(lines)
+    head, more = html.H2("Reuse the numbers"), html.Details(lines)
     return _part("reproduce", head, _part("buttons", *buttons), more, of=html.Section)

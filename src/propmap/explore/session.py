@@ -1,4 +1,4 @@
-"""What one browser tab explores: names and files, the model that follows, and its commands."""
+"""Session of a browser tab: propeller, constants and files, their model, and its commands."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from propmap.io.csv import LOAD_COLUMNS, columns_in, read_lines
 from propmap.io.geometry import propeller_toml, read_geometry_file
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set, read_airfoil
-from propmap.model.corrections import as_text, corrections_of
+from propmap.model.corrections import as_text, model_corrections
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
@@ -47,25 +47,25 @@ from propmap.units import RPM
 from propmap.vehicle.vehicle import Vehicle
 
 DEFAULT = "apc-8x6e"
-KNOWN = "known"  # the section law where none is chosen: the best constants that are known
-FILE = "file-"  # before the kinds of files in the address
+KNOWN = "known"  # value of ``law`` for the best available constants of the propeller
+FILE = "file-"  # prefix of the kinds of files in the address
 PHYSICS = ("recommended", "paper")
 
 
 @dataclass(frozen=True)
 class Session:
-    """What a tab explores: names of the catalogue, and files that take their place."""
+    """Propeller and constants of a tab, by name or from files."""
 
-    prop: str = DEFAULT  # a name of the catalogue or a designation
+    prop: str = DEFAULT  # catalogue name or designation
     law: str = KNOWN  # or the name of a set of constants
-    physics: str = ""  # of ``PHYSICS``; "" for what the constants were found with
-    files: Mapping[str, Given] = field(default_factory=dict, compare=False)  # by their kind
-    tokens: Mapping[str, str] = field(default_factory=dict, hash=False)  # their names on the shelf
+    physics: str = ""  # one of ``PHYSICS``; "": the model with which the constants were identified
+    files: Mapping[str, Given] = field(default_factory=dict, compare=False)  # by kind
+    tokens: Mapping[str, str] = field(default_factory=dict, hash=False)  # shelf names by kind
 
     @classmethod
     def of(cls, query: Mapping[str, str], first: Session, shelf: Shelf) -> Session:
-        """Read the parameters of an address, the ``first`` session's where it has none;
-        ``InputError`` for names that mean nothing and files not on the ``shelf``."""
+        """Return the session of an address, or ``first`` if the address contains none; raise
+        ``InputError`` for unknown names and for files that are not on the ``shelf``."""
         tokens = {
             key.removeprefix(FILE): token for key, token in query.items() if key.startswith(FILE)
         }
@@ -80,17 +80,17 @@ class Session:
         )
         for kind, given in found.files.items():
             if given.kind != kind:
-                raise InputError(f"the address is damaged at {quoted(kind)}", "open / instead")
-        check_name(found.prop, " or such as 'HQ 5x4.3x3'; drop a file for another")
+                raise InputError(f"wrong file for {quoted(kind)}", "open the start page /")
+        check_name(found.prop, ", a designation such as 'HQ 5x4.3x3', or drop a file")
         meant_by(found.prop)
         check_law(found.law)
         if found.physics not in ("", *PHYSICS):
-            fault = f"{quoted(found.physics)} is no physics"
+            fault = f"unknown model {quoted(found.physics)}"
             raise InputError(fault, "choose recommended or paper")
         return found
 
     def query(self) -> dict[str, str]:
-        """Give the parameters of the address."""
+        """Return the parameters of the address."""
         names = {"prop": self.prop, "law": self.law, "physics": self.physics}
         return {
             **{key: value for key, value in names.items() if value},
@@ -98,7 +98,7 @@ class Session:
         }
 
     def with_file(self, given: Given, token: str) -> Session:
-        """Add a file; a blade, constants, a fit or a vehicle take each other's place."""
+        """Return the session with a file, and without the files that it replaces."""
         gone = {
             "fit": ("geometry", "constants", "vehicle"),
             "geometry": ("fit", "vehicle"),
@@ -110,33 +110,33 @@ class Session:
         return replace(rest, files=files, tokens=tokens)
 
     def without(self, *kinds: str) -> Session:
-        """Leave out the files of these kinds."""
+        """Return the session without the files of these kinds."""
         files = {kind: one for kind, one in self.files.items() if kind not in kinds}
         return replace(self, files=files, tokens={k: self.tokens[k] for k in files})
 
     def given(self, kind: str) -> Any:
-        """Give what the file of this kind holds; None where there is none."""
+        """Return the content of the file of this kind, or None."""
         one = self.files.get(kind)
         return None if one is None else one.found
 
     @property
     def table(self) -> LoadTable | None:
-        """Give the table of a file."""
+        """Return the table, or None."""
         return self.given("table")
 
     @property
     def vehicle(self) -> Vehicle | None:
-        """Give the vehicle of a file."""
+        """Return the vehicle, or None."""
         return self.given("vehicle")
 
     @property
     def model(self) -> Model:
-        """Make the model of propeller, constants, air and corrections."""
+        """Return the model from propeller, constants, air and corrections."""
         return _model(self)
 
     @property
     def name(self) -> str:
-        """Name the blade as in the catalogue or by designation; "" where it is in a file alone."""
+        """Return the catalogue name or designation of the blade; "" if only a file defines it."""
         if "fit" in self.files or "vehicle" in self.files:
             blade = _blade(self)
             try:
@@ -150,7 +150,7 @@ class Session:
         return "" if "geometry" in self.files else self.prop
 
     def measured(self, which: str) -> TunnelData | None:
-        """Read loads to compare with: "none", the "file", or a measurement of the catalogue."""
+        """Return measured loads: None for "none", the "file", or a catalogue measurement."""
         if which == "file":
             make = self.given("data")
             return None if make is None else make(self.model.propeller, self.model.air)
@@ -159,29 +159,29 @@ class Session:
         return None
 
     def measurements(self) -> list[str]:
-        """Name what ``measured`` knows of this propeller, the file first."""
+        """Return the names of the measured loads of this propeller, the file first."""
         own = [name for name in measurement_names() if measurement(name).propeller == self.name]
         return [*(["file"] if "data" in self.files else []), *own]
 
 
 def check_name(name: str, others: str = "") -> None:
-    """Raise ``InputError`` for a path in place of a propeller's name."""
+    """Raise ``InputError`` for a path instead of a propeller name."""
     if looks_like_path(name):
-        found = f"{quoted(name)} is no name of a propeller"
-        raise InputError(found, f"give one of the catalogue{others}")
+        found = f"{quoted(name)} is not a propeller name"
+        raise InputError(found, f"give a catalogue name{others}")
 
 
 def check_law(law: str) -> None:
-    """Raise ``InputError`` for a name that no set of constants has."""
+    """Raise ``InputError`` for an unknown set of constants."""
     known = (KNOWN, *airfoil_names())
     if law not in known:
-        found = f"{quoted(law)} is no set of constants"
+        found = f"unknown constants {quoted(law)}"
         raise InputError(found, f"choose one of {', '.join(known)}")
 
 
 @functools.lru_cache(maxsize=64)
 def _model(session: Session) -> Model:
-    """Make the model, with constants and corrections as `propmap predict` chooses them."""
+    """Return the model with the same constants and corrections as `propmap predict`."""
     blade, files = _blade(session), session.files
     air = session.vehicle.air if session.vehicle is not None else Air()
     if "fit" in files:
@@ -195,7 +195,7 @@ def _model(session: Session) -> Model:
         law = (own_constants(meant, blade.blades) or predicted_constants(meant, blade)).airfoil
     if session.physics or law.corrections is None:
         by_name = law.uncertainty is not None
-        chosen = corrections_of(session.physics or "recommended", installed=by_name)
+        chosen = model_corrections(session.physics or "recommended", installed=by_name)
         law = law.with_corrections([as_text(one) for one in chosen])
     return Model(blade, law, air)
 
@@ -209,50 +209,52 @@ def _blade(session: Session) -> Propeller:
 
 
 # -------------------------------------------------------------------------------------------------
-# Files that are explored: what they are, by the package's readers, and where they are kept.
+# Files of the sessions: their kinds, reading and storage.
 
 Kind = Literal["geometry", "constants", "fit", "table", "vehicle", "data"]
 
-MOST_BYTES = 5_000_000  # of a file that comes through the browser
-MOST_FILES = 200  # kept at a time, of all tabs; the one not used for longest goes first
+MOST_BYTES = 5_000_000  # maximum size of an uploaded file
+MOST_FILES = 200  # maximum number of stored files of all tabs; the least recently used is deleted
 ENDINGS = (".toml", ".npz", ".csv", ".txt", ".dat", ".pe0", ".prop", ".xrotor", ".bem")
 
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """A file, read."""
+    """The content of a file."""
 
     kind: Kind
-    name: str  # without its folder
+    name: str  # without folder
     data: bytes
-    path: str  # as on the command line; "" for what came through the browser
-    # A ``Propeller``, an ``Airfoil``, a ``FitFile``, a ``LoadTable``, a ``Vehicle``, or a function
-    # that gives ``TunnelData`` of a propeller and air.
+    path: str  # as on the command line; "" for uploaded files
+    # A ``Propeller``, ``Airfoil``, ``FitFile``, ``LoadTable``, ``Vehicle``, or a function that
+    # returns ``TunnelData`` for a propeller and air.
     found: Any
 
 
 def read_path(path: Path) -> Given:
-    """Read the file that the command line names; ``InputError`` where it is none of ours."""
+    """Read a file of the command line; raise ``InputError`` for an unknown format."""
     kind, found = _read(path, trusted=True)
     return Given(kind, path.name, path.read_bytes(), str(path), found)
 
 
 def read_upload(name: str, data: bytes) -> Given:
-    """Read a file that came through the browser in a temporary folder, by the last part of its
-    ``name``, which alone the reader's ``InputError`` says."""
+    """Read an uploaded file in a temporary folder.
+
+    Messages of ``InputError`` contain only the last part of ``name``, not the folder.
+    """
     plain = (
         re.sub(r"[^\w.+ -]", "_", Path(name.replace("\\", "/")).name)[-80:].lstrip(".") or "file"
     )
     if len(data) > MOST_BYTES:
         fault = f"the file has {len(data) / 1e6:.1f} MB, expected at most {MOST_BYTES / 1e6:g}"
-        raise InputError(fault, "give a smaller one", plain)
+        raise InputError(fault, "give a smaller file", plain)
     with tempfile.TemporaryDirectory(prefix="propmap-") as folder:
         path = Path(folder) / plain
         path.write_bytes(data)
         try:
             kind, found = _read(path, trusted=False)
         except InputError as error:
-            # Its own text alone may say where the file lay.
+            # The message must not reveal the temporary folder.
             text = str(error).replace(f"{path}", plain).replace(folder, "")
             raise InputError(text) from None
     return Given(kind, plain, data, "", found)
@@ -263,7 +265,7 @@ def _read(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
     if ending not in ENDINGS:
         remedy = "give a propeller, constants, a fit, a table, a vehicle or measured loads: "
         remedy += f"{', '.join(ENDINGS)}"
-        raise InputError(f"the file's ending is {quoted(path.suffix)}", remedy, str(path))
+        raise InputError(f"unknown file extension {quoted(path.suffix)}", remedy, str(path))
     if ending == ".npz":
         return "table", LoadTable.load(path)
     if ending == ".toml":
@@ -272,7 +274,7 @@ def _read(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
     first = next((line for line in lines if line.strip()), "")
     loads = ending == ".csv" and columns_in(first, ("rpm", *LOAD_COLUMNS))
     if looks_like_coefficients(path) or loads:
-        # Read once now, so that what is wrong is reported at once.
+        # Errors in the file are reported now, not at the first use.
         return "data", measured_loads(path)
     return "geometry", read_geometry_file(str(path))
 
@@ -290,7 +292,7 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
         named = named.get("geometry", "") if isinstance(named, dict) else named
         if not trusted and isinstance(named, str) and looks_like_path(named):
             found = f"propeller is {quoted(named)}, another file"
-            remedy = "name one of the catalogue, or give the vehicle to `propmap explore`"
+            remedy = "give a catalogue name, or open the vehicle with `propmap explore FILE`"
             raise InputError(found, remedy, str(path))
         return "vehicle", read_vehicle(path).vehicle
     if "station_m" in fields:
@@ -301,7 +303,7 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
 
 
 class Shelf:
-    """The files of all tabs, each under a name that only its own tab knows."""
+    """The files of all tabs, each under a name that only its tab knows."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[str, Given] = OrderedDict()
@@ -309,7 +311,7 @@ class Shelf:
         self._lock = threading.Lock()
 
     def put(self, given: Given, *, always: bool = False) -> str:
-        """Keep a file, and give its name here; ``always`` for the command line's."""
+        """Store a file and return its name; ``always`` exempts it from deletion."""
         token = secrets.token_urlsafe(12)
         with self._lock:
             if always:
@@ -321,49 +323,48 @@ class Shelf:
         return token
 
     def get(self, token: str) -> Given:
-        """Find the file under a name; ``InputError`` where it is not here any more."""
+        """Return the file with a name; raise ``InputError`` if it was deleted."""
         with self._lock:
             if token in self._first:
                 return self._first[token]
             if token in self._kept:
                 self._kept.move_to_end(token)
                 return self._kept[token]
-        raise InputError("a file that was dropped here is not kept any more", "drop it again")
+        raise InputError("the server has deleted a dropped file", "drop the file again")
 
 
 # -------------------------------------------------------------------------------------------------
-# Rotors that views share, made once for each model.
+# Rotors and hover models, which the views share.
 
-KEPT = 32
+KEPT = 32  # number of models in the cache
 
 
 @functools.lru_cache(maxsize=KEPT)
 def rotor_of(model: Model) -> Rotor:
-    """Make the rotor of a model."""
+    """Return the rotor of a model."""
     return Rotor(model)
 
 
 @functools.lru_cache(maxsize=KEPT)
 def hover_model(model: Model) -> HoverModel:
-    """Make the hover model with the loads of a model at rest."""
-    return HoverModel.of(rotor_of(model))
+    """Return the hover model with the static loads of a model."""
+    return HoverModel.from_rotor(rotor_of(model))
 
 
 def fastest(model: Model) -> float:
-    """Give a high rotational speed for sliders [rad/s]: a tip at 200 m/s, round in rpm."""
+    """Return the maximum rotational speed of the sliders [rad/s], for a tip at 200 m/s."""
     return float(np.ceil(200.0 / model.propeller.radius / RPM / 500.0)) * 500.0 * RPM
 
 
 # -------------------------------------------------------------------------------------------------
-# The command lines and the lines of Python that make the same numbers as the page.
+# Command lines and Python code that compute the numbers of the page.
 
 BLADE_FILE, CONSTANTS_FILE = "blade.toml", "constants.toml"
-POINT = ("rpm", "speed", "beta")  # what is set of an operating point
+POINT = ("rpm", "speed", "beta")  # controls of the operating point
 
 
 class Recipe:
-    """How a command and a script name a session, perhaps with another ``blade`` or
-    ``constants``."""
+    """Commands and scripts of a session, with an optional other ``blade`` or ``constants``."""
 
     def __init__(
         self, session: Session, blade: Propeller | None = None, constants: Airfoil | None = None
@@ -386,7 +387,7 @@ class Recipe:
         elif session.law != KNOWN:
             law = session.law
         elif blade is not None:
-            # By name the constants would be those of another blade.
+            # The catalogue constants of the name belong to the unchanged blade.
             law = self._write(CONSTANTS_FILE, constants_of(model.airfoil).to_toml())
         if law:
             self.options += ["--airfoil", law]
@@ -398,7 +399,7 @@ class Recipe:
             self._air = f", air=propmap.Air({model.air.density!r}, {model.air.viscosity!r})"
 
     def file(self, kind: str) -> str:
-        """Name the session's file of this kind, which the command writes where it has to."""
+        """Return the path of a file; the commands first write it if it was uploaded."""
         one = self.session.files[kind]
         if one.path:
             return one.path
@@ -411,12 +412,12 @@ class Recipe:
         return name
 
     def predict(self, values: Mapping[str, Any]) -> list[str]:
-        """Write the command for the loads at the operating point that is set."""
+        """Return the command for the loads at the operating point."""
         point = [part for key in POINT for part in (f"--{key}", number(values[key]))]
         return ["predict", self.prop, *point, *self.options]
 
     def sweep(self, values: Mapping[str, Any], top: float, count: int, file: str) -> list[str]:
-        """Write the command for the loads at ``count`` speeds up to ``top`` [m/s]."""
+        """Return the command for the loads at ``count`` airspeeds up to ``top`` [m/s]."""
         return [
             *("sweep", self.prop, "--rpm", number(values["rpm"])),
             *("--speed", axis(0.0, top, count), "--beta", number(values["beta"])),
@@ -424,7 +425,7 @@ class Recipe:
         ]
 
     def shell(self, *commands: Sequence[str]) -> str:
-        """Write lines for a shell: the files that are needed, then each command of propmap."""
+        """Return shell lines that write the required files and run the propmap commands."""
         lines = [
             f"cat > {shlex.quote(name)} <<'END_OF_FILE'\n{text}END_OF_FILE"
             for name, text in self._texts.items()
@@ -433,13 +434,13 @@ class Recipe:
         return "\n".join(lines)
 
     def python(self, rest: str) -> str:
-        """Write lines of Python: the model as ``model``, its rotor, then the ``rest``."""
+        """Return Python code that defines ``model`` and ``rotor``, then runs ``rest``."""
         lines = ["import numpy as np", "import propmap", ""]
         for name, text in self._texts.items():
             lines.append(f"open({name!r}, 'w', encoding='utf-8').write({text!r})")
         if "--airfoil" not in self.options:
             bare = ", corrections=()" if self.session.physics == "paper" else ""
-            lines.append(f"model = propmap.known_model({self.prop!r}{self._air}{bare})")
+            lines.append(f"model = propmap.catalogue_model({self.prop!r}{self._air}{bare})")
         else:
             name = self.options[self.options.index("--airfoil") + 1]
             lines.append(f"blade = propmap.propeller({self.prop!r})")
@@ -454,10 +455,10 @@ class Recipe:
 
 
 def number(value: float) -> str:
-    """Write a number for a command: all digits that it has, none that it has not."""
+    """Return a number with up to ten digits for a command, without trailing zeros."""
     return f"{float(value):.10g}"
 
 
 def axis(low: float, high: float, count: int) -> str:
-    """Write ``A:B:N`` for a command."""
+    """Return ``A:B:N`` for a command."""
     return f"{number(low)}:{number(high)}:{count}"

@@ -1,4 +1,4 @@
-"""Views: what can be set, what is answered, and figures as plain data for Plotly."""
+"""Base class of the views, controls, and figures as plain data for Plotly."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from propmap.errors import InputError, quoted
 from propmap.explore.session import POINT, Session, fastest, hover_model, number, rotor_of
 from propmap.io.csv import OperatingPoints
 from propmap.loads import LOADS
-from propmap.report.html import COLOURS
+from propmap.report.html import COLORS
 from propmap.units import RPM
 
 if TYPE_CHECKING:
     from dash import Dash
 
-Figure = dict[str, Any]  # as Plotly takes it
+Figure = dict[str, Any]  # data and layout for Plotly
 
 
 @dataclass(frozen=True)
 class Table:
-    """A small table: heads, rows of texts, and a caption."""
+    """A table: heads, rows of texts, and a caption."""
 
     heads: Sequence[str]
     rows: Sequence[Sequence[str]]
@@ -35,34 +35,34 @@ class Table:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a view shows."""
+    """The output of a view for its settings."""
 
-    figures: Mapping[str, Figure]  # by the names of the view's graphs
+    figures: Mapping[str, Figure]  # by the names of the graphs
     tables: Sequence[Table] = ()
-    remarks: Sequence[str] = ()  # a line each
-    legend: Sequence[tuple[str, str]] = ()  # names and colours; "-" before one of a dashed line
+    remarks: Sequence[str] = ()  # one line each
+    legend: Sequence[tuple[str, str]] = ()  # names and colors; "-" before the color: dashed line
 
 
 @dataclass(frozen=True)
 class Graph:
-    """A place for a figure: its name within the view, and what it shows in words."""
+    """A place for a figure: its name within the view, and its caption."""
 
     name: str
     label: str
-    wide: bool = False  # as wide as the page
-    tall: bool = False  # as high as it is wide
+    wide: bool = False  # full width of the page
+    tall: bool = False  # square
 
 
 @dataclass(frozen=True)
 class Download:
-    """A text that can be saved: the name of its file, and what it is for the button."""
+    """A text file that a view can save: its name, and the label of its button."""
 
     file: str
     label: str
 
 
 class Host(Protocol):
-    """The parts of the application that a view uses: Dash, background fits and sessions."""
+    """Interface of the application to the views: Dash, background fits and sessions."""
 
     dash: Dash
     jobs: Any
@@ -72,71 +72,71 @@ class Host(Protocol):
 
 
 class View:
-    """A question about what a session explores, what can be set, and an answer to it."""
+    """A page of the application: controls and the answer to a question about the session."""
 
-    name: str  # in the address
-    title: str  # in the menu
-    question: str
+    name: str  # path in the address
+    title: str  # entry in the menu
+    question: str  # subtitle
     downloads: tuple[Download, ...]
     places: tuple[Graph, ...] = ()
-    slow = False  # whether figures wait until all stands still
+    slow = False  # whether figures are updated only when the controls have stopped moving
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """List what can be set."""
+        """Return the controls."""
         raise NotImplementedError
 
-    def graphs(self, session: Session) -> Sequence[Graph]:  # noqa: ARG002 - the same for most
-        """List where figures are."""
+    def graphs(self, session: Session) -> Sequence[Graph]:  # noqa: ARG002 - for overrides
+        """Return the places of the figures."""
         return self.places
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """Compute what is shown; ``settled`` when nothing has been moved for a moment."""
+        """Return the answer; ``settled`` if no control has moved for a moment."""
         raise NotImplementedError
 
     def shell(self, session: Session, values: Values) -> str:
-        """Write lines for a shell that make the same numbers."""
+        """Return shell commands that compute the same numbers."""
         raise NotImplementedError
 
     def python(self, session: Session, values: Values) -> str:
-        """Write lines of Python that make the same numbers."""
+        """Return Python code that computes the same numbers."""
         raise NotImplementedError
 
     def text(self, session: Session, values: Values, file: str) -> str:
-        """Write what is saved in the ``file`` of one of the downloads."""
+        """Return the content of ``file``, one of the downloads."""
         raise NotImplementedError
 
     def more(self) -> list[Any]:
-        """Make what stands under the settings."""
+        """Return further elements below the controls."""
         return []
 
     def register(self, application: Host) -> None:
-        """Say what happens when something of ``more`` is used."""
+        """Register the callbacks of the elements in ``more``."""
 
 
 # -------------------------------------------------------------------------------------------------
-# What a user can set on a view, and how it stands in the address.
+# Controls of a view; their values are also parameters of the address.
 
-Values = dict[str, Any]  # what is set, by the names of the controls
+Values = dict[str, Any]  # values of the controls by name
 
-LONGEST = 400  # characters of a text that is set
+LONGEST = 400  # maximum number of characters of a text
 
 
 @dataclass(frozen=True)
 class Slider:
     """A number within limits."""
 
-    name: str  # in the address
+    name: str  # parameter of the address
     label: str
     unit: str
     low: float
     high: float
     step: float
     default: float
-    marked: tuple[float, float] | None = None  # a range to be marked, such as an interval
-    group: str = ""  # under which it is shown
+    marked: tuple[float, float] | None = None  # range to mark, such as an interval
+    group: str = ""  # heading above the control
 
     def read(self, given: Any) -> float:
-        """Bring the number that is given within the limits; ``InputError`` for none."""
+        """Return a number, clipped to the limits; raise ``InputError`` for another value."""
         try:
             value = float(given)
         except (TypeError, ValueError):
@@ -157,7 +157,7 @@ class Text:
     group: str = ""
 
     def read(self, given: Any) -> str:
-        """Strip the text that is given; ``InputError`` for what is none or too long."""
+        """Return a stripped text; raise ``InputError`` for a long text or another value."""
         if not isinstance(given, str) or len(given) > LONGEST or not given.isprintable():
             raise InputError(f"{self.label} is {quoted(given)}", f"give up to {LONGEST} characters")
         return given.strip()
@@ -174,7 +174,7 @@ class OneOf:
     group: str = ""
 
     def read(self, given: Any) -> str:
-        """Take the option that is given; ``InputError`` for another one."""
+        """Return an option; raise ``InputError`` for another value."""
         known = [value for value, _ in self.options]
         if given not in known:
             found = f"{self.label} is {quoted(given)}"
@@ -193,7 +193,7 @@ class Several:
     group: str = ""
 
     def read(self, given: Any) -> list[str]:
-        """Take the options that are given, in their order; ``InputError`` for another one."""
+        """Return the selected options in order; raise ``InputError`` for another value."""
         if isinstance(given, str):
             given = [part for part in given.split(",") if part]
         known = [value for value, _ in self.options]
@@ -206,8 +206,10 @@ Control = Slider | Text | OneOf | Several
 
 
 def values_of(controls: Sequence[Control], given: Mapping[str, Any]) -> tuple[Values, list[str]]:
-    """Read what is set by the controls' names, what is missing at its default, and a line for each
-    that was given what it cannot be."""
+    """Return the values of the controls, and an error message for each invalid value.
+
+    Missing and invalid values become the default.
+    """
     values, remarks = {}, []
     for control in controls:
         own = list(control.default) if isinstance(control, Several) else control.default
@@ -221,40 +223,41 @@ def values_of(controls: Sequence[Control], given: Mapping[str, Any]) -> tuple[Va
 
 
 def data_choice(session: Session) -> OneOf:
-    """Make the choice of measured loads to compare with."""
-    found = tuple((name, name) for name in session.measurements())
-    return OneOf("data", "Measured", (("none", "none"), *found), found[0][0] if found else "none")
+    """Return the choice of measured loads."""
+    names = session.measurements()
+    options = tuple((name, name) for name in ("none", *names))
+    return OneOf("data", "Measured loads", options, names[0] if names else "none")
 
 
 # -------------------------------------------------------------------------------------------------
-# Figures as plain data for Plotly, in the reports' colours, labels and units.
+# Figures as plain data for Plotly, with the colors, labels and units of the reports.
 
-GREY = "#777777"
-CURVE = 31  # points of a curve
-HOVER = ("hover model", GREY, "dash")  # name, colour and dash of its curves
-# As ``report.html.MARKERS``.
+GRAY = "#777777"
+CURVE = 31  # number of points of a curve
+HOVER = ("hover model", GRAY, "dash")  # name, color and dash of the curves
+# The markers of ``report.html.MARKERS``.
 MARKS = ("circle", "square", "triangle-up", "diamond", "triangle-down", "cross", "x")
 STATUS_MARKS = {
-    "multiple_roots": ("circle-open", COLOURS[4]),
-    "windmill": ("triangle-up", COLOURS[2]),
-    "coarse": ("diamond", COLOURS[3]),
-    "vortex_ring": ("square", COLOURS[1]),
+    "multiple_roots": ("circle-open", COLORS[4]),
+    "windmill": ("triangle-up", COLORS[2]),
+    "coarse": ("diamond", COLORS[3]),
+    "vortex_ring": ("square", COLORS[1]),
     "not_converged": ("x", "#CC0000"),
-    "unresolved": ("diamond", COLOURS[1]),
-    "clamped": ("square", COLOURS[3]),
+    "unresolved": ("diamond", COLORS[1]),
+    "clamped": ("square", COLORS[3]),
     "no_value": ("x", "#CC0000"),
-    "outside": ("x", GREY),
-}  # mark and colour of points that are not "ok"
+    "outside": ("x", GRAY),
+}  # marker and color of points with a status other than "ok"
 
-# Axes, units and names of the loads and the power.
+# Axis titles, units and labels of the loads and the power.
 TITLES = {**{name: load.title for name, load in LOADS.items()}, "power": "power P [W]"}
 UNITS = {**{name: load.unit for name, load in LOADS.items()}, "power": "W"}
 LABELS = {**{name: load.label for name, load in LOADS.items()}, "power": "power"}
-AXES = {"speed": "speed V [m/s]", "rpm": "rpm", "beta": "angle β [deg]"}
+AXES = {"speed": "airspeed V [m/s]", "rpm": "rpm", "beta": "angle β [deg]"}
 
 
 def array(values: ArrayLike) -> dict[str, Any]:
-    """Write numbers as Plotly takes them fastest."""
+    """Return numbers in the binary encoding of Plotly, which is faster than lists."""
     found: NDArray[np.float64] = np.ascontiguousarray(values, np.float64)
     written = {"dtype": "f8", "bdata": base64.b64encode(found.tobytes()).decode()}
     if found.ndim > 1:
@@ -263,29 +266,29 @@ def array(values: ArrayLike) -> dict[str, Any]:
 
 
 def line(
-    x: ArrayLike, y: ArrayLike, name: str, colour: str, dash: str = "solid", **more: Any
+    x: ArrayLike, y: ArrayLike, name: str, color: str, dash: str = "solid", **more: Any
 ) -> dict[str, Any]:
-    """Draw a curve."""
-    look = {"color": colour, "width": 2, "dash": dash}
+    """Return a curve."""
+    look = {"color": color, "width": 2, "dash": dash}
     return _scatter("lines", x, y, name=name, line=look, **more)
 
 
-def band(x: ArrayLike, low: ArrayLike, high: ArrayLike, colour: str) -> dict[str, Any]:
-    """Shade what is between two curves."""
+def band(x: ArrayLike, low: ArrayLike, high: ArrayLike, color: str) -> dict[str, Any]:
+    """Return a shaded area between two curves."""
     along, least, most = np.asarray(x), np.asarray(low), np.asarray(high)
     known = np.isfinite(least) & np.isfinite(most)
     along, least, most = along[known], least[known], most[known]
-    r, g, b = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
+    r, g, b = (int(color[k : k + 2], 16) for k in (1, 3, 5))
     around = np.concatenate([along, along[::-1]]), np.concatenate([most, least[::-1]])
     look: dict[str, Any] = {"fill": "toself", "fillcolor": f"rgba({r},{g},{b},0.22)"}
     return _scatter("lines", *around, line={"width": 0}, hoverinfo="skip", showlegend=False, **look)
 
 
 def points(
-    x: ArrayLike, y: ArrayLike, name: str, colour: str, mark: str = "circle", **more: Any
+    x: ArrayLike, y: ArrayLike, name: str, color: str, mark: str = "circle", **more: Any
 ) -> dict[str, Any]:
-    """Draw single points."""
-    look = {"color": colour, "symbol": mark, "size": 7}
+    """Return points without line."""
+    look = {"color": color, "symbol": mark, "size": 7}
     return _scatter("markers", x, y, name=name, marker=look, **more)
 
 
@@ -303,7 +306,7 @@ def figure(
     legend: bool = False,
     **layout: Any,
 ) -> Figure:
-    """Make a figure with named axes; ``revision`` changes where a zoom is to be forgotten."""
+    """Return a figure with axis titles; a new ``revision`` resets the zoom."""
     axis = {"gridcolor": "#dddddd", "zerolinecolor": "#bbbbbb", "automargin": False, "ticks": ""}
     own = {"x": layout.pop("xaxis", {}), "y": layout.pop("yaxis", {})}
     return {
@@ -334,7 +337,7 @@ def curves(
     zero: bool = False,
     **layout: Any,
 ) -> Figure:
-    """Draw curves over all of ``x`` (n,): each (n,) with name, colour and perhaps a dash."""
+    """Return a figure of curves over ``x`` (n,): each (n,) with name, color and optional dash."""
     return figure(
         [line(x, *one) for one in lines],
         across,
@@ -345,7 +348,7 @@ def curves(
 
 
 def span(*values: ArrayLike, zero: bool = False) -> dict[str, Any]:
-    """Choose a range of an axis that holds the finite ones of ``values``, with some room."""
+    """Return the range of an axis around the finite ``values``, with a margin."""
     flat = np.concatenate([np.ravel(v) for v in values]) if values else np.zeros(1)
     flat = flat[np.isfinite(flat)]
     if zero or not flat.size:
@@ -356,50 +359,50 @@ def span(*values: ArrayLike, zero: bool = False) -> dict[str, Any]:
 
 
 def upright(x: float) -> dict[str, Any]:
-    """Draw a thin line at an operating point."""
+    """Return a thin vertical line at ``x``."""
     place = {"xref": "x", "yref": "paper", "x0": x, "x1": x, "y0": 0, "y1": 1}
-    return {"type": "line", **place, "line": {"color": GREY, "width": 1, "dash": "dot"}}
+    return {"type": "line", **place, "line": {"color": GRAY, "width": 1, "dash": "dot"}}
 
 
 def digits(value: float) -> str:
-    """Write a number as the page shows it."""
+    """Return a number with four digits, or "-" if it is not finite."""
     return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
 # -------------------------------------------------------------------------------------------------
-# The operating point that all views share, and what is said of it.
+# The operating point, which the views share.
 
 
 def point_controls(session: Session) -> list[Slider]:
-    """Make sliders for rpm, speed and angle."""
+    """Return the sliders for rpm, airspeed and angle."""
     usual = 60.0 / session.model.propeller.radius / RPM
     found = session.measured(next(iter(session.measurements()), "none"))
     if found is not None and len(found):
-        # Where measured points are.
+        # The nearest rotational speed with measured points.
         measured = found.omega / RPM
         usual = float(measured[np.argmin(np.abs(measured - usual))])
     usual = round(usual / 10.0) * 10.0
     highest = round(fastest(session.model) / RPM)
     return [
         Slider("rpm", "Rotational speed", "rpm", 100.0, highest, 10.0, max(usual, 100.0)),
-        Slider("speed", "Flight speed V", "m/s", 0.0, 60.0, 0.5, 8.0),
-        Slider("beta", "Angle β, 0 climb, 90 edgewise", "deg", 0.0, 180.0, 1.0, 60.0),
+        Slider("speed", "Airspeed V", "m/s", 0.0, 60.0, 0.5, 8.0),
+        Slider("beta", "Angle β (0 climb, 90 edgewise)", "deg", 0.0, 180.0, 1.0, 60.0),
     ]
 
 
 def point_of(values: Values) -> OperatingPoints:
-    """Give the operating point."""
+    """Return the operating point."""
     rpm, speed, beta = (np.array([values[key]]) for key in POINT)
     return OperatingPoints(rpm, speed, beta)
 
 
 def point_words(values: Values) -> str:
-    """Write the operating point in words."""
+    """Return the operating point as text."""
     return f"{values['rpm']:g} rpm, {values['speed']:g} m/s, β {values['beta']:g}°"
 
 
 def point_python(values: Values) -> str:
-    """Write the operating point as arguments of ``Rotor.loads``."""
+    """Return the operating point as Python arguments of ``Rotor.loads``."""
     return (
         f"{number(values['rpm'])} * np.pi / 30.0, {number(values['speed'])}, "
         f"np.radians({number(values['beta'])})"
@@ -407,7 +410,7 @@ def point_python(values: Values) -> str:
 
 
 def sweep_python(values: Values, top: float, count: int) -> str:
-    """Write lines of Python that print the loads at ``count`` speeds up to ``top`` [m/s]."""
+    """Return Python code that prints the loads at ``count`` airspeeds up to ``top`` [m/s]."""
     return (
         f"omega = {number(values['rpm'])} * np.pi / 30.0\n"
         f"speed = np.linspace(0.0, {number(top)}, {count})\n"
@@ -416,7 +419,7 @@ def sweep_python(values: Values, top: float, count: int) -> str:
 
 
 def point_table(session: Session, values: Values) -> Table:
-    """Tabulate loads at the operating point as `propmap predict` does, and how sure they are."""
+    """Return a table of the loads at the operating point with their 95 % intervals."""
     point = point_of(values)
     loads = point.loads(rotor_of(session.model))
     still = hover_model(session.model).loads(point.si[0])
@@ -434,5 +437,5 @@ def point_table(session: Session, values: Values) -> Table:
     ]
     caption = f"At {point_words(values)}"
     if known is not None:
-        caption += "; ± two standard deviations, 95 %"
+        caption += "; ±: two standard deviations (95 %)"
     return Table(("", "value", "±", "hover model", "unit"), rows, caption)

@@ -1,4 +1,4 @@
-"""Pictures and comparisons of loads; every function takes package objects."""
+"""Figures, and web pages about fits and tables, from objects of the package."""
 
 from propmap.errors import require
 

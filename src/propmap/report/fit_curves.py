@@ -1,4 +1,4 @@
-"""Curves of a fit over speed, and pictures of the measurements that it was made from."""
+"""Figures of a fit: loads over airspeed with bands, and the measurements."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.model.model import Model, Section, installation_note
 from propmap.report.html import (
-    COLOURS,
+    COLORS,
     HOVER,
     MEASURED,
     MODEL,
@@ -40,20 +40,22 @@ from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wakes import rotor_forces
 
 SPEEDS, MOST_ANGLES = 26, 4
-BEYOND = 1.25  # how far the curves go, in units of the data's largest advance ratio
-UNTESTED = 0.25  # advance ratio to which they go where all data are from rest
-APART = 22.5  # [deg], closer than which two angles are one
-NEAR = np.radians(2.5)  # of a curve's angle, within which measured points are drawn with it
+BEYOND = 1.25  # end of the curves, relative to the largest advance ratio of the data
+UNTESTED = 0.25  # advance ratio at the end of the curves if all data are static
+APART = 22.5  # [deg] smallest distance of a curve without data from the angles of the data
+NEAR = np.radians(2.5)  # largest difference in angle between measured points and their curve
 
 DATA: dict[str, Any] = {"color": "0.92", "linewidth": 0.0}
-BAND: dict[str, Any] = {"color": COLOURS[5], "alpha": 0.55, "linewidth": 0.0}
-POINTS: dict[str, Any] = {**MEASURED, "color": COLOURS[1], "marker": "o"}
+BAND: dict[str, Any] = {"color": COLORS[5], "alpha": 0.55, "linewidth": 0.0}
+POINTS: dict[str, Any] = {**MEASURED, "color": COLORS[1], "marker": "o"}
 
 
 def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord, dict[str, Any]]:
-    """Record loads of the fitted rotor at the data's typical rpm past their speeds, a row per load
-    and a column per angle; with facts ``rpm``, how many ``draws`` make bands, and a sentence on the
-    ``motor``."""
+    """Return the loads of the fitted rotor over airspeed, a row per load and a column per angle.
+
+    The rotational speed is typical of the data.  The second result contains this ``rpm``, the
+    number of samples ``draws`` of the bands, and a sentence on the installation as ``motor``.
+    """
     fit = file.record
     omega = fit.covered.typical_rpm * RPM
     tip = omega * file.model.propeller.radius
@@ -71,12 +73,12 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
         flow = (omega, speed * np.cos(betas), speed * np.abs(np.sin(betas)))
         slopes = rotor.gradients(names, *flow).slopes.swapaxes(0, 1)  # (P, loads, angles, n)
         perturbed = values + np.tensordot(changes, slopes, 1)
-        # The fit may sit in a corner of the bounds, with all draws on one side of it.
+        # In a corner of the bounds, all samples can be on one side of the fit.
         low, high = np.percentile(perturbed, [2.5, 97.5], axis=0)
         low, high = np.minimum(low, values), np.maximum(high, values)
-    still = HoverModel.of(rotor).loads(omega)
+    still = HoverModel.from_rotor(rotor).loads(omega)
     hover = {name: float(value) for name, value in still.items()}
-    # Speeds that the data cover at each angle; points at rest belong to all.
+    # Range of airspeeds of the data at each angle; points at rest belong to all angles.
     from_rest = fit.covered.at_rest is not None
     ends = [
         None
@@ -102,7 +104,7 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
                 group[column] = side[i, k] if len(changes) else None
         groups.append(group | {f"hover_{LOADS[name].column}": hover[name] for name in LOADS})
 
-    # In flight, the forces tell of the loads that make them.
+    # Measured forces in flight determine these loads of the rotors.
     seen: Sequence[str] = ("thrust",) if fit.kind == "level flight" else ("thrust", "drag")
     if fit.kind == "tunnel":
         seen = [one.name for one in fit.loads]
@@ -120,14 +122,14 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
                     band = [one[load.column_of(f"{end}_95")] for end in ("low", "high")]
                     ax.fill_between(speed, *band, **BAND)
                 ax.plot(speed, np.full_like(speed, hover[name]), **HOVER)
-                look = {**MODEL, "color": COLOURS[0]}
+                look = {**MODEL, "color": COLORS[0]}
                 valid = one["momentum_theory_holds"] == 1
                 ax.plot(speed, np.where(valid, one[load.column], np.nan), **look)
                 if not valid.all():
                     ring = np.where(valid, np.nan, one[load.column])
                     ax.plot(speed, ring, **{**look, "linestyle": ":"})
                 if measured is not None and name in measured.loads:
-                    # Points near the curve's angle, at the advance ratio of their measurement.
+                    # Points near the angle of the curve, scaled at constant advance ratio.
                     ratio = omega / np.maximum(measured.omega, 1e-9)
                     away = np.abs(measured.folded_beta - np.radians(one["beta_deg"]))
                     mine = (away < NEAR) | (measured.speed == 0.0)
@@ -138,12 +140,12 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
             data = "" if covered else ", no data"
             ax.set_title(f"β = {one['beta_deg']:.0f}°{data}", fontsize=9.0)
         for ax in axes[-1]:
-            ax.set(xlabel="flight speed V [m/s]", xlim=(0.0, speed[-1]))
+            ax.set(xlabel="airspeed V [m/s]", xlim=(0.0, speed[-1]))
         handles = [
-            key("this model", color=COLOURS[0], **MODEL),
-            *([Patch(label="95 % by the parameters", **BAND)] if len(changes) else []),
+            key("this model", color=COLORS[0], **MODEL),
+            *([Patch(label="95 % band", **BAND)] if len(changes) else []),
             key("hover model", **HOVER),
-            Patch(label="covered by the data", **DATA),
+            Patch(label="range of the data", **DATA),
             *([key("measured", **{**POINTS, "markersize": 4.0})] if measured is not None else []),
         ]
         legend_below(figure, handles, columns=5)
@@ -154,7 +156,7 @@ def load_lines(file: FitFile, measured: TunnelData | None) -> tuple[FigureRecord
 
 
 def _angles(fit: FitRecord) -> list[tuple[float, CoveredAngle | None]]:
-    """Pick up to four angles [deg], axial and edgewise if there is room, with points about them."""
+    """Return up to four angles [deg] and their data; axial and edgewise flow if there is room."""
     groups = fit.covered.main_angles
     betas = np.array([one.typical_beta for one in groups])
     wanted = np.linspace(betas[0], betas[-1], MOST_ANGLES) if betas.size else betas
@@ -167,24 +169,26 @@ def _angles(fit: FitRecord) -> list[tuple[float, CoveredAngle | None]]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Figures of an identification: its data, and the fitted model beside the hover model.
+# Figures of the measurements, and of the fitted model and the hover model.
 
-ALIKE = 0.02  # relative difference of two predictions of the hover model that are drawn as one
+ALIKE = 0.02  # relative difference below which predictions of the hover model share one dash
 
 SAMPLES: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 1.5}
-SHADE: dict[str, Any] = {"color": COLOURS[4], "alpha": 0.25, "linewidth": 0.0}  # steady stretches
+SHADE: dict[str, Any] = {"color": COLORS[4], "alpha": 0.25, "linewidth": 0.0}  # steady segments
 
 
 @style()
 def level_flight(vehicle: Vehicle, points: FlightLog, airfoil: Section) -> Figure:
-    """Draw the paper's figure 6 against flight speed: sums of loads over the rotors, the vertical
-    force of rotors, body and wing less the weight, and pitch. Thrust and drag by the accelerometer
-    include the body's share along the flight."""
+    """Draw figure 6 of the paper: sums of loads over the rotors, vertical force error and pitch.
+
+    The error is the vertical force of rotors, body and wing minus the weight.  Thrust and drag from
+    the accelerometer include the forces of the body.
+    """
     points = points.picked(np.argsort(points.speed, kind="stable"))
     rotor, flow = Rotor(Model(vehicle.propeller, airfoil, vehicle.air)), hub_flow(vehicle, points)
     velocity = np.stack([flow.inplane, 0.0 * flow.inplane, flow.axial], axis=-1)
     loads = rotor.loads_at_velocity(flow.omega, velocity)
-    hover = HoverModel.of(rotor, float(np.mean(flow.omega)))
+    hover = HoverModel.from_rotor(rotor, float(np.mean(flow.omega)))
     still = {name: each.sum(axis=1) for name, each in hover.loads(flow.omega).items()}
     values = {name: parameter.start for name, parameter in EVERY.items()}
     body, _ = body_force(vehicle, points, values | wing_values(vehicle), ())
@@ -196,7 +200,7 @@ def level_flight(vehicle: Vehicle, points: FlightLog, airfoil: Section) -> Figur
     direction = np.divide(across, length, out=np.zeros_like(across), where=length > 0.0)
     felt_drag = -np.sum(felt[:, :2] * direction, axis=1)
     pitch = np.degrees(np.arctan2(-points.up[:, 0], points.up[:, 2]))
-    # By label: this model, the hover model, and what was measured.
+    # By label: this model, the hover model and the measured values.
     panels: dict[str, tuple[Any, Any, Any]] = {
         "collective thrust ΣT [N]": (loads.thrust.sum(axis=1), still["thrust"], felt[:, 2]),
         "collective rotor drag ΣD [N]": (loads.drag.sum(axis=1), still["drag"], felt_drag),
@@ -209,9 +213,9 @@ def level_flight(vehicle: Vehicle, points: FlightLog, airfoil: Section) -> Figur
     for ax, (label, (found, by_hover, measured)) in zip(axes, panels.items(), strict=False):
         if found is not None:
             ax.plot(points.speed, by_hover, **HOVER)
-            ax.plot(points.speed, found, color=COLOURS[0], marker=".", markersize=3.0, **MODEL)
+            ax.plot(points.speed, found, color=COLORS[0], marker=".", markersize=3.0, **MODEL)
         if measured is not None:
-            ax.plot(points.speed, measured, color=COLOURS[1], marker="o", **MEASURED)
+            ax.plot(points.speed, measured, color=COLORS[1], marker="o", **MEASURED)
         ax.set_ylabel(label)
     axes[3].axhline(0.0, color="0.6", linewidth=0.8)
     share_of_weight(axes[3], vehicle.mass * GRAVITY)
@@ -219,17 +223,18 @@ def level_flight(vehicle: Vehicle, points: FlightLog, airfoil: Section) -> Figur
         ax.margins(x=0.02)
 
     has_body = vehicle.wing is not None or any((*vehicle.body.drag_area, vehicle.body.lift_area))
-    share = " (with the body's)" if has_body else ""
-    sensed = f"mass by accelerometer{share},\n" if np.isfinite(points.specific_force).any() else ""
+    share = " (with body forces)" if has_body else ""
+    known = np.isfinite(points.specific_force).any()
+    sensed = f"mass times specific force{share},\n" if known else ""
     handles = [
-        key(f"this model, force error {rms(error):.3g} N rms", color=COLOURS[0], **MODEL),
+        key(f"this model, force error {rms(error):.3g} N rms", color=COLORS[0], **MODEL),
         key(f"hover model, force error {rms(hover_error):.3g} N rms", **HOVER),
         key(
-            f"measured: {sensed}pitch angle", color=COLOURS[1], marker="o",
+            f"measured: {sensed}pitch angle", color=COLORS[1], marker="o",
             **{**MEASURED, "clip_on": True},
         ),
     ]  # fmt: skip
-    legend_in_last(axes, handles, "flight speed V [m/s]")
+    legend_in_last(axes, handles, "airspeed V [m/s]")
     figure.suptitle(
         f"{vehicle.name}, {vehicle.propeller.name}, airfoil {airfoil.name}: "
         f"{len(points)} operating points"
@@ -238,13 +243,15 @@ def level_flight(vehicle: Vehicle, points: FlightLog, airfoil: Section) -> Figur
 
 
 def tunnel_fit(data: TunnelData, rotor: Rotor) -> FigureRecord:
-    """Record measured and predicted loads, a panel per load, the hover model's dashed, one for all
-    rows of a rotational speed; ``InputError`` without a measured load."""
+    """Return measured and predicted loads, one panel per load, with the hover model dashed.
+
+    Raise ``InputError`` if no load is measured.
+    """
     measured = {n: v for n, v in data.loads.items() if n in LOADS and np.isfinite(v).any()}
     if not measured:
         raise InputError("there is no load to draw", f"give {', '.join(LOADS)}", data.source)
     found: Any = rotor.loads(data.omega, data.speed, data.beta)
-    hover = HoverModel.of(rotor).loads(data.omega)
+    hover = HoverModel.from_rotor(rotor).loads(data.omega)
     columns: dict[str, Any] = {"rpm": data.omega / RPM, "speed_mps": data.speed}
     columns["beta_deg"] = np.degrees(data.beta)
     for name, values in data.loads.items():
@@ -263,7 +270,7 @@ def tunnel_fit(data: TunnelData, rotor: Rotor) -> FigureRecord:
             truth, model, still = (
                 columns[f"{of}_{load.column}"] for of in ("measured", "model", "hover")
             )
-            # Rows with one prediction of the hover model share a dash over their measured loads.
+            # Rows with the same prediction of the hover model share a dash.
             given = np.flatnonzero(np.isfinite(truth))
             given = given[np.argsort(still[given])]
             breaks = np.flatnonzero(np.diff(still[given]) > ALIKE * still[given][1:]) + 1
@@ -273,18 +280,18 @@ def tunnel_fit(data: TunnelData, rotor: Rotor) -> FigureRecord:
             ]
             known = np.isfinite(truth) & np.isfinite(model)
             ends = [*truth[known], *model[known], *(level for *_, level in dashes), 0.0]
-            least = 0.04 * float(np.ptp(ends))  # a single row gets a dash of its own
+            least = 0.04 * float(np.ptp(ends))  # half width of the dash of a single row
             ax.axline((0.0, 0.0), slope=1.0, color="0.6", linewidth=1.0)
             for left, right, level in dashes:
                 middle, half = 0.5 * (left + right), max(0.5 * (right - left), least)
                 ax.plot([middle - half, middle + half], [level, level], **HOVER)
-            ax.plot(truth[known], model[known], color=COLOURS[0], marker="o", **MEASURED)
+            ax.plot(truth[known], model[known], color=COLORS[0], marker="o", **MEASURED)
             error = rms((model - truth)[known])
             ax.set_title(f"{load.label}: rms error {error:.3g} {load.unit}", fontsize=9.0)
             ax.set(xlabel=f"measured {load.title}", ylabel=f"predicted {load.title}")
         handles = [
             key("predicted = measured", color="0.6", linewidth=1.0),
-            key("this model", color=COLOURS[0], marker="o", linestyle="none", markersize=4.5),
+            key("this model", color=COLORS[0], marker="o", linestyle="none", markersize=4.5),
             key("hover model", **HOVER),
         ]
         legend_below(figure, handles)
@@ -299,20 +306,20 @@ def tunnel_fit(data: TunnelData, rotor: Rotor) -> FigureRecord:
 
 @style()
 def steady_parts(log: FlightLog, stretches: Sequence[slice]) -> Figure:
-    """Draw speed, climb rate and rotor speeds against time, steady ``stretches`` shaded."""
+    """Draw airspeed, climb rate and rotor speeds against time; shade the steady segments."""
     time = log.since_start
     ends = [(time[part.start], time[part.stop - 1]) for part in stretches]
     figure = new_figure(9.2, 6.0)
     axes = figure.subplots(3, 1, sharex=True, height_ratios=(1.2, 1.0, 1.2))
     speed, climb, rotors = axes
     for ax, values in ((speed, log.speed), (climb, log.climb_rate)):
-        ax.plot(time, values, color=COLOURS[0], rasterized=True, **SAMPLES)
+        ax.plot(time, values, color=COLORS[0], rasterized=True, **SAMPLES)
         for pair, part in zip(ends, stretches, strict=True):
-            ax.plot(pair, 2 * [np.mean(values[part])], color=COLOURS[1], linewidth=1.6)
-    colours = [COLOURS[k % len(COLOURS)] for k in range(log.rotor_speed.shape[1])]
-    for colour, values in zip(colours, log.rotor_speed.T, strict=True):
-        rotors.plot(time, values / RPM, color=colour, rasterized=True, **SAMPLES)
-    labels = "speed V [m/s]", "climb rate [m/s]", "rotor speeds [1/min]"
+            ax.plot(pair, 2 * [np.mean(values[part])], color=COLORS[1], linewidth=1.6)
+    colors = [COLORS[k % len(COLORS)] for k in range(log.rotor_speed.shape[1])]
+    for color, values in zip(colors, log.rotor_speed.T, strict=True):
+        rotors.plot(time, values / RPM, color=color, rasterized=True, **SAMPLES)
+    labels = "airspeed V [m/s]", "climb rate [m/s]", "rotor speeds [1/min]"
     for ax, label in zip(axes, labels, strict=True):
         for pair in ends:
             ax.axvspan(*pair, **SHADE)
@@ -320,30 +327,33 @@ def steady_parts(log: FlightLog, stretches: Sequence[slice]) -> Figure:
     rotors.set(xlabel="time [s]", xlim=(0.0, time[-1]))
     dots: dict[str, Any] = {"marker": ".", "linestyle": "none"}
     handles: list[Any] = [
-        Patch(label="steady stretch", **SHADE),
-        key("its average", color=COLOURS[1], linewidth=1.6),
-        *(key(f"rotor {k + 1}", color=colour, **dots) for k, colour in enumerate(colours)),
+        Patch(label="steady segment", **SHADE),
+        key("average of a segment", color=COLORS[1], linewidth=1.6),
+        *(key(f"rotor {k + 1}", color=color, **dots) for k, color in enumerate(colors)),
     ]
     legend_below(figure, handles, columns=min(len(handles), 8))
     seconds = sum(float(last - first) for first, last in ends)
     figure.suptitle(
-        f"{log.source}: {len(stretches)} steady stretches, {seconds:.0f} of {time[-1]:.0f} s"
+        f"{log.source}: {len(stretches)} steady segments, {seconds:.0f} of {time[-1]:.0f} s"
     )
     return figure
 
 
 # -------------------------------------------------------------------------------------------------
-# Parameters drawn from what a fit knows of them, within their bounds.
+# Samples of the parameters from the covariance of a fit, within their bounds.
 
-DRAWS = 200  # sets of parameters that make a band
-TRIED, ROUNDS = 20_000, 50  # draws at a time, and how often, until enough are within the bounds
+DRAWS = 200  # number of samples for a band
+TRIED, ROUNDS = 20_000, 50  # samples per round; rounds after which a fit has no band
 SEED = 2017
 
 
 def drawn_changes(fit: FitRecord) -> tuple[tuple[str, ...], Floats]:
-    """Draw P parameters of section and mount together from the fit's normal distribution within all
-    bounds, keeping those of infinite variance; gives names and changes (``DRAWS``, P), (0, P) where
-    almost none is within."""
+    """Return names and sampled changes of P parameters of the rotor, (``DRAWS``, P).
+
+    The samples are from the normal distribution of all parameters, truncated at the bounds.
+    Parameters with infinite variance are not changed.  The changes have shape (0, P) if almost no
+    sample is within the bounds.
+    """
     known = [k for k in range(len(fit.parameters)) if np.isfinite(fit.covariance[k, k])]
     chosen = [fit.parameters[k] for k in known]
     section = [k for k, p in enumerate(chosen) if p.name in ROTOR]
@@ -352,7 +362,7 @@ def drawn_changes(fit: FitRecord) -> tuple[tuple[str, ...], Floats]:
     if not section or not np.isfinite(covariance).all():
         return names, np.empty((0, len(section)))
     middle, lower, upper = np.array([(p.value, p.lower, p.upper) for p in chosen]).T
-    # A value at its bound is within it, whatever rounding made of it.
+    # Rounding errors must not exclude values at a bound.
     slack = 1e-9 * (upper - lower)
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     values, vectors = np.linalg.eigh(covariance / np.outer(size, size))
@@ -369,6 +379,6 @@ def drawn_changes(fit: FitRecord) -> tuple[tuple[str, ...], Floats]:
 
 
 def held(fit: FitRecord) -> list[str]:
-    """Name these free parameters that keep their value in every draw."""
+    """Return the names of the free parameters that keep their value in all samples."""
     lost = ~np.isfinite(np.diag(fit.covariance))
     return [p.name for p, its in zip(fit.parameters, lost, strict=True) if its and p.name in ROTOR]

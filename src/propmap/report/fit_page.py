@@ -1,4 +1,4 @@
-"""The page on a fit: whether it can be trusted, where, and the files beside the page."""
+"""The report on a fit: its reliability, range, errors and parameters, as a page and files."""
 
 from __future__ import annotations
 
@@ -28,43 +28,43 @@ from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
-# Rms error as a share of what was measured, up to which a load is trusted, or with care.
+# Relative rms error up to which a load is reliable, and up to which it is usable with care.
 GOOD, CARE = 0.05, 0.15
-WORDS = {"good": "Yes", "caution": "With care", "bad": "No"}  # levels of trust, best first
+WORDS = {"good": "Reliable", "caution": "Use with care", "bad": "Not reliable"}  # best first
 FORCES = {
     "vertical_force": "vertical force",
-    "force_x": "force forward",
-    "force_y": "force to the side",
-    "force_z": "force up",
+    "force_x": "forward force",
+    "force_y": "lateral force",
+    "force_z": "upward force",
     "moment_x": "moment about x",
     "moment_y": "moment about y",
     "moment_z": "moment about z",
-}  # what is fitted in flight, in words
-NARROW = 2.0  # range of speeds [m/s] below which the data are from one speed
-OVERFITTED = 1.5  # cross-validated error over the error left, above which a fit follows the noise
-STRONG = 0.9  # correlation from which two parameters are named as a pair
-GAP, STEP = 22.5, 15  # [deg]: angles further than the first from all data, named in such steps
-BINS, SPREAD = 8, (10.0, 90.0)  # of equal numbers of residuals; percentiles that are shaded
-ASKED = 0.05  # share of the samples given beyond the fit's data, above which the use is beyond them
-PANELS = 5  # of residuals in a row
+}  # labels of the forces and moments that are fitted in flight
+NARROW = 2.0  # range of airspeeds [m/s] below which the data count as one airspeed
+OVERFITTED = 1.5  # ratio of cross-validated to fitted error above which a fit follows the noise
+STRONG = 0.9  # correlation above which the page lists a pair of parameters
+GAP, STEP = 22.5, 15  # [deg] distance from all data, and step, of angles listed as without data
+BINS, SPREAD = 8, (10.0, 90.0)  # number of bins of residuals; percentiles that limit the shading
+ASKED = 0.05  # fraction of the given samples beyond the fit's data above which the page warns
+PANELS = 5  # panels of residuals in a row
 
 
 @dataclass(frozen=True, eq=False)
 class GivenData:
-    """Data beside the fit file, compared with the fit."""
+    """Data of the option ``--data``, compared with the fit."""
 
     sources: Sequence[DataSource]
-    errors: Mapping[str, SpeedErrors]  # by load with its unit, such as "torque_Nm"
+    errors: Mapping[str, SpeedErrors]  # by load with unit, as "torque_Nm"
     tunnel: TunnelData | None = None
-    level: tuple[Vehicle, FlightLog] | None = None  # what flew, and its steady operating points
-    residuals: Sequence[Sequence[Trend]] = ()  # of each force, against every candidate
-    beyond: Beyond | None = None  # how far they leave the fit's data
+    level: tuple[Vehicle, FlightLog] | None = None  # vehicle and its steady operating points
+    residuals: Sequence[Sequence[Trend]] = ()  # of each force, against all candidate variables
+    beyond: Beyond | None = None  # excess of the samples over the range of the fit's data
 
 
 def fit_pages(
     file: FitFile, where: str, sha256: str, given: GivenData | None
 ) -> dict[str, str | bytes]:
-    """Make all files of the page on a fit by name; ``where`` is the fit's path."""
+    """Return all files of the report on a fit by name; ``where`` is the path of the fit."""
     fit = file.record
     lines, facts = fit_curves.load_lines(file, given.tunnel if given else None)
     records = [
@@ -121,9 +121,11 @@ def fit_pages(
 
 
 def _check(fit: FitRecord, given: GivenData) -> dict[str, Any]:
-    """Judge a fit on the data given: level, rows, each load's errors as shares of what was
-    measured, or in flight of the largest force, names new and known, and what is beyond the fit's
-    data."""
+    """Return the values of the template for the given data: level, rows, relative errors, names of
+    held-out and of fitted data, and sentences on samples beyond the fit's data.
+
+    Errors are relative to the measured load, in flight to the largest force.
+    """
     found = {name: one.all for name, one in given.errors.items() if one.all.rows}
     sizes = {name: e.rms / e.relative_rms for name, e in found.items()}
     loads = {name: _load_and_unit(name)[0] for name in found}
@@ -160,29 +162,29 @@ def _check(fit: FitRecord, given: GivenData) -> dict[str, Any]:
 
 
 def _errors_beyond(errors: Mapping[str, SpeedErrors]) -> list[str]:
-    """Say how large the errors are beyond the fit's data, and inside."""
+    """Return a sentence with the errors beyond and within the range of the fit's data."""
     parts = []
     for name, one in errors.items():
         load, unit = _load_and_unit(name)
         inside = one.by_envelope.get(INSIDE)
-        beside = f" ({html.number(inside.rms)} inside)" if inside else ""
+        beside = f" ({html.number(inside.rms)} within the data)" if inside else ""
         parts.append(f"{label_of(load)} {html.number(one.by_envelope[OUTSIDE].rms)} {unit}{beside}")
-    return [f"the rms errors there are {', '.join(parts)}"] if parts else []
+    return [f"the rms errors of these samples are {', '.join(parts)}"] if parts else []
 
 
 def _load_and_unit(name: str) -> tuple[str, str]:
-    """Split a name such as "torque_Nm"."""
+    """Split a name such as "torque_Nm" into load and unit."""
     load, _, unit = name.rpartition("_")
     return load, {"Nm": "N m"}.get(unit, unit)
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether a fit can be trusted, and where.
+# Reliability of a fit, overall and by airspeed.
 
 
 @dataclass(frozen=True)
 class JudgedLoad:
-    """One load: its typical error and the hover model's, as shares of ``reference`` [unit]."""
+    """Typical errors of a load by this model and the hover model, relative to ``reference``."""
 
     load: FittedLoad
     reference: float
@@ -191,25 +193,28 @@ class JudgedLoad:
 
     @property
     def label(self) -> str:
-        """Name the load in words."""
+        """Return the label of the load."""
         return label_of(self.load.name)
 
     @property
     def level(self) -> str:
-        """Judge by the error, never better than "caution" where the hover model is as good."""
+        """Return the level by the error; at best "caution" if the hover model is as accurate."""
         found = level_of(self.error)
         return "caution" if found == "good" and not self.error < self.hover else found
 
 
 def overall(fit: FitRecord) -> str:
-    """Give the level of trust in a fit, one of ``WORDS``, by the errors on its data."""
+    """Return the reliability of a fit, a key of ``WORDS``, from the errors on its data."""
     levels = [one.level for one in judged(fit) if one.load.name not in MOMENTS]
     return worst_of([*levels, "caution"] if warnings(fit) else levels)
 
 
 def judged(fit: FitRecord) -> list[JudgedLoad]:
-    """Judge every fitted load by its cross-validated error where there is one; forces on a vehicle
-    beside the largest of them, about the weight, as across the flight there is next to nothing."""
+    """Return the relative errors of all fitted loads, cross-validated if available.
+
+    Forces on a vehicle are relative to the largest force, about the weight, because the lateral
+    force is almost zero.
+    """
     sizes = {one.name: one.measured_rms for one in fit.loads}
     if fit.kind != "tunnel":
         sizes = _beside_largest(sizes, {name: name for name in sizes})
@@ -223,36 +228,36 @@ def judged(fit: FitRecord) -> list[JudgedLoad]:
 
 
 def _beside_largest(sizes: Mapping[str, float], loads: Mapping[str, str]) -> dict[str, float]:
-    """Give all forces the largest of their ``sizes``, and moments about an axis their own."""
+    """Return the references: the largest of ``sizes`` for all forces, its own for a moment."""
     own = {key: size for key, size in sizes.items() if loads[key] in MOMENTS}
     forces = [size for key, size in sizes.items() if key not in own and math.isfinite(size)]
     return dict.fromkeys(sizes, max(forces, default=math.nan)) | own
 
 
 def label_of(name: str) -> str:
-    """Name a load or a force in words."""
+    """Return the label of a load, or of a force or moment on a vehicle."""
     return LOADS[name].label if name in LOADS else FORCES.get(name, name)
 
 
 def level_of(share: float) -> str:
-    """Give the level of trust for a relative error; NaN is bad."""
+    """Return the reliability for a relative error; NaN is "bad"."""
     if share <= GOOD:
         return "good"
     return "caution" if share <= CARE else "bad"
 
 
 def worst_of(levels: Iterable[str]) -> str:
-    """Pick the worst of several levels."""
+    """Return the worst of several levels."""
     return max(levels, key=list(WORDS).index)
 
 
 def _shown_band(band: str) -> str:
-    """Write a band of speed with a dash and without a line break."""
+    """Return an airspeed range with a dash and non-breaking spaces."""
     return band.replace("-", "\N{EN DASH}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def where(fit: FitRecord) -> str:
-    """Say at which speeds, rotational speeds and angles the data are."""
+    """Return the ranges of airspeed, rotational speed and angle of the data."""
     covered = fit.covered
     (slow, fast), (low, high) = covered.speed, covered.rpm
     speeds = f"{slow:.1f} m/s" if fast - slow < 0.05 else f"{slow:.1f} to {fast:.1f} m/s"
@@ -267,7 +272,7 @@ def where(fit: FitRecord) -> str:
 
 
 def speed_rows(fit: FitRecord) -> list[tuple[str, ...]]:
-    """Tabulate speed, rows, both models' errors by load [%] and a word, by band of speed."""
+    """Return table rows by airspeed: number of rows, relative errors [%] by load, verdict."""
     loads, rows = judged(fit), []
     for band in dict.fromkeys(band for one in fit.loads for band in one.by_speed):
         pairs = [(one, one.load.by_speed.get(band)) for one in loads]
@@ -288,7 +293,7 @@ def speed_rows(fit: FitRecord) -> list[tuple[str, ...]]:
 
 
 def whole_rows(fit: FitRecord) -> list[tuple[str, ...]]:
-    """Tabulate rows and three errors of each load with their shares of the reference [%]."""
+    """Return table rows by load: number of rows, and three errors, absolute and relative [%]."""
     rows = []
     for one in judged(fit):
         errors = (one.load.rms, one.load.cross_validated, one.load.hover_rms)
@@ -297,55 +302,55 @@ def whole_rows(fit: FitRecord) -> list[tuple[str, ...]]:
             for e in errors
         ]
         if not math.isfinite(one.load.cross_validated):
-            cells[1] = ("not done", html.number(None))
+            cells[1] = ("none", html.number(None))
         rows.append((one.label, str(one.load.rows), *itertools.chain(*cells)))
     return rows
 
 
 def warnings(fit: FitRecord) -> list[str]:
-    """Say what takes trust away."""
+    """Return sentences that limit the reliability of a fit."""
     found = []
     if fit.covered.speed[1] - fit.covered.speed[0] < NARROW:
-        found.append("the data are from one speed: the fit has hardly been tested against speed")
+        found.append("the data are from one airspeed: variation with airspeed is hardly tested")
     for one in judged(fit):
         found += useless(one.load.name, one.error)
         if not one.error < one.hover:
-            found.append(f"{one.label}: the hover model is no worse")
+            found.append(f"{one.label}: the hover model is at least as accurate")
         ratio = one.load.cross_validated / one.load.rms if one.load.rms > 0.0 else math.nan
         if math.isfinite(ratio) and ratio > OVERFITTED:
             found.append(
-                f"{one.label}: on rows left out the error is {ratio:.1f} times as large, so that "
-                "some parameters follow the noise"
+                f"{one.label}: the error on left-out rows is {ratio:.1f} times as large, so some "
+                "parameters follow the noise"
             )
     if fit.unsolved:
-        found.append(f"of {fit.rows} rows, {fit.unsolved} have no solution in the model")
+        found.append(f"the model has no solution for {fit.unsolved} of {fit.rows} rows")
     return found
 
 
 def notes(fit: FitRecord) -> list[str]:
-    """Say what else is worth knowing."""
+    """Return further remarks on a fit."""
     found = list(fit.remarks)
     if fit.minima > 1:
         found.append(
-            f"{len(fit.starts)} starts ended in {fit.minima} different minima; the best is used"
+            f"{len(fit.starts)} starts converged to {fit.minima} minima; the fit is the best one"
         )
     if not any(math.isfinite(one.cross_validated) for one in fit.loads):
-        found.append("no cross-validation was done: the errors are those on the fitted data")
+        found.append("no cross-validation was done: all errors are on the fitted data")
     return found
 
 
 def unfitted(fit: FitRecord) -> list[str]:
-    """Name the loads that a fit of tunnel data did not see, in words."""
+    """Return the labels of the loads that a fit of tunnel data did not use."""
     names = [one.name for one in fit.loads]
     return [load.label for name, load in LOADS.items() if name not in names]
 
 
 # -------------------------------------------------------------------------------------------------
-# What a fit was fitted to, and where it extrapolates.
+# Range of the fitted data, and errors by airspeed.
 
 
 def coverage(fit: FitRecord) -> html.FigureRecord:
-    """Record the operating points of the data: boxes over advance ratio and angle, with counts."""
+    """Return the operating points of the data: boxes over advance ratio and angle, with counts."""
     covered = fit.covered
     rest = [] if covered.at_rest is None else [("at rest", covered.at_rest)]
     named = [*rest, *((f"{one.typical_beta:.0f}°", one) for one in covered.angles)]
@@ -356,15 +361,15 @@ def coverage(fit: FitRecord) -> html.FigureRecord:
         small: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.0}
         for one in covered.angles:
             left, right = one.advance
-            # A single angle gets a box that can be seen.
+            # A group with a single angle would be an invisible box.
             low = min(one.beta[0], one.typical_beta - 1.5)
             high = max(one.beta[1], one.typical_beta + 1.5)
-            ax.fill([left, right, right, left], [low, low, high, high], facecolor=html.COLOURS[0],
-                    alpha=0.35, edgecolor=html.COLOURS[0], linewidth=1.2)  # fmt: skip
+            ax.fill([left, right, right, left], [low, low, high, high], facecolor=html.COLORS[0],
+                    alpha=0.35, edgecolor=html.COLORS[0], linewidth=1.2)  # fmt: skip
             ax.annotate(str(one.points), (right, 0.5 * (low + high)), (4, 0), va="center", **small)
         if covered.at_rest is not None:
             ax.plot(0.0, 0.0, marker="X", markersize=7.0, linestyle="none", clip_on=False,
-                    color=html.COLOURS[1])  # fmt: skip
+                    color=html.COLORS[1])  # fmt: skip
             ax.annotate(f"at rest: {covered.at_rest.points}", (0.0, 0.0), (8, 5), **small)
         top = max((one.advance[1] for one in covered.angles), default=0.2)
         descent = max((one.beta[1] for one in covered.angles), default=90.0) > 95.0
@@ -372,8 +377,8 @@ def coverage(fit: FitRecord) -> html.FigureRecord:
         ax.set_ylim(-8.0, 185.0 if descent else 98.0)
         ax.set_yticks(np.arange(0, 181 if descent else 91, 30))
         ax.set_xlabel("advance ratio V/(ΩR) [-]")
-        ax.set_ylabel("angle β of the flow to the axis [deg]")
-        ax.set_title("numbers: operating points in each group", fontsize=9.0)
+        ax.set_ylabel("angle β to the axis [deg]")
+        ax.set_title("numbers: operating points per group", fontsize=9.0)
         return figure
 
     columns = html.columns_of(
@@ -406,7 +411,7 @@ def coverage(fit: FitRecord) -> html.FigureRecord:
 
 
 def angles_without_data(fit: FitRecord) -> str:
-    """Name the angles far from all data, such as "30° to 60° and about 180°"; "" for none."""
+    """Return the angles far from all data, such as "30° to 60° and about 180°", or ""."""
     angles = [one.typical_beta for one in fit.covered.main_angles]
     far = [beta for beta in range(0, 181, STEP) if all(abs(beta - a) > GAP for a in angles)]
     spans = []
@@ -419,7 +424,7 @@ def angles_without_data(fit: FitRecord) -> str:
 def band_errors(
     name: str, bands: Mapping[tuple[str, str], Mapping[str, ResidualErrors]]
 ) -> html.FigureRecord:
-    """Record errors by (load, unit) and by band of speed, in the order of speed; a panel a load."""
+    """Return the errors by (load, unit) and airspeed range, with one panel per load."""
     groups: list[dict[str, Any]] = [
         {
             "load": load,
@@ -456,7 +461,7 @@ def band_errors(
             ax.set_ylim(bottom=0.0)
             ax.margins(x=0.08)
             ax.set_ylabel(f"{label_of(one['load'])}: rms error [{one['unit']}]")
-            ax.set_xlabel("flight speed V [m/s]")
+            ax.set_xlabel("airspeed V [m/s]")
         html.legend_below(figure, axes[0].get_legend_handles_labels()[0][::-1])
         return figure
 
@@ -474,11 +479,11 @@ def band_errors(
 
 
 # -------------------------------------------------------------------------------------------------
-# The fitted parameters: values, intervals, verdicts, and correlations.
+# Fitted parameters: values, intervals, verdicts and correlations.
 
 
 def parameters(fit: FitRecord) -> html.FigureRecord:
-    """Record each parameter's value, interval, bounds and verdict: a line from bound to bound."""
+    """Return value, interval, bounds and verdict of each parameter."""
 
     def draw() -> Figure:
         count = len(fit.parameters)
@@ -487,12 +492,10 @@ def parameters(fit: FitRecord) -> html.FigureRecord:
         for k, p in enumerate(fit.parameters):
             width = p.upper - p.lower
             low, value, high = ((v - p.lower) / width for v in (p.low, p.value, p.high))
-            face = html.COLOURS[0] if p.identified else "white"
+            face = html.COLORS[0] if p.identified else "white"
             ax.plot([0.0, 1.0], [k, k], color="0.85", linewidth=5.0, solid_capstyle="butt")
-            ax.plot([low, high], [k, k], color=html.COLOURS[0], linewidth=2.0)
-            ax.plot(
-                value, k, marker="o", color=html.COLOURS[0], markerfacecolor=face, clip_on=False
-            )
+            ax.plot([low, high], [k, k], color=html.COLORS[0], linewidth=2.0)
+            ax.plot(value, k, marker="o", color=html.COLORS[0], markerfacecolor=face, clip_on=False)
         ax.set_yticks(range(count), [p.name for p in fit.parameters])
         ax.set_ylim(count - 0.5, -0.5)
         ax.set_xticks([0.0, 1.0], ["lower bound", "upper bound"])
@@ -517,7 +520,7 @@ def parameters(fit: FitRecord) -> html.FigureRecord:
             f"{html.number(p.low)} to {html.number(p.high)}",
             p.unit,
             "identified" if p.identified else "weak",
-            p.verdict.removeprefix("weak").removeprefix("identified").lstrip(":, "),
+            p.verdict.removeprefix("weak").removeprefix("identified").lstrip(":;, "),
         )
         for p in fit.parameters
     ]
@@ -525,7 +528,7 @@ def parameters(fit: FitRecord) -> html.FigureRecord:
 
 
 def correlations(fit: FitRecord) -> html.FigureRecord:
-    """Record the correlations of the parameters' errors; a row per parameter, no picture."""
+    """Return the correlations of the parameter errors as a table without figure."""
     names = [p.name for p in fit.parameters]
     rows = list(zip(names, fit.correlation.tolist(), strict=True))
     cells = [
@@ -537,18 +540,20 @@ def correlations(fit: FitRecord) -> html.FigureRecord:
 
 
 def strong_pairs(fit: FitRecord) -> list[str]:
-    """Name pairs of parameters with a strong correlation, such as "c_l1 and alpha_0"."""
+    """Return the pairs of parameters with a strong correlation, such as "c_l1 and alpha_0"."""
     pairs = itertools.combinations(enumerate(p.name for p in fit.parameters), 2)
     return [f"{a} and {b}" for (i, a), (j, b) in pairs if abs(fit.correlation[i, j]) >= STRONG]
 
 
 # -------------------------------------------------------------------------------------------------
-# What a model leaves over, against every variable that it may depend on.
+# Residuals of a model against all variables on which they may depend.
 
 
 def binned(trend: Trend) -> dict[str, Floats]:
-    """Bin a ``trend`` into the columns (bins,) of its record, see the heads; errors within a
-    stretch of time count as one in the error of a mean."""
+    """Return the columns (bins,) of a ``trend``.
+
+    For the error of a mean, the residuals of one time block count as one sample.
+    """
     ends = np.unique(np.percentile(trend.at, np.linspace(0.0, 100.0, BINS + 1)))
     place = np.clip(np.searchsorted(ends, trend.at, side="right") - 1, 0, max(ends.size - 2, 0))
     rows = []
@@ -567,7 +572,7 @@ def binned(trend: Trend) -> dict[str, Floats]:
 
 
 def residuals(name: str, trends: Sequence[Trend]) -> html.FigureRecord:
-    """Record binned residuals of one load against every candidate, the strongest first."""
+    """Return the binned residuals of a load against all candidates, strongest first."""
     load, unit = trends[0].load, trends[0].unit
     groups: list[dict[str, Any]] = []
     for trend in trends:
@@ -592,13 +597,13 @@ def residuals(name: str, trends: Sequence[Trend]) -> html.FigureRecord:
         for ax in axes.ravel()[len(trends) :]:
             ax.axis("off")
         for ax, trend, one in zip(axes.ravel(), trends, groups, strict=False):
-            colour, x = html.COLOURS[1 if trend.sure else 0], one["bin_middle"]
+            color, x = html.COLORS[1 if trend.sure else 0], one["bin_middle"]
             ax.axhline(0.0, color="0.5", linewidth=0.8)
             ax.fill_between(
-                x, one["low_10_in_unit"], one["high_90_in_unit"], color=colour, **html.BAND
+                x, one["low_10_in_unit"], one["high_90_in_unit"], color=color, **html.BAND
             )
             ax.errorbar(
-                x, one["mean_in_unit"], 2.0 * one["mean_error_in_unit"], color=colour, marker="o",
+                x, one["mean_in_unit"], 2.0 * one["mean_error_in_unit"], color=color, marker="o",
                 markersize=3.5, linewidth=1.3, elinewidth=1.0, capsize=2.0,
             )  # fmt: skip
             label = trend.variable.replace("^2", "²")
@@ -612,12 +617,10 @@ def residuals(name: str, trends: Sequence[Trend]) -> html.FigureRecord:
         html.legend_below(
             figure,
             [
-                html.key("still explains something", color=html.COLOURS[1], **look),
-                html.key("no more than chance, or little", color=html.COLOURS[0], **look),
-                html.key(
-                    "mean and two standard errors of it, by stretches of 1 s", color="0.3", **look
-                ),
-                html.key("middle 80 % of the samples", color="0.7", linewidth=6.0),
+                html.key("significant dependence", color=html.COLORS[1], **look),
+                html.key("weak or not significant", color=html.COLORS[0], **look),
+                html.key("mean and two standard errors, by segments of 1 s", color="0.3", **look),
+                html.key("central 80 % of the samples", color="0.7", linewidth=6.0),
             ],
             fontsize=8.5,
         )
@@ -628,6 +631,6 @@ def residuals(name: str, trends: Sequence[Trend]) -> html.FigureRecord:
 
 
 def sentences(loads: Sequence[Sequence[Trend]]) -> list[str]:
-    """Say what still explains something of any load's residuals, the strongest first."""
+    """Return sentences on all significant dependences of the residuals, strongest first."""
     telling = [trend for trend in itertools.chain(*loads) if trend.sure]
     return [trend.sentence for trend in sorted(telling, key=lambda trend: -trend.share)]

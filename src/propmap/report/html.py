@@ -1,7 +1,7 @@
-"""Reports: one HTML page from a template, every figure as SVG and its numbers as CSV.
+"""Reports: one HTML page from a template, each figure as SVG and its data as CSV.
 
-The words and the order of a page are in a template of its name, beside the code that
-computes its numbers; all templates extend ``layout.html.j2`` of this folder.
+A template contains the text of a page; the module of the same name computes its numbers.  All
+templates extend ``layout.html.j2`` of this folder.
 """
 
 from __future__ import annotations
@@ -30,33 +30,33 @@ from propmap.errors import InputError
 from propmap.io.csv import check_place, replacing
 from propmap.loads import LOADS
 
-MINUS, MISSING = "\N{MINUS SIGN}", "\N{EN DASH}"  # before a negative number; in place of none
-DIGITS = 6  # of the numbers in CSV files: the accuracy of the loads
-ZERO = 1e-9  # smaller numbers are rounding errors, which differ between machines
+MINUS, MISSING = "\N{MINUS SIGN}", "\N{EN DASH}"  # for negative and missing numbers
+DIGITS = 6  # significant digits in CSV files: the accuracy of the loads
+ZERO = 1e-9  # smaller numbers are rounding errors, which differ between machines: written as 0
 
 
 @dataclass(frozen=True, eq=False)
 class FigureRecord:
-    """Columns with units that a picture draws, a CSV file holds and a table of the page shows."""
+    """Data of a figure or table of a page, which are also written to a CSV file."""
 
-    name: str  # of its files, without the ending
-    groups: Sequence[Mapping[str, Any]]  # columns by head, as "speed_mps"; a group per curve
-    draw: Callable[[], Figure] | None = None  # None for a table without a picture
-    cells: Sequence[Sequence[str]] = ()  # rows of the page's table
+    name: str  # name of its files without extension
+    groups: Sequence[Mapping[str, Any]]  # columns by head, as "speed_mps"; one group per curve
+    draw: Callable[[], Figure] | None = None  # None for a table without a figure
+    cells: Sequence[Sequence[str]] = ()  # rows of the table on the page
 
     def csv(self) -> str:
-        """Return the columns as CSV, group after group."""
+        """Return the columns as CSV text, with the groups one below the other."""
         return csv_of_columns(self.groups)
 
     def figure(self) -> Figure:
-        """Draw the picture in the package's style."""
+        """Draw the figure in the style of the package."""
         assert self.draw is not None
         with style():
             return self.draw()
 
 
 def columns_of(heads: str, rows: Iterable[Sequence[Any]]) -> list[dict[str, Any]]:
-    """Turn rows into the one group of columns of a record; heads are separated by spaces."""
+    """Return the columns of ``rows`` as the only group of a record; spaces separate ``heads``."""
     values = list(zip(*rows, strict=True)) or [()] * len(heads.split())
     return [dict(zip(heads.split(), values, strict=True))]
 
@@ -64,7 +64,7 @@ def columns_of(heads: str, rows: Iterable[Sequence[Any]]) -> list[dict[str, Any]
 def record_files(
     template: str, records: Iterable[FigureRecord], **values: Any
 ) -> dict[str, str | bytes]:
-    """Make all files of a report by name; the template finds tables in ``cells`` by record."""
+    """Return all files of a report by name; ``cells`` of the template maps records to tables."""
     records = list(records)
     return report_files(
         template,
@@ -82,8 +82,10 @@ def report_files(
     folder: Path = Path(__file__).parents[1],
     **values: Any,
 ) -> dict[str, str | bytes]:
-    """Make all files of a report by name, the page from a ``template`` in ``folder`` or the package
-    with ``values``, ``.svg`` of figures and ``.csv`` of sheets."""
+    """Return all files of a report by name: the page, an SVG per figure and a CSV per sheet.
+
+    The page renders ``template``, from ``folder`` or the package, with ``values``.
+    """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     images = {name: as_svg(figure) for name, figure in figures.items()}
@@ -108,7 +110,7 @@ def report_files(
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """Write a number to so many significant digits, without an exponent where that can be read."""
+    """Format a number with ``digits`` significant digits, without an exponent if it stays short."""
     if value is None or value != value:
         return MISSING
     text = f"{value:.{digits}g}"
@@ -119,17 +121,17 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def percent(share: float) -> str:
-    """Write a share in per cent to two digits, without a line break."""
+    """Format a fraction in percent with two digits and a non-breaking space."""
     return f"{number(100.0 * share, 2)}\N{NO-BREAK SPACE}%"
 
 
 def sentence(text: str) -> str:
-    """Give a text a capital letter and a full stop."""
+    """Return a text with a capital first letter and a final period."""
     return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
 
 
 def csv_of_rows(heads: str, rows: Iterable[Sequence[Any]]) -> str:
-    """Write rows as CSV; heads are separated by spaces, NaN and None become empty fields."""
+    """Return rows as CSV text; spaces separate ``heads``, NaN and None become empty fields."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(heads.split())
@@ -138,7 +140,7 @@ def csv_of_rows(heads: str, rows: Iterable[Sequence[Any]]) -> str:
 
 
 def csv_of_columns(groups: Iterable[Mapping[str, Any]]) -> str:
-    """Write groups of columns by head as CSV; a group's array_like columns are broadcast."""
+    """Return groups of columns as CSV text; the columns of each group are broadcast."""
     heads = ""
     rows: list[Sequence[Any]] = []
     for group in groups:
@@ -158,7 +160,7 @@ def _field(value: Any) -> Any:
 
 def _columns(heads: str, rows: Iterable[Sequence[Any]]) -> list[tuple[str, str, bool, list[str]]]:
     """Split a table with ``heads`` such as "load | rms error [N]" into columns: name, unit, whether
-    it holds numbers, and cells of three digits."""
+    all cells are numbers, and cells with three digits."""
 
     def is_number(text: str) -> bool:
         bare = re.sub(f"[{MINUS}{MISSING}% ]", "", text)
@@ -173,47 +175,49 @@ def _columns(heads: str, rows: Iterable[Sequence[Any]]) -> list[tuple[str, str, 
 
 
 # -------------------------------------------------------------------------------------------------
-# The folder of a report: it appears with all its files or not at all.
+# The folder of a report, which is written completely or not at all.
 
 PAGE = "index.html"
 
 
 def file_names(figures: Collection[str], tables: Collection[str]) -> frozenset[str]:
-    """Name a report's files: the page, an SVG and a CSV per figure, a CSV per bare table."""
+    """Return the file names of a report: the page, SVG and CSV per figure, CSV per other table."""
     pairs = {f"{name}{ending}" for name in figures for ending in (".svg", ".csv")}
     return frozenset({PAGE, *pairs, *(f"{name}.csv" for name in tables)})
 
 
-MOST_LOADS = 6  # in flight: three forces and three moments
+MOST_LOADS = 6  # loads fitted in flight: three forces and three moments
 
 REPORT_FILES = file_names(
     [f"fit-{name}" for name in ("coverage", "errors", "loads", "parameters", "check", "measured")]
     + [f"fit-residuals-{k}" for k in range(1, MOST_LOADS + 1)]
     + [f"table-{name}" for name in ("cells", "loads", "maps", "hover")],
     ["fit-correlations", "table-certificate"],
-)  # what ``propmap report`` may write
+)  # all files that ``propmap report`` can write
 
 TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values", "fit-terms-worth"])
-"""What ``propmap fit terms`` may write."""
+"""All files that ``propmap fit terms`` can write."""
 
 
 def check_folder(folder: Path, names: Collection[str]) -> None:
-    """Raise ``InputError`` unless the folder is new or holds no files but those of ``names``."""
+    """Raise ``InputError`` unless the folder is new or contains only files in ``names``."""
     where = str(folder)
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise InputError("this is not a folder", "name a folder to write into", where)
+        raise InputError("this is not a folder", "give the path of a folder", where)
     held = folder.iterdir() if check_place(folder.absolute(), where) else ()
     others = sorted(p.name for p in held if p.name not in names or p.is_dir())
     if others:
-        found = f"the folder holds {others[0]!r}, which this command does not write"
+        found = f"the folder contains {others[0]!r}, which this command does not write"
         raise InputError(found, "choose a new or an empty folder", where)
 
 
 def write_folder(
     folder: Path, files: Mapping[str, str | bytes], names: Collection[str] = ()
 ) -> None:
-    """Make a folder of ``files`` by name, or replace one with no others but ``names``, by a folder
-    beside it that is renamed when all are there."""
+    """Write ``files`` to a new folder, or replace a folder that contains only these and ``names``.
+
+    A temporary folder is renamed when it is complete, so an error leaves the old folder unchanged.
+    """
     check_folder(folder, {*files, *names})
     place = folder.absolute()
     part, old = (
@@ -238,11 +242,11 @@ def write_folder(
 
 
 # -------------------------------------------------------------------------------------------------
-# One look for every figure, the pieces that many share, and how a figure is written.
+# Style and shared parts of the figures, and their output.
 
-# Okabe and Ito's palette without its yellow, which does not print; readers with any colour vision
-# distinguish them. A marker goes with each, for print without colour.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+# Okabe and Ito's palette, which color-blind readers can distinguish, without the yellow, which is
+# invisible in print.  Each color has a marker for prints without color.
+COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 MODEL: dict[str, Any] = {"linestyle": "-", "linewidth": 1.6}
@@ -254,38 +258,38 @@ BAND: dict[str, Any] = {"alpha": 0.25, "linewidth": 0.0}
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Draw in the package's style, also as a decorator; the settings of the process stay."""
+    """Apply the style of the package in a block or a decorated function only."""
     with mpl.rc_context(fname=Path(__file__).with_name("propmap.mplstyle")):
         yield
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Make an empty figure of this size [inches] that lays itself out."""
+    """Return an empty figure of this size [inches] with automatic layout."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def load_panels(height: float, **shared: Any) -> tuple[Figure, Any]:
-    """Make a panel per load, two in a row of this height [inches]; figure and axes (rows, 2)."""
+    """Return a figure with a panel per load, and axes (rows, 2); rows have this height [inches]."""
     rows = -(-len(LOADS) // 2)
     figure = new_figure(8.6, height * rows)
     return figure, figure.subplots(rows, 2, squeeze=False, **shared)
 
 
 def marked(k: int) -> dict[str, Any]:
-    """Give colour and marker number k."""
-    return {"color": COLOURS[k], "marker": MARKERS[k]}
+    """Return color and marker number ``k``."""
+    return {"color": COLORS[k], "marker": MARKERS[k]}
 
 
 def key(label: str, **look: Any) -> Line2D:
-    """Make a line of this look for a legend."""
+    """Return a line with this style for a legend."""
     return Line2D([], [], label=label, **look)
 
 
 def angle_keys(betas: Iterable[float], markersize: float = 0.0, **look: Any) -> list[Line2D]:
-    """Make a line for a legend per angle [rad], with a marker if that has a size."""
+    """Return a legend line for each angle [rad], with a marker unless ``markersize`` is 0."""
     return [
         key(
-            f"β = {np.degrees(beta):.4g}°", color=COLOURS[k],
+            f"β = {np.degrees(beta):.4g}°", color=COLORS[k],
             **({"marker": MARKERS[k], "markersize": markersize} if markersize else {}), **look,
         )
         for k, beta in enumerate(betas)
@@ -293,13 +297,13 @@ def angle_keys(betas: Iterable[float], markersize: float = 0.0, **look: Any) -> 
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], columns: int = 0, **look: Any) -> None:
-    """Put a legend under the panels, in one row unless ``columns`` is given."""
+    """Add a legend below the panels, in one row unless ``columns`` is given."""
     ncols = columns or len(handles)
     figure.legend(handles=handles, loc="outside lower center", ncols=ncols, **look)
 
 
 def legend_in_last(axes: Sequence[Axes], handles: Sequence[Any], label: str) -> None:
-    """Put a legend into the last of 2 x 3 panels, and ``label`` under the lowest of the others."""
+    """Use the last of 2 x 3 panels for a legend; label the x axes at the bottom of each column."""
     for ax in axes[2:5]:
         ax.set_xlabel(label)
         ax.tick_params(labelbottom=True)
@@ -308,21 +312,22 @@ def legend_in_last(axes: Sequence[Axes], handles: Sequence[Any], label: str) -> 
 
 
 def share_of_weight(ax: Axes, weight: float) -> None:
-    """Add a scale on which a force [N] reads as a share of the ``weight`` [N]."""
+    """Add a second y axis that shows forces as a fraction of the ``weight`` [N]."""
     functions: Any = (lambda force: 100.0 * force / weight, lambda share: share * weight / 100.0)
-    ax.secondary_yaxis("right", functions=functions).set_ylabel("share of the weight [%]")
+    ax.secondary_yaxis("right", functions=functions).set_ylabel("fraction of the weight [%]")
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format of the file's ending, whole or not at all."""
+    """Write a figure in the format of the file extension, completely or not at all."""
     kind = path.suffix.lower().removeprefix(".")
     with style(), replacing(path) as part:
         figure.savefig(part, format=kind)
 
 
 def as_svg(figure: Figure) -> bytes:
-    """Make a page's SVG of a figure: letters as outlines, no date or random name, so that it looks
-    alike everywhere and equal figures give equal bytes.
+    """Return a figure as SVG with outlined text, without date and random names.
+
+    The figure looks the same on all machines, and equal figures give equal bytes.
     """
     text = io.BytesIO()
     fixed: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "propmap"}

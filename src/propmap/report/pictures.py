@@ -1,4 +1,4 @@
-"""Pictures: loads, disks, blades, power, missions, responses, mounts and choices of propellers."""
+"""Figures of loads, disks, blades, power, propeller rankings, missions and response surfaces."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from propmap.hover import HoverModel
 from propmap.loads import LOADS
 from propmap.report.html import (
     BAND,
-    COLOURS,
+    COLORS,
     DASHED,
     HOVER,
     MEASURED,
@@ -50,7 +50,8 @@ NEAR_ANGLE = np.radians(0.5)
 
 
 def along(measured: TunnelData, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
-    """Find points within half a degree of ``beta`` [rad] by speed, those at rest if ``at_rest``."""
+    """Return the indices of points within half a degree of ``beta`` [rad], and of points at rest if
+    ``at_rest``, sorted by airspeed."""
     near = np.abs(measured.beta - beta) < NEAR_ANGLE
     mine = np.flatnonzero(near | (at_rest & (measured.speed == 0.0)))
     return mine[np.argsort(measured.speed[mine], kind="stable")]
@@ -67,26 +68,28 @@ def load_curves(
     band: Rotor | None = None,
     band_label: str = "95 % band of the model",
 ) -> Figure:
-    """Draw every load over ``speed`` (n,) [m/s], a curve for each of up to 7 angles [rad], the
-    hover model dashed, measured points at rest with the first; the 95 % band of the rotor ``band``
-    is shaded."""
-    if len(betas) > len(COLOURS):
-        fault = f"{len(betas)} angles make an unreadable picture"
-        raise InputError(fault, f"give at most {len(COLOURS)}")
+    """Draw every load against ``speed`` (n,) [m/s], one curve for each of at most 7 angles [rad].
+
+    The hover model is dashed. Points are ``measured`` loads; those at rest belong to the first
+    angle. The 95 % band of the rotor ``band`` is shaded.
+    """
+    if len(betas) > len(COLORS):
+        fault = f"{len(betas)} angles are too many for one picture"
+        raise InputError(fault, f"give at most {len(COLORS)}")
     found = rotor.loads(omega, speed, np.array(betas)[:, None])
     edges: tuple[Any, ...] = ()
     if band is not None and band.model.uncertainty is not None:
         shaded = found if band is rotor else band.loads(omega, speed, np.array(betas)[:, None])
         edges = shaded.interval()
-    hover = HoverModel.of(rotor).loads(omega)
+    hover = HoverModel.from_rotor(rotor).loads(omega)
     figure, axes = load_panels(3.3, sharex=True)
     for ax, load in zip(axes.ravel(), LOADS.values(), strict=True):
         ax.axhline(float(hover[load.name]), **HOVER)
         for k, curve in enumerate(getattr(found, load.name)):
-            ax.plot(speed, curve, color=COLOURS[k], **MODEL)
+            ax.plot(speed, curve, color=COLORS[k], **MODEL)
             if edges:
                 ends = [getattr(edge, load.name)[k] for edge in edges]
-                ax.fill_between(speed, *ends, color=COLOURS[k], **BAND)
+                ax.fill_between(speed, *ends, color=COLORS[k], **BAND)
         if measured is not None and load.name in measured.loads:
             for k, beta in enumerate(betas):
                 mine = along(measured, beta, at_rest=k == 0)
@@ -95,7 +98,7 @@ def load_curves(
         ax.set_ylabel(load.title)
         ax.margins(x=0.02)
     for ax in axes[-1]:
-        ax.set_xlabel("flight speed V [m/s]")
+        ax.set_xlabel("airspeed V [m/s]")
     model = rotor.model
     title = f"{model.propeller.name}, airfoil {model.law_title}, {omega / RPM:.0f} rpm"
     figure.suptitle(title if measured is None else f"{title}\npoints: {measured.source}")
@@ -107,16 +110,18 @@ def load_curves(
     return figure
 
 
-STALL: dict[str, Any] = {"color": COLOURS[1], "linewidth": 1.6, "linestyle": "solid"}
+STALL: dict[str, Any] = {"color": COLORS[1], "linewidth": 1.6, "linestyle": "solid"}
 REVERSE: dict[str, Any] = {"color": "white", "linewidth": 1.6, "linestyle": "dashed"}
 ARROW: dict[str, Any] = {"arrowstyle": "-|>", "color": "0.2", "mutation_scale": 12.0}
 
 
 @style()
 def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figure:
-    """Draw the angle of attack at a point [rad/s], [m/s], [rad] over a disk that turns
-    counter-clockwise, seen from above, flight upwards; ``InputError`` where the inflow did not
-    converge everywhere."""
+    """Draw the angle of attack over the disk at an operating point [rad/s], [m/s], [rad].
+
+    The disk is seen from above, turns counter-clockwise and flies upward.  Raise ``InputError`` if
+    the inflow did not converge everywhere.
+    """
     blade = rotor.model.propeller
     radius = np.linspace(*rotor.model.span, 160)
     azimuth = np.radians(np.linspace(0.0, 360.0, 361))
@@ -124,11 +129,11 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
     if not np.isfinite(field.alpha).all():
         found = "the inflow did not converge everywhere on the disk"
         raise InputError(found, "choose another operating point")
-    # Placed by hand: what is written around a polar plot is not laid out automatically.
+    # The automatic layout ignores labels around polar plots, so the axes have fixed places.
     figure = Figure(figsize=(9.2, 5.4))
     disk: Any = figure.add_axes((0.05, 0.15, 0.40, 0.66), projection="polar")
     degrees = np.degrees(field.alpha)
-    # In reverse flow alpha runs to +-180 deg; the colours are for the rest of the disk.
+    # In reverse flow alpha reaches +-180 deg; the color scale covers the rest of the disk.
     rest = degrees[~field.reverse] if not field.reverse.all() else degrees
     low, high = np.floor(np.percentile(rest, 1.0)), np.ceil(np.percentile(rest, 99.0))
     disk.set_theta_zero_location("S")
@@ -146,9 +151,9 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
     inflow = figure.add_axes((0.69, 0.52, 0.29, 0.37))
     thrust = figure.add_axes((0.69, 0.10, 0.29, 0.37), sharex=inflow)
     inflow.tick_params(labelbottom=False)
-    inflow.plot(MM * radius, field.inflow, color=COLOURS[0])
+    inflow.plot(MM * radius, field.inflow, color=COLORS[0])
     inflow.set_ylabel("inflow $v_i$ [m/s]")
-    thrust.plot(MM * radius, field.thrust_per_radius, color=COLOURS[0])
+    thrust.plot(MM * radius, field.thrust_per_radius, color=COLORS[0])
     thrust.set(ylabel="thrust dT/dy [N/m]", xlabel="radius y [mm]")
     figure.suptitle(
         f"{blade.name}, airfoil {rotor.model.law_title}: {omega / RPM:.0f} rpm, "
@@ -158,8 +163,8 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
 
 
 def _regions(ax: Any, field: Inflow) -> list[Line2D]:
-    """Outline stall and reverse flow, and give handles for the legend."""
-    # Smooth fields whose zero is the boundary make smoother outlines than the regions.
+    """Outline stall and reverse flow, and return handles for the legend."""
+    # Zero contours of continuous fields are smoother than outlines of the Boolean regions.
     regions = (
         ("stalled", field.stalled, field.past_stall, STALL),
         ("reverse flow", field.reverse, field.u_tangential, REVERSE),
@@ -173,21 +178,21 @@ def _regions(ax: Any, field: Inflow) -> list[Line2D]:
                 field.azimuth, MM * field.radius, boundary, [0.0], colors=look["color"],
                 linewidths=look["linewidth"], linestyles=look["linestyle"],
             )  # fmt: skip
-        colour = "0.5" if look["color"] == "white" else look["color"]
+        color = "0.5" if look["color"] == "white" else look["color"]
         label = f"{name}: {100.0 * share_of_disk(field, region):.2g} % of the disk"
-        handles.append(Line2D([], [], **{**look, "color": colour}, label=label))
+        handles.append(Line2D([], [], **{**look, "color": color}, label=label))
     return handles
 
 
 def share_of_disk(field: Inflow, region: NDArray[np.bool_]) -> float:
-    """Compute the share of the annulus from root to tip that a region covers [-]."""
+    """Return the fraction of the disk from root to tip that a region covers [-]."""
     around = region[:, :-1].mean(axis=1)
     area = np.trapezoid(around * field.radius, field.radius)
     return float(area / np.trapezoid(field.radius, field.radius))
 
 
 def _directions(ax: Any, tip: float, *, oblique: bool) -> None:
-    """Name the sides, and draw arrows for the rotation and the flight."""
+    """Label the sides, and draw arrows for the rotation and the flight direction."""
     sides = (" advancing", " retreating") if oblique else ("", "")
     label: dict[str, Any] = {"transform": ax.transAxes, "ha": "center", "va": "center"}
     ax.text(0.5, -0.035, "ψ = 0°", **label)
@@ -208,22 +213,22 @@ def _directions(ax: Any, tip: float, *, oblique: bool) -> None:
         ax.text(0.53, 1.12, "flight", transform=ax.transAxes, va="center")
 
 
-WIDTH = 7.2  # of the figure [inches]
+WIDTH = 7.2  # width of the figure [inches]
 
 
 @style()
 def planform(propeller: Propeller) -> Figure:
-    """Draw outline, chord and twist; the outline is about mid-chord, as the model has no sweep."""
+    """Draw outline (centered on mid-chord, because the model has no sweep), chord and twist."""
     station, chord, root = 1e3 * propeller.station, 1e3 * propeller.chord, 1e3 * propeller.root
     tip = 1e3 * propeller.radius
     loaded = np.union1d(station[station > root], [root])
     half = 0.5 * np.interp(loaded, station, chord)
-    # Heights [inches] such that the outline, to scale, fills its panel's width.
+    # Height [inches] at which the outline, drawn to scale, fills the width of its panel.
     height = 1.2 * WIDTH * chord.max() / station[-1]
     figure = new_figure(WIDTH, height + 4.4)
     outline, chords, twists = figure.subplots(3, 1, sharex=True, height_ratios=(height, 1.7, 1.7))
     outline.fill_between(station, -0.5 * chord, 0.5 * chord, color="0.9", linewidth=0.0)
-    outline.fill_between(loaded, -half, half, color=COLOURS[5], alpha=0.6, linewidth=0.0)
+    outline.fill_between(loaded, -half, half, color=COLORS[5], alpha=0.6, linewidth=0.0)
     for side in (-0.5, 0.5):
         outline.plot(station, side * chord, color="0.2", linewidth=1.0)
     outline.axvline(root, color="0.4", linewidth=1.0, linestyle=":")
@@ -231,18 +236,18 @@ def planform(propeller: Propeller) -> Figure:
     outline.set_aspect("equal", adjustable="box")
     outline.set_ylabel("outline [mm]")
     points = {"marker": "o", "markersize": 3.0}
-    chords.plot(station, chord, color=COLOURS[0], **points)
+    chords.plot(station, chord, color=COLORS[0], **points)
     chords.set(ylabel="chord c [mm]", ylim=(0.0, None))
-    twists.plot(station, np.degrees(propeller.twist), color=COLOURS[1], **points)
+    twists.plot(station, np.degrees(propeller.twist), color=COLORS[1], **points)
     twists.set(ylabel="twist θ [deg]", xlabel="radius y [mm]", xlim=(0.0, 1.02 * station[-1]))
     upper = outline.secondary_xaxis("top", functions=(lambda y: y / tip, lambda x: x * tip))
     upper.set_xlabel("y/R")
     number = f"{propeller.blades} blades" if propeller.blades > 1 else "1 blade"
-    figure.suptitle(f"{propeller.name}: {number}, R = {tip:.4g} mm, loaded from {root:.4g} mm")
+    figure.suptitle(f"{propeller.name}: {number}, R = {tip:.4g} mm, root at {root:.4g} mm")
     return figure
 
 
-WIDE = NormalDist().inv_cdf(0.975)  # standard deviations on either side of a 95 % band
+WIDE = NormalDist().inv_cdf(0.975)  # half width of a 95 % band in standard deviations
 
 
 @style()
@@ -253,19 +258,21 @@ def power_curves(
     found: Performance | None = None,
     sure: Sequence[StateChange | None] = (),
 ) -> Figure:
-    """Draw power, pitch, rotor speeds and thrust margin over speed for up to 7 climb rates of
-    ``flown``, the ``hover`` model's dashed, with bands of 95 % where ``sure`` knows, and marks on
-    the states of ``found``."""
-    if len(flown) > len(COLOURS):
-        fault = f"{len(flown)} climb rates make an unreadable picture"
-        raise InputError(fault, f"give at most {len(COLOURS)}")
+    """Draw power, pitch, rotor speeds and thrust margin against airspeed.
+
+    ``flown`` contains up to 7 climb rates, ``hover`` the same states with the hover model (dashed),
+    ``sure`` their standard deviations for 95 % bands.  Symbols mark the named states of ``found``.
+    """
+    if len(flown) > len(COLORS):
+        fault = f"{len(flown)} climb rates are too many for one picture"
+        raise InputError(fault, f"give at most {len(COLORS)}")
     figure = new_figure(8.6, 6.2)
     axes = figure.subplots(2, 2, sharex=True)
     power, pitch, speed, margin = axes.ravel()
     bands = sure or [None] * len(flown)
-    for states, still, known, colour in zip(flown, hover, bands, COLOURS, strict=False):
+    for states, still, known, color in zip(flown, hover, bands, COLORS, strict=False):
         v = states.speed
-        same: dict[str, Any] = {"color": colour}
+        same: dict[str, Any] = {"color": color}
         both = bool(np.isfinite(states.electrical_power).any())
         power.plot(v, states.power, **MODEL, **same)
         if both:
@@ -294,14 +301,14 @@ def power_curves(
             ax.plot(v, values, **look)
     margin.axhline(1.0, color="0.5", linewidth=0.8)
     electric = bool(np.isfinite(flown[0].electrical_power).any())
-    power.set_ylabel("electrical power (thin: shafts) [W]" if electric else "shaft power [W]")
+    power.set_ylabel("electrical power (thin: shaft power) [W]" if electric else "shaft power [W]")
     pitch.set_ylabel("pitch, nose down [deg]")
     speed.set_ylabel("slowest and fastest rotor [1/min]")
-    margin.set_ylabel("thrust at the first limit / thrust [-]")
+    margin.set_ylabel("thrust at first limit / required [-]")
     power.set_ylim(bottom=0.0)
     margin.set_ylim(bottom=0.0)
     for ax in (margin, speed):
-        ax.set_xlabel("horizontal speed through the air [m/s]")
+        ax.set_xlabel("horizontal airspeed [m/s]")
     if found is not None:
         slowest, fastest = found.states.speed[[0, -1]]
         look = {"color": "black", "markersize": 5.0}
@@ -314,30 +321,33 @@ def power_curves(
     figure.suptitle(title)
     climbs = [float(states.climb[0]) for states in flown]
     keys: list[Any] = [
-        key(f"climb {c:g} m/s" if c or len(climbs) > 1 else "this model", color=colour, **MODEL)
-        for c, colour in zip(climbs, COLOURS, strict=False)
+        key(f"climb {c:g} m/s" if c or len(climbs) > 1 else "this model", color=color, **MODEL)
+        for c, color in zip(climbs, COLORS, strict=False)
     ]
     keys.append(key("hover model", **(HOVER if len(flown) == 1 else {**DASHED, "color": "0.35"})))
     if any(each is not None for each in bands):
-        keys.append(Patch(label="95 % of what is likely", color="0.4", **BAND))
+        keys.append(Patch(label="95 % band", color="0.4", **BAND))
     legend_below(figure, keys)
     return figure
 
 
-NAMED = 3  # of the ranking's best that are named beside those of the front
+NAMED = 3  # number of top-ranked propellers to number, in addition to the names of the front
 
 
 @style()
 def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int]) -> Figure:
-    """Draw a point for each feasible propeller of a ranking, best first, and join those in
-    ``front``, that no other beats in hover power and top speed."""
+    """Draw top speed against hover power for the suitable propellers of a ranking.
+
+    ``judged`` lists the best first.  A line joins the Pareto front ``front``: no other propeller is
+    better in both quantities.
+    """
     figure = new_figure(8.6, 5.6)
     ax = figure.subplots()
     drawn = [k for k, one in enumerate(judged) if one.feasible and np.isfinite(one.top_speed)]
     power = [judged[k].hover_power for k in drawn]
-    ax.plot(power, [judged[k].top_speed for k in drawn], "o", color=COLOURS[5], markersize=4.0)
+    ax.plot(power, [judged[k].top_speed for k in drawn], "o", color=COLORS[5], markersize=4.0)
     along = [judged[k].hover_power for k in front], [judged[k].top_speed for k in front]
-    ax.plot(*along, "-o", color=COLOURS[1], markersize=5.0, linewidth=1.2)
+    ax.plot(*along, "-o", color=COLORS[1], markersize=5.0, linewidth=1.2)
     best = [k for k in range(min(NAMED, len(judged))) if k in drawn]
     for rank, k in enumerate(best, start=1):
         ax.plot(
@@ -360,14 +370,14 @@ def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int])
             va="bottom" if up else "top",
         )
     ax.margins(0.12)
-    ax.set(xlabel="power in hover [W]", ylabel="top speed [m/s]")
+    ax.set(xlabel="hover power [W]", ylabel="top speed [m/s]")
     figure.suptitle(title)
     legend_below(
         figure,
         [
-            key("feasible", color=COLOURS[5], marker="o", linestyle="none", markersize=4.0),
-            key("no other is better in both", color=COLOURS[1], marker="o", markersize=5.0),
-            key("best of the ranking", color="black", marker="s", linestyle="none",
+            key("suitable", color=COLORS[5], marker="o", linestyle="none", markersize=4.0),
+            key("Pareto front", color=COLORS[1], marker="o", markersize=5.0),
+            key("top of the ranking", color="black", marker="s", linestyle="none",
                 fillstyle="none", markersize=8.0),
         ],
     )  # fmt: skip
@@ -376,21 +386,21 @@ def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int])
 
 @style()
 def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
-    """Draw speed, power, charge and voltage over time; shaded where the mission cannot go on."""
+    """Draw airspeed, power, charge and voltage against time; shade what cannot be flown."""
     figure = new_figure(8.6, 5.4)
     axes = figure.subplots(2, 2, sharex=True)
     motion, power, charge, voltage = axes.ravel()
     time = flown.course.time / 60.0
     over = time[:, [0, -1]].ravel()
-    motion.plot(over, np.repeat(legs.speed, 2), color=COLOURS[0], **MODEL)
-    motion.plot(over, np.repeat(legs.climb, 2), color=COLOURS[1], **DASHED)
-    motion.set_ylabel("speed; climb [m/s]")
-    power.plot(over, np.repeat(flown.states.power, 2), color=COLOURS[0], **MODEL)
+    motion.plot(over, np.repeat(legs.speed, 2), color=COLORS[0], **MODEL)
+    motion.plot(over, np.repeat(legs.climb, 2), color=COLORS[1], **DASHED)
+    motion.set_ylabel("airspeed; climb rate [m/s]")
+    power.plot(over, np.repeat(flown.states.power, 2), color=COLORS[0], **MODEL)
     power.set(ylabel="power [W]", ylim=(0.0, 1.1 * max(power.get_ylim()[1], 1.0)))
-    charge.plot(time.ravel(), 100.0 * flown.course.charge.ravel(), color=COLOURS[0], **MODEL)
+    charge.plot(time.ravel(), 100.0 * flown.course.charge.ravel(), color=COLORS[0], **MODEL)
     charge.set(ylabel="state of charge [%]", ylim=(0.0, 105.0))
-    voltage.plot(time.ravel(), flown.course.voltage.ravel(), color=COLOURS[0], **MODEL)
-    voltage.set_ylabel("battery's voltage [V]")
+    voltage.plot(time.ravel(), flown.course.voltage.ravel(), color=COLORS[0], **MODEL)
+    voltage.set_ylabel("battery voltage [V]")
     for ax in (charge, voltage):
         ax.set_xlabel("time [min]")
     lost = ~flown.lasted
@@ -400,8 +410,8 @@ def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
             ax.axvspan(end, time[-1, -1], color="0.92", linewidth=0.0)
     figure.suptitle(title)
     keys = [
-        key("speed, power, charge, voltage", color=COLOURS[0], **MODEL),
-        key("climb", color=COLOURS[1], **DASHED),
+        key("airspeed, power, charge, voltage", color=COLORS[0], **MODEL),
+        key("climb rate", color=COLORS[1], **DASHED),
     ]
     if lost.any():
         keys.append(key("cannot be flown", color="0.88", linewidth=8.0))
@@ -409,7 +419,7 @@ def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
     return figure
 
 
-GRID = 80  # values along each axis
+GRID = 80  # number of values along each axis
 
 
 @style()
@@ -422,9 +432,11 @@ def response_picture(
     rows: dict[str, Floats],
     values: Floats,
 ) -> Figure:
-    """Draw contours of a quantity called ``label`` over two ``axes``, the others at the middle,
-    with dots of all designs ``rows`` (n,); beside it the surface against the computed ``values``
-    (n,)."""
+    """Draw contours of a response surface over two ``axes``, and its error at the designs.
+
+    ``label`` names the quantity.  Other variables have their middle value.  Dots are the designs
+    ``rows`` (n,); the second panel compares the surface with their computed ``values`` (n,).
+    """
     figure = new_figure(9.6, 4.6)
     ax, check = figure.subplots(1, 2, width_ratios=(1.35, 1.0))
     ends = [(rows[name].min(), rows[name].max()) for name in axes]
@@ -442,17 +454,17 @@ def response_picture(
     ax.plot(rows[axes[0]], rows[axes[1]], ".", color="black", markersize=2.5, alpha=0.6)
     ax.set(xlabel=labels[0], ylabel=labels[1])
     rest = [f"{n.replace('_', ' ')} {v:.3g}" for n, v in middle.items() if n not in axes]
-    notes = [f"surface at {', '.join(rest)}", "dots: designs, at any of these"] if rest else []
+    notes = [f"surface at {', '.join(rest)}", "dots: all designs"] if rest else []
     ax.set_title("\n".join(notes), fontsize=8.0)
     check.plot(values, surface(rows), ".", markersize=3.5)
     line = [np.nanmin(values), np.nanmax(values)]
     check.plot(line, line, color="0.35", linewidth=0.9)
-    check.set(xlabel=f"computed: {label}", ylabel="by the quadratic, fitted to them")
+    check.set(xlabel=f"computed: {label}", ylabel=f"quadratic fit: {label}")
     spread = float(np.nanstd(values))
     unit = label[label.find("[") + 1 : -1]
     share = f", {100.0 * surface.left_out_rms / spread:.2g} % of the spread" if spread else ""
     check.set_title(
-        f"rms error of designs left out: {surface.left_out_rms:.2g} {unit}{share}", fontsize=8.0
+        f"rms error at left-out designs: {surface.left_out_rms:.2g} {unit}{share}", fontsize=8.0
     )
     figure.suptitle(title)
     return figure

@@ -1,4 +1,4 @@
-"""The page on a table: its envelope, loads, errors, and what a hover model would miss."""
+"""The report on a table: envelope, certificate, loads, and errors of the hover model."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ from propmap.typing import Floats
 from propmap.units import RPM
 
 NAMES = np.array(STATUSES)
-SPEEDS, ANGLES = 121, 91  # of curves and maps
-CURVES = (0.0, 45.0, 90.0, 135.0, 180.0)  # [deg], where the envelope has them
+SPEEDS, ANGLES = 121, 91  # number of values in curves and maps
+CURVES = (0.0, 45.0, 90.0, 135.0, 180.0)  # [deg], if within the envelope
 FLOWS = (
     ("climb and fast cruise", 0.0, 60.0),
     ("level flight", 60.0, 100.0),
     ("descent", 100.0, 181.0),
 )  # parts of the envelope by angle [deg]
 HOVER_LOADS = ("thrust", "torque")
-BANDS = 5  # of the speeds, in which the hover model is judged
-OFF = (0.05, 0.1)  # shares of the static thrust by which the hover model is said to be off
+BANDS = 5  # number of airspeed ranges in which the hover model is judged
+OFF = (0.05, 0.1)  # limits of the thrust error of the hover model, relative to static thrust
 
 
 def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
-    """Make all files of the page on a table by name; ``where`` names its file."""
+    """Return all files of the report on a table by name; ``where`` is the path of the table."""
     info, found = table.info, table.certificate
     parameters, law = info.get("parameter_uncertainty") or {}, info.get("airfoil") or {}
     (w0, w1), speeds, betas = table.envelope.values()
-    omega = float(np.sqrt(w0 * w1))  # the geometric middle
+    omega = float(np.sqrt(w0 * w1))  # geometric mean
     rest = table.loads(omega, 0.0, betas[0])
     still = {
         load.name: 0.0 if load.inplane else float(getattr(rest, load.name))
@@ -51,10 +51,10 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
     everywhere = table.loads(*points)
     lines = load_lines(table, omega, still)
     records = [table_cells(table), lines, load_maps(table, omega)]
-    judgement: dict[str, Any] = {}
+    judgment: dict[str, Any] = {}
     if all(still[name] > 0.0 for name in HOVER_LOADS) and np.isfinite(everywhere.thrust).any():
         constants = {name: still[name] / omega**2 for name in HOVER_LOADS}
-        record, judgement = hover_errors(lines, points, everywhere, constants)
+        record, judgment = hover_errors(lines, points, everywhere, constants)
         records.append(record)
     values = {}
     if found:
@@ -79,7 +79,7 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
         rpm=f"{omega / RPM:.0f} rpm",
         shares=_shares(everywhere.code),
         by_angle=_by_angle(points[2], everywhere.code),
-        judgement=judgement,
+        judgment=judgment,
         certificate=found,
         parameters=parameters,
         envelope=(w0 / RPM, w1 / RPM, *speeds, *np.degrees(betas)),
@@ -92,7 +92,7 @@ def _shares(code: NDArray[np.uint8]) -> dict[str, float]:
 
 
 def _by_angle(beta: Floats, code: NDArray[np.uint8]) -> list[tuple[str, ...]]:
-    """Tabulate the statuses' shares [%] of each part of the envelope."""
+    """Return table rows with the fraction [%] of each status by range of angles."""
     degrees, rows = np.degrees(beta), []
     for name, low, high in FLOWS:
         mine = (degrees >= low) & (degrees < high)
@@ -104,7 +104,7 @@ def _by_angle(beta: Floats, code: NDArray[np.uint8]) -> list[tuple[str, ...]]:
 
 
 def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[html.FigureRecord, str]:
-    """Record errors by load as shares of static loads, and where they are largest; with heads."""
+    """Return the errors by load relative to static loads with their operating points, and heads."""
     errors = {"largest": found["max_error"], "rms": found["rms_error"]}
     if found["unresolved_cells"]:
         errors["largest, unresolved"] = found["unresolved_max_error"]
@@ -121,8 +121,10 @@ def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[html
         rows.append((load, *shares, *place))
         shown = [html.number(100.0 * share, 2) for share in shares]
         cells.append((title, *shown, *(html.number(value, 4) for value in place)))
-    heads = ["error, as a share of", *(f"{name} [%]" for name in errors)]
-    heads += [f"largest at [{unit}]" for unit in PLACE.values() if places]
+    named = (name.replace("by the parameters", "std. dev. from constants") for name in errors)
+    heads = ["error / reference"]
+    heads += [f"{name.replace('95 %', '95th percentile')} [%]" for name in named]
+    heads += [f"location of largest [{unit}]" for unit in PLACE.values() if places]
     columns = html.columns_of(" ".join(["load", *slugs, *at]), rows)
     return html.FigureRecord("table-certificate", columns, cells=cells), "|".join(heads)
 
@@ -132,14 +134,14 @@ def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[html
 
 KINDS = {
     OK: ("certified", "#e8eef2"),
-    VORTEX_RING: ("vortex ring: certified, but the theory is not valid there", html.COLOURS[5]),
-    UNRESOLVED: ("unresolved: the loads jump", html.COLOURS[1]),
+    VORTEX_RING: ("vortex ring: certified, but the theory is not valid", html.COLORS[5]),
+    UNRESOLVED: ("unresolved: the loads jump", html.COLORS[1]),
     NO_VALUE: ("no value", "0.55"),
 }
 
 
 def table_cells(table: LoadTable) -> html.FigureRecord:
-    """Record the cells that are not certified; the picture has all, coloured by their status."""
+    """Return the cells with a status other than "ok"; the figure shows all cells."""
     content, (rank, codes) = table.content, cell_ranks(table)
     beta = np.degrees(content.beta)
 
@@ -150,7 +152,7 @@ def table_cells(table: LoadTable) -> html.FigureRecord:
         ax.grid(visible=False)
         ax.pcolormesh(
             content.advance, beta, rank.T, vmin=-0.5, vmax=len(KINDS) - 0.5,
-            cmap=ListedColormap([colour for _, colour in KINDS.values()]), shading="flat",
+            cmap=ListedColormap([color for _, color in KINDS.values()]), shading="flat",
             rasterized=True,
         )  # fmt: skip
         for omega in (w0, float(np.sqrt(w0 * w1)), w1):
@@ -168,7 +170,7 @@ def table_cells(table: LoadTable) -> html.FigureRecord:
             ax.set_yticks(np.arange(30 * np.ceil(beta[0] / 30.0), beta[-1] + 1.0, 30.0))
         look: dict[str, Any] = {"edgecolor": "0.5", "linewidth": 0.5}
         there = [kind for code, kind in KINDS.items() if (codes == code).any()]
-        handles = [Patch(facecolor=colour, label=label, **look) for label, colour in there]
+        handles = [Patch(facecolor=color, label=label, **look) for label, color in there]
         html.legend_below(figure, handles, columns=2)
         return figure
 
@@ -184,8 +186,8 @@ def table_cells(table: LoadTable) -> html.FigureRecord:
 
 
 def cell_ranks(table: LoadTable) -> tuple[np.ndarray, np.ndarray]:
-    """Give each cell's place in ``KINDS`` and its status, ``NO_VALUE`` where a corner has none; (n
-    - 1, m - 1) by advance ratio and angle."""
+    """Return the index in ``KINDS`` and the status of each cell, (n - 1, m - 1) by advance ratio
+    and angle; the status is ``NO_VALUE`` if a corner has no value."""
     lost: Any = np.isnan(table.content.coefficients).any(axis=(0, 1))
     corners = lost[:-1, :-1] | lost[1:, :-1] | lost[:-1, 1:] | lost[1:, 1:]
     codes = np.where(corners, np.uint8(NO_VALUE), cell_codes(table.content))
@@ -197,7 +199,7 @@ def cell_ranks(table: LoadTable) -> tuple[np.ndarray, np.ndarray]:
 
 
 def load_lines(table: LoadTable, omega: float, still: dict[str, float]) -> html.FigureRecord:
-    """Record loads over speed at ``omega`` [rad/s], a curve per angle, beside the hover model's."""
+    """Return loads over airspeed at ``omega`` [rad/s], a curve per angle, and the hover model."""
     _, ends, (low, high) = table.envelope.values()
     speed = np.linspace(*ends, SPEEDS)
     inside = [a for a in np.radians(CURVES) if low - 1e-9 <= a <= high + 1e-9]
@@ -225,13 +227,13 @@ def load_lines(table: LoadTable, omega: float, still: dict[str, float]) -> html.
             for k, one in enumerate(groups):
                 ring, values = one["status"] == NAMES[VORTEX_RING], one[load.column]
                 solid, dotted = np.where(ring, np.nan, values), np.where(ring, values, np.nan)
-                ax.plot(speed, solid, color=html.COLOURS[k], **html.MODEL)
-                ax.plot(speed, dotted, color=html.COLOURS[k], linestyle=":", linewidth=1.1)
+                ax.plot(speed, solid, color=html.COLORS[k], **html.MODEL)
+                ax.plot(speed, dotted, color=html.COLORS[k], linestyle=":", linewidth=1.1)
                 _mark(ax, k, speed, values)
             ax.set_ylabel(load.title)
             ax.margins(x=0.02)
         for ax in axes[-1]:
-            ax.set_xlabel("flight speed V [m/s]")
+            ax.set_xlabel("airspeed V [m/s]")
         keys = html.angle_keys(betas, markersize=4.0, **html.MODEL)
         html.legend_below(figure, [*keys, html.key("hover model", **html.HOVER)])
         return figure
@@ -240,13 +242,13 @@ def load_lines(table: LoadTable, omega: float, still: dict[str, float]) -> html.
 
 
 def _mark(ax: Axes, k: int, speed: Floats, values: Floats) -> None:
-    """Put some markers on curve ``k``: the curves of axial flow lie on each other."""
+    """Add markers to curve ``k``, because in-plane loads of axial flow coincide at zero."""
     every = slice(6 + 3 * k, None, 24)
     ax.plot(speed[every], values[every], markersize=4.0, linestyle="none", **html.marked(k))
 
 
 def load_maps(table: LoadTable, omega: float) -> html.FigureRecord:
-    """Record loads over speed and angle at ``omega`` [rad/s]; the vortex ring is hatched."""
+    """Return loads over airspeed and angle at ``omega`` [rad/s]; hatched: vortex ring."""
     _, speeds, betas = table.envelope.values()
     speed, beta = np.linspace(*speeds, SPEEDS), np.linspace(*betas, ANGLES)
     found = table.loads(omega, speed[:, None], beta)
@@ -267,7 +269,7 @@ def load_maps(table: LoadTable, omega: float) -> html.FigureRecord:
             if loose.any():
                 ax.contourf(speed, degrees, loose, [0.5, 1.5], colors="black")
         for ax in axes[-1]:
-            ax.set_xlabel("flight speed V [m/s]")
+            ax.set_xlabel("airspeed V [m/s]")
         for ax in axes[:, 0]:
             ax.set_ylabel("angle β [deg]")
         return figure
@@ -288,9 +290,11 @@ def hover_errors(
     found: Any,
     constants: Mapping[str, float],
 ) -> tuple[html.FigureRecord, dict[str, Any]]:
-    """Record the hover model, ``constants`` times Omega^2, less the table along ``lines``, and
-    judge it by the loads ``found`` at ``points``, a row per band of speed in shares of the static
-    load, the drag's of the thrust."""
+    """Return the error of the hover model (``constants`` times Omega^2) and a judgment.
+
+    The curves follow ``lines``.  The table rows compare the loads ``found`` at ``points`` by
+    airspeed range, relative to the static load, drag to static thrust.
+    """
     groups: list[dict[str, Any]] = []
     for one in lines.groups:
         groups.append({name: one[name] for name in ("beta_deg", "speed_mps", "rpm")})
@@ -305,10 +309,10 @@ def hover_errors(
             ax.axhline(0.0, color="0.4", linewidth=0.8)
             for k, one in enumerate(groups):
                 off = 100.0 * one[f"{name}_error_share"]
-                ax.plot(one["speed_mps"], off, color=html.COLOURS[k], **look)
+                ax.plot(one["speed_mps"], off, color=html.COLORS[k], **look)
                 _mark(ax, k, one["speed_mps"], off)
-            ax.set_ylabel(f"hover model less table, {name} [% of static]")
-            ax.set_xlabel("flight speed V [m/s]")
+            ax.set_ylabel(f"hover model minus table, {name} [% of static]")
+            ax.set_xlabel("airspeed V [m/s]")
             ax.margins(x=0.02)
         betas = np.radians([one["beta_deg"] for one in groups])
         html.legend_below(figure, html.angle_keys(betas, markersize=4.0, **look))
@@ -331,10 +335,12 @@ def hover_errors(
         sizes.append(int(mine.sum()))
         beyond.append(off[0])
         good += [high] if off[0] < OFF[0] else []
-    level, word = ("caution", "Only in slow flight") if good else ("bad", "No")
+    level, word = "bad", "The hover model is not accurate"
+    if good:
+        level, word = "caution", "The hover model is accurate in slow flight only"
     if len(good) == len(cells):
-        level, word = "good", "Yes, for thrust"
-    judgement = {"level": level, "word": word, "off": float(np.average(beyond, weights=sizes))}
+        level, word = "good", "The hover model is accurate for thrust"
+    judgment = {"level": level, "word": word, "off": float(np.average(beyond, weights=sizes))}
     if level == "caution":
-        judgement["speed"] = good[-1]
-    return html.FigureRecord("table-hover", groups, draw, cells), judgement
+        judgment["speed"] = good[-1]
+    return html.FigureRecord("table-hover", groups, draw, cells), judgment

@@ -1,4 +1,4 @@
-"""The page on what each term of a flight fit is worth, and the files beside it."""
+"""The report on the benefit of each term of a flight fit, as a page and files."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
 
 AXES = ("x", "y", "z")
+VERDICTS = {"pays": "lower error", "makes it worse": "higher error"}  # page labels
 HOVER_MODEL, PREDICTION = "hover model", "prediction in the file"
 
 StepErrors = Mapping[tuple[str, str, bool, bool], Floats]
-"""Rms errors along x, y, z (3,) [N], by model, flight, as recorded?, fitted to that flight?"""
+"""Rms errors along x, y, z (3,) [N] by model, flight, whether unfiltered, whether fitted."""
 
 
 def terms_pages(
@@ -29,8 +30,10 @@ def terms_pages(
     samples: int,
     remarks: Sequence[str],
 ) -> dict[str, str | bytes]:
-    """Make all files of the page by name from what ``fit_terms`` found of signals below
-    ``low_pass`` [Hz], ``samples`` at most in a fit."""
+    """Return all files of the report by name; ``found`` is the result of ``fit_terms``.
+
+    The signals are low-passed at ``low_pass`` [Hz]; a fit uses at most ``samples`` samples.
+    """
     off, worths = step_errors(vehicle, flights, found), worth(flights, found)
     alone, steps = len(flights) == 1, steps_of(found)
     names = [f.name for f in flights]
@@ -70,7 +73,8 @@ def terms_pages(
                 "fit-terms-worth",
                 html.columns_of("step verdict fall_N2 standard_deviation_N2", worths),
                 cells=[
-                    (step, word, html.number(a), html.number(b, 2)) for step, word, a, b in worths
+                    (step, VERDICTS.get(word, "not significant"), html.number(a), html.number(b, 2))
+                    for step, word, a, b in worths
                 ],
             ),
         ],
@@ -95,7 +99,7 @@ def terms_pages(
 def errors_by_step(
     off: StepErrors, flights: Sequence[str], steps: Sequence[str]
 ) -> html.FigureRecord:
-    """Record the errors along each axis as terms are added: the filled ones were not fitted."""
+    """Return the errors along each axis by step; filled markers are held-out flights."""
     several = len(flights) > 1
     predicted = any(model == PREDICTION for model, *_ in off)
 
@@ -105,7 +109,7 @@ def errors_by_step(
         place = np.arange(len(steps))
         for axis, ax in enumerate(panels):
             for k, flight in enumerate(flights):
-                look = html.marked(k % len(html.COLOURS))
+                look = html.marked(k % len(html.COLORS))
                 kept = [off[step, flight, False, not several][axis] for step in steps]
                 ax.plot(kept, place, linewidth=1.4, markersize=5.0, **look)
                 if several:
@@ -118,12 +122,12 @@ def errors_by_step(
         panels[0].set_yticks(place, steps)
         panels[0].invert_yaxis()
         keys = [
-            html.key(flight, linewidth=1.4, **html.marked(k % len(html.COLOURS)))
+            html.key(flight, linewidth=1.4, **html.marked(k % len(html.COLORS)))
             for k, flight in enumerate(flights)
         ]
         if several:
             hollow = {"color": "0.35", "marker": "o", "markerfacecolor": "white"}
-            keys.append(html.key("fitted to it", linestyle=":", **hollow))
+            keys.append(html.key("fitted flights", linestyle=":", **hollow))
         if predicted:
             keys.append(html.key(PREDICTION, **html.HOVER))
         html.legend_below(figure, keys)
@@ -140,7 +144,7 @@ def errors_by_step(
 def step_errors(
     vehicle: Vehicle, flights: Sequence[RecordedFlight], found: Sequence[FittedStep]
 ) -> StepErrors:
-    """Collect errors flight by flight: hover model, steps in order, the data's own prediction."""
+    """Return the errors by flight: hover model, all steps, prediction in the file."""
     off: dict[tuple[str, str, bool, bool], Floats] = {}
     for k, flight in enumerate(flights):
         hover = found[-1].hover[k]
@@ -163,8 +167,8 @@ def step_errors(
 def worth(
     flights: Sequence[RecordedFlight], found: Sequence[FittedStep]
 ) -> list[tuple[str, str, float, float]]:
-    """Judge each step but the first on flights that its fits have not seen, or on the only one:
-    name, verdict, fall of the force's mean square error and its deviation [N^2]."""
+    """Return name, verdict, reduction of the mean square force error and its standard deviation
+    [N^2] of each step except the first, on held-out flights or on the only flight."""
     unseen = {
         step: [f.off[f.left_out or 0] for f in found if f.step == step] for step in steps_of(found)
     }
@@ -176,5 +180,5 @@ def worth(
 
 
 def steps_of(found: Sequence[FittedStep]) -> list[str]:
-    """Name the steps in order."""
+    """Return the names of the steps in order."""
     return list(dict.fromkeys(f.step for f in found))

@@ -1,15 +1,15 @@
-// What the browser does by itself: the address, live updates one at a time, copying, saving, colours.
+// Browser side of the explorer: address, live updates one at a time, undo, copying, saving, colors.
 (function () {
   "use strict";
-  const PAUSE = 350; // [ms] without a move after which deviations and words are asked for
-  const LOST = 8000; // [ms] after which an answer is not waited for any more
+  const PAUSE = 350; // [ms] without a move after which the page requests bands, tables and texts
+  const LOST = 8000; // [ms] timeout of a request
   let base = null, busy = 0, wanted = null, serial = 0, timer = null;
 
   const props = (id, values) => window.dash_clientside.set_props(id, values);
 
-  const tab = Math.random().toString(36).slice(2); // whose newest request counts
+  const tab = Math.random().toString(36).slice(2); // identifies the tab: the server answers only its newest request
 
-  // One step at a time: the newest setting is asked for when the last one has been drawn.
+  // One request at a time: the newest settings are requested when the last answer is drawn.
   function ask() {
     if (wanted === null || busy) return;
     const mine = (busy = ++serial), values = wanted;
@@ -28,10 +28,10 @@
       const place = document.getElementById(JSON.stringify({ graph: name }));
       const graph = place && place.querySelector(".js-plotly-plot");
       if (!graph || !graph.offsetParent) continue;
-      // What is not on the screen follows when all stands still.
+      // Figures outside the window are drawn later, when the controls have stopped moving.
       const box = graph.getBoundingClientRect();
       if (box.bottom < 0 || box.top > window.innerHeight) continue;
-      // Drawn when this returns; what it promises may wait for fonts and the like.
+      // The figure is drawn when this call returns; its promise can wait longer, for fonts.
       window.Plotly.react(graph, figure.data, { ...figure.layout, autosize: true });
     }
   }
@@ -68,10 +68,10 @@
   let last = null, shown = null;
   const past = []; // settings before each move, for undo
 
-  let asked = 0, answered = 0; // serials of what was asked for when all stood still, and answered
+  let asked = 0, answered = 0; // serials of the last settled request and of the last answer
 
   window.propmap = {
-    // Whether all that was asked for is on the page.
+    // Whether the page shows the answers to all requests.
     quiet: () => !busy && wanted === null && asked > 0 && asked === answered,
     drawn: 0,
     undo() {
@@ -82,7 +82,7 @@
 
   window.dash_clientside = Object.assign({}, window.dash_clientside, {
     propmap: {
-      // A control was moved, or another page is there.
+      // Runs when a control was moved or another page was loaded.
       moved(values, newBase, ids, menu) {
         const no = window.dash_clientside.no_update;
         if (!newBase) return [no, menu.map(() => no)];
@@ -91,7 +91,7 @@
         base = newBase;
         const now = {};
         ids.forEach((id, k) => (now[id.control] = values[k]));
-        // A slider and the number beside it are one.
+        // A slider and its number field have the same value.
         for (const [name, value] of Object.entries(now)) {
           if (last && !fresh && !same(last[name], value) && numbered(name)) props({ number: name }, { value: Number(value) });
         }
@@ -108,12 +108,12 @@
         if (past.length > 200) past.shift();
         last = now;
         if (newBase.empty) { busy = 0; wanted = null; asked = answered = ++serial; }
-        // While moves are drawn, what takes longer waits: see answered.
+        // The settled request waits until all moves are drawn; see free().
         else if (wanted === null && !busy) later(now);
         else { clearTimeout(timer); asked = -1; }
         return [address, fresh ? hrefs : menu.map(() => no)];
       },
-      // The number beside a slider was typed.
+      // Runs when a number was typed next to a slider.
       typed(numbers, ids) {
         const by = window.dash_clientside.callback_context.triggered_id;
         const k = by ? ids.findIndex((id) => id.number === by.number) : -1;
@@ -122,7 +122,7 @@
           props({ control: by.number }, { value });
         return window.dash_clientside.no_update;
       },
-      // A point of a figure was dragged: the setting that it stands for follows.
+      // Runs when a point of a figure was dragged; sets the control of this point.
       dragged(moves, drawn, ids) {
         const no = window.dash_clientside.no_update;
         const by = window.dash_clientside.callback_context.triggered_id;
@@ -164,7 +164,7 @@
         const dark = root.dataset.theme ? root.dataset.theme === "dark"
           : window.matchMedia("(prefers-color-scheme: dark)").matches;
         root.dataset.theme = dark ? "light" : "dark";
-        try { localStorage.setItem("propmap-theme", root.dataset.theme); } catch (e) { /* private */ }
+        try { localStorage.setItem("propmap-theme", root.dataset.theme); } catch (e) { /* no storage in private windows */ }
         return root.dataset.theme;
       },
       copied(clicks, command, python) {
@@ -191,7 +191,7 @@
     },
   });
 
-  // Where there is no clipboard, as on a page of another machine without TLS.
+  // Browsers provide no clipboard to pages of other machines without TLS.
   function fallback(text, done) {
     const area = document.createElement("textarea");
     area.value = text;
@@ -202,7 +202,7 @@
     return worked ? done() : "select the text below and copy it";
   }
 
-  // Dash calls an option what is a label with its input, and gives a file input no name.
+  // Correct the accessibility of Dash: it marks labels of inputs as options, and file inputs have no name.
   function named(root) {
     for (const option of root.querySelectorAll('.dash-options-list-option[role="option"]')) {
       option.removeAttribute("role");
@@ -220,5 +220,5 @@
   try {
     const kept = localStorage.getItem("propmap-theme");
     if (kept) document.documentElement.dataset.theme = kept;
-  } catch (e) { /* private */ }
+  } catch (e) { /* no storage in private windows */ }
 })();

@@ -1,4 +1,4 @@
-"""All views, in the order of the menu."""
+"""List of all views in the order of the menu."""
 
 from __future__ import annotations
 

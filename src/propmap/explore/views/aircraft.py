@@ -1,4 +1,4 @@
-"""Aircraft: trim, power curve and top speed of a vehicle."""
+"""Aircraft: trim, power curve, range and top speed of a vehicle."""
 
 from __future__ import annotations
 
@@ -18,42 +18,42 @@ from propmap.explore import view
 from propmap.explore.session import Session, axis, number, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, Slider, Table, Values, digits
 from propmap.io.csv import csv_text, number_or_none
-from propmap.report.html import COLOURS
+from propmap.report.html import COLORS
 from propmap.units import RPM
 
 NAME = "trim.csv"
-ALONG = 21  # speeds of the curves, as many as `propmap trim` takes
+ALONG = 21  # number of airspeeds, as in `propmap trim`
 PANELS = {
     "power": "power [W]",
     "pitch": "pitch, nose down [deg]",
     "rpm": "slowest and fastest rotor [rpm]",
-    "margin": "thrust at the first limit / thrust [-]",
+    "margin": "thrust margin: at first limit / required [-]",
 }
 
 
 class AircraftView(view.View):
-    """A vehicle in steady flight."""
+    """Steady flight of a vehicle."""
 
     name, title = "aircraft", "Aircraft"
-    question = "How much power does the vehicle take, how far and how fast does it fly?"
+    question = "How much power does the vehicle need, and how far and how fast can it fly?"
     downloads = (Download(NAME, "states as CSV"),)
     places = tuple(Graph(name, title.partition(" [")[0]) for name, title in PANELS.items())
     slow = True
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """List what can be set; ``InputError`` without a vehicle."""
+        """Return the controls; raise ``InputError`` without a vehicle."""
         if session.vehicle is None:
             found = "there is no vehicle"
-            raise InputError(found, "open a vehicle file here, or by `propmap explore FILE.toml`")
+            raise InputError(found, "open a vehicle file here or with `propmap explore FILE.toml`")
         return [
-            Slider("top", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
+            Slider("top", "Maximum airspeed", "m/s", 5.0, 60.0, 1.0, 20.0),
             Slider("climb", "Climb rate", "m/s", -5.0, 10.0, 0.5, 0.0),
             Slider("wind", "Headwind", "m/s", -10.0, 15.0, 0.5, 0.0),
             Slider("charge", "State of charge", "-", 0.05, 1.0, 0.05, 1.0),
         ]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """Find states at all speeds, and those that have a name."""
+        """Compute the steady states over airspeed, and the characteristic states."""
         craft, states = _states(session, values)
         hover = craft.with_hover_model().steady(states.speed, values["climb"])
         rpm, still = states.rotor_speed / RPM, hover.rotor_speed / RPM
@@ -65,8 +65,8 @@ class AircraftView(view.View):
         }
         shown = {}
         for name, (*own, other) in curves.items():
-            lines = [*((y, "this model", COLOURS[0]) for y in own), (other, *view.HOVER)]
-            axes = "horizontal speed [m/s]", PANELS[name]
+            lines = [*((y, "this model", COLORS[0]) for y in own), (other, *view.HOVER)]
+            axes = "horizontal airspeed [m/s]", PANELS[name]
             shown[name] = view.curves(states.speed, lines, *axes, zero=name != "rpm")
         tables = []
         if settled:
@@ -75,11 +75,11 @@ class AircraftView(view.View):
         lost = sorted(set(states.status.tolist()) - {"ok"})
         remarks = assumption_lines(assumptions(craft.vehicle, craft.loads))
         remarks += [f"{name}: {STATUSES.get(name, name)}" for name in lost]
-        key = [("this model", COLOURS[0]), ("hover model", f"-{view.GREY}")]
+        key = [("this model", COLORS[0]), ("hover model", f"-{view.GRAY}")]
         return Answer(shown, tables, remarks, key)
 
     def shell(self, session: Session, values: Values) -> str:
-        """Write `propmap trim` with these settings."""
+        """Return the command `propmap trim` with these settings."""
         given = session.files["vehicle"]
         lines = []
         if not given.path:
@@ -96,7 +96,7 @@ class AircraftView(view.View):
         return "\n".join(lines)
 
     def python(self, session: Session, values: Values) -> str:
-        """Write lines that print the states that have a name."""
+        """Return code that prints the characteristic states."""
         given = session.files["vehicle"]
         return (
             "import numpy as np\nimport propmap\n"
@@ -104,7 +104,7 @@ class AircraftView(view.View):
             "from propmap.aircraft.trim import Aircraft\n"
             "from propmap.vehicle.files import read_vehicle\n\n"
             f"vehicle = read_vehicle({given.path or given.name!r}).vehicle\n"
-            "model = propmap.known_model(vehicle.propeller.name, air=vehicle.air)\n"
+            "model = propmap.catalogue_model(vehicle.propeller.name, air=vehicle.air)\n"
             "rotor = propmap.Rotor(model)\n"
             f"craft = Aircraft(vehicle, rotor, charge={number(values['charge'])})\n"
             f"states = craft.steady(np.linspace(0.0, {number(values['top'])}, {ALONG}), "
@@ -114,7 +114,7 @@ class AircraftView(view.View):
         )
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
-        """Write what `propmap trim -o trim.csv` does."""
+        """Return the same CSV as `propmap trim -o trim.csv`."""
         craft, states = _states(session, values)
         found = performance(craft, states, climb=values["climb"], wind=values["wind"])
         listed = state_rows(states)
@@ -134,13 +134,13 @@ def _named(found: Performance, caution: str) -> Table:
     rows = []
     for _, label, state in found.named:
         if state is None:
-            none = f"none {why if label == 'top speed' else ''}".strip()
+            none = f"none: {why}" if why and label == "top speed" else "none"
             rows.append([label, "-", "-", "-", none])
             continue
         power = state.electrical_power if math.isfinite(state.electrical_power) else state.power
         numbers = (state.speed, power, state.endurance / 60.0, state.distance / 1e3)
         rows.append([label + caution * (label != "hover"), *map(digits, numbers)])
     if found.limit:
-        rows.append(["what ends it", why, "", "", ""])
+        rows.append(["limit of the top speed", why, "", "", ""])
     heads = ("", "speed [m/s]", "power [W]", "time [min]", "distance [km]")
-    return Table(heads, rows, "States that have a name")
+    return Table(heads, rows, "Characteristic states")

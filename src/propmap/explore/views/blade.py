@@ -1,4 +1,4 @@
-"""Blade: planform and twist, changed by dragging points, and the loads that follow."""
+"""Blade: chord and twist, changed with sliders or dragged points, and the resulting loads."""
 
 from __future__ import annotations
 
@@ -16,43 +16,43 @@ from propmap.io.csv import OperatingPoints, loads_csv
 from propmap.io.geometry import propeller_toml
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
-from propmap.report.html import COLOURS
+from propmap.report.html import COLORS
 from propmap.units import MM, RPM
 
-PLACES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)  # y/R of the points that can be dragged
+PLACES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)  # y/R of the draggable points
 FILE, LOADS_FILE = "blade.toml", "blade-loads.csv"
-FASTEST, ALONG = 20.0, 21  # [m/s] and points of the curves
-BEFORE, AFTER = ("as it was", view.GREY, "dash"), ("as it is", COLOURS[0])
+FASTEST, ALONG = 20.0, 21  # maximum airspeed [m/s] and number of points of the curves
+BEFORE, AFTER = ("original blade", view.GRAY, "dash"), ("changed blade", COLORS[0])
 
 
 class BladeView(view.View):
-    """The blade beside a changed one."""
+    """Comparison of the blade with a changed blade."""
 
     name, title = "blade", "Blade"
-    question = "What does another chord or twist do to the loads?"
+    question = "How do chord and twist affect the loads?"
     downloads = (Download(FILE, "blade as TOML"), Download(LOADS_FILE, "loads as CSV"))
     places = (
-        Graph("outline", "outline, to scale", wide=True),
+        Graph("outline", "outline to scale", wide=True),
         Graph("chord", "chord: drag the points"),
         Graph("twist", "twist: drag the points"),
-        Graph("thrust", "thrust against speed"),
-        Graph("power", "power against speed"),
+        Graph("thrust", "thrust against airspeed"),
+        Graph("power", "power against airspeed"),
     )
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """List what can be set."""
+        """Return the controls."""
         chords = [
             Slider(f"chord-{k}", f"at {y:g} R", "%", 40.0, 200.0, 1.0, 100.0, group="Chord")
             for k, y in enumerate(PLACES)
         ]
         twists = [
-            Slider(f"twist-{k}", f"at {y:g} R", "deg", -15.0, 15.0, 0.1, 0.0, group="Twist, added")
+            Slider(f"twist-{k}", f"at {y:g} R", "deg", -15.0, 15.0, 0.1, 0.0, group="Added twist")
             for k, y in enumerate(PLACES)
         ]
         return [*view.point_controls(session), *chords, *twists]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """Draw the blade as it was and as it is, and both loads."""
+        """Draw the original and the changed blade with their loads."""
         old, model = session.model.propeller, model_of(session, values)
         speed = np.linspace(0.0, FASTEST, ALONG)
         flow = values["rpm"] * RPM, speed, np.radians(values["beta"])
@@ -64,11 +64,11 @@ class BladeView(view.View):
             lines = [(getattr(before, name), *BEFORE), (getattr(after, name), *AFTER)]
             axes, here = (view.AXES["speed"], view.TITLES[name]), [view.upright(values["speed"])]
             shown[name] = view.curves(speed, lines, *axes, shapes=here, zero=True)
-        key = [("as it was", f"-{view.GREY}"), AFTER]
+        key = [(BEFORE[0], f"-{view.GRAY}"), AFTER]
         return Answer(shown, [_table(session.model, model, values)] if settled else [], (), key)
 
     def shell(self, session: Session, values: Values) -> str:
-        """Write commands for the loads and the picture of the blade, from its file."""
+        """Return commands for the loads and the planform of the blade."""
         recipe = self._recipe(session, values)
         return recipe.shell(
             recipe.sweep(values, FASTEST, ALONG, LOADS_FILE),
@@ -77,11 +77,11 @@ class BladeView(view.View):
         )
 
     def python(self, session: Session, values: Values) -> str:
-        """Write lines that print the loads of the blade."""
+        """Return code that prints the loads of the blade."""
         return self._recipe(session, values).python(view.sweep_python(values, FASTEST, ALONG))
 
     def text(self, session: Session, values: Values, file: str) -> str:
-        """Write the blade, or what `propmap sweep` does of its loads."""
+        """Return the blade as TOML, or its loads as `propmap sweep` writes them."""
         model = model_of(session, values)
         if file == FILE:
             return propeller_toml(model.propeller)
@@ -95,7 +95,7 @@ class BladeView(view.View):
 
 
 def model_of(session: Session, values: Values) -> Model:
-    """Scale the blade's chord and change its twist, smoothly between the places."""
+    """Return the model with changed chord and twist, interpolated between the points."""
     model = session.model
     blade = model.propeller
     chords = [values[f"chord-{k}"] for k in range(len(PLACES))]
@@ -117,15 +117,15 @@ def model_of(session: Session, values: Values) -> Model:
 
 def _outline(old: Propeller, new: Propeller) -> view.Figure:
     traces, widest = [], MM * max(float(old.chord.max()), float(new.chord.max()))
-    for blade, colour, dash in ((old, view.GREY, "dash"), (new, COLOURS[0], "solid")):
+    for blade, color, dash in ((old, view.GRAY, "dash"), (new, COLORS[0], "solid")):
         y, half = MM * blade.station, 0.5 * MM * blade.chord
         edge = np.concatenate([half, -half[::-1], half[:1]])
         along = np.concatenate([y, y[::-1], y[:1]])
-        traces.append(view.line(along, edge, blade.name, colour, dash))
+        traces.append(view.line(along, edge, blade.name, color, dash))
     return view.figure(
         traces,
         "radius y [mm]",
-        "about mid-chord [mm]",
+        "distance from mid-chord [mm]",
         xaxis={"range": [0.0, 1.02 * MM * old.radius], "constrain": "domain"},
         yaxis={"scaleanchor": "x", "constrain": "domain", "range": [-0.6 * widest, 0.6 * widest]},
         shapes=[view.upright(MM * old.root)],
@@ -133,7 +133,7 @@ def _outline(old: Propeller, new: Propeller) -> view.Figure:
 
 
 def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> view.Figure:
-    """Draw chord [mm] or twist [deg] with a point to drag at each place."""
+    """Draw chord [mm] or twist [deg] with draggable points."""
     own, other = (
         (MM * blade.chord if what == "chord" else np.degrees(blade.twist)) for blade in (old, new)
     )
@@ -143,7 +143,7 @@ def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> vie
     low = 0.0 if what == "chord" else min(float(other.min()), float(own.min()), 0.0)
     high = 1.25 * max(float(other.max()), float(own.max()))
     size = 0.016 * MM * old.radius, 0.03 * (high - low)
-    look = {"fillcolor": COLOURS[1], "line": {"color": COLOURS[1]}, "editable": True}
+    look = {"fillcolor": COLORS[1], "line": {"color": COLORS[1]}, "editable": True}
     shapes: list[dict[str, Any]] = []
     for x, z in zip(at, here, strict=True):
         across = {"xref": "x", "x0": float(x - size[0]), "x1": float(x + size[0])}
@@ -176,12 +176,12 @@ def _table(old: Model, new: Model, values: Values) -> Table:
         a, b = float(getattr(before, name)), float(getattr(after, name))
         change = f"{100.0 * (b / a - 1.0):+.1f} %" if abs(a) > 1e-9 else ""
         rows.append([label, view.digits(a), view.digits(b), change, view.UNITS[name]])
-    # Shares of the disk that the blades cover.
+    # Solidity: blade area over disk area.
     solidity = []
     for blade in (old.propeller, new.propeller):
         loaded = blade.station >= blade.root
         area = blade.blades * np.trapezoid(blade.chord[loaded], blade.station[loaded])
         solidity.append(view.digits(float(area / (np.pi * blade.radius**2))))
     rows.append(["solidity", *solidity, "", "-"])
-    heads = ("", "as it was", "as it is", "change", "unit")
+    heads = ("", "original", "changed", "change", "unit")
     return Table(heads, rows, f"At {view.point_words(values)}")

@@ -1,4 +1,4 @@
-"""Compare: two to four propellers, sets of constants or a table, side by side."""
+"""Compare: loads of up to four propellers, sets of constants or tables."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from propmap.explore import view
 from propmap.explore.session import Recipe, Session, check_law, check_name, rotor_of
 from propmap.explore.view import LABELS, Answer, Control, Download, Graph, OneOf, Table, Values
 from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints, csv_text
-from propmap.report.html import COLOURS
+from propmap.report.html import COLORS
 from propmap.units import RPM
 
 ITEMS = ("a", "b", "c", "d")
-GIVEN, TABLE = "this", "table"  # what is explored, and the table that was given
+GIVEN, TABLE = "this", "table"  # names of the session's own propeller and table
 NAME = "compare.csv"
 SHOWN = ("thrust", "power", "drag", "torque")
 
 
 class Item(NamedTuple):
-    """What is compared: its name, its loads at points, and how a command names it."""
+    """One compared item: name, load function, and session for commands (None for a table)."""
 
     name: str
     loads: Callable[..., Any]
@@ -32,41 +32,42 @@ class Item(NamedTuple):
 
 
 class CompareView(view.View):
-    """Curves of several, and their differences to the first."""
+    """Curves of several items, and their differences from the first."""
 
     name, title = "compare", "Compare"
-    question = "Which of these is better, and by how much?"
+    question = "How do the loads of several propellers differ?"
     downloads = (Download(NAME, "all curves as CSV"),)
     places = tuple(
         Graph(f"{name}{suffix}", f"{LABELS[name]}{words}")
         for name in SHOWN
-        for suffix, words in (("", " against speed"), ("-difference", ": difference"))
+        for suffix, words in (("", " against airspeed"), ("-difference", ": difference"))
     )
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """List what can be set."""
+        """Return the controls."""
         other = f"{GIVEN} @ paper-apc" if session.table is None else TABLE
         first = (GIVEN, other, "", "")
-        hint = "a propeller, with @ and constants if others are meant"
+        hint = "this (the propeller above), NAME or NAME @ CONSTANTS"
+        labels = f"First: {hint}", "Second", "Third", "Fourth"
         items = [
-            view.Text(key, f"{'First' if key == 'a' else 'Beside it'}: {hint}", text)
-            for key, text in zip(ITEMS, first, strict=True)
+            view.Text(key, label, text)
+            for key, label, text in zip(ITEMS, labels, first, strict=True)
         ]
-        equal = (("rpm", "rpm"), ("thrust", "thrust of the first"))
+        equal = (("rpm", "rpm"), ("thrust", "thrust"))
         return [
             *items,
             *view.point_controls(session),
-            view.Slider("fastest", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
-            OneOf("equal", "At equal", equal, "rpm"),
+            view.Slider("fastest", "Maximum airspeed", "m/s", 5.0, 60.0, 1.0, 20.0),
+            OneOf("equal", "Compare at equal", equal, "rpm"),
         ]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """Draw curves and differences, and tabulate numbers at the operating point."""
+        """Draw curves and differences; tabulate the loads at the operating point."""
         items = _items(session, values)
         speed = np.linspace(0.0, values["fastest"], view.CURVE)
         omega = _omegas(items, values, speed)
         every = _loads(items, omega, speed, values)
-        key = [(one.name, colour) for one, colour in zip(items, COLOURS, strict=False)]
+        key = [(one.name, color) for one, color in zip(items, COLORS, strict=False)]
         shown = {}
         for name in SHOWN:
             own = [getattr(loads, name) for loads in every]
@@ -81,7 +82,7 @@ class CompareView(view.View):
         return Answer(shown, [_table(items, values)] if settled else [], (), key)
 
     def shell(self, session: Session, values: Values) -> str:
-        """Write a sweep for each, at equal rpm."""
+        """Return a sweep command for each item, at equal rpm."""
         lines = []
         for k, one in enumerate(_items(session, values), start=1):
             if one.session is None:
@@ -93,13 +94,13 @@ class CompareView(view.View):
         return "\n".join(lines)
 
     def python(self, session: Session, values: Values) -> str:
-        """Write lines that print the loads of each at equal rpm."""
+        """Return code that prints the loads of each item at equal rpm."""
         rest = view.sweep_python(values, values["fastest"], view.CURVE)
         items = _items(session, values)
         return "\n".join(Recipe(one.session).python(rest) for one in items if one.session)
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
-        """Write rows of `propmap sweep`, with what they are of before them."""
+        """Return the rows of `propmap sweep` for all items; the first column is the name."""
         items = _items(session, values)
         speed = np.linspace(0.0, values["fastest"], view.CURVE)
         omegas = _omegas(items, values, speed)
@@ -112,10 +113,10 @@ class CompareView(view.View):
 
 
 def _items(session: Session, values: Values) -> list[Item]:
-    """List what is compared; ``InputError`` for a name that means nothing."""
+    """Return the compared items; raise ``InputError`` for an unknown name."""
     texts = [values[key] for key in ITEMS if values[key]]
     if not texts:
-        raise InputError("nothing is named", f"write {GIVEN} or a name in the first field")
+        raise InputError("no propeller is given", f"write {GIVEN} or a name in the first field")
     return [_item(session, text) for text in texts]
 
 
@@ -123,7 +124,7 @@ def _item(session: Session, text: str) -> Item:
     name, at, law = (part.strip() for part in text.partition("@"))
     if name == TABLE:
         if session.table is None:
-            raise InputError("there is no table", "drop a file that `propmap table` wrote")
+            raise InputError("there is no table", "open a file written by `propmap table`")
         return Item(f"table {session.files['table'].name}", session.table.loads, None)
     one = session
     if name != GIVEN:
@@ -138,7 +139,7 @@ def _item(session: Session, text: str) -> Item:
 
 
 def _omegas(items: Sequence[Item], values: Values, speed: Any) -> list[Any]:
-    """Choose the rotational speeds of each item at each speed [rad/s]."""
+    """Return the rotational speeds of each item at each airspeed [rad/s]."""
     first = np.full(speed.shape, values["rpm"] * RPM)
     if values["equal"] == "rpm":
         return [first for _ in items]
@@ -148,7 +149,7 @@ def _omegas(items: Sequence[Item], values: Values, speed: Any) -> list[Any]:
 
 
 def _for_thrust(item: Item, wanted: Any, first: Any, speed: Any, beta: float) -> Any:
-    """Search where a rotor has the ``wanted`` thrust, by six secants from the ``first`` speeds."""
+    """Return the rotational speeds for ``wanted`` thrust from six secant steps from ``first``."""
     before, after = first, 1.02 * first
     off = item.loads(before, speed, beta).thrust - wanted
     for _ in range(6):
@@ -162,7 +163,7 @@ def _for_thrust(item: Item, wanted: Any, first: Any, speed: Any, beta: float) ->
 
 
 def _loads(items: Sequence[Item], omegas: Sequence[Any], speed: Any, values: Values) -> list[Any]:
-    """Compute loads, power and status of each item; a table has no power of its own."""
+    """Return loads, power and status of each item; tables do not contain the power."""
     found = []
     for one, omega in zip(items, omegas, strict=True):
         loads = one.loads(omega, speed, np.radians(values["beta"]))

@@ -1,4 +1,4 @@
-"""Section constants: what sliders or a fit make of measured loads, and what it is worth."""
+"""Constants: section constants from sliders or a fit, and their errors on measured loads."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ from propmap.io.csv import csv_text, numbers_of
 from propmap.loads import LOADS
 from propmap.model.airfoil import CONSTANTS, Airfoil
 from propmap.model.model import Model
-from propmap.report.html import COLOURS
+from propmap.report.html import COLORS
 from propmap.typing import Floats
 from propmap.units import RPM
 
-SET = tuple(SECTION)  # constants that have a slider
+SET = tuple(SECTION)  # constants with a slider
 FREE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle")
-MOST = 400  # measured points that are predicted
+MOST = 400  # maximum number of measured points in the comparison
 NAME = "errors.csv"
 SHOWN = ("thrust", "drag", "torque", "roll_moment")
 ALPHA = np.radians(np.linspace(-20.0, 60.0, 161))
-BEFORE, AFTER = ("as they were", view.GREY, "dash"), ("as they are", COLOURS[0])
+BEFORE, AFTER = ("initial constants", view.GRAY, "dash"), ("current constants", COLORS[0])
 
 
 class ConstantsView(view.View):
-    """Constants of the section law beside measured loads."""
+    """Comparison of section constants with measured loads."""
 
     name, title = "constants", "Constants"
-    question = "Which constants does the data want, and how well does it know them?"
+    question = "Which section constants fit the measured loads, and how uncertain are they?"
     downloads = (Download(CONSTANTS_FILE, "constants as TOML"), Download(NAME, "errors as CSV"))
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """List what can be set."""
+        """Return the controls."""
         law = law_at_first(session)
         known = session.model.uncertainty
         deviations = {}
@@ -63,42 +63,42 @@ class ConstantsView(view.View):
         return [
             *sliders,
             view.data_choice(session),
-            Several("free", "Free in a fit", free, FREE),
+            Several("free", "Free in the fit", free, FREE),
             *view.point_controls(session),
         ]
 
     def graphs(self, session: Session) -> Sequence[Graph]:
-        """List the section's curves, and loads measured and modelled."""
+        """Return the places of the section curves, and of modeled against measured loads."""
         data = session.measured(next(iter(session.measurements()), "none"))
         names = [n for n in SHOWN if data is not None and n in data.loads] or ["thrust", "torque"]
         return [
-            Graph("lift", "lift of the section"),
-            Graph("section-drag", "drag of the section"),
-            *(Graph(name, f"{view.LABELS[name]}, modelled and measured") for name in names),
+            Graph("lift", "lift coefficient of the section"),
+            Graph("section-drag", "drag coefficient of the section"),
+            *(Graph(name, f"{view.LABELS[name]}, modeled against measured") for name in names),
         ]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """Draw curves of the section, and errors on the data."""
+        """Draw the section curves, and the errors on the data."""
         old, new = law_at_first(session), law_of(session, values)
         shown = _of_section(session.model, old, new)
-        key = [("as they were", f"-{view.GREY}"), AFTER]
+        key = [(BEFORE[0], f"-{view.GRAY}"), AFTER]
         data = session.measured(values["data"])
         if data is None:
-            return Answer(shown, (), ["Choose or drop measured loads to see errors."], key)
+            return Answer(shown, (), ["Select or open measured loads to see the errors."], key)
         remarks, tables, part = [], [], data
         if len(data) > MOST:
             part = data.picked(np.unique(np.linspace(0, len(data) - 1, MOST).astype(int)))
-            remarks.append(f"{len(part)} of {len(data)} points of {data.source}, evenly chosen")
+            remarks.append(f"{data.source}: {len(part)} of {len(data)} points, evenly selected")
         flow = part.omega, part.speed, part.beta
         now = rotor_of(model_of(session, values)).loads(*flow)
         for name in (n for n in SHOWN if n in data.loads):
-            shown[name] = _measured_and_modelled(name, part, getattr(now, name))
+            shown[name] = _measured_and_modeled(name, part, getattr(now, name))
         if settled:
             tables = [_errors(part, rotor_of(session.model).loads(*flow), now)]
         return Answer(shown, tables, remarks, key)
 
     def shell(self, session: Session, values: Values) -> str:
-        """Write commands for loads with these constants, and for the fit from them."""
+        """Return commands for loads with these constants, and for a fit that starts from them."""
         recipe = self._recipe(session, values)
         lines = [recipe.predict(values)]
         if values["data"] != "none" and values["free"]:
@@ -109,34 +109,34 @@ class ConstantsView(view.View):
         return recipe.shell(*lines)
 
     def python(self, session: Session, values: Values) -> str:
-        """Write lines that print the loads with these constants."""
+        """Return code that prints the loads with these constants."""
         lines = f"print(rotor.loads({view.point_python(values)}))"
         return self._recipe(session, values).python(lines)
 
     def text(self, session: Session, values: Values, file: str) -> str:
-        """Write the constants, or measured and modelled loads."""
+        """Return the constants as TOML, or measured and modeled loads as CSV."""
         if file == CONSTANTS_FILE:
             return law_of(session, values).to_toml()
         data = session.measured(values["data"])
         if data is None:
-            raise InputError("there are no measured loads", "choose or drop some")
+            raise InputError("there are no measured loads", "select or open measured loads")
         found = rotor_of(model_of(session, values)).loads(data.omega, data.speed, data.beta)
         columns = {"rpm": data.omega / RPM, "speed_mps": data.speed}
         columns["beta_deg"] = np.degrees(data.beta)
         for name, measured in data.loads.items():
             columns[LOADS[name].column_of("measured")] = measured
-            columns[LOADS[name].column_of("modelled")] = getattr(found, name)
+            columns[LOADS[name].column_of("modeled")] = getattr(found, name)
         flat = zip(*map(numbers_of, columns.values()), strict=True)
         rows = [dict(zip(columns, row, strict=True)) for row in flat]
         return csv_text(list(columns), rows)
 
     def more(self) -> list[Any]:
-        """Make the button for a fit, and say how far it is."""
+        """Return the button for a fit and a line for its progress."""
         button = html.Button("fit now", id="fit", n_clicks=0)
         return [button, html.P("", id="progress", role="status")]
 
     def register(self, application: view.Host) -> None:
-        """Begin a fit at the button, and report how far it is."""
+        """Register the start of a fit and the display of its progress."""
         app = application.dash
 
         @app.callback(
@@ -156,7 +156,7 @@ class ConstantsView(view.View):
                 session = application.session(here)
                 found, _ = view.values_of(self.controls(session), given)
                 task = fit_of(session, found)
-                return application.jobs.begin(task.run), "the fit begins"
+                return application.jobs.begin(task.run), "the fit starts"
             except InputError as error:
                 return no_update, str(error)
 
@@ -172,7 +172,7 @@ class ConstantsView(view.View):
                 raise PreventUpdate
             job = application.jobs.get(name)
             if job is None:
-                return "That fit is not known any more: begin it again.", None
+                return "The server no longer stores this fit: start it again.", None
             for constant, value in job.found.items():
                 set_props({"control": constant}, {"value": value})
                 set_props({"number": constant}, {"value": value})
@@ -184,11 +184,11 @@ class ConstantsView(view.View):
 
 
 # -------------------------------------------------------------------------------------------------
-# What is drawn and tabulated: the section's curves, and loads measured and modelled.
+# Figures and table: section curves, and measured and modeled loads.
 
 
 def _of_section(model: Model, old: Airfoil, new: Airfoil) -> dict[str, view.Figure]:
-    """Draw C_L and C_D over the angle of attack, at the Reynolds number of three quarters of R."""
+    """Draw C_L and C_D over the angle of attack, at the Reynolds number of 0.75 R."""
     blade, air = model.propeller, model.air
     omega = 60.0 / blade.radius
     chord = np.interp(0.75 * blade.radius, blade.station, blade.chord)
@@ -211,10 +211,10 @@ def _of_section(model: Model, old: Airfoil, new: Airfoil) -> dict[str, view.Figu
     }
 
 
-def _measured_and_modelled(name: str, data: TunnelData, modelled: Floats) -> view.Figure:
-    """Draw a load, modelled over measured (n,)."""
+def _measured_and_modeled(name: str, data: TunnelData, modeled: Floats) -> view.Figure:
+    """Draw modeled against measured values (n,) of a load."""
     measured = data.loads[name]
-    both = view.span(measured, modelled)
+    both = view.span(measured, modeled)
     ends = both["range"]
     words = [
         f"{w / RPM:.0f} rpm, {v:.3g} m/s, β {np.degrees(b):.3g}°"
@@ -222,25 +222,25 @@ def _measured_and_modelled(name: str, data: TunnelData, modelled: Floats) -> vie
     ]
     return view.figure(
         [
-            view.line(ends, ends, "equal", view.GREY, "dash", hoverinfo="skip"),
+            view.line(ends, ends, "equal", view.GRAY, "dash", hoverinfo="skip"),
             view.points(
                 measured,
-                modelled,
+                modeled,
                 data.source,
-                COLOURS[0],
+                COLORS[0],
                 text=words,
-                hovertemplate="%{text}<br>measured %{x:.4g}, modelled %{y:.4g}<extra></extra>",
+                hovertemplate="%{text}<br>measured %{x:.4g}, modeled %{y:.4g}<extra></extra>",
             ),
         ],
         f"measured {view.TITLES[name]}",
-        "modelled",
+        "modeled",
         xaxis=both,
         yaxis=both,
     )
 
 
 def _errors(data: TunnelData, before: Any, now: Any) -> Table:
-    """Tabulate root mean square errors of two sets of loads on the data."""
+    """Return a table of the rms errors of two sets of loads on the data."""
     rows = []
     for name, measured in data.loads.items():
         size = np.sqrt(np.nanmean(measured**2))
@@ -249,24 +249,24 @@ def _errors(data: TunnelData, before: Any, now: Any) -> Table:
             off = np.sqrt(np.nanmean((getattr(loads, name) - measured) ** 2))
             cells.append(f"{view.digits(off)} ({100.0 * off / size:.1f} %)")
         rows.append([view.LABELS[name], *cells, view.UNITS[name]])
-    caption = f"Root mean square errors on {data.source}, in brackets over its rms"
-    return Table(("", "as they were", "as they are", "unit"), rows, caption)
+    caption = f"Rms errors on {data.source}; in brackets: relative to the rms of the load"
+    return Table(("", BEFORE[0], AFTER[0], "unit"), rows, caption)
 
 
 # -------------------------------------------------------------------------------------------------
-# Constants that are set by hand, and their fit to measured loads while the page goes on.
+# Constants from the sliders, and their fit in the background.
 
 
 def law_at_first(session: Session) -> Airfoil:
-    """Give the constants that the session begins with; ``InputError`` where there are none."""
+    """Return the initial constants of a session; raise ``InputError`` for a section table."""
     law = session.model.airfoil
     if not isinstance(law, Airfoil):
-        raise InputError("a section table has no constants", "choose a set of constants")
+        raise InputError("a section table has no constants", "select a set of constants")
     return law
 
 
 def law_of(session: Session, values: Values) -> Airfoil:
-    """Make the constants that are set."""
+    """Return the constants of the sliders."""
     law = law_at_first(session)
     moved = [name for name in SET if values[name] != getattr(law, name)]
     changes = {name: float(np.clip(values[name], *CONSTANTS[name].limits)) for name in moved}
@@ -278,20 +278,20 @@ def law_of(session: Session, values: Values) -> Airfoil:
 
 
 def model_of(session: Session, values: Values) -> Model:
-    """Make the model with the constants that are set."""
+    """Return the model with the constants of the sliders."""
     law = law_of(session, values)
     return session.model if law is session.model.airfoil else session.model.with_airfoil(law)
 
 
 class SliderFit(NamedTuple):
-    """A fit of a session's data from the constants that are set."""
+    """A fit to the data of a session that starts from the constants of the sliders."""
 
     model: Model
     data: TunnelData
     choice: Choice
 
     def run(self, job: Job) -> Mapping[str, float]:
-        """Fit, and report how far it is."""
+        """Run the fit and report its progress to ``job``."""
         from propmap.fit.fit import Settings, fit
         from propmap.fit.tunnel import tunnel_rows
 
@@ -299,25 +299,25 @@ class SliderFit(NamedTuple):
         fitted = fit(rows, self.choice, Settings(starts=1, folds=0))
         errors = []
         for k, name in enumerate(fitted.rows.names):
-            modelled, measured = fitted.compared(k)
-            off = np.sqrt(np.nanmean((modelled - measured) ** 2) / np.nanmean(measured**2))
+            modeled, measured = fitted.compared(k)
+            off = np.sqrt(np.nanmean((modeled - measured) ** 2) / np.nanmean(measured**2))
             errors.append(f"{name} {100.0 * off:.1f} %")
         half = 1.96 * np.sqrt(np.diag(fitted.uncertainty.covariance))
         constants = [
             f"{name} = {value:.4g} ± {one:.2g}"
             for name, value, one in zip(self.choice.free, fitted.x, half, strict=True)
         ]
-        job.message = f"Fitted: {'; '.join(constants)}. Errors, rms: {', '.join(errors)}."
+        job.message = f"Fitted: {'; '.join(constants)}. Rms errors: {', '.join(errors)}."
         return dict(zip(self.choice.free, map(float, fitted.x), strict=True))
 
 
 def fit_of(session: Session, values: Values) -> SliderFit:
-    """Prepare the fit that the page asks for; ``InputError`` where there is nothing to fit."""
+    """Return the requested fit; raise ``InputError`` without data or free constants."""
     data, free = session.measured(values["data"]), tuple(values["free"])
     if data is None:
-        raise InputError("there are no measured loads to fit", "choose or drop some")
+        raise InputError("there are no measured loads to fit", "select or open measured loads")
     if not free:
-        raise InputError("no constant is free", "choose some")
+        raise InputError("no constant is free", "select the free constants")
     law = law_of(session, values)
     given = {name: float(getattr(law, name)) for name in SECTION}
     fixed = {name: value for name, value in given.items() if name not in free}
@@ -326,7 +326,7 @@ def fit_of(session: Session, values: Values) -> SliderFit:
 
 
 def _reporting(rows: Rows, job: Job) -> Rows:
-    """Let the rows report how often they were evaluated and with what error."""
+    """Return rows that report the number of evaluations and the error to ``job``."""
     count = 0
 
     def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:

@@ -13,22 +13,22 @@ from propmap.explore import view
 from propmap.explore.session import Recipe, Session, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, OneOf, Slider, Values
 from propmap.io.csv import disk_csv
-from propmap.report.html import COLOURS
+from propmap.report.html import COLORS
 from propmap.report.pictures import share_of_disk
 from propmap.results import Inflow
 from propmap.table.interpolation import bilinear
 from propmap.typing import Floats
 from propmap.units import MM
 
-STATIONS, AZIMUTHS = 40, 73  # of the field that is drawn
-PIXELS = 161  # along each side of the picture of the disk
+STATIONS, AZIMUTHS = 40, 73  # number of radii and azimuths of the computed field
+PIXELS = 161  # number of pixels along each side of the picture
 ALPHA = "\u03b1"
 FIELDS = {
     "alpha": (f"angle of attack {ALPHA} [deg]", "Viridis"),
     "inflow": ("inflow v_i [m/s]", "Cividis"),
-    "force": ("force of a blade along the axis dT/dy [N/m]", "Viridis"),
-    "margin": ("angle of attack past stall [deg]", "RdBu"),
-}  # what may be drawn over the disk: its title and its colours
+    "force": ("axial force of a blade dT/dy [N/m]", "Viridis"),
+    "margin": ("angle of attack beyond stall [deg]", "RdBu"),
+}  # fields over the disk: title and color scale
 NAME = "disk.csv"
 
 
@@ -36,22 +36,22 @@ class DiskView(view.View):
     """The flow over the disk at one operating point."""
 
     name, title = "disk", "Disk"
-    question = "Where over the disk does the blade stall, and where does air come from behind?"
+    question = "Where on the disk do stall and reverse flow occur?"
     downloads = (Download(NAME, "disk as CSV"),)
     places = (
-        Graph("disk", "the disk from above, flight upwards", tall=True),
+        Graph("disk", "disk from above, flight upward", tall=True),
         Graph("angle", "angle of attack along the blade"),
         Graph("inflow", "inflow along the blade"),
-        Graph("force", "force along the blade"),
+        Graph("force", "axial force along the blade"),
     )
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """List what can be set."""
+        """Return the controls."""
         options = tuple((key, title.partition(" [")[0]) for key, (title, _) in FIELDS.items())
         return [
             *view.point_controls(session),
-            OneOf("field", "Over the disk", options, "alpha"),
-            Slider("psi", "Along the blade at ψ", "deg", 0.0, 360.0, 5.0, 90.0),
+            OneOf("field", "Field over the disk", options, "alpha"),
+            Slider("psi", "Azimuth ψ of the blade", "deg", 0.0, 360.0, 5.0, 90.0),
         ]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
@@ -61,40 +61,40 @@ class DiskView(view.View):
         azimuth = np.linspace(0.0, 2.0 * np.pi, AZIMUTHS)
         field = rotor.inflow(*_si(values), radius=radius, azimuth=azimuth)
         if not np.isfinite(field.alpha).all():
-            raise InputError("the inflow was not found everywhere", "choose another point")
+            raise InputError("the inflow did not converge everywhere", "choose another point")
         psi = round(values["psi"] / 5.0) % (AZIMUTHS - 1)
-        mean = (field.inflow, "mean", view.GREY, "dash")
+        mean = (field.inflow, "mean", view.GRAY, "dash")
         shown = {"disk": _disk(field, values)}
         for name, along, title, *more in (
             ("angle", np.degrees(field.alpha[:, psi]), FIELDS["alpha"][0]),
             ("inflow", field.local_inflow[:, psi], FIELDS["inflow"][0], mean),
             ("force", field.normal_force[:, psi], "dT/dy of a blade [N/m]"),
         ):
-            lines, whole = [(along, title, COLOURS[0]), *more], [0.0, float(MM * radius[-1])]
+            lines, whole = [(along, title, COLORS[0]), *more], [0.0, float(MM * radius[-1])]
             axis = {"range": whole}
             shown[name] = view.curves(MM * radius, lines, "radius y [mm]", title, xaxis=axis)
         share = {"stalled": field.stalled, "in reverse flow": field.reverse}
         words = ", ".join(
-            f"{100.0 * share_of_disk(field, at):.2g} % {name}" for name, at in share.items()
+            f"{name} {100.0 * share_of_disk(field, at):.2g} %" for name, at in share.items()
         )
         key = [
-            (f"at ψ = {5 * psi}°", COLOURS[0]),
-            ("mean over azimuth", f"-{view.GREY}"),
-            ("stalled inside", COLOURS[1]),
-            ("reverse flow inside", f"-{COLOURS[3]}"),
+            (f"at ψ = {5 * psi}°", COLORS[0]),
+            ("mean over azimuth", f"-{view.GRAY}"),
+            ("outline of stall", COLORS[1]),
+            ("outline of reverse flow", f"-{COLORS[3]}"),
         ]
         tables = [view.point_table(session, values)] if settled else []
-        return Answer(shown, tables, [f"{view.point_words(values)}: of the disk {words}"], key)
+        return Answer(shown, tables, [f"{view.point_words(values)}: {words} of the disk"], key)
 
     def shell(self, session: Session, values: Values) -> str:
-        """Write commands for the field as CSV and as a picture, and for the loads."""
+        """Return commands for the field as CSV and as a picture, and for the loads."""
         recipe = Recipe(session)
         prop, *point = recipe.predict(values)[1:]
         plot = ["plot", "disk", prop, *point, "-o"]
         return recipe.shell([*plot, NAME], [*plot, "disk.png"], recipe.predict(values))
 
     def python(self, session: Session, values: Values) -> str:
-        """Write lines that print the field."""
+        """Return code that prints the field."""
         return Recipe(session).python(
             f"point = {view.point_python(values)}\n"
             "field = rotor.inflow(*point)\n"
@@ -103,7 +103,7 @@ class DiskView(view.View):
         )
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
-        """Write what `propmap plot disk -o disk.csv` does."""
+        """Return the same CSV as `propmap plot disk -o disk.csv`."""
         return disk_csv(rotor_of(session.model), *_si(values))
 
 
@@ -114,11 +114,11 @@ def _si(values: Values) -> tuple[float, float, float]:
 
 def _disk(field: Inflow, values: Values) -> view.Figure:
     which = values["field"]
-    title, colours = FIELDS[which]
+    title, colors = FIELDS[which]
     root, tip = MM * field.radius[0], MM * field.radius[-1]
     side = np.linspace(-tip, tip, PIXELS)
     x, y = np.meshgrid(side, side)
-    # Seen from above with the flight upwards: psi = 0 is at the rear, 90 degrees on the right.
+    # Seen from above with the flight upward: psi = 0 is at the bottom, 90 degrees on the right.
     away, psi = np.hypot(x, y), np.mod(np.arctan2(x, -y), 2.0 * np.pi)
     outside = (away > tip) | (away < root)
     drawn: Floats = {
@@ -143,19 +143,19 @@ def _disk(field: Inflow, values: Values) -> view.Figure:
             "z": view.array(over.astype(np.float32)),
             "zmin": low,
             "zmax": max(high, low + 1e-6),
-            "colorscale": colours,
+            "colorscale": colors,
             "reversescale": which == "margin",
             "hovertemplate": f"%{{z:.4g}}<extra>{title}</extra>",
             "colorbar": {"title": words, "thickness": 12, "len": 0.9},
         }
     ]
     if field.stalled.any():
-        traces += _outline(field, field.past_stall, COLOURS[1], "solid")
+        traces += _outline(field, field.past_stall, COLORS[1], "solid")
     if field.reverse.any():
-        traces += _outline(field, field.u_tangential, COLOURS[3], "dash")
+        traces += _outline(field, field.u_tangential, COLORS[3], "dash")
     sine, cosine = np.sin(np.radians(values["psi"])), np.cos(np.radians(values["psi"]))
     ends = {"x0": root * sine, "y0": -root * cosine, "x1": tip * sine, "y1": -tip * cosine}
-    blade = {"type": "line", **ends, "line": {"color": COLOURS[0], "width": 2}}
+    blade = {"type": "line", **ends, "line": {"color": COLORS[0], "width": 2}}
     word = {"xref": "paper", "yref": "paper", "x": 0.5, "xanchor": "center", "showarrow": False}
     names = [
         {**word, "y": 1.0, "yanchor": "bottom", "text": "ψ = 180°, flight ↑"},
@@ -175,12 +175,12 @@ def _disk(field: Inflow, values: Values) -> view.Figure:
     )
 
 
-def _outline(field: Inflow, values: Floats, colour: str, dash: str) -> list[dict[str, Any]]:
-    """Outline where ``values`` (S, P) are zero; Plotly's own contours draw ten times slower."""
+def _outline(field: Inflow, values: Floats, color: str, dash: str) -> list[dict[str, Any]]:
+    """Return the zero contour of ``values`` (S, P); contours by Plotly are ten times slower."""
     along: list[float] = []
     across: list[float] = []
     for line in contour_generator(field.azimuth, MM * field.radius, values).lines(0.0):
         psi, radius = np.asarray(line).T
         along += [*(radius * np.sin(psi)).tolist(), np.nan]
         across += [*(-radius * np.cos(psi)).tolist(), np.nan]
-    return [view.line(along, across, "", colour, dash, hoverinfo="skip")]
+    return [view.line(along, across, "", color, dash, hoverinfo="skip")]

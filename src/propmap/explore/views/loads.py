@@ -1,4 +1,4 @@
-"""Loads over speed, rotational speed or angle, beside the hover model and measurements."""
+"""Loads: over airspeed, rotational speed or angle, with hover model and measurements."""
 
 from __future__ import annotations
 
@@ -14,43 +14,43 @@ from propmap.explore.session import Recipe, Session, axis, fastest, hover_model,
 from propmap.explore.view import Answer, Control, Download, Graph, OneOf, Several, Text, Values
 from propmap.fit.tunnel import TunnelData
 from propmap.io.csv import OperatingPoints, loads_csv, std_columns
-from propmap.report.html import COLOURS
+from propmap.report.html import COLORS
 from propmap.results import Loads
 from propmap.typing import Floats
 from propmap.units import RPM
 
-MOST_CURVES = 6
+MOST_CURVES = 6  # maximum number of curves
 SHOWN = ("thrust", "drag", "torque", "roll_moment", "pitch_moment", "power")
 NAME = "loads.csv"
-# How near a measured point must be to a curve to be drawn with it: shares, and degrees.
+# Largest differences between a curve and its measured points: relative, relative and in degrees.
 SAME_RPM, SAME_SPEED, SAME_ANGLE = 0.01, 0.03, 0.5
 
 
 class LoadsView(view.View):
-    """Loads along a line through the envelope, a curve for each angle or speed."""
+    """Loads over one variable, with a curve for each angle or airspeed."""
 
     name, title = "loads", "Loads"
-    question = "How do the loads go with speed, rpm and angle, and how sure are they?"
+    question = "How do the loads vary with airspeed, rpm and angle, and how uncertain are they?"
     downloads = (Download(NAME, "curves as CSV"),)
     places = tuple(Graph(name, title) for name, title in view.TITLES.items())
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """List what can be set."""
-        against = (("speed", "speed"), ("rpm", "rpm"), ("beta", "angle β"))
+        """Return the controls."""
+        against = (("speed", "airspeed"), ("rpm", "rpm"), ("beta", "angle β"))
         panels = tuple((name, view.LABELS[name]) for name in view.TITLES)
         return [
             OneOf("x", "Against", against, "speed"),
             *view.point_controls(session),
-            Text("angles", "Angles β, a curve each [deg]", "0,30,60,90"),
-            Text("speeds", "Speeds, a curve each against β [m/s]", "0,5,10,20"),
-            view.Slider("fastest", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
+            Text("angles", "Angles β [deg], one curve each", "0,30,60,90"),
+            Text("speeds", "Airspeeds [m/s], one curve each against β", "0,5,10,20"),
+            view.Slider("fastest", "Maximum airspeed", "m/s", 5.0, 60.0, 1.0, 20.0),
             Several("show", "Panels", panels, SHOWN),
-            Several("bands", "How sure", (("on", "95 % bands"),), ("on",)),
+            Several("bands", "Uncertainty", (("on", "95 % bands"),), ("on",)),
             view.data_choice(session),
         ]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """Draw curves at once; deviations, points by status and words as soon as it is settled."""
+        """Draw curves at once; bands, points by status and texts only when settled."""
         model, remarks = session.model, []
         along = values["x"]
         axes = _axes(session, values)
@@ -79,13 +79,13 @@ class LoadsView(view.View):
             if ends:
                 for k in range(len(found)):
                     low, high = (getattr(end, name)[k] for end in ends)
-                    traces.append(view.band(x, low, high, COLOURS[k]))
+                    traces.append(view.band(x, low, high, COLORS[k]))
             for k, row in enumerate(found):
                 template = f"%{{x:.4g}}: %{{y:.4g}}<extra>{names[k]}</extra>"
                 more: dict[str, Any] = {"hovertemplate": template}
                 if settled:
                     more = {"text": words[k], "hovertemplate": "%{text}<extra></extra>"}
-                traces.append(view.line(x, row, names[k], COLOURS[k], **more))
+                traces.append(view.line(x, row, names[k], COLORS[k], **more))
             hover = np.broadcast_to(still[name], x.shape)
             traces.append(view.line(x, hover, *view.HOVER))
             heights = [found, hover]
@@ -105,13 +105,13 @@ class LoadsView(view.View):
                 yaxis=view.span(*heights, zero=True),
             )
         tables = [view.point_table(session, values)] if settled else []
-        key = [*zip(names, COLOURS, strict=False), ("hover model", f"-{view.GREY}")]
+        key = [*zip(names, COLORS, strict=False), ("hover model", f"-{view.GRAY}")]
         if data is not None:
-            remarks.append(f"Points: {data.source}")
+            remarks.append(f"Measured points: {data.source}")
         return Answer(shown, tables, remarks, key)
 
     def shell(self, session: Session, values: Values) -> str:
-        """Write a sweep that makes the curves, and a prediction for the operating point."""
+        """Return commands for the curves and for the operating point."""
         recipe, axes, along = Recipe(session), _axes(session, values), values["x"]
         options = []
         for name, each in axes.items():
@@ -124,7 +124,7 @@ class LoadsView(view.View):
         return recipe.shell(sweep, recipe.predict(values))
 
     def python(self, session: Session, values: Values) -> str:
-        """Write lines that print the curves' thrust."""
+        """Return code that prints the thrust of the curves."""
         axes, along = _axes(session, values), values["x"]
         lines = []
         for name, each in axes.items():
@@ -142,7 +142,7 @@ class LoadsView(view.View):
         return Recipe(session).python("\n".join(lines))
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
-        """Write what `propmap sweep` does."""
+        """Return the same CSV as `propmap sweep`."""
         points = OperatingPoints.grid(*_axes(session, values).values())
         loads = points.loads(rotor_of(session.model))
         spread = std_columns(loads, by_source=False) if values["bands"] else {}
@@ -150,16 +150,16 @@ class LoadsView(view.View):
 
 
 # -------------------------------------------------------------------------------------------------
-# Operating points of the curves: along one of rpm, speed and angle, across from curve to curve.
+# Operating points: rpm, airspeed or angle varies along a curve, and a second one between curves.
 
 
 def _across(along: str) -> str:
-    """Name what differs from curve to curve."""
+    """Return the variable that differs between curves."""
     return "speed" if along == "beta" else "beta"
 
 
 def _axes(session: Session, values: Values) -> dict[str, Floats]:
-    """Give rpm, speed and beta [deg]: those along the curves, of each curve, and of all."""
+    """Return the values of rpm, airspeed and beta [deg]: along a curve, by curve, or one."""
     along = values["x"]
     highest = round(fastest(session.model) / RPM)
     ends = {
@@ -177,8 +177,8 @@ def _axes(session: Session, values: Values) -> dict[str, Floats]:
     except ValueError:
         found = []
     if not found or not all(0.0 <= one <= top for one in found):
-        fault = f"{quoted(text)} is no list of numbers from 0 to {top:g}"
-        raise InputError(fault, "write such as 0,30,60")
+        fault = f"{quoted(text)} is not a list of numbers from 0 to {top:g}"
+        raise InputError(fault, "give a list such as 0,30,60")
     if len(found) > MOST_CURVES:
         raise InputError(f"{len(found)} curves are too many", f"give at most {MOST_CURVES}")
     axes[across] = np.array(found)
@@ -186,17 +186,17 @@ def _axes(session: Session, values: Values) -> dict[str, Floats]:
 
 
 def _flow(axes: Mapping[str, Floats], along: str) -> dict[str, Floats]:
-    """Spread rpm, speed and beta [deg] over the points (k, n) of k curves of n points."""
+    """Return rpm, airspeed and beta [deg] of n points on each of k curves, (k, n)."""
     shaped = (each[:, None] if name == _across(along) else each for name, each in axes.items())
     return dict(zip(axes, np.broadcast_arrays(*shaped), strict=True))
 
 
 # -------------------------------------------------------------------------------------------------
-# What is drawn beside the curves: words, points by status, measured points.
+# Further elements of the figures: texts, points by status, measured points.
 
 
 def _words(flow: Mapping[str, Floats], loads: Loads) -> list[list[str]]:
-    """Write all numbers of each point of each curve."""
+    """Return the text under the mouse for each point of each curve."""
     rows = []
     for k, i in np.ndindex(flow["rpm"].shape):
         rpm, speed, beta = (flow[name][k, i] for name in ("rpm", "speed", "beta"))
@@ -210,20 +210,20 @@ def _words(flow: Mapping[str, Floats], loads: Loads) -> list[list[str]]:
 
 
 def _by_status(x: Floats, loads: Loads, found: Floats) -> list[dict[str, Any]]:
-    """Mark the points of a load (k, n) that are not "ok"."""
+    """Return markers on the points of a load (k, n) with a status other than "ok"."""
     traces = []
-    for status, (mark, colour) in view.STATUS_MARKS.items():
+    for status, (mark, color) in view.STATUS_MARKS.items():
         which = loads.status == status
         if which.any():
             heights = np.where(np.isfinite(found[which]), found[which], 0.0)
             template = f"%{{x:.4g}}: %{{y:.4g}}<extra>{status}</extra>"
             at = np.broadcast_to(x, found.shape)[which]
-            traces.append(view.points(at, heights, status, colour, mark, hovertemplate=template))
+            traces.append(view.points(at, heights, status, color, mark, hovertemplate=template))
     return traces
 
 
 def near_curves(flow: Mapping[str, Floats], along: str, data: TunnelData) -> list[NDArray[np.intp]]:
-    """Find which measured points belong to each of the curves."""
+    """Return the indices of the measured points of each curve."""
     rpm, beta = data.omega / RPM, np.degrees(data.folded_beta)
     found = []
     for k, (w, v, b) in enumerate(zip(flow["rpm"], flow["speed"], flow["beta"], strict=True)):
@@ -233,7 +233,7 @@ def near_curves(flow: Mapping[str, Floats], along: str, data: TunnelData) -> lis
         if along != "speed":
             fits &= np.abs(data.speed - v[0]) <= np.maximum(SAME_SPEED * v[0], 0.05)
         if along != "beta":
-            # At rest the angle means nothing: those points go with the first curve.
+            # Points at rest have no angle and belong to the first curve.
             at_rest = (data.speed == 0.0) if k == 0 else False
             fits &= (np.abs(beta - b[0]) < SAME_ANGLE) | at_rest
         found.append(np.flatnonzero(fits))
@@ -243,7 +243,7 @@ def near_curves(flow: Mapping[str, Floats], along: str, data: TunnelData) -> lis
 def _measured(
     name: str, along: str, x: Floats, names: Sequence[str], data: TunnelData, near: list[Any]
 ) -> tuple[list[dict[str, Any]], Floats]:
-    """Draw the measured points within ``x`` in the colours of their curves, and give heights."""
+    """Return the measured points within ``x``, in the colors of their curves, and their values."""
     values = data.loads.get(name)
     if name == "power" and "torque" in data.loads:
         values = data.loads["torque"] * data.omega
@@ -251,23 +251,23 @@ def _measured(
         return [], np.empty(0)
     at = {"speed": data.speed, "rpm": data.omega / RPM, "beta": np.degrees(data.folded_beta)}[along]
     inside = (at >= x[0]) & (at <= x[-1])
-    # One trace for all: each costs some milliseconds of every step.
+    # One trace for all points: each trace adds some milliseconds to every update.
     mine = [which[inside[which]] for which in near]
     curve = [k for k, which in enumerate(mine) for _ in which]
     every = np.concatenate(mine)
-    trace = view.points(at[every], values[every], f"measured: {data.source}", COLOURS[0])
-    colours, marks = [COLOURS[k] for k in curve], [view.MARKS[k] for k in curve]
-    trace["marker"] = {"color": colours, "symbol": marks, "size": 7}
+    trace = view.points(at[every], values[every], f"measured: {data.source}", COLORS[0])
+    colors, marks = [COLORS[k] for k in curve], [view.MARKS[k] for k in curve]
+    trace["marker"] = {"color": colors, "symbol": marks, "size": 7}
     trace["text"] = [names[k] for k in curve]
     trace["hovertemplate"] = "%{x:.4g}: %{y:.4g}<extra>measured, %{text}</extra>"
     return [trace], values[every]
 
 
 def nothing_near(data: TunnelData, values: Values) -> str:
-    """Say why none of the ``data`` is drawn with what ``values`` are set."""
+    """Return why no measured point is drawn with these ``values`` of the controls."""
     rpm = data.omega / RPM
     if values["x"] != "rpm":
         nearest = rpm[np.argmin(np.abs(rpm - values["rpm"]))]
         if abs(nearest - values["rpm"]) > SAME_RPM * values["rpm"]:
-            return f"{data.source}: no row within 1 % of {values['rpm']:g} rpm; try {nearest:.0f}"
-    return f"{data.source}: no row lies on one of these curves"
+            return f"{data.source}: no row within 1 % of {values['rpm']:g} rpm; set {nearest:.0f}"
+    return f"{data.source}: no row is on one of these curves"

@@ -1,4 +1,4 @@
-"""Trust: a table's certificate as pictures: errors, cells, and where data were."""
+"""Trust: certificate of a table with its cells, errors and measured points."""
 
 from __future__ import annotations
 
@@ -13,48 +13,48 @@ from propmap.explore import view
 from propmap.explore.session import Session, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, OneOf, Slider, Table, Values
 from propmap.loads import LOADS, error_scales
-from propmap.report.html import COLOURS
+from propmap.report.html import COLORS
 from propmap.report.table_page import KINDS, cell_ranks, table_cells
 from propmap.table.query import LoadTable
 from propmap.table.verification import quasi_random
 from propmap.units import RPM
 
 NAME = "cells.csv"
-SAMPLE = 256  # points at which table and model are compared here
-# Names and colours of the cells' kinds.
-SHADES = [(label, c if c.startswith("#") else view.GREY) for label, c in KINDS.values()]
-PLACE = "V/(ΩR) %{x:.3g}, β %{y:.3g}°: %{text}<extra></extra>"  # what a mouse over it shows
+SAMPLE = 256  # number of points for the comparison of table and model
+# Labels and colors of the kinds of cells.
+SHADES = [(label, c if c.startswith("#") else view.GRAY) for label, c in KINDS.values()]
+PLACE = "V/(ΩR) %{x:.3g}, β %{y:.3g}°: %{text}<extra></extra>"  # hover text
 ADVANCE, ANGLE = "advance ratio V/(ΩR) [-]", "angle β [deg]"
 
 
 class TrustView(view.View):
-    """A table's certificate."""
+    """Certificate of a table."""
 
     name, title = "trust", "Trust"
-    question = "Where can this table be trusted, and where not?"
+    question = "Where is this table accurate?"
     downloads = (Download(NAME, "cells that are not certified, as CSV"),)
     places = (
         Graph("cells", "cells over advance ratio and angle", wide=True),
         Graph("errors", "largest and rms errors by load"),
-        Graph("sample", "table against the model, at points of the envelope"),
+        Graph("sample", "errors with respect to the model at points of the envelope"),
     )
 
     def controls(self, session: Session) -> Sequence[Control]:
-        """List what can be set."""
+        """Return the controls."""
         table = _table(session)
         (low, high), _, _ = table.envelope.values()
         loads = tuple((name, load.label) for name, load in LOADS.items())
         return [
-            OneOf("load", "Error of", (("worst", "the worst load"), *loads), "worst"),
+            OneOf("load", "Error of", (("worst", "all loads, largest"), *loads), "worst"),
             view.data_choice(session),
             Slider(
-                "at", "Limit of speed at", "rpm", round(low / RPM), round(high / RPM), 10.0,
+                "at", "Show maximum airspeed at", "rpm", round(low / RPM), round(high / RPM), 10.0,
                 round(float(np.sqrt(low * high)) / RPM),
             ),
         ]  # fmt: skip
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
-        """Draw cells at once, errors at a sample of points when all stands still."""
+        """Draw the cells at once, and the errors at sample points when settled."""
         table = _table(session)
         certificate = table.certificate
         shown = {"cells": _cells(session, table, values)}
@@ -63,16 +63,16 @@ class TrustView(view.View):
             shown["errors"] = _by_load(certificate)
             holds = "holds" if certificate.get("holds") else "does NOT hold"
             remarks.append(
-                f"Its tolerance of {100.0 * certificate['tolerance']:g} % of static loads {holds} "
+                f"The tolerance of {100.0 * certificate['tolerance']:g} % of static loads {holds} "
                 f"at {certificate['points']} points outside unresolved cells."
             )
         else:
-            remarks.append("This table has no certificate: build it again with `propmap table`.")
+            remarks.append("This table has no certificate: rebuild it with `propmap table`.")
         if settled:
             sample = _sample(session, table, values)
             if sample is None:
                 remarks.append(
-                    "It was built from another model than the one explored: no errors at a sample."
+                    "The table was built from another model, so there are no errors at new points."
                 )
             else:
                 shown["sample"] = sample
@@ -81,13 +81,13 @@ class TrustView(view.View):
         return Answer(shown, tables, remarks, key)
 
     def shell(self, session: Session, values: Values) -> str:  # noqa: ARG002 - of the table alone
-        """Write commands that show the table and make a report on it."""
+        """Return commands that show the table and write a report."""
         given = session.files["table"]
         path = shlex.quote(given.path or given.name)
         return f"propmap show {path}\npropmap report {path} -o report"
 
     def python(self, session: Session, values: Values) -> str:  # noqa: ARG002 - of the table alone
-        """Write lines that print the certificate."""
+        """Return code that prints the certificate."""
         given = session.files["table"]
         return (
             "from propmap.table import LoadTable\n\n"
@@ -96,14 +96,15 @@ class TrustView(view.View):
         )
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
-        """Write what `propmap report` files of the cells."""
+        """Return the CSV of the cells from `propmap report`."""
         return table_cells(_table(session)).csv()
 
 
 def _table(session: Session) -> LoadTable:
     if session.table is None:
         found = "there is no table"
-        remedy = "open a file of `propmap table PROP --rpm 3000:9000 --speed 0:20 -o map.npz` here"
+        remedy = "write it with `propmap table PROP --rpm 3000:9000 --speed 0:20 -o map.npz`"
+        remedy += " and open it here"
         raise InputError(found, remedy)
     return session.table
 
@@ -131,7 +132,7 @@ def _cells(session: Session, table: LoadTable, values: Values) -> view.Figure:
         advance = data.speed / (data.omega * content.radius)
         traces.append(
             view.points(
-                advance, np.degrees(data.folded_beta), f"measured: {data.source}", COLOURS[0],
+                advance, np.degrees(data.folded_beta), f"measured: {data.source}", COLORS[0],
                 "circle-open",
             )
         )  # fmt: skip
@@ -161,11 +162,11 @@ def _by_load(certificate: dict[str, Any]) -> view.Figure:
             "x": [LOADS[name].label for name in names],
             "y": [100.0 * certificate[key][name] for name in names],
             "name": label,
-            "marker": {"color": colour},
+            "marker": {"color": color},
         }
-        for key, label, colour in (
-            ("max_error", "largest", COLOURS[1]),
-            ("rms_error", "rms", COLOURS[0]),
+        for key, label, color in (
+            ("max_error", "largest", COLORS[1]),
+            ("rms_error", "rms", COLORS[0]),
         )
     ]
     level = 100.0 * certificate["tolerance"]
@@ -178,7 +179,7 @@ def _by_load(certificate: dict[str, Any]) -> view.Figure:
 
 
 def _sample(session: Session, table: LoadTable, values: Values) -> view.Figure | None:
-    """Draw errors at points of the envelope; None where the model is another one."""
+    """Return errors at points of the envelope, or None if the table is from another model."""
     model = session.model
     if table.info.get("model_sha256") != model.fingerprint():
         return None
@@ -190,10 +191,10 @@ def _sample(session: Session, table: LoadTable, values: Values) -> view.Figure |
     names = LOADS if values["load"] == "worst" else [values["load"]]
     errors = [np.abs(getattr(found, n) - getattr(own, n)) / scales[n] for n in names]
     worst = 100.0 * np.max(errors, axis=0)
-    bar = {"title": {"text": "log10 error [%]"}, "thickness": 12}
-    colours = view.array(np.log10(np.maximum(worst, 1e-6)))
-    trace = view.points(speed / (omega * radius), np.degrees(beta), "error", COLOURS[0])
-    trace["marker"] = {"color": colours, "colorscale": "Viridis", "size": 7, "colorbar": bar}
+    bar = {"title": {"text": "log10 of error in %"}, "thickness": 12}
+    colors = view.array(np.log10(np.maximum(worst, 1e-6)))
+    trace = view.points(speed / (omega * radius), np.degrees(beta), "error", COLORS[0])
+    trace["marker"] = {"color": colors, "colorscale": "Viridis", "size": 7, "colorbar": bar}
     trace |= {"text": [f"{value:.3g} %" for value in worst], "hovertemplate": PLACE}
     return view.figure([trace], ADVANCE, ANGLE)
 
@@ -203,7 +204,7 @@ def _facts(table: LoadTable) -> Table:
     certificate = table.certificate
     rows = [
         ["rpm", f"{w0 / RPM:.0f} to {w1 / RPM:.0f}"],
-        ["speed [m/s]", f"{v0:g} to {v1:g}"],
+        ["airspeed [m/s]", f"{v0:g} to {v1:g}"],
         ["angle β [deg]", f"{np.degrees(b0):.4g} to {np.degrees(b1):.4g}"],
         ["propeller", str(table.info.get("propeller", {}).get("name", ""))],
         ["constants", str(table.info.get("airfoil", {}).get("name", ""))],
@@ -211,10 +212,10 @@ def _facts(table: LoadTable) -> Table:
     if certificate:
         rows += [
             ["unresolved cells", str(certificate["unresolved_cells"])],
-            ["their share of the envelope", f"{100.0 * certificate['unresolved_volume']:.3g} %"],
-            ["points in the vortex ring", str(certificate["vortex_ring"])],
+            ["unresolved part of envelope", f"{100.0 * certificate['unresolved_volume']:.3g} %"],
+            ["points in the vortex ring state", str(certificate["vortex_ring"])],
             ["points without a value", str(certificate["no_value"])],
         ]
         for name, error in certificate["max_error"].items():
             rows.append([f"largest error, {LOADS[name].label}", f"{100.0 * error:.3g} %"])
-    return Table(("", "value"), rows, "From the table's file")
+    return Table(("", "value"), rows, "Contents of the table file")
