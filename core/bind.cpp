@@ -563,8 +563,8 @@ class FreeBody {
     using Mounts = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
 
     // Rows of `mounts` (k, 7): position, axis, spin.  `sources` has a rotor or a table for each.
-    FreeBody(Mounts mounts, const nb::dict& frame, const nb::list& sources, double heavy, Vector centre, bool clamp)
-        : frame_(airframe(frame)), sources_(sources), heavy_(heavy), centre_(vector(centre.data())), clamp_(clamp) {
+    FreeBody(Mounts mounts, const nb::dict& frame, const nb::list& sources, double heavy, Vector center, bool clamp)
+        : frame_(airframe(frame)), sources_(sources), heavy_(heavy), center_(vector(center.data())), clamp_(clamp) {
         for (std::size_t k = 0; k < mounts.shape(0); ++k) {
             const double* row = mounts.data() + 7 * k;
             mounts_.push_back({vector(row), vector(row + 3), row[6]});
@@ -586,7 +586,7 @@ class FreeBody {
         const Attitude attitude{q[0] / size, {q[1] / size, q[2] / size, q[3] / size}};
         const Vector3 rates = vector(motion.data() + 3);
         const Vector3 through = attitude.to_vehicle(add(vector(motion.data()), -1.0, vector(wind.data())));
-        const Vector3 velocity = add(through, 1.0, cross(rates, centre_));
+        const Vector3 velocity = add(through, 1.0, cross(rates, center_));
         std::vector<Known> known;
         for (std::size_t k = 0; k < k_all; ++k) {
             const HubFlow at = hub_flow(mounts_[k].axis, add(velocity, 1.0, cross(rates, mounts_[k].position)));
@@ -598,7 +598,7 @@ class FreeBody {
         Wrench all = vehicle_wrench(mounts_, frame_, velocity, rates,
                                     [&](std::size_t k, const HubFlow&) { return known[k].loads; });
         all.moment = add(all.moment, 1.0, spin_moment(mounts_, heavy_, omega.data(), change.data(), rates));
-        const Vector3 force = attitude.to_world(all.force), moment = add(all.moment, 1.0, cross(centre_, all.force));
+        const Vector3 force = attitude.to_world(all.force), moment = add(all.moment, 1.0, cross(center_, all.force));
         for (std::size_t k = 0; k < k_all; ++k)
             if (!std::isfinite(known[k].loads.thrust) || !std::isfinite(omega.data()[k] + change.data()[k])) return k;
         for (int j = 0; j < 3; ++j) forces.data()[j] += force[j], forces.data()[3 + j] += moment[j];
@@ -642,7 +642,7 @@ class FreeBody {
     Airframe frame_;
     nb::list sources_;  // keeps the objects in `of_` alive
     double heavy_;
-    Vector3 centre_;
+    Vector3 center_;
     bool clamp_;
     std::vector<Source> of_;
 };

@@ -258,19 +258,19 @@ def _gill_dandrea(folder: Path) -> dict[str, dict[str, Any]]:
         (
             "gill-dandrea-2019-8x6e",
             "apc_8x6e_published_polynomials.csv",
-            "Section 5 of the paper, eqs. 95-102: one polynomial for each load, fitted to that "
-            "load's measurements in a wind tunnel, evaluated here; constants of two digits. The "
-            "closest to the measurements that is public. Beside the paper's own blade-element "
-            "model, gill-dandrea-2019-8x6e-fit, thrust, torque and drag differ by 2 to 4 % rms, "
-            "the rolling moment by 27 %.",
+            "Section 5 of the paper, eqs. 95-102: one polynomial per load, fitted to wind-tunnel "
+            "measurements of this load and evaluated here; the constants have two digits. No "
+            "public data are closer to the measurements. The rms differences from the paper's own "
+            "blade-element model, gill-dandrea-2019-8x6e-fit, are 2 to 4 % for thrust, torque and "
+            "drag, and 27 % for the rolling moment.",
             ("thrust_N", "torque_Nm", "drag_N", "roll_moment_Nm", "pitch_moment_Nm"),
         ),
         (
             "gill-dandrea-2019-8x6e-fit",
             "apc_8x6e_published_fit.csv",
             "A model, not measurements: section 3 of the paper, closed-form blade elements on a "
-            "blade of constant chord, whose nine constants were fitted to a wind-tunnel campaign "
-            "as a whole, evaluated here. The fits of each load by itself are "
+            "blade of constant chord, evaluated here. Its nine constants were fitted to all loads "
+            "of a wind-tunnel campaign together. Separate fits of each load are "
             "gill-dandrea-2019-8x6e.",
             ("thrust_N", "torque_Nm", "drag_N", "roll_moment_Nm"),
         ),

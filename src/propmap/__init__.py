@@ -13,7 +13,7 @@ import numpy  # noqa: F401 - every module needs it, and its import must not slow
 
 if TYPE_CHECKING:
     from propmap.catalogue.lookup import airfoil as airfoil
-    from propmap.catalogue.lookup import known_model as known_model
+    from propmap.catalogue.lookup import catalogue_model as catalogue_model
     from propmap.catalogue.lookup import propeller as propeller
     from propmap.dynamic_inflow import DynamicInflow as DynamicInflow
     from propmap.errors import InputError as InputError
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from propmap.model.airfoil import SectionUncertainty as SectionUncertainty
     from propmap.model.airfoil import airfoil_names as airfoil_names
     from propmap.model.corrections import correction as correction
-    from propmap.model.corrections import corrections_of as corrections_of
+    from propmap.model.corrections import model_corrections as model_corrections
     from propmap.model.model import Model as Model
     from propmap.model.propeller import Propeller as Propeller
     from propmap.results import Loads as Loads
@@ -39,13 +39,13 @@ if TYPE_CHECKING:
 __version__ = "1.0.0rc1"
 
 _PUBLIC = {
-    "catalogue.lookup": "airfoil known_model propeller",
+    "catalogue.lookup": "airfoil catalogue_model propeller",
     "dynamic_inflow": "DynamicInflow",
     "errors": "InputError",
     "hover": "HoverModel",
     "model.air": "Air",
     "model.airfoil": "Airfoil SectionCovariance SectionTable SectionUncertainty airfoil_names",
-    "model.corrections": "correction corrections_of",
+    "model.corrections": "correction model_corrections",
     "model.model": "Model",
     "model.propeller": "Propeller",
     "results": "Loads Wrench",

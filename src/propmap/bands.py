@@ -1,8 +1,9 @@
-"""How far the loads of a model may err, by what the errors are from: standard deviations.
+"""Standard deviations of the loads of a model, by source of the error.
 
-Sources are independent of each other.  What is not a model's own, how wind tunnels differ and how
-the theory fails in oblique flow, is estimated from campaigns in other tunnels than that of the
-catalogue's constants: ``python -m tools.coverage`` finds the numbers below, and what bands hold.
+The sources are independent.  The differences between wind tunnels and the error of the theory in
+oblique flow do not depend on the model.  They are estimated from campaigns in other tunnels than
+UIUC's, which gave the constants of the catalogue.  ``python -m tools.coverage`` computes the
+numbers below and the coverage of the bands.
 """
 
 from __future__ import annotations
@@ -22,24 +23,24 @@ SOURCES = ("parameters", "geometry", "discrepancy", "tunnel", "installation")
 
 MEASURED_TO = 0.35  # advance ratio [-] up to which bands were compared with measurements
 
-TUNNEL_GAIN = 0.04  # of thrust and torque as shares, of another specimen or in another run [-]
+TUNNEL_GAIN = 0.04  # standard deviation of thrust and torque between specimens or runs, a share [-]
 
 OBLIQUE = {"thrust": 1.03, "torque": 1.38}
-"""Standard deviations of what the theory errs by in oblique flow, as shares of the load per advance
-ratio V sin(beta)/(Omega R) [-]: those of the campaign that errs more."""
+"""Standard deviation of the error of the theory in oblique flow, divided by the load and by the
+advance ratio V sin(beta)/(Omega R) [-].  The campaign with the larger error sets each value."""
 
 INPLANE = {"roll_moment": 0.47, "side_force": 0.44, "pitch_moment": 0.70}
-"""Standard deviations of loads that no axial test has seen, over thrust times advance ratio, and
-times R for moments [-]."""
+"""Standard deviation of the loads that vanish in axial tests, divided by thrust times advance
+ratio, and moments also by R [-]."""
 
 BLADE_DRAG_SHARE = 0.10
-"""Standard deviation of the drag of bare blades as a share: it is within about 20 % of a free-wake
-lifting line, of Ribner's fin analogy and of measurements (docs/validation.md)."""
+"""Standard deviation of the drag of bare blades, as a share.  The drag is within about 20 % of a
+free-wake lifting line, of Ribner's fin analogy and of measurements (docs/validation.md)."""
 
 
 Derivatives = Callable[
     [Sequence[str]], Floats
-]  # of the loads (L, P, N) by parameters of these names
+]  # derivatives of the loads (L, P, N) with respect to the named parameters
 
 
 def deviations(
@@ -47,8 +48,8 @@ def deviations(
 ) -> dict[str, Floats]:
     """Return the standard deviations (L, N) of the loads (L, N) of a ``model`` by source.
 
-    They are first-order estimates sqrt(g' S g), with the derivatives g of the loads and the
-    covariance S of the uncertain parameters.
+    They are first-order estimates sqrt(g' S g), where g are the derivatives of a load and S is the
+    covariance of the uncertain parameters.
     """
     known = model.uncertainty
     if known is None:
@@ -57,7 +58,7 @@ def deviations(
 
 
 def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
-    """Standard deviations (L, N) by source of loads (L, N), not of section constants and blade."""
+    """Return standard deviations (L, N) by source, without those of section constants and blade."""
     known = model.uncertainty
     if known is None:
         return {}
@@ -71,7 +72,7 @@ def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Fl
 
 
 def _by_parameters(known: SectionUncertainty, derivatives: Derivatives) -> dict[str, Floats]:
-    """Standard deviations (L, N) that follow from the uncertain constants and blade."""
+    """Return the standard deviations (L, N) from uncertain section constants and blade."""
     whole = known.covariance.determined
     if not whole.names:
         return {}
@@ -82,16 +83,17 @@ def _by_parameters(known: SectionUncertainty, derivatives: Derivatives) -> dict[
 
     if known.with_blade is None:
         return {"parameters": np.sqrt(variance(whole))}
-    # The two populations are estimated separately; their sum has to be the whole.
+    # The covariances with and without a measured blade are estimated separately, so the first may
+    # exceed the second.  Clipping and subtraction make the two variances add up to the total.
     total = variance(whole)
     own = np.minimum(variance(known.with_blade), total)
     return {"parameters": np.sqrt(own), "geometry": np.sqrt(total - own)}
 
 
 def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads: Floats) -> Floats:
-    """Errors (L, N) of the model with the best constants."""
+    """Return the standard deviations (L, N) of the model with the best constants."""
     blade, air = model.propeller, model.air
-    # In a wind a rotor that turns slowly has the loads of the wind.
+    # The wind, not the rotation, scales the loads of a slow rotor in a wind.
     square = at.omega**2 + (at.v_axial**2 + at.v_inplane**2) / blade.radius**2
     force = air.density * square / (2.0 * np.pi) ** 2 * blade.diameter**4
     advance = _advance(model, at)
@@ -106,20 +108,20 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
         "torque": known.power_coefficient / (2.0 * np.pi) * force * blade.diameter,
     }
     for name, own in axial.items():
-        # Constants that rest on data of this flow have met what it does.
+        # Constants fitted to the tunnel or flight of interest already include this error.
         share = OBLIQUE[name] * advance if known.another_tunnel else 0.0 * advance
         found[name] = np.hypot(own, share * np.abs(by_name[name]))
     return np.stack([found[name] for name in LOADS])
 
 
 def _tunnel(loads: Floats) -> Floats:
-    """Differences (L, N) between the loads that several tunnels, or the open air, would read."""
+    """Return the standard deviations (L, N) between tunnels, or between tunnel and open air."""
     gain = [[TUNNEL_GAIN if name in ("thrust", "torque") else 0.0] for name in LOADS]
     return np.asarray(gain * np.abs(loads))
 
 
 def _installation(model: Model, mount: Installed, at: FlowPoints, loads: Floats) -> Floats:
-    """Errors (L, N) for what is not stated of how the rotor is installed."""
+    """Return the standard deviations (L, N) from unspecified properties of the installation."""
     by_name = dict(zip(LOADS, loads, strict=True))
     radius, density = model.propeller.radius, model.air.density
     inflow = _glauert_inflow(by_name["thrust"] / (2.0 * density * np.pi * radius**2), at)
@@ -136,13 +138,13 @@ def _installation(model: Model, mount: Installed, at: FlowPoints, loads: Floats)
 
 
 def _advance(model: Model, at: FlowPoints) -> Floats:
-    """V sin(beta) over the speed of the tip [-] (N,); below 1 where the rotor stands in a wind."""
+    """Return V sin(beta) over the tip speed, rotation and wind together [-] (N,), at most 1."""
     tip = np.hypot(at.omega * model.propeller.radius, at.v_inplane)
     return np.divide(at.v_inplane, tip, out=np.zeros_like(tip), where=tip > 0.0)
 
 
 def _glauert_inflow(square: Floats, at: FlowPoints) -> Floats:
-    """The inflow (N,) [m/s] of (10) for the whole disk, from ``square``, T/(2 rho A) [m^2/s^2]."""
+    """Return the inflow (N,) [m/s] of (10) for the disk; ``square`` is T/(2 rho A) [m^2/s^2]."""
     v = np.sqrt(np.abs(square))
     for _ in range(30):
         speed = np.hypot(at.v_inplane, at.v_axial + v)

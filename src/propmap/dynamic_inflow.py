@@ -1,4 +1,4 @@
-"""The inflow as a state, for simulators: loads that lag behind the rotor and the flight."""
+"""Dynamic inflow for simulators: loads that lag behind changes of rotor speed and velocity."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from propmap.typing import Floats
 
 
 class DynamicInflow:
-    """The inflow of Pitt and Peters as a state that follows rotor and flight with a delay.
+    """Inflow of Pitt and Peters as a state that lags behind changes of rotor speed and velocity.
 
-    A state is an array (..., 3) [m/s] in the rotor frame of ``Rotor.wrench``: the mean inflow over
-    the disk, positive against the thrust, and by how much the inflow grows from the hub to the tip
-    along x and along y.  Its steady value is the static solution that ``rotor.loads`` uses.
-    ``core/include/propmap/dynamic_inflow.hpp`` has the equations, docs/theory.md what they leave
-    out.
+    A state is an array (..., 3) [m/s] in the rotor frame of ``Rotor.wrench``.  It contains the
+    mean inflow over the disk, positive against the thrust, and the increases of the inflow from
+    hub to tip along x and along y.  The steady state is the static solution that ``rotor.loads``
+    uses.  ``core/include/propmap/dynamic_inflow.hpp`` contains the equations, docs/theory.md their
+    limits.
 
     Parameters
     ----------
     rotor : Rotor
-        Its model has the correction "pitt-peters".
+        Rotor whose model has the correction "pitt-peters".
     spin : str
-        "ccw" or "cw", seen from above with the thrust up.
+        Direction of rotation, "ccw" or "cw", seen from above with the thrust up.
 
     Raises
     ------
     InputError
-        For a rotor without this correction and another spin.
+        For a rotor without this correction, or another ``spin``.
 
     References
     ----------
@@ -52,31 +52,31 @@ class DynamicInflow:
         self.rotor, self.spin, self._sign = rotor, spin, spin_sign(spin)
 
     def steady(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
-        """The state (..., 3) [m/s] that stays as it is.
+        """Return the steady state (..., 3) [m/s].
 
         Parameters
         ----------
         omega : array_like, shape (...)
             Rotational speed [rad/s], >= 0.
         velocity : array_like, shape (..., 3)
-            Velocity of the hub through the air, z along the thrust [m/s]; broadcast over the
-            leading axes.
+            Velocity of the hub through the air, z along the thrust [m/s].  The leading axes
+            broadcast with ``omega``.
 
         Raises
         ------
         InputError
-            For values that are not finite, negative omega and shapes that do not fit together.
+            For values that are not finite, negative ``omega``, and shapes that do not broadcast.
         """
         points = _StatePoints(omega, velocity)
         return points.shaped(self._motion(points).steady)
 
     def rates(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Floats:
-        """The rates (..., 3) [m/s^2] at which a state changes.
+        """Return the time derivative (..., 3) [m/s^2] of a state.
 
         Parameters
         ----------
         state : array_like, shape (..., 3)
-            As above [m/s].
+            State of the inflow [m/s].
         omega, velocity : array_like
             As in ``steady``.
         """
@@ -86,35 +86,35 @@ class DynamicInflow:
     def step(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
     ) -> Floats:
-        """The state (..., 3) [m/s] after a time step.
+        """Return the state (..., 3) [m/s] after a time step.
 
-        Exact where the loads are linear in the state, and stable however long the step is: after a
-        long one the state is ``steady``.
+        The step is exact for loads that are linear in the state.  It is stable for any step
+        length: a long step ends in the ``steady`` state.
 
         Parameters
         ----------
         state : array_like, shape (..., 3)
-            At the step's beginning [m/s].
+            State at the start of the step [m/s].
         dt : array_like, shape (...)
-            Its length [s], >= 0.
+            Step length [s], >= 0.
         omega, velocity : array_like
-            As in ``steady``; they hold throughout the step.
+            As in ``steady``; constant during the step.
 
         Raises
         ------
         InputError
-            Also for a negative ``dt``.
+            As in ``steady``, and for a negative ``dt``.
         """
         points = _StatePoints(omega, velocity, state=state, dt=dt)
         return points.shaped(self._motion(points).later)
 
     def loads(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Loads:
-        """Loads of the blades in the inflow of a state.
+        """Return the loads of the blades in the inflow of a state.
 
         Parameters
         ----------
         state : array_like, shape (..., 3)
-            As above [m/s]; it is the ``mean_inflow`` of the result.
+            State of the inflow [m/s]; ``mean_inflow`` of the result is its first component.
         omega, velocity : array_like
             As in ``steady``.
         """
@@ -124,12 +124,12 @@ class DynamicInflow:
         return replace(static, mean_inflow=points.state[::3].reshape(points.shape))
 
     def wrench(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Wrench:
-        """Force and moment on the vehicle in the rotor frame, as ``Rotor.wrench``.
+        """Return force and moment on the vehicle in the rotor frame, as in ``Rotor.wrench``.
 
         Parameters
         ----------
         state : array_like, shape (..., 3)
-            As above [m/s].
+            State of the inflow [m/s].
         omega, velocity : array_like
             As in ``steady``.
         """
@@ -139,9 +139,10 @@ class DynamicInflow:
     def advance(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
     ) -> tuple[Wrench, Floats]:
-        """The ``wrench`` at the step's beginning, and the state (..., 3) [m/s] that ``step`` gives.
+        """Return the ``wrench`` at the start of a step, and the state (..., 3) [m/s] at its end.
 
-        Both follow from one static solution, so that they take little longer than either alone.
+        Separate calls of ``wrench`` and ``step`` solve the static inflow twice; this method solves
+        it once.
 
         Parameters
         ----------
@@ -151,7 +152,7 @@ class DynamicInflow:
         Raises
         ------
         InputError
-            As ``step`` does.
+            As in ``step``.
         """
         points = _StatePoints(omega, velocity, state=state, dt=dt)
         motion = self._motion(points)
@@ -159,10 +160,11 @@ class DynamicInflow:
         return wrench, points.shaped(motion.later)
 
     def time_constants(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
-        """Times (..., 3) [s] in which small deviations fall to 1/e, the longest first.
+        """Return the time constants (..., 3) [s] of small deviations, the longest first.
 
-        They are -1 over the real parts of the eigenvalues at the steady state: in hover of the mean
-        inflow and twice of the gradients.  Negative where a deviation grows, in stall.
+        They are -1 over the real parts of the eigenvalues at the steady state.  In hover one time
+        constant belongs to the mean inflow and two equal ones to the gradients.  A time constant is
+        negative if the deviation grows, which occurs in stall.
 
         Parameters
         ----------
@@ -183,14 +185,14 @@ class DynamicInflow:
 
 
 class _Motion(NamedTuple):
-    """N states of the inflow as the core gives them, with loads (L, N)."""
+    """Results of the core for N states of the inflow."""
 
-    steady: Floats  # states and rates (N, 3)
-    rates: Floats
-    later: Floats  # a step later
-    loads: Floats
-    linear: Floats  # derivatives of the rates with the state along the flight (N, 3, 3)
-    found: Floats  # of the static solution (5, N)
+    steady: Floats  # steady states (N, 3)
+    rates: Floats  # (N, 3)
+    later: Floats  # states after the step (N, 3)
+    loads: Floats  # (L, N)
+    linear: Floats  # derivatives of the rates, for axes along the in-plane velocity (N, 3, 3)
+    found: Floats  # other results of the static solution (5, N)
 
 
 class _StatePoints:
@@ -207,25 +209,25 @@ class _StatePoints:
         (given,) = broadcast(state=state)
         if given.ndim == 0 or given.shape[-1] != 3:
             raise InputError(
-                f"state has shape {given.shape}: its last axis must hold the mean inflow and two "
+                f"state has shape {given.shape}: its last axis must be the mean inflow and two "
                 "gradients"
             )
         flow, direction = split_velocity(omega, velocity)
-        # Simulators step by one number; `broadcast` takes as long as all else here.
+        # Simulators pass one number, for which `broadcast` would double the time of this function.
         good = isinstance(dt, float) and 0.0 <= dt < np.inf
         (time,) = (np.array(dt),) if good else broadcast(dt=dt)
         if not good and (time < 0.0).any():
-            raise InputError(f"dt is negative ({time.min():g}): give the step's length [s]")
+            raise InputError(f"dt is negative ({time.min():g}): give a step length of 0 s or more")
         shapes = {"omega": flow.omega.shape, "state": given.shape[:-1], "dt": time.shape}
         alike = flow.omega.shape == given.shape[:-1] == time.shape
         try:
             self.shape = time.shape if alike else np.broadcast_shapes(*shapes.values())
         except ValueError:
             found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-            raise InputError(f"shapes do not fit together: {found}; they must broadcast") from None
+            raise InputError(f"shapes cannot be broadcast together: {found}") from None
 
         def spread(values: Floats, shape: tuple[int, ...]) -> Floats:
-            # Simulators step one point at a time, which NumPy's function would take half of.
+            # Simulators step one point at a time: `np.broadcast_to` would take half of that time.
             return values if values.shape == shape else np.broadcast_to(values, shape)
 
         def flat(values: Floats) -> Floats:
@@ -236,5 +238,5 @@ class _StatePoints:
         self.dt, self.state = flat(time), spread(given, self.direction.shape).ravel()
 
     def shaped(self, vectors: Floats) -> Floats:
-        """Give flat (N, 3) the shape (..., 3) of the points."""
+        """Return ``vectors`` (N, 3) in the shape (..., 3) of the points."""
         return vectors.reshape(*self.shape, 3)

@@ -31,7 +31,7 @@ class HoverModel:
     omega: float
 
     @classmethod
-    def of(cls, rotor: Rotor, omega: float | None = None) -> HoverModel:
+    def from_rotor(cls, rotor: Rotor, omega: float | None = None) -> HoverModel:
         """Return the hover model with the constants of a rotor at V = 0.
 
         Parameters

@@ -1,4 +1,4 @@
-"""Loads as a function of JAX arrays, for programs that JAX compiles and differentiates."""
+"""Loads as a JAX function, for programs that JAX compiles and differentiates."""
 
 from __future__ import annotations
 
@@ -20,15 +20,17 @@ _Shape: Any = jax.ShapeDtypeStruct
 
 
 def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
-    """Loads at operating points, through ``jit``, ``vmap``, ``grad``, ``jacfwd`` and ``jacrev``.
+    """Return the loads at operating points as a JAX array.
+
+    The function supports ``jit``, ``vmap``, ``grad``, ``jacfwd`` and ``jacrev``.
 
     Parameters
     ----------
     rotor : Rotor
-        Whose loads; fixed in a compiled function.
+        The rotor; constant in a compiled function.
     omega, v_axial, v_inplane : array, shape (...)
-        Rotational speed [rad/s], >= 0, V cos(beta) and V sin(beta) [m/s], the latter >= 0; all
-        three broadcast.
+        Rotational speed [rad/s], >= 0, V cos(beta) [m/s] and V sin(beta) [m/s], >= 0; the three
+        arrays broadcast.
 
     Returns
     -------
@@ -37,12 +39,12 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 
     Notes
     -----
-    The compiled core is called back on the CPU and computes in float64, points beside each other.
-    What goes in and comes out is rounded to float32 unless the caller has entered
-    ``jax.enable_x64(True)``, around making arrays and using them; nothing is switched on here.
-    First derivatives are those of ``Rotor.gradients``.  There are no second ones, and none by the
-    constants of the section and the blade, which ``Rotor.gradients`` gives.  Values that
-    ``Rotor.gradients`` refuses end the computation with its message.
+    JAX calls the compiled core back on the CPU.  The core computes in float64, all points of a call
+    in parallel.  JAX rounds arguments and results to float32, unless the caller creates and uses
+    the arrays inside ``jax.enable_x64(True)``.  First derivatives are those of ``Rotor.gradients``.
+    Second derivatives do not exist.  For derivatives with respect to section constants and blade,
+    use ``Rotor.gradients``.  Values that ``Rotor.gradients`` refuses stop the computation with its
+    message.
     """
     dtype = jnp.result_type(float)
     given = [jnp.asarray(value, dtype) for value in (omega, v_axial, v_inplane)]
@@ -51,7 +53,7 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def _loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
-    """Loads (..., L): the axes that ``vmap`` adds come in front."""
+    """Return loads (..., L); the last axis is fixed because ``vmap`` adds axes in front."""
     wanted = _Shape((*omega.shape, len(LOADS)), omega.dtype)
 
     def found(*flow: Any) -> Floats:

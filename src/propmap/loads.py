@@ -1,7 +1,8 @@
-"""The registry of loads: names, units, words, and what errors are shares of.
+"""The registry of loads: names, units, descriptions, and reference loads of errors.
 
-Everything that lists loads iterates over ``LOADS``, and every array of loads has its order.  A new
-load is computed in ``element.hpp`` of the core, described here, and a field of ``propmap.Loads``.
+All code that lists loads iterates over ``LOADS``, and every array of loads has its order.  To add
+a load, compute it in ``element.hpp`` of the core, describe it here, and give it a field in
+``propmap.results.LoadValues``.
 """
 
 from __future__ import annotations
@@ -18,20 +19,20 @@ class Load:
     Attributes
     ----------
     name : str
-        Field of ``propmap.Loads``, and the key where loads are kept by name.
+        Field of ``propmap.Loads``, and key in mappings of loads.
     label : str
-        In words.
+        Name in texts, "rotor drag".
     symbol : str
-        In formulas and heads of tables; "" for none.
+        Symbol in formulas and table headings; "" for none.
     unit : str
         "N" or "N m".
     meaning : str
-        What it is, with its direction, for descriptions of files.
+        Description with the direction, for files.
     scale : str
-        The load at rest that errors are shares of; see ``error_scales``.
+        Static load that serves as reference of errors; see ``error_scales``.
     inplane : bool
-        Whether it points along or about the in-plane velocity.  Such a load vanishes in axial
-        flow and at rest, so that the hover model has none.
+        Whether its direction depends on the in-plane velocity.  Such a load vanishes in axial flow
+        and at rest, so the hover model does not have it.
     """
 
     name: str
@@ -44,31 +45,31 @@ class Load:
 
     @property
     def column(self) -> str:
-        """Its name with the unit, as in files: "torque_Nm"."""
+        """Column name in files, with the unit: "torque_Nm"."""
         return f"{self.name}_{self.unit.replace(' ', '')}"
 
     def column_of(self, what: str) -> str:
-        """The column of a quantity of it: "torque_std_Nm" where ``what`` is "std"."""
+        """Return the column name of a property ``what`` of the load: "torque_std_Nm" for "std"."""
         return f"{self.name}_{what}_{self.unit.replace(' ', '')}"
 
     @property
     def head(self) -> str:
-        """A short name, for the heads of tables: "T"."""
+        """Short name for table headings: "T"."""
         return self.symbol or self.name.partition("_")[0]
 
     @property
     def title(self) -> str:
-        """In words with the unit, for axes of figures: "thrust T [N]"."""
+        """Label of figure axes, with the unit: "thrust T [N]"."""
         return f"{' '.join(filter(None, (self.label, self.symbol)))} [{self.unit}]"
 
     @property
     def moment(self) -> bool:
-        """Whether it is a moment, not a force."""
+        """Whether the load is a moment."""
         return self.unit == "N m"
 
     @property
     def share(self) -> str:
-        """Its error as a share, in words: "thrust / static thrust"."""
+        """Label of its relative error: "thrust / static thrust"."""
         static = f"static {self.scale}"
         whole = static if self.unit == LOADS[self.scale].unit else f"({static} R)"
         return f"{self.label} / {whole}"
@@ -85,25 +86,27 @@ LOADS = {
              "moment about the in-plane velocity, positive: advancing side lifted", "thrust",
              inplane=True),
         Load("side_force", "side force", "Y", "N",
-             "force in the disk plane across the in-plane velocity, towards the retreating side",
+             "force in the disk plane across the in-plane velocity, toward the retreating side",
              "thrust", inplane=True),
         Load("pitch_moment", "pitching moment", "", "N m",
              "moment about the axis across the in-plane velocity, positive: front lifted", "thrust",
              inplane=True),
     )
 }  # fmt: skip
-"""Every load by its name."""
+"""All loads by name."""
 
 
 def error_scales(static: Mapping[str, Any], radius: float) -> dict[str, Any]:
-    """What errors are shares of, by load: static thrust, static torque, static thrust times R.
+    """Return the reference load of errors, by load.
+
+    It is the static thrust, the static torque, or the static thrust times R.
 
     Parameters
     ----------
     static : mapping of str
-        Loads at rest by name [N] or [N m].
+        Static loads by name [N] or [N m].
     radius : float
-        R [m].
+        Blade radius R [m].
     """
     return {
         name: static[load.scale] * (1.0 if load.unit == LOADS[load.scale].unit else radius)
@@ -111,12 +114,12 @@ def error_scales(static: Mapping[str, Any], radius: float) -> dict[str, Any]:
     }
 
 
-FLOW = ("omega", "v_axial", "v_inplane")  # which loads can be differentiated by
+FLOW = ("omega", "v_axial", "v_inplane")  # flow variables with derivatives of the loads
 
 DRAG_FACTOR, MOUNT_AREA = "drag_factor", "mount_area"
-"""How a rotor is installed, where the model says so: the factor on the blades' own drag [-], and
-the area of what is mounted in the slipstream [m^2]."""
+"""Parameters of an installed rotor: factor on the drag of the blades [-], and area of the parts in
+the slipstream [m^2]; see ``Installed``."""
 
 GEOMETRY = ("chord_scale", "twist_offset", "untwist")
-"""The blade's common relative change of the chord [-] and common offset of the twist [rad], and
-what its twist loses as it turns [rad]; as ``BladeUntwist`` has it."""
+"""Parameters of the blade: relative change of the chord [-] and change of the twist [rad], both at
+all stations, and the untwist of the tip [rad]; see ``BladeUntwist``."""

@@ -1,4 +1,4 @@
-"""What a rotor answers: loads with a status, vectors, derivatives, fields over the disk."""
+"""Results of a rotor: loads with a status, wrenches, derivatives, fields over the disk."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from propmap.errors import InputError
 from propmap.typing import Floats
 
 STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
-"""From harmless to fatal; where several apply, the last is given."""
+"""Statuses of a point, from harmless to fatal; if several apply, the last is reported."""
 
 
 @dataclass(frozen=True)
 class LoadValues:
-    """A value of each load and of the power; every field has the shape of the operating points.
+    """One value of each load and of the power; every field has the shape of the operating points.
 
     Attributes
     ----------
     thrust : ndarray
-        Along the axis [N].
+        Force along the axis [N].
     drag : ndarray
-        In the disk plane, against the in-plane velocity [N].
+        Force in the disk plane, against the in-plane velocity [N].
     torque : ndarray
-        What turns the shaft [N m]; negative where the air drives the propeller.
+        Moment delivered by the shaft [N m]; negative if the air drives the propeller.
     roll_moment : ndarray
-        About the direction of the in-plane velocity [N m], positive where the advancing side is
-        lifted, before the sign of the spin is applied.
+        Moment about the direction of the in-plane velocity [N m], before the sign of the spin is
+        applied; positive if it lifts the advancing side.
     side_force : ndarray
-        In the disk plane across the in-plane velocity [N], positive towards the retreating side.
-        Zero, like the pitching moment, where the inflow does not vary around the disk.
+        Force in the disk plane across the in-plane velocity [N], positive toward the retreating
+        side.  Without inflow harmonics, side force and pitching moment are zero.
     pitch_moment : ndarray
-        About the axis across the in-plane velocity [N m], positive where the front is lifted.
+        Moment about the axis across the in-plane velocity [N m], positive if it lifts the front.
     power : ndarray
         Torque times omega [W].
     """
@@ -50,36 +50,38 @@ class LoadValues:
     power: Floats
 
 
-Deviations = Callable[[], Mapping[str, LoadValues]]  # by source; empty where nothing is known
+Deviations = Callable[[], Mapping[str, LoadValues]]  # by source; empty without a covariance
 
 
 @dataclass(frozen=True)
 class Loads(LoadValues):
     """Loads of a rotor; every field has the broadcast shape of the operating points.
 
-    ``thrust``, ``drag``, ``torque``, ``roll_moment``, ``side_force``, ``pitch_moment`` and
-    ``power`` are described in ``LoadValues``.
+    ``LoadValues`` describes ``thrust``, ``drag``, ``torque``, ``roll_moment``, ``side_force``,
+    ``pitch_moment`` and ``power``.
 
     Attributes
     ----------
     status : ndarray of str
-        One of ``STATUSES``.  "multiple_roots": near stall the inflow has several solutions, the
-        largest is used.  "windmill": descent so fast that the wake is above the disk.
-        "vortex_ring": momentum theory does not hold and a measured inflow is blended in; not to be
-        trusted.
-        "coarse": loads vary so sharply along the blade that their error may exceed what the
-        accuracy promises.  "not_converged": the loads are NaN.
+        One of ``STATUSES``, per point:
+
+        - "multiple_roots": near stall the inflow has several solutions; the largest is used.
+        - "windmill": the descent is so fast that the wake is above the disk.
+        - "coarse": loads vary sharply along the blade, so that their error may exceed the accuracy.
+        - "vortex_ring": momentum theory is not valid; a measured inflow is blended in.  The loads
+          are not reliable.
+        - "not_converged": the loads are NaN.
     roots : ndarray of int
         Largest number of solutions of eq. (11) along the blade.
     reverse_flow : ndarray
-        Share of the blades' disk that the air meets from behind [-].
+        Share of the disk area in which the air meets the blades from behind [-].
     vortex_ring : ndarray
         Share of the measured vortex-ring inflow in the inflow used [-].
     mean_inflow : ndarray
-        v_i of eq. (11) averaged over the disk [m/s]; the mean that harmonics of the inflow add,
-        less than 1 % of it, is left out.
+        v_i of eq. (11), averaged over the disk [m/s].  The mean of the inflow harmonics, less
+        than 1 % of v_i, is excluded.
     deviations : callable, optional
-        Gives ``std_by_source``.
+        Function that computes ``std_by_source``.
     """
 
     status: NDArray[np.str_]
@@ -91,49 +93,52 @@ class Loads(LoadValues):
 
     @functools.cached_property
     def std_by_source(self) -> Mapping[str, LoadValues]:
-        """Standard deviations by what they are from; empty where nothing is known of them.
+        """Standard deviations by source; empty for section constants without a covariance.
 
-        "parameters": those of the section law, with the covariance that its identification found;
-        those of which its data said nothing are not counted.
-        "geometry": chord and twist of a blade that was not measured.  "discrepancy": what the model
-        errs by with the best constants.  "tunnel": what another tunnel, or the open air, would read
-        differently.  They are independent.  Computed when first asked for, once; to first order in
-        the parameters, which takes about twice as long as the loads did.
+        - "parameters": covariance of the section constants, without constants that the data do not
+          determine;
+        - "geometry": chord and twist of a blade that was not measured;
+        - "discrepancy": error of the model with the best constants;
+        - "tunnel": difference to another tunnel or to the open air;
+        - "installation": unspecified properties of an installed rotor.
+
+        The sources are independent.  The first access computes them, to first order in the
+        parameters, in about twice the time of the loads.
         """
         return self.deviations() if self.deviations is not None else {}
 
     @functools.cached_property
     def std(self) -> LoadValues:
-        """Standard deviations of the loads and of the power, all sources together.
+        """Standard deviations of the loads and of the power, over all sources.
 
-        NaN where the loads are.
+        They are NaN for loads that are NaN.
 
         Raises
         ------
         InputError
-            Where neither the section law nor the blade says how well it is known.
+            For section constants without a covariance.
         """
         parts = list(self.std_by_source.values())
         if not parts:
-            found = "nothing is known of the errors of these section constants"
-            remedy = "use constants identified or expected by name, or those of a fit's file"
+            found = "these section constants have no covariance, so the loads have no bands"
+            remedy = "use constants from the catalogue, or from a file of propmap fit"
             raise InputError(found, remedy)
         return _load_values(lambda name: np.sqrt(sum(getattr(part, name) ** 2 for part in parts)))
 
     def interval(self, share: float = 0.95) -> tuple[LoadValues, LoadValues]:
-        """Low and high ends of a band that holds the true load with a probability.
+        """Return the lower and upper ends of a band that contains the true load.
 
-        The errors are taken to be normal.
+        The errors are assumed to be normally distributed.
 
         Parameters
         ----------
         share : float
-            The probability, between 0 and 1.
+            Probability that the band contains the true load, between 0 and 1.
 
         Raises
         ------
         InputError
-            For another ``share``, and as ``std``.
+            For another ``share``, and as in ``std``.
         """
         if not 0.0 < share < 1.0:
             raise InputError(f"the share is {share}", "give a probability such as 0.95")
@@ -150,14 +155,14 @@ class Loads(LoadValues):
 
 
 class LoadGradients(NamedTuple):
-    """Loads at operating points, and their derivatives by P quantities.
+    """Loads at operating points, and their derivatives with respect to P quantities.
 
     Attributes
     ----------
     loads : ndarray, shape (L, ...)
-        In the order of ``propmap.loads.LOADS`` [N], [N m]; NaN where not found.
+        Loads in the order of ``propmap.loads.LOADS`` [N], [N m]; NaN where no inflow was found.
     slopes : ndarray, shape (L, P, ...)
-        Derivatives, per unit of each quantity.
+        Derivatives of the loads, per unit of each quantity.
     """
 
     loads: Floats
@@ -166,32 +171,32 @@ class LoadGradients(NamedTuple):
 
 @dataclass(frozen=True)
 class Inflow:
-    """Fields over the disk at one operating point; S stations and P azimuths.
+    """Fields over the disk at one operating point, with S stations and P azimuths.
 
     Attributes
     ----------
     radius : ndarray, shape (S,)
-        y [m].
+        Radius y of the stations [m].
     azimuth : ndarray, shape (P,)
-        psi [rad], pi/2 on the advancing side, 0 at the rear with respect to the in-plane velocity.
+        Azimuth psi [rad]: 0 downstream of the in-plane velocity, pi/2 on the advancing side.
     inflow : ndarray, shape (S,)
-        v_i(y) [m/s], positive against the thrust, its mean over azimuth.
+        v_i(y), averaged over azimuth [m/s], positive against the thrust.
     local_inflow : ndarray, shape (S, P)
-        v_i [m/s]; the same at every azimuth where the model has no harmonics of it.
+        v_i [m/s]; constant over azimuth for a model without inflow harmonics.
     thrust_per_radius, drag_per_radius, torque_per_radius : ndarray, shape (S,)
-        Means over azimuth [N/m], [N/m], [N].
+        Loads per radius, averaged over azimuth [N/m], [N/m], [N].
     alpha : ndarray, shape (S, P)
         Angle of attack from the chord line [rad], in (-pi, pi].
     u_tangential, u_normal : ndarray, shape (S, P)
-        The section velocities (1) and (2) [m/s].
+        Section velocities (1) and (2) [m/s].
     past_stall : ndarray, shape (S, P)
-        How far alpha is past the stall angle, negative before it [rad].
+        alpha beyond the stall angle [rad]; negative for attached flow.
     stalled : ndarray, shape (S, P)
-        Where ``past_stall`` is positive.
+        Whether ``past_stall`` is positive.
     reverse : ndarray, shape (S, P)
-        Where the air meets the section from behind.
+        Whether the air meets the section from behind.
     normal_force : ndarray, shape (S, P)
-        Force along the axis on one blade per radius [N/m].
+        Force along the axis on one blade, per radius [N/m].
     """
 
     radius: Floats
@@ -212,23 +217,23 @@ class Inflow:
 
 @dataclass(frozen=True)
 class SearchReport:
-    """How equation (11) was solved at one operating point; S stations from root to tip.
+    """Solution of equation (11) at one operating point; S stations from root to tip.
 
     Attributes
     ----------
     radius : ndarray, shape (S,)
-        y [m].
+        Radius y of the stations [m].
     inflow : ndarray, shape (S,)
-        v_i where the search ended [m/s].
+        v_i at the end of the search [m/s].
     residual : ndarray, shape (S,)
-        Blade-element thrust less momentum thrust there [N/m].
+        Blade-element thrust minus momentum thrust for this inflow [N/m].
     found : ndarray, shape (S,)
         Whether the search found the largest root.
     edges : ndarray, shape (P + 1,)
-        Radii at which the panels meet that the stations belong to, root and tip included [m].
-        Inner ones follow stall.
+        Boundaries of the P panels that contain the stations, root and tip included [m].  The
+        inner boundaries follow the onset of stall.
     azimuths : int
-        Azimuths that loads are averaged over.
+        Number of azimuths over which loads are averaged.
     tip : float
         Blade radius R [m].
     """
@@ -257,7 +262,7 @@ class SearchReport:
 
 
 def joined(parts: Sequence[Loads]) -> Loads:
-    """Join loads of any shapes to those of all points, each field (n,)."""
+    """Return the loads of all ``parts`` as one ``Loads`` with fields (n,)."""
 
     def all_points(values: Iterable[Any], name: str) -> Any:
         return np.concatenate([getattr(one, name).ravel() for one in values])
@@ -276,7 +281,7 @@ def joined(parts: Sequence[Loads]) -> Loads:
 
 
 def _load_values(of: Callable[[str], Any]) -> LoadValues:
-    """Values ``of`` each field by its name."""
+    """Return ``LoadValues`` whose fields are the results of ``of`` for their names."""
     return LoadValues(**{each.name: of(each.name) for each in fields(LoadValues)})
 
 
@@ -287,7 +292,7 @@ class Wrench:
     Attributes
     ----------
     force, moment : ndarray, shape (..., 3)
-        [N], and about the hub [N m].
+        Force [N], and moment about the hub [N m].
     """
 
     force: Floats
@@ -295,7 +300,7 @@ class Wrench:
 
 
 def spin_sign(spin: str) -> float:
-    """Take 1 for a ``spin`` "ccw", -1 for "cw"; ``InputError`` for another."""
+    """Return 1 for a ``spin`` "ccw", -1 for "cw"; raise ``InputError`` for another value."""
     if spin not in ("ccw", "cw"):
         raise InputError(f"spin is {spin!r}: it must be 'ccw' or 'cw', seen from above")
     return 1.0 if spin == "ccw" else -1.0
@@ -305,8 +310,10 @@ _UP = np.array([[0.0, 0.0, 1.0]])
 
 
 def hub_wrench(loads: Floats, direction: Floats, sign: float) -> Wrench:
-    """Make vectors of loads (L, N) in the right-handed rotor frame with z along the thrust, for the
-    unit vector ``direction`` (..., 3) of the in-plane velocity and the ``sign`` of the spin."""
+    """Return the wrench of loads (L, N) in the right-handed rotor frame with z along the thrust.
+
+    ``direction`` (..., 3) is the unit vector of the in-plane velocity; ``sign`` is 1 for "ccw".
+    """
     from propmap import core
 
     found = core.hub_wrenches(_UP, np.array([sign]), -direction.reshape(-1, 3), loads[:, None])

@@ -1,4 +1,4 @@
-"""Loads of a model at any operating point."""
+"""The loads, derivatives and inflow of a rotor at any operating point."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ ACCURACIES = ("standard", "fine")
 
 _STATUSES = np.asarray(results.STATUSES)
 
-RADII_TOGETHER = 1000  # radii at which the core gives fields over the disk in one call, at most
+RADII_TOGETHER = 1000  # largest number of radii for which the core computes fields in one call
 
 
 def include_folder() -> Path:
-    """Find the folder of the core's C++ headers."""
+    """Return the folder of the C++ headers of the core."""
     from propmap.core import HEADERS
 
     return HEADERS
 
 
 def core_corrections(model: Model) -> dict[str, Any]:
-    """Write the corrections of a ``model`` as the core takes them: numbers by name."""
+    """Return the corrections of a ``model`` in the form that the core reads: numbers by name."""
     found: dict[str, Any] = {}
     for value in model.applied:
         found |= value.core_numbers(name_of(value), model)
@@ -51,7 +51,7 @@ def core_corrections(model: Model) -> dict[str, Any]:
 
 
 class Rotor:
-    """Loads of a model at any operating point: the face of the package.
+    """Rotor that computes the loads of a model at any operating point.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class Rotor:
     Raises
     ------
     InputError
-        For arguments of another kind.
+        For a ``model`` that is not a ``Model``, or an unknown ``accuracy``.
     """
 
     def __init__(self, model: Model, *, accuracy: str = "standard") -> None:
@@ -85,12 +85,12 @@ class Rotor:
         return {"model": self.model, "accuracy": self.accuracy}
 
     def with_model(self, model: Model) -> Rotor:
-        """A rotor of another ``model`` with the accuracy of this one."""
+        """Return a rotor of another ``model`` with the same accuracy."""
         return Rotor(model, accuracy=self.accuracy)
 
     @functools.cached_property
     def _core(self) -> CoreRotor:
-        """The model in the compiled core."""
+        """Rotor of the compiled core for this model."""
         from propmap import core
 
         p, air = self.model.propeller, self.model.air
@@ -105,39 +105,40 @@ class Rotor:
     def loads(
         self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, **further: Unpack[Further]
     ) -> results.Loads:
-        """Loads at operating points.
+        """Return the loads at operating points.
 
         Parameters
         ----------
         omega, speed : array_like
-            Rotational speed [rad/s] and V [m/s], >= 0; all three broadcast.
+            Rotational speed [rad/s] and airspeed V [m/s], >= 0; broadcast with ``beta``.
         beta : array_like
-            Angle of the velocity to the axis [rad]: 0 axial climb, pi/2 edgewise flight, pi axial
-            descent; beta and 2 pi - beta are mirror images with the same loads.
+            Angle between velocity and rotor axis [rad]: 0 axial climb, pi/2 edgewise flight, pi
+            axial descent.  beta and 2 pi - beta are mirror images with the same loads.
         **further
-            ``height`` of the disk above level ground [m], R/2 or more, or None far from it.  Thrust
-            is multiplied by 1/(1 - (R/4h)^2/(1 + (V sin(beta)/v_i)^2)) (Cheeseman & Bennett, ARC
-            R&M 3021, 1955), v_i being the mean inflow; the other loads stay.
+            ``height`` of the disk above level ground [m], R/2 or more; None far from the ground.
+            The ground multiplies the thrust by 1/(1 - (R/4h)^2/(1 + (V sin(beta)/v_i)^2))
+            (Cheeseman & Bennett, ARC R&M 3021, 1955), where v_i is the mean inflow.  It does not
+            change the other loads.
 
         Raises
         ------
         InputError
-            For negative or non-finite values, unequal shapes and heights below R/2.
+            For negative or non-finite values, shapes that do not broadcast, and heights below R/2.
         """
         return self._loads(self._allowed(resolved(omega, speed, beta, **further)))
 
     def loads_at_velocity(
         self, omega: ArrayLike, velocity: ArrayLike, **further: Unpack[Further]
     ) -> results.Loads:
-        """Loads for a velocity vector in the rotor frame.
+        """Return the loads for a velocity vector in the rotor frame.
 
         Parameters
         ----------
         omega : array_like, shape (...)
             Rotational speed [rad/s], >= 0.
         velocity : array_like, shape (..., 3)
-            Velocity of the hub through the air, z along the thrust [m/s]; broadcast over the
-            leading axes.
+            Velocity of the hub through the air, z along the thrust [m/s].  The leading axes
+            broadcast with ``omega``.
         **further
             ``height``, as in ``loads``.
         """
@@ -147,16 +148,16 @@ class Rotor:
     def wrench(
         self, omega: ArrayLike, velocity: ArrayLike, spin: str = "ccw", **further: Unpack[Further]
     ) -> results.Wrench:
-        """Force and moment on the vehicle, as vectors in the rotor frame.
+        """Return force and moment on the vehicle, as vectors in the rotor frame.
 
-        The frame is right-handed with z along the thrust.
+        The rotor frame is right-handed with z along the thrust.
 
         Parameters
         ----------
         omega, velocity : array_like
             As in ``loads_at_velocity``.
         spin : str
-            "ccw" or "cw", seen from above with the thrust up.
+            Direction of rotation, "ccw" or "cw", seen from above with the thrust up.
         **further
             ``height``, as in ``loads``.
         """
@@ -167,13 +168,14 @@ class Rotor:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names that ``gradients`` takes.
+        """Names of the parameters that ``gradients`` accepts.
 
-        The section law's constants; "drag_factor" [-] and "mount_area" [m^2], where the model says
-        how the rotor is installed; "chord_scale" [-], a common relative change of the chord,
-        "twist_offset" [rad], a common change of the twist, and "untwist" [rad], what the twist of
-        the tip loses at a tip speed of 100 m/s; "omega" [rad/s], "v_axial" and "v_inplane" [m/s],
-        "height" [m].
+        - the constants of the section law;
+        - "drag_factor" [-] and "mount_area" [m^2] of an installed rotor;
+        - "chord_scale" [-], a relative change of the chord at all stations;
+        - "twist_offset" [rad], a change of the twist at all stations;
+        - "untwist" [rad], the decrease of the tip twist at a tip speed of 100 m/s;
+        - "omega" [rad/s], "v_axial" and "v_inplane" [m/s], and "height" [m].
         """
         law = self.model.airfoil.parameters
         no_mount = self.model.correction_of(Installed) is None
@@ -188,18 +190,19 @@ class Rotor:
         v_inplane: ArrayLike,
         **further: Unpack[Further],
     ) -> results.LoadGradients:
-        """Loads and their derivatives by section constants, blade, mount and flow.
+        """Return the loads and their derivatives with respect to the named parameters.
 
-        They follow from the implicit function theorem at the inflow found.  The flow is given by
-        the components of the velocity, as the derivative by beta does not exist at rest.
+        The derivatives follow from the implicit function theorem at the solved inflow.  The flow
+        is given by velocity components, because derivatives with respect to beta do not exist at
+        rest.
 
         Parameters
         ----------
         names : iterable of str
-            P of ``parameters``.
+            P names from ``parameters``.
         omega, v_axial, v_inplane : array_like, shape (...)
-            Rotational speed [rad/s], >= 0, V cos(beta) and V sin(beta) [m/s], the latter >= 0; all
-            three broadcast.
+            Rotational speed [rad/s], >= 0, V cos(beta) [m/s] and V sin(beta) [m/s], >= 0; the
+            three arrays broadcast.
         **further
             ``height``, as in ``loads``.
 
@@ -217,12 +220,12 @@ class Rotor:
         return self.gradients_at(names, along_and_across(omega, v_axial, v_inplane, **further))
 
     def gradients_at(self, names: Iterable[str], points: FlowPoints) -> results.LoadGradients:
-        """``gradients`` by ``names`` at ``points`` that are checked and of one shape."""
+        """Return the result of ``gradients`` for ``names`` at checked and broadcast ``points``."""
         wanted = list(names)
         unknown = [name for name in wanted if name not in self.parameters]
         if unknown:
-            found = f"loads have no derivative by {unknown[0]!r}"
-            raise InputError(found, f"give some of {', '.join(self.parameters)}")
+            found = f"loads have no derivative with respect to {unknown[0]!r}"
+            raise InputError(found, f"give names from {', '.join(self.parameters)}")
         points = self._allowed(points)
         shape = points.omega.shape
         loads, slopes = self._core.gradients(wanted, points.rows, cores())
@@ -237,26 +240,26 @@ class Rotor:
         v_inplane: ArrayLike,
         others: Sequence[Model] = (),
     ) -> tuple[Floats, Floats]:
-        """Thrust of blades that are nowhere stalled, by small angles: a good guess, at once.
+        """Return the thrust of fully attached blades: a fast initial estimate.
 
-        Each annulus has its Glauert inflow (10) for the lift of small angles of attack, without
-        drag, tip loss or stall.  Outside of descent it gives the inflow of ordinary flight within
-        one per cent; in descent, where momentum theory has several solutions or none, it takes the
-        largest.
+        Each annulus has the Glauert inflow (10) for the lift at small angles of attack, without
+        drag, tip loss or stall.  Outside descent, this inflow is within one percent of the full
+        solution for ordinary flight.  In descent momentum theory has several solutions or none;
+        the largest solution is used.
 
         Parameters
         ----------
         omega, v_axial, v_inplane : array_like, shape (...)
-            As for ``gradients``.
+            As in ``gradients``.
         others : sequence of P Model
-            This one with slightly different section constants or untwist.
+            Variants of the model with slightly different section constants or untwist.
 
         Returns
         -------
         thrust : ndarray, shape (...)
-            [N].
+            Thrust of the model [N].
         more : ndarray, shape (P, ...)
-            By how much those of ``others`` are more [N].
+            Thrust of each of ``others`` minus ``thrust`` [N].
 
         Raises
         ------
@@ -270,7 +273,10 @@ class Rotor:
         return thrust.reshape(shape), np.reshape(more, (len(others), *shape))
 
     def hover_inflow(self, omega: ArrayLike) -> Floats:
-        """Static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s], from own static thrust."""
+        """Return the static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s].
+
+        It follows from the static thrust that this rotor computes.
+        """
         w = rates_of("omega", omega)
         return self._core.hover_inflow(np.ascontiguousarray(w.ravel()), cores()).reshape(w.shape)
 
@@ -283,18 +289,18 @@ class Rotor:
         radius: ArrayLike | None = None,
         azimuth: ArrayLike | None = None,
     ) -> results.Inflow:
-        """The inflow v_i(y), the angle of attack and the loads along the blade.
+        """Return the inflow, the angle of attack and the loads over the disk.
 
-        What a wing behind the rotor sees is v_i (the paper's footnote 3).
+        A wing behind the rotor meets the inflow v_i (footnote 3 of the paper).
 
         Parameters
         ----------
         omega, speed, beta : float
             One operating point, as in ``loads``.
         radius : array_like, optional
-            Stations inside the blade [m]; by default 60 from root to tip.
+            Stations between root and tip [m]; by default 60.
         azimuth : array_like, optional
-            psi [rad]; by default every 5 degrees of a full turn.
+            Azimuth psi [rad]; by default every 5 degrees of a full turn.
         """
         rows = resolved(omega, speed, beta, one=True).rows
         root, tip = self.model.span
@@ -305,7 +311,7 @@ class Rotor:
             raise InputError(f"radius must lie between {root:g} and {tip:g} m")
         starts = range(0, max(y.size, 1), RADII_TOGETHER)
         parts = [y[k : k + RADII_TOGETHER] for k in starts]
-        # The core takes one radius at least.
+        # The core requires at least one radius.
         fields = [self._core.disk_field(rows, list(part) or [tip], list(psi)) for part in parts]
         sums = {name: f"{name}_per_radius" for name in ("thrust", "drag", "torque")}
         joined = {name: np.concatenate([field[name] for field in fields]) for name in fields[0]}
@@ -314,15 +320,15 @@ class Rotor:
         return results.Inflow(radius=y, azimuth=psi, stalled=stalled, reverse=reverse, **found)
 
     def explain(self, omega: float, speed: float, beta: float) -> results.SearchReport:
-        """How the inflow equation (11) was solved at one operating point, station by station.
+        """Return the solution of the inflow equation (11) at each station, with its residual.
 
-        The place to look where a status is "not_converged": ``print(rotor.explain(...))`` names
-        the station and the residual that is left.
+        Use this method if a status is "not_converged": ``print(rotor.explain(...))`` names the
+        first station without a solution.
 
         Parameters
         ----------
         omega, speed, beta : float
-            The operating point, as in ``loads``.
+            One operating point, as in ``loads``.
 
         Raises
         ------
@@ -341,12 +347,12 @@ class Rotor:
         )
 
     def _allowed(self, points: FlowPoints) -> FlowPoints:
-        """Refuse ``points`` so near the ground that nothing is known of it."""
+        """Return ``points``; raise ``InputError`` for heights below R/2."""
         least = 0.5 * self.model.span[1]
         if points.height is not FAR and (points.height < least).any():
             raise InputError(
                 f"height is {points.height.min():g} m, less than half the radius, {least:g} m",
-                "give the height of the disk [m], or none: closer to the ground nothing is known",
+                "give a larger height of the disk [m], or none if the ground is far away",
             )
         return points
 
@@ -365,7 +371,7 @@ class Rotor:
     def _deviations(
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
     ) -> dict[str, results.LoadValues]:
-        """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``; NaN
+        """Return ``Loads.std_by_source`` of loads (L, N) at N points, in arrays of ``shape``; NaN
         where loads or their derivatives were not found."""
         found = bands.deviations(
             self.model, at, loads, lambda names: self.gradients_at(names, at).slopes
@@ -387,7 +393,7 @@ class Rotor:
         shape: tuple[int, ...],
         deviations: results.Deviations | None = None,
     ) -> results.Loads:
-        """Make ``Loads`` of loads (L, N) and the core's other results of each point (5, N)."""
+        """Return ``Loads`` from loads (L, N) and the other results of the core (5, N)."""
         by_name = {name: row.reshape(shape) for name, row in zip(LOADS, loads, strict=True)}
         status, roots, ring, mean_inflow, reverse = (row.reshape(shape) for row in found)
         return results.Loads(

@@ -13,7 +13,7 @@ from propmap.catalogue import apc
 from propmap.catalogue.designation import designation
 from propmap.catalogue.expected import expected_constants
 from propmap.catalogue.identified import identified
-from propmap.catalogue.lookup import known_model
+from propmap.catalogue.lookup import catalogue_model
 from propmap.io.geometry import read_apc_pe0
 from propmap.model.airfoil import Airfoil
 from propmap.typing import Floats
@@ -119,8 +119,8 @@ def test_constants_make_up_for_what_the_file_differs(family: str, least: float) 
 
 
 def test_the_bands_hold_what_is_not_known_of_the_blade() -> None:
-    own = known_model("uiuc-apce-10x7")
-    moved = [known_model(name) for name in ("apc-7x5e", "apc-12x4.5mr")]
+    own = catalogue_model("uiuc-apce-10x7")
+    moved = [catalogue_model(name) for name in ("apc-7x5e", "apc-12x4.5mr")]
     parts = []
     for one in (own, *moved):
         found = propmap.Rotor(one).loads(500.0, 3.0, 0.0)

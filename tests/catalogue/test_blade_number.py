@@ -48,7 +48,7 @@ def test_blades_of_a_series_and_of_two_stay_as_they_were(text: str, other: str) 
 
 def relative_band(text: str, blades: int | None = None) -> float:
     """Half the width of the 95 % band of static thrust, over thrust."""
-    model = propmap.known_model(text, blades)
+    model = propmap.catalogue_model(text, blades)
     loads = propmap.Rotor(model).loads(80.0 / model.propeller.radius, 0.0, 0.0)
     return float(1.96 * loads.std.thrust / loads.thrust)
 

@@ -164,7 +164,7 @@ def test_fifty_designations_give_loads_with_bands() -> None:
         assert isinstance(meant, ExpectedBlade), text
         blade = propmap.propeller(text)
         assert blade_warnings(blade) == [], text
-        rotor = propmap.Rotor(propmap.known_model(text))
+        rotor = propmap.Rotor(propmap.catalogue_model(text))
         omega = 80.0 / blade.radius
         loads = rotor.loads(np.array([omega, omega]), np.array([0.0, 6.0]), np.array([0.0, 1.2]))
         assert (loads.thrust > 0.0).all() and (loads.torque > 0.0).all(), text

@@ -136,8 +136,8 @@ def test_apc_propellers_without_a_measured_blade_are_predicted_by_their_makers()
 
 def test_size_is_the_label_s_and_that_of_the_blade_without_one() -> None:
     blade = propmap.propeller("uiuc-apce-10x7")
-    labelled = size_of(meant_by("uiuc-apce-10x7"), blade)
-    assert labelled == pytest.approx((0.254, 0.1778))
+    labeled = size_of(meant_by("uiuc-apce-10x7"), blade)
+    assert labeled == pytest.approx((0.254, 0.1778))
     by_twist = size_of(None, blade)
     assert by_twist[0] == pytest.approx(0.254, rel=2e-3)
     assert by_twist[1] == pytest.approx(0.1778, rel=0.15)

@@ -21,7 +21,7 @@ with_data = pytest.mark.skipif(not DATA.is_dir(), reason="the published data are
 def test_columns_belong_together(name: str) -> None:
     points = measurement(name)
     assert points.propeller in catalogue.names()
-    assert points.kind in {"measured", "digitised", "fit"}
+    assert points.kind in {"measured", "digitized", "fit"}
     assert points.citation and points.note and 0.9 < points.air_density < 1.4
     assert np.all(points.omega > 100.0) and np.all(points.omega < 1100.0)
     assert np.all(points.speed >= 0.0) and np.all(points.speed < 25.0)

@@ -29,7 +29,7 @@ omega, speed, beta = random.uniform([200, 0, 0], [1000, 20, np.pi], (4000, 3)).T
 blade, law = pm.propeller("apc-8x6e"), pm.airfoil("paper-soft")
 loss = pm.Model(blade, law, corrections=(pm.correction("tip-loss"),))
 found = []
-for model in (pm.Model(blade, law), loss, pm.known_model("APC 8x6E")):
+for model in (pm.Model(blade, law), loss, pm.catalogue_model("APC 8x6E")):
     rotor = pm.Rotor(model)
     loads, rest = rotor.loads(omega, speed, beta), rotor.loads(omega, 0.0, 0.0)
     found += [loads.thrust / rest.thrust, loads.drag / rest.thrust, loads.torque / rest.torque]

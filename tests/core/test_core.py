@@ -24,7 +24,7 @@ NAMES = ("zero_lift_angle", "chord_scale", "omega", "v_axial", "v_inplane", "unt
 @cache
 def rotor(which: str = "recommended") -> pm.Rotor:
     if which == "recommended":
-        return pm.Rotor(pm.known_model("APC 8x6E"))
+        return pm.Rotor(pm.catalogue_model("APC 8x6E"))
     blade, law = pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")
     if which == "table":
         angle = np.linspace(-np.pi, np.pi, 73)

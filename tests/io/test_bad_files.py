@@ -55,11 +55,11 @@ HALF_DEGREES = "# blades: 2\nradius_m,chord_m,twist_deg\n" + "".join(
 )
 
 CSV_CASES = {
-    "missing column": (edited(CSV, ",twist_deg", ",chord_mm"), "both give the chord"),
+    "missing column": (edited(CSV, ",twist_deg", ",chord_mm"), "both contain the chord"),
     "no twist": ("radius_m,chord_m\n0.1,0.01\n", "add twist_deg"),
     "no chord": ("radius_m,twist_deg\n0.1,20\n", "add chord_m"),
     "no station": ("chord_m,twist_deg\n0.1,20\n", "add radius_m"),
-    "unknown unit": (edited(CSV, "chord_m", "chord_ells"), "'chord_ells' is in no unit", "chord_m"),
+    "unknown unit": (edited(CSV, "chord_m", "chord_ells"), "'chord_ells' has no known", "chord_m"),
     "no unit": (edited(CSV, "radius_m", "radius"), "'radius'"),
     "empty column name": (edited(CSV, "chord_m,", "chord_m,,"), "complete the row"),
     "two radius columns": (edited(CSV, "chord_m", "radius_mm"), "keep one of them"),
@@ -70,8 +70,8 @@ CSV_CASES = {
     "unsorted": (edited(CSV, "0.06,", "0.03,"), "line 6", "unsorted", "sort the rows"),
     "repeated station": (edited(CSV, "0.06,", "0.04,"), "line 6", "repeated", "one row per"),
     "tip first": (edited(CSV, "0.02,0.015,38", "0.2,0.015,38"), "sort the rows"),
-    "first station at 0": (edited(CSV, "0.02,", "0,"), "start at the hub radius"),
-    "negative station": (edited(CSV, "0.02,", "-0.02,"), "start at the hub radius"),
+    "first station at 0": (edited(CSV, "0.02,", "0,"), "start with the hub radius"),
+    "negative station": (edited(CSV, "0.02,", "-0.02,"), "start with the hub radius"),
     "negative chord": (edited(CSV, "0.022", "-0.022"), "line 6", "negative chord"),
     "chord all zero": (
         edited(CSV, "0.015", "0", "0.021", "0", "0.022", "0", "0.017", "0", "0.004", "0"),
@@ -112,7 +112,7 @@ CSV_CASES = {
         edited(CSV, "radius_m", "r_over_R", "# blades", "# radius_m: 0.1\n# blades"),
         "add the tip station",
     ),
-    "millimetres as metres": (
+    "millimeters as meters": (
         edited(
             CSV, "0.02,", "20,", "0.04,", "40,", "0.06,", "60,", "0.08,", "80,", "0.10,", "100,"
         ),
@@ -151,7 +151,7 @@ PE0_CASES = {
     "other unit": (edited(PE0, "(IN)       (IN)   ", "(MM)       (MM)   "), "convert"),
     "header at the end": (PE0[: PE0.index("       (IN)  ")], "unit"),
     "no rows": (samples.PE0_HEADER + samples.PE0_TRAILER, "found a header and no rows"),
-    "ragged": (edited(PE0, "23.0000     -0.0100", "23.0000-0.0100"), "found 6 figures"),
+    "ragged": (edited(PE0, "23.0000     -0.0100", "23.0000-0.0100"), "found 6 values"),
     "stars": (edited(PE0, "23.0000", "*******"), "line 14: TWIST", "correct it"),
     "unsorted": (edited(PE0, "1.5000 ", "0.7000 "), "line 14", "sort the rows"),
     "repeated": (edited(PE0, "1.5000 ", "1.0000 "), "line 14", "one row per"),
@@ -285,7 +285,7 @@ def test_bad_radius_argument(written: Writer, radius: float | None) -> None:
 @pytest.mark.parametrize("radius", [0.5, -0.1, float("nan")])
 def test_radius_argument_must_agree(written: Writer, content: str, radius: float) -> None:
     path = written(content)
-    assert "leave the radius out" in message_of(lambda: read_geometry_file(path, radius=radius))
+    assert "omit the radius" in message_of(lambda: read_geometry_file(path, radius=radius))
 
 
 @pytest.mark.parametrize("content", ["hello\n", "t,x,y\n1,2,3\n", "{}\n", "# only\n"])

@@ -109,8 +109,8 @@ REFUSED = {
     ),
     "thousands and decimals": ("rpm;speed_mps\n6.000,5;1\n", "line 2: '6.000,5' has 2 marks"),
     "millions": ("rpm\tspeed_mps\n6,000,000\t1\n", "line 2: '6,000,000' has 2 marks"),
-    "thousands by commas": ("rpm\tspeed_mps\n6,000\t5\n", "may be 6000 or 6.000", "write 6000 or"),
-    "thousands by points": ("rpm;speed_mps\n6.000;5\n", "may be 6000 or 6.000", "write 6000 or"),
+    "thousands by commas": ("rpm\tspeed_mps\n6,000\t5\n", "6000 or 6.000", "write 6000 or"),
+    "thousands by points": ("rpm;speed_mps\n6.000;5\n", "6000 or 6.000", "write 6000 or"),
     "open quote": ('rpm;speed_mps\n6000;"5\n', "not CSV"),
 }
 

@@ -80,7 +80,7 @@ def test_equal_blades_are_equal_and_hash_alike() -> None:
         ("root_cutout", 0.01, ["between 0.02 m", "first station"]),
         ("root_cutout", 0.095, ["0.09 m"]),
         ("root_cutout", np.nan, ["root cut-out"]),
-        ("root_cutout", "wide", ["in metres"]),
+        ("root_cutout", "wide", ["in meters"]),
     ],
 )
 def test_impossible_blades(field: str, value: object, words: list[str]) -> None:
@@ -111,7 +111,7 @@ def test_a_catalogue_name_in_any_case() -> None:
 
 
 def test_a_catalogue_propeller_has_its_own_radius() -> None:
-    with pytest.raises(InputError, match="leave the radius out"):
+    with pytest.raises(InputError, match="omit the radius"):
         propeller("apc-8x6e", radius=0.2)
 
 

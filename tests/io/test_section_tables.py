@@ -175,7 +175,7 @@ def test_sheldahl_and_klimas() -> None:
     ("text", "says"),
     [
         (csv(ANGLES).replace(",-7.500000", ",x"), "line 25: alpha_deg is 'x'"),
-        (csv(ANGLES).replace("cl,", "lift,"), "no section table"),
+        (csv(ANGLES).replace("cl,", "lift,"), "not a section table"),
         (csv(ANGLES) + "1e5,3\n", "line 100: found 2 fields, expected 5"),
         (aerodyn(ANGLES).replace("EOT\n", "", 1).replace(" 0.4", " high", 1), "line 57"),
         (aerodyn(ANGLES).split("EOT")[0] + "EOT\n", "table 2 of 2 is missing"),
@@ -188,7 +188,7 @@ def test_sheldahl_and_klimas() -> None:
         ),
         (xfoil(np.arange(-8.0, 6.1), 1e5), "the lift still rises at the last"),
         (xfoil(np.arange(-8.0, 95.0), 1e5), "expected -180 to 180"),
-        (xfoil(np.arange(2.0, 5.0), 1e5), "has 3 rows, expected 8"),
+        (xfoil(np.arange(2.0, 5.0), 1e5), "has 3 rows, expected at least 8"),
         (xfoil(ANGLES, 1e5) + " 30.0 0.5 0.5\n", "30 deg occurs twice, in line"),
         (xfoil(ANGLES, 1e5) + " 31.0 0.5 -0.5\n", "the drag coefficient is -0.5"),
         (xfoil(ANGLES, 1e5) + " 31.0 0.5\n", "found 2 numbers, expected angle, C_L, C_D"),
@@ -207,7 +207,7 @@ def test_a_folder_holds_polars_alone(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no table"):
         read_section_table(tmp_path)
     (tmp_path / "notes.txt").write_text("nothing\n")
-    with pytest.raises(InputError, match="polars of XFOIL alone"):
+    with pytest.raises(InputError, match="only XFOIL polars"):
         read_section_table(tmp_path)
 
 

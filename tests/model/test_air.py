@@ -32,7 +32,7 @@ def test_standard_atmosphere_is_icaos(altitude: float, density: float, viscosity
 @pytest.mark.parametrize("altitude", [0.0, 2000.0])
 def test_hotter_air_is_thinner_at_the_same_pressure(altitude: float) -> None:
     day, hot = Air.standard(altitude), Air.standard(altitude, 20.0)
-    # rho T is p/R; the standard day has 288.15 K less 6.5 K per kilometre, to 1e-2 K.
+    # rho T is p/R; the standard day has 288.15 K less 6.5 K per kilometer, to 1e-2 K.
     kelvin = 288.15 - 0.0065 * altitude
     assert hot.density == pytest.approx(day.density * kelvin / (kelvin + 20.0), rel=1e-5)
     assert hot.viscosity > day.viscosity  # a gas, Sutherland

@@ -42,7 +42,7 @@ def test_a_law_brings_its_corrections() -> None:
     assert model.fingerprint() != propmap.Model(BLADE, LAW).fingerprint()
     assert propmap.Model(BLADE, law, corrections=(TIP_LOSS,)) == model
     hub_loss = propmap.correction("hub-loss")
-    with pytest.raises(InputError, match="paper-apc was found with tip-loss, not with hub-loss"):
+    with pytest.raises(InputError, match="paper-apc was fitted with tip-loss, not with hub-loss"):
         propmap.Model(BLADE, law, corrections=(hub_loss,))
     with pytest.raises(InputError, match="not with hub-loss"):
         law.with_corrections(["hub-loss"])
@@ -66,8 +66,8 @@ def test_a_section_table_may_have_corrections_too() -> None:
     ("text", "says"),
     [
         ("hub-loss:radius_m=0.012,radius_m=0.02", "radius_m is given twice; give it once"),
-        ("hub-loss:", "'' is no field with a number"),
-        ("hub-loss:radius_m=0.012,", "'' is no field with a number"),
+        ("hub-loss:", "'' is not field=number"),
+        ("hub-loss:radius_m=0.012,", "'' is not field=number"),
     ],
 )
 def test_no_part_of_a_correction_is_ignored(text: str, says: str) -> None:

@@ -143,7 +143,7 @@ def test_a_single_row_of_another_sign_is_told() -> None:
     loads = estimated_loads(BLADE, AIR, OMEGA, STILL)
     assert load_warnings(BLADE, AIR, OMEGA, STILL, STILL, loads) == []
     loads["torque"][1] *= -1.0
-    told = f"torque is negative in 1 of {OMEGA.size} rows at rest; check its sign"
+    told = f"torque is negative in 1 of {OMEGA.size} rows at rest; check the sign"
     assert load_warnings(BLADE, AIR, OMEGA, STILL, STILL, loads) == [told]
     # Beyond the blade's pitch speed a windmill's loads are negative, and rightly so.
     loads["thrust"][1] *= -1.0
@@ -167,5 +167,5 @@ def test_without_loads_there_is_nothing_to_say() -> None:
 def test_more_power_in_the_air_than_on_the_shaft() -> None:
     loads = estimated_loads(BLADE, AIR, OMEGA, STILL)
     loads["thrust"], loads["torque"] = 1.8 * loads["thrust"], 0.5 * loads["torque"]
-    with pytest.raises(InputError, match="times the power on the shaft"):
+    with pytest.raises(InputError, match="times the shaft power"):
         load_warnings(BLADE, AIR, OMEGA, STILL, STILL, loads)

@@ -270,7 +270,7 @@ def radial_nodes(
     jumps, steep, seen = find_jumps(rotor, low, high, DETECTION_STATIONS * resolution)
     breaks = np.concatenate([jumps, steep])
     # Chord and twist are cubic between stations, so panels end there; but not right beside a
-    # break, where a panel has to hold the whole neighbourhood of the root-like rise.
+    # break, where a panel has to hold the whole neighborhood of the root-like rise.
     ends = [y for y in rotor.station if low < y < high and np.all(np.abs(y - breaks) > 1e-3)]
     edges = np.unique(np.concatenate([[low], ends, breaks, [high]]))
     breaks = np.append(breaks, high)  # the chord falls to nothing at the tip

@@ -26,7 +26,7 @@ def _identified() -> pm.Model:
     known = identified("uiuc-apce-10x5", 2)
     assert known is not None
     blade = pm.propeller("uiuc-apce-10x5")
-    return pm.Model(blade, known.airfoil, corrections=pm.corrections_of("recommended"))
+    return pm.Model(blade, known.airfoil, corrections=pm.model_corrections("recommended"))
 
 
 def _with(model: pm.Model, known: SectionUncertainty | None) -> pm.Model:
@@ -130,7 +130,7 @@ def test_what_the_other_sources_are(model: pm.Model) -> None:
 
 def test_what_is_not_stated_of_the_mount_is_uncertain() -> None:
     """To first order in the factor and the area, as differences of the model have it."""
-    model = pm.known_model("apc 8x6e")
+    model = pm.catalogue_model("apc 8x6e")
     flow = (600.0, 12.0, 1.3)
     found = pm.Rotor(model).loads(*flow)
     bare = pm.Rotor(model.with_mount(Installed(1.0, 0.0))).loads(*flow).drag
@@ -161,7 +161,7 @@ def test_a_blade_that_was_not_measured_is_less_sure() -> None:
 def test_nothing_is_said_of_constants_that_say_nothing(model: pm.Model) -> None:
     loads = pm.Rotor(_with(model, None)).loads(600.0, 5.0, 1.0)
     assert loads.std_by_source == {}
-    with pytest.raises(pm.InputError, match="nothing is known of the errors"):
+    with pytest.raises(pm.InputError, match="constants have no covariance"):
         _ = loads.std
 
 

@@ -88,7 +88,7 @@ def test_a_blade_that_reaches_the_hub_stays_as_it_is() -> None:
 
 @pytest.mark.parametrize("radius", ["0", "-0.01", "inf", "nan"])
 def test_a_radius_that_cannot_be_is_refused(radius: str) -> None:
-    with pytest.raises(pm.InputError, match="give the hub's radius in metres"):
+    with pytest.raises(pm.InputError, match="give the radius of the hub in meters"):
         pm.correction(f"blade-to-hub:radius_m={radius}")
 
 

@@ -19,7 +19,7 @@ def rotor(request: pytest.FixtureRequest) -> Rotor:
 
 
 def _largest_jump(values: Floats) -> float:
-    """The largest step that its neighbours do not announce; a smooth line has almost none."""
+    """The largest step that its neighbors do not announce; a smooth line has almost none."""
     step = np.diff(values)
     expected = np.maximum(np.abs(step[:-2]), np.abs(step[2:]))
     return float(np.max(np.abs(step[1:-1]) - expected))

@@ -20,7 +20,7 @@ FLOWS = {
 def test_fields_add_up_to_the_loads(
     corrections: tuple[()] | None, flow: tuple[float, float, float]
 ) -> None:
-    model = pm.known_model("apc-8x6e", corrections=corrections)
+    model = pm.catalogue_model("apc-8x6e", corrections=corrections)
     rotor, blade = pm.Rotor(model), model.propeller
     radius = np.linspace(blade.root, blade.radius, 400)
     field, loads = rotor.inflow(*flow, radius=radius), rotor.loads(*flow)

@@ -281,7 +281,7 @@ def test_what_it_cannot_do_is_refused() -> None:
         pm.DynamicInflow(plain)
     with pytest.raises(pm.InputError, match="must be 'ccw' or 'cw'"):
         pm.DynamicInflow(dynamic().rotor, spin="left")
-    with pytest.raises(pm.InputError, match="its last axis must hold the mean inflow"):
+    with pytest.raises(pm.InputError, match="its last axis must be the mean inflow"):
         dynamic().rates([1.0, 2.0], OMEGA, [0.0, 0.0, 0.0])
     with pytest.raises(pm.InputError, match="dt is negative"):
         dynamic().step([1.0, 0.0, 0.0], -1e-3, OMEGA, [0.0, 0.0, 0.0])

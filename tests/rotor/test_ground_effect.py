@@ -14,7 +14,7 @@ OMEGA = 600.0
 
 @pytest.fixture(scope="module", params=("paper", "recommended"))
 def rotor(request: pytest.FixtureRequest) -> pm.Rotor:
-    corrections = pm.corrections_of(request.param)
+    corrections = pm.model_corrections(request.param)
     blade, law = pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")
     return pm.Rotor(pm.Model(blade, law, corrections=corrections))
 
@@ -88,7 +88,7 @@ def test_heights_of_which_nothing_is_known_are_refused(rotor: pm.Rotor, height: 
 
 
 def test_bands_grow_with_the_thrust() -> None:
-    known = pm.Rotor(pm.known_model("APC 8x6E"))
+    known = pm.Rotor(pm.catalogue_model("APC 8x6E"))
     far, near = known.loads(OMEGA, 0.0, 0.0), known.loads(OMEGA, 0.0, 0.0, height=0.08)
     ratio = near.thrust / far.thrust
     for source in ("parameters", "tunnel"):

@@ -184,7 +184,7 @@ def test_a_rotor_at_rest_has_finite_loads(name: str) -> None:
 
 def test_two_shapes_are_refused() -> None:
     two = (pm.correction("pitt-peters"), pm.correction("coleman"))
-    with pytest.raises(pm.InputError, match="pitt-peters and coleman both set"):
+    with pytest.raises(pm.InputError, match="pitt-peters and coleman both define"):
         pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc"), corrections=two)
 
 

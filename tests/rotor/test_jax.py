@@ -21,7 +21,7 @@ V_INPLANE = np.array([0.0, 8.0, 12.0, 15.0, 0.0])
 
 @pytest.fixture(scope="module")
 def rotor() -> propmap.Rotor:
-    recommended = propmap.corrections_of("recommended")
+    recommended = propmap.model_corrections("recommended")
     blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
     return propmap.Rotor(propmap.Model(blade, law, corrections=recommended))
 

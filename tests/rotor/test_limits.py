@@ -161,7 +161,7 @@ def test_every_input_moves_the_loads(rotor: Rotor) -> None:
 
 
 def test_hover_model_is_the_rotor_at_rest(rotor: Rotor) -> None:
-    model = HoverModel.of(rotor, 600.0)
+    model = HoverModel.from_rotor(rotor, 600.0)
     still = rotor.loads(600.0, 0.0, 0.0)
     assert float(model.thrust(600.0)) == pytest.approx(float(still.thrust), rel=1e-12)
     assert float(model.torque(600.0)) == pytest.approx(float(still.torque), rel=1e-12)

@@ -98,7 +98,7 @@ def test_a_mount_may_be_another_than_where_the_constants_are_from() -> None:
     assert told["mount-area"] == AREA and told["tip-loss"]
     assert mine == own.with_mount(propmap.correction(MOUNT))
     assert mine.fingerprint() != own.fingerprint()
-    with pytest.raises(InputError, match="was found with tip-loss, not with pitt-peters"):
+    with pytest.raises(InputError, match="was fitted with tip-loss, not with pitt-peters"):
         propmap.Model(BLADE, law, corrections=(propmap.correction("pitt-peters"),))
     with pytest.raises(InputError, match="installed is given twice"):
         propmap.Model(BLADE, LAW, corrections=(propmap.correction(MOUNT),) * 2)
@@ -107,12 +107,12 @@ def test_a_mount_may_be_another_than_where_the_constants_are_from() -> None:
 @pytest.mark.parametrize(
     ("fields", "says"),
     [
-        ({"factor": -1.0}, "factor is -1.0: give 1 for the blades' own drag"),
+        ({"factor": -1.0}, "factor is -1.0: give 1 for the drag of the blades"),
         ({"factor": math.nan}, "factor is nan"),
         ({"area_m2": -1e-4}, "area_m2 is -0.0001: give an area of 0 m"),
         ({"area_m2": math.nan}, "area_m2 is nan"),
         ({"area_m2": math.inf}, "area_m2 is inf"),
-        ({"wake": 2.1}, "wake is 2.1: give a share of the inflow"),
+        ({"wake": 2.1}, "wake is 2.1: give inflow at the mount"),
         ({"wake": math.nan}, "wake is nan"),
     ],
 )

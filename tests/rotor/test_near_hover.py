@@ -11,8 +11,8 @@ INPLANE = np.concatenate([[0.0], np.logspace(-300.0, 0.0, 61), np.logspace(-12.0
 CLIMB = (-8.0, -3.0, -0.3, 0.0, 0.3, 2.0)
 MODELS = {
     "paper": lambda: pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")),
-    "recommended": lambda: pm.known_model("APC 8x6E"),
-    "another": lambda: pm.known_model("uiuc-gwsdd-5x4.3-c"),
+    "recommended": lambda: pm.catalogue_model("APC 8x6E"),
+    "another": lambda: pm.catalogue_model("uiuc-gwsdd-5x4.3-c"),
     "finite blades": lambda: pm.Model(
         pm.propeller("apc-8x6e"),
         pm.airfoil("paper-apc"),

@@ -21,7 +21,7 @@ def _loads(model: str) -> Loads:
             propmap.propeller("apc-8x6e"),
             propmap.airfoil("apc-8x6e-2019"),
             propmap.Air(density=DATA.air_density),
-            propmap.corrections_of(model),
+            propmap.model_corrections(model),
         ),
     )
     return rotor.loads(*(values[SOME] for values in (DATA.omega, DATA.speed, DATA.beta)))

@@ -1,7 +1,7 @@
-"""The propellers that come with propmap.
+"""The propellers of the catalogue.
 
-Measured blades and a few others have one TOML file each in ``propellers/``; those of their makers'
-files, of APC, are one table, see ``apc``.
+Measured blades and a few others have one TOML file each in ``propellers/``.  Blades from the files
+of their manufacturer APC are in one table, see ``apc``.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from propmap.model.propeller import Propeller
 
 @dataclass(frozen=True)
 class Entry:
-    """One line of the catalogue: what a propeller is, without its blade.
+    """A propeller of the catalogue, without the geometry of its blade.
 
     Attributes
     ----------
     name, title, family : str
-        By which it is loaded, as its maker calls it, and the code of its series.
+        Name for ``load``, title by its manufacturer, and code of its series.
     blades : int
         Number of blades.
     diameter_m : float
         Diameter [m].
     source : str
-        Where the geometry is from.
+        Source of the geometry.
     """
 
     name: str
@@ -41,40 +41,40 @@ class Entry:
 
     @property
     def geometry(self) -> str:
-        """Whether the blade was "measured", or is that of its "maker" by his file."""
+        """Origin of the blade: "measured", or the file of its "maker"."""
         return "measured" if self.name.startswith("uiuc-") else "maker"
 
 
 def names() -> list[str]:
-    """List the names of all propellers, in alphabetical order."""
+    """Return the names of all propellers, in alphabetical order."""
     return list(_names())
 
 
 def entries() -> list[Entry]:
-    """List one ``Entry`` for each propeller, in the order of ``names``."""
+    """Return an ``Entry`` for each propeller, in the order of ``names``."""
     return [entry(name) for name in names()]
 
 
 def search(text: str) -> list[Entry]:
-    """Find entries whose name, title or family hold every word of ``text``, in any case."""
+    """Return the entries with all words of ``text`` in name, title or family, in any case."""
     return matching(text, entries())
 
 
 def matching(text: str, among: list[Entry]) -> list[Entry]:
-    """Keep entries whose name, title or family hold every word of ``text``."""
+    """Return the entries of ``among`` that ``search`` would return for ``text``."""
     words = text.lower().split()
     said = [f"{one.name} {one.title} {one.family}".lower() for one in among]
     return [one for one, its in zip(among, said, strict=True) if all(w in its for w in words)]
 
 
 def load(name: str) -> Propeller:
-    """Load the propeller called ``name``, in any case; ``InputError`` if there is none."""
+    """Return the propeller called ``name``, in any case; raise ``InputError`` if unknown."""
     key = name.strip().lower()
     if key not in _names():
         raise unknown_name(name)
     if key in apc_blades():
         return apc_blades()[key].propeller()
-    # These files are propmap's own, and tested; a user's file is checked entry by entry.
+    # Tests check these files, so the slow validation of user files is not needed here.
     file = tomllib.loads(_files()[key].read_text(encoding="utf-8"))
     blade = file["station_m"], file["chord_m"], file["twist_rad"], file.get("root_cutout_m")
     texts = file.get("source", ""), file.get("citation", "")
@@ -83,11 +83,11 @@ def load(name: str) -> Propeller:
 
 @cache
 def entry(name: str) -> Entry:
-    """Read the line of the propeller called ``name``, one of ``names``."""
+    """Return the entry of the propeller called ``name``, one of ``names``."""
     if name in apc_blades():
         blade = apc_blades()[name]
         return _of_maker(blade.title, blade.blades, 2.0 * blade.radius, blade.source)
-    # The arrays come last and are most of the file: leaving them out makes a listing fast.
+    # Skip the arrays, the last and largest part of the file: this makes a listing fast.
     head, _, _ = _files()[name].read_text(encoding="utf-8").partition("\nstation_m")
     file = tomllib.loads(head)
     texts = file["title"], file["family"]
@@ -95,8 +95,10 @@ def entry(name: str) -> Entry:
 
 
 def of_makers_file(title: str, blades: int, diameter_m: float) -> Entry | None:
-    """Make the line, the catalogue's where there is one, of a propeller that an APC file with this
-    ``title`` is of; None where the title names no series known."""
+    """Return the entry of the propeller in an APC file with this ``title``.
+
+    It is the entry of the catalogue if there is one; None if the title names no known series.
+    """
     name = name_of(title)
     if name in _names():
         return entry(name)
@@ -106,19 +108,19 @@ def of_makers_file(title: str, blades: int, diameter_m: float) -> Entry | None:
 
 def _of_maker(title: str, blades: int, diameter_m: float, source: str) -> Entry:
     series = series_of(title)
-    assert series is not None  # of a title that names one
+    assert series is not None  # the callers pass only titles of a known series
     family, words = series
     return Entry(name_of(title), f"APC {title} {words}", family, blades, diameter_m, source)
 
 
 def unknown_name(name: str) -> InputError:
-    """Make the error for a name that the catalogue does not have, with those close to it."""
+    """Return the error for a name that is not in the catalogue, with similar names."""
     found = f"{quoted(name)} is neither a propeller of the catalogue nor a file"
     return InputError(found, f"{close_names(name)} see `propmap props`")
 
 
 def close_names(text: str) -> str:
-    """Ask whether one of the names in the catalogue closest to ``text`` is meant."""
+    """Return a question with the names of the catalogue that are closest to ``text``."""
     import difflib
 
     close = difflib.get_close_matches(text.strip().lower(), names(), n=3, cutoff=0.0)

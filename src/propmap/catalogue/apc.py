@@ -1,4 +1,4 @@
-"""Blades of APC by its own files, and how measured blades of the series differ from them."""
+"""Blades from APC's files, and the differences of measured blades from these files."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ SERIES = {
     "SF": ("apcsf", "Slow Flyer"),
     "MR": ("apcmr", "Multi-Rotor"),
     "": ("apcsp", "Sport"),
-}  # code and title of a series by its mark behind the size; other marks name none known here
+}  # code and title of a series by the letters after the size; other letters are not known
 
 _TITLE = re.compile(r"[\d.]+x[\d.]+([A-Z]*)(?:-\d(?:Blade)?)?")
 
 
 class ApcBlade(NamedTuple):
-    """A line of the table; numbers that are most of it are left as text."""
+    """A row of the table; the arrays stay text until they are needed."""
 
-    title: str  # of APC's file, such as "5x4E-3"
+    title: str  # title of APC's file, such as "5x4E-3"
     blades: int
     radius: float  # [m]
-    station: str  # over the radius [-], as many as there are stations
+    station: str  # over the radius [-]
     chord: str  # over the radius [-]
     twist: str  # [deg], of the line from leading to trailing edge
 
     @property
     def source(self) -> str:
-        """Where the geometry is from."""
+        """Source of the geometry."""
         return (
             f"APC PE0 file {self.title}: chord and twist of the line from leading to trailing edge"
         )
 
     def propeller(self) -> Propeller:
-        """Make the propeller."""
+        """Return the propeller."""
         station, chord, twist = (
             np.array(text.split(), float) for text in (self.station, self.chord, self.twist)
         )
@@ -54,19 +54,19 @@ class ApcBlade(NamedTuple):
 
 
 def name_of(title: str) -> str:
-    """Give the name that the blade of an APC file with this ``title`` has."""
+    """Return the name in the catalogue of a blade from an APC file with this ``title``."""
     return f"apc-{title.lower()}"
 
 
 def series_of(title: str) -> tuple[str, str] | None:
-    """Find code and title of the series of an APC file's ``title``; None where it is not known."""
+    """Return code and title of the series in the ``title`` of an APC file; None if unknown."""
     found = _TITLE.fullmatch(title)
     return SERIES.get(found[1]) if found else None
 
 
 @lru_cache(maxsize=1)
 def apc_blades() -> dict[str, ApcBlade]:
-    """List the table's blades by their names in the catalogue."""
+    """Return the blades of the table by their names in the catalogue."""
     lines = BLADES.read_text(encoding="utf-8").splitlines()[1:]
     rows = (line.split(",") for line in lines)
     return {
@@ -76,23 +76,23 @@ def apc_blades() -> dict[str, ApcBlade]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Measured blades beside their makers' files.
+# Differences between measured blades and manufacturers' files.
 #
-# UIUC measured blades of which APC gives the mould's figures.  At three quarters of the radius they
-# differ by an angle and a factor that are common to a series, and by a scatter about these.
+# UIUC measured blades for which APC publishes the geometry of the mold.  At three quarters of the
+# radius, twist and chord differ by an angle and a factor common to a series, plus a scatter.
 
 
 class Difference(NamedTuple):
-    """What a blade of a series measures more than in its maker's file, at 0.75 R: the logarithm of
-    the ratio of the chords, and the difference of the twists [rad]."""
+    """Measured blade minus manufacturer's file for a series, at 0.75 R: the logarithm of the ratio
+    of the chords, and the difference of the twists [rad]."""
 
     mean: Floats  # (2,)
-    covariance: Floats  # (2, 2) of a further propeller, with that of the mean
+    covariance: Floats  # (2, 2) for another propeller, including the covariance of the mean
 
 
 def difference(family: str | None, without: str = "") -> Difference:
-    """Give the difference of a series, or over series where none of it was measured; the propeller
-    that the catalogue calls ``without`` is left out."""
+    """Return the difference of a series, or over all series if no blade of it was measured; the
+    propeller with the catalogue name ``without`` is excluded."""
     every = {code: _further(pairs) for code, pairs in _pairs(without).items()}
     if family in every:
         return every[family]
@@ -102,7 +102,7 @@ def difference(family: str | None, without: str = "") -> Difference:
 
 
 def _further(some: Floats, each: Floats | float = 0.0) -> Difference:
-    """Predict one more than the ``some`` (n, 2), which has the covariance ``each`` besides."""
+    """Predict another member of a sample (n, 2), with the additional covariance ``each``."""
     return Difference(some.mean(axis=0), np.cov(some.T) * (1.0 + 1.0 / len(some)) + each)
 
 

@@ -15,19 +15,19 @@ from propmap.units import INCH
 
 
 class Rule(NamedTuple):
-    """What a form of designation means with one maker."""
+    """Meaning of a form of designation for one manufacturer."""
 
-    form: str  # pattern of what is printed, in lower case
+    form: str  # pattern of the printed text, in lower case
     blades: int
-    means: str
-    size: tuple[float, ...] = ()  # diameter and pitch [in] that the form stands for
+    means: str  # explanation for messages
+    size: tuple[float, ...] = ()  # diameter and pitch [in], if the text does not contain them
 
 
 class Maker(NamedTuple):
-    """A maker of propellers for multirotors; without rules, its designations say all they mean."""
+    """A manufacturer of multirotor propellers; rules only for designations that need one."""
 
     name: str
-    words: str  # pattern of what it and its series are called, in lower case
+    words: str  # pattern of the names of manufacturer and series, in lower case
     rules: tuple[Rule, ...] = ()
 
 
@@ -39,21 +39,24 @@ _KNOWN = tomllib.loads(Path(__file__).with_name("makers.toml").read_text(encodin
 MAKERS = tuple(
     Maker(maker["name"], maker["words"], tuple(map(_rule, maker.get("rules", ()))))
     for maker in _KNOWN["makers"]
-)  # makers with the rules that are known of them; shops' and makers' pages agree on these
+)  # manufacturers and their rules, as stated by pages of shops and manufacturers alike
 
 _NAMES = {maker: rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS}
 
 
 def spaced(text: str) -> str:
-    """Part a maker's name from the figure behind it, as in "gf51466"; ``text`` in lower case."""
+    """Insert a blank between a manufacturer and a number, as in "gf51466"; ``text`` in lower
+    case."""
     for name in _NAMES.values():
         text = re.sub(rf"({name})(?=\d)", r"\1 ", text)
     return text
 
 
 def ruled(text: str) -> tuple[str, Rule] | None:
-    """Find the rule that a designation in lower case follows, and whose it is. Where no maker is
-    named the rule may be anybody's, but for names that stand for a size."""
+    """Return manufacturer and rule of a designation in lower case, or None.
+
+    If the text names no manufacturer, rules of all manufacturers apply, except names of sizes.
+    """
     named = [maker for maker, name in _NAMES.items() if re.search(name, text)]
     for maker in named or MAKERS:
         for rule in maker.rules:
@@ -64,17 +67,17 @@ def ruled(text: str) -> tuple[str, Rule] | None:
 
 
 # -------------------------------------------------------------------------------------------------
-# Maker, size and number of blades of a designation, and what it may mean in the catalogue.
+# Manufacturer, size and number of blades of a designation, and matching catalogue propellers.
 
-LARGEST_INCHES = 40.0  # diameter above which a bare number is taken for millimetres
-LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # [m] of any propeller that is meant to be known here
+LARGEST_INCHES = 40.0  # a larger diameter without a unit is in millimeters
+LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # limits of supported propellers [m]
 STEEPEST = 2.5  # largest ratio of pitch to diameter
 MOST_BLADES = 8
-SAME = 0.006  # relative difference of lengths that are the same, as makers round to 1/20 in
-NO_MAKER = ("mm", "in", "inch", "uiuc")  # units, and where names in the catalogue are from
+SAME = 0.006  # relative difference of equal lengths, because manufacturers round to 1/20 in
+NO_MAKER = ("mm", "in", "inch", "uiuc")  # words of designations that name no manufacturer
 
 WITHOUT_BLADE: dict[str, str] = _KNOWN["without_blade"]
-"""Titles of series of which loads were measured and no blade, by their codes."""
+"""Titles of series with measured loads but without a measured blade, by their codes."""
 
 _NUMBER = r"(\d{1,3}(?:[.,]\d+)?)"
 _TIMES = "[x\u00d7*]"
@@ -82,7 +85,7 @@ _SIZE = re.compile(
     rf"(?<![\d.,])(?<!{_TIMES}){_NUMBER}\s*{_TIMES}\s*{_NUMBER}(?:\s*{_TIMES}\s*(\d+))?"
     rf"(?![\d.,]|{_TIMES}\d)"
 )
-# Figures alone, 51466-3, with a mark before them as in T5045C.
+# Digits without an x, as in 51466-3, with an optional letter in front, as in T5045C.
 _FIGURES = re.compile(
     rf"(?<![\w.])[tqp]?([1-9]\d)(\d\d\d?)(?:[cs](?![a-z]))?(?:\s*{_TIMES}\s*(\d+)|-(\d))?"
     rf"(?!\.?\d|\s*{_TIMES}\s*\d)"
@@ -94,38 +97,38 @@ _WORD = re.compile(r"[a-z]+\d*[a-z]*")
 
 @dataclass(frozen=True)
 class Designation:
-    """A propeller by maker, size and number of blades."""
+    """A propeller by manufacturer, size and number of blades."""
 
-    words: tuple[str, ...]  # maker and series in lower case, in the order given
+    words: tuple[str, ...]  # manufacturer and series in lower case, in the order of the text
     diameter: float  # [m]
     pitch: float  # [m]
-    blades: int | None  # None where neither the text nor its maker's rule says
-    maker: str = ""  # one of ``MAKERS``
-    size: str = ""  # how diameter and pitch were read
-    counted: str = ""  # how the number of blades is known
+    blades: int | None  # None if neither the text nor a rule contains it
+    maker: str = ""  # name of one of ``MAKERS``
+    size: str = ""  # diameter and pitch as read, for messages
+    counted: str = ""  # number of blades and its origin, for messages
 
     @property
     def reading(self) -> str:
-        """Say how the text was read, and what is assumed."""
+        """Interpretation of the text and assumptions, for messages."""
         return f"read as {self.size}, {self.counted}"
 
     def with_blades(self, asked: int | None) -> Designation:
-        """Take the number of blades that was ``asked`` for beside the text, if any."""
+        """Return the designation with the number of blades ``asked``, if given."""
         if asked in (None, self.blades):
             return self
         other = f", not {self.blades}" if self.blades else ""
-        return replace(self, blades=asked, counted=f"{asked} blades as asked{other}")
+        return replace(self, blades=asked, counted=f"{asked} blades as requested{other}")
 
 
 @lru_cache(maxsize=1024)
 def designation(text: str) -> Designation | None:
-    """Read a designation such as "apc 10x4.7sf", "HQ 5x4.3x3" or "T5045C"; None without a size.
+    """Return the designation in a text such as "apc 10x4.7sf" or "T5045C"; None without a size.
 
-    Diameter and pitch are in inches; in millimetres where the text says ``mm`` or the diameter is
-    above 40. Figures alone are tenths of an inch of diameter, and tenths or hundredths of pitch:
-    6040 is 6x4, 9450 is 9.4x5, 51466 is 5.1x4.66. Where no propeller of four figures is as steep,
-    the diameter is in inches: 1045 is 10x4.5. What else a maker's form says is in ``MAKERS``.
-    ``InputError`` for a size or a number of blades that no propeller has.
+    Diameter and pitch are in inches, or in millimeters if the text contains ``mm`` or the diameter
+    is above 40.  Of four or five digits, the first two are tenths of an inch of diameter, the
+    others tenths or hundredths of an inch of pitch: 6040 is 6x4, 9450 is 9.4x5, 51466 is 5.1x4.66.
+    If such a propeller would be too steep, the diameter is in inches: 1045 is 10x4.5.  ``MAKERS``
+    contains further rules.  Raise ``InputError`` for an impossible size or number of blades.
     """
     lower = spaced(text.strip().lower())
     blades = _BLADES.search(lower)
@@ -155,7 +158,7 @@ def designation(text: str) -> Designation | None:
         remedy += catalogue.close_names(text)
         raise InputError(f"{quoted(text)} has a diameter of {diameter:.3g} m", remedy)
     if not 0.0 < pitch <= STEEPEST * diameter:
-        remedy = f"give one above 0, up to {STEEPEST:g} diameters; {catalogue.close_names(text)}"
+        remedy = f"give a pitch of up to {STEEPEST:g} diameters; {catalogue.close_names(text)}"
         raise InputError(f"{quoted(text)} has a pitch of {pitch:.3g} m", remedy)
     if count is not None and not 2 <= count <= MOST_BLADES:
         raise InputError(f"{quoted(text)} has {count} blades", f"give 2 to {MOST_BLADES} blades")
@@ -175,20 +178,22 @@ def designation(text: str) -> Designation | None:
 
 
 def _from_figures(first: str, second: str) -> tuple[list[float], str]:
-    """Read diameter and pitch [in] from figures alone, and say what else they may mean."""
+    """Return diameter and pitch [in] from two groups of digits, and a remark on the alternative."""
     diameter, pitch = float(first) / 10.0, float(second) / 10.0 ** (len(second) - 1)
     if len(second) == 2 and pitch > STEEPEST * diameter:
         return [float(first), pitch], ""
-    # Hardly any propeller is flatter.
+    # With a smaller pitch the alternative is not worth a remark: few propellers are flatter.
     large = len(second) == 2 and pitch >= 0.2 * float(first)
     return [diameter, pitch], f" (not {first} x {pitch:g} in)" if large else ""
 
 
 def candidates(wanted: Designation) -> list[catalogue.Entry]:
-    """List the propellers of the catalogue that a designation may mean, one for each series: with
-    as many blades if there is such a one, and measured before others. Where the words are a series'
-    whole name or code, longer names are left out; blades count only where no maker is named, as one
-    blade is put on many hubs."""
+    """Return the propellers of the catalogue that a designation may mean, one for each series.
+
+    In a series, the wanted number of blades takes precedence, then a measured blade.  If the words
+    are the whole name or code of a series, longer names are excluded.  The number of blades must
+    agree only without a manufacturer, because one blade may be used on several hubs.
+    """
     found: dict[str, catalogue.Entry] = {}
     named, whole = _series(wanted.words), set()
 
@@ -212,9 +217,10 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
 
 
 def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
-    """Split a designation's ``words`` into codes of the series that they name, and words that name
-    none; the last words are given up until the others name a series, so that "gws hd" is any of
-    GWS."""
+    """Split ``words`` of a designation into codes of the named series, and unknown words.
+
+    Words at the end are dropped until the rest names a series, so "gws hd" means all series of GWS.
+    """
     for count in range(len(words), 0, -1):
         found = _series(words[:count])
         whole = [family for family in found if _whole(words[:count], family)]
@@ -224,13 +230,13 @@ def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
 
 
 def same_size(one: tuple[float, float], other: tuple[float, float]) -> bool:
-    """Whether two pairs of diameter and pitch differ by no more than makers round."""
+    """Return whether two pairs of diameter and pitch agree within the rounding of designations."""
     return all(abs(a - b) <= SAME * b for a, b in zip(one, other, strict=True))
 
 
 @lru_cache(maxsize=1)
 def _title_words() -> dict[str, set[tuple[str, ...]]]:
-    """Collect by series what its propellers' titles call it."""
+    """Return the names of each series, as words, from the titles of its propellers."""
     found: dict[str, set[tuple[str, ...]]] = {
         family: {tuple(_WORD.findall(title.lower()))} for family, title in WITHOUT_BLADE.items()
     }
@@ -250,17 +256,17 @@ def _series(words: tuple[str, ...]) -> list[str]:
 
 
 def _whole(words: tuple[str, ...], family: str) -> bool:
-    """Whether ``words`` are all of a title, or the series' code."""
+    """Return whether ``words`` are a whole title of the series, or its code."""
     return words in _title_words()[family] or "".join(words) == family
 
 
 def _names_series(words: tuple[str, ...], family: str, title: tuple[str, ...]) -> bool:
-    """Whether each of the ``words`` is one of the title, or the series' code is made of them."""
+    """Return whether each of the ``words`` is in the title, or the words form the series code."""
     first, *rest = words
     if not rest and len(first) == 1:
-        # A letter alone is a series' mark, as in 12x6E, and no maker's.
+        # A single letter, as in 12x6E, is the mark of a series, not of a manufacturer.
         return first in title[1:]
     if all(word in title or word == family for word in words):
         return True
-    # "apc" and "sf" make apcsf; a maker alone stands for all its series.
+    # "apc" and "sf" form apcsf; a manufacturer alone means all its series.
     return family == "".join(words) or (not rest and family.startswith(first))

@@ -1,4 +1,4 @@
-"""Section constants identified from published loads, propeller by propeller, in one CSV file."""
+"""Section constants identified from published loads of propellers, from a bundled CSV file."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, Section
 from propmap.typing import Floats
 
 PARAMETERS = tuple(name for name, constant in CONSTANTS.items() if constant.population)
-"""The constants that were identified."""
+"""Names of the identified constants."""
 
 LIFT_LAW = "plate"
-"""The lift law of all identified constants.  On blades that stall at rest it is as good as the
-paper's with a larger c_l2 (``python -m tools.catalogue.past_stall``), which has twice the lift of a
-plate at 45 degrees."""
+"""The lift law of all identified constants.  For blades that stall at rest it is as good as the
+law of the paper with a larger c_l2 (``python -m tools.catalogue.past_stall``), which has twice the
+lift of a plate at 45 degrees."""
 
-MEAN_BLADES = ("family", "population")  # geometries of propellers whose own is not known
+MEAN_BLADES = ("family", "population")  # geometries of propellers without a known blade
 
-POOR = (0.0048, 0.0036)  # errors of C_T and C_P [-] that nine propellers in ten stay below
+POOR = (0.0048, 0.0036)  # 90th percentiles of the errors of C_T and C_P over propellers [-]
 
 PAIRS = [(i, j) for i in range(len(PARAMETERS)) for j in range(i, len(PARAMETERS))]
 TEXTS = ("propeller", "family", "tested", "geometry", "key", "verdict")
@@ -35,48 +35,48 @@ ERRORS = ("thrust_rms", "power_rms", "static_thrust_rms", "static_power_rms")
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """Constants of one propeller from its loads in axial flow, and how far they can be trusted."""
+    """Constants of one propeller, identified from its loads in axial flow, and their quality."""
 
-    propeller: str  # name of its blade in the catalogue, or one made up in that form
+    propeller: str  # name of its blade in the catalogue, or a new name of that form
     blades: int
     family: str  # code of its series
-    tested: str  # what the source calls it
-    geometry: str  # "measured", of its "maker", or the mean of its "family" or "population"
-    diameter_m: float  # as labelled, as the pitch
+    tested: str  # name in the source
+    geometry: str  # "measured", from its "maker", or the mean of its "family" or "population"
+    diameter_m: float  # labeled diameter and pitch [m]
     pitch_m: float
-    airfoil: Airfoil  # with how well they are known
+    airfoil: Airfoil  # the constants, with their covariance
     covariance: Floats  # (P, P) of ``PARAMETERS``
-    thrust_rms: float  # errors of C_T and C_P over all rows, and at rest; NaN without such
+    thrust_rms: float  # rms errors of C_T and C_P over all rows
     power_rms: float
-    static_thrust_rms: float
+    static_thrust_rms: float  # rms errors over the static rows; NaN without static rows
     static_power_rms: float
-    rows: int  # operating points in all
+    rows: int  # number of all operating points
     static_rows: int
     rpm_low: float  # range of the data, with J = V/(n D) up to ``advance_high``
     rpm_high: float
     advance_high: float
-    verdict: str  # "good", or what is wrong with the data or the fit
+    verdict: str  # "good", or the problem of the data or the fit
     key: str  # identifies the data and the settings of the fit
 
     @property
     def size(self) -> tuple[float, float]:
-        """Labelled diameter and pitch [m]."""
+        """Labeled diameter and pitch [m]."""
         return self.diameter_m, self.pitch_m
 
     @property
     def discrepancy(self) -> tuple[float, float]:
-        """Standard deviations of C_T and C_P [-] that these constants leave, beside their own."""
+        """Standard deviations of the remaining errors of C_T and C_P [-] with these constants."""
         return self.thrust_rms, self.power_rms
 
     @property
     def summary(self) -> str:
-        """Say in one line whose constants these are, what they rest on, and how well they fit."""
+        """One line of text: source and range of the data, errors, and verdict."""
         size = "and at rest " if self.static_rows else ""
         return (
-            f"constants identified from {self.rows} loads of {self.tested!r} in axial flow {size}"
+            f"constants identified from {self.rows} rows of {self.tested!r} in axial flow {size}"
             f"(UIUC), {self.rpm_low:.0f} to {self.rpm_high:.0f} rpm, J up to "
-            f"{self.advance_high:.2f}: rms error of C_T {self.thrust_rms:.4f}, of C_P "
-            f"{self.power_rms:.4f}; {self.verdict}"
+            f"{self.advance_high:.2f}; rms error of C_T {self.thrust_rms:.4f}, of C_P "
+            f"{self.power_rms:.4f}; verdict: {self.verdict}"
         )
 
     @property
@@ -86,14 +86,16 @@ class Identified:
 
 
 def identified(propeller: str, blades: int) -> Identified | None:
-    """Find the bundled constants of a blade of the catalogue on a rotor with so many ``blades``."""
+    """Return the bundled constants of a catalogue propeller with this number of blades, or None."""
     key = propeller.strip().lower(), blades
     return _bundled(key) if key in _rows() else None
 
 
 def all_identified(family: str | None = None) -> list[Identified]:
-    """List the bundled constants of blades that were measured, in the order of the file, and of
-    makers' blades where none was; those of one ``family``, or all."""
+    """Return the bundled constants of one ``family``, or all, in the order of the file.
+
+    They belong to measured blades, or to the manufacturer's blade of a propeller without one.
+    """
     rows = [item for item in _rows().items() if family in (None, item[1]["family"])]
     measured = {row["tested"] for _, row in rows if row["geometry"] == "measured"}
     return [
@@ -105,12 +107,12 @@ def all_identified(family: str | None = None) -> list[Identified]:
 
 
 def identified_without_blade() -> list[Identified]:
-    """List all bundled constants of propellers whose blades are not known."""
+    """Return all bundled constants of propellers without a known blade."""
     return [_bundled(key) for key, row in _rows().items() if row["geometry"] in MEAN_BLADES]
 
 
 def named_without_blade(name: str) -> Identified | None:
-    """Find the one of ``identified_without_blade`` with this ``name``, in lower case."""
+    """Return the entry of ``identified_without_blade`` with this lower-case ``name``, or None."""
     found = [
         key for key, row in _rows().items() if key[0] == name and row["geometry"] in MEAN_BLADES
     ]
@@ -118,7 +120,7 @@ def named_without_blade(name: str) -> Identified | None:
 
 
 def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
-    """Keep, of ``entries`` for one tested propeller, a measured blade's, of these the best fit."""
+    """Keep one entry per tested propeller: that of a measured blade if any, with the best fit."""
     best: dict[str, Identified] = {}
     for one in sorted(entries, key=lambda one: (one.geometry != "measured", badness(one))):
         best.setdefault(one.tested, one)
@@ -126,12 +128,12 @@ def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
 
 
 def badness(one: Identified) -> float:
-    """Take the larger of the errors of C_T and C_P, each over ``POOR``."""
+    """Return the larger of the errors of C_T and C_P, each over ``POOR``."""
     return max(one.thrust_rms / POOR[0], one.power_rms / POOR[1])
 
 
 def entry_of(row: dict[str, str]) -> Identified:
-    """Make the entry of a ``row`` of the file, by column."""
+    """Return the entry for a ``row`` of the file, by column."""
     covariance = np.zeros((len(PARAMETERS), len(PARAMETERS)))
     for i, j in PAIRS:
         covariance[i, j] = covariance[j, i] = float(row[pair_name(i, j)])
@@ -149,18 +151,18 @@ def entry_of(row: dict[str, str]) -> Identified:
 
 
 def pair_name(i: int, j: int) -> str:
-    """Name the column of the covariance of parameters number ``i`` and ``j``."""
+    """Return the column name for the covariance of parameters number ``i`` and ``j``."""
     return f"cov_{PARAMETERS[i]}_{PARAMETERS[j]}"
 
 
 @cache
 def _rows() -> dict[tuple[str, int], dict[str, str]]:
-    """Read the bundled file's rows, by propeller and number of blades."""
+    """Return the rows of the bundled file, by propeller and number of blades."""
     with (Path(__file__).parent / "identified" / "uiuc.csv").open(encoding="utf-8") as file:
         return {(row["propeller"], int(row["blades"])): row for row in csv.DictReader(file)}
 
 
 @cache
 def _bundled(key: tuple[str, int]) -> Identified:
-    # Made when it is asked for: a process wants one of them, and all take longer than a rotor.
+    # Created on demand: most processes need one entry, and all entries take longer than a rotor.
     return entry_of(_rows()[key])

@@ -1,4 +1,4 @@
-"""Propellers, section laws, models and measured loads by name."""
+"""Propellers, section laws, models and measured loads, looked up by name."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from propmap.io.sections import read_section_table
 from propmap.loads import LOADS
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
-from propmap.model.corrections import Correction, corrections_of
+from propmap.model.corrections import Correction, model_corrections
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.typing import Floats
@@ -39,30 +39,33 @@ def propeller(
     radius: float | None = None,
     root_cutout: float | None = None,
 ) -> Propeller:
-    """Load a propeller from the catalogue or a geometry file, or predict it from a designation.
+    """Return a propeller from the catalogue or a geometry file, or predict it from a designation.
 
-    In this order: a name in the catalogue; a file; the one measured propeller that a designation
-    with a maker or series means; the means over the series that it names, or over all series, for
-    a size that was not measured or a size alone.
+    The first of these sources that applies is used:
+
+    1. a name in the catalogue;
+    2. a file;
+    3. the catalogue propeller of a designation with manufacturer or series;
+    4. the mean blade of the named series, or of all series for other manufacturers or sizes alone.
 
     Parameters
     ----------
     name_or_path : str or path
-        A name that ``propmap props`` lists, in upper or lower case; a designation such as "APC
-        11x7E" or "HQ 5x4.3x3"; or the path of a file of any format propmap reads.
+        A name that ``propmap props`` lists, in any case; a designation such as "APC 11x7E" or
+        "HQ 5x4.3x3"; or the path of a file in a supported format.
     blades : int, optional
-        Number of blades, where the file gives none or another number is wanted.
+        Number of blades; required for a file without this number, replaces it otherwise.
     radius : float, optional
-        Tip radius [m], where the file gives fractions of it; where the geometry has a radius of
-        its own, the two must agree.
+        Tip radius [m]; required for a file with fractions of the radius.  It must agree with the
+        radius of any other geometry.
     root_cutout : float, optional
-        Where the loaded part of the blade begins [m].
+        Radius at which the loaded part of the blade begins [m].
 
     Raises
     ------
     InputError
-        For an unknown name, with close ones, a designation that propellers of several series have,
-        and a file that holds no propeller.
+        For an unknown name (the message lists similar names), a designation that fits several
+        series, and a file without a propeller.
     """
     meant = _named(name_or_path, blades)
     if meant is None:
@@ -78,14 +81,16 @@ def propeller(
 
 
 def meant_by(name_or_path: str | os.PathLike[str], blades: int | None = None) -> expected.Meant:
-    """Find what ``propeller`` would give the blade of, and so many ``blades`` where they are asked
-    for; None for a file, but for one of APC the propeller that its title names. Errors are those of
-    ``propeller``."""
+    """Return the entry or predicted blade that ``propeller`` uses, with ``blades`` if given.
+
+    For a file of APC it is the propeller in its title, for other files None.  Errors are those of
+    ``propeller``.
+    """
     return _named(name_or_path, blades) or _of_apc_file(Path(name_or_path))
 
 
 def _named(name_or_path: str | os.PathLike[str], blades: int | None) -> expected.Meant:
-    """Find what is meant by a name or a designation; None for a file."""
+    """Return the entry or predicted blade for a name or a designation; None for a file."""
     text = os.fspath(name_or_path)
     name = text.strip().lower()
     found: catalogue.Entry | expected.ExpectedBlade
@@ -105,23 +110,25 @@ def _named(name_or_path: str | os.PathLike[str], blades: int | None) -> expected
 
 
 def _of_apc_file(path: Path) -> catalogue.Entry | None:
-    """Find the propeller whose blade an APC file has, by its title; None for another file."""
+    """Return the entry of the propeller in the title of an APC file; None for other files."""
     lines = read_lines(path) if path.is_file() else []
     if not lines or format_of(lines) is not PE0:
         return None
     title = next(iter(lines[0].split()), "")
     try:
         size = designation.designation(title)
-    except InputError:  # no propeller has such a size: the title is of something else
+    except InputError:  # an impossible size, so the title is not a designation
         return None
     return catalogue.of_makers_file(title, size.blades or 2, size.diameter) if size else None
 
 
 def designated(text: str) -> catalogue.Entry | expected.ExpectedBlade:
-    """Find the propeller of the catalogue that a designation means, with the blades that it says,
-    else expect its blade: a size or a maker alone means none, nor a series one with three blades.
-    ``InputError`` for no designation, for what is written like a name of the catalogue and is none,
-    and where several series have it."""
+    """Return the catalogue propeller for a designation, with its number of blades, or a prediction.
+
+    A size alone selects no catalogue propeller.  A blade from a manufacturer's file requires its
+    series, and its number of blades if that is not 2.  Raise ``InputError`` for other text, an
+    unknown name in the form of a catalogue name, and a designation that fits several series.
+    """
     wanted = designation.designation(text)
     if wanted is None:
         raise catalogue.unknown_name(text)
@@ -143,20 +150,20 @@ def designated(text: str) -> catalogue.Entry | expected.ExpectedBlade:
 
 
 def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
-    """Load a section law: a named set of constants, a parameter file, or a section table.
+    """Return a section law: a named set of constants, a parameter file, or a section table.
 
     Parameters
     ----------
     name_or_path : str or path
-        "paper-soft", "paper-stiff" or "paper-apc" (Table I), "apc-8x6e-2019" (fitted to a wind
-        tunnel's oblique flow), the path of a parameter file or a fit (.toml), or that of a section
-        table as ``read_section_table`` takes it: a file of AeroDyn, XFOIL, CACTUS or CSV, or a
-        folder with XFOIL's polars.
+        "paper-soft", "paper-stiff" or "paper-apc" (Table I), "apc-8x6e-2019" (fitted to oblique
+        flow in a wind tunnel), the path of a parameter file or a fit (.toml), or the path of a
+        section table for ``read_section_table``: a file of AeroDyn, XFOIL, CACTUS or CSV, or a
+        folder with XFOIL polars.
 
     Raises
     ------
     InputError
-        For an unknown name, and for a file that holds no section law.
+        For an unknown name, and for a file without a section law.
     """
     text = os.fspath(name_or_path)
     path = Path(text)
@@ -167,7 +174,7 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
 
 
 def search(text: str) -> list[catalogue.Entry]:
-    """Search as ``catalogue.search``, and among propellers known by their loads alone."""
+    """Return entries as ``catalogue.search``, including propellers without a measured blade."""
     others = map(_without_blade, identified.identified_without_blade())
     return catalogue.matching(text, [*catalogue.entries(), *others])
 
@@ -176,7 +183,7 @@ def _without_blade(one: identified.Identified) -> catalogue.Entry:
     series = designation.WITHOUT_BLADE.get(one.family)
     if series is None:
         titles = [entry.title for entry in catalogue.entries() if entry.family == one.family]
-        # The database's entries come after the makers', and have the size at the end.
+        # The last title is from the database, after those of manufacturers, and ends with the size.
         series = _SIZE_AT_END.sub("", titles[-1])
     size = "x".join(f"{length / INCH:.4g}" for length in one.size)
     title = f"{series} {size}, blade not measured"
@@ -185,69 +192,69 @@ def _without_blade(one: identified.Identified) -> catalogue.Entry:
 
 
 def looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:
-    """Whether ``name_or_path`` names a file rather than an entry of the catalogue."""
+    """Return whether ``name_or_path`` is the path of a file, not a name in the catalogue."""
     if not isinstance(name_or_path, str) or "/" in name_or_path or os.sep in name_or_path:
         return True
     try:
         path = Path(name_or_path)
-        # A pitch such as 8x4.5 ends like a suffix, so a suffix counts only if it has a letter.
+        # A size such as 8x4.5 seems to have a suffix, so a suffix must begin with a letter.
         return path.exists() or path.suffix[1:2].isalpha()
     except (OSError, ValueError):
         return True
 
 
 # -------------------------------------------------------------------------------------------------
-# A model of a propeller from its name alone: blade, and the best constants known of it.
+# Catalogue predictions: the model of a propeller with the best known constants.
 
 
-def known_model(
+def catalogue_model(
     name_or_path: str | os.PathLike[str],
     blades: int | None = None,
     *,
     air: Air | None = None,
     corrections: tuple[Correction, ...] | None = None,
 ) -> Model:
-    """Make the model of a propeller by name: its blade, and the best constants known of it.
+    """Return the model of a propeller: its blade, and the best known section constants.
 
-    The blade is that of ``propmap.propeller``.  The constants are those identified from the
-    propeller's own loads; else those to be expected of its family, else of any small propeller.
-    They carry how well they are known, so that loads have standard deviations.
+    The blade is that of ``propmap.propeller``.  The constants were identified from measured loads
+    of this propeller; if there are none, they are predicted from its family, or from all small
+    propellers.  The constants have a covariance, so the loads have standard deviations.
 
     Parameters
     ----------
     name_or_path : str or path
-        A name of the catalogue, a designation such as "HQ 5x4.3x3", or a geometry file.
+        A name in the catalogue, a designation such as "HQ 5x4.3x3", or a geometry file.
     blades : int, optional
-        Number of blades, where it is not said or another number is wanted.
+        Number of blades, as in ``propmap.propeller``.
     air : Air, optional
-        By default the paper's.
+        By default the air of the paper.
     corrections : tuple, optional
-        By default those of the recommended model, and ``Installed()``: rotor drag is that of a
-        rotor on a motor, with its uncertainty.
+        By default the corrections of the recommended model, and ``Installed()``: the rotor drag of
+        a rotor on a motor, with its uncertainty.
 
     Raises
     ------
     InputError
-        As ``propmap.propeller``.
+        As in ``propmap.propeller``.
     """
     blade = propeller(name_or_path, blades)
     meant = meant_by(name_or_path, blades)
     known = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
     added = corrections
     if added is None:
-        added = corrections_of("recommended", installed=True)
+        added = model_corrections("recommended", installed=True)
     return Model(blade, known.airfoil, air or Air(), added)
 
 
 def own_constants(meant: expected.Meant, blades: int) -> identified.Identified | None:
-    """Find the constants identified from a propeller's own loads with so many ``blades``."""
+    """Return the constants identified from loads of this propeller with this number of blades."""
     if isinstance(meant, expected.ExpectedBlade):
         return meant.own if meant.own is not None and meant.own.blades == blades else None
     return identified.identified(meant.name, blades) if meant is not None else None
 
 
 def predicted_constants(meant: expected.Meant, blade: Propeller) -> expected.ExpectedConstants:
-    """Predict constants of a propeller not identified itself; ``meant`` is None for a file's."""
+    """Return predicted constants of a propeller without identified ones; ``meant`` may be None."""
     family = meant.family if meant is not None else None
     return expected.expected_constants(
         family, expected.size_of(meant, blade), geometry_of(meant, blade)
@@ -255,15 +262,15 @@ def predicted_constants(meant: expected.Meant, blade: Propeller) -> expected.Exp
 
 
 def geometry_of(meant: expected.Meant, blade: Propeller) -> str:
-    """Say whose the ``blade`` of what is ``meant`` is, as ``expected_constants`` takes it."""
+    """Return the origin of the ``blade``, in the words of ``expected_constants``."""
     if not isinstance(meant, expected.ExpectedBlade):
         return meant.geometry if meant is not None else "measured"
-    # The blade may have more than the name says, by an option.
+    # An option may have increased the number of blades.
     return meant.with_blades(blade.blades if blade.blades > 2 else None).geometry
 
 
 # -------------------------------------------------------------------------------------------------
-# Measured loads that come with propmap, one TOML file each in ``measurements/``.
+# Bundled measurements of loads, one TOML file each in ``measurements/``.
 
 SUFFIX = ".toml"
 _FOLDER = Path(__file__).parent / "measurements"
@@ -271,22 +278,22 @@ _FOLDER = Path(__file__).parent / "measurements"
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Loads of one propeller at n operating points, as published.
+    """Published loads of one propeller at n operating points.
 
     Attributes
     ----------
     name, propeller : str
         Names of the measurement and of the propeller in the catalogue.
     kind : str
-        "measured" points, points "digitised" from a figure, or a published "fit".
+        "measured" points, points "digitized" from a figure, or a published "fit".
     air_density : float
-        [kg/m^3].
+        Air density [kg/m^3].
     note, citation : str
-        What was done to the figures, and whom to cite.
+        Treatment of the published values, and the reference to cite.
     omega, speed, beta : ndarray, shape (n,)
-        The operating points [rad/s], [m/s], [rad].
+        Operating points [rad/s], [m/s], [rad].
     loads : mapping of str to ndarray, shape (n,)
-        Those published, by their names in ``propmap.loads.LOADS`` [N], [N m].
+        Published loads, by their names in ``propmap.loads.LOADS`` [N], [N m].
     """
 
     name: str
@@ -302,13 +309,13 @@ class Measurement:
 
 
 def measurement_names() -> list[str]:
-    """List the names of all measurements, in alphabetical order."""
+    """Return the names of all measurements, in alphabetical order."""
     return sorted(file.stem for file in _FOLDER.glob(f"*{SUFFIX}"))
 
 
 @functools.lru_cache(maxsize=32)
 def measurement(name: str) -> Measurement:
-    """Load the measurement called ``name``, in any case; ``InputError`` if there is none."""
+    """Return the measurement called ``name``, in any case; raise ``InputError`` if unknown."""
     key, known = name.strip().lower(), measurement_names()
     if key not in known:
         close = difflib.get_close_matches(key, known, n=3, cutoff=0.3) or known

@@ -1,4 +1,4 @@
-"""Loads as coefficients: measured ones of the UIUC database, and APC's computed PERFILES."""
+"""Readers of load coefficients: measured loads of the UIUC database, and APC's PERFILES."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _RPM_OF_BLOCK = re.compile(r"PROP\s+RPM\s*=\s*(\d+)")
 
 
 class Coefficients(NamedTuple):
-    """Rows (n,) of one file."""
+    """The rows (n,) of one file."""
 
     rpm: Floats  # [1/min]
     advance: Floats  # J = V/(n D) [-]
@@ -30,13 +30,14 @@ class Coefficients(NamedTuple):
 
 
 def looks_like_coefficients(path: Path) -> bool:
-    """Whether the file at ``path`` holds rows that ``read_coefficients`` reads."""
+    """Return whether ``read_coefficients`` can read the file at ``path``."""
     return format_of(read_lines(path, "load file", latin=True)) in (UIUC_LOADS, PERFILES)
 
 
 def read_coefficients(path: Path) -> Coefficients:
-    """Read rows under ``J CT CP [eta]`` (one rotational speed, by the file's name) or ``RPM CT CP``
-    (static), separated by blanks or commas, or all of a PERFILE."""
+    """Read a PERFILE, or a UIUC file with columns separated by blanks or commas.
+
+    Its header is ``J CT CP [eta]``, with the rpm in the file name, or ``RPM CT CP`` (static)."""
     lines = read_lines(path, "load file")
     with located(str(path)):
         return _perfile(lines) if format_of(lines) is PERFILES else _uiuc(path, lines)
@@ -53,7 +54,7 @@ def _uiuc(path: Path, lines: list[str]) -> Coefficients:
         raise InputError(found, "the header must be J CT CP (eta) or RPM CT CP")
     if not rows:
         raise InputError("there is no row below the header", "give the whole file")
-    # Some rows lack the efficiency, which is not read.
+    # The fourth column, the efficiency, is missing in some rows.
     _, table = parse_rows([(number, cells[:3]) for number, cells in rows], header, header)
     values, thrust, power = table.T
     if header == STATIC:
@@ -61,13 +62,13 @@ def _uiuc(path: Path, lines: list[str]) -> Coefficients:
     rpm = _RPM_IN_NAME.search(path.name)
     if rpm is None:
         found = "the rotational speed is not in the file's name"
-        remedy = "name the file as in apcsf_10x7_kt0828_3008.txt, which is 3008 rpm"
+        remedy = "name the file as in apcsf_10x7_kt0828_3008.txt, for 3008 rpm"
         raise InputError(found, remedy)
     return Coefficients(np.full_like(values, float(rpm[1])), values, thrust, power)
 
 
 def _perfile(lines: list[str]) -> Coefficients:
-    """Read blocks of a rotational speed each, whose header names the columns."""
+    """Read the blocks of a PERFILE, one per rotational speed, each with a header."""
     rpm, rows = 0.0, []
     places: list[int] = []
     for number, line in enumerate(lines, start=1):

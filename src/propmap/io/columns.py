@@ -1,4 +1,4 @@
-"""Columns by name: one table of quantities, how people and instruments spell them, and units."""
+"""Recognition of columns by name: quantities, their spellings and their units."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from propmap.loads import LOADS
 from propmap.units import DEGREE, FOOT, GRAVITY, HORSEPOWER, INCH, KMH, KNOT, MPH, POUND, RPM
 
 # -------------------------------------------------------------------------------------------------
-# Units as they are written, in small letters and without what stands between them.
+# Spellings of units, in lower case and without separators.
 
 
 def _units(factors: Mapping[str, float]) -> dict[str, float]:
-    """Give each of several spellings its factor."""
+    """Return a factor for each spelling; keys contain several spellings."""
     return {spelling: factor for several, factor in factors.items() for spelling in several.split()}
 
 
@@ -37,16 +37,16 @@ MOMENT |= _units({"lbft lbfft ftlb ftlbf": POUND * FOOT, "inlbf": POUND * INCH})
 POWER = _units({"w watt watts": 1.0, "kw": 1e3, "mw": 1e-3, "hp": HORSEPOWER})
 VOLT, AMPERE = _units({"v volt volts": 1.0, "mv": 1e-3}), _units({"a amp amps": 1.0, "ma": 1e-3})
 SHARE = {"": 1.0, "percent": 0.01, "%": 0.01}
-OTHERS = {"%", "percent", "s", "v", "a", "us", "c", "gw"}  # units of what is none of these
+OTHERS = {"%", "percent", "s", "v", "a", "us", "c", "gw"}  # units of other quantities
 
 
 class Quantity(NamedTuple):
-    """What a column may hold."""
+    """A quantity that a column may contain."""
 
-    words: str  # what it is, for messages
-    names: tuple[str, ...]  # patterns of its spellings, in small letters; the better ones first
+    words: str  # name in messages
+    names: tuple[str, ...]  # patterns of its spellings, in lower case; better matches first
     units: Mapping[str, float]  # factors to the unit of the column that propmap writes
-    bare: str = ""  # a pattern of the names that say the unit themselves
+    bare: str = ""  # pattern of names that need no unit
 
 
 _TURNS = "(rotor|motor|prop|propeller|shaft|optical|motor optical)"
@@ -55,7 +55,7 @@ _UNITS |= {"MOMENT": MOMENT, "POWER": POWER, "VOLT": VOLT, "AMPERE": AMPERE, "SH
 
 
 def _quantities() -> dict[str, Quantity]:
-    """Read the table of columns; loads in the disk plane go by their own names."""
+    """Return the quantities by column: those of ``columns.toml``, and the in-plane loads."""
     text = Path(__file__).with_name("columns.toml").read_text(encoding="utf-8")
     found = {}
     for column, row in tomllib.loads(text.replace("TURNS", _TURNS)).items():
@@ -69,34 +69,34 @@ def _quantities() -> dict[str, Quantity]:
 
 
 QUANTITIES = _quantities()
-"""By the column that propmap writes, whose name ends with its unit."""
+"""Quantities by the name of the column that propmap writes, which ends with the unit."""
 
 NOT_TAKEN = {
     r"(electric|electrical|elec|el|input|battery|esc|motor) power|power (electrical|elec|el|in)"
     r"|pel|pin|p (el|elec|in)": "electrical, not of the shaft",
     r"e ?rpm|electrical rpm|rpm electrical": "electrical: divide it by the motor's pole pairs",
 }
-"""What looks like a quantity and is another, and why."""
+"""Patterns of columns that resemble a known quantity but are another one, and the reason."""
 
 AROUND = "([ab]|powertrain|rotor|propeller|prop|mean|average|avg|measured|filtered|raw) ?[1-9]?"
 
 
 # -------------------------------------------------------------------------------------------------
-# What the columns of a header are taken for.
+# Assignment of the columns of a header to quantities.
 
 
 class Taken(NamedTuple):
-    """A column of a file that may be taken for one of ``QUANTITIES``."""
+    """A column of a file that matches one of ``QUANTITIES``."""
 
-    rank: int  # the least first, where several may be taken
+    rank: int  # quality of the match; the smallest is used
     place: int
-    name: str  # as the file has it, and so is its unit
+    name: str  # name and unit as spelled in the file
     unit: str
-    factor: float  # to the unit of the quantity's column
+    factor: float  # to the unit of the column in ``QUANTITIES``
 
 
 GREEK = str.maketrans({"\u03c9": "omega", "\u03b2": "beta", "\u03b1": "alpha", "\u03b8": "theta"})
-LONGEST = 80  # characters of a name that are looked at
+LONGEST = 80  # number of characters of a name that are compared
 
 
 def _words(text: str) -> str:
@@ -105,7 +105,7 @@ def _words(text: str) -> str:
 
 
 def _parted(name: str) -> Iterator[tuple[str, str, str]]:
-    """Yield the ways to part a column's name into words and a unit, also as it was written."""
+    """Yield all splits of a column name into words, unit, and unit as spelled in the file."""
     text = unicodedata.normalize("NFKC", name[:LONGEST]).strip()
     low = text.lower()
     found = re.fullmatch(r"(.*?)[\s,_]*[\[({<](.*)[\])}>]", low)
@@ -118,14 +118,14 @@ def _parted(name: str) -> Iterator[tuple[str, str, str]]:
 
 
 class Header:
-    """The columns of a header by what they are taken for."""
+    """The columns of a header, by the quantity that they match."""
 
     def __init__(
         self, names: Sequence[str], wanted: Collection[str], blank: Collection[int] = ()
     ) -> None:
-        self.names, self.blank = names, blank  # places of columns without a value
-        self.taken: dict[str, list[Taken]] = {}  # by column of ``QUANTITIES``, the likeliest first
-        self.unclear: dict[str, str] = {}  # names without a unit that is known, by what they may be
+        self.names, self.blank = names, blank  # ``blank``: indices of columns without a value
+        self.taken: dict[str, list[Taken]] = {}  # by column of ``QUANTITIES``, best match first
+        self.unclear: dict[str, str] = {}  # names with an unknown unit, by the likely quantity
         for place, name in enumerate(names):
             unclear: dict[str, str] = {}
             if place not in blank and not self._take(place, name, wanted, unclear):
@@ -136,8 +136,10 @@ class Header:
     def _take(
         self, place: int, name: str, wanted: Collection[str], unclear: dict[str, str]
     ) -> bool:
-        """Take the column called ``name`` for one of those ``wanted``, and say whether; what it
-        may be but for its unit goes to ``unclear``."""
+        """Match the column ``name`` with one of the ``wanted`` columns; return whether it matches.
+
+        A match except for the unit is added to ``unclear``.
+        """
         for column in wanted:
             quantity, own = QUANTITIES[column], column.rpartition("_")[0]
             if name == column:
@@ -154,29 +156,31 @@ class Header:
                         if unit
                         else re.fullmatch(quantity.bare, found["core"])
                     ):
-                        # Names such as thrust_g are propmap's own in all but the unit.
+                        # Names such as thrust_g follow propmap's convention, with another unit.
                         place_in_order = -1 if name == f"{own}_{written}" else rank
                         factor = quantity.units.get(unit, 1.0)
                         taken = Taken(place_in_order, place, name, written, factor)
                         self.taken.setdefault(column, []).append(taken)
                         return True
-                    if len(words) > 3 and unit not in OTHERS:  # T and Q may be anything
+                    if len(words) > 3 and unit not in OTHERS:  # T and Q alone are ambiguous
                         unclear.setdefault(column, name)
         return False
 
     def one_of(self, *columns: str) -> Taken | None:
-        """The one column that gives a quantity, by one of these ``columns``; ``InputError`` where
-        two do just as well, and where the only one is in no unit that is known."""
+        """Return the column of a quantity that is called one of ``columns``, or None.
+
+        Raise ``InputError`` for two equal matches, and for a single match with an unknown unit.
+        """
         found = sorted(taken for column in columns for taken in self.taken.get(column, ()))
         if len(found) > 1 and found[0].rank == found[1].rank:
             names = " and ".join(quoted(taken.name) for taken in found[:2])
             words = QUANTITIES[columns[0]].words
-            raise InputError(f"{names} both give {words}", "keep one of them")
+            raise InputError(f"{names} both contain {words}", "keep one of them")
         for column in columns if not found else ():
-            # A power needs no unit where there is a torque.
+            # With a torque column the power is not used, so its unit does not matter.
             if column in self.unclear and not (column == "power_W" and "torque_Nm" in self.taken):
-                fault = f"column {quoted(self.unclear[column])} is in no unit that is known"
-                remedy = f"name it {' or '.join(columns)}, after its unit, or leave it out"
+                fault = f"column {quoted(self.unclear[column])} has no known unit"
+                remedy = f"name it {' or '.join(columns)}, with its unit, or remove it"
                 raise InputError(fault, remedy)
         for name in self.names if "rpm" in columns and not found else ():
             if "pole pairs" in (why := self.not_taken(name)):
@@ -185,14 +189,13 @@ class Header:
 
     @staticmethod
     def not_taken(name: str) -> str:
-        """Say why a column is not taken for what it looks like; empty for any other."""
+        """Return why a column is not the quantity that it resembles; empty for all other names."""
         words = [words for words, *_ in _parted(name)]
         found = (why for names, why in NOT_TAKEN.items() for w in words if re.fullmatch(names, w))
         return next(found, "")
 
     def remarks(self, used: Mapping[str, Taken]) -> list[str]:
-        """Say in one sentence what was taken for what, and what was not; none where names are
-        propmap's own."""
+        """Return a sentence on recognized and unused columns; empty for propmap's column names."""
         parts = []
         for column, taken in used.items():
             if taken.rank >= 0:
@@ -201,7 +204,7 @@ class Header:
                 if re.fullmatch(
                     QUANTITIES["rpm"].names[1], _words(taken.name.lower().partition("(")[0])
                 ):
-                    parts[-1] += ", divided by pole pairs if the stand was told how many"
+                    parts[-1] += ", divided by pole pairs if their number was set in the stand"
         mine = {taken.place for taken in used.values()}
         left = []
         for place, name in enumerate(self.names):

@@ -1,4 +1,4 @@
-"""Text and CSV files: any dialect of spreadsheets in, whole files or none out, points and loads."""
+"""Reading of text and CSV files in any dialect, safe writing, operating points and loads."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 
 
 # -------------------------------------------------------------------------------------------------
-# CSV as spreadsheets write it: commas, semicolons or tabs between columns, commas in numbers.
+# CSV dialects of spreadsheets: commas, semicolons or tabs as separators, commas in numbers.
 
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
-"""What may stand between columns, and its name."""
+"""Separators of columns, with their names in messages."""
 
 SNIFFED = 10_000
-"""Characters of a header that ``csv.Sniffer`` sees, whose search is quadratic in quotes."""
+"""Number of header characters for ``csv.Sniffer``, whose time is quadratic in quotes."""
 
 _MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eE][+-]?\d+)?")
 _GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
@@ -48,20 +48,20 @@ _GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 class CsvTable:
     """A CSV file with a header line, as text."""
 
-    line: int  # number of the header's line, from 1
-    header: list[str]  # without columns at the end that have no name
-    rows: list[tuple[int, list[str]]]  # with line numbers, blank ones left out, numbers with points
-    comments: list[str]  # lines that begin with #, where the format has them
+    line: int  # line number of the header, from 1
+    header: list[str]  # without trailing columns that have no name
+    rows: list[tuple[int, list[str]]]  # with line numbers; decimal points, no blank rows
+    comments: list[str]  # lines that begin with #, in formats with comments
 
 
 def read_csv_table(
     lines: Iterable[str], columns: Collection[str], where: str = "", *, comments: bool = False
 ) -> CsvTable | None:
-    """Read header and rows of a CSV file in any of the dialects of spreadsheets; None for blanks.
+    """Read header and rows of a CSV file in any dialect of spreadsheets; None for a blank file.
 
-    ``columns`` hold numbers, in upper or lower case. With ``comments``, lines that begin with # are
-    such. ``InputError`` where quotes do not close, a row has more fields than the header, or points
-    and commas in numbers look alike.
+    ``columns`` are the names of columns with numbers, in any case.  With ``comments``, lines that
+    begin with # are comments.  Raise ``InputError`` for open quotes, a row with more fields than
+    the header, and ambiguous points and commas in numbers.
     """
     body, remarks = [], []
     for text in lines:
@@ -89,11 +89,11 @@ def read_csv_table(
 
 
 def separator_of(header: str, columns: Collection[str]) -> str:
-    """Find the separator of a CSV file, one of ``SEPARATORS``, from its header line.
+    """Return the separator of a CSV file, one of ``SEPARATORS``, from its header line.
 
-    ``csv.Sniffer`` is shown the header alone: in rows it takes decimal commas and what stands next
-    to quotes for separators (CPython's issues 97611 and 119123). It is overruled where another
-    separator brings to light more of the ``columns`` that are looked for, as it prefers commas.
+    ``csv.Sniffer`` gets only the header, because in rows it mistakes decimal commas and characters
+    next to quotes for separators (CPython's issues 97611 and 119123).  It prefers commas, so a
+    separator that yields more of the wanted ``columns`` overrules it.
     """
     try:
         sniffed = csv.Sniffer().sniff(header[:SNIFFED], "".join(SEPARATORS)).delimiter
@@ -104,23 +104,25 @@ def separator_of(header: str, columns: Collection[str]) -> str:
 
 
 def columns_in(header: str, known: Collection[str]) -> list[str]:
-    """List the names in a header line, in lower case, that may be one of the ``known`` columns of
-    ``propmap.io.columns``, whatever separates them."""
+    """Return the names in a header line that match ``known`` columns of ``propmap.io.columns``.
+
+    The names are in lower case; all separators are tried.
+    """
     every = {name for mark in SEPARATORS for name in _names(header, mark)}
     return [name for name in sorted(every) if Header([name], known).taken]
 
 
 def header_names(header: str, columns: Collection[str]) -> list[str]:
-    """Split a header line into names in lower case, where ``columns`` are looked for."""
+    """Return the names of a header line in lower case; ``columns`` are the wanted names."""
     return _names(header, separator_of(header, columns))
 
 
 def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: str) -> bool:
-    """Whether the numbers of a file, cells with their line, have decimal commas.
+    """Return whether the numbers of a file, cells with line numbers, have decimal commas.
 
-    ``InputError`` where one number has two marks or one of each kind, numbers differ in their mark,
-    or all that have a mark may be thousands just as well, as 6.000 and 6,000. Where commas separate
-    columns, no number has one.
+    Raise ``InputError`` for a number with two marks, different marks in different numbers, and
+    marks that are all ambiguous, as in 6.000 and 6,000.  If commas separate columns, numbers cannot
+    contain commas.
     """
     if separator == ",":
         return False
@@ -132,7 +134,7 @@ def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: 
             continue
         if len(marks) > 1:
             found = f"{quoted(cell)} has {len(marks)} marks, points or commas"
-            remedy = "write numbers without separators of thousands"
+            remedy = "write numbers without thousands separators"
             raise InputError(found, remedy, f"{where}: line {number}")
         first.setdefault(marks[0], (number, cell))
         decimal = decimal or not _GROUP.fullmatch(cell)
@@ -143,36 +145,35 @@ def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: 
     if first and not decimal:
         ((mark, (number, cell)),) = first.items()
         whole = cell.replace(mark, "")
-        found = f"{quoted(cell)} may be {whole} or {cell.replace(mark, '.')}, nothing decides"
+        found = f"{quoted(cell)} is ambiguous: {whole} or {cell.replace(mark, '.')}"
         raise InputError(found, f"write {whole} or {cell}0", f"{where}: line {number}")
     return "," in first
 
 
 def too_many_fields(found: int, expected: int, separator: str, where: str) -> InputError:
-    """Make the error for a row with more fields than the header, which decimal commas may have
-    made."""
-    advice = "complete the header or remove what is too much"
+    """Return the error for a row with more fields than the header, a possible decimal comma."""
+    advice = "complete the header or remove the extra fields"
     if separator == ",":
         advice = f"use a decimal point or semicolons between columns, or {advice}"
     marks = SEPARATORS[separator]
-    fault = f"found {found} figures separated by {marks}, expected {expected}"
+    fault = f"found {found} fields separated by {marks}, expected {expected}"
     return InputError(fault, advice, where)
 
 
 def is_comment(line: str) -> bool:
-    """Whether a line begins with #; a spreadsheet puts quotes around one that has a separator."""
+    """Return whether a line begins with #, also inside quotes that a spreadsheet has added."""
     return line.lstrip().removeprefix('"').startswith("#")
 
 
 def _uncovered(comment: str, separator: str) -> str:
-    """Strip a comment of the quotes and the empty fields that a spreadsheet adds."""
+    """Return a comment without the quotes and the empty fields that a spreadsheet adds."""
     if comment.lstrip().startswith('"'):
         return next(_reader([comment.lstrip()], separator), [""])[0]
     return comment.rstrip(f" {separator}")
 
 
 def _rows(lines: Iterable[str], separator: str, where: str) -> list[tuple[int, list[str]]]:
-    """Read number of the line and cells of each row that is not blank."""
+    """Return line number and cells of each row that is not blank."""
     reader = _reader((f"{line}\n" for line in lines), separator, strict=True)
     try:
         rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
@@ -191,11 +192,11 @@ def _reader(lines: Iterable[str], separator: str, *, strict: bool = False) -> An
 
 
 # -------------------------------------------------------------------------------------------------
-# CSV as text.
+# Text of CSV files.
 
 
 def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """Write CSV with a header line; None becomes an empty field, a float all its digits."""
+    """Return CSV text with a header line, empty fields for None, and all digits of floats."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -204,14 +205,14 @@ def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def loads_csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats]) -> str:
-    """Write the CSV of `propmap sweep`; ``spread`` are standard deviations (n,) by column."""
+    """Return the CSV of `propmap sweep`; ``spread`` are standard deviations (n,) by column."""
     further = {name: getattr(loads, name) for name in ("mean_inflow", "reverse_flow", "roots")}
     further |= spread
     return csv_text([*points.columns, *further], points.rows(loads, further))
 
 
 # -------------------------------------------------------------------------------------------------
-# The lines of a text file, or an ``InputError`` that says why there are none.
+# Lines of a text file, or an ``InputError`` with the reason why the file cannot be read.
 
 MAX_BYTES = 5_000_000
 
@@ -219,11 +220,11 @@ MAX_BYTES = 5_000_000
 def read_lines(
     path: str | os.PathLike[str], content: str = "geometry", *, latin: bool = False
 ) -> list[str]:
-    """Read the lines of the UTF-8 text file at ``path``, without their line ends.
+    """Return the lines of the UTF-8 text file at ``path``, without line ends.
 
-    ``InputError``, in which the file is one with ``content``, for a missing file, a directory, a
-    file above 5 MB, and a file that is empty, binary or in another encoding, unless that may be
-    ``latin``, as that of instruments which write "\u00b5s".
+    Raise ``InputError`` for a missing file, a directory, a file above 5 MB, and a file that is
+    empty, binary or in another encoding.  With ``latin``, Latin-1 is allowed too, for instruments
+    which write "\u00b5s".  ``content`` is the name of the expected content in messages.
     """
     where = os.fspath(path)
     try:
@@ -234,7 +235,7 @@ def read_lines(
         raise InputError("no such file", "check the path", where) from None
     except OSError as error:
         found = f"cannot read it: {error.strerror or type(error).__name__}"
-        raise InputError(found, "check the path and the rights to read it", where) from None
+        raise InputError(found, "check the path and your permission to read it", where) from None
     except ValueError as error:  # a path with a null character
         raise InputError(f"not a path: {error}", "check the path", where) from None
     with located(where):
@@ -263,29 +264,31 @@ def read_lines(
         if not text.strip():
             found = f"the file is empty, expected the {content}"
             raise InputError(found, f"give a {content} file")
-    # Not str.splitlines, which also splits at form feeds and would shift the line numbers.
+    # str.splitlines also splits at form feeds, which would shift the line numbers.
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
 # -------------------------------------------------------------------------------------------------
-# Files that appear whole or not at all.
+# Safe writing: an interrupted command leaves no partial files.
 
 
 def check_place(path: Path, where: str) -> bool:
-    """Raise ``InputError`` where nothing can be made at a path; say whether something is there."""
+    """Return whether ``path`` exists; raise ``InputError`` if a file cannot be created there."""
     if not path.parent.is_dir():
         found = f"there is no folder {str(path.parent)!r}"
-        raise InputError(found, "make it or choose another", where)
+        raise InputError(found, "create it or choose another", where)
     if not os.access(path.parent, os.W_OK):
-        raise InputError("the folder cannot be written to", "choose another", where)
+        raise InputError("the folder is not writable", "choose another", where)
     return path.exists()
 
 
 @contextmanager
 def replacing(path: Path, *, new: bool = False) -> Iterator[Path]:
-    """Yield a path in the same folder to write to, renamed to ``path`` if the block succeeds, gone
-    whatever else ends it. An ``OSError``, of a full disk say, names ``path``; ``InputError`` for
-    one that should be ``new`` and that another process has made meanwhile."""
+    """Yield a temporary path in the same folder, which replaces ``path`` if the block succeeds.
+
+    Otherwise the temporary file is removed.  An ``OSError``, for example of a full disk, names
+    ``path``.  If ``path`` must be ``new``, raise ``InputError`` if another process created it.
+    """
     part = path.with_name(f".{path.name[:30]}.{uuid.uuid4().hex}.part")
     try:
         yield part
@@ -294,7 +297,7 @@ def replacing(path: Path, *, new: bool = False) -> Iterator[Path]:
         else:
             part.replace(path)
     except FileExistsError:
-        found = "another run has written it meanwhile"
+        found = "another run has written this file in the meantime"
         raise InputError(found, "choose another name, or pass --force", str(path)) from None
     except OSError as error:
         if error.filename is not None and str(error.filename) != str(part):
@@ -307,36 +310,36 @@ def replacing(path: Path, *, new: bool = False) -> Iterator[Path]:
 
 
 def write_dataset(dataset: xarray.Dataset, path: Path, *, new: bool = False) -> None:
-    """Write a dataset as NetCDF, whole or not at all, and if ``new`` where no file is."""
+    """Write a dataset as a complete NetCDF file; if ``new``, only to a path without a file."""
     with replacing(path, new=new) as part:
-        # Made in memory first: where a disk is full, the HDF5 library ends the process.
+        # Encoded in memory first, because the HDF5 library ends the process if the disk is full.
         part.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
 
 
 # -------------------------------------------------------------------------------------------------
-# Operating points and their loads as users write them: rpm, m/s, degrees, columns with units.
+# Operating points and loads in units of files: rpm, m/s, degrees, columns with units.
 
 GIVEN = ("rpm", "speed_mps", "beta_deg")  # columns of an operating point
 PREDICT_COLUMNS = (*GIVEN, *(load.column for load in LOADS.values()), "power_W", "status")
 
 REMEDIES = {
-    "rpm": "give revolutions per minute, 0 or more; the spin's direction does not matter here",
+    "rpm": "give revolutions per minute, 0 or more, for both spin directions",
     "speed": "give 0 or more m/s; the direction is --beta, 180 in descent",
     "beta": "give degrees: 0 axial climb, 90 edgewise flight, 180 descent",
     "climb": "give m/s, negative in descent",
-    "height": "give the height of the disk above level ground in m, or leave it out",
+    "height": "give the height of the disk above level ground in m, or omit it",
 }
 
 FURTHER = {"height": "height_m"}
-"""Columns of what an operating point may have beside these, see ``operating_points.Further``."""
+"""Columns of the optional quantities of an operating point, see ``operating_points.Further``."""
 
 SIGNED = ("beta", "climb")  # quantities that may be negative
-MOST_BETA = 360.0  # [deg], whatever the sign
+MOST_BETA = 360.0  # largest absolute value [deg]
 
 
 @dataclass(frozen=True)
 class OperatingPoints:
-    """rpm [1/min], speed [m/s], beta [degrees] and what is ``further`` given, arrays (n,)."""
+    """Operating points: rpm [1/min], speed [m/s], beta [degrees], ``further``, arrays (n,)."""
 
     rpm: Floats
     speed_mps: Floats
@@ -345,29 +348,28 @@ class OperatingPoints:
 
     @classmethod
     def grid(cls, rpm: Floats, speed: Floats, beta: Floats) -> OperatingPoints:
-        """Combine all values, beta fastest."""
+        """Return all combinations of the values; beta varies fastest."""
         w, v, b = (axis.ravel() for axis in np.meshgrid(rpm, speed, beta, indexing="ij"))
         return cls(w, v, b)
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Columns of ``rows``."""
+        """Names of the columns of ``rows``."""
         return *GIVEN, *(FURTHER[name] for name in self.further), *PREDICT_COLUMNS[3:]
 
     @property
     def si(self) -> tuple[Floats, Floats, Floats]:
-        """Omega [rad/s], V [m/s] and beta [rad], (n,) each."""
+        """Rotational speed [rad/s], airspeed [m/s] and beta [rad], (n,) each."""
         return self.rpm * RPM, self.speed_mps, np.radians(self.beta_deg)
 
     def loads(self, rotor: Rotor) -> Loads:
-        """Compute loads of the rotor at these points, fields of shape (n,)."""
+        """Return the loads of a rotor at these points, with fields (n,)."""
         return rotor.loads(*self.si, **self.further)
 
     def rows(
         self, loads: Loads, further: Mapping[str, Floats] | None = None
     ) -> list[dict[str, Any]]:
-        """Make one mapping of ``columns`` per point, and of ``further`` (n,); None where a number
-        is NaN."""
+        """Return one mapping per point, with ``columns`` and ``further`` (n,), and None for NaN."""
         given = (self.rpm, self.speed_mps, self.beta_deg, *self.further.values())
         numbers = (*given, *(getattr(loads, name) for name in LOADS), loads.power)
         columns: dict[str, list[Any]] = dict(
@@ -379,9 +381,9 @@ class OperatingPoints:
 
 
 def check_value(quantity: str, value: float) -> float:
-    """Check that ``value`` can be a ``quantity`` of ``REMEDIES``."""
+    """Return ``value``; raise ``InputError`` if it is invalid for a ``quantity``."""
     if not np.isfinite(value):
-        raise InputError(f"{quantity} is {value}, which is no finite number", REMEDIES[quantity])
+        raise InputError(f"{quantity} is {value}, not a finite number", REMEDIES[quantity])
     if value < 0.0 and quantity not in SIGNED:
         raise InputError(f"{quantity} is negative ({value:g})", REMEDIES[quantity])
     if quantity == "beta" and abs(value) > MOST_BETA:
@@ -390,8 +392,8 @@ def check_value(quantity: str, value: float) -> float:
 
 
 def std_columns(loads: Loads, *, by_source: bool) -> dict[str, Floats]:
-    """Name standard deviations after their columns, "thrust_std_N" or ``by_source`` also
-    "thrust_std_tunnel_N"."""
+    """Return standard deviations by column, as "thrust_std_N"; with ``by_source`` also columns
+    such as "thrust_std_tunnel_N"."""
     kinds = {"std": loads.std} if loads.std_by_source else {}
     if by_source:
         kinds |= {f"std_{source}": values for source, values in loads.std_by_source.items()}
@@ -403,12 +405,12 @@ def std_columns(loads: Loads, *, by_source: bool) -> dict[str, Floats]:
 
 
 def number_or_none(value: float) -> float | None:
-    """Return the value for a file, without the sign of a zero; None where it is not finite."""
+    """Return a value for a file: 0.0 for -0.0, None for values that are not finite."""
     return float(value) + 0.0 if math.isfinite(value) else None
 
 
 def numbers_of(values: Floats) -> list[float | None]:
-    """List the ``number_or_none`` of values of any shape."""
+    """Return ``number_or_none`` of all values, of any shape, as a list."""
     return [number_or_none(value) for value in values.ravel().tolist()]
 
 
@@ -418,19 +420,18 @@ def numbers_of(values: Floats) -> list[float | None]:
 POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
 OF_POINTS = POINT_COLUMNS | {column: name for name, column in FURTHER.items()}
 LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}  # names of loads by their column
-TITLED = 10  # lines of a file among which its header is
-AT_REST = "columns of speed and beta are missing: all rows are taken to be at rest"
+TITLED = 10  # number of lines of a file in which the header is searched
+AT_REST = "columns of speed and beta are missing: all rows are assumed to be at V = 0"
 
 
 def read_points(
     path: Path, further: Iterable[str] = (), *, at_rest: bool = False
 ) -> tuple[OperatingPoints, dict[str, Floats], list[str]]:
-    """Read operating points from a CSV file, what it has of the ``further`` columns (n,), and
-    remarks on what its columns were taken for.
+    """Return the operating points of a CSV file, its ``further`` columns (n,), and remarks.
 
-    Columns are those that ``propmap.io.columns`` knows, in any dialect of spreadsheets; without
-    speed and beta all is at rest, and what is known to be ``at_rest`` needs no beta.  An empty
-    field of a further column is NaN.
+    The columns are those of ``propmap.io.columns``, in any dialect of spreadsheets; the remarks
+    list recognized columns.  Without speed and beta, all rows are at V = 0.  With ``at_rest``, beta
+    is not required.  An empty field of a further column is NaN.
     """
     wanted = (*OF_POINTS, *further)
     columns, remarks = read_columns(path, ("rpm",), wanted[1:], "list of operating points")
@@ -446,7 +447,7 @@ def read_points(
 
 
 def missing(column: str, needed: Iterable[str], where: str = "") -> InputError:
-    """Make the error for a ``column`` that is not there."""
+    """Return the error for a missing ``column``."""
     remedy = f"the first line must name {', '.join(needed)}"
     return InputError(f"line 1: column {column} is missing", remedy, where)
 
@@ -454,14 +455,15 @@ def missing(column: str, needed: Iterable[str], where: str = "") -> InputError:
 def read_columns(
     path: Path, needed: Collection[str], further: Iterable[str], what: str
 ) -> tuple[dict[str, Floats], list[str]]:
-    """Read columns (n,) of a CSV file as ``propmap.io.columns`` knows them: those ``needed``, and
-    of the ``further`` ones what it has, in the units of these names; and remarks on them.
+    """Return columns (n,) of a CSV file in the units of their names, and remarks on the columns.
 
-    An empty field is NaN unless it is of an operating point; the file should be ``what``.
+    The columns are the ``needed`` ones and available ``further`` ones of ``propmap.io.columns``.
+    An empty field is NaN, or an error in columns of the operating point.  ``what`` is the name of
+    the expected content in messages.
     """
     wanted, lines = (*needed, *further), read_lines(path, what, latin=True)
     with located(str(path)):
-        # Some programs put a title above the names of the columns.
+        # Some programs write a title above the header.
         head = ["" if is_comment(line) else line for line in lines[:TITLED]]
         start = next((k for k, line in enumerate(head) if len(columns_in(line, wanted)) > 1), 0)
         lines = [line if is_comment(line) else "" for line in lines[:start]] + lines[start:]
@@ -469,10 +471,10 @@ def read_columns(
         file = read_csv_table(lines, columns_in(first, wanted), comments=True)
         names = file.header if file else []
         rows = file.rows if file else []
-        if rows and not any(map(_MARKED.fullmatch, rows[0][1])):  # units beneath the names
+        if rows and not any(map(_MARKED.fullmatch, rows[0][1])):  # a row of units below the names
             units = rows.pop(0)[1]
             names = [f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)]
-        # A stand writes zero for speeds that it has no sensor for.
+        # Test stands write zero for rotational speeds without a sensor.
         filled = itertools.zip_longest(*(row for _, row in rows), fillvalue="")
         blank = {
             place
@@ -490,7 +492,7 @@ def read_columns(
             unfilled = Header(names, wanted).taken.get(absent[0]) if blank else None
             if unfilled:
                 named = ", ".join(quoted(one.name) for one in unfilled)
-                found_none = f"{named}: there is no value in any row, or 0 in all"
+                found_none = f"{named}: all rows are empty or 0"
                 raise InputError(found_none, f"measure {QUANTITIES[absent[0]].words}")
             raise missing(absent[0], needed)
         if not rows:
@@ -511,10 +513,10 @@ def read_columns(
 def _turning(
     rows: list[tuple[int, list[str]]], place: int, remarks: list[str]
 ) -> list[tuple[int, list[str]]]:
-    """Leave out rows of measurements whose rotor stands still, with a remark."""
+    """Return the rows of measurements with a turning rotor; add a remark on the omitted rows."""
     kept = [row for row in rows if len(row[1]) > place and row[1][place].strip("0.")]
     if kept and len(kept) < len(rows):
-        remarks.append(f"{len(rows) - len(kept)} of {len(rows)} rows have no rpm: left out")
+        remarks.append(f"{len(rows) - len(kept)} of {len(rows)} rows have no rpm: omitted")
     return kept or rows
 
 
@@ -537,7 +539,8 @@ def _value(cell: str, column: str, line: int, name: str) -> float:
 
 
 def disk_csv(rotor: Rotor, omega: float, speed: float, beta: float) -> str:
-    """Write angle of attack, inflow and force over the disk, a row per element and azimuth."""
+    """Return CSV of angle of attack, inflow and force over the disk, one row per element and
+    azimuth."""
     field = rotor.inflow(omega, speed, beta)
     radius, psi = np.meshgrid(field.radius, np.degrees(field.azimuth), indexing="ij")
     columns = {

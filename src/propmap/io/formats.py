@@ -1,4 +1,4 @@
-"""The formats of files, recognised by content: those that are read, and others by name."""
+"""Recognition of file formats by content, of supported and of other formats."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from propmap.errors import InputError, quoted
 
-HEAD = 60  # lines of a file by which its format is known
+HEAD = 60  # number of lines of a file that are searched for the sign of a format
 
 
 class Format(NamedTuple):
@@ -16,13 +16,13 @@ class Format(NamedTuple):
 
     name: str
     sign: str  # a pattern that one of the first lines matches
-    use: str  # where to give such a file, or what it lacks
+    use: str  # what to do with such a file
 
 
-BLADE = "give it where a command wants PROP"
-POLAR = "give it by --airfoil"
+BLADE = "use it as the argument PROP of a command"
+POLAR = "use it with --airfoil"
 AS_CSV = "write radius_m,chord_m,twist_deg as CSV"
-LOADS = "give it to propmap fit or propmap check"
+LOADS = "use it with propmap fit or propmap check"
 
 PE0 = Format("an APC PE0 file", r"\s*STATION\s+CHORD\b|.*AIRFOIL SUMMARY DATA", BLADE)
 UIUC_GEOMETRY = Format("a UIUC geometry file", r"\s*r/R[\s,;]+c/R[\s,;]+beta\s*$", BLADE)
@@ -41,16 +41,16 @@ FORMATS = (
     *(PE0, UIUC_GEOMETRY, QPROP, XROTOR, BEM, AERODYN_15, AERODYN, XFOIL, CACTUS),
     *(UIUC_LOADS, PERFILES, TOML),
     Format("an AeroDyn blade file", r"\s*BlSpn\s+BlCrvAC", f"it has no tip radius; {AS_CSV}"),
-    Format("a DFDC case", r"\s*DFDC\s+VERSION", f"ducts are not modelled; {AS_CSV}"),
+    Format("a DFDC case", r"\s*DFDC\s+VERSION", f"ducts are not modeled; {AS_CSV}"),
     Format("a QBlade or JBLADE project", r".*(QBlade|JBLADE)", "export blade and polars as text"),
     Format("an STL surface", r"\s*solid\b", AS_CSV),
     Format("coordinates of an airfoil", r"\s*1\.0*\s+-?0?\.0\d*\s*$", "give its polar past stall"),
 )
-"""The likelier ones first, where a file has the signs of several."""
+"""All formats, likelier ones first, because a file may match several signs."""
 
 
 def format_of(lines: Sequence[str]) -> Format | None:
-    """Recognise the format of a file's lines; None for CSV by columns and what is not known."""
+    """Return the format of the lines of a file; None for CSV and for unknown formats."""
     head = [line for line in lines if line.strip()][:HEAD]
     for one in FORMATS:
         sign = re.compile(one.sign, re.IGNORECASE)
@@ -60,9 +60,9 @@ def format_of(lines: Sequence[str]) -> Format | None:
 
 
 def not_read(lines: Sequence[str], what: str, wanted: str, where: str) -> InputError:
-    """Make the error for a file that is no ``what``: names its format, and what to do with it."""
+    """Return the error for a file that is not a ``what``, with its format and a remedy."""
     found = format_of(lines)
     if found is not None:
-        return InputError(f"this is {found.name}, no {what}", found.use, where)
+        return InputError(f"this is {found.name}, not a {what}", found.use, where)
     first = next((line for line in lines if line.strip()), "")
-    return InputError(f"begins with {quoted(first.strip())}, which is no {what}", wanted, where)
+    return InputError(f"begins with {quoted(first.strip())}, which is not a {what}", wanted, where)

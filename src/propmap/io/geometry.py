@@ -1,4 +1,4 @@
-"""Blade geometry from files in CSV, TOML, and the formats of UIUC, APC, QPROP, XROTOR, OpenVSP."""
+"""Readers of blade geometry: CSV, TOML, and formats of UIUC, APC, QPROP, XROTOR and OpenVSP."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from propmap.typing import Floats
 from propmap.units import INCH
 
 # -------------------------------------------------------------------------------------------------
-# A blade as rows of a file, on the way to a ``Propeller``.
+# Common steps of all readers.
 
-RADIUS_TOLERANCE = 1e-3  # share of the radius within which two statements of it agree
+RADIUS_TOLERANCE = 1e-3  # allowed difference of two values of the radius, as a share
 
 GIVE_BLADES = "pass --blades 2 (in Python blades=2, in a vehicle file blades = 2 under [propeller])"
 GIVE_RADIUS = (
-    "pass --radius 0.1 in metres (in Python and a vehicle file's [propeller] radius = 0.1)"
+    "pass --radius 0.1 in meters (in Python and a vehicle file's [propeller] radius = 0.1)"
 )
 
 
 def parse_number(text: str, field: str, where: str = "") -> float:
-    """Read a finite number written as plain decimal text."""
+    """Return a finite number from plain decimal text."""
     stripped = text.strip()
     try:
-        # float() also takes 1_000, which in a data file is a mistake.
+        # float() also accepts 1_000, which is a mistake in a data file.
         value = float(stripped) if "_" not in stripped else math.nan
     except ValueError:
         value = math.nan
@@ -46,7 +46,7 @@ def parse_number(text: str, field: str, where: str = "") -> float:
 
 
 def parse_blades(text: str) -> int:
-    """Read a number of blades written as text."""
+    """Return a number of blades from text."""
     stripped = text.strip()
     count: object = int(stripped) if stripped.isascii() and stripped.isdigit() else stripped
     return check_blades(count)
@@ -58,19 +58,18 @@ _TOLD = re.compile(
     r"|(?<![\d.])([2-9])[ _-]?(?:blade|b(?![a-z0-9]))"
     rf"|\b({'|'.join(_COUNTS)})[ _-]?blade"
 )
-_HEAD = 10  # lines of a file among which its title is
+_HEAD = 10  # number of lines of a file in which the title is searched
 
 
 def blades_in_title(file: str | os.PathLike[str], lines: Sequence[str]) -> int | None:
-    """Read the number of blades that a file's name, or a title in its ``lines``, tells, such as
-    "HQ 5x4.3x3"; None where neither does."""
+    """Return the number of blades from a file name or title such as "HQ 5x4.3x3", or None."""
     found = _TOLD.search("\n".join([Path(file).name.replace("_", " "), *lines[:_HEAD]]).lower())
     words = next(filter(None, found.groups()), None) if found else None
     return None if words is None else _COUNTS.get(words) or int(words)
 
 
 def _stated_blades(lines: Sequence[str]) -> int | None:
-    """Read the number of blades in a comment such as "# blades: 3"."""
+    """Return the number of blades from a comment such as "# blades: 3", or None."""
     sign = re.compile(r"\s*#\s*(?:number of )?blades?\s*[:=]\s*(\d+)\s*$", re.IGNORECASE)
     found = next(filter(None, map(sign.match, lines[:_HEAD])), None)
     return check_blades(int(found[1])) if found else None
@@ -79,14 +78,14 @@ def _stated_blades(lines: Sequence[str]) -> int | None:
 def parse_rows(
     rows: Iterable[tuple[int, Sequence[str]]], header: Sequence[str], columns: Sequence[str]
 ) -> tuple[list[str], Floats]:
-    """Read the wanted ``columns`` of numbered rows (n, columns), with n labels such as "line 7"."""
+    """Return n labels such as "line 7", and the wanted ``columns`` of the rows (n, columns)."""
     labels: list[str] = []
     table: list[list[float]] = []
     for number, cells in rows:
         labels.append(f"line {number}")
         with located(labels[-1]):
             if len(cells) != len(header):
-                found = f"found {len(cells)} figures, expected {len(header)}"
+                found = f"found {len(cells)} values, expected {len(header)}"
                 raise InputError(found, "complete the row or remove it")
             table.append([parse_number(cells[header.index(name)], name) for name in columns])
     if not table:
@@ -95,17 +94,17 @@ def parse_rows(
 
 
 def check_radius(own: float, given: float | None, tolerance: float | None = None) -> None:
-    """Raise ``InputError`` unless ``given`` [m] repeats the geometry's own radius, to 0.1 %."""
+    """Raise ``InputError`` unless ``given`` [m] agrees with the radius of the file, to 0.1 %."""
     limit = RADIUS_TOLERANCE * own if tolerance is None else tolerance
     if given is not None and not abs(given - own) <= limit:
-        found = f"the radius is {own:.6g} m by its last station, but {given:g} m was given"
-        raise InputError(found, "leave the radius out or correct it")
+        found = f"the radius is {own:.6g} m at the last station, but {given:g} m was given"
+        raise InputError(found, "omit the radius or correct it")
 
 
 def usable_radius(radius: float | None) -> float:
-    """Check the tip radius [m] that scales a file in fractions of it."""
+    """Return the checked tip radius [m] for a file with fractions of the radius."""
     if radius is None:
-        raise InputError("the file gives fractions of the radius only", GIVE_RADIUS)
+        raise InputError("the file contains only fractions of the radius", GIVE_RADIUS)
     if not (isinstance(radius, int | float) and 0.0 < radius < math.inf):
         found = f"the radius is {quoted(radius)} m, expected a length above 0"
         raise InputError(found, GIVE_RADIUS)
@@ -117,8 +116,8 @@ def check_fractions(fraction: Floats, labels: Sequence[str]) -> None:
     high = int(np.argmax(fraction))
     if fraction[high] > 1.0:
         found = f"{labels[high]}: r/R is {fraction[high]:g}, expected at most 1"
-        found += "; it looks like per cent" if fraction[high] == 100.0 else ""
-        raise InputError(found, "divide by the tip radius, or name the column after its unit")
+        found += "; it looks like percent" if fraction[high] == 100.0 else ""
+        raise InputError(found, "divide by the tip radius, or add the unit to the column name")
     if fraction[-1] < 1.0 - 1e-6:
         found = f"{labels[-1]}: the last r/R is {fraction[-1]:g}, expected 1 (the tip)"
         raise InputError(found, "add the tip station with its chord, or sort the rows by station")
@@ -132,15 +131,15 @@ def build_propeller(
     source: str,
     citation: str = "",
 ) -> Propeller:
-    """Make a ``Propeller`` of station, chord and twist; faults name the labels of its lines."""
+    """Return a checked ``Propeller``; ``blade`` is station, chord and twist, with row labels."""
     check_blade(*blade, labels)
     if blades is None:
-        raise InputError("the file gives no number of blades", GIVE_BLADES)
+        raise InputError("the file contains no number of blades", GIVE_BLADES)
     return Propeller(name, check_blades(blades), *blade, None, source, citation)
 
 
 # -------------------------------------------------------------------------------------------------
-# Blade geometry in propmap's own format, one TOML file per propeller.
+# TOML files in the format of propmap, one per propeller.
 
 BLADE_SCHEMA = 1
 
@@ -148,8 +147,8 @@ BLADE_SCHEMA = 1
 def read_propeller_toml(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """Read a propeller from a file in the format of the catalogue."""
-    # Imported here, as it loads msgspec, which the propellers of the catalogue do without.
+    """Read a propeller from a TOML file in the format of the catalogue."""
+    # Imported here because it loads msgspec, which the bundled propellers do not need.
     from propmap.io.toml import PropellerFile, read_toml
 
     file = read_toml(path, PropellerFile, BLADE_SCHEMA, "geometry file")
@@ -168,7 +167,7 @@ def read_propeller_toml(
 
 
 def propeller_toml(blade: Propeller) -> str:
-    """Write the text of a file that ``read_propeller_toml`` reads as this ``blade``."""
+    """Return the text of a TOML file for ``read_propeller_toml``."""
     import tomli_w
 
     fields = {
@@ -187,7 +186,7 @@ def propeller_toml(blade: Propeller) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# Blade geometry as CSV with the unit in each column's name.
+# CSV files with units in the column names.
 
 STATION, CHORD = ("radius_m", "r_over_R"), ("chord_m", "c_over_R")
 TWIST = ("twist_deg",)
@@ -200,11 +199,11 @@ def read_propeller_csv(
 ) -> Propeller:
     """Read a propeller from a CSV file with one row per station, from root to tip.
 
-    One column each of radius_m or r_over_R, chord_m or c_over_R, and twist_deg, in any unit and
-    spelling of ``propmap.io.columns`` and any dialect of ``propmap.io.csv``; others are not used.
-    Lines that start with # are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``#
-    name:``, ``# source:`` and ``# citation:`` count. A title such as "HQ 5x4.3x3" tells the number
-    of blades where nothing else does.
+    The columns are radius_m or r_over_R, chord_m or c_over_R, and twist_deg, in any unit and
+    spelling of ``propmap.io.columns`` and any dialect of ``propmap.io.csv``; other columns are not
+    used.  Lines that start with # are comments; ``# blades: 3``, ``# radius_m: 0.1``,
+    ``# name:``, ``# source:`` and ``# citation:`` are evaluated.  Without a number of blades, a
+    title such as "HQ 5x4.3x3" supplies it.
     """
     where, lines = os.fspath(path), read_lines(path)
     file = read_csv_table(lines, _columns_in(lines), where, comments=True)
@@ -239,18 +238,18 @@ def read_propeller_csv(
 
 
 def _columns_in(lines: Sequence[str]) -> list[str]:
-    """List the names of columns in a header that give something of a blade."""
+    """Return the names in the header that are columns of a blade."""
     first = next((line for line in lines if line.strip() and not is_comment(line)), "")
     return columns_in(first, KNOWN)
 
 
 def _choose_columns(header: Header) -> dict[str, Taken]:
-    """Choose the columns that give station, chord and twist, by column of ``KNOWN``."""
+    """Return the columns of station, chord and twist, by column of ``KNOWN``."""
     found = {columns: header.one_of(*columns) for columns in (STATION, CHORD, TWIST)}
     chosen: dict[str, Taken] = {}
     for columns, one in found.items():
         if one is None:
-            missing = f"no column gives {QUANTITIES[columns[0]].words}"
+            missing = f"no column contains {QUANTITIES[columns[0]].words}"
             raise InputError(missing, f"add {' or '.join(columns)}")
         chosen[next(name for name in columns if one in header.taken.get(name, ()))] = one
     return chosen
@@ -259,8 +258,8 @@ def _choose_columns(header: Header) -> dict[str, Taken]:
 def _in_si(
     columns: dict[str, Taken], table: Floats, radius: float | None, labels: Sequence[str]
 ) -> tuple[Floats, Floats, Floats]:
-    """Convert station, chord and twist (n,) to [m], [m], [rad]."""
-    # A figure too large for a float becomes inf, which the check of the blade reports.
+    """Return station, chord and twist (n,) in [m], [m], [rad]."""
+    # A product too large for a float becomes inf, which the check of the blade reports.
     with np.errstate(over="ignore"):
         station, chord, twist = table.T * [[one.factor] for one in columns.values()]
         if "r_over_R" in columns:
@@ -276,7 +275,7 @@ def _in_si(
 
 
 # -------------------------------------------------------------------------------------------------
-# Blade geometry as the UIUC Propeller Database publishes it: ``r/R c/R beta``.
+# Files of the UIUC Propeller Database: ``r/R c/R beta``.
 
 HEADER = ["r/R", "c/R", "beta"]
 
@@ -291,10 +290,10 @@ def read_uiuc_geometry(
 ) -> Propeller:
     """Read a propeller from a UIUC geometry file: r/R, c/R and beta in degrees.
 
-    The files hold neither radius nor blades, which are 2 for nearly all of that database, unless
-    the file's name tells another number; a file that does not look as if it was of the database
-    must be given with its number.  Blanks or commas part the columns, lines that start with # are
-    comments. Nothing is extended: the last row must be the tip, r/R = 1.
+    The files contain neither radius nor number of blades.  A number in the name or the title of
+    the file counts; other files of the database are assumed to have 2 blades.  For a file that
+    does not seem to be from the database, ``blades`` is required.  Blanks or commas separate the
+    columns, lines that start with # are comments.  The last row must be the tip, r/R = 1.
     """
     lines, file = read_lines(path), Path(path)
     with located(os.fspath(path)):
@@ -310,7 +309,7 @@ def read_uiuc_geometry(
         check_fractions(table[:, 0], labels)
         blade = table[:, 0] * tip, table[:, 1] * tip, twist_from_degrees(table[:, 2])
         stated = _stated_blades(lines) or blades_in_title(file, lines)
-        # By name or comments of the database, or named as its files are.
+        # A mention of the database, or a name in the style of its files.
         like = re.search(r"uiuc|_geom\b|\d+x\d", "\n".join([file.name, *lines[:_HEAD]]), re.I)
         count = (stated or (2 if like else None)) if blades is None else blades
         source = f"UIUC geometry file {file.name}"
@@ -318,13 +317,13 @@ def read_uiuc_geometry(
 
 
 # -------------------------------------------------------------------------------------------------
-# Blade geometry as APC publishes it: ``*-PERF.PE0`` text files.
+# Files of APC: ``*-PERF.PE0``.
 
 UNITS = {"STATION": "(IN)", "CHORD": "(IN)", "TWIST": "(DEG)"}
 
 APC_CITATION = "Landing Products Inc. (APC Propellers), propeller performance data files"
 
-# The trailer gives lengths in inches to two decimals.
+# The trailer has lengths in inches with two decimals.
 TRAILER_TOLERANCE = 0.0051 * INCH
 
 
@@ -333,8 +332,8 @@ def read_apc_pe0(
 ) -> Propeller:
     """Read a propeller from an APC PE0 file.
 
-    TWIST is the angle of the line from leading to trailing edge. The blade is loaded from the first
-    station, or from the hub transition (HUBTRA) where that lies further out.
+    TWIST is the angle of the line from leading to trailing edge.  The blade has loads from the
+    first station, or from the hub transition (HUBTRA) if it is farther out.
     """
     lines = read_lines(path)
     with located(os.fspath(path)):
@@ -377,7 +376,7 @@ def read_apc_pe0(
         texts = f"APC PE0 file {title}", APC_CITATION
         result = build_propeller(labels, f"apc-{title.lower()}", blades, blade, *texts)
         if "RADIUS" in trailer:
-            with located("RADIUS"):  # a table that stops short of it was cut off
+            with located("RADIUS"):  # a table that ends before this radius is incomplete
                 stated = parse_number(trailer["RADIUS"], "the radius") * INCH
                 check_radius(result.radius, stated, TRAILER_TOLERANCE)
         check_radius(result.radius, radius)
@@ -390,26 +389,26 @@ def read_apc_pe0(
 
 
 # -------------------------------------------------------------------------------------------------
-# Blades of other programs: QPROP, XROTOR and OpenVSP. Their section laws are not read.
+# Files of QPROP, XROTOR and OpenVSP, without their section laws.
 
-NEAR_TIP = 0.97  # share of the radius from which a blade may be continued to its tip, linearly
-LAW_NOT_READ = "its section law is not read: constants as for any other blade, or by --airfoil"
-Numbered = list[tuple[int, list[float]]]  # rows of numbers, with the number of their line
+NEAR_TIP = 0.97  # share of the radius from which a blade is extrapolated linearly to its tip
+LAW_NOT_READ = "its section law is not read: constants as for any other blade, or from --airfoil"
+Numbered = list[tuple[int, list[float]]]  # rows of numbers with their line numbers
 Written = tuple[str, float, Numbered, float | None]  # title, blades, rows and tip, in [m] and [deg]
 
 
 def _qprop(lines: Sequence[str]) -> Written:
-    """Read rows of r, chord, beta, with their factors and offsets."""
+    """Read rows of r, chord, beta, and apply the factors and offsets."""
     first = next((k for k, line in enumerate(lines) if line.strip()[:1] not in ("", "!", "#")), 0)
     rows = _numbers(lines[first + 1 :], first + 2)
     # Nblades [R], CL0 CL_a, CLmin CLmax, CD0 CD2u CD2l CLCD0, REref REexp, factors, offsets
     head, body = rows[:7], rows[7:]
     if not body or any(len(row) < 3 for _, row in (*head[5:], *body)):
-        found = "found no 7 lines of parameters above rows of r, chord, beta"
-        raise InputError(found, "give the file as QPROP reads it")
+        found = "expected 7 lines of parameters above rows of r, chord, beta"
+        raise InputError(found, "give a file that QPROP can read")
     count, factor, offset = head[0][1], np.array(head[5][1][:3]), np.array(head[6][1][:3])
     table = [(n, (np.array(row[:3]) * factor + offset).tolist()) for n, row in body]
-    # Some write the radius in metres, others in the unit of the rows.
+    # The radius is in meters in some files, in the unit of the rows in others.
     tips = [count[1] * factor[0] + offset[0], count[1]] if len(count) > 1 else [None]
     last = table[-1][1][0]
     tip = next((one for one in tips if one and NEAR_TIP * one < last <= one * 1.001), tips[0])
@@ -424,16 +423,16 @@ def _xrotor(lines: Sequence[str]) -> Written:
 
 
 def _bem(lines: Sequence[str]) -> Written:
-    """Read rows of radius/R, chord/R, twist, and the diameter, which is taken to be in metres."""
+    """Read rows of radius/R, chord/R, twist, and the diameter, which is assumed to be in meters."""
     stated: dict[str, float] = {}
     for number, line in enumerate(lines, start=1):
         key, colon, value = line.partition(":")
-        key = key.strip().replace("Num_Blades", "Num_Blade")  # as scripts write it
+        key = key.strip().replace("Num_Blades", "Num_Blade")  # the spelling of some scripts
         if colon and key in ("Num_Sections", "Num_Blade", "Diameter"):
             stated[key] = parse_number(value, key, f"line {number}")
     rows = _below(lines, r"\s*Radius/R\s*,\s*Chord/R\s*,\s*Twist \(deg\)", "the stations")
     if len(stated) < 3:
-        found = "Num_Sections, Num_Blade and Diameter are not all there"
+        found = "Num_Sections, Num_Blade or Diameter is missing"
         raise InputError(found, "give the file as OpenVSP writes it")
     sections, count, diameter = (stated[k] for k in ("Num_Sections", "Num_Blade", "Diameter"))
     return "", count, _scaled(rows, sections, 0.5 * diameter), 0.5 * diameter
@@ -445,8 +444,10 @@ PROGRAMS = {formats.QPROP: _qprop, formats.XROTOR: _xrotor, formats.BEM: _bem}
 def read_of_program(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """Read a propeller from a file of QPROP, XROTOR or OpenVSP, continued to the tip where its rows
-    end just before it."""
+    """Read a propeller from a file of QPROP, XROTOR or OpenVSP.
+
+    If the rows end just before the tip, the blade is extrapolated.
+    """
     lines, file = read_lines(path), Path(path)
     with located(os.fspath(path)):
         title, count, rows, tip = PROGRAMS[format_of(lines)](lines)  # type: ignore[index]
@@ -466,20 +467,20 @@ def read_of_program(
 
 
 def _numbers(lines: Sequence[str], first: int) -> Numbered:
-    """Read lines of numbers, parted by blanks or commas, up to one that has others."""
+    """Return lines of numbers, separated by blanks or commas, up to the first other line."""
     rows: Numbered = []
     for number, line in enumerate(lines, start=first):
         cells = re.split("[!#]", line)[0].replace(",", " ").split()
         if cells:
             try:
-                rows.append((number, [parse_number(cell, "a figure") for cell in cells]))
+                rows.append((number, [parse_number(cell, "a value") for cell in cells]))
             except InputError:
                 break
     return rows
 
 
 def _below(lines: Sequence[str], sign: str, what: str) -> Numbered:
-    """Read the rows of numbers below the line that matches a ``sign``."""
+    """Return the rows of numbers below the line that matches a ``sign``."""
     for k, line in enumerate(lines):
         rows = _numbers(lines[k + 1 :], k + 2) if re.match(sign, line, re.IGNORECASE) else []
         if rows:
@@ -488,7 +489,7 @@ def _below(lines: Sequence[str], sign: str, what: str) -> Numbered:
 
 
 def _scaled(rows: Numbered, count: float, tip: float) -> Numbered:
-    """Give ``count`` rows, of station and chord over the radius, in metres: that of the ``tip``."""
+    """Return ``count`` rows with station and chord, over the radius, multiplied by ``tip`` [m]."""
     table = [(n, [row[0] * tip, row[1] * tip, row[2]]) for n, row in rows if len(row) > 2]
     if not 0 < count <= len(table):
         found = f"found {len(table)} stations, expected {count:g}"
@@ -508,28 +509,30 @@ READERS: dict[Format | None, Callable[..., Propeller]] = {
 def read_geometry_file(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """Read a propeller from a file in any format that propmap knows, by its content."""
+    """Read a propeller from a file in any supported format, which is recognized by content."""
     where, lines = os.fspath(path), read_lines(path)
     kind = format_of(lines)
     if kind not in READERS or (kind is None and len(_columns_in(lines)) < 1):
         wanted = "give an APC PE0 file, a UIUC geometry file (r/R c/R beta), one of QPROP, XROTOR "
         wanted += "or OpenVSP (.bem), a catalogue TOML file, or a CSV file with columns such as "
         wanted += "radius_m,chord_m,twist_deg"
-        raise not_read(lines, "propeller geometry that propmap knows", wanted, where)
+        raise not_read(lines, "propeller geometry that propmap reads", wanted, where)
     return READERS[kind](path, blades=blades, radius=radius)
 
 
 def how_read(file: str | os.PathLike[str], blades: int | None) -> list[str]:
-    """Remark on what of a geometry file was taken for what, and left out; ``blades`` is the number
-    that was asked for."""
+    """Return remarks on recognized, unused and assumed content of a geometry file.
+
+    ``blades`` is the number of blades that the user gave.
+    """
     lines = read_lines(file)
     kind = format_of(lines)
     if kind in PROGRAMS:
-        metres = "; its diameter is taken to be in metres" if kind is formats.BEM else ""
-        return [f"this is {kind.name}: {LAW_NOT_READ}{metres}"]
+        meters = "; its diameter is assumed to be in meters" if kind is formats.BEM else ""
+        return [f"this is {kind.name}: {LAW_NOT_READ}{meters}"]
     stated = _stated_blades(lines) or blades_in_title(file, lines)
     if kind is formats.UIUC_GEOMETRY and blades is None and not stated:
-        return ["2 blades, as nearly all of the UIUC database have; another number by --blades"]
+        return ["2 blades assumed, as for most of the UIUC database; --blades sets the number"]
     if kind is None and (table := read_csv_table(lines, _columns_in(lines), comments=True)):
         header = Header(table.header, KNOWN)
         return header.remarks(_choose_columns(header))

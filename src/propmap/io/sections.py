@@ -1,4 +1,4 @@
-"""Section tables from files of other programs, and how polars are continued all the way round."""
+"""Readers of section tables in formats of other programs, and extrapolation of polars."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ CCBLADE = Format("CCBlade", "", formats.POLAR)
 
 
 def section_format(lines: Lines) -> Format | None:
-    """Recognise the format of a file's lines, one of ``READERS``, or None."""
+    """Return the format of the lines of a file, a key of ``READERS``, or None."""
     texts = [line for _, line in lines]
     found = format_of(texts)
     if found in (None, formats.XFOIL) and (_csv_header(lines) is not None or found is None):
@@ -40,7 +40,7 @@ def section_format(lines: Lines) -> Format | None:
 
 
 def _aerodyn(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
-    """Read v13 and v14: per table Re in millions, parameters, and rows up to EOT."""
+    """Read v13 and v14: each table has Re in millions, parameters, and rows up to EOT."""
     start = next(k for k, (_, line) in enumerate(lines) if "airfoil tables" in line.lower())
     count = _whole(lines[start])
     rest = iter(lines[start + 1 :])
@@ -62,7 +62,7 @@ def _aerodyn(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
-    """Read v15: lines of a value and a keyword; NumAlf says how many rows follow."""
+    """Read v15: lines of a value and a keyword; NumAlf is the number of rows that follow."""
     plain = [(n, line.partition("!")[0]) for n, line in lines]
     rest = iter([(n, line) for n, line in plain if line.strip()])
     reynolds = None
@@ -84,7 +84,7 @@ def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
-    """Read one polar; rows in any order, as they were computed."""
+    """Read one polar with rows in any order."""
     sign = re.compile(formats.XFOIL.sign, re.IGNORECASE)
     head = next(k for k, (_, line) in enumerate(lines) if sign.match(line))
     rows = [line for line in lines[head + 1 :] if set(line[1].strip()) - set("- ")]
@@ -92,7 +92,7 @@ def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _reynolds(lines: Lines) -> float:
-    """Read the Reynolds number above the rows of a polar; 0 where none is stated."""
+    """Return the Reynolds number above the rows of a polar; 0 if it is missing."""
     text = "\n".join(line for _, line in lines)
     if found := re.search(r"\bRe\s*=\s*(\d[\d.]*)(?:\s*e\s*([+-]?\d{1,2})\b)?", text):
         return parse_number(found[1], "Re") * 10.0 ** int(found[2] or 0)
@@ -101,7 +101,7 @@ def _reynolds(lines: Lines) -> float:
 
 
 def _cactus(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
-    """Read per table a line with its Reynolds number, parameters, and rows."""
+    """Read tables, each with a line with the Reynolds number, parameters, and rows."""
     starts = [k for k, (_, line) in enumerate(lines) if line.lower().startswith("reynolds number:")]
     for start, end in zip(starts, [*starts[1:], len(lines)], strict=True):
         n, line = lines[start]
@@ -111,8 +111,7 @@ def _cactus(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _csv_header(lines: Lines) -> int | None:
-    """Find the place of the line that names columns of angle, C_L and C_D, below what airfoiltools
-    puts above them."""
+    """Return the index of the header of angle, C_L and C_D, below the preamble of airfoiltools."""
     for k, (_, line) in enumerate(lines[: formats.HEAD]):
         if not is_comment(line) and any(mark in line for mark in SEPARATORS):
             taken = Header(columns_in(line, CSV_COLUMNS), CSV_COLUMNS).taken
@@ -122,9 +121,9 @@ def _csv_header(lines: Lines) -> int | None:
 
 
 def _csv(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
-    """Read columns by name; rows of one Reynolds number are a table."""
+    """Read columns by name; rows with the same Reynolds number are one table."""
     start = _csv_header(lines)
-    assert start is not None  # it gave the format
+    assert start is not None  # section_format has found the header
     numbered = dict(lines[start:])
     every = [numbered.get(n, "") for n in range(1, lines[-1][0] + 1)]
     file = read_csv_table(every, columns_in(lines[start][1], CSV_COLUMNS), comments=True)
@@ -146,13 +145,13 @@ def _csv(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _is_ccblade(texts: Sequence[str]) -> bool:
-    """Whether a line of text, a Reynolds and a Mach number stand above rows of three numbers."""
+    """Return whether a title, a Reynolds and a Mach number precede rows of three numbers."""
     counts = [len(text.split()) for text in texts[1:5]]
     return counts in ([1, 1, 3, 3], [1, 1, 4, 4]) and all(map(_is_row, texts[3:5]))
 
 
 def _ccblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
-    """Read one polar whose angles are in radians, or in degrees where they are too large."""
+    """Read one polar with angles in radians, or in degrees if the angles are too large."""
     rows = [_row(line) for line in lines[3:]]
     turn = 1.0 if max(abs(row[1]) for row in rows) > 2.0 * np.pi else np.degrees(1.0)
     reynolds = parse_number(lines[1][1], "Re", f"line {lines[1][0]}")
@@ -167,11 +166,11 @@ READERS: dict[Format, Callable[[Lines], Iterator[tuple[float, list[Row]]]]] = {
     CCBLADE: _ccblade,
     CSV: _csv,
 }
-"""By format, what gives the Reynolds number and the rows of every table."""
+"""Readers by format; each yields the Reynolds number and the rows of every table."""
 
 
 def lines_of(path: Path) -> Lines:
-    """Read the lines of a file that are not empty."""
+    """Return the nonempty lines of a file."""
     return [(n, t) for n, t in enumerate(read_lines(path, "section table"), start=1) if t.strip()]
 
 
@@ -179,14 +178,14 @@ def _row(line: tuple[int, str], most: int | None = None) -> Row:
     words, place = line[1].split(), f"line {line[0]}"
     if len(words) < 3 or (most and len(words) > most):
         found = f"found {len(words)} numbers, expected angle, C_L, C_D and possibly C_m"
-        raise InputError(found, "give one row a line and one table after the other", place)
+        raise InputError(found, "write one row per line, and tables below each other", place)
     names = ("the angle", "C_L", "C_D")
     angle, lift, drag = (parse_number(w, n, place) for w, n in zip(words, names, strict=False))
     return line[0], angle, lift, drag
 
 
 def _is_row(line: str) -> bool:
-    """Whether a line of AeroDyn is a row: three numbers or more and nothing else."""
+    """Return whether a line of AeroDyn is a row: three or more numbers and nothing else."""
     words = line.split()
     return len(words) >= 3 and all(re.fullmatch(r"[-+.\deEdD]+", word) for word in words)
 
@@ -200,22 +199,22 @@ def _whole(line: tuple[int, str]) -> int:
 
 
 # -------------------------------------------------------------------------------------------------
-# Section tables from files of other programs, and what makes one table of their polars.
+# Section tables from files, and the combination of polars to one table.
 
 FORMATS = (
     "give an AeroDyn airfoil file, a polar of XFOIL or a folder of them, a CACTUS table, "
     "a polar of CCBlade or airfoiltools, or CSV with the columns alpha_deg,cl,cd and re"
 )
-ONE_POLAR = (formats.XFOIL, CCBLADE)  # formats of which a folder holds a file per Reynolds number
-ASSUMED_REYNOLDS = 1e6  # of a file with one table that states none; loads do not depend on it
-SAME_LIFT = 0.01  # difference of C_L up to which a repeated angle, as XFOIL writes it, is one row
+ONE_POLAR = (formats.XFOIL, CCBLADE)  # formats with one file per Reynolds number in a folder
+ASSUMED_REYNOLDS = 1e6  # for a single table without Reynolds number; loads do not depend on it
+SAME_LIFT = 0.01  # C_L difference up to which a repeated angle, as XFOIL writes it, is one row
 
 
 def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
     """Read a section table from a file, or a folder with one XFOIL polar per Reynolds number.
 
-    The format is recognised by content.  Polars that end a little past stall are continued to +-180
-    degrees by Viterna's method, which the table's ``source`` says.
+    The format is recognized by content.  Polars that end a little past stall are extrapolated to
+    +-180 degrees by Viterna's method; ``source`` of the table records this.
 
     Parameters
     ----------
@@ -227,7 +226,7 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
     Raises
     ------
     InputError
-        Naming the file and the line.
+        For a file that cannot be read, with its name and the line.
     """
     place = Path(path)
     files = sorted(p for p in place.iterdir() if p.is_file()) if place.is_dir() else [place]
@@ -236,7 +235,7 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
         lines = lines_of(file)
         kind = section_format(lines)
         if kind is None or (place.is_dir() and kind not in ONE_POLAR):
-            wanted = "give polars of XFOIL alone in a folder" if place.is_dir() else FORMATS
+            wanted = "give a folder with only XFOIL polars" if place.is_dir() else FORMATS
             texts = [line for _, line in lines]
             raise not_read(texts, "section table that propmap reads", wanted, str(file))
         kinds.add(kind.name)
@@ -248,7 +247,7 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
 
 
 def looks_like_section_table(path: Path) -> bool:
-    """Whether a path is a folder, or a file that ``read_section_table`` takes."""
+    """Return whether a path is a folder, or a file that ``read_section_table`` can read."""
     return path.is_dir() or section_format(lines_of(path)) is not None
 
 
@@ -262,7 +261,7 @@ def _table(place: Path, kind: str, found: Sequence[tuple[str, float, list[Row]]]
             remarks.append("Reynolds number not stated")
         with located(where):
             if not reynolds > 0.0:
-                remedy = "state one above 0 for every table"
+                remedy = "give a Reynolds number above 0 for each table"
                 raise InputError(f"a Reynolds number is {reynolds:g}", remedy)
             if reynolds in [polar.reynolds for polar in polars]:
                 raise InputError(f"Re = {reynolds:g} occurs twice", "keep one of the tables")
@@ -278,14 +277,14 @@ def _table(place: Path, kind: str, found: Sequence[tuple[str, float, list[Row]]]
 
 
 def _polar(reynolds: float, rows: list[Row]) -> Polar:
-    """Sort rows by their angles, each once."""
+    """Return the rows as a polar, sorted and without repeated angles."""
     kept: list[Row] = []
     for row in sorted(rows, key=lambda row: row[1]):
         line, angle, lift, drag = row
         with located(f"line {line}"):
             if kept and angle == kept[-1][1]:
                 if abs(lift - kept[-1][2]) > SAME_LIFT:
-                    found = f"{angle:g} deg occurs twice, in line {kept[-1][0]} with another lift"
+                    found = f"{angle:g} deg occurs twice, in line {kept[-1][0]} with other lift"
                     raise InputError(found, "keep one of the rows")
                 continue
             if abs(angle) > 180.0 + 1e-9:
@@ -294,46 +293,46 @@ def _polar(reynolds: float, rows: list[Row]) -> Polar:
                 raise InputError(f"the drag coefficient is {drag:g}", "correct or remove the row")
         kept.append(row)
     if len(kept) < 8:
-        found = f"the table of Re = {reynolds:g} has {len(kept)} rows, expected 8 at least"
+        found = f"the table of Re = {reynolds:g} has {len(kept)} rows, expected at least 8"
         raise InputError(found, "give more angles")
     _, angles, lifts, drags = np.array(kept).T
     return Polar(reynolds, np.radians(angles), lifts, drags)
 
 
 # -------------------------------------------------------------------------------------------------
-# A section's polar continued all the way round, and polars brought to common angles.
+# Extrapolation of polars to all angles, and interpolation of polars at common angles.
 
-ASPECT_RATIO = 10.0  # of a propeller's blade, in Viterna's drag of a plate across the flow
+ASPECT_RATIO = 10.0  # of a propeller blade, for the drag of a plate across the flow (Viterna)
 
 BACKWARDS = 0.7
-"""Lift of a section that the air meets from behind, as a share of the same section's ahead."""
+"""Lift in reverse flow over the lift in forward flow of the same section."""
 
 STILL_RISING = 0.5
-"""Slope of the lift at the last angle, as a share of the steepest, from which the polar is taken
-to end before stall."""
+"""Slope of the lift at the last angle over the steepest slope: with a larger ratio the polar ends
+before stall."""
 
 STEP = np.radians(5.0)
-CLOSED = np.radians(330.0)  # A polar over so much of the circle lacks no more than its ends
-SAME_ANGLE = np.radians(0.05)  # angles of different polars nearer than that are one
+CLOSED = np.radians(330.0)  # a polar over a larger range lacks only its ends
+SAME_ANGLE = np.radians(0.05)  # angles of polars with a smaller difference count as equal
 
 
 class Polar(NamedTuple):
-    """C_L and C_D [-] of one Reynolds number at rising angles from the chord line [rad]; (K,)."""
+    """C_L and C_D [-] (K,) at one Reynolds number, for increasing angles from the chord line."""
 
     reynolds: float
-    angle: Floats
+    angle: Floats  # [rad]
     lift: Floats
     drag: Floats
 
 
 def all_round(polar: Polar) -> tuple[Polar, str]:
-    """Continue a polar from -180 to 180 degrees, and say in words what was added.
+    """Return a polar extrapolated to -180 to 180 degrees, and a remark on the added part.
 
-    Past stall C_L and C_D follow Viterna and Corrigan ("Fixed Pitch Rotor Performance of Large
-    Horizontal Axis Wind Turbines", NASA CP-2230, 1981): those of a finite plate, matched to the
-    polar's last row. Behind +-90 degrees the section is met from behind and has 0.7 of that lift;
-    between the mirrored last row and the first one both are linear. ``InputError`` where the polar
-    ends before stall, or past it but not at 180 degrees.
+    Past stall, C_L and C_D follow Viterna and Corrigan ("Fixed Pitch Rotor Performance of Large
+    Horizontal Axis Wind Turbines", NASA CP-2230, 1981): values of a finite plate, matched to the
+    last row of the polar.  Beyond +-90 degrees, in reverse flow, the lift is 0.7 times the plate
+    value.  Between the mirrored last row and the first row, both coefficients are linear.  Raise
+    ``InputError`` for a polar that ends before stall, or far past stall but not at 180 degrees.
     """
     ends = polar.angle[[0, -1]]
     if ends[1] - ends[0] >= CLOSED:
@@ -341,17 +340,17 @@ def all_round(polar: Polar) -> tuple[Polar, str]:
     low, high = np.degrees(ends).tolist()
     range_ = f"angles run from {low:g} to {high:g} deg"
     if not (-90.0 < low < high < 90.0 and high > 0.0):
-        found = f"{range_}, expected -180 to 180, or around 0 and a little past stall"
-        raise InputError(found, "complete the table, or leave out what is far past stall")
+        found = f"{range_}, expected -180 to 180, or a range around 0 that ends just past stall"
+        raise InputError(found, "complete the table, or remove rows far past stall")
     slope = np.diff(polar.lift) / np.diff(polar.angle)
     if polar.lift[-1] <= 0.0 or slope[-1] > STILL_RISING * slope.max():
-        found = f"{range_} and the lift still rises at the last: stall is not in the polar"
-        raise InputError(found, "compute or measure it to larger angles")
+        found = f"{range_} and the lift still rises at the last angle: the polar has no stall"
+        raise InputError(found, "extend the polar to larger angles")
     return _extended(polar), f"continued from {low:g} and {high:g} deg by Viterna's method"
 
 
 def _closed(polar: Polar) -> Polar:
-    """Add rows at -180 and 180 degrees, which are one angle."""
+    """Return the polar with equal rows at -180 and 180 degrees."""
     inner = np.abs(polar.angle) < np.pi - 1e-6
     turn = [polar.angle, polar.angle + 2.0 * np.pi]
 
@@ -374,7 +373,7 @@ def _extended(polar: Polar) -> Polar:
         s, c = np.sin(angle), np.cos(angle)
         return largest * s * c + a2 * c**2 / s, largest * s**2 + b2 * c
 
-    # Lift of a section met from behind; near 180 degrees linear in the angle.
+    # Lift of a section in reverse flow; near 180 degrees it is linear in the angle.
     from_behind = BACKWARDS * float(polar.lift[-1])
     past = np.arange(1.0, np.ceil(2.0 * np.pi / STEP)) * STEP
     ahead = past[(past > last + 0.2 * STEP) & (past < 0.5 * np.pi + 1e-9)]
@@ -386,7 +385,7 @@ def _extended(polar: Polar) -> Polar:
     upper = np.concatenate([ahead, behind, edge])
     lift = np.concatenate([lift_a, -BACKWARDS * lift_b, from_behind * (edge - np.pi) / last])
     drag = np.concatenate([drag_a, drag_b, drag_e])
-    # The lower side is the upper one mirrored; between them and the polar lies one straight line.
+    # The lower side mirrors the upper side; one straight line joins the lower side to the polar.
     mirrored = np.concatenate([[last], ahead]) > -first + 0.2 * STEP
     lower = np.concatenate([[last], ahead])[mirrored]
     lift_l = -BACKWARDS * np.concatenate([polar.lift[-1:], lift_a])[mirrored]
@@ -403,7 +402,7 @@ def _extended(polar: Polar) -> Polar:
 
 
 def at_common_angles(polars: Sequence[Polar]) -> tuple[Floats, Floats, Floats]:
-    """Bring polars all round to common angles (K,): C_L and C_D (R, K), linear between rows."""
+    """Return common angles (K,) of full polars, and C_L and C_D (R, K), interpolated linearly."""
     angles = np.unique(np.concatenate([polar.angle for polar in polars]))
     kept = [float(angles[0])]
     for angle in angles[1:-1]:

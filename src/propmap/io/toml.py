@@ -1,4 +1,4 @@
-"""TOML files, checked by the types of the structs that they are converted to."""
+"""TOML files, converted to structs and checked by the types of the structs."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from propmap.errors import InputError, quoted
 from propmap.io.csv import read_lines
 
 # -------------------------------------------------------------------------------------------------
-# What a file may say is a struct: a field for each key, with its type, its limits, and in words
-# what to write.  msgspec converts; its errors are put in propmap's words here.
+# The content of a file is a struct with one field per key: type, limits, and an example for
+# messages.  msgspec converts the file; this module rewrites the errors of msgspec.
 
 
 class TomlTable(msgspec.Struct, forbid_unknown_fields=True):
-    """A table of a TOML file; ``Annotated`` texts say what to write for a key."""
+    """A table of a TOML file; ``Annotated`` texts are examples of the values for messages."""
 
 
 HUGE = 1e300
-Number = Annotated[float, msgspec.Meta(ge=-HUGE, le=HUGE)]  # A finite number
+Number = Annotated[float, msgspec.Meta(ge=-HUGE, le=HUGE)]  # a finite number
 Text = Annotated[str, msgspec.Meta(pattern=r"\S")]  # not empty
 Vector = tuple[Number, Number, Number]
 
@@ -40,11 +40,12 @@ WORDS = {
 
 
 def read_toml(path: str | os.PathLike[str], kind: type[Made], schema: int, what: str) -> Made:
-    """Read the file at ``path``, called ``what`` in messages, as a ``kind`` of struct."""
+    """Return the file at ``path`` as a struct of type ``kind``; messages call the file ``what``."""
     where = os.fspath(path)
     try:
         fields = tomllib.loads("\n".join(read_lines(path, what)))
-    # A number of thousands of digits is a plain ValueError, deep nesting a RecursionError.
+    # Besides TOMLDecodeError, a ValueError, tomllib raises a plain ValueError for numbers with
+    # thousands of digits, and a RecursionError for deep nesting.
     except (ValueError, RecursionError) as error:
         if isinstance(error, InputError):
             raise
@@ -58,7 +59,7 @@ def read_toml(path: str | os.PathLike[str], kind: type[Made], schema: int, what:
 
 
 def checked(entries: dict[str, Any], kind: type[Made], where: str) -> Made:
-    """Convert the ``entries`` of a file or table, which is ``where`` in messages."""
+    """Return the ``entries`` of a file or table as a struct; messages name the place ``where``."""
     try:
         return msgspec.convert(entries, kind)
     except msgspec.ValidationError as error:
@@ -66,7 +67,7 @@ def checked(entries: dict[str, Any], kind: type[Made], where: str) -> Made:
 
 
 def _in_words(error: msgspec.ValidationError, value: Any, hint: Any, where: str) -> InputError:
-    """Say where the error is, what was found and expected, and what to write."""
+    """Return the error with place, found and expected value, and what to write."""
     said, _, path = str(error).rpartition(" - at `$")
     said, path = (said, path) if said else (path, "")
     table, key, names, item = "", "", "", False
@@ -89,7 +90,7 @@ def _in_words(error: msgspec.ValidationError, value: Any, hint: Any, where: str)
             remedy = f"add {key} = {shown}" if shown else f"add [{key}]"
             return InputError(f"no {key}", remedy, where)
         close = difflib.get_close_matches(key, known, n=1)
-        remedy = (f"did you mean {close[0]}? " if close else "") + f"known are {', '.join(known)}"
+        remedy = (f"did you mean {close[0]}? " if close else "") + f"known keys: {', '.join(known)}"
         return InputError(f"unknown key {quoted(key)}", remedy, where)
     wanted = re.sub(
         "`(.*?)`", lambda m: " or ".join(WORDS[w] for w in m[1].split(" | ") if w != "null"), said
@@ -106,7 +107,7 @@ def _in_words(error: msgspec.ValidationError, value: Any, hint: Any, where: str)
 
 
 def _parts(hint: Any) -> Iterator[Any]:
-    """Yield a type and whatever it is made of, outermost first."""
+    """Yield a type and the types that it contains, outermost first."""
     yield hint
     if get_origin(hint) is not Literal:
         for part in get_args(hint):
@@ -118,7 +119,7 @@ def _struct(hint: Any) -> type[msgspec.Struct]:
 
 
 def example(hint: Any) -> str:
-    """Say what to write for a key of this type."""
+    """Return an example of the value for a key of this type; empty without any."""
     for part in _parts(hint):
         if isinstance(part, str):
             return part
@@ -131,14 +132,14 @@ Place = Annotated[list[float], "[...], write a number for each station"]
 
 
 class PropellerFile(TomlTable):
-    """What a file in the catalogue's format says of a propeller, see ``read_propeller_toml``."""
+    """The content of a propeller file in the format of the catalogue."""
 
     name: Annotated[Text, '"..."']
     radius_m: Annotated[Number, "the tip radius in m"]
     station_m: Place
     chord_m: Place
     twist_rad: Place
-    blades: Any = None  # checked where it may be replaced
+    blades: Any = None  # checked by the reader, because an option may replace it
     root_cutout_m: Annotated[Number, "a length in m"] | None = None
     title: str = ""
     family: str = ""

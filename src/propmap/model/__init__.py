@@ -1,1 +1,1 @@
-"""What is modelled: propeller, blade section, air."""
+"""The model of a rotor: propeller, section law, air and corrections."""

@@ -1,4 +1,4 @@
-"""``Air``: density and viscosity, from the paper or from the standard atmosphere."""
+"""Density and viscosity of the air, by default those of the paper."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ PAPER_VISCOSITY = 1.983e-5
 
 @dataclass(frozen=True)
 class Air:
-    """The air around the propeller; by default the paper's values.
+    """Density and viscosity of the air around the propeller, by default those of the paper.
 
     Attributes
     ----------
@@ -41,21 +41,22 @@ class Air:
 
     @classmethod
     def standard(cls, altitude: float = 0.0, temperature_offset: float = 0.0) -> Air:
-        """ICAO standard atmosphere, optionally warmer or colder at the same pressure.
+        """Return the air of the ICAO standard atmosphere, optionally with another temperature.
 
-        The viscosity follows Sutherland's law of the same standard (ICAO Doc 7488/3, 1993).
+        The offset changes the temperature at constant pressure.  The viscosity follows
+        Sutherland's law of the same standard (ICAO Doc 7488/3, 1993).
 
         Parameters
         ----------
         altitude : float
-            Geometric, above mean sea level [m], -5000 to 80000.
+            Geometric altitude above mean sea level [m], -5000 to 80000.
         temperature_offset : float
-            To the standard temperature [K], -60 to 60.
+            Difference to the standard temperature [K], -60 to 60.
 
         Raises
         ------
         InputError
-            Outside these ranges.
+            For a value outside these ranges.
         """
         if not -5000.0 <= altitude <= 80000.0:
             raise InputError(f"altitude is {altitude} m: it must lie between -5000 and 80000 m")

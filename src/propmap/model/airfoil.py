@@ -1,4 +1,4 @@
-"""The section law: constants or tables, how uncertain they are, and its coefficients."""
+"""Section laws: lift and drag of a blade section from constants or tables, and their covariance."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from propmap import __version__
 from propmap.errors import InputError, located
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.envelope import Envelope
@@ -22,23 +23,24 @@ LAW_SCHEMA = 1
 SETS = Path(__file__).parents[1] / "catalogue" / "airfoils"
 LIFT_LAWS = ("blended", "plate", "simplified")
 PLATE = 0.44
-"""p in sin(a)/(1 - p + p sin(a)), a plate's normal force over that across the flow [-]: S. F.
-Hoerner, Fluid-Dynamic Drag, 1965, chapter III."""
+"""Constant p of sin(a)/(1 - p + p sin(a)), the normal force of a plate over its value across the
+flow [-]: S. F. Hoerner, Fluid-Dynamic Drag, 1965, chapter III."""
 
 
 class Constant(NamedTuple):
-    """A constant of the section law: what ``Airfoil`` accepts, and how fits treat it."""
+    """A constant of the section law, with its limits in ``Airfoil`` and its settings for fits."""
 
     unit: str
     meaning: str
     limits: tuple[float, float]
     fit: tuple[float, float, float, float] | None = None
-    """First guess (x0 of (18) where the paper has one), lower and upper bound of fits, and by how
-    much propellers differ; None where it is not fitted."""
+    """Initial value (x0 of (18) if the paper has one), lower and upper bound of fits, and standard
+    deviation over propellers; None for a constant that is not fitted."""
     population: str = ""
-    """How its distribution over propellers is normal, "log" or "linear"; empty where it is held."""
+    """Axis on which propellers are normally distributed, "log" or "linear"; empty for a constant
+    that is the same for all propellers."""
     filed_if_zero: bool = True
-    """False for a term beyond the paper, which files leave out where it does not act."""
+    """False for a term beyond the paper, which files omit if it is zero."""
 
 
 CONSTANTS = {
@@ -49,45 +51,46 @@ CONSTANTS = {
     "c_d": Constant("-", "pressure drag", (0.0, 20.0), (0.0, 0.0, 10.0, 1.0), "log"),
     "alpha_0": Constant("rad", "angle of stall", (0.02, 1.5), (0.47, 0.1, 0.9, 0.06), "log"),
     "zero_lift_angle": Constant(
-        "rad", "angle of zero lift", (-0.5, 0.5), (0.0, -0.25, 0.15, 0.03), "linear"
+        "rad", "zero-lift angle", (-0.5, 0.5), (0.0, -0.25, 0.15, 0.03), "linear"
     ),
     "c_d0": Constant("-", "constant drag", (0.0, 1.0), (0.01, 0.0, 0.2, 0.02), "log"),
     "c_p": Constant("-", "skin friction", (0.0, 10.0)),
     "sharpness": Constant("1/rad", "sharpness of stall, M", (5.0, 500.0)),
     "reynolds_camber": Constant(
-        "rad", "growth of the angle of zero lift with ln Re", (-0.2, 0.2), (0.0, -0.1, 0.1, 0.02),
+        "rad", "change of the zero-lift angle with ln Re", (-0.2, 0.2), (0.0, -0.1, 0.1, 0.02),
         "linear", filed_if_zero=False,
     ),
     "drag_angle": Constant(
-        "rad", "angle of least pressure drag above that of zero lift", (-0.5, 0.5),
+        "rad", "angle of least pressure drag above the zero-lift angle", (-0.5, 0.5),
         (0.0, -0.2, 0.3, 0.03), "linear", filed_if_zero=False,
     ),
 }  # fmt: skip
-"""The constants of ``Airfoil`` by name, in the order of its fields: the one table of them."""
+"""The constants of ``Airfoil`` by name, in the order of its fields."""
 
-PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")  # what (18) identifies
+PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")  # the constants that (18) identifies
 
 
 class SectionLaw:
-    """What constants and tables of a blade section have in common."""
+    """Base class of the section laws, from constants or from tables."""
 
     name: str
     corrections: tuple[str, ...] | None
 
     def core_law(self) -> dict[str, Any]:
-        """Give the law as the compiled core takes it, by name."""
+        """Return the law in the form that the compiled core reads, by name."""
         raise NotImplementedError
 
     def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
-        """Lift and drag of the section by itself: eqs. (3) and (4), or between a table's figures.
+        """Return lift and drag coefficients: eqs. (3) and (4), or interpolation in a table.
 
         Parameters
         ----------
         alpha : array_like, shape (...)
             Angle of attack from the chord line [rad].
         reynolds : array_like, shape (...)
-            Re [-], of constants also that of the rotation alone; outside a table's Reynolds numbers
-            that of the nearest row holds.  Both broadcast.
+            Reynolds number [-], broadcast with ``alpha``.  For constants it also replaces the
+            Reynolds number of the rotation.  Beyond its Reynolds numbers a table uses the nearest
+            row.
 
         Returns
         -------
@@ -102,7 +105,7 @@ class SectionLaw:
         return lift.reshape(at[0].shape), drag.reshape(at[0].shape)
 
     def with_corrections(self, texts: Sequence[str]) -> Self:
-        """Set the corrections to use it with, by their ``texts``, which must be its own if any."""
+        """Return the law with the corrections ``texts``, which must agree with its own if any."""
         law: Any = self
         return replace(law, corrections=agreed(self.name, self.corrections, texts))
 
@@ -116,39 +119,40 @@ class Airfoil(SectionLaw):
     c_l1 : float
         Slope of the attached lift [1/rad].
     c_l2 : float
-        Amplitude of the separated lift [-]; c_l where ``lift_law`` is "simplified", the normal
-        force of the section across the flow where it is "plate".
+        Amplitude of the separated lift [-].  For ``lift_law`` "simplified" it is c_l, for "plate"
+        the normal force coefficient of the section across the flow.
     c_d : float
         Amplitude of the pressure drag [-].
     alpha_0 : float
         Angle of attack at the middle of the stall blend [rad].
     zero_lift_angle : float
-        Angle of attack of zero lift [rad], negative for ordinary camber.  The paper's law has
-        none; (3) and (4) are evaluated at alpha - zero_lift_angle.
+        Angle of attack of zero lift [rad], negative for ordinary camber, 0 in the paper.  Eqs. (3)
+        and (4) are evaluated at alpha - zero_lift_angle.
     c_d0, c_p, sharpness : float
         The paper's constants c_d0 [-], c_p [-] and M [1/rad].
     reynolds_camber : float
-        Growth of the zero-lift angle by ln(Re / 5e4) [rad], Re = rho Omega y c / mu of the rotation
-        alone, from 1e4 to 1.2e5; about -0.02 for small propellers, 0 in the paper.
+        Change of the zero-lift angle per unit of ln(Re / 5e4) [rad], about -0.02 for small
+        propellers, 0 in the paper.  Re = rho Omega y c / mu is the Reynolds number of the rotation,
+        limited to 1e4 to 1.2e5.
     drag_angle : float
-        How far above zero_lift_angle the pressure drag is least [rad]: c_d sin^2(alpha -
+        Angle of least pressure drag above zero_lift_angle [rad]: c_d sin^2(alpha -
         zero_lift_angle - drag_angle) in (4).  About 0.07 for small propellers, 0 in the paper.
     lift_law : str
-        "blended", eq. (3); "plate", which is (3) with the separated lift of a plate, whose normal
-        force is sin(a)/(0.56 + 0.44 sin(a)) of that across the flow; or "simplified", footnote 1:
+        "blended": eq. (3).  "plate": eq. (3) with the separated lift of a plate, whose normal force
+        is sin(a)/(0.56 + 0.44 sin(a)) times its value across the flow.  "simplified": footnote 1,
         C_L = c_l2 sin(a) cos(a).
     corrections : tuple of str or None
-        Corrections with which the constants were found, as ``propmap.correction`` reads them.  A
-        ``Model`` with this airfoil has them too.  None where nothing is said of them.
+        Corrections with which the constants were fitted, as texts for ``propmap.correction``.  A
+        ``Model`` with this airfoil applies them.  None if they are not known.
     name, source : str
-        What the set is called and where its numbers come from.
+        Name of the set, and source of its numbers.
     uncertainty : SectionUncertainty or None
-        How well the constants are known; None where nothing is said of it.  Not compared.
+        Covariance of the constants; None if it is not known.  Ignored in comparisons.
 
     Raises
     ------
     InputError
-        Where a constant is not a number or out of its range.
+        For a constant that is not a number or out of its range.
     """
 
     c_l1: float
@@ -168,7 +172,7 @@ class Airfoil(SectionLaw):
     uncertainty: SectionUncertainty | None = field(default=None, compare=False, repr=False)
 
     parameters: ClassVar[tuple[str, ...]] = tuple(CONSTANTS)
-    """Names of what loads can be differentiated by."""
+    """Names of the parameters with derivatives of the loads."""
 
     def __post_init__(self) -> None:
         for constant, (unit, _, (low, high), *_) in CONSTANTS.items():
@@ -190,22 +194,22 @@ class Airfoil(SectionLaw):
 
     @property
     def has_attached_lift(self) -> bool:
-        """Whether lift rises with the angle of attack up to stall: not by footnote 1."""
+        """Whether the law has attached lift; the law of footnote 1 has none."""
         return self.lift_law != "simplified" and self.c_l1 > 0.0
 
     def core_law(self) -> dict[str, Any]:
-        """Give the law as the compiled core takes it: its numbers by name."""
+        """Return the law in the form that the compiled core reads: its numbers by name."""
         attached = 0.0 if self.lift_law == "simplified" else 1.0
         plate = PLATE if self.lift_law == "plate" else 0.0
         numbers = {name: getattr(self, name) for name in self.parameters}
         return {"kind": "blended", "attached": attached, "plate": plate, **numbers}
 
     def with_parameters(self, **changes: Any) -> Airfoil:
-        """Copy it with ``changes`` by name; its uncertainty no longer holds and is left out."""
+        """Return a copy with ``changes`` by name and without the covariance, no longer valid."""
         return replace(self, **{"uncertainty": None, **changes})
 
     def to_toml(self) -> str:
-        """Write the set as the text of a parameter file."""
+        """Return the text of a parameter file with this set."""
         text = self._text(FILED)
         if self.uncertainty is None:
             return text
@@ -214,23 +218,23 @@ class Airfoil(SectionLaw):
         return f"{text}\n{tomli_w.dumps({'uncertainty': self.uncertainty.as_dict()})}"
 
     def metadata(self) -> dict[str, Any]:
-        """Give the constants by name."""
+        """Return the constants by name."""
         return {name: getattr(self, name) for name in FILED if name != "corrections"}
 
     def fingerprint(self) -> str:
-        """Hash the parameter file, without its corrections, by SHA-256."""
+        """Return the SHA-256 hash of the parameter file without corrections."""
         import hashlib
 
         return hashlib.sha256(self._text([*self.metadata()]).encode()).hexdigest()
 
     def _text(self, names: Sequence[str]) -> str:
-        """Write these fields as a parameter file; terms beyond the paper only where they act."""
+        """Return a parameter file with these fields, without terms beyond the paper that are 0."""
         lines = [f"schema = {LAW_SCHEMA}"]
         for name in names:
             value = getattr(self, name)
             needed = name not in CONSTANTS or CONSTANTS[name].filed_if_zero or value != 0.0
             if value is not None and needed:
-                # JSON's strings are TOML's; only DEL differs.
+                # JSON and TOML write strings alike, except for the character DEL.
                 toml = json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
                 lines.append(f"{name} = {toml}")
         return "\n".join(lines) + "\n"
@@ -240,7 +244,7 @@ FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")  # in 
 
 
 def parameter_set(name_or_path: str | Path) -> Airfoil:
-    """Load a named set of constants, such as "paper-apc", or read one from a TOML file."""
+    """Return a named set of constants, such as "paper-apc", or a set from a TOML file."""
     text = str(name_or_path)
     if text.lower() in airfoil_names():
         return read_airfoil(SETS / f"{text.lower()}.toml")
@@ -258,13 +262,15 @@ def parameter_set(name_or_path: str | Path) -> Airfoil:
 
 
 def airfoil_names() -> list[str]:
-    """List the names of the bundled parameter sets."""
+    """Return the names of the bundled parameter sets."""
     return sorted(file.stem for file in SETS.glob("*.toml"))
 
 
 def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
-    """Read a parameter file, with what a fit says of the constants if ``uncertainty``;
-    ``InputError`` names the file and the field."""
+    """Read a parameter file, with the covariance from its fit if ``uncertainty``.
+
+    Raise an ``InputError`` that names the file and the field.
+    """
     with located(str(path)):
         try:
             table = tomllib.loads(path.read_bytes().decode("utf-8"))
@@ -274,7 +280,8 @@ def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
             raise InputError(f"cannot be read ({error.strerror})", "give a .toml file") from None
         except UnicodeDecodeError:
             raise InputError("not a text file", "give a parameter set in TOML") from None
-        # A number of thousands of digits is a plain ValueError, deep nesting a RecursionError.
+        # Besides TOMLDecodeError, a ValueError, tomllib raises a plain ValueError for numbers with
+        # thousands of digits, and a RecursionError for deep nesting.
         except (ValueError, RecursionError) as error:
             remedy = "`propmap airfoils show paper-apc` prints an example"
             raise InputError(f"not valid TOML ({error})", remedy) from None
@@ -282,56 +289,58 @@ def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
         if schema != LAW_SCHEMA:
             found = f"schema is {schema!r}, this version reads {LAW_SCHEMA}"
             raise InputError(found, "upgrade propmap")
-        # A table is left to whoever wrote it; a stray key at the top is likely a typing error.
+        # Other tables belong to other programs, but an unknown top-level key is likely a typo.
         extra = sorted(k for k, v in table.items() if k not in FILED and not isinstance(v, dict))
+        repeat = other_version(table.get("fit"))
         if extra:
             known_fields = f"known fields: {', '.join(sorted(FILED))}"
-            raise InputError(f"unknown field {extra[0]!r}", known_fields)
+            raise InputError(f"unknown field {extra[0]!r}", repeat or known_fields)
         required = [name for name in PAPER_FOUR if name not in table]
         if required == ["c_l1"] and table.get("lift_law") == "simplified":
             table["c_l1"], required = 0.0, []
         if required:
-            raise InputError(f"{required[0]} is missing", f"add a line '{required[0]} = ...'")
+            remedy = repeat or f"add a line '{required[0]} = ...'"
+            raise InputError(f"{required[0]} is missing", remedy)
         fit = table.get("fit") if uncertainty else None
         known = fitted_uncertainty(fit, (*CONSTANTS, "mount_area", "untwist"))
         known = known or filed_uncertainty(table.get("uncertainty"))
         return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
 
 
-LARGEST = 10.0  # coefficients beyond are taken for an error of the file [-]
-CLOSEST = 0.999 * math.radians(0.01)  # least distance of two angles [rad]
+LARGEST = 10.0  # coefficients above this limit indicate an error of the file [-]
+CLOSEST = 0.999 * math.radians(0.01)  # smallest allowed difference of two angles [rad]
 
 SectionFunction = Callable[[Floats, Floats], tuple[ArrayLike, ArrayLike]]
-"""Gives C_L and C_D (N,) at angles of attack [rad] and Reynolds numbers (N,)."""
+"""Function that returns C_L and C_D (N,) at angles of attack [rad] and Reynolds numbers (N,)."""
 
-MOST_ANGLES = 4000  # angles at which a function is sampled, at most
+MOST_ANGLES = 4000  # largest number of angles at which a function is sampled
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SectionTable(ByValue, SectionLaw):
-    """C_L and C_D of a blade section, all the way round, at one or more Reynolds numbers.
+    """C_L and C_D of a blade section from -180 to 180 degrees, for one or more Reynolds numbers.
 
     Attributes
     ----------
     angle : ndarray, shape (K,)
-        Angle of attack from the chord line [rad], rising from -pi to pi.
+        Angle of attack from the chord line [rad], increasing from -pi to pi.
     reynolds : ndarray, shape (R,)
-        Reynolds numbers, rising.
+        Reynolds numbers, increasing.
     lift, drag : ndarray, shape (R, K)
-        C_L and C_D [-], the same at -pi and pi.
+        C_L and C_D [-], equal at -pi and pi.
     corrections : tuple of str or None
-        Corrections that a ``Model`` with this table has, as ``propmap.correction`` reads them; None
-        where nothing is said of them.
+        Corrections that a ``Model`` with this table applies, as texts for ``propmap.correction``;
+        None if they are not known.
     name, source : str
-        What the table is called and where its numbers come from.
+        Name of the table, and source of its numbers.
     sampling_error : float
-        Largest difference of C_L or C_D seen between the table and the function that it was sampled
-        from [-]; 0 for a table that was not.
+        Largest difference of C_L or C_D found between the table and the function from which it was
+        sampled [-]; 0 for a table that was not sampled.
 
     Raises
     ------
     InputError
-        Where the arrays do not fit together or hold no section's figures.
+        For arrays of inconsistent shapes, or values that no section has.
     """
 
     angle: Floats
@@ -344,13 +353,13 @@ class SectionTable(ByValue, SectionLaw):
     sampling_error: float = field(default=0.0, compare=False)
 
     parameters: ClassVar[tuple[str, ...]] = ("zero_lift_angle",)
-    """Names of what loads can be differentiated by."""
+    """Names of the parameters with derivatives of the loads."""
 
     def __post_init__(self) -> None:
         for array in ("angle", "reynolds", "lift", "drag"):
             values = np.array(getattr(self, array), dtype=np.float64)
             if not np.isfinite(values).all():
-                raise InputError(f"{array} holds a value that is not finite: remove it")
+                raise InputError(f"{array} has a value that is not finite: remove it")
             values.flags.writeable = False
             object.__setattr__(self, array, values)
         shape = (self.reynolds.size, self.angle.size)
@@ -364,17 +373,17 @@ class SectionTable(ByValue, SectionLaw):
 
     def _check_axes(self) -> None:
         if self.angle.size < 8 or not (np.diff(self.angle) > 0.0).all():
-            raise InputError("angles must rise, and be eight at least: sort the table")
+            raise InputError("the table needs at least eight angles that increase: sort its rows")
         ends = self.angle[[0, -1]]
         if not np.allclose(ends, [-math.pi, math.pi], atol=1e-6):
             low, high = np.degrees(ends).round(2).tolist()
             found = f"angles run from {low} to {high} deg, expected -180 to 180"
-            raise InputError(found, "extend the table, for instance by Viterna's method")
+            raise InputError(found, "extend the table, for example by Viterna's method")
         if np.diff(self.angle).min() < CLOSEST:
             raise InputError("two angles are less than 0.01 deg apart: remove one of them")
         object.__setattr__(self, "angle", np.array([-math.pi, *self.angle[1:-1], math.pi]))
         if not (self.reynolds > 0.0).all() or not (np.diff(self.reynolds) > 0.0).all():
-            raise InputError("Reynolds numbers must be positive and rise: sort the table")
+            raise InputError("Reynolds numbers must be positive and increase: sort the table")
 
     def _check_figures(self) -> None:
         for name, values in (("lift", self.lift), ("drag", self.drag)):
@@ -384,14 +393,14 @@ class SectionTable(ByValue, SectionLaw):
                 raise InputError(found, "check the table's columns")
             gap = np.abs(values[:, 0] - values[:, -1]).max()
             if gap > 1e-6:
-                found = f"{name} differs by {gap:g} between -180 and 180 deg, which are one angle"
-                raise InputError(found, "make them equal")
+                found = f"{name} differs by {gap:g} between -180 and 180 deg, the same angle"
+                raise InputError(found, "give both angles the same coefficient")
         if (self.drag < 0.0).any():
             raise InputError("a drag coefficient is negative: check the table's columns")
         middle = self.lift[self.reynolds.size // 2]
         near = np.abs(self.angle) < math.radians(30.0)
         if not (middle[near].min() < 0.0 < middle[near].max()):
-            found = "lift does not pass zero between -30 and 30 deg"
+            found = "the lift does not cross zero between -30 and 30 deg"
             raise InputError(found, "give angles from the chord line, positive nose up")
 
     @classmethod
@@ -404,51 +413,51 @@ class SectionTable(ByValue, SectionLaw):
         name: str = "unnamed",
         source: str = "",
     ) -> SectionTable:
-        """Sample a section law of your own, so that a rotor can have it.
+        """Return a table sampled from your own section law, for use in a rotor.
 
-        Angles are added half-way between others until the table is as close to the function as is
-        asked for.  The function is not called again afterwards.
+        Angles halfway between neighbors are added until the table agrees with the function within
+        the tolerance.  The rotor uses only the table.
 
         Parameters
         ----------
         function : callable
-            ``function(alpha, reynolds)`` gives C_L and C_D (N,) at angles of attack from the chord
-            line [rad], between -pi and pi, and Reynolds numbers, both (N,).
+            ``function(alpha, reynolds)`` returns C_L and C_D (N,) for angles of attack from the
+            chord line [rad], between -pi and pi, and Reynolds numbers, both (N,).
         reynolds : array_like, shape (R,)
-            Reynolds numbers of the table, rising.
+            Reynolds numbers of the table, increasing.
         tolerance : float
-            Largest difference of C_L and C_D wanted at these Reynolds numbers [-].
+            Largest allowed difference of C_L and C_D at these Reynolds numbers [-].
         name, source : str
             As in ``SectionTable``.
 
         Returns
         -------
         SectionTable
-            With ``sampling_error``, which counts what lies between two Reynolds numbers too.
+            The table.  Its ``sampling_error`` includes errors between two Reynolds numbers.
 
         Raises
         ------
         InputError
-            For a function that does not give two arrays of N finite numbers, a tolerance that 4000
-            angles do not reach, as at a jump, and as ``SectionTable``.
+            For a function that does not return two arrays of N finite numbers, a tolerance that
+            4000 angles do not reach (for example at a jump), and as in ``SectionTable``.
         """
         rows = np.atleast_1d(np.asarray(reynolds, np.float64))
 
         def sampled(alpha: Floats, at: Floats) -> Floats:
-            """C_L and C_D (2, R, K)."""
+            """Return C_L and C_D (2, R, K)."""
             every = np.broadcast_arrays(alpha[None, :], at[:, None])
             found = function(*(np.ravel(a) for a in every))
             try:
                 both = np.asarray(np.stack([np.asarray(c, np.float64) for c in found]))
                 return both.reshape(2, at.size, alpha.size)
             except (TypeError, ValueError):
-                seen = f"the section law gives {found!r:.80} for {alpha.size * at.size} angles"
-                remedy = "return C_L and C_D as two arrays of as many numbers"
+                seen = f"the section law returns {found!r:.80} for {alpha.size * at.size} angles"
+                remedy = "return C_L and C_D as two arrays with one number per angle"
                 raise InputError(seen, remedy) from None
 
         def made(alpha: Floats, error: float = 0.0) -> SectionTable:
             lift, drag = sampled(alpha, rows)
-            # -pi and pi are one angle.
+            # -pi and pi are the same angle.
             lift[:, -1], drag[:, -1] = lift[:, 0], drag[:, 0]
             return cls(alpha, rows, lift, drag, name=name, source=source, sampling_error=error)
 
@@ -477,7 +486,7 @@ class SectionTable(ByValue, SectionLaw):
         return replace(table, sampling_error=float(whole))
 
     def core_law(self) -> dict[str, Any]:
-        """Give the law as the compiled core takes it: its figures by name."""
+        """Return the law in the form that the compiled core reads: its arrays by name."""
         figures = {
             name: np.ascontiguousarray(getattr(self, name).ravel())
             for name in ("angle", "reynolds", "lift", "drag")
@@ -485,11 +494,11 @@ class SectionTable(ByValue, SectionLaw):
         return {"kind": "tabulated", **figures}
 
     def metadata(self) -> dict[str, Any]:
-        """Name, source and Reynolds numbers; not the coefficients."""
+        """Return name, source and Reynolds numbers, without the coefficients."""
         return {"name": self.name, "source": self.source, "reynolds": self.reynolds.tolist()}
 
     def fingerprint(self) -> str:
-        """SHA-256 of the figures as little-endian f8."""
+        """Return the SHA-256 hash of the arrays as little-endian f8."""
         import hashlib
 
         arrays = (self.angle, self.reynolds, self.lift, self.drag)
@@ -504,35 +513,34 @@ class SectionTable(ByValue, SectionLaw):
 
 
 # -------------------------------------------------------------------------------------------------
-# How far loads computed with a set of constants may err, and by what.
+# Covariance of the section constants, and the errors that remain with the best constants.
 
-DISCREPANCIES = ("thrust_coefficient", "power_coefficient")  # of an axial test
+DISCREPANCIES = ("thrust_coefficient", "power_coefficient")  # coefficients of an axial test
 
 
 @dataclass(frozen=True, eq=False)
 class SectionUncertainty:
-    """How well a set of section constants is known.
+    """Uncertainty of a set of section constants.
 
     Attributes
     ----------
     covariance : SectionCovariance
-        Covariance of the constants.  Where the blade was not measured it holds what is not known of
-        chord and twist, too, as changes of the constants that have the same loads.
+        Covariance of the constants.  For a blade that was not measured, it includes the uncertainty
+        of chord and twist, as changes of the constants with the same effect on the loads.
     thrust_coefficient, power_coefficient : float
-        Standard deviations of the errors of C_T and C_P that the best constants would leave [-].
+        Standard deviations of the errors of C_T and C_P that remain with the best constants [-].
     another_tunnel : bool
-        Whether the constants rest on a tunnel other than the one, or the flight, that the loads
-        are to agree with, so that what tunnels differ by counts, see ``propmap.bands``.
+        Whether the constants come from another tunnel than the tunnel or flight of interest.  If
+        so, the bands include the differences between tunnels, see ``propmap.bands``.
     with_blade : SectionCovariance or None
-        What ``covariance`` would be with the blade measured; None where it was.
+        Covariance that the constants would have with a measured blade; None if it was measured.
     envelope : Envelope or None
-        The range of operating points that the constants were fitted to; None where it is not
-        known.
+        Range of the operating points of the fit; None if it is not known.
 
     Raises
     ------
     InputError
-        For a standard deviation that is negative or no number.
+        For a standard deviation that is negative or not a number.
     """
 
     covariance: SectionCovariance
@@ -548,18 +556,18 @@ class SectionUncertainty:
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(f"{name} is {value}", "give a standard deviation, 0 or more")
         if self.with_blade is not None and self.with_blade.names != self.covariance.names:
-            found = f"the covariances are of {self.with_blade.names} and {self.covariance.names}"
-            raise InputError(found, "give them for the same constants")
+            found = f"the constants are {self.with_blade.names} and {self.covariance.names}"
+            raise InputError(found, "give both covariances for the same constants")
 
     def without(self, name: str) -> SectionUncertainty:
-        """Take the constant ``name`` as known."""
+        """Return the uncertainty if the constant ``name`` is known exactly."""
         names = [each for each in self.covariance.names if each != name]
         kept = self.covariance.of(names)
         blade = None if self.with_blade is None else self.with_blade.of(names)
         return replace(self, covariance=kept, with_blade=blade)
 
     def as_dict(self) -> dict[str, Any]:
-        """Give plain data, as ``filed_uncertainty`` reads it."""
+        """Return plain data that ``filed_uncertainty`` reads."""
         return {
             "names": list(self.covariance.names),
             "covariance": self.covariance.matrix.tolist(),
@@ -570,7 +578,7 @@ class SectionUncertainty:
 
 
 def filed_uncertainty(table: Any) -> SectionUncertainty | None:
-    """Read the table ``[uncertainty]`` of a file, as ``SectionUncertainty.as_dict`` writes it."""
+    """Return the uncertainty from a table ``[uncertainty]`` by ``SectionUncertainty.as_dict``."""
     if table is None:
         return None
     try:
@@ -584,12 +592,12 @@ def filed_uncertainty(table: Any) -> SectionUncertainty | None:
         left: Any = {name: float(table[name]) for name in DISCREPANCIES}
     except (KeyError, TypeError, ValueError) as error:
         found = f"the table [uncertainty] is damaged ({error})"
-        raise InputError(found, "remove it, or write the file anew") from None
+        raise InputError(found, "remove the table, or write the file again") from None
     return SectionUncertainty(**matrices, **left, another_tunnel=other)
 
 
 def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty | None:
-    """Read from a fit's table ``[fit]`` how well its free parameters ``names`` are known."""
+    """Return the uncertainty of the free parameters ``names`` from the table ``[fit]`` of a fit."""
     if not isinstance(table, Mapping):
         return None
     try:
@@ -601,31 +609,40 @@ def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty
         ends: Any = {name: tuple(map(float, v)) for name, v in table.get("envelope", {}).items()}
         covered = Envelope(**ends) if ends else None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        found = f"the table [fit] is damaged: covariance or envelope ({error})"
-        raise InputError(found, "write it again with propmap fit") from None
+        found = f"the table [fit] cannot be read: covariance or envelope ({error})"
+        raise InputError(found, other_version(table) or "run `propmap fit` again") from None
     kept_of = every.of(kept)
     return SectionUncertainty(kept_of, **shares, another_tunnel=False, envelope=covered)
 
 
-LARGEST_VARIANCE = 1e30  # beyond it deviations of loads overflow
+def other_version(fit: Any) -> str:
+    """Return the remedy if another version of propmap wrote the table ``fit``; "" otherwise."""
+    version = fit.get("propmap") if isinstance(fit, Mapping) else None
+    if not isinstance(version, str) or version == __version__:
+        return ""
+    written = f"the file was written by propmap {version} (this is {__version__})"
+    return f"{written}: run `propmap fit` again"
+
+
+LARGEST_VARIANCE = 1e30  # larger variances make the standard deviations of loads overflow
 
 
 @dataclass(frozen=True, eq=False)
 class SectionCovariance:
-    """The covariance of P parameters of ``Airfoil``.
+    """Covariance of P parameters of ``Airfoil``.
 
     Attributes
     ----------
     names : tuple of str
-        The parameters.
+        Names of the parameters.
     matrix : ndarray, shape (P, P)
-        In the parameters' units; a variance is infinite where the data say nothing of the
-        parameter.
+        Covariance in the units of the parameters.  The variance of a parameter that the data do not
+        determine is infinite.
 
     Raises
     ------
     InputError
-        Where these do not fit together.
+        For a matrix of another shape, or one that is not a covariance.
     """
 
     names: tuple[str, ...]
@@ -648,21 +665,21 @@ class SectionCovariance:
 
     @property
     def unknown(self) -> tuple[str, ...]:
-        """Parameters with an infinite variance."""
+        """Names of the parameters with infinite variance."""
         variances = np.diag(self.matrix)
         return tuple(n for n, v in zip(self.names, variances, strict=True) if not np.isfinite(v))
 
     @property
     def determined(self) -> SectionCovariance:
-        """The part of finite variance."""
+        """Covariance of the parameters with finite variance."""
         return self.of([name for name in self.names if name not in self.unknown])
 
     def of(self, names: list[str]) -> SectionCovariance:
-        """Keep some of the parameters, ``names``."""
+        """Return the covariance of the parameters ``names``."""
         kept = [self.names.index(name) for name in names]
         return SectionCovariance(tuple(names), self.matrix[np.ix_(kept, kept)])
 
     def as_dict(self) -> dict[str, Any]:
-        """Give plain data, with None for an infinite variance."""
+        """Return plain data, with None for infinite values."""
         rows = [[v if np.isfinite(v) else None for v in row] for row in self.matrix.tolist()]
         return {"names": list(self.names), "matrix": rows}

@@ -1,7 +1,4 @@
-"""The corrections that a model can have: what is added to the paper's physics, as values.
-
-Here are their numbers and what makes them impossible.
-"""
+"""The corrections of a model: terms beyond the physics of the paper, as validated values."""
 
 from __future__ import annotations
 
@@ -19,20 +16,20 @@ from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 from propmap.units import SPEED_OF_SOUND
 
-HUB_SHARE = 0.08  # hub's radius over R where it is not given: 16 mm across on 8 inches
-LARGEST_UNTWIST = 0.2  # of the tip [rad]; a propeller's blade gives way no further
+HUB_SHARE = 0.08  # default radius of the hub over R: 16 mm diameter for 8 inches
+LARGEST_UNTWIST = 0.2  # largest untwist of the tip [rad]; real blades untwist less
 
 TYPICAL_FACTOR, TYPICAL_AREA = (1.9, 0.6), (0.1, 0.1)
-"""Mean and standard deviation of how rotors on motors are installed: the factor on the blades' own
-drag [-], and the area over the square of the propeller's radius [-], with which 20 propellers of
-one tunnel (Gill and D'Andrea, Drones 3(4):77, 2019, doi 10.3390/drones3040077), one of another and
-flights lie inside the bands: ``python -m tools.coverage``."""
+"""Mean and standard deviation for rotors on motors: factor on the drag of the blades [-], and mount
+area over the square of the propeller radius [-].  With these values 20 propellers of one tunnel
+(Gill and D'Andrea, Drones 3(4):77, 2019, doi 10.3390/drones3040077), one propeller of another
+tunnel, and flights lie inside the bands: ``python -m tools.coverage``."""
 
-STALL_DELAY_STRENGTH = 3.0  # Snel's factor of (c/y)^2 [-]
+STALL_DELAY_STRENGTH = 3.0  # Snel's factor on (c/y)^2 [-]
 
 
 class CorrectedModel(Protocol):
-    """The parts of a ``Model`` that its corrections use."""
+    """The properties of a ``Model`` that its corrections use."""
 
     @property
     def propeller(self) -> Propeller:
@@ -48,48 +45,48 @@ class CorrectedModel(Protocol):
 
 
 class Correction:
-    """A change to the physics, as a validated value: a frozen dataclass of numbers."""
+    """Base class of the corrections: a term of the physics, as a frozen dataclass of numbers."""
 
     def check(self, model: CorrectedModel) -> None:
-        """Raise ``InputError`` where it does not fit a ``model`` that has it."""
+        """Raise ``InputError`` if the correction does not fit ``model``."""
 
     def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:  # noqa: ARG002
-        """Give the core what it needs of it in a ``model``, by ``name``: its only number, or 1."""
+        """Return the input of the core: the number of the correction, or 1, under ``name``."""
         values = list(vars(self).values())
         return {name: values[0] if values else 1.0}
 
 
 class InflowShape(Correction):
-    """How the inflow varies around the disk: of these a model has one at most."""
+    """Base class of the variations of the inflow around the disk; a model has at most one."""
 
     def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:  # noqa: ARG002
-        """Give the core the ``name`` of the shape."""
+        """Return the ``name`` of the shape for the core."""
         return {"inflow": name}
 
 
 @dataclass(frozen=True)
 class BladeToHub(Correction):
-    """The blade continued to the hub, inside its first measured station.
+    """Extension of the blade from its first measured station to the hub.
 
-    The chord line keeps the geometric pitch of the first station, 2 pi y tan(theta), as it does on
-    blades whose pitch is constant.  The chord goes on with its mean slope over the first tenth of
-    the radius, but no wider than at the first station and no narrower than half of it.  The
-    measured part stays as it is.
+    The chord line keeps the geometric pitch of the first station, 2 pi y tan(theta), as on blades
+    of constant pitch.  The chord continues with its mean slope over the first tenth of the radius,
+    but stays between half and all of the first chord.  The measured part does not change.
 
-    Geometry files begin where the blade leaves the hub's fairing.  What lies inside stands steeply
-    in the in-plane flow: on the APC 8x6E it is a hundredth or two of the thrust and more than a
-    tenth of the rotor drag.  A blade that reaches the hub stays as it is.
+    Geometry files begin at the radius where the blade leaves the fairing of the hub.  The part
+    inside is at a large angle to the in-plane flow.  On the APC 8x6E it adds one or two hundredths
+    to the thrust and more than a tenth to the rotor drag.  A blade that reaches the hub does not
+    change.
 
     Attributes
     ----------
     radius_m : float or None
-        Radius of the hub [m]; None for ``HUB_SHARE`` of the tip's radius.
+        Radius of the hub [m]; None for ``HUB_SHARE`` times the tip radius.
 
     Raises
     ------
     InputError
-        For a radius that is no positive number; in a ``Model``, for one outside the first station
-        and for a blade that a root cut-out shortens.
+        For a radius that is not a positive number; in a ``Model``, for a radius beyond the first
+        station, and for a blade with a root cut-out.
     """
 
     radius_m: float | None = None
@@ -98,54 +95,56 @@ class BladeToHub(Correction):
         _check_radius(self.radius_m)
 
     def hub(self, propeller: Propeller) -> float:
-        """Find where the blade of a ``propeller`` then begins [m]; ``InputError`` for a blade that
-        a root cut-out shortens, and a hub outside the first station."""
+        """Return the radius at which the extended blade of a ``propeller`` begins [m].
+
+        Raise ``InputError`` for a blade with a root cut-out, and a hub beyond the first station.
+        """
         first, root = float(propeller.station[0]), propeller.root
         if root > first * (1.0 + 1e-9):
-            found = (
-                f"blade-to-hub continues the blade inwards, but its root is cut out at {root:g} m"
-            )
-            raise InputError(found, "leave out one of the two")
+            found = f"blade-to-hub extends the blade inward, but its root is cut out at {root:g} m"
+            raise InputError(found, "remove the correction or the root cut-out")
         hub = HUB_SHARE * propeller.radius if self.radius_m is None else self.radius_m
         if self.radius_m is not None and hub > first * (1.0 + 1e-9):
             found = f"radius_m of blade-to-hub is {hub:g} m, but the blade begins at {first:g} m"
-            raise InputError(found, "give a smaller radius in metres, or leave the correction out")
+            raise InputError(found, "give a smaller radius in meters, or remove the correction")
         return root if hub >= first * (1.0 - 1e-9) else hub
 
     def check(self, model: CorrectedModel) -> None:
-        """Check the propeller of a ``model``, as ``hub``."""
+        """Check the propeller of a ``model``, as in ``hub``."""
         self.hub(model.propeller)
 
     def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:
-        """Give the hub's radius by ``name``, where the blade of a ``model`` is continued."""
+        """Return the radius of the hub under ``name``, if the blade of ``model`` is extended."""
         hub = self.hub(model.propeller)
         return {name: hub} if hub < model.propeller.root else {}
 
 
 @dataclass(frozen=True)
 class BladeUntwist(Correction):
-    """A blade that flattens as it turns: the centrifugal force twists it to the disk plane.
+    """Elastic untwist: the centrifugal force twists the blade toward the disk plane.
 
-    A section's mass lies along its chord.  Turning at Omega pulls it outwards from the axis and so
-    into the disk plane: the propeller moment -Omega^2 I sin(theta) cos(theta) per length.  A blade
-    of length R that is held at its hub gives way to a moment that is the same all along it by
+    The mass of a section lies along its chord.  The rotation at Omega pulls this mass outward from
+    the axis and so turns the section into the disk plane.  The propeller moment per length is
+    -Omega^2 I sin(theta) cos(theta).  If the moment is constant along a blade of length R that is
+    clamped at its hub, the blade twists by
 
         delta(y) = delta_tip s (2 - s),   s = y / R,   delta_tip ~ Omega^2 .
 
-    Between blades of one material and shape delta_tip goes as the square of the tip speed, whatever
-    their size, and with (c/t)^2, the square of chord over thickness.  For c/t = 10 and a pitch of
-    17 degrees it is 0.5 (rho_b (Omega R)^2 / G) (c/2t)^2 sin(theta) cos(theta), at a tip speed of
-    100 m/s about 0.05 rad for polycarbonate and 0.02 rad for nylon with glass fibres.
+    For blades of one material and shape, delta_tip grows with the square of the tip speed and does
+    not depend on the size.  It grows with (c/t)^2, the square of chord over thickness.  For
+    c/t = 10 and a pitch of 17 degrees it is
+    0.5 (rho_b (Omega R)^2 / G) (c/2t)^2 sin(theta) cos(theta).  At a tip speed of 100 m/s, this is
+    about 0.05 rad for polycarbonate and 0.02 rad for nylon with glass fibers.
 
     Attributes
     ----------
     tip_angle : float
-        What the tip's twist loses at a tip speed of 100 m/s [rad]; it grows with Omega^2.
+        Decrease of the tip twist at a tip speed of 100 m/s [rad]; it grows with Omega^2.
 
     Raises
     ------
     InputError
-        For an angle beyond 0.2 rad either way.
+        For an angle outside -0.2 to 0.2 rad.
 
     References
     ----------
@@ -157,18 +156,18 @@ class BladeUntwist(Correction):
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.tip_angle) and abs(self.tip_angle) <= LARGEST_UNTWIST):
-            found = f"tip_angle is {self.tip_angle}: give what the tip's twist loses at a tip "
+            found = f"tip_angle is {self.tip_angle}: give the decrease of the tip twist at a tip "
             found += f"speed of 100 m/s, in rad, from {-LARGEST_UNTWIST:g} to {LARGEST_UNTWIST:g}"
             raise InputError(found)
 
 
 @dataclass(frozen=True)
 class TipLoss(Correction):
-    """Prandtl's loss at the tip: a factor on the momentum thrust for a finite number of blades.
+    """Prandtl's tip loss: a factor on the momentum thrust for a finite number of blades.
 
     The thrust (10) of an annulus is multiplied by F = 2/pi arccos(exp(-f)) with
-    f = N_b (R - y) / (2 y sin(phi)).  phi is the inflow angle with V sin(beta) left out,
-    tan(phi) = |U_P| / (Omega y): an annulus has one inflow at all azimuths, hence one F.
+    f = N_b (R - y) / (2 y sin(phi)).  phi is the inflow angle without V sin(beta),
+    tan(phi) = |U_P| / (Omega y), because an annulus has the same inflow and F at all azimuths.
 
     References
     ----------
@@ -180,17 +179,18 @@ class TipLoss(Correction):
 
 @dataclass(frozen=True)
 class HubLoss(Correction):
-    """Prandtl's loss at the hub: as ``TipLoss`` with f = N_b (y - r) / (2 r sin(phi)).
+    """Prandtl's hub loss: as ``TipLoss``, with f = N_b (y - r) / (2 r sin(phi)).
 
     Attributes
     ----------
     radius_m : float or None
-        r, of the hub [m]; None for the radius at which the blade begins.
+        Radius r of the hub [m]; None for the radius at which the blade begins.
 
     Raises
     ------
     InputError
-        For a radius that is no positive number; in a ``Model``, for one outside the blade's root.
+        For a radius that is not a positive number; in a ``Model``, for a radius beyond the blade
+        root.
     """
 
     radius_m: float | None = None
@@ -199,11 +199,11 @@ class HubLoss(Correction):
         _check_radius(self.radius_m)
 
     def radius(self, root: float) -> float:
-        """Give the hub's radius [m] on a blade that begins at ``root`` [m]."""
+        """Return the radius of the hub [m] for a blade that begins at ``root`` [m]."""
         return root if self.radius_m is None else self.radius_m
 
     def check(self, model: CorrectedModel) -> None:
-        """Refuse a hub that is larger than where the blade of a ``model`` begins."""
+        """Raise ``InputError`` if the hub is larger than the root radius of the ``model``."""
         root, _ = model.span
         radius = self.radius(root)
         if radius > root * (1.0 + 1e-9):
@@ -211,23 +211,23 @@ class HubLoss(Correction):
             raise InputError(found, "give a smaller radius, or a root cut-out")
 
     def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:
-        """Give the hub's radius in a ``model``, by ``name``."""
+        """Return the radius of the hub in a ``model``, under ``name``."""
         return {name: self.radius(model.span[0])}
 
 
 @dataclass(frozen=True)
 class PittPeters(InflowShape):
-    """Static inflow of Pitt and Peters, with the moments' feedback.
+    """Static inflow of Pitt and Peters, with feedback of the moments.
 
-    With coefficients by rho A (Omega R)^2, times R for moments, chi the wake's skew and V its
-    mass-flow parameter:
+    The coefficients are forces over rho A (Omega R)^2 and moments over rho A (Omega R)^2 R, chi is
+    the wake skew, and V is the mass-flow parameter of Pitt and Peters:
 
         lambda_s = 4 / (1 + cos(chi)) C_roll / V,
-        lambda_c = 15 pi/64 tan(chi/2) C_T / V + 4 cos(chi) / (1 + cos(chi)) C_rear / V,
+        lambda_c = 15 pi/64 tan(chi/2) C_T / V + 4 cos(chi) / (1 + cos(chi)) C_rear / V.
 
-    C_rear being the moment that lifts the rear: there is more downwash where the disk lifts more.
-    The mean inflow is that of eq. (11), averaged over the disk, where Pitt and Peters have a
-    uniform one.
+    C_rear is the moment that lifts the rear; a part of the disk with more lift has more downwash.
+    The mean inflow is the solution of eq. (11), averaged over the disk; Pitt and Peters use a
+    uniform mean inflow.
 
     References
     ----------
@@ -240,7 +240,7 @@ class PittPeters(InflowShape):
 
 @dataclass(frozen=True)
 class PittPetersGradient(InflowShape):
-    """The gradient of Pitt and Peters that thrust drives, without the moments' feedback.
+    """Inflow gradient of Pitt and Peters from the thrust, without feedback of the moments.
 
     v_c = 15 pi/32 tan(chi/2) times the mean inflow; see ``PittPeters``.
     """
@@ -248,7 +248,7 @@ class PittPetersGradient(InflowShape):
 
 @dataclass(frozen=True)
 class Coleman(InflowShape):
-    """v_c = tan(chi/2) times the mean inflow.
+    """Inflow gradient of Coleman: v_c = tan(chi/2) times the mean inflow.
 
     References
     ----------
@@ -259,9 +259,10 @@ class Coleman(InflowShape):
 
 @dataclass(frozen=True)
 class Drees(InflowShape):
-    """v_c = 4/3 (1 - cos(chi) - 1.8 mu^2) / sin(chi) and v_s = -2 mu, times the mean inflow.
+    """Inflow gradients of Drees.
 
-    mu = V sin(beta)/(Omega R), held at 0.5 above it.
+    v_c = 4/3 (1 - cos(chi) - 1.8 mu^2) / sin(chi) and v_s = -2 mu, times the mean inflow, with
+    mu = V sin(beta)/(Omega R) limited to 0.5.
 
     References
     ----------
@@ -272,7 +273,7 @@ class Drees(InflowShape):
 
 @dataclass(frozen=True)
 class WhiteBlake(InflowShape):
-    """v_c = sqrt(2) sin(chi) times the mean inflow.
+    """Inflow gradient of White and Blake: v_c = sqrt(2) sin(chi) times the mean inflow.
 
     References
     ----------
@@ -283,27 +284,28 @@ class WhiteBlake(InflowShape):
 
 @dataclass(frozen=True)
 class Installed(Correction):
-    """A rotor on its motor, arm or stand, whose force in the disk plane is not that of bare blades.
+    """Rotor drag of an installed rotor, on its motor, arm or stand.
 
-    It changes the rotor drag alone, at the hub: no moment comes from it; see ``drag``.  On every
-    mount that was measured it is larger than blade theory has it, in two ways: by a factor on the
-    blades' own, linear in Omega V, and as the drag of what stands in the slipstream.
+    The correction changes only the rotor drag, at the hub, and adds no moment; see ``drag``.  On
+    all measured mounts the rotor drag exceeds that of bare blades by two terms.  One is a factor on
+    the drag of the blades, linear in Omega V.  The other is the drag of the parts in the
+    slipstream.
 
     Attributes
     ----------
     factor : float or None
-        k, factor on the rotor drag of the blades [-]; None for that of ``TYPICAL_FACTOR``.
+        Factor k on the rotor drag of the blades [-]; None for the mean of ``TYPICAL_FACTOR``.
     area_m2 : float or None
-        f, drag coefficient times area of what is mounted across the flow [m^2]; None for that of
-        ``TYPICAL_AREA``.
+        Area f [m^2], drag coefficient times area of the parts in the slipstream; None for the mean
+        of ``TYPICAL_AREA``.
     wake : float
-        The share of the disk's inflow in the air that it meets [-]: 1 at the disk, where a motor
-        sits, towards 2 far below, 0 outside the slipstream.
+        Inflow at these parts over the inflow at the disk [-]: 1 at the disk, where a motor is, up
+        to 2 far below, 0 outside the slipstream.
 
     Raises
     ------
     InputError
-        For a factor or an area below zero and a share that is not from 0 to 2.
+        For a negative factor or area, or a ``wake`` outside 0 to 2.
     """
 
     factor: float | None = None
@@ -312,31 +314,33 @@ class Installed(Correction):
 
     def __post_init__(self) -> None:
         if self.factor is not None and not 0.0 <= self.factor < math.inf:
-            raise InputError(f"factor is {self.factor}: give 1 for the blades' own drag, or more")
+            raise InputError(f"factor is {self.factor}: give 1 for the drag of the blades, or more")
         if self.area_m2 is not None and not 0.0 <= self.area_m2 < math.inf:
             raise InputError(f"area_m2 is {self.area_m2}: give an area of 0 m^2 or more")
         if not 0.0 <= self.wake <= 2.0:
-            found = f"wake is {self.wake}: give a share of the inflow, 1 at the disk to 2 far below"
+            found = f"wake is {self.wake}: give inflow at the mount over inflow at the disk, 0 to 2"
             raise InputError(found)
 
     @property
     def blade_factor(self) -> float:
-        """k [-]."""
+        """Factor k on the rotor drag of the blades [-]."""
         return TYPICAL_FACTOR[0] if self.factor is None else self.factor
 
     def area(self, radius: float) -> float:
-        """Give f [m^2] below a propeller of this ``radius`` [m]."""
+        """Return the area f [m^2] for a propeller of this ``radius`` [m]."""
         return TYPICAL_AREA[0] * radius**2 if self.area_m2 is None else self.area_m2
 
     def deviations(self, radius: float) -> dict[str, float]:
-        """Give the standard deviations of what is not stated, by the names of ``Rotor.gradients``,
-        below a propeller of this ``radius`` [m]."""
+        """Return the standard deviations of factor and area, if not given, for this ``radius`` [m].
+
+        The names are those of ``Rotor.gradients``.
+        """
         factor = {} if self.factor is not None else {DRAG_FACTOR: TYPICAL_FACTOR[1]}
         area = {} if self.area_m2 is not None else {MOUNT_AREA: TYPICAL_AREA[1] * radius**2}
         return factor | area
 
     def core_numbers(self, name: str, model: CorrectedModel) -> dict[str, Any]:
-        """Give the factor by ``name``, the area in a ``model``, and the share of the inflow."""
+        """Return the factor under ``name``, the area for a ``model``, and ``wake``."""
         area = self.area(model.propeller.radius)
         return {name: self.blade_factor, "mount-area": area, "mount-wake": self.wake}
 
@@ -349,28 +353,28 @@ class Installed(Correction):
         inflow: Floats,
         blades: Floats,
     ) -> Floats:
-        """D = k D_blades + 1/2 rho f V_inplane sqrt(V_inplane^2 + (V_axial + w v_i)^2).
+        """Return D = k D_blades + 1/2 rho f V_inplane sqrt(V_inplane^2 + (V_axial + w v_i)^2).
 
-        The second term is the part in the disk plane of a drag along the air's velocity, so that
-        the slipstream raises it: in slow flight it too grows with the in-plane velocity itself.
+        The second term is the in-plane component of a drag along the velocity of the air.  The
+        slipstream increases this velocity, so in slow flight the term is linear in V_inplane.
 
         Parameters
         ----------
         radius : float
-            R [m].
+            Propeller radius R [m].
         density : float
-            rho [kg/m^3].
+            Air density rho [kg/m^3].
         v_axial, v_inplane : ndarray, shape (...)
             V cos(beta) and V sin(beta) [m/s].
         inflow : ndarray, shape (...)
-            v_i averaged over the disk's area [m/s].
+            v_i averaged over the disk area [m/s].
         blades : ndarray, shape (...)
             Rotor drag of the blades [N].
 
         Returns
         -------
         ndarray, shape (...)
-            [N], against the in-plane velocity.
+            Rotor drag [N], against the in-plane velocity.
         """
         speed = np.hypot(v_inplane, v_axial + self.wake * inflow)
         mount = 0.5 * density * self.area(radius) * v_inplane * speed
@@ -379,26 +383,27 @@ class Installed(Correction):
 
 @dataclass(frozen=True)
 class StallDelay(Correction):
-    """Stall delay of the inner blade by Snel: rotation holds the separated flow on the blade.
+    """Stall delay of the inner blade after Snel: rotation keeps the separated flow on the blade.
 
-    Lift is C_L + min(k (c/y)^2, 1) w (s a - C_L), s being the attached lift's slope, a the angle
-    from zero lift and w a weight, 1 up to 30 degrees on either side and 0 from 60 on.  Drag is left
-    as it is.  Made for the slender blades of wind turbines: where c/y is large no stall is left.
+    The lift is C_L + min(k (c/y)^2, 1) w (s a - C_L), with the slope s of the attached lift and
+    the angle a from zero lift.  The weight w is 1 up to 30 degrees on either side and 0 from
+    60 degrees.  The drag does not change.  The rule was made for the slender blades of wind
+    turbines; for large c/y it removes stall completely.
 
     Attributes
     ----------
     strength : float
-        k, factor of (c/y)^2 [-].
+        Factor k on (c/y)^2 [-].
 
     Raises
     ------
     InputError
-        For a strength below zero; in a ``Model``, for a section law without attached lift.
+        For a negative strength; in a ``Model``, for a section law without attached lift.
 
     References
     ----------
     H. Snel, R. Houwink, J. Bosschers, "Sectional Prediction of Lift Coefficients on Rotating Wind
-    Turbine Blades in Stall", ECN-C--93-052, 1994, which has the lift of a thin plate for s a.
+    Turbine Blades in Stall", ECN-C--93-052, 1994, with the lift of a thin plate instead of s a.
     """
 
     strength: float = STALL_DELAY_STRENGTH
@@ -406,22 +411,23 @@ class StallDelay(Correction):
     def __post_init__(self) -> None:
         if not 0.0 <= self.strength < math.inf:
             found = f"strength of the stall delay is {self.strength}"
-            raise InputError(found, "give a number, 3 in Snel's form")
+            raise InputError(found, "give a number of 0 or more; Snel's value is 3")
 
     def check(self, model: CorrectedModel) -> None:
-        """Refuse a ``model`` whose section law says that it has no attached lift."""
+        """Raise ``InputError`` for a ``model`` whose section law has no attached lift."""
         if not getattr(model.airfoil, "has_attached_lift", True):
-            found = "stall-delay gives lift back that stall takes, but this section law has no "
-            found += "attached lift that could be continued"
-            raise InputError(found, "leave the correction out, or give another law")
+            found = "stall-delay restores attached lift beyond stall, but this section law has no "
+            found += "attached lift"
+            raise InputError(found, "remove the correction, or give another section law")
 
 
 @dataclass(frozen=True)
 class PrandtlGlauert(Correction):
-    """Lift by the rule of Prandtl and Glauert: divided by sqrt(1 - M^2), M being the Mach number.
+    """Prandtl-Glauert rule: the lift is divided by sqrt(1 - M^2), where M is the Mach number.
 
-    The rule is used as it is up to M = 0.6, and held at 0.7 above some 0.79.  The lift of separated
-    flow is raised with the rest; drag is left as it is, without the rise that shocks bring.
+    Above M = 0.6 the rule uses a smaller M, which levels off at 0.7 for Mach numbers above about
+    0.79.  The rule also increases the lift of separated flow.  It does not change the drag, so the
+    drag rise due to shocks is missing.
 
     Attributes
     ----------
@@ -431,7 +437,7 @@ class PrandtlGlauert(Correction):
     Raises
     ------
     InputError
-        For a speed that is no positive number.
+        For a speed that is not a positive number.
 
     References
     ----------
@@ -448,20 +454,20 @@ class PrandtlGlauert(Correction):
 
 @dataclass(frozen=True)
 class RadialFriction(Correction):
-    """Viscous drag along the flow with its part along the blade.
+    """Viscous drag along the whole velocity, including its component along the blade.
 
-    In forward flight air also moves along the blade, outwards with U_R = V sin(beta) cos(psi).  By
-    the independence principle lift and pressure drag do not feel it, as in the paper; friction
-    does, and acts along the whole velocity, whose size is W = sqrt(U_T^2 + U_P^2 + U_R^2).  So the
-    law's viscous drag 1/2 rho U C_v c (U_T, U_P) becomes 1/2 rho W C_v c (U_T, U_P, U_R), C_v being
-    taken at the Reynolds number of W.  The part along the blade adds to the rotor drag, and the
-    larger velocity to drag and torque.  In axial flow nothing changes.
+    In forward flight air also flows along the blade, outward at U_R = V sin(beta) cos(psi).  By the
+    independence principle, lift and pressure drag do not depend on U_R, as in the paper.  Friction
+    acts along the whole velocity of magnitude W = sqrt(U_T^2 + U_P^2 + U_R^2).  So the viscous
+    drag of the section law, 1/2 rho U C_v c (U_T, U_P), becomes 1/2 rho W C_v c (U_T, U_P, U_R),
+    with C_v at the Reynolds number of W.  The component along the blade increases the rotor drag,
+    and the larger velocity increases rotor drag and torque.  Axial flow does not change.
 
-    A law's drag at zero lift is taken to be viscous: c_d0 and the friction in eq. (4).
+    The drag of a section law at zero lift counts as viscous: c_d0 and the friction in eq. (4).
 
-    Not taken into account: what friction adds to the forces along the axis, less than 1e-3 of the
-    thrust, and hence to the inflow; and how it differs between the rear and the front of a disk
-    whose inflow varies, which would give a force across.
+    Two effects are neglected.  Friction changes the forces along the axis by less than 1e-3 of the
+    thrust, and hence the inflow.  If the inflow varies around the disk, friction differs between
+    rear and front, which causes a side force.
 
     References
     ----------
@@ -472,7 +478,7 @@ class RadialFriction(Correction):
 
 def _check_radius(radius: float | None) -> None:
     if radius is not None and not 0.0 < radius < math.inf:
-        raise InputError(f"radius_m is {radius}: give the hub's radius in metres")
+        raise InputError(f"radius_m is {radius}: give the radius of the hub in meters")
 
 
 CORRECTIONS: dict[str, type[Correction]] = {
@@ -490,31 +496,31 @@ CORRECTIONS: dict[str, type[Correction]] = {
     "prandtl-glauert": PrandtlGlauert,
     "radial-friction": RadialFriction,
 }
-"""Each by its name.  They act in this order, whichever way they are given: the blade's shape comes
-first."""
+"""Corrections by name, in the order in which they act: the shape of the blade comes first.  The
+order of the corrections in a model does not matter."""
 
 MODELS = {"recommended": ("pitt-peters", "radial-friction"), "paper": ()}
-"""Corrections by the model's name.  The commands take "recommended" where nothing else is said;
-"paper" is Gill & D'Andrea, CCTA 2017, doi 10.1109/CCTA.2017.8062443, to the letter."""
+"""Corrections of each named model.  "recommended" is the default of the commands.  "paper" is the
+model of Gill & D'Andrea, CCTA 2017, doi 10.1109/CCTA.2017.8062443, without changes."""
 
 
 INSTALLED = "installed"
-"""The correction that describes a rotor's surroundings: no section constant depends on it, so that
-it may differ from that of the test that the constants are from."""
+"""Name of the correction that describes the installation of a rotor.  Section constants do not
+depend on it, so it may differ from the installation in the test of the constants."""
 
 
 def correction(text: str) -> Correction:
-    """Make a correction from its name and numbers, as in ``hub-loss:radius_m=0.012``.
+    """Return the correction for a text such as ``hub-loss:radius_m=0.012``.
 
     Parameters
     ----------
     text : str
-        A name of ``CORRECTIONS``; behind a colon its fields, separated by commas.
+        A name from ``CORRECTIONS``; after a colon its fields, separated by commas.
 
     Raises
     ------
     InputError
-        For an unknown name or field, or a value that is no number.
+        For an unknown name or field, or a value that is not a number.
     """
     name, colon, given = text.partition(":")
     if name not in CORRECTIONS:
@@ -532,7 +538,7 @@ def correction(text: str) -> Correction:
             try:
                 numbers[field] = float(value)
             except ValueError:
-                found, remedy = f"{part!r} is no field with a number", f"write {name}:field=number"
+                found, remedy = f"{part!r} is not field=number", f"write {name}:field=number"
                 raise InputError(found, remedy) from None
             if field not in known_fields:
                 has = f"it has {', '.join(known_fields) or 'no fields'}"
@@ -543,21 +549,21 @@ def correction(text: str) -> Correction:
     return kind(**numbers)
 
 
-def corrections_of(
+def model_corrections(
     model: str = "recommended", added: Sequence[str] = (), *, installed: bool = False
 ) -> tuple[Correction, ...]:
-    """Collect the corrections of a model by its name, for ``propmap.Model``.
+    """Return the corrections of a named model, for ``propmap.Model``.
 
     Parameters
     ----------
     model : str
         "recommended" or "paper", see ``MODELS``.
     added : sequence of str
-        More of them, as ``correction`` reads them.  One that sets how the inflow varies around the
-        disk, and one with other fields, takes the place of the model's own.
+        More corrections, as texts for ``correction``.  One of the same kind replaces that of the
+        model, as does another variation of the inflow around the disk.
     installed : bool
-        Whether to add ``Installed()``, a rotor on a motor as they are, to the recommended model
-        where ``added`` does not say how it is installed.
+        Whether to add ``Installed()``, a typical rotor on a motor, to the recommended model if
+        ``added`` does not contain "installed".
 
     Raises
     ------
@@ -581,7 +587,7 @@ def corrections_of(
 
 
 def as_texts(texts: Any) -> tuple[str, ...] | None:
-    """Check texts of corrections of a file; None, where nothing is said of them, stays None."""
+    """Return the checked correction texts of a file; None, for unknown ones, stays None."""
     if texts is None:
         return None
     if not isinstance(texts, (list, tuple)) or not all(isinstance(text, str) for text in texts):
@@ -590,43 +596,45 @@ def as_texts(texts: Any) -> tuple[str, ...] | None:
 
 
 def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tuple[str, ...]:
-    """Give the corrections for a section law that was found with its ``own``, None if unknown, the
-    mount as ``given``; ``InputError`` where others than its own are given to the law called
-    ``section``."""
+    """Return the corrections for the section law ``section``, with the ``given`` installation.
+
+    Raise ``InputError`` if ``given`` differs from ``own``, the corrections of its fit, None if
+    unknown.
+    """
     wanted, mount = split_mount(as_texts(given) or ())
     if own is None:
         return *wanted, *mount
     found, own_mount = split_mount(own)
     if sorted(found) != sorted(wanted):
         raise InputError(
-            f"{section} was found with {in_words(found)}, not with {in_words(wanted)}",
-            "leave --model and --correction out, which takes what it was found with, or fit again",
+            f"{section} was fitted with {in_words(found)}, not with {in_words(wanted)}",
+            "omit --model and --correction to use the corrections of the fit, or fit again",
         )
     return *found, *(mount or own_mount)
 
 
 def split_mount(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Part the corrections of the physics from those that describe what is mounted."""
+    """Split ``texts`` into corrections of the physics and those of the installation."""
     mount = tuple(text for text in texts if text.partition(":")[0] == INSTALLED)
     return tuple(text for text in texts if text not in mount), mount
 
 
 def in_words(texts: Sequence[str]) -> str:
-    """Name corrections: "tip-loss, pitt-peters", or that there are none."""
+    """Return the names of corrections, "tip-loss, pitt-peters", or "the paper's model"."""
     return ", ".join(texts) or "the paper's model"
 
 
 def name_of(value: Correction) -> str:
-    """Find the name by which ``correction`` knows it; ``InputError`` for what is no correction."""
+    """Return the name of a correction; raise ``InputError`` for another object."""
     for name, kind in CORRECTIONS.items():
         if type(value) is kind:
             return name
-    found = f"{value!r} is no correction"
+    found = f"{value!r} is not a correction"
     raise InputError(found, f"give one of {', '.join(CORRECTIONS)}, see propmap.correction")
 
 
 def as_text(value: Correction) -> str:
-    """Write the text from which ``correction`` makes it again."""
+    """Return the text from which ``correction`` makes this correction."""
     fields = dataclasses.fields(value)  # type: ignore[arg-type]
     numbers = {field.name: (getattr(value, field.name), field.default) for field in fields}
     given = ",".join(

@@ -1,4 +1,4 @@
-"""The envelope of the operating points that constants were fitted to, and what lies beyond it."""
+"""The envelope of the operating points of a fit, and the points beyond this envelope."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ from numpy.typing import NDArray
 from propmap.typing import Floats
 from propmap.units import RPM
 
-Range = tuple[float, float]  # least and largest
+Range = tuple[float, float]  # smallest and largest value
 
 QUANTITIES = {
     "edgewise_ratio": "V sin(beta)/(Omega R)",
     "advance_ratio": "V/(Omega R)",
     "climb_ratio": "V cos(beta)/(Omega R)",
     "rpm": "rotor speed",
-}  # what an envelope has ranges of, in words
+}  # quantities with a range in the envelope, with their names in messages
 
-MARGIN = 0.01  # by how much a ratio may leave its range and count as inside [-]
+MARGIN = 0.01  # distance from the range at which a ratio still counts as inside [-]
 
-RPM_MARGIN = 0.2  # share of the rotor speed, which acts by the Reynolds number alone
-MAIN_PART = (1.0, 99.0)  # percentiles that are the ends in flights, where samples stray
+RPM_MARGIN = 0.2  # margin as a share of the rotor speed, which only changes the Reynolds number
+MAIN_PART = (1.0, 99.0)  # percentiles for flights, which exclude outliers
 
 
 @dataclass(frozen=True)
 class Envelope:
-    """Ranges of the data of a fit, at the rotors that turn.
+    """Ranges of the data of a fit, for rotors that turn.
 
     Attributes
     ----------
     percentiles : tuple of float
-        Which of the points are the ends: 0 and 100 for all of them, as in a tunnel.
+        Percentiles of the points at the ends of the ranges: 0 and 100 for all points of a tunnel.
     edgewise_ratio, advance_ratio, climb_ratio : tuple of float
-        V sin(beta), V and V cos(beta) over the tip's speed Omega R [-].
+        V sin(beta), V and V cos(beta) over the tip speed Omega R [-].
     rpm : tuple of float
         Rotor speed [1/min].
     """
@@ -50,7 +50,7 @@ class Envelope:
         for name in QUANTITIES:
             low, high = getattr(self, name)
             if not -math.inf < low <= high < math.inf:
-                raise ValueError(f"{name} from {low} to {high} is no range")
+                raise ValueError(f"{name} from {low} to {high} is not a range")
 
     @classmethod
     def of(
@@ -61,7 +61,7 @@ class Envelope:
         radius: float,
         percentiles: Range = (0.0, 100.0),
     ) -> Envelope:
-        """Find the ranges of points ``omega``, ``axial``, ``inplane`` and ``radius``, as in
+        """Return the envelope of points ``omega``, ``axial``, ``inplane`` and ``radius``, as in
         ``beyond``, between these ``percentiles``."""
         turning = omega > 0.0
         found = _quantities(omega[turning], axial[turning], inplane[turning], radius)
@@ -69,15 +69,15 @@ class Envelope:
         return cls(percentiles, **{name: (low, high) for name, (low, high) in ends.items()})
 
     def beyond(self, omega: Floats, axial: Floats, inplane: Floats, radius: float) -> Beyond:
-        """Tell which points lie outside, and by which quantity.
+        """Return how far points lie outside the envelope, by quantity.
 
         Parameters
         ----------
         omega, axial, inplane : ndarray, shape (n,) or (n, k)
-            At n points, or for k rotors at n samples: rotational speed [rad/s], V cos(beta) and
-            V sin(beta) [m/s].
+            Rotational speed [rad/s], V cos(beta) and V sin(beta) [m/s] of n points, or of k rotors
+            in n samples.
         radius : float
-            R [m].
+            Rotor radius R [m].
         """
         found = _quantities(omega, axial, inplane, radius)
         excess = {}
@@ -91,10 +91,10 @@ class Envelope:
 
 @dataclass(frozen=True, eq=False)
 class Beyond:
-    """By how much points leave an ``envelope``.
+    """Distances of points from an ``envelope``.
 
-    The ``excess`` by quantity has the shape of the points, is 0 inside and negative below the
-    least.
+    ``excess`` contains an array by quantity, in the shape of the points: 0 inside, positive above
+    the range, negative below the range.
     """
 
     envelope: Envelope
@@ -102,24 +102,26 @@ class Beyond:
 
     @property
     def points(self) -> NDArray[np.bool_]:
-        """Which points lie outside."""
+        """Whether each point lies outside."""
         return np.any(np.stack(list(self.excess.values())) != 0.0, axis=0)
 
     @property
     def samples(self) -> NDArray[np.bool_]:
-        """Which samples (n,) of several rotors' points (n, k), or points (n,), lie outside."""
+        """Whether a rotor of each sample (n,) lies outside; for points (n,), as in ``points``."""
         return _by_sample(self.points)
 
     @property
     def reach(self) -> Floats:
-        """V/(Omega R) of samples (n,) over the largest of the data, at least 1 [-]."""
+        """Largest V/(Omega R) of each sample (n,) over the maximum of the data, at least 1 [-]."""
         further = np.nan_to_num(self.excess["advance_ratio"])
         ratio = 1.0 + np.maximum(further, 0.0) / max(self.envelope.advance_ratio[1], MARGIN)
         return np.asarray(ratio.reshape(len(ratio), -1).max(axis=1))
 
     def sentences(self, what: str = "points") -> list[str]:
-        """Say in a sentence how many samples, called ``what``, lie outside, by which quantities and
-        how far; none where no sample does."""
+        """Return a sentence on the samples outside: share, quantities and range.
+
+        ``what`` is the name of the samples.  The list is empty if no sample lies outside.
+        """
         outside = self.samples
         if not outside.any():
             return []
@@ -136,17 +138,17 @@ class Beyond:
             way = "up" if furthest > 0.0 else "down"
             share = f", {leaving[name].mean():.1%}" if outside.size > 1 else ""
             parts.append(f"{QUANTITIES[name]} {way} to {reached} (data {' to '.join(data)}{share})")
-        who = f"{outside.mean():.1%} of the {what} lie" if outside.size > 1 else "it lies"
+        who = f"{outside.mean():.1%} of the {what} lie" if outside.size > 1 else "the point lies"
         return [f"{who} beyond the data of the fit: {'; '.join(parts)}"]
 
 
 def _quantities(omega: Floats, axial: Floats, inplane: Floats, radius: float) -> dict[str, Floats]:
-    """Compute the quantities of points; ratios are NaN at rotors that stand still."""
+    """Return the quantities of points; ratios of stationary rotors are NaN."""
     tip = np.where(omega > 0.0, omega, np.nan) * radius
     ratios = (inplane / tip, np.hypot(axial, inplane) / tip, axial / tip)
     return dict(zip(QUANTITIES, (*ratios, omega / RPM), strict=True))
 
 
 def _by_sample(points: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Join the points of a sample's rotors."""
+    """Return whether any rotor of a sample is marked."""
     return np.asarray(points.reshape(points.shape[0] if points.ndim else 1, -1).any(axis=1))

@@ -1,4 +1,4 @@
-"""A propeller, a section law, air and corrections: all that loads depend on."""
+"""The model of a rotor: propeller, section law, air and corrections, as one value."""
 
 from __future__ import annotations
 
@@ -33,29 +33,29 @@ OneOf = TypeVar("OneOf", bound=Correction)
 
 @runtime_checkable
 class Section(Protocol):
-    """What a model's section law must have: ``Airfoil``, ``SectionTable`` or your own."""
+    """Interface of a section law: ``Airfoil``, ``SectionTable`` or your own class."""
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the law."""
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of what loads can be differentiated by."""
+        """Names of the parameters with derivatives of the loads."""
 
     def core_law(self) -> dict[str, Any]:
-        """Give the law as the compiled core takes it."""
+        """Return the law in the form that the compiled core reads."""
 
     def metadata(self) -> dict[str, Any]:
-        """Give what files say of it: texts and numbers by name."""
+        """Return texts and numbers by name, for files."""
 
     def fingerprint(self) -> str:
-        """Hash all that its lift and drag depend on, by SHA-256."""
+        """Return a SHA-256 hash of everything that determines lift and drag."""
 
 
 @dataclass(frozen=True)
 class Model:
-    """What is modelled, as one value that is passed on whole.
+    """The model of a rotor: everything that determines its loads.
 
     Attributes
     ----------
@@ -64,17 +64,17 @@ class Model:
     airfoil : Section
         Section law.
     air : Air
-        Density and viscosity; the paper's by default.
+        Density and viscosity; by default those of the paper.
     corrections : tuple
-        Values of ``propmap.correction``, each kind once: what is added to the paper's physics.
-        Where none is given, those with which the airfoil's constants were found, as a fit's file
-        says; else none.  ``propmap.corrections_of("recommended")`` gives those of the commands.
+        Values of ``propmap.correction``, at most one of each kind: terms beyond the physics of the
+        paper.  By default the corrections with which the constants of the airfoil were fitted, if
+        known.  ``propmap.model_corrections("recommended")`` returns those of the commands.
 
     Raises
     ------
     InputError
-        For arguments of another kind, a correction that does not fit the propeller, or others than
-        those with which the airfoil's constants were found.
+        For arguments of a wrong type, a correction that does not fit the propeller, and corrections
+        that differ from those of the fit of the constants.
     """
 
     propeller: Propeller
@@ -103,22 +103,25 @@ class Model:
                 raise InputError(f"correction {name} is given twice: give it once")
         shapes = [name_of(one) for one in self.corrections if isinstance(one, InflowShape)]
         if len(shapes) > 1:
-            found = f"{' and '.join(shapes)} both set how the inflow varies around the disk"
-            raise InputError(found, "give one of them")
+            found = f"{' and '.join(shapes)} both define the variation of the inflow over the disk"
+            raise InputError(found, "give only one of them")
         for value in self.corrections:
             value.check(self)
 
     def with_airfoil(self, airfoil: Section) -> Model:
-        """Exchange the section law for ``airfoil``."""
+        """Return the model with another section law ``airfoil``."""
         return replace(self, airfoil=airfoil)
 
     def with_mount(self, mount: Correction) -> Model:
-        """Put ``mount``, an ``installed``, in the place of its own if any."""
+        """Return the model with the installation ``mount``, a correction ``installed``."""
         others = [value for value in self.corrections if name_of(value) != INSTALLED]
         return replace(self, corrections=(*others, mount))
 
     def with_correction(self, value: Correction) -> Model:
-        """Put ``value`` in place of its own of that name, as if the law was found with it."""
+        """Return the model with ``value`` in place of its correction of this kind, if any.
+
+        The section law gets the same corrections, as if it was fitted with them.
+        """
         corrections = (*(one for one in self.corrections if type(one) is not type(value)), value)
         law: Any = self.airfoil
         if getattr(law, "corrections", None) is not None:
@@ -126,47 +129,48 @@ class Model:
         return replace(self, airfoil=law, corrections=corrections)
 
     def correction_of(self, kind: type[OneOf]) -> OneOf | None:
-        """Find the correction of this ``kind``, such as ``Installed``, or None."""
+        """Return the correction of this ``kind``, such as ``Installed``, or None."""
         return next((value for value in self.corrections if isinstance(value, kind)), None)
 
     @property
     def span(self) -> tuple[float, float]:
-        """Where the blade begins and ends [m], continued to the hub or not."""
+        """Radii at which the blade begins and ends [m], with a correction ``BladeToHub`` if any."""
         to_hub = self.correction_of(BladeToHub)
         blade = self.propeller
         return (blade.root if to_hub is None else to_hub.hub(blade)), blade.radius
 
     @property
     def applied(self) -> tuple[Correction, ...]:
-        """The corrections in the order in which they act, that of ``CORRECTIONS``."""
+        """The corrections in the order in which they act, the order of ``CORRECTIONS``."""
         order = list(CORRECTIONS)
         return tuple(sorted(self.corrections, key=lambda one: order.index(name_of(one))))
 
     @property
     def uncertainty(self) -> SectionUncertainty | None:
-        """How well the section law is known; None where it says nothing of it."""
+        """Uncertainty of the section constants; None if it is not known."""
         known = getattr(self.airfoil, "uncertainty", None)
         filed = getattr(self.airfoil, "corrections", None) or ()
         mounts = [split_mount(list(texts))[1] for texts in (self.correction_texts, filed)]
         if known is not None and mounts[0] != mounts[1]:
-            # What is mounted was given instead of found: it is known.
+            # The user gave the installation, so that of the fit and its covariance do not apply.
             known = known.without(MOUNT_AREA).without(DRAG_FACTOR)
         return known
 
     @property
     def correction_texts(self) -> list[str]:
-        """The corrections as ``propmap.correction`` reads them, for files."""
+        """The corrections as texts for files and ``propmap.correction``."""
         return [as_text(value) for value in self.corrections]
 
     @property
     def law_title(self) -> str:
-        """The section law and the corrections by name, as in "paper-apc + tip-loss"."""
+        """Names of the section law and the corrections, as in "paper-apc + tip-loss"."""
         return " + ".join([self.airfoil.name, *self.correction_texts])
 
     def reynolds(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> tuple[float, float]:
-        """The range of Reynolds numbers along the blade at operating points.
+        """Return the range of Reynolds numbers along the blade at operating points.
 
-        Outside the Reynolds numbers of a ``SectionTable`` its nearest row is used: compare the two.
+        Compare it with the Reynolds numbers of a ``SectionTable``, which uses its nearest row
+        outside their range.
 
         Parameters
         ----------
@@ -176,13 +180,13 @@ class Model:
         Returns
         -------
         low, high : float
-            Least and largest of any point, at each of which 98 % of the blades' dynamic pressure
-            times chord lie between its own.  The induced velocity, which changes Re by little, is
-            left out.
+            Smallest and largest Reynolds number over all points.  At each point the range contains
+            98 % of dynamic pressure times chord.  The induced velocity, which hardly changes Re, is
+            neglected.
         """
         w, v, b = (np.ravel(a)[:, None, None] for a in np.broadcast_arrays(omega, speed, beta))
         y = np.linspace(*self.span, 61)[:, None]
-        # Inside the first station, where little of the load is, the chord is taken to be its own.
+        # Inside the first station, where loads are small, its chord is used.
         chord = np.interp(y, self.propeller.station, self.propeller.chord)
         psi = 2.0 * np.pi * np.arange(24) / 24
         flow = np.hypot(w * y + v * np.sin(b) * np.sin(psi), v * np.cos(b))
@@ -195,7 +199,7 @@ class Model:
         return float(kept.min()), float(kept.max())
 
     def fingerprint(self) -> str:
-        """Hash geometry, law, air and corrections by SHA-256; no two models have the same."""
+        """Return the SHA-256 hash of geometry, section law, air and corrections."""
         import hashlib
 
         parts = [
@@ -208,12 +212,12 @@ class Model:
 
 
 def installation_note(model: Model) -> str:
-    """Say whether the rotor drag is that of the blades alone, or of a rotor as it is installed."""
+    """Return a sentence on the rotor drag: of bare blades, or of an installed rotor."""
     mount, radius = model.correction_of(Installed), model.propeller.radius
     if mount is None:
         return (
-            "rotor drag is that of the blades alone; on a motor or a stand it was measured to be "
-            f"about {TYPICAL_FACTOR[0]:g} times that, and more by what stands in the slipstream "
+            "the rotor drag is that of bare blades; rotors on motors or stands have about "
+            f"{TYPICAL_FACTOR[0]:g} times this drag, plus the drag of the parts in the slipstream "
             "(correction installed)"
         )
     unknown = mount.deviations(radius)
@@ -223,6 +227,6 @@ def installation_note(model: Model) -> str:
     if MOUNT_AREA in unknown:
         area += f" (+- {1e4 * unknown[MOUNT_AREA]:.3g})"
     return (
-        f"rotor drag is that of the installed rotor: {factor} times the blades' own, and the drag "
-        f"of {area} cm^2 in the slipstream"
+        f"the rotor drag is that of the installed rotor: {factor} times the drag of the blades, "
+        f"plus the drag of {area} cm^2 in the slipstream"
     )

@@ -1,4 +1,4 @@
-"""Warnings of implausible blades, air, operating points and loads, and of likely unit errors."""
+"""Warnings of implausible blades, air, operating points and loads, with likely unit errors."""
 
 from __future__ import annotations
 
@@ -30,38 +30,40 @@ from propmap.units import SPEED_OF_SOUND
 # -------------------------------------------------------------------------------------------------
 # Usual ranges of small propellers.
 #
-# They are those of the blades of the catalogue, and of the 134 sets of loads in the UIUC Propeller
-# Database that have a geometry (Brandt, Deters, Ananda, Dantsker, Selig, volumes 1 to 3), with some
-# room: a warning is due where something is unlike all that has been measured.
-# ``tests/catalogue/test_nothing_is_doubted.py`` holds them against these data.
+# They include all blades of the catalogue and the 134 sets of loads in the UIUC Propeller Database
+# that have a geometry (Brandt, Deters, Ananda, Dantsker, Selig, volumes 1 to 3), with a margin.  So
+# a value outside its range is unlike all measured ones and needs a warning.
+# ``tests/catalogue/test_nothing_is_doubted.py`` compares the ranges with these data.
 
 RADIUS = Range(0.012, 2.0)  # [m]; measured 0.028 to 0.36
-CHORD = Range(0.09, 0.40)  # over the radius, at 0.75 of it; measured 0.10 to 0.35
+CHORD = Range(0.09, 0.40)  # over the radius, at 0.75 of the radius; measured 0.10 to 0.35
 TWIST = Range(3.0, 40.0)  # [deg] at 0.75 of the radius; measured 7 to 25
 DENSITIES = Range(0.3, 1.6), "density", Range(0.9, 1.45)
-"""Usual of air [kg/m^3], from 12 km up to a cold day at sea level, its quantity, and likely."""
+"""Air density [kg/m^3]: usual range, from 12 km altitude to a cold day at sea level; name of the
+quantity; range of likely values."""
 VISCOSITIES = Range(1e-5, 2.5e-5), "viscosity", Range(1.4e-5, 2.2e-5)
-"""Usual of air [Pa s], from -80 to 150 degrees Celsius, its quantity, and likely."""
+"""Viscosity of air [Pa s]: usual range, from -80 to 150 degrees Celsius; name of the quantity;
+range of likely values."""
 TIP_SPEED = Range(8.0, 255.0)  # of the fastest point [m/s]: measured 26 to 216; 255 is Mach 0.75
 LIKELY_TIP_SPEED = Range(25.0, 220.0)
-ADVANCE = Range(0.02, 0.7)  # flight speed over tip speed of usual flights; measured up to 0.5
+ADVANCE = Range(0.02, 0.7)  # airspeed over tip speed of usual flights; measured up to 0.5
 LOAD_RATIO = Range(1.0 / 2.3, 2.3)
-"""A measured load over the estimate from chord and twist; medians of sets are 0.6 to 1.6 for thrust
-and 0.55 to 2.0 for torque."""
-WRONG_LOAD_RATIO = Range(1.0 / 1.5, 1.5)  # the same where loads are known to be wrong
-WIDE_LOAD_RATIO = Range(1.0 / 3.5, 3.5)  # and where nothing else explains them
+"""Measured load over the estimate from chord and twist.  Medians of the sets are 0.6 to 1.6 for
+thrust and 0.55 to 2.0 for torque."""
+WRONG_LOAD_RATIO = Range(1.0 / 1.5, 1.5)  # narrower, for loads that are known to be wrong
+WIDE_LOAD_RATIO = Range(1.0 / 3.5, 3.5)  # wider, for loads that nothing else explains
 
 MOST_FOR_THRUST, LEAST_FOR_THRUST = (1.4, 1.95), 0.7
-"""Torque over its estimate, over the same of thrust: the 134 sets have 0.81 to 1.85. The first
-limit is for power; two of the sets have more."""
+"""Limits of the torque ratio (torque over its estimate) divided by the thrust ratio; the 134 sets
+have 0.81 to 1.85.  The first limit applies if power was measured; two sets exceed it."""
 
-FAST_TIP_MACH = 0.75  # above it the drag of thick sections rises, which no law here has
-PITCH_STATION = 0.75  # share of the radius at which chord and twist stand for the blade
+FAST_TIP_MACH = 0.75  # above, the drag of thick sections rises, which no section law includes
+PITCH_STATION = 0.75  # share of the radius at which chord and twist represent the blade
 PULLING, WINDMILLING = 1.6, 2.0
-"""Axial speed over that of a screw with the blade's pitch, up to which a propeller pulls (measured
-1.35 at a quarter of the largest thrust), and beyond which it is a windmill."""
+"""Axial speed over the speed of a screw with the pitch of the blade: limit up to which a propeller
+pulls (measured 1.35 at a quarter of the largest thrust), and limit above which it is a windmill."""
 
-RADIANS_WITHIN = 1e-3  # closeness to a multiple of 5 degrees in radians
+RADIANS_WITHIN = 1e-3  # tolerance for a multiple of 5 degrees in radians
 
 
 # -------------------------------------------------------------------------------------------------
@@ -69,7 +71,7 @@ RADIANS_WITHIN = 1e-3  # closeness to a multiple of 5 degrees in radians
 
 
 def blade_warnings(propeller: Propeller) -> list[str]:
-    """Warn of radius, chord or twist unlike small propellers, or twist that rises to the tip."""
+    """Warn of radius, chord or twist unlike small propellers, and twist that rises to the tip."""
     radius = propeller.radius
     chord, twist = at_share(propeller, PITCH_STATION)
     found = unusual("the radius", radius, "m", RADIUS, "length", LIKELY_RADIUS)
@@ -78,26 +80,28 @@ def blade_warnings(propeller: Propeller) -> list[str]:
     others = (at_share(propeller, share)[1] for share in (0.4, 0.9))
     degrees, inner, outer = map(math.degrees, (twist, *others))
     if degrees < 0.0 and inner < outer:
-        sign = "the twist is negative and rises towards the tip; it looks like the wrong sign"
+        sign = "the twist is negative and rises toward the tip; it looks like the wrong sign"
         return [*found, sign]
     if inner < outer - 1.0:
-        like = "it looks as if listed from the tip to the root"
+        like = "its rows seem to run from the tip to the root"
         if degrees > TWIST.high:
-            like = "it looks as if measured from the axis, not from the disk plane"
+            like = "it seems to be measured from the axis, not from the disk plane"
         rise = f"the twist rises from {inner:.3g} to {outer:.3g} deg"
         return [*found, f"{rise} between 0.4 and 0.9 of the radius; {like}"]
     return [*found, *unusual("the twist at 0.75 of the radius", degrees, "deg", TWIST, "twist")]
 
 
 def air_warnings(air: Air) -> list[str]:
-    """Warn of a density or a viscosity that no air has where propellers turn."""
+    """Warn of a density or viscosity outside the range of the air in which propellers operate."""
     found = unusual("the air density", air.density, "kg/m^3", *DENSITIES)
     return found + unusual("the viscosity", air.viscosity, "Pa s", *VISCOSITIES)
 
 
 def point_warnings(propeller: Propeller, omega: Floats, speed: Floats, beta: Floats) -> list[str]:
-    """Warn of operating points [rad/s], [m/s], [rad] that broadcast to (n,), unlike small
-    propellers'; ``InputError`` where a tip is faster than sound, as nothing here holds then."""
+    """Warn of operating points [rad/s], [m/s], [rad], broadcast to (n,), unlike small propellers.
+
+    Raise ``InputError`` for a tip speed above the speed of sound, where no model is valid.
+    """
     w, v, b = (np.ravel(values) for values in np.broadcast_arrays(omega, speed, beta))
     tip = w * propeller.radius
     fast = _fast_tip(tip, v)
@@ -114,7 +118,7 @@ def at_share(propeller: Propeller, share: float) -> tuple[float, float]:
 
 
 def pitch_ratio(propeller: Propeller) -> float:
-    """Return the speed of a screw with the blade's pitch over the tip speed [-]."""
+    """Return the speed of a screw with the pitch of the blade over the tip speed [-]."""
     return PITCH_STATION * math.tan(at_share(propeller, PITCH_STATION)[1])
 
 
@@ -125,23 +129,23 @@ def _fast_tip(tip: Floats, speed: Floats) -> list[str]:
     mach = float(helical[k]) / SPEED_OF_SOUND
     if mach <= FAST_TIP_MACH:
         return []
-    motion = f"the tip moves at {helical[k]:.4g} m/s, Mach {mach:.3g}, with {tip[k]:.4g} m/s from "
-    motion += f"the rotation and {speed[k]:.4g} m/s from the flight"
+    motion = f"the tip moves at {helical[k]:.4g} m/s, Mach {mach:.3g}: {tip[k]:.4g} m/s from "
+    motion += f"the rotation, {speed[k]:.4g} m/s from the flight"
     if speed[k] > tip[k]:
         like = likely_cause(float(speed[k]), Range(1.0, 130.0), "speed", "the speed")
     else:
         usual = Range(40.0, 130.0)
         like = likely_cause(float(tip[k]), usual, "fast rotation", "the rotational speed")
-        like += ", or the radius like the diameter" if like else ""
+        like += ", or the radius looks like a diameter" if like else ""
     if mach > 1.0:
-        remedy = "check rpm, speed and radius: nothing here holds above Mach 1"
+        remedy = "check rpm, speed and radius: propmap has no model above Mach 1"
         raise InputError(motion + like, remedy)
-    drag = f"above {FAST_TIP_MACH:g} drag rises, which the section law does not have"
+    drag = f"the section law does not include the drag rise above Mach {FAST_TIP_MACH:g}"
     return [f"{motion}; {drag}{like}"]
 
 
 def _unlike_speeds(pitch: float, tip: Floats, speed: Floats, beta: Floats) -> list[str]:
-    """Warn of slow tips, and of flight that is fast beside the tip or the ``pitch`` ratio."""
+    """Warn of slow tips, and of flight too fast for the tip speed or for the ``pitch`` ratio."""
     turning = tip > 0.0
     if not turning.any():
         return []
@@ -158,7 +162,7 @@ def _unlike_speeds(pitch: float, tip: Floats, speed: Floats, beta: Floats) -> li
         return []
     fast = f"the speed is {advance:.3g} times the tip speed"
     if advance <= ADVANCE.high:
-        fast = f"the speed along the axis is {along:.3g} times the speed of the blade's pitch"
+        fast = f"the speed along the axis is {along:.3g} times the pitch speed"
     if fastest not in LIKELY_TIP_SPEED:
         slow_errors = UNIT_ERRORS["slow rotation"]
         for like in unit_errors(fastest, LIKELY_TIP_SPEED, slow_errors):
@@ -171,7 +175,7 @@ def _unlike_speeds(pitch: float, tip: Floats, speed: Floats, beta: Floats) -> li
 
 
 def _beta_in_radians(beta: Floats) -> list[str]:
-    """Warn of radians taken for degrees: angles are multiples of 5 degrees, converted twice."""
+    """Warn of radians in place of degrees: multiples of 5 degrees that were converted twice."""
     degrees = np.sort(np.abs(np.degrees(beta)), axis=None)
     nonzero = degrees[degrees > 1e-9]
     step = math.radians(5.0)
@@ -180,28 +184,28 @@ def _beta_in_radians(beta: Floats) -> list[str]:
     off = np.abs(nonzero - step * np.round(nonzero / step))
     if (off > RADIANS_WITHIN).any() or (np.abs(nonzero - np.round(nonzero)) < 1e-9).any():
         return []
-    return [f"beta is {nonzero[-1]:.5g} deg at most; it looks like radians"]
+    return [f"the largest beta is {nonzero[-1]:.5g} deg; it looks like radians"]
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether measured loads fit the blade they are said to be of: unit errors, signs, angles.
+# Consistency of measured loads with the blade: unit errors, signs, angles.
 #
-# Chord and twist at 0.75 of the radius give thrust and torque in axial flow within a factor of two,
-# so that a load out by more is in other units.
+# Chord and twist at 0.75 of the radius predict thrust and torque in axial flow within a factor of
+# two, so a larger difference indicates wrong units.
 
-SLOW = 0.6  # axial over pitch speed, up to which an estimate of the loads is any good
-AXIAL, EDGEWISE = 0.9, 0.3  # |cos(beta)| above which flow is axial, and below, edgewise
+SLOW = 0.6  # axial speed over pitch speed up to which the estimate of the loads is useful
+AXIAL, EDGEWISE = 0.9, 0.3  # |cos(beta)|: axial flow above the first, edgewise below the second
 
 LIFT_SLOPE, ZERO_LIFT, DRAG = 5.5, math.radians(-4.0), 0.03
 INDUCED = 1.25
-SMALL_BLADES = 0.68  # measured loads over the estimate otherwise, median of 134 propellers
-IMPOSSIBLE_COEFFICIENT = 0.75  # C_T and C_P thrice the largest measured
-ENERGY_MARGIN = 1.15  # ideal power over shaft power that no error of measurement explains
-WEAK = 0.25  # share of the slow thrust below which rows do not say how far a propeller pulls
-DRAG_SHARE = 0.02  # drag over thrust that no axial flow has
+SMALL_BLADES = 0.68  # median of measured loads over the unscaled estimate, 134 propellers
+IMPOSSIBLE_COEFFICIENT = 0.75  # C_T and C_P, three times the largest measured value
+ENERGY_MARGIN = 1.15  # ideal power over shaft power that no measurement error explains
+WEAK = 0.25  # share of the thrust at low speed below which a row does not count as pulling
+DRAG_SHARE = 0.02  # drag over thrust that does not occur in axial flow
 AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5
-"""Shares of the thrust at rest: the most that is left at 0.7 of the pitch speed along the axis, and
-the least at this speed across it; measured at most 0.52, and more than 1."""
+"""Limits at 0.7 of the pitch speed, as shares of the static thrust: largest thrust in axial flow
+(measured at most 0.52), and smallest thrust in edgewise flow (measured more than 1)."""
 
 
 def load_warnings(
@@ -215,8 +219,10 @@ def load_warnings(
     by_power: bool = False,
 ) -> list[str]:
     """Warn of measured ``loads`` (n,) [N], [N m] that do not fit the blade; NaN is not measured.
-    ``by_power`` says that the torque was measured as power; ``InputError`` where there can be no
-    such loads: constants fitted to them mean nothing."""
+
+    ``by_power``: the torque was measured as power.  Raise ``InputError`` for impossible loads,
+    because constants fitted to them would be meaningless.
+    """
     turning = omega > 0.0
     w, v, b = omega[turning], speed[turning], beta[turning]
     known = {n: loads[n][turning] for n in loads if np.isfinite(loads[n][turning]).any()}
@@ -225,7 +231,7 @@ def load_warnings(
     ratios = _over_estimates(propeller, air, w, v, b, known)
     backwards = [name for name in ratios if ratios[name] < 0.0]
     if backwards:
-        return [f"{name} is negative near rest; its sign looks reversed" for name in backwards]
+        return [f"{name} is negative near V = 0; its sign looks reversed" for name in backwards]
     found = _wrong_size(ratios, LOAD_RATIO, by_power=by_power)
     proportion = _out_of_proportion(ratios, by_power=by_power)
     if found and by_power and ELECTRICAL_POWER not in found[0]:
@@ -233,7 +239,7 @@ def load_warnings(
     found = found or [
         *_negative_at_rest(v, known),
         *proportion,
-        # One mistake is likelier than two.
+        # One mistake is more likely than two.
         *(
             _pulls_too_fast(propeller, air, w, v, b, known)
             or _beta_from_the_disk(propeller, w, v, b, known)
@@ -242,16 +248,18 @@ def load_warnings(
     impossible = _impossible(propeller, air, w, v, b, known)
     if impossible:
         found = found or _wrong_size(ratios, WRONG_LOAD_RATIO, by_power=by_power)
-        raise InputError("; ".join([impossible, *found]), "convert what is in another unit")
+        raise InputError("; ".join([impossible, *found]), "convert columns with a wrong unit")
     return found
 
 
 def estimated_loads(
     propeller: Propeller, air: Air, omega: Floats, axial: Floats
 ) -> dict[str, Floats]:
-    """Estimate thrust [N] and torque [N m] of a blade in axial flow (n,) up to its pitch speed
-    within a factor of two, by momentum and blade element at 0.75 R (J. G. Leishman, Principles of
-    Helicopter Aerodynamics, 2nd ed., Cambridge 2006, section 3.3), scaled to small propellers."""
+    """Estimate thrust [N] and torque [N m] in axial flow (n,) up to the pitch speed.
+
+    Blade-element momentum theory at 0.75 R (J. G. Leishman, Principles of Helicopter Aerodynamics,
+    2nd ed., Cambridge 2006, section 3.3), scaled to small propellers, is within a factor of two.
+    """
     radius = propeller.radius
     chord, twist = at_share(propeller, PITCH_STATION)
     solidity = propeller.blades * chord / (math.pi * radius)
@@ -268,7 +276,7 @@ def estimated_loads(
 def _over_estimates(
     propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
 ) -> dict[str, float]:
-    """Divide thrust and torque by their estimates: medians of the rows nearest to rest."""
+    """Return measured thrust and torque over their estimates, as medians of the slowest rows."""
     share = v / (w * propeller.radius)
     reach = SLOW * abs(pitch_ratio(propeller))
     found = {}
@@ -276,7 +284,7 @@ def _over_estimates(
         if name in known:
             measured = np.isfinite(known[name])
             rows = measured & (share <= reach)
-            # Where all are fast, the slowest tenth, estimated as near to rest as will do.
+            # If all rows are fast, use the slowest tenth, with the speed clipped to the estimate.
             if not rows.any():
                 rows = measured & (share <= np.percentile(share[measured], 10.0))
             climb = np.clip(share * np.cos(b), 0.0, reach)[rows] * w[rows] * propeller.radius
@@ -286,25 +294,25 @@ def _over_estimates(
 
 
 def _negative_at_rest(speed: Floats, known: Mapping[str, Floats]) -> list[str]:
-    """Warn of single rows at rest with a sign that the others do not have."""
+    """Warn of single negative rows at rest."""
     found = []
     for name in ("thrust", "torque"):
         still = known[name][speed == 0.0] if name in known else np.empty(0)
         count = int(np.count_nonzero(still < 0.0))
         if count:
             rows = f"{count} of {still.size} rows at rest"
-            found.append(f"{name} is negative in {rows}; check its sign")
+            found.append(f"{name} is negative in {rows}; check the sign")
     return found
 
 
 def _wrong_size(ratios: Mapping[str, float], usual: Range, *, by_power: bool) -> list[str]:
-    """Warn, in one text, of ratios to the estimates out of a range, with the likely errors."""
+    """Return one warning of all ratios outside the range, with the likely unit errors."""
     odd = [name for name, ratio in ratios.items() if ratio not in usual]
     if not odd:
         return []
     names = {name: "power" if by_power and name == "torque" else name for name in ratios}
     sizes = " and ".join(
-        f"{names[name]} is {ratio:.3g} times what such a blade gives"
+        f"{names[name]} is {ratio:.3g} times the estimate for this blade"
         for name, ratio in ratios.items()
     )
     each = (
@@ -320,14 +328,14 @@ def _wrong_size(ratios: Mapping[str, float], usual: Range, *, by_power: bool) ->
     if len(causes) < len(odd):
         likely = likely or common_errors([*ratios.values()], WIDE_LOAD_RATIO, common)
     shared = looks_like(_sized(likely, middle))
-    # One mistake is likelier than two; with one load measured, both kinds explain it.
+    # One mistake is more likely than two.  With one measured load, both kinds of errors explain it.
     if shared and (len(odd) > 1 or len(ratios) == 1 or not causes):
         causes = [*causes, shared] if len(ratios) == 1 else [shared]
     return [f"{sizes}; {', or '.join(causes) or 'check units, radius and rpm'}"]
 
 
 def _out_of_proportion(ratios: Mapping[str, float], *, by_power: bool) -> list[str]:
-    """Warn of thrust and torque that are each possible, but not with each other."""
+    """Warn of thrust and torque that are plausible alone but not together."""
     if not {"thrust", "torque"} <= set(ratios):
         return []
     share = ratios["torque"] / ratios["thrust"]
@@ -339,13 +347,12 @@ def _out_of_proportion(ratios: Mapping[str, float], *, by_power: bool) -> list[s
     else:
         return []
     other = "torque" if name == "thrust" else "thrust"
-    times = f"{name} is {share:.3g} times what such a blade has at its {other}"
+    times = f"{name} is {share:.3g} times the value for this blade at its {other}"
     return [f"{times}; it may be {' or '.join(_sized(causes, share))}"]
 
 
 def _errors_of(quantity: str, ratio: float) -> list[str]:
-    """List what is wrong with one load, likeliest first: its unit, how many rotors it is of, or
-    what power it is."""
+    """Return the likely errors of one load: unit, number of rotors, or kind of power."""
     errors: list[tuple[str, Sequence[float]]] = [
         (name, (factor,)) for name, factor in UNIT_ERRORS[quantity].items()
     ]
@@ -356,7 +363,7 @@ def _errors_of(quantity: str, ratio: float) -> list[str]:
 
 
 def _sized(errors: Iterable[str], ratio: float) -> list[str]:
-    """Put into names of errors the number that a ``ratio`` to the estimate tells."""
+    """Return the names of ``errors`` with the numbers that follow from ``ratio``."""
     rotors = min((2, 3, 4, 6, 8), key=lambda count: abs(math.log(max(ratio, 1e-9) / count)))
     pairs = max(2, round(max(ratio, 1e-9) ** -0.5))
     return [name.format(rotors=f"about {rotors}", pairs=f"about {pairs}") for name in errors]
@@ -365,7 +372,7 @@ def _sized(errors: Iterable[str], ratio: float) -> list[str]:
 def _impossible(
     propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
 ) -> str:
-    """Say what of the loads no propeller can do; empty where there is nothing."""
+    """Return the property of the loads that is impossible for a propeller; empty without any."""
     turns, diameter = w / (2.0 * math.pi), propeller.diameter
     force = air.density * turns**2 * diameter**4
     sizes = {"thrust": ("C_T", force), "torque": ("C_P", force * diameter / (2.0 * math.pi))}
@@ -373,7 +380,7 @@ def _impossible(
         if name in known:
             value = float(np.nanmedian(known[name] / size))
             if value > IMPOSSIBLE_COEFFICIENT:
-                return f"{symbol} is {value:.3g}, of no propeller more than 0.25"
+                return f"{symbol} is {value:.3g}, but at most 0.25 for all propellers measured"
     if len(known.keys() & sizes.keys()) < len(sizes):
         return ""
     thrust, power = known["thrust"], known["torque"] * w
@@ -382,20 +389,20 @@ def _impossible(
         return ""
     along, disk = v[rows] * np.cos(b[rows]), math.pi * propeller.radius**2
     across = v[rows] * np.sin(b[rows])
-    # Glauert's momentum (10) at the least induced speed, that of a uniform inflow.
+    # Glauert's momentum equation (10) for a uniform inflow, which needs the least power.
     induced = np.zeros_like(along)
     for _ in range(60):
         flow = np.hypot(along + induced, across)
         step = thrust[rows] / (2.0 * air.density * disk * np.maximum(flow, 1e-9))
         induced = 0.5 * (induced + np.minimum(step, 1e6))
     share = float(np.median(thrust[rows] * (along + induced) / power[rows]))
-    return f"the air gets {share:.3g} times the power on the shaft" if share > ENERGY_MARGIN else ""
+    return f"the air gets {share:.3g} times the shaft power" if share > ENERGY_MARGIN else ""
 
 
 def _pulls_too_fast(
     propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
 ) -> list[str]:
-    """Warn of a propeller that pulls faster than its pitch moves: the speed's unit is wrong."""
+    """Warn of a propeller that pulls far above its pitch speed: the unit of the speed is wrong."""
     if "thrust" not in known:
         return []
     at_rest = estimated_loads(propeller, air, w, np.zeros_like(w))["thrust"]
@@ -409,23 +416,26 @@ def _pulls_too_fast(
         return []
     errors = unit_errors(farthest, Range(0.5, PULLING), UNIT_ERRORS["speed"])
     like = looks_like(errors, "the speed") or "check speed, rpm and beta"
-    return [f"it pulls at {farthest:.3g} times the speed of the blade's pitch; {like}"]
+    return [f"the propeller pulls at {farthest:.3g} times its pitch speed; {like}"]
 
 
 def _beta_from_the_disk(
     propeller: Propeller, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
 ) -> list[str]:
-    """Warn of axial flow with loads of edgewise flow, or the reverse: beta from the disk plane."""
+    """Warn of axial flow with loads of edgewise flow, or the reverse.
+
+    Then beta was likely measured from the disk plane.
+    """
     axial = (v > 0.0) & (np.abs(np.cos(b)) > AXIAL)
     edgewise = (v > 0.0) & (np.abs(np.cos(b)) < EDGEWISE)
-    cause = "beta looks as if measured from the disk plane, 0 is along the axis here"
+    cause = "beta seems to be measured from the disk plane; propmap measures it from the axis"
     thrust = known.get("thrust", np.full_like(w, np.nan))
     if "drag" in known:
         across = np.abs(known["drag"]) / np.maximum(np.abs(thrust), 1e-9)
         across = across[axial & np.isfinite(across)]
         if across.size and float(np.median(across)) > DRAG_SHARE:
-            return [f"there is drag in the disk plane in axial flow; {cause}"]
-    # The speed over that of the blade's pitch: what is fast along the axis.
+            return [f"the rotor drag is not zero in axial flow; {cause}"]
+    # The speed over the pitch speed, to find rows that are fast if the flow is axial.
     reach = v / (w * propeller.radius * max(pitch_ratio(propeller), 1e-3))
     coefficient, measured = thrust / w**2, np.isfinite(thrust)
     slow, fast = measured & (reach < 0.3), measured & (reach > 0.7)
@@ -436,7 +446,7 @@ def _beta_from_the_disk(
         if not rows.any():
             continue
         kept = float(np.median(coefficient[rows])) / rest
-        # Axial flow takes thrust away, edgewise flow adds to it.
+        # Axial flow decreases the thrust, edgewise flow increases it.
         if kept > AXIAL_KEEPS if flow == "axial" else kept < EDGEWISE_KEEPS:
-            return [f"in fast {flow} flow thrust is {kept:.2g} times that at rest; {cause}"]
+            return [f"in fast {flow} flow the thrust is {kept:.2g} times static thrust; {cause}"]
     return []

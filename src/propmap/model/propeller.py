@@ -1,4 +1,4 @@
-"""``Propeller``: the blade geometry of a propeller, and the checks that it must pass."""
+"""The blade geometry of a propeller, and its checks."""
 
 from __future__ import annotations
 
@@ -16,31 +16,31 @@ from propmap.typing import ByValue, Floats
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Propeller(ByValue):
-    """Chord and twist of a blade at its measured stations, and how many blades there are.
+    """A propeller: chord and twist of the blade at its stations, and the number of blades.
 
-    The arrays are kept as read-only float64 copies.
+    The arrays are stored as read-only float64 copies.
 
     Attributes
     ----------
     name : str
-        What the propeller is called.
+        Name of the propeller.
     blades : int
         Number of blades, 1 to 12.
     station : ndarray, shape (n,)
-        Radii [m], n >= 4, rising from the first measured section to the tip.
+        Radii [m], n >= 4, increasing from the first measured section to the tip.
     chord : ndarray, shape (n,)
-        [m].
+        Chord [m].
     twist : ndarray, shape (n,)
-        The chord line against the disk plane [rad].
+        Angle between chord line and disk plane [rad].
     root_cutout : float or None
-        Where the loaded part of the blade begins [m]; None is the first station.
+        Radius at which the loaded part of the blade begins [m]; None for the first station.
     source, citation : str
-        Where the figures are from and what was done to them, and whom to cite.
+        Source and treatment of the geometry, and the reference to cite.
 
     Raises
     ------
     InputError
-        For a blade that cannot be: see ``propmap.model.plausibility``.
+        For an impossible blade, see ``check_blade``.
     """
 
     name: str
@@ -73,29 +73,29 @@ class Propeller(ByValue):
 
     @property
     def summary(self) -> str:
-        """Number of blades and radius in words."""
+        """Number of blades and radius, as text."""
         return f"{self.blades} blades, R = {self.radius:.4g} m"
 
     @property
     def root(self) -> float:
-        """Where the loaded part of the blade begins [m]."""
+        """Radius at which the loaded part of the blade begins [m]."""
         return float(self.station[0]) if self.root_cutout is None else self.root_cutout
 
     def with_root_cutout(self, radius_m: float) -> Propeller:
-        """Load this propeller from ``radius_m`` [m] outwards."""
+        """Return this propeller with loads only outside the radius ``radius_m`` [m]."""
         return replace(self, root_cutout=radius_m)
 
     def scaled(self, factor: float) -> Propeller:
-        """Make radius and chord ``factor`` times as large."""
+        """Return this propeller with radius and chord multiplied by ``factor``."""
         root = None if self.root_cutout is None else factor * self.root_cutout
         return replace(
             self, station=factor * self.station, chord=factor * self.chord, root_cutout=root
         )
 
     def fingerprint(self) -> str:
-        """SHA-256 of station [m], chord [m], twist [rad], root [m] and blades, as little-endian f8.
+        """Return the SHA-256 hash of station, chord, twist, root and blades as little-endian f8.
 
-        Name and source play no part.
+        Lengths are in m and angles in rad.  The hash does not depend on name and source.
         """
         import hashlib
 
@@ -120,18 +120,20 @@ def _frozen_array(values: Any, field: str) -> Floats:
 
 
 # -------------------------------------------------------------------------------------------------
-# Checks of a blade before any load is computed from it.
+# Checks of a blade before the computation of loads.
 
 LIKELY_RADIUS = Range(0.025, 0.4)  # [m]
 WIDEST_CHORD = Range(0.12, 0.45)  # the largest chord over the radius; measured 0.15 to 0.38
 MIN_STATIONS, MAX_BLADES, MAX_ROOT_CUTOUT = 4, 12, 0.9
-MAX_RADIUS = 20.0  # [m], above any rotor that flies, and below a model propeller in millimetres
-MAX_TWIST = 1.6  # [rad]; no blade is set at 92 degrees to its disk: a larger figure is in degrees
+MAX_RADIUS = 20.0  # [m], larger than flying rotors, smaller than a model propeller in millimeters
+MAX_TWIST = 1.6  # [rad]; blades have less than 92 degrees: a larger value is in degrees
 
 
 def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[str] = ()) -> None:
-    """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip;
-    messages name stations by ``labels``, such as "line 7"."""
+    """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip.
+
+    ``labels`` are the names of the stations in messages, such as "line 7".
+    """
     columns = {"station": station, "chord": chord, "twist": twist}
     for field, values in columns.items():
         if values.ndim != 1 or values.size != station.size:
@@ -147,19 +149,19 @@ def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[
             raise InputError(found, "remove the row or correct it")
     if station[0] <= 0.0:
         found = f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0"
-        raise InputError(found, "start at the hub radius, where the blade begins")
+        raise InputError(found, "start with the hub radius, where the blade begins")
     for k in (np.flatnonzero(station[1:] <= station[:-1]) + 1).tolist():
         repeated = station[k] == station[k - 1]
         how = "repeated" if repeated else f"unsorted (it follows {station[k - 1]:g} m)"
-        fault = f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
-        fault += "root to tip"
+        fault = f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that increase "
+        fault += "from root to tip"
         remedy = "keep one row per station" if repeated else "sort the rows by station"
         raise InputError(fault, remedy)
     radius, low, high = float(station[-1]), int(np.argmin(chord)), int(np.argmax(chord))
     if radius > MAX_RADIUS:
         found = f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
         found += likely_cause(radius, LIKELY_RADIUS, "length")
-        raise InputError(found, "check the units; lengths are in metres")
+        raise InputError(found, "check the units; lengths must be in meters")
     if chord[low] < 0.0:
         found = f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more"
         raise InputError(found, "correct the negative chord")
@@ -199,13 +201,15 @@ def check_root_cutout(root_cutout: Any, station: Floats) -> float:
     if not first <= value <= last:
         found = f"the root cut-out is {quoted(root_cutout)} m, expected between {first:.6g} m"
         found += f" (first station) and {last:.6g} m (0.9 radius)"
-        raise InputError(found, "choose a root cut-out on the blade, in metres")
+        raise InputError(found, "choose a root cut-out on the blade, in meters")
     return value
 
 
 def twist_from_degrees(degrees: Floats) -> Floats:
-    """Convert ``degrees`` (n,) to radians, refusing figures below 1.6, which as degrees would make
-    no propeller and look like radians."""
+    """Return ``degrees`` (n,) in radians.
+
+    Raise ``InputError`` if all values are below 1.6: such twists are likely in radians.
+    """
     steepest = float(np.nanmax(np.abs(degrees), initial=0.0))
     if degrees.size and steepest < MAX_TWIST:
         found = f"the largest twist is {steepest:g} degrees; it looks like radians"
