@@ -71,7 +71,7 @@ def least(action: Callable[[], object]) -> tuple[float, float]:
 def trims(vehicle: Vehicle) -> dict[str, Any]:
     """Times of 30 trims on the rotor and on a table."""
     law, _ = expected_constants(None)
-    corrections = propmap.corrections_of("recommended")
+    corrections = propmap.model_corrections("recommended")
     model = propmap.Model(vehicle.propeller, law, vehicle.air, corrections)
     rotor = propmap.Rotor(model)
     table = build_table(
@@ -99,7 +99,7 @@ def trims(vehicle: Vehicle) -> dict[str, Any]:
 def ranked(vehicle: Vehicle) -> dict[str, Any]:
     """Times of a ranking of the whole catalogue, programs compiled before."""
     candidates = catalogue_candidates()
-    ranking = Ranking(vehicle, Task("cruise", 12.0), propmap.corrections_of("recommended"))
+    ranking = Ranking(vehicle, Task("cruise", 12.0), propmap.model_corrections("recommended"))
     ranking.judged(candidates[::10])
     start = time.perf_counter(), time.process_time()
     judged = ranking.judged(candidates)
@@ -114,7 +114,7 @@ def ranked(vehicle: Vehicle) -> dict[str, Any]:
 
 def aircraft_with(name: str, vehicle: Vehicle) -> Aircraft:
     """The vehicle with a propeller of the catalogue and what is known of its constants."""
-    model = propmap.known_model(name, air=vehicle.air)
+    model = propmap.catalogue_model(name, air=vehicle.air)
     flown = replace(vehicle, propeller=model.propeller)
     return Aircraft(flown, propmap.Rotor(model))
 
@@ -163,7 +163,7 @@ def transition(vehicle: Vehicle) -> list[dict[str, Any]]:
 
 
 def steady_rows() -> dict[str, np.ndarray]:
-    """Means over stretches at one airspeed and rotor speed: omega, speed, electrical power."""
+    """Means over segments at one airspeed and rotor speed: omega, speed, electrical power."""
     with (DATA / "wt_10Hz.csv").open(encoding="utf-8") as file:
         rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
     groups: dict[tuple[float, float], list[dict[str, float]]] = {}

@@ -71,7 +71,7 @@ def fitted_rotor(data: str) -> Rotor:
 
 def ends(rotor: Rotor) -> tuple[Way, Way]:
     """The cheapest way and the dearest: hover model and full model."""
-    hover = HoverModel.of(rotor)
+    hover = HoverModel.from_rotor(rotor)
 
     def hover_loads(w: Floats, _: Floats, __: Floats) -> Floats:
         return np.stack([hover.thrust(w), 0.0 * w, hover.torque(w), 0.0 * w])

@@ -19,7 +19,7 @@ def model(physics: str = "paper") -> propmap.Model:
     return propmap.Model(
         propmap.propeller("apc-8x6e"),
         propmap.airfoil("paper-apc"),
-        corrections=propmap.corrections_of(physics),
+        corrections=propmap.model_corrections(physics),
     )
 
 

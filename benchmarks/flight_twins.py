@@ -105,7 +105,7 @@ def main() -> None:
     twin, noise = Twin(), Noise()
     found: dict[str, Any] = {"machine": machine()}
     found["rows"] = int(twin.rows.measured.size)
-    found["stretches"] = int(np.unique(twin.log.stretches(1.0)).size)
+    found["stretches"] = int(np.unique(twin.log.segments(1.0)).size)
     found["noise"] = {"white": noise.white, "alike": noise.alike, "lasting_s": noise.lasting}
     found["noise_free"] = noise_free(twin)
     print(json.dumps(found, indent=1), flush=True)

@@ -69,7 +69,7 @@ def seconds_of(call: Callable[[], Any]) -> float:
 def measure() -> dict[str, Any]:
     """All figures."""
     place = machine() | {"jax": jax.__version__, "device": jax.devices()[0].device_kind}
-    rotor = propmap.Rotor(propmap.known_model("APC 8x6E"))
+    rotor = propmap.Rotor(propmap.catalogue_model("APC 8x6E"))
     vehicle = quadrotor(rotor.model.propeller)
     table = build_table(
         rotor,
@@ -79,8 +79,8 @@ def measure() -> dict[str, Any]:
         tolerance=0.01,
     )
     model = mujoco.MjModel.from_xml_string(MJCF)
-    on_table = MjxRotors.of(vehicle, table, model, "quad", time_constant=0.03)
-    still = HoverModel.of(rotor)
+    on_table = MjxRotors.from_vehicle(vehicle, table, model, "quad", time_constant=0.03)
+    still = HoverModel.from_rotor(rotor)
     spin = jnp.array([1.0 if mount.spin == "ccw" else -1.0 for mount in vehicle.mounts])
     hover: Any = HoverForces(still.k_thrust, still.k_torque, jnp.array(vehicle.hub_positions), spin)
 

@@ -34,8 +34,8 @@ def models() -> dict[str, propmap.Model]:
     """What is compared, the paper's model first."""
     blade, law = propmap.propeller("apc-8x6e"), parameter_set("paper-apc")
     losses = (propmap.correction("tip-loss"), propmap.correction("hub-loss"))
-    recommended = propmap.corrections_of("recommended")
-    whole = propmap.corrections_of("recommended", ("blade-to-hub", "radial-friction"))
+    recommended = propmap.model_corrections("recommended")
+    whole = propmap.model_corrections("recommended", ("blade-to-hub", "radial-friction"))
     return {
         "paper": propmap.Model(blade, law),
         "recommended": propmap.Model(blade, law, corrections=recommended),

@@ -83,7 +83,7 @@ def hover_callback(vehicle: Vehicle, constant: float, arm: float) -> Callable[[A
 def measure() -> dict[str, float]:
     """Times of a step [us] by case."""
     blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
-    rotor, full = Rotor(Model(blade, law)), Rotor(propmap.known_model("apc-8x6e"))
+    rotor, full = Rotor(Model(blade, law)), Rotor(propmap.catalogue_model("apc-8x6e"))
     mounts = tuple(Mount((0.16 * x, 0.16 * y, 0.02), spin=spin) for x, y, spin in CORNERS)
     vehicle = Vehicle("quad", 1.2, blade, mounts, body=Body((0.015, 0.015, 0.03)))
     together = replace(vehicle, wakes=Wakes())

@@ -69,7 +69,7 @@ COMMANDS = {
 FIRST_RESULT = """
 import numpy as np
 import propmap
-rotor = propmap.Rotor(propmap.known_model("apc-8x6e"))
+rotor = propmap.Rotor(propmap.catalogue_model("apc-8x6e"))
 turn = np.linspace(0.0, 1.0, {count})
 rotor.loads(300.0 + 600.0 * turn, 3.0 + 15.0 * turn, 0.2 + 1.2 * turn[::-1])
 """
@@ -250,7 +250,7 @@ def measure() -> dict[str, Any]:
     """All figures."""
     place = machine()
     blade, law = propmap.propeller("apc-8x6e"), parameter_set("paper-apc")
-    recommended = Model(blade, law, corrections=propmap.corrections_of("recommended"))
+    recommended = Model(blade, law, corrections=propmap.model_corrections("recommended"))
     rotors = {"paper": Rotor(Model(blade, law)), "recommended": Rotor(recommended)}
     fine, some = Rotor(rotors["paper"].model, accuracy="fine"), oblique(BATCH // 4)
     coarse = median_seconds(lambda: rotors["paper"].loads(*some), 3)

@@ -28,7 +28,7 @@ from propmap.hover import HoverModel
 from propmap.io.csv import csv_text
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
-from propmap.model.corrections import TYPICAL_FACTOR, as_text, corrections_of, in_words
+from propmap.model.corrections import TYPICAL_FACTOR, as_text, in_words, model_corrections
 from propmap.model.model import Model
 from propmap.report.html import save
 from propmap.report.pictures import disk_picture, load_curves
@@ -132,7 +132,7 @@ def compare(
     }
     models = {name: {load: getattr(loads, load) for load in LOADS} for name, loads in found.items()}
     first = next(iter(rotors))
-    models[HOVER] = HoverModel.of(rotors[first]).loads(data.omega)
+    models[HOVER] = HoverModel.from_rotor(rotors[first]).loads(data.omega)
     return Comparison(data, models, found[first].status, {} if other is None else other.loads)
 
 
@@ -205,7 +205,7 @@ def compute() -> Results:
     fields = ("omega", "speed", "beta")
     flow = [np.concatenate([getattr(data, f), getattr(slanted, f)]) for f in fields]
     timings = [_timing(rotors["recommended"], flow, copies) for copies in (1, COPIES)]
-    known = Rotor(propmap.known_model(PROPELLER, air=propmap.Air(slanted.air_density)))
+    known = Rotor(propmap.catalogue_model(PROPELLER, air=propmap.Air(slanted.air_density)))
     return Results(
         rotors["recommended"],
         known,
@@ -299,14 +299,16 @@ def _rotors(data: Measurement) -> dict[str, Rotor]:
     """Return the rotor of each model by model name, in the air of the ``data``."""
     blade, air = propeller(PROPELLER), propmap.Air(density=data.air_density)
     return {
-        name: Rotor(Model(blade, parameter_set(section), air, corrections_of(name, installed=True)))
+        name: Rotor(
+            Model(blade, parameter_set(section), air, model_corrections(name, installed=True))
+        )
         for name, section in SECTIONS.items()
     }
 
 
 def _corrections(model: str) -> list[str]:
     """List the corrections of a model to the paper's model; the recommended rotor is installed."""
-    return [as_text(one) for one in corrections_of(model, installed=True)]
+    return [as_text(one) for one in model_corrections(model, installed=True)]
 
 
 def _timing(rotor: Rotor, flow: list[Floats], copies: int) -> Timing:

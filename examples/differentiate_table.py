@@ -5,7 +5,7 @@ import jax.numpy as jnp
 
 from propmap.table import JaxTable, LoadTable
 
-table = JaxTable.of(LoadTable.load("map.npz"))
+table = JaxTable.from_table(LoadTable.load("map.npz"))
 WEIGHT, MASS, STEP = 2.0, 2.0 / 9.81, 0.02  # N, kg, s
 
 

@@ -17,7 +17,7 @@ corners = (("cw", 1, 1), ("ccw", -1, 1), ("cw", -1, -1), ("ccw", 1, -1))
 mounts = tuple(Mount((0.16 * x, 0.16 * y, 0.0), spin=spin) for spin, x, y in corners)
 body = Body((0.015, 0.015, 0.03))
 quad = propmap.Vehicle("quad", 0.8, propmap.propeller("apc-8x6e"), mounts, body=body)
-rotors = MjxRotors.of(quad, LoadTable.load("map.npz"), model, "quad", time_constant=0.03)
+rotors = MjxRotors.from_vehicle(quad, LoadTable.load("map.npz"), model, "quad", time_constant=0.03)
 device, start, rear = mjx.put_model(model), mjx.make_data(model), jnp.array([-1.0, 1.0, 1.0, -1.0])
 
 

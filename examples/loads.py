@@ -4,7 +4,7 @@ import numpy as np
 
 import propmap
 
-rotor = propmap.Rotor(propmap.known_model("APC 8x6E"))  # or "HQ 5x4.3x3", or your geometry file
+rotor = propmap.Rotor(propmap.catalogue_model("APC 8x6E"))  # or "HQ 5x4.3x3", or your geometry file
 omega, beta = 6000 * np.pi / 30, np.radians([0, 45, 90])  # rad/s; climb, oblique, edgewise
 loads = rotor.loads(omega, 10.0, beta)
 low, high = loads.interval(0.95)

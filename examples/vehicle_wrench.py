@@ -5,7 +5,7 @@ import numpy as np
 import propmap
 from propmap.vehicle.vehicle import Body, Mount, Wakes
 
-model = propmap.known_model("APC 8x6E")
+model = propmap.catalogue_model("APC 8x6E")
 corners = (("cw", 1, 1), ("ccw", -1, 1), ("cw", -1, -1), ("ccw", 1, -1))
 quad = propmap.Vehicle(
     name="quad",

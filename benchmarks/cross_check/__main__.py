@@ -238,7 +238,10 @@ def rotor_drag(vehicle: Vehicle, rotor: Rotor, speed: float) -> dict[str, float]
 
 def measure() -> dict[str, Any]:
     """All figures."""
-    vehicle, rotor = propmap.read_vehicle(VEHICLE).vehicle, Rotor(propmap.known_model(PROPELLER))
+    vehicle, rotor = (
+        propmap.read_vehicle(VEHICLE).vehicle,
+        Rotor(propmap.catalogue_model(PROPELLER)),
+    )
     table = build_table(
         rotor, omega=(SLOWEST, FASTEST), speed=SPEED, beta=BETA, tolerance=TOLERANCE
     )

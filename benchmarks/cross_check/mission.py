@@ -31,7 +31,7 @@ UP = np.array([0.0, 0.0, 1.0])
 class State(NamedTuple):
     """A vehicle in the world, whose z points up; its own axes are x forward, y left, z up."""
 
-    position: Floats  # of the centre of mass, (3,) [m]
+    position: Floats  # of the center of mass, (3,) [m]
     velocity: Floats  # (3,) [m/s], in the world's axes as the position
     attitude: Floats  # from the vehicle's axes to the world's, (3, 3)
     rates: Floats  # how fast it turns, in its own axes, (3,) [rad/s]

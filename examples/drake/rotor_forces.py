@@ -93,7 +93,7 @@ def flying(forces, time_constant, gravity=9.80665):
 def main():
     """Print half a second of flight from 10 m/s."""
     vehicle = propmap.read_vehicle(Path(__file__).parent.parent / "quadrotor.toml").vehicle
-    rotor = propmap.Rotor(propmap.known_model("APC 8x6E"))
+    rotor = propmap.Rotor(propmap.catalogue_model("APC 8x6E"))
     diagram = flying(propmap.VehicleForces(vehicle, rotor), time_constant=0.03)
     simulator = Simulator(diagram)
     context = simulator.get_mutable_context()

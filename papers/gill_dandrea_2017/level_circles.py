@@ -32,7 +32,7 @@ from propmap.hover import HoverModel
 from propmap.model.airfoil import PAPER_FOUR, Airfoil, parameter_set
 from propmap.model.model import Model
 from propmap.report.html import (
-    COLOURS,
+    COLORS,
     DASHED,
     MEASURED,
     MODEL,
@@ -196,9 +196,9 @@ def first_crossing(x: Floats, y: Floats) -> float | None:
 
 def _hover(vehicle: Vehicle, law: Airfoil) -> HoverModel:
     rotor = Rotor(Model(vehicle.propeller, law, vehicle.air))
-    still = HoverModel.of(rotor)
+    still = HoverModel.from_rotor(rotor)
     each = vehicle.mass * GRAVITY / len(vehicle.mounts)
-    return HoverModel.of(rotor, float(np.sqrt(each / still.k_thrust)))
+    return HoverModel.from_rotor(rotor, float(np.sqrt(each / still.k_thrust)))
 
 
 def _hover_error(vehicle: Vehicle, points: FlightLog, law: Airfoil) -> Floats:
@@ -211,7 +211,7 @@ def _hover_error(vehicle: Vehicle, points: FlightLog, law: Airfoil) -> Floats:
 # Figure 6, its tables and CSV files.
 
 WEIGHT = ASSUMED.mass * GRAVITY
-FACES = (COLOURS[0], "white")
+FACES = (COLORS[0], "white")
 """Faces of the markers, filled and hollow, which differ in print without color."""
 
 LABELS = (
@@ -230,7 +230,7 @@ def loads_figure(flown: dict[str, SetFlown]) -> Figure:
     axes = figure.subplots(2, 3, sharex=True).ravel()
     handles, big = [], {**MEASURED, "clip_on": True}
     for k, (name, one) in enumerate(flown.items()):
-        c, look = one.circles[ASSUMED], {"color": COLOURS[k]}
+        c, look = one.circles[ASSUMED], {"color": COLORS[k]}
         lines = (
             (c.thrust, c.hover_thrust),
             (c.drag, 0.0 * c.drag),

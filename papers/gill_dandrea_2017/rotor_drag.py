@@ -28,7 +28,7 @@ from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.model import Model
 from propmap.report.html import (
     BAND,
-    COLOURS,
+    COLORS,
     HOVER,
     MEASURED,
     MODEL,
@@ -380,7 +380,7 @@ def compute(one: Compared) -> RotorDrag:
 # -------------------------------------------------------------------------------------------------
 # Figure, tables and CSV files.
 
-LIGHT: dict[str, Any] = {"color": COLOURS[4], "alpha": 0.6, "linewidth": 0.0}
+LIGHT: dict[str, Any] = {"color": COLORS[4], "alpha": 0.6, "linewidth": 0.0}
 HEAVY: dict[str, Any] = {**LIGHT, "alpha": 0.25}
 """Shades of the fin analogy for a heavily loaded disk (pale) and a lightly loaded one."""
 
@@ -392,8 +392,8 @@ DATA = {OBLIQUE: "polynomials", OTHER_FORM: "model of 2019"}
 @style()
 def small_figure(small: list[SmallIncidence]) -> Figure:
     """Draw rotor drag over airspeed, one panel per propeller."""
-    theory: dict[str, Any] = {"color": COLOURS[0], **MODEL}
-    published: dict[str, Any] = {"color": COLOURS[1], "marker": "o", **MEASURED}
+    theory: dict[str, Any] = {"color": COLORS[0], **MODEL}
+    published: dict[str, Any] = {"color": COLORS[1], "marker": "o", **MEASURED}
     figure = new_figure(9.6, 6.0)
     axes = figure.subplots(2, 3, sharex=True).ravel()
     for ax, one in zip(axes, small, strict=False):
@@ -404,7 +404,7 @@ def small_figure(small: list[SmallIncidence]) -> Figure:
         ax.plot(one.speed, one.theory, **theory)
         ax.axhline(0.0, **HOVER)
         if one.published is not None and one.other is not None:
-            ax.fill_between(one.speed, one.published, one.other, color=COLOURS[1], **BAND)
+            ax.fill_between(one.speed, one.published, one.other, color=COLORS[1], **BAND)
             ax.plot(one.speed, one.published, **published)
         ax.set_title(f"{one.propeller}, {one.omega / RPM:.0f} rpm", fontsize=9.0)
         ax.set_ylabel("rotor drag D [N]")

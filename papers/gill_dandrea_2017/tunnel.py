@@ -26,7 +26,7 @@ from propmap.model.corrections import MODELS
 from propmap.model.model import Model
 from propmap.report.html import (
     BAND,
-    COLOURS,
+    COLORS,
     HOVER,
     MARKERS,
     MEASURED,
@@ -361,7 +361,7 @@ def axial_figure(one: Compared, curves: dict[str, Coefficients]) -> Figure:
         )  # fmt: skip
         for k, (label, curve) in enumerate(curves.items()):
             y, every = getattr(curve, part), slice(3 + 4 * k, None, 14)
-            ax.plot(curve.advance, y, color=COLOURS[k], label=label, **MODEL)
+            ax.plot(curve.advance, y, color=COLORS[k], label=label, **MODEL)
             ax.plot(curve.advance[every], y[every], linestyle="none", **_look(k))
         ax.axhline(float(values[still].mean()), label=HOVER_LABEL, **HOVER)
         ax.axhline(0.0, color="0.6", linewidth=0.8)
@@ -393,8 +393,8 @@ def oblique_figure(one: Compared, curves: tuple[Floats, dict[str, dict[str, Floa
                 at = mine & (np.abs(data.beta - beta) < np.radians(0.5))
                 if name in other:
                     edges = (data.loads[name][at], other[name][at])
-                    ax.fill_between(data.speed[at], *edges, color=COLOURS[k], **BAND)
-                ax.plot(speed, loads[name][k], color=COLOURS[k], **MODEL)
+                    ax.fill_between(data.speed[at], *edges, color=COLORS[k], **BAND)
+                ax.plot(speed, loads[name][k], color=COLORS[k], **MODEL)
                 ax.plot(data.speed[at], data.loads[name][at], **marked(k), **MEASURED)
             ax.margins(x=0.02)
         column[-1].set_xlabel("speed V [m/s]")
@@ -419,7 +419,7 @@ def multirotor_figure(one: Compared, curves: list[ThrustCurve]) -> Figure:
         own = [curve for curve in curves if curve.label == label]
         for k, c in enumerate(own):
             at = (np.abs(data.speed - c.speed) < 0.01) & (np.abs(data.beta - c.beta) < 0.01)
-            ax.plot(c.omega / RPM / 1e3, c.thrust, color=COLOURS[k], **MODEL)
+            ax.plot(c.omega / RPM / 1e3, c.thrust, color=COLORS[k], **MODEL)
             ax.errorbar(
                 data.omega[at] / RPM / 1e3, thrust[at], bar, linestyle="none", markersize=4.0,
                 elinewidth=0.8, **marked(k),
@@ -522,7 +522,7 @@ def _loads_sheet(one: Compared) -> str:
 
 def _look(k: int) -> dict[str, Any]:
     """Return the style of the markers on axial line k."""
-    return {"color": COLOURS[k], "marker": MARKERS[k + 1], "markersize": 5.0}
+    return {"color": COLORS[k], "marker": MARKERS[k + 1], "markersize": 5.0}
 
 
 def _flow(curve: ThrustCurve) -> str:

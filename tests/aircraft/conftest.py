@@ -31,7 +31,7 @@ def quadcopter(**changes: object) -> Vehicle:
 
 
 def rotor_of(vehicle: Vehicle) -> propmap.Rotor:
-    law, corrections = propmap.airfoil("apc-8x6e-2019"), propmap.corrections_of("recommended")
+    law, corrections = propmap.airfoil("apc-8x6e-2019"), propmap.model_corrections("recommended")
     model = propmap.Model(vehicle.propeller, law, vehicle.air, corrections)
     return propmap.Rotor(model)
 

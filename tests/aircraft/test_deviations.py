@@ -63,7 +63,7 @@ def test_pitch_leans_further_with_drag(aircraft: Aircraft, level: SteadyStates) 
 
 def known_blade() -> Aircraft:
     """The quadcopter with constants that carry what is known of them."""
-    model = propmap.known_model("apc-8x6e")
+    model = propmap.catalogue_model("apc-8x6e")
     vehicle = quadcopter(propeller=model.propeller)
     rotor = propmap.Rotor(replace(model, air=vehicle.air))
     return Aircraft(vehicle, rotor)
@@ -87,7 +87,7 @@ def test_bands_of_power_are_those_of_the_rotors_torque_in_hover() -> None:
 def test_bands_have_no_jumps() -> None:
     """A step of the differences that is smaller than the loads' jumps shows as a spike."""
     vehicle = read_vehicle(EXAMPLES / "aircraft" / "delivery.toml").vehicle
-    model = propmap.known_model("uiuc-apcsf-11x4.7")
+    model = propmap.catalogue_model("uiuc-apcsf-11x4.7")
     model = propmap.Model(vehicle.propeller, model.airfoil, vehicle.air, model.corrections)
     craft = Aircraft(vehicle, propmap.Rotor(model))
     sure = spread(craft, craft.steady(np.array([14.0, 15.0, 16.0])))
@@ -106,7 +106,7 @@ def test_nothing_known_and_names_that_are_not_there(
     with pytest.raises(InputError, match="no derivative by 'kv'"):
         power_gradient(aircraft, level, ("kv",))
     wakes = aircraft_of(quadcopter(wakes=Wakes()))
-    with pytest.raises(InputError, match="each other's wakes"):
+    with pytest.raises(InputError, match="rotors with wakes"):
         power_gradient(wakes, wakes.steady(SPEEDS[:1], margin=False), ("diameter_scale",))
     grounded = aircraft_of(quadcopter(mass=60.0)).steady(SPEEDS)
     assert np.isnan(power_gradient(aircraft, grounded, ("mass",))["mass"]).all()

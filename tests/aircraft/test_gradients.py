@@ -25,7 +25,7 @@ def craft_of(
     law: propmap.Airfoil = LAW, propeller: Propeller = BLADE, **changes: object
 ) -> Aircraft:
     vehicle = quadcopter(propeller=propeller, **changes)
-    model = propmap.Model(propeller, law, vehicle.air, propmap.corrections_of("recommended"))
+    model = propmap.Model(propeller, law, vehicle.air, propmap.model_corrections("recommended"))
     return Aircraft(vehicle, propmap.Rotor(model))
 
 

@@ -71,7 +71,7 @@ def test_a_table_of_something_else(vehicle: Vehicle, table: LoadTable) -> None:
     with pytest.raises(InputError, match=r"holds for 1\.225"):
         Aircraft(thin, table)
     other = replace(vehicle, propeller=propmap.propeller("apc-9x6e"))
-    with pytest.raises(InputError, match="the table is of"):
+    with pytest.raises(InputError, match="the table is for"):
         Aircraft(other, table)
     mounted = tuple(replace(m, drag=Installed(1e-3)) for m in vehicle.mounts)
     with pytest.raises(InputError, match=r"\[mount\]"):

@@ -32,7 +32,7 @@ from .conftest import quadcopter
 INCH = 0.0254
 CLOSE = 5
 """The best, whose deviations are computed."""
-RECOMMENDED = propmap.corrections_of("recommended")
+RECOMMENDED = propmap.model_corrections("recommended")
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,7 @@ def test_deviations_and_what_they_separate(judged: list[Judged]) -> None:
         gap = worse.score - better.score
         spread = math.hypot(better.deviation, worse.deviation)
         assert beats(better, worse) == pytest.approx(NormalDist().cdf(gap / spread))
-    # Neighbours are not separated, the first and the last of these are more than they.
+    # Neighbors are not separated, the first and the last of these are more than they.
     assert beats(first[0], first[1]) < 0.95
     assert beats(first[0], first[1]) < beats(first[0], first[-1])
 
@@ -189,5 +189,5 @@ def test_bad_tasks() -> None:
     ):
         with pytest.raises(InputError, match=told):
             Task(*task)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="less thrust than weight"):
+    with pytest.raises(InputError, match="thrust must carry the weight"):
         Task("hover", 10.0, thrust_margin=0.9)

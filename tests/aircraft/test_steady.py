@@ -186,14 +186,14 @@ def test_rotors_of_a_hexacopter_share_the_load(vehicle: Vehicle) -> None:
     assert np.abs(states.moment).max() < 1e-7
 
 
-def test_a_centre_of_mass_ahead_loads_the_front(vehicle: Vehicle) -> None:
+def test_a_center_of_mass_ahead_loads_the_front(vehicle: Vehicle) -> None:
     mounts = tuple(
         replace(m, position=(m.position[0] - 0.03, m.position[1], m.position[2]))
         for m in vehicle.mounts
     )
     states = aircraft_of(replace(vehicle, mounts=mounts)).steady(0.0)
     front, rear = states.thrust[0, [0, 3]].sum(), states.thrust[0, [1, 2]].sum()
-    # Moments about the centre of mass.
+    # Moments about the center of mass.
     assert front * (0.16 - 0.03) == pytest.approx(rear * (0.16 + 0.03), rel=1e-7)
 
 
@@ -295,13 +295,13 @@ def test_bad_input(aircraft: Aircraft, vehicle: Vehicle) -> None:
         aircraft.steady(math.nan)
     with pytest.raises(InputError, match="80 degrees"):
         aircraft.steady(5.0, bank=1.5)
-    with pytest.raises(InputError, match="takes speed"):
+    with pytest.raises(InputError, match="a turn needs speed"):
         aircraft.steady(0.0, bank=0.2)
     with pytest.raises(InputError, match="axes"):
         aircraft.steady([[1.0]])
     with pytest.raises(InputError, match="charge"):
         aircraft_of(vehicle, charge=1.2)
-    with pytest.raises(InputError, match="largest speed"):
+    with pytest.raises(InputError, match="largest rotor speed"):
         aircraft_of(vehicle, maximum_rotor_speed=0.0)
     other = replace(vehicle, propeller=propmap.propeller("apc-9x6e"))
     with pytest.raises(InputError, match="another propeller"):

@@ -1,4 +1,4 @@
-"""Errors of residuals that are alike within stretches: jackknife, degrees of freedom, coverage."""
+"""Errors of residuals that are alike within segments: jackknife, degrees of freedom, coverage."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NONE = np.zeros((3, 3))
 
 @dataclass
 class Line:
-    """Three parameters, seen by 24 stretches of five rows, unevenly."""
+    """Three parameters, seen by 24 segments of five rows, unevenly."""
 
     slopes: np.ndarray
     group: np.ndarray
@@ -36,7 +36,7 @@ class Line:
         return np.linalg.lstsq(self.slopes[kept], measured[kept], rcond=None)[0]
 
 
-def test_stretches_count_as_refits_without_them_say() -> None:
+def test_segments_count_as_refits_without_them_say() -> None:
     """The linear jackknife, by refitting 24 times."""
     line = Line.made()
     measured = np.random.default_rng(6).standard_normal(120)
@@ -51,7 +51,7 @@ def test_stretches_count_as_refits_without_them_say() -> None:
     assert (freedom < 23.0).all() and (freedom > 2.0).all()
 
 
-def test_even_stretches_have_all_degrees_of_freedom_and_priors_more() -> None:
+def test_even_segments_have_all_degrees_of_freedom_and_priors_more() -> None:
     slopes = np.tile(np.eye(3), (40, 1))
     group = np.arange(40).repeat(3)
     residual = np.random.default_rng(7).standard_normal(120)
@@ -81,8 +81,8 @@ def test_intervals_hold_the_truth_where_independent_rows_would_not() -> None:
 
 
 @pytest.mark.parametrize(("alike", "least"), [(3, 1.15), (1, 1.0)])
-def test_errors_go_on_past_the_end_of_a_stretch(alike: int, least: float) -> None:
-    """A mean's variance where errors last three stretches of ten rows, and where they last one."""
+def test_errors_go_on_past_the_end_of_a_segment(alike: int, least: float) -> None:
+    """A mean's variance where errors last three segments of ten rows, and where they last one."""
     rng, count = np.random.default_rng(10), 300
     one, whole, found = np.ones((10 * count, 1)), np.array([[10.0 * count]]), []
     for _ in range(40):
@@ -94,7 +94,7 @@ def test_errors_go_on_past_the_end_of_a_stretch(alike: int, least: float) -> Non
             for step in (1, 2)
         )
         found.append((following[0] / separate[0]).item())
-    # Neighbours share 2/3 of their variance, or none but by chance.
+    # Neighbors share 2/3 of their variance, or none but by chance.
     assert least <= min(found) and np.mean(found) == pytest.approx(
         7.0 / 3.0 if alike == 3 else 1.05, rel=0.05
     )
@@ -115,7 +115,7 @@ def test_errors_of_each_flight() -> None:
 
     rows = Rows.of_points(
         ("force_z",), ("N",), 5.0 * at + noise, 1.0 + 0.0 * at, 0.0 * log.time, table,
-        log.stretches(1.0),
+        log.segments(1.0),
     )  # fmt: skip
     fitted = fit(rows, Choice(("c_l1",)), Settings(starts=1, folds=4))
     found = by_flight(fitted, log)["force_z"]

@@ -9,15 +9,15 @@ from propmap.fit.uncertainty import bounded_intervals
 
 COVARIANCE = np.array([[0.04, 0.03], [0.03, 0.09]])
 ROOT = np.linalg.cholesky(np.linalg.inv(COVARIANCE)).T
-CENTRE = np.array([1.0, 2.0])
+CENTER = np.array([1.0, 2.0])
 FAR = np.full(2, 100.0)
 
 
 def test_far_from_bounds_they_are_the_usual_ones() -> None:
-    low, high = bounded_intervals(CENTRE, ROOT, -FAR, FAR, 1.96)
+    low, high = bounded_intervals(CENTER, ROOT, -FAR, FAR, 1.96)
     half = 1.96 * np.sqrt(np.diag(COVARIANCE))
-    np.testing.assert_allclose(low, CENTRE - half, rtol=1e-9)
-    np.testing.assert_allclose(high, CENTRE + half, rtol=1e-9)
+    np.testing.assert_allclose(low, CENTER - half, rtol=1e-9)
+    np.testing.assert_allclose(high, CENTER + half, rtol=1e-9)
 
 
 def test_of_a_sum_each_part_ends_where_the_other_meets_its_bound() -> None:
@@ -38,14 +38,14 @@ def test_a_minimum_beyond_a_bound() -> None:
 
 
 def test_a_bound_of_one_narrows_what_is_correlated_with_it() -> None:
-    wide = bounded_intervals(CENTRE, ROOT, -FAR, FAR, 1.96)
-    low, high = bounded_intervals(CENTRE, ROOT, -FAR, np.array([100.0, 2.1]), 1.96)
+    wide = bounded_intervals(CENTER, ROOT, -FAR, FAR, 1.96)
+    low, high = bounded_intervals(CENTER, ROOT, -FAR, np.array([100.0, 2.1]), 1.96)
     assert high[0] < wide[1][0] - 0.02
     assert low[0] == pytest.approx(wide[0][0])
     assert high[1] == 2.1
 
 
 def test_what_the_data_do_not_see_fills_its_bounds() -> None:
-    low, high = bounded_intervals(CENTRE, np.array([[5.0, 0.0]]), -FAR, FAR, 2.0)
+    low, high = bounded_intervals(CENTER, np.array([[5.0, 0.0]]), -FAR, FAR, 2.0)
     assert (low[0], high[0]) == pytest.approx((0.6, 1.4))
     assert (low[1], high[1]) == (-100.0, 100.0)

@@ -9,8 +9,9 @@ import msgspec
 import numpy as np
 import pytest
 
+from propmap import __version__
 from propmap.errors import InputError
-from propmap.fit.files import DataSource, read_fit
+from propmap.fit.files import DataSource, is_fit, read_fit
 from propmap.fit.fit import coverage
 from propmap.model.airfoil import parameter_set
 
@@ -62,9 +63,9 @@ def test_a_file_of_an_earlier_version_has_no_envelope(tmp_path: Path) -> None:
         ("hover_rms = 0.3", "", "at residuals.thrust: Object missing required field hover_rms"),
         ("typical_rpm = .*", "typical_rpm = -1.0", "typical_rpm: Expected float > 0.0"),
         (r"\[fit.covered\]", "[fit.covered]\nrpm = [2, 1]\n[x]", "at covered"),
-        ('"c_l1",', "", "parameters are not those that are free"),
-        (r"chord_m = \[\n", "chord_m = [ -0.01,", "the table [fit] is damaged: "),
-        (r"\[fit.envelope\]", "[fit.envelope]\nrpm = [2, 1]\n[x]", "is damaged: "),
+        ('"c_l1",', "", "the parameters differ from the list free"),
+        (r"chord_m = \[\n", "chord_m = [ -0.01,", "the table [fit] cannot be read: "),
+        (r"\[fit.envelope\]", "[fit.envelope]\nrpm = [2, 1]\n[x]", "cannot be read: "),
         ("density = .*", "density = -1.2", "at air: air density is -1.2: it must be positive"),
     ],
 )
@@ -78,6 +79,35 @@ def test_the_entry_that_is_damaged_is_named(
         read_fit(written(tmp_path, text))
     assert says in str(refused.value) and str(refused.value).startswith(str(tmp_path))
     assert refused.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("entry", "change", "says"),
+    [
+        ("c_l1 = ", "lift_slope = 5.0\nc_l1 = ", "unknown field 'lift_slope'"),
+        ("c_l1 = ", "lift_slope = ", "unknown field 'lift_slope'"),
+        ("c_l2 = .*\n", "", "c_l2 is missing"),
+        ("kind = .*\n", "", "the table [fit] cannot be read: Object missing required field kind"),
+        (
+            r"\[fit.body\]",
+            "[fit.body]\ncentre_x = 0.01",
+            "the table [fit] cannot be read: 'centre_x' is not a parameter",
+        ),
+    ],
+)
+def test_fields_of_another_version_name_the_version(
+    tmp_path: Path, entry: str, change: str, says: str
+) -> None:
+    changed = re.sub(entry, change, fit_text(), count=1)
+    for read in (read_fit, is_fit) if "[fit]" not in says else (read_fit,):
+        with pytest.raises(InputError, match=re.escape(says)) as refused:
+            read(written(tmp_path, changed))
+        this = f"written by propmap 0 (this is {__version__}): run `propmap fit` again"
+        assert this in str(refused.value)
+    ours = changed.replace('propmap = "0"', f'propmap = "{__version__}"')
+    with pytest.raises(InputError, match=re.escape(says)) as refused:
+        read_fit(written(tmp_path, ours))
+    assert "written by" not in str(refused.value)
 
 
 def test_a_folder_such_as_a_ros_2_bag_has_a_digest_of_its_files(tmp_path: Path) -> None:

@@ -165,20 +165,20 @@ def test_a_twin_is_found_again() -> None:
         assert all("grows" in text or "falls" in text for text in residual_trends(found, log))
 
 
-def test_a_sensor_has_no_part_in_steady_stretches() -> None:
+def test_a_sensor_has_no_part_in_steady_segments() -> None:
     model = ForceModel(VEHICLE, manoeuvre(0, 20), LAW)
-    with pytest.raises(InputError, match="sensor_x has no part in steady stretches"):
+    with pytest.raises(InputError, match="sensor_x has no effect in steady segments"):
         level_rows(model, Choice(("c_l1", "sensor_x")))
 
 
 def test_a_parameter_of_a_flight_that_is_not_there() -> None:
     log = manoeuvre(0, 20)
     model = ForceModel(VEHICLE, log, LAW)
-    with pytest.raises(InputError, match=r"'thrust_scale\[2\]' is of no flight of these"):
+    with pytest.raises(InputError, match=r"'thrust_scale\[2\]' names no flight of the logs"):
         model.at(FIRST_GUESS | LAW_VALUES, ("c_l1", "thrust_scale[2]"))
 
 
-def test_stretches_of_two_flights_are_not_one() -> None:
+def test_segments_of_two_flights_are_not_one() -> None:
     log = joined([manoeuvre(0, 20), manoeuvre(1, 20)])
     rows = balance_rows(ForceModel(VEHICLE, log, LAW), Choice(("c_l1",)))
     first, second = rows.group[: rows.group.size // 2], rows.group[rows.group.size // 2 :]  # type: ignore[index]

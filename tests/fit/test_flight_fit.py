@@ -238,7 +238,7 @@ def test_the_wing_s_values_come_from_the_vehicle() -> None:
 
 
 def test_balance_rows_are_three_per_sample(moving: ForceModel) -> None:
-    rows = balance_rows(moving, TWO, stretch=2.0)
+    rows = balance_rows(moving, TWO, segment=2.0)
     assert rows.names == ("force_x", "force_y", "force_z")
     np.testing.assert_array_equal(rows.load, np.tile([0, 1, 2], 4))
     np.testing.assert_array_equal(rows.point, np.repeat([0, 1, 2, 3], 3))
@@ -268,7 +268,7 @@ def test_the_comparison_sees_what_the_rows_see(moving: ForceModel) -> None:
 def test_refusals() -> None:
     still = log(((0, 0, 0), (0, 0, 0)))
     unmeasured = replace(still, specific_force=np.full((2, 3), np.nan))
-    with pytest.raises(InputError, match=r"test: there is no specific force .* --method level"):
+    with pytest.raises(InputError, match=r"some samples have no specific force .* --method level"):
         balance_rows(model(unmeasured), TWO)
     with pytest.raises(InputError, match="no specific force to compare with"):
         compare_flight(vehicle(), unmeasured, LAW, {})

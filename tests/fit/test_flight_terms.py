@@ -60,7 +60,7 @@ def test_noise_alone_hardly_ever_pays_though_it_is_alike_for_a_second() -> None:
     for seed in range(200):
         old, new = (AxisErrors(held(0.3, 1.0, 2 * seed + k), np.zeros((1, 3))) for k in (0, 1))
         words.append(judged(*gain([old], [new], [flight("one")])))
-    # Two standard errors to one side: 2 in a hundred, and a few more for 40 stretches.
+    # Two standard errors to one side: 2 in a hundred, and a few more for 40 segments.
     assert words.count("pays") <= 12
     # Errors of single samples would make every tenth of these, or more, pay.
     each = held(0.3, 1.0, 0)

@@ -38,6 +38,6 @@ def test_errors_are_of_the_size_that_intervals_say(twin: Twin) -> None:
         off = (found.x - [truth[name] for name in FREE]) / np.sqrt(np.diag(sure.covariance))
         z += [off[k] for k in range(len(FREE)) if sure.identified[k]]
         named |= {name for name, good in zip(FREE, sure.identified, strict=True) if good}
-    assert {"c_l1", "sensor_x", "sensor_z", "centre_x", "clock_offset[1]"} <= named
+    assert {"c_l1", "sensor_x", "sensor_z", "center_x", "clock_offset[1]"} <= named
     # Some 30 numbers of variance 1, some alike.
     assert 0.5 < np.sqrt(np.mean(np.square(z))) < 1.6 and np.max(np.abs(z)) < 4.5

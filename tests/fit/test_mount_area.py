@@ -165,7 +165,7 @@ def test_a_planned_flight_knows_the_area_that_is_true(
 
 def test_a_vehicle_that_states_its_mounts_leaves_none_to_find() -> None:
     for choice in (Choice(("mount_area",)), Choice(fixed={"mount_area": 0.001})):
-        with pytest.raises(InputError, match=r"mount_area is given.*remove the \[mount\] table"):
+        with pytest.raises(InputError, match=r"mount_area is a param.*remove the \[mount\] table"):
             level_rows(ForceModel(VEHICLE, FLOWN, LAW), choice)
 
 

@@ -85,7 +85,7 @@ def test_residuals_of_n_flights_are_equation_17(found: Floats) -> None:
 
 
 def test_the_search_is_equation_18() -> None:
-    """It starts at x0 = (2 pi, 2, 0, 0.47) and minimises eps^T eps, as a direct solution does."""
+    """It starts at x0 = (2 pi, 2, 0, 0.47) and minimizes eps^T eps, as a direct solution does."""
     choice = Choice()
     assert choice.free == PAPER_FOUR
     np.testing.assert_array_equal(choice.first, [2.0 * np.pi, 2.0, 0.0, 0.47])

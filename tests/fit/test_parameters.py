@@ -28,7 +28,7 @@ from propmap.fit.parameters import (
 from propmap.model.airfoil import PAPER_FOUR, Airfoil
 
 CASES: dict[str, tuple[dict[str, Any], str]] = {
-    "nothing free": ({"free": ()}, "no parameter is free; name some of c_l1"),
+    "nothing free": ({"free": ()}, "no parameter is free; name one or more of c_l1"),
     "unknown, close": ({"free": ("c_l3",)}, "'c_l3' is not a parameter; choose from c_l"),
     "unknown, angle": ({"free": ("zero_lift",)}, "choose from zero_lift_angle"),
     "unknown, far": ({"free": ("mass",)}, "choose from c_l1, c_l2, c_d, alpha_0"),
@@ -39,7 +39,7 @@ CASES: dict[str, tuple[dict[str, Any], str]] = {
     "repeated": ({"free": ("c_l1", "c_d", "c_l1")}, "c_l1 is named twice as free"),
     "free and fixed": ({"fixed": {"c_l2": 1.0}}, "c_l2 is both free and fixed; choose one"),
     "prior not free": ({"priors": {"c_d0": Prior(0.01, 0.01)}}, "c_d0 has a prior but is not"),
-    "no deviation": ({"priors": {"c_l2": Prior(2.0, 0.0)}}, "c_l2 has the deviation 0; give"),
+    "no deviation": ({"priors": {"c_l2": Prior(2.0, 0.0)}}, "c_l2 has the standard deviation 0"),
     "negative deviation": ({"priors": {"c_l2": Prior(2.0, -1.0)}}, "deviation -1"),
     "deviation not a number": ({"priors": {"c_l2": Prior(2.0, np.nan)}}, "deviation nan"),
     "prior's mean not a number": ({"priors": {"c_l2": Prior(np.nan, 1.0)}}, "c_l2"),

@@ -146,7 +146,7 @@ def test_rows_at_rest_count_less_and_no_stand_is_better_than_its_least_error() -
     assert data == pytest.approx(INDEPENDENT / LEAST_ERROR**2, rel=0.01)
 
 
-def test_a_stretch_of_a_flight_is_one_number() -> None:
+def test_a_segment_of_a_flight_is_one_number() -> None:
     group = np.repeat(np.arange(6), 25)
     rows = rows_on({"c_l1": np.ones(150)}, np.zeros(150), c_l1=6.0)
     assert replace(rows, group=group).independent.tolist() == [6.0]

@@ -1,4 +1,4 @@
-"""An accelerometer off the centre of mass, against a body whose points are followed in space."""
+"""An accelerometer off the center of mass, against a body whose points are followed in space."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ TIME = np.arange(0.0, 4.0, 1e-3)
 
 
 def turning() -> tuple[Rotation, FlightLog]:
-    """A body that tumbles about its resting centre of mass, and its log."""
+    """A body that tumbles about its resting center of mass, and its log."""
     angles = np.stack([np.sin(2.0 * TIME), 0.7 * np.cos(3.0 * TIME), 0.5 * TIME], axis=1)
     attitude = Rotation.from_euler("xyz", angles)
     step = attitude[:-1].inv() * attitude[1:]
@@ -87,12 +87,12 @@ def test_late_stamps_read_what_was_before() -> None:
     np.testing.assert_allclose(late * slopes[0], found)
 
 
-def test_nothing_at_the_centre_of_mass_and_no_derivatives_needed() -> None:
+def test_nothing_at_the_center_of_mass_and_no_derivatives_needed() -> None:
     _, log = turning()
     bare = replace(log, angular_acceleration=np.full_like(log.rates, np.nan))
     force, slopes = sensor_force(VEHICLE, bare, {}, ("c_l1",))
     assert not force.any() and not slopes.any()
-    with pytest.raises(InputError, match="without time derivatives"):
+    with pytest.raises(InputError, match="a log with time derivatives"):
         sensor_force(VEHICLE, bare, {}, ("sensor_x",))
 
 

@@ -101,26 +101,26 @@ def test_a_fit_to_rotor_speeds_has_no_curve(
 ) -> None:
     fit, log = str(folder / "speeds_fit.toml"), str(folder / "unseen_throttle.csv")
     assert main(["check", fit, log, "--vehicle", str(folder / "throttle.toml")]) == 2
-    assert "the constants are of measured ones" in capsys.readouterr().err
+    assert "the fit used measured rotor speeds" in capsys.readouterr().err
     # The other way about, measured speeds need no curve.
     fit, log = str(folder / "throttle_fit.toml"), str(folder / "unseen_speeds.csv")
     assert main(["check", fit, log, "--vehicle", str(folder / "speeds.toml")]) == 0
 
 
-def test_steady_stretches_need_rotor_speeds(
+def test_steady_segments_need_rotor_speeds(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log, vehicle = str(folder / "seen_throttle.csv"), str(folder / "throttle.toml")
     way = ["--method", "level", "-o", str(folder / "none.toml")]
     assert main(["fit", "flight", log, "--vehicle", vehicle, *way]) == 2
-    assert "say nothing of the blade" in capsys.readouterr().err
+    assert "do not determine the blade" in capsys.readouterr().err
 
 
 def test_terms_need_rotor_speeds(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     logs = [str(folder / f"{name}_throttle.csv") for name in ("seen", "unseen")]
     way = ["--vehicle", str(folder / "throttle.toml"), "-o", str(folder / "terms")]
     assert main(["fit", "terms", *logs, *way]) == 2
-    assert "commands to the motors in place of rotor speeds" in capsys.readouterr().err
+    assert "motor commands instead of rotor speeds" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", ["speeds", "throttle"])

@@ -54,15 +54,15 @@ def test_free_rotation_needs_no_moment() -> None:
     assert np.abs(reaction).max() > 1e-2
 
 
-def test_a_shifted_centre_and_a_spun_up_rotor() -> None:
+def test_a_shifted_center_and_a_spun_up_rotor() -> None:
     log = replace(manoeuvre(0, 5), rotor_acceleration=np.full((5, 4), 1000.0))
     flow, up = hub_flow(BODY, log), np.tile([0.0, 0.0, 8.0, 0.0, 0.0, 0.0], (5, 1))
-    names = ("centre_x", "centre_y", "rotor_inertia")
+    names = ("center_x", "center_y", "rotor_inertia")
     zero = np.zeros((3, 5, 6))
-    values = {"centre_x": 0.01, "centre_y": -0.02}
+    values = {"center_x": 0.01, "center_y": -0.02}
     base, _ = moment_of_all(BODY, log, flow, up, zero, {}, names)
     moved, slopes = moment_of_all(BODY, log, flow, up, zero, values, names)
-    # Lift behind the centre of mass turns the nose down: about y, to the left, it is positive.
+    # Lift behind the center of mass turns the nose down: about y, to the left, it is positive.
     np.testing.assert_allclose(moved - base, np.tile([0.02 * 8.0, 0.01 * 8.0, 0.0], (5, 1)))
     np.testing.assert_allclose(slopes[0], np.tile([0.0, 8.0, 0.0], (5, 1)))
     np.testing.assert_allclose(base, BODY.rotor_inertia * slopes[2])
@@ -97,10 +97,10 @@ def test_a_rotor_that_spins_up_turns_the_vehicle_against_its_spin() -> None:
 
 
 @pytest.mark.parametrize("frame", ["flu", "frd"])
-def test_rotors_behind_a_centre_that_lies_forward_turn_the_nose_down(
+def test_rotors_behind_a_center_that_lies_forward_turn_the_nose_down(
     tmp_path: Path, frame: str
 ) -> None:
-    """The centre of mass 1 cm ahead of the hubs, in the file or as a parameter."""
+    """The center of mass 1 cm ahead of the hubs, in the file or as a parameter."""
     side = 1.0 if frame == "flu" else -1.0
 
     def vehicle(ahead: float) -> Vehicle:
@@ -115,10 +115,10 @@ def test_rotors_behind_a_centre_that_lies_forward_turn_the_nose_down(
 
     values = FIRST_GUESS | LAW_VALUES
     hubs_behind = ForceModel(vehicle(0.01), HOVER, LAW).at(values, ())
-    centre_ahead = ForceModel(vehicle(0.0), HOVER, LAW).at(values | {"centre_x": 0.01}, ())
+    center_ahead = ForceModel(vehicle(0.0), HOVER, LAW).at(values | {"center_x": 0.01}, ())
     thrust = float(hubs_behind.force[0, 2])
     assert thrust > 1.0
-    for found in (hubs_behind, centre_ahead):
+    for found in (hubs_behind, center_ahead):
         # About y to the left, a positive moment turns the nose down; logs and moments are in FLU.
         np.testing.assert_allclose(found.moment[0], [0.0, 0.01 * thrust, 0.0], atol=1e-9)
 
@@ -136,7 +136,7 @@ def test_forces_do_not_depend_on_what_turns_the_vehicle() -> None:
 
 def test_rows_of_moments_where_inertia_is_known() -> None:
     log = manoeuvre(0, 20)
-    choice = Choice(("c_l1", "centre_x"), {n: v for n, v in LAW_VALUES.items() if n != "c_l1"})
+    choice = Choice(("c_l1", "center_x"), {n: v for n, v in LAW_VALUES.items() if n != "c_l1"})
     rows = balance_rows(ForceModel(BODY, log, LAW), choice)
     assert rows.names[3:] == ("moment_x", "moment_y", "moment_z")
     assert rows.units[3] == "N m" and rows.measured.size == 6 * len(log)
@@ -146,7 +146,7 @@ def test_rows_of_moments_where_inertia_is_known() -> None:
 
 def test_slopes_of_moments_against_differences() -> None:
     model = ForceModel(BODY, manoeuvre(0, 20), LAW)
-    free = ("c_l1", "untwist", "centre_z", "rotor_inertia", "wake_ahead", "download_area_y")
+    free = ("c_l1", "untwist", "center_z", "rotor_inertia", "wake_ahead", "download_area_y")
     free = (*free, *FACTORS)
     values = FIRST_GUESS | LAW_VALUES | {"untwist": 0.02, "wake_ahead": 2.0}
     values |= {"moment_scale_xy": 0.7, "moment_scale_z": 0.4}
@@ -180,7 +180,7 @@ spin = "ccw"
     [
         ("inertia = [2.5, 2.1]", "a list of length 3"),
         ("inertia = [2.5e-3, 0.0, 4e-3]", "above zero"),
-        ("inertia = [1e-3, 1e-3, 4e-3]", "more than the other two"),
+        ("inertia = [1e-3, 1e-3, 4e-3]", "larger than the sum of the others"),
         ("rotor_inertia = -1e-5", "rotor_inertia"),
         ("[body]\ndownload_area = [0.01]", "along x, along y"),
         ("[body]\ndownload_area = 0.01", "expected a list"),
@@ -199,7 +199,7 @@ def test_values_that_no_choice_of_section_has_are_left_to_the_model() -> None:
 
 
 def test_known_terms_are_found_within_their_intervals() -> None:
-    twin, free = Twin(samples=40), ("centre_x", "centre_y", "centre_z", "rotor_inertia", *FACTORS)
+    twin, free = Twin(samples=40), ("center_x", "center_y", "center_z", "rotor_inertia", *FACTORS)
     priors = {name: Prior(FIRST_GUESS[name], 5.0 * BEFOREHAND[name]) for name in free}
     choice = Choice(free, FIXED | {n: v for n, v in TRUTH.items() if n not in free}, priors)
     noise = twin.noise(np.random.default_rng(3), Noise())

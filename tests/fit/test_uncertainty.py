@@ -198,7 +198,7 @@ def test_a_direction_that_the_data_say_nothing_of() -> None:
     model = linear_model(columns)
     rows = noisy(rows_of(model, true_values(model)), np.random.default_rng(1).normal(0.0, 0.05, 40))
     _, sure = judged(rows, THREE)
-    assert sure.verdicts[2] == "weak: held by its start, the data say nothing of c_d"
+    assert sure.verdicts[2] == "weak: held by its start, the data do not determine c_d"
     assert (sure.low[2], sure.high[2]) == (0.0, 10.0)
     assert sure.identified == (True, True, False)
     assert np.isfinite(sure.high[:2]).all()
@@ -213,7 +213,7 @@ def test_two_parameters_seen_only_in_their_sum() -> None:
     x, sure = judged(rows, THREE)
     assert sure.identified == (True, False, False)
     # c_l2 + c_d is about 4 and c_d is above zero, so the bounds say something of both.
-    assert all("held by its start, the data leave it" in sure.verdicts[k] for k in (1, 2))
+    assert all("held by its start, the data allow" in sure.verdicts[k] for k in (1, 2))
     np.testing.assert_allclose(sure.low[1:], 0.0)
     np.testing.assert_allclose(sure.high[1:], x[1] + x[2], atol=0.1)
     assert np.isinf(sure.covariance[1, 1]) and np.isinf(sure.covariance[2, 2])
@@ -222,8 +222,8 @@ def test_two_parameters_seen_only_in_their_sum() -> None:
 def test_too_noisy_to_say() -> None:
     rows = noisy(exact(), np.random.default_rng(1).normal(0.0, 10.0, 40))
     _, sure = judged(rows, Choice(("c_l1",), {"c_l2": 2.5, "c_d": 1.5}))
-    assert sure.verdicts[0].startswith("weak: held by its start, the data leave it 0.5 to ")
-    assert "where propellers differ by about 1" in sure.verdicts[0]
+    assert sure.verdicts[0].startswith("weak: held by its start, the data allow 0.5 to ")
+    assert "propellers differ by about 1" in sure.verdicts[0]
     assert np.isfinite(sure.high[0])
 
 

@@ -13,7 +13,7 @@ from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import first_guess
 from propmap.flight.simulate import SensorNoise, fly, trim
-from propmap.flight.steady import operating_points, steady_stretches
+from propmap.flight.steady import operating_points, steady_segments
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import vehicle_with
@@ -42,7 +42,7 @@ def test_formats_agree(tmp_path: Path) -> None:
         folder.mkdir()
         path = folder / f"flight.{name}" if name != "bag" else folder / "flight"
         read = read_flight_log(path, vehicle_with(write(path), folder))
-        found[name] = operating_points(read, steady_stretches(read))
+        found[name] = operating_points(read, steady_segments(read))
     first = found["csv"]
     assert len(first) == SPEEDS.size
     fits = {}

@@ -7,7 +7,7 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.flight.checks import check_rotor_speed
-from propmap.flight.steady import steady_stretches
+from propmap.flight.steady import steady_segments
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.rotor import Rotor
@@ -92,9 +92,9 @@ def test_the_rotors_carry_the_weight(flight: tuple[FlightLog, np.ndarray]) -> No
         check_rotor_speed(as_rpm, rotor, vehicle, "rpm")
 
 
-def test_aggressive_flights_have_no_long_steady_stretch(
+def test_aggressive_flights_have_no_long_steady_segment(
     flight: tuple[FlightLog, np.ndarray],
 ) -> None:
     log, _ = flight
-    with pytest.raises(InputError, match="no steady stretch of 10 s: the longest lasts"):
-        steady_stretches(log, seconds=10.0)
+    with pytest.raises(InputError, match="no steady segment of 10 s: the longest lasts"):
+        steady_segments(log, seconds=10.0)

@@ -19,7 +19,7 @@ from propmap.flight.simulate import (
     log_table,
     trim,
 )
-from propmap.flight.steady import operating_points, steady_stretches
+from propmap.flight.steady import operating_points, steady_segments
 from propmap.units import GRAVITY
 from propmap.vehicle.files import LogMap, VehicleFile, read_vehicle
 from propmap.vehicle.log import FlightLog
@@ -38,10 +38,10 @@ def _read_back(log: FlightLog, vehicle: Vehicle, folder: Path) -> FlightLog:
 def test_the_points_come_back(vehicle: Vehicle, points: FlightLog, tmp_path: Path) -> None:
     noise = SensorNoise()
     log = _read_back(fly(points, noise=noise, seed=3), vehicle, tmp_path)
-    stretches = steady_stretches(log)
-    assert len(stretches) == SPEEDS.size
-    found = operating_points(log, stretches)
-    # There are 600 samples; a margin for the moments around each stretch that are not steady.
+    segments = steady_segments(log)
+    assert len(segments) == SPEEDS.size
+    found = operating_points(log, segments)
+    # There are 600 samples; a margin for the moments around each segment that are not steady.
     mean = 5.0 / np.sqrt(600.0)
     assert found.velocity == pytest.approx(points.velocity, abs=mean * noise.velocity + 0.01)
     assert found.up == pytest.approx(points.up, abs=mean * noise.attitude + 0.002)
@@ -115,12 +115,12 @@ def test_verdicts(vehicle: Vehicle, airfoil: propmap.Airfoil, points: FlightLog)
     precise = expectation(vehicle, airfoil, points, error=0.001)
     verdicts = dict(zip(precise.choice.free, precise.uncertainty.verdicts, strict=True))
     assert verdicts["c_l1"] == "identified"
-    assert "the data leave it" in verdicts["c_d"]
+    assert "the data allow" in verdicts["c_d"]
     assert precise.truth[0] == airfoil.c_l1
     blind = expectation(vehicle, airfoil, points.picked(slice(0, 2)))
     assert not any(blind.uncertainty.identified)
     outside = airfoil.with_parameters(alpha_0=0.95)
-    with pytest.raises(InputError, match="a fit looks from"):
+    with pytest.raises(InputError, match="outside the bounds of a fit"):
         expectation(vehicle, outside, points)
 
 

@@ -65,7 +65,7 @@ def test_circles(points: FlightLog) -> None:
 def test_hover_is_the_hover_model(vehicle: Vehicle, airfoil: propmap.Airfoil) -> None:
     still = trim(vehicle, airfoil, np.array([0.0]))
     rotor = propmap.Rotor(propmap.Model(vehicle.propeller, airfoil, vehicle.air))
-    model = HoverModel.of(rotor, float(still.rotor_speed[0, 0]))
+    model = HoverModel.from_rotor(rotor, float(still.rotor_speed[0, 0]))
     needed = np.sqrt(vehicle.mass * GRAVITY / (4.0 * model.k_thrust))
     # Thrust agrees to 0.1 %, as above, the speed to half of that.
     assert still.rotor_speed == pytest.approx(needed, rel=5e-4)
@@ -106,7 +106,7 @@ def test_a_disturbance_is_what_a_fit_sees(vehicle: Vehicle, airfoil: propmap.Air
 
 
 def test_what_cannot_be_flown_is_named(vehicle: Vehicle, airfoil: propmap.Airfoil) -> None:
-    with pytest.raises(InputError, match=r"^60 m/s cannot be flown.*; 5 m/s can be"):
+    with pytest.raises(InputError, match=r"^60 m/s cannot be flown.*; 5 m/s is possible"):
         trim(vehicle, airfoil, np.array([5.0, 60.0]))
     with pytest.raises(InputError, match="wider circles"):
         trim(vehicle, airfoil, np.array([5.0, 14.0]), radius=0.5, tether=False)

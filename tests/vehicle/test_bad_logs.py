@@ -27,12 +27,12 @@ VEHICLE = read_vehicle(NEUROBEM).vehicle
         ("log.csv", b"", ["the file is empty", "give the log of a flight"]),
         ("log.csv", b"\n \n", ["log.csv"]),
         ("log.csv", bytes(range(256)) * 9, ["log.csv"]),
-        ("log.ulg", b"\x93\x11junk" * 99, ["log.ulg: not a ULog file", "as the flight controller"]),
+        ("log.ulg", b"\x93\x11junk" * 99, ["log.ulg: not a ULog file", "original .ulg file"]),
         ("log.ulg", b"ULog\x01\x12\x35\x01" + b"\xff" * 99, ["log.ulg"]),
-        ("log.mcap", b"\x93\x11junk" * 99, ["log.mcap: not a bag", "ROS 2 folder"]),
-        ("log.db3", b"\x93\x11junk" * 99, ["log.db3: not a bag", "ROS 2 folder"]),
-        ("log.bag", b"\x93\x11junk" * 99, ["log.bag: not a bag", "ROS 1 .bag"]),
-        ("log.txt", b"t,x\n1,2\n", ["ending is '.txt'", ".csv, .parquet", "ROS 2 bag"]),
+        ("log.mcap", b"\x93\x11junk" * 99, ["log.mcap: not a readable bag", "ROS 2 folder"]),
+        ("log.db3", b"\x93\x11junk" * 99, ["log.db3: not a readable bag", "ROS 2 folder"]),
+        ("log.bag", b"\x93\x11junk" * 99, ["log.bag: not a readable bag", "ROS 1 .bag"]),
+        ("log.txt", b"t,x\n1,2\n", ["extension is '.txt'", ".csv, .parquet", "ROS 2 bag"]),
     ],
 )
 def test_junk(file: str, content: bytes, parts: list[str], tmp_path: Path) -> None:
@@ -108,9 +108,9 @@ def test_the_log_of_another_vehicle(tmp_path: Path) -> None:
     log = write_ulog(_with_rotors(6), tmp_path / "a.ulg", six)
     message = message_of(tmp_path / "a.ulg", vehicle_with(log, tmp_path))
     assert (
-        "a.ulg: the log has 6 rotor speeds, of which these ever turn: 1, 2, 3, 4, 5, 6; " in message
+        "a.ulg: the log has 6 rotor speeds, of which 1, 2, 3, 4, 5, 6 are not always zer" in message
     )
-    assert "the vehicle has 4 rotors; give a [[rotors]] table per rotor" in message
+    assert "the vehicle has 4 rotors; give one [[rotors]] table per rotor" in message
     log = write_bag(_with_rotors(6), tmp_path / "bag", six)
     message = message_of(tmp_path / "bag", vehicle_with(log, tmp_path))
     assert "the log has 6 rotor speeds" in message
@@ -125,9 +125,9 @@ def test_the_log_of_another_vehicle(tmp_path: Path) -> None:
         (
             'rotor_speed = "/rotor_speed"',
             "",
-            ["bags need topics", "rotor_speed", "add [log.topics]"],
+            ["a bag needs the topics", "rotor_speed", "add [log.topics]"],
         ),
-        ('odometry = "/odometry"', "", ["odometry, or pose and velocity"]),
+        ('odometry = "/odometry"', "", ["odometry (or pose and velocity)"]),
         ('rotor_unit = "rad/s"', "", ["no rotor_unit", '"rad/s" or "rpm" or "erpm"']),
         (
             'rotor_speed = "/rotor_speed"',
@@ -164,7 +164,7 @@ def test_a_gap_is_told_in_seconds_since_the_start(tmp_path: Path) -> None:
     part = LOG.picked((LOG.time < 0.9) | (LOG.time > 1.6))
     vehicle_file = vehicle_with(write_bag(part, tmp_path / "bag", VEHICLE), tmp_path)
     notes = check_recording(read_recording(tmp_path / "bag", vehicle_file))
-    assert any("has no sample from 0.88 to 1.62 s, which is left out" in note for note in notes)
+    assert any("has no sample from 0.88 to 1.62 s, and this time is left" in note for note in notes)
     assert not any("e+09" in note for note in notes)
 
 

@@ -148,7 +148,7 @@ BAD = {
     "kv in rad/s/V": (changed(MOTOR_TABLE, "kv_rpm_per_volt", "96.3") + BATTERY_TABLE, "9.549"),
     "kv of 0": (changed(MOTOR_TABLE, "kv_rpm_per_volt", "0"), "above 0"),
     "kv negative": (changed(MOTOR_TABLE, "kv_rpm_per_volt", "-920"), "above 0"),
-    "kv by another name": (MOTOR_TABLE + "kv = 920\n", "did you mean|known are"),
+    "kv by another name": (MOTOR_TABLE + "kv = 920\n", "did you mean|known keys"),
     "kv as text": (
         changed(MOTOR_TABLE, "kv_rpm_per_volt", '"920 rpm/V"'),
         "expected a number; write kv_rpm_per_volt = 920",
@@ -164,7 +164,7 @@ BAD = {
     "no-load current negative": (changed(MOTOR_TABLE, "no_load_current", "-0.6"), "0 or more"),
     "no-load currents without voltages": (
         changed(MOTOR_TABLE, "no_load_current", "[0.5, 0.7]"),
-        "voltage of each",
+        "voltage for each",
     ),
     "no-load voltage twice": (
         changed(MOTOR_TABLE, "no_load_current", "[0.5, 0.7]") + "no_load_voltage = [10, 10]\n",
@@ -179,7 +179,7 @@ BAD = {
         "resistance or efficiency",
     ),
     "esc with nothing": (MOTOR_TABLE + "[esc]\n", "resistance or efficiency"),
-    "esc in percent": (MOTOR_TABLE + "[esc]\nefficiency = 95\n", "share from 0.5 to 1"),
+    "esc in percent": (MOTOR_TABLE + "[esc]\nefficiency = 95\n", "fraction from 0.5 to 1"),
     "esc negative": (MOTOR_TABLE + "[esc]\nresistance = -0.01\n", "0 or more"),
     "esc in milliohms": (MOTOR_TABLE + "[esc]\nresistance = 5\n", "milliohms"),
     "esc without motor": ("[esc]\nresistance = 0.01\n", r"no \[motor\]"),

@@ -137,8 +137,8 @@ def test_slots_of_other_outputs_are_left_out(tmp_path: Path) -> None:
     np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed, atol=0.06)
     recording = read_recording(tmp_path / "a.ulg", vehicle_with("", tmp_path))
     (note,) = [text for text in check_recording(recording) if "esc_status has" in text]
-    assert "esc_status has 8 slots, of which those of motors 1 to 4 are read" in note
-    assert note.endswith("left out, as no motor's: 1, 4, 7, 8")
+    assert "esc_status has 8 slots; those of motors 1 to 4 are read" in note
+    assert note.endswith("since they belong to no motor: 1, 4, 7, 8")
 
 
 @pytest.mark.parametrize("output", ["UAVCAN_EC_FUNC", "PWM_MAIN_FUNC", "PWM_AUX_FUNC"])
@@ -158,9 +158,9 @@ def test_slots_that_nothing_tells_apart_are_an_error(tmp_path: Path) -> None:
     tables["esc_status"]["esc"]["actuator_function"] = 0
     write_px4_log(tables, tmp_path / "a.ulg")
     message = message_of(tmp_path / "a.ulg", vehicle_with("", tmp_path))
-    assert "the log has 6 rotor speeds, of which these ever turn: 2, 3, 5, 6; the" in message
-    assert "the vehicle has 4 rotors; give a [[rotors]] table per rotor" in message
-    assert "let the autopilot know which outputs are motors, or save as CSV" in message
+    assert "the log has 6 rotor speeds, of which 2, 3, 5, 6 are not always zero; the" in message
+    assert "the vehicle has 4 rotors; give one [[rotors]] table per rotor" in message
+    assert "configure the autopilot's motor outputs, or save as CSV" in message
 
 
 def test_velocities_that_are_not_valid_are_left_out(tmp_path: Path) -> None:
@@ -173,7 +173,7 @@ def test_velocities_that_are_not_valid_are_left_out(tmp_path: Path) -> None:
     place["v_z_valid"] = False
     write_px4_log(tables, tmp_path / "a.ulg")
     message = message_of(tmp_path / "a.ulg", vehicle_with("", tmp_path))
-    assert "marks all 1200 samples of its velocity as not valid; fly where" in message
+    assert "marks all 1200 samples of its velocity as not valid; fly with" in message
 
 
 @pytest.mark.parametrize("topic", ["actuator_motors", "actuator_outputs"])

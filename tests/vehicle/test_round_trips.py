@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.flight.steady import operating_points, steady_stretches
+from propmap.flight.steady import operating_points, steady_segments
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.log_readers import read_flight_log
@@ -77,8 +77,8 @@ def test_a_log_is_read_as_it_was_written(name: str, tmp_path: Path) -> None:
     read = read_flight_log(tmp_path / file, vehicle_file)
     assert "dropped" not in read.source
     assert_same(read, LOG, start)
-    points = operating_points(read, steady_stretches(read))
-    own = operating_points(LOG, steady_stretches(LOG))
+    points = operating_points(read, steady_segments(read))
+    own = operating_points(LOG, steady_segments(LOG))
     assert_same(points, own, start)
 
 
@@ -121,8 +121,8 @@ def test_parquet(tmp_path: Path) -> None:
 
 
 def test_each_speed_is_one_operating_point() -> None:
-    points = operating_points(LOG, steady_stretches(LOG))
-    # A stretch may reach into the change of speed by as much as the band allows.
+    points = operating_points(LOG, steady_segments(LOG))
+    # A segment may reach into the change of speed by as much as the band allows.
     np.testing.assert_allclose(points.speed, SPEEDS, rtol=0, atol=0.15)
     np.testing.assert_allclose(np.linalg.norm(points.up, axis=1), 1.0, rtol=1e-12)
     np.testing.assert_allclose(points.climb_rate, 0.0, atol=0.02)

@@ -25,7 +25,9 @@ from .wrench_by_hand import by_hand
 
 PROPELLER = propmap.propeller("apc-8x6e")
 MODEL = propmap.Model(
-    PROPELLER, propmap.airfoil("apc-8x6e-2019"), corrections=propmap.corrections_of("recommended")
+    PROPELLER,
+    propmap.airfoil("apc-8x6e-2019"),
+    corrections=propmap.model_corrections("recommended"),
 )
 ROTOR = propmap.Rotor(MODEL)
 LEAN = (math.sin(0.1), 0.0, math.cos(0.1))
@@ -235,22 +237,22 @@ def test_a_rotor_beyond_the_data_of_its_constants_is_extrapolated() -> None:
     assert "extrapolated" not in plain.status
 
 
-STATE: dict[str, Any] = {"omegas": [600.0] * 4, "velocity": [1.0, 0.0, 0.0]}
+STATE: dict[str, Any] = {"omega": [600.0] * 4, "velocity": [1.0, 0.0, 0.0]}
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
-    "three speeds": ({"omegas": [600.0] * 3}, "omegas has shape (3,); its last axis must hold"),
-    "one speed": ({"omegas": 600.0}, "omegas has shape (); its last axis must hold"),
-    "negative": ({"omegas": [600.0, -600.0, 600.0, 600.0]}, "omegas is negative (-600): give the"),
-    "no number": ({"omegas": [600.0, 600.0, 600.0, math.nan]}, "omegas holds a value that is not"),
-    "words": ({"omegas": "fast"}, "omegas is 'fast': give a number"),
-    "plane": ({"velocity": [1.0, 2.0]}, "velocity has shape (2,); its last axis must hold the x"),
-    "infinite": ({"velocity": [1.0, math.inf, 0.0]}, "velocity holds a value that is not finite"),
-    "one rate": ({"rates": 0.3}, "rates has shape (); its last axis must hold the x, y, z"),
-    "nan rate": ({"rates": [0.0, 0.0, math.nan]}, "rates holds a value that is not finite"),
-    "wind's size": ({"wind": [3.0]}, "wind has shape (1,); its last axis must hold the x, y, z"),
-    "nan wind": ({"wind": [math.nan, 0.0, 0.0]}, "wind holds a value that is not finite"),
+    "three speeds": ({"omega": [600.0] * 3}, "omega has shape (3,); its last axis must be the"),
+    "one speed": ({"omega": 600.0}, "omega has shape (); its last axis must be the"),
+    "negative": ({"omega": [600.0, -600.0, 600.0, 600.0]}, "omega is negative (-600): give a"),
+    "no number": ({"omega": [600.0, 600.0, 600.0, math.nan]}, "omega contains a value that is"),
+    "words": ({"omega": "fast"}, "omega is 'fast': give a number"),
+    "plane": ({"velocity": [1.0, 2.0]}, "velocity has shape (2,); its last axis must be x"),
+    "infinite": ({"velocity": [1.0, math.inf, 0.0]}, "velocity contains a value that is not"),
+    "one rate": ({"rates": 0.3}, "rates has shape (); its last axis must be x, y, z"),
+    "nan rate": ({"rates": [0.0, 0.0, math.nan]}, "rates contains a value that is not finite"),
+    "wind's size": ({"wind": [3.0]}, "wind has shape (1,); its last axis must be x, y, z"),
+    "nan wind": ({"wind": [math.nan, 0.0, 0.0]}, "wind contains a value that is not finite"),
     "lengths": (
-        {"omegas": np.full((3, 4), 600.0), "velocity": np.zeros((2, 3))},
-        "shapes do not fit together: omegas (3, 4), velocity (2, 3), rates (3,), wind (3,)",
+        {"omega": np.full((3, 4), 600.0), "velocity": np.zeros((2, 3))},
+        "shapes do not fit together: omega (3, 4), velocity (2, 3), rates (3,), wind (3,)",
     ),
 }
 
@@ -268,7 +270,7 @@ def test_bad_sources() -> None:
         VehicleForces(replace(QUAD, propeller=propmap.propeller("apc-9x6e")), ROTOR)
     with pytest.raises(InputError, match="loads is Model; give a Rotor or a LoadTable"):
         VehicleForces(QUAD, MODEL)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match=r"\[mount\], of which a table knows nothing"):
+    with pytest.raises(InputError, match=r"\[mount\], which does not apply to a table"):
         VehicleForces(QUAD, Patchy())
     close = (*SYMMETRIC.mounts, replace(SYMMETRIC.mounts[0], spin="ccw"))
     with pytest.raises(InputError, match="rotors 1 and 5 are 0 m apart"):

@@ -40,7 +40,7 @@ def test_on_the_axis_in_axial_flow(z: float) -> None:
 
 
 @pytest.mark.parametrize("chi", [0.0, 0.6, 1.2, 1.5])
-def test_half_the_far_velocity_at_the_centre_for_every_skew(chi: float) -> None:
+def test_half_the_far_velocity_at_the_center_for_every_skew(chi: float) -> None:
     found = axial_velocity(np.zeros(3), skewed(chi, 0.7), core=0.0, azimuths=512)
     assert found == pytest.approx(0.5, abs=1e-6)
 

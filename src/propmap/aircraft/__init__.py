@@ -1,1 +1,1 @@
-"""An aircraft's steady states: trim, power, top speed, missions, and the choice of propellers."""
+"""Steady states of aircraft: trim, power, top speed, missions, and the ranking of propellers."""

@@ -1,4 +1,4 @@
-"""What the figures of an aircraft rest on, in words beside them and in JSON."""
+"""Assumptions behind the figures of an aircraft, as texts for output and JSON."""
 
 from __future__ import annotations
 
@@ -16,37 +16,38 @@ from propmap.vehicle.wakes import IN_ONE_PLANE, above_each_other
 
 
 def without_body_drag(vehicle: Vehicle) -> str:
-    """Return what to say beside figures of flight where the drag of a body is not known, or ""."""
+    """Return a remark for the figures of an aircraft without body drag; "" with body drag."""
     return "" if any(vehicle.body.drag_area) else ", without body drag"
 
 
 def assumptions(
     vehicle: Vehicle, loads: Rotor | LoadTable | None, corrections: Sequence[str] = ()
 ) -> dict[str, str]:
-    """Say in words what figures of an aircraft rest on.
+    """Return the assumptions behind the figures of an aircraft.
 
     Parameters
     ----------
     vehicle : Vehicle
-        What flies.
+        Vehicle of the aircraft.
     loads : Rotor, LoadTable or None
-        Gives the loads of its rotors; None where each propeller has its own.
+        Source of the loads of the rotors; None for several propellers, each with its own loads.
     corrections : sequence of str
-        Those of its rotors, where ``loads`` is None.
+        Corrections of the rotors, if ``loads`` is None.
 
     Returns
     -------
     dict of str to str
-        By ``body_drag``, ``power``, ``rotors``, ``propeller``, ``air``, ``constants``, ``wakes``.
+        Texts by ``body_drag``, ``power``, ``rotors``, ``propeller``, ``air``, ``constants``,
+        ``wakes``.
     """
     if isinstance(loads, Rotor):
         law, corrections = loads.model.airfoil, loads.model.correction_texts
         constants = ", ".join(filter(None, (law.name, getattr(law, "source", ""))))
     elif loads is None:
-        constants = "each propeller's own"
+        constants = "different for each propeller"
     else:
         section, corrections = loads.info.get("airfoil") or {}, loads.info.get("corrections") or ()
-        constants = f"of the table, {section.get('name', 'not stated')}"
+        constants = f"from the table, {section.get('name', 'not stated')}"
     return {
         "body_drag": _body_drag(vehicle),
         "power": _power(vehicle),
@@ -59,7 +60,7 @@ def assumptions(
 
 
 def assumption_lines(found: dict[str, str]) -> list[str]:
-    """Write ``assumptions`` in two lines."""
+    """Return the texts of ``assumptions`` in two lines."""
     constants = textwrap.shorten(found["constants"], 40, placeholder=" ...")
     return [
         f"assumed: {'; '.join(found[name] for name in ('body_drag', 'power', 'rotors'))}",
@@ -69,9 +70,9 @@ def assumption_lines(found: dict[str, str]) -> list[str]:
 
 def _body_drag(vehicle: Vehicle) -> str:
     if without_body_drag(vehicle):
-        return "no body drag (no [body] drag_area): too little power at speed, top speed too fast"
+        return "no body drag (no [body] drag_area): power at speed too low, top speed too high"
     ahead, _, above = vehicle.body.drag_area
-    return f"body drag {ahead:g} m^2 ahead, {above:g} m^2 above, as given"
+    return f"body drag area {ahead:g} m^2 along x, {above:g} m^2 along z"
 
 
 def _power(vehicle: Vehicle) -> str:
@@ -80,7 +81,7 @@ def _power(vehicle: Vehicle) -> str:
         return "shaft power (no [motor])"
     lossless = power.controller is None
     found = "electrical power" + ", lossless speed controllers (no [esc])" * lossless
-    return found + ", no times, no voltage limit (no [battery])" * (power.battery is None)
+    return found + ", no flight times, no voltage limit (no [battery])" * (power.battery is None)
 
 
 def _rotors(vehicle: Vehicle, corrections: Sequence[str]) -> str:
@@ -97,21 +98,21 @@ def _wakes(vehicle: Vehicle) -> str:
     if vehicle.wakes is not None and not vehicle.wakes.slipstreams_alone:
         words = "rotors in each other's wakes"
     elif vehicle.wakes is not None and count:
-        words = f"{count} rotors above each other: lower ones in slipstreams"
+        words = f"{count} rotors above each other: lower rotors in slipstreams"
     else:
-        words = f"wakes left out of {count} rotors above each other" if count else "no wakes"
-    return words + ", overlap in one plane not modelled" * _meshing(vehicle)
+        words = f"wakes of {count} rotors above each other ignored" if count else "no wakes"
+    return words + ", overlap in one plane not modeled" * _meshing(vehicle)
 
 
 def hub_distances(vehicle: Vehicle) -> tuple[Floats, Floats]:
-    """Return distances (k, k) between hubs along the axis of the second, and across it [m]."""
+    """Return distances (k, k) between hubs along and across the axis of the second hub [m]."""
     offset = vehicle.hub_positions[:, None] - vehicle.hub_positions
     height = np.abs(np.sum(offset * vehicle.rotor_axes, axis=-1))
     return height, np.sqrt(np.maximum(np.sum(offset**2, axis=-1) - height**2, 0.0))
 
 
 def _meshing(vehicle: Vehicle) -> bool:
-    """Say whether disks overlap in one plane."""
+    """Return whether disks overlap in one plane."""
     height, across = hub_distances(vehicle)
     radius = vehicle.propeller.radius
     near = (across < 2.0 * radius * (1.0 - 1e-9)) & (height < IN_ONE_PLANE * radius)

@@ -1,4 +1,4 @@
-"""A mission: what its legs take, and the battery's charge along them."""
+"""Missions: energy of the legs, and charge of the battery over time."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from propmap.typing import Floats
 
 COLUMNS = ("speed_mps", "climb_mps", "duration_s")
 EMPTY, NOT_REACHED = "battery_empty", "not_reached"
-WORDS = {EMPTY: "the battery is empty", NOT_REACHED: "after a leg that cannot be flown", **STATUSES}
-"""Statuses of legs in words."""
+WORDS = {EMPTY: "the battery is empty", NOT_REACHED: "after an impossible leg", **STATUSES}
+"""Descriptions of the statuses of legs."""
 
-MOMENTS = 13  # moments of each leg, at which its course is known
+MOMENTS = 13  # number of times per leg in ``Course``
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,11 +31,11 @@ class Mission:
     Attributes
     ----------
     speed, climb : ndarray
-        Through the air [m/s].
+        Horizontal airspeed and climb rate [m/s].
     duration : ndarray
-        [s].
+        Duration of each leg [s].
     source : str
-        Where they are from.
+        Name of the mission in messages.
     """
 
     speed: Floats
@@ -51,14 +51,14 @@ class Mission:
 
 
 class Course(NamedTuple):
-    """A mission over time, at m moments of n legs; NaN from the first that cannot be flown.
+    """Battery over a mission, at m times in each of n legs; NaN after the last possible time.
 
     Attributes
     ----------
     time : ndarray, shape (n, m)
-        From the beginning of the mission [s]; a leg's first is the last of that before.
+        Time from the start of the mission [s]; the first time of a leg ends the previous leg.
     charge, voltage : ndarray, shape (n, m)
-        State of charge, and voltage at the battery's terminals [V].
+        State of charge [-], and voltage at the terminals of the battery [V].
     """
 
     time: Floats
@@ -68,18 +68,18 @@ class Course(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Flown:
-    """A mission as an aircraft flies it; every array is (n,).
+    """Result of a mission of an aircraft; every array is (n,).
 
     Attributes
     ----------
     states : SteadyStates
         Steady states of the legs.
     energy : ndarray
-        Electrical energy at the battery's terminals, without a motor that of the shafts [J].
+        Electrical energy at the terminals of the battery; shaft energy without a motor [J].
     course : Course
-        State of charge over time; NaN without a battery.
+        Battery over time; NaN without a battery.
     status : ndarray of str
-        One of ``WORDS``.
+        Status of each leg, one of ``WORDS``.
     """
 
     states: SteadyStates
@@ -89,34 +89,34 @@ class Flown:
 
     @property
     def charge(self) -> Floats:
-        """State of charge at the end of each leg, NaN from the first that cannot be flown."""
+        """State of charge at the end of each leg; NaN from the first impossible leg."""
         return self.course.charge[:, -1]
 
     @property
     def lasted(self) -> NDArray[np.bool_]:
-        """Which legs could be flown to their end."""
+        """Whether each leg can be flown to its end."""
         return np.isin(self.status, FLOWN)
 
     def status_in_words(self, leg: int) -> str:
-        """Return the status of the ``leg`` number 0, 1, ... in words."""
+        """Return a description of the status of the ``leg`` number 0, 1, ...."""
         return WORDS[str(self.status[leg])]
 
 
 def fly(aircraft: Aircraft, mission: Mission) -> Flown:
-    """Fly a mission, the changes from leg to leg left out.
+    """Compute states, energy and charge of a mission, without transitions between legs.
 
-    The usable share of the battery's charge is what a mission may use, and no leg may need more
-    voltage or current than the battery has at its end.
+    A mission may use the usable share of the battery.  During a leg, the needed voltage and current
+    must stay within the limits of the battery.
 
     Parameters
     ----------
     aircraft, mission : Aircraft, Mission
-        What flies what.
+        Aircraft and its mission.
 
     Returns
     -------
     Flown
-        One flight of n legs.
+        Result for the n legs.
     """
     states = aircraft.steady(mission.speed, mission.climb, margin=False)
     battery, n = aircraft.vehicle.powertrain.battery, len(states)
@@ -154,7 +154,7 @@ def fly(aircraft: Aircraft, mission: Mission) -> Flown:
 
 
 def read_mission(path: str | os.PathLike[str]) -> Mission:
-    """Read legs from a CSV file with the columns ``speed_mps``, ``climb_mps``, ``duration_s``.
+    """Read a mission from a CSV file with columns ``speed_mps``, ``climb_mps``, ``duration_s``.
 
     Parameters
     ----------
@@ -164,12 +164,12 @@ def read_mission(path: str | os.PathLike[str]) -> Mission:
     Returns
     -------
     Mission
-        Mission of the legs, in order.
+        Legs in the order of the file.
 
     Raises
     ------
     InputError
-        Naming the file, the line and the column.
+        For an invalid file, with file, line and column.
     """
     where = os.fspath(path)
     file = read_csv_table(read_lines(path, "mission"), COLUMNS, where)

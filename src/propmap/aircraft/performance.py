@@ -1,4 +1,4 @@
-"""What a power curve says: hover, least power, best range, endurance, top speed and its limit."""
+"""Performance from a power curve: hover, least power, best range, endurance, top speed, limits."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from propmap.io.csv import numbers_of
 from propmap.typing import Floats
 from propmap.units import RPM
 
-TOP = 3  # number of the top speed among the states with a name
-SPEEDS, BETWEEN = 41, 13  # from rest to the top speed, and about those of least power
+TOP = 3  # index of the top speed among the named states
+SPEEDS, BETWEEN = 41, 13  # number of speeds from rest to the top speed, and around each minimum
 
 
 @dataclass(frozen=True, eq=False)
 class NamedState:
-    """One steady state that has a name.
+    """One of the named steady states, such as hover.
 
     Attributes
     ----------
     speed : float
-        Through the air [m/s].
+        Airspeed [m/s].
     ground_speed : float
-        [m/s].
+        Speed over ground [m/s].
     power, electrical_power : float
-        Electrical if known, else of the shafts; electrical, NaN if not known [W].
+        Electrical power, or shaft power without a motor [W]; electrical power, NaN without a motor.
     endurance, distance : float
         Time and distance over ground on one battery [s], [m]; NaN without a battery.
     speed_std, power_std, endurance_std : float
-        Standard deviations [m/s], [W], [s]: of a top speed, and of power and time at this speed.
-        NaN where they were not asked for or are not known.
+        Standard deviations of a top speed [m/s], and of power [W] and endurance [s] at this speed.
+        NaN if not requested or not known.
     """
 
     speed: float
@@ -52,19 +52,19 @@ class NamedState:
 
 @dataclass(frozen=True, eq=False)
 class Performance:
-    """What an aircraft does in level flight.
+    """Performance of an aircraft at one climb rate.
 
     Attributes
     ----------
     states : SteadyStates
-        At the n speeds asked for.
+        States at the n requested speeds.
     endurance, distance : ndarray, shape (n,)
-        On one battery [s], and over ground [m]; NaN without a battery.
+        Time [s] and distance over ground [m] on one battery; NaN without a battery.
     hover, least_power, best_range, fastest : NamedState or None
-        At rest, at the speed of least power and longest time, at that of the most distance over
-        ground (without a battery: per energy), at the top speed; None where there is none.
+        State at rest, at the speed of least power, at the speed of least energy per distance over
+        ground, and at the top speed; None for a state that does not exist.
     limit : str
-        Status of states just above the top speed; empty where none was found up to ``FASTEST``.
+        Status of states just above the top speed; empty without a limit up to ``FASTEST``.
     at_rest : str
         Status in hover.
     wind : float
@@ -84,7 +84,7 @@ class Performance:
 
     @property
     def named(self) -> list[tuple[str, str, NamedState | None]]:
-        """Key, words and state of those that have a name."""
+        """Key, description and state of each named state."""
         return [
             ("hover", "hover", self.hover),
             ("least_power", "least power, longest time", self.least_power),
@@ -94,19 +94,19 @@ class Performance:
 
 
 def endurance(aircraft: Aircraft, states: SteadyStates, more_power: Floats | float = 0.0) -> Floats:
-    """Return the time of flight in each state on one battery.
+    """Return the flight time on one battery in each state.
 
     Parameters
     ----------
     aircraft, states : Aircraft, SteadyStates
-        What flies, and n states of it.
+        Aircraft and n of its states.
     more_power : ndarray, shape (n,), or float
-        By which the electrical power is larger [W].
+        Additional electrical power [W].
 
     Returns
     -------
     ndarray, shape (n,)
-        [s]; NaN without a battery.
+        Flight time [s]; NaN without a battery.
     """
     battery = aircraft.vehicle.powertrain.battery
     if battery is None:
@@ -124,41 +124,41 @@ def performance(
     wind: float = 0.0,
     bands: bool = False,
 ) -> Performance:
-    """Find the states that have a name.
+    """Return the performance with the named states.
 
     Parameters
     ----------
     aircraft : Aircraft
-        What flies.
+        Aircraft of the states.
     states : SteadyStates
-        At two or more rising speeds, all at one climb rate, from ``aircraft.steady``.
+        States at two or more rising speeds and one climb rate, from ``aircraft.steady``.
     climb : float
-        That climb rate [m/s].
+        Climb rate of the states [m/s].
     wind : float
-        Headwind [m/s]; it changes distances alone.
+        Headwind [m/s]; it changes only distances.
     bands : bool
-        Whether standard deviations of the named states are wanted.
+        Whether to compute standard deviations of the named states.
 
     Raises
     ------
     InputError
-        For speeds that do not rise, and a wind that is no number.
+        For speeds that do not rise, and for a wind that is not finite.
     """
     speed = states.speed
     if speed.size < 2 or not (np.diff(speed) > 0.0).all():
-        raise InputError("the speeds must rise", "give two or more, each once")
+        raise InputError("the speeds must rise", "give two or more speeds, each once")
     if not math.isfinite(wind):
-        raise InputError(f"the wind is {wind}", "give a headwind in m/s, negative from behind")
+        raise InputError(f"the wind is {wind}", "give a headwind in m/s, negative for a tailwind")
     fastest, limit, known = searched(aircraft, states, climb)
     last = speed[-1] if math.isnan(fastest) else fastest
     grid = np.linspace(0.0, last, SPEEDS)
     curve = aircraft.steady(grid, climb, margin=False, near=known)
     power, at_rest = curve.power, str(curve.status[0])
     ok = np.isfinite(power)
-    # Distance per energy; where the wind is faster there is none.
+    # Only speeds above the wind speed cover distance.
     ahead = ok & (grid > wind)
     if ahead.any():
-        # Once more about both of the least, since a wing that stalls makes the power jump.
+        # More speeds around both minima are needed, because power jumps where a wing stalls.
         places = (
             _around(grid, np.flatnonzero(ok), power),
             _around(grid, np.flatnonzero(ahead), power / np.where(ahead, grid - wind, 1.0)),
@@ -195,7 +195,7 @@ def performance(
 
 
 def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[str, Floats]:
-    """Return deviations of each state for ``NamedState``; the speed's as if at the ``limit``."""
+    """Return standard deviations for ``NamedState``, ``speed_std`` for states at the ``limit``."""
     sure = spread(aircraft, states)
     if sure is None:
         return {}
@@ -203,7 +203,7 @@ def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[st
     more, less = (endurance(aircraft, states, sign * sure.power) for sign in (1.0, -1.0))
     found["endurance_std"] = 0.5 * (less - more)
     if limit in sure.used:
-        # Where a share of the limit is 1: what it errs by over its slope by the speed.
+        # Standard deviation of the share of the limit, divided by its slope over speed.
         slope = Responses(aircraft, states).to_flight("speed").used[limit]
         found["speed_std"] = np.divide(
             sure.used[limit], np.abs(slope), out=np.full_like(slope, math.nan), where=slope != 0.0
@@ -212,13 +212,13 @@ def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[st
 
 
 def _around(x: Floats, places: NDArray[np.intp], y: Floats) -> Floats:
-    """Return values between the neighbours of that of the ``places`` where ``y`` is least."""
+    """Return points between the two neighbors of the point in ``places`` with the least ``y``."""
     k = places[np.argmin(y[places])]
     return np.linspace(x[max(k - 1, 0)], x[min(k + 1, x.size - 1)], BETWEEN)
 
 
 def _lowest(x: Floats, y: Floats) -> float:
-    """Return where y is least, by the parabola through the least sample and its neighbours."""
+    """Return the minimum of y, from the parabola through the least sample and its neighbors."""
     if not x.size:
         return math.nan
     k = int(np.argmin(y))
@@ -232,37 +232,37 @@ def _lowest(x: Floats, y: Floats) -> float:
 
 
 # -------------------------------------------------------------------------------------------------
-# The top speed of an aircraft, and the limit that it meets there.
+# The top speed of an aircraft, and its limit.
 
-BEYOND = 1.3  # ratio of the speeds at which the search goes on beyond those that were asked for
+BEYOND = 1.3  # ratio of successive speeds of the search above the requested speeds
 
-FASTEST = 150.0  # [m/s] up to which a top speed is searched
-SEARCH_STEPS = 40  # steps of a search for the top speed, at most
+FASTEST = 150.0  # largest speed of the search [m/s]
+SEARCH_STEPS = 40  # most steps of a search for the top speed
 CLOSE, NARROW = 2e-3, 0.1
-"""The interval with the top speed is narrowed until it is so small a share of it, each time to so
-much about where the share of the limit is likely to reach 1."""
+"""Final width of the search interval as a share of its speed, and distance of new speeds from the
+expected top speed, as a share of the interval."""
 
-WITHIN = 0.999  # share of the last interval, so that rounding does not lead beyond
+WITHIN = 0.999  # share of the last interval that is used, so that rounding does not pass the limit
 
 
 def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
-    """Find the top speed, and what limits it.
+    """Return the top speed and its limit.
 
     Parameters
     ----------
     aircraft : Aircraft
-        What flies.
+        Aircraft of the states.
     states : SteadyStates
-        At two or more rising speeds, all at one climb rate.
+        States at two or more rising speeds and one climb rate.
     climb : float
-        That climb rate [m/s].
+        Climb rate of the states [m/s].
 
     Returns
     -------
     speed : float
-        [m/s]; NaN where there is none.
+        Top speed [m/s]; NaN if there is none.
     limit : str
-        Status of the states beyond it.
+        Status of the states above the top speed.
     """
     return searched(aircraft, states, climb)[:2]
 
@@ -270,7 +270,7 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
 def searched(
     aircraft: Aircraft, states: SteadyStates, climb: float
 ) -> tuple[float, str, SteadyStates]:
-    """Return ``top_speed``, and the ``states`` with those that the search has come by."""
+    """Return ``top_speed``, and the ``states`` with the states that the search has added."""
     low, high, why = _last_and_next(states)
     for _ in range(SEARCH_STEPS):
         if math.isnan(low):
@@ -287,7 +287,7 @@ def searched(
             if math.isnan(met):
                 further = low + (high - low) * np.array([0.25, 0.5, 0.75])
             further = further[(further > low) & (further < high)]
-        # Those that are not found at once begin anew at the last that was.
+        # With ``low`` in the same call, lost states start again from the last flown state.
         speeds = np.array([low, *further])
         states = states.and_also(aircraft.steady(speeds, climb, margin=False, near=states))
         low, high, why = _last_and_next(states)
@@ -296,7 +296,8 @@ def searched(
 
 
 def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
-    """Return where the share of a limit reaches 1 between neighbouring speeds; NaN if not known."""
+    """Return the speed at which the share of a limit reaches 1 between ``low`` and ``high``; NaN if
+    not known."""
     if why not in states.used:
         return math.nan
     k = int(np.argmin(np.abs(states.speed - low)))
@@ -306,7 +307,7 @@ def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
 
 
 def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
-    """Return the last speed flown, the next that is not, and why; NaN where there is none."""
+    """Return the last possible speed, the next impossible speed, and its status; NaN if none."""
     flown = np.flatnonzero(states.found)
     if not flown.size:
         return math.nan, float(states.speed[0]), str(states.status[0])
@@ -321,7 +322,7 @@ def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
 
 
 class StateColumn(NamedTuple):
-    """A quantity of n states: ``values`` (n,) or, of k rotors, (n, k); unit and meaning."""
+    """Quantity of n states: ``values`` (n,), or (n, k) for k rotors, with unit and meaning."""
 
     values: Floats
     unit: str
@@ -329,12 +330,12 @@ class StateColumn(NamedTuple):
 
 
 def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, StateColumn]:
-    """Return all quantities by their names in files, and standard deviations that are ``sure``."""
+    """Return all quantities by their names in files, with the standard deviations ``sure``."""
     degrees = np.degrees
     table: tuple[tuple[str, Floats, str, str], ...] = (
-        ("speed_mps", states.speed, "m/s", "horizontal speed through the air"),
+        ("speed_mps", states.speed, "m/s", "horizontal airspeed"),
         ("climb_mps", states.climb, "m/s", "climb rate"),
-        ("bank_deg", degrees(states.bank), "degree", "bank of the turn, to the right"),
+        ("bank_deg", degrees(states.bank), "degree", "bank of the turn, positive to the right"),
         ("pitch_deg", degrees(states.pitch), "degree", "pitch, positive nose down"),
         ("roll_deg", degrees(states.roll), "degree", "roll, positive right side down"),
         ("rpm", states.rotor_speed / RPM, "1/min", "rotational speed"),
@@ -347,7 +348,7 @@ def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, 
         ("battery_current_A", states.battery_current, "A", "current of the battery"),
         ("battery_voltage_V", states.battery_voltage, "V", "voltage under load"),
         ("thrust_margin", states.thrust_margin, "1",
-         "thrust at the first limit over that which is needed"),
+         "thrust at the first limit over needed thrust"),
         ("residual", states.residual, "1", "unbalanced share of the weight"),
     )  # fmt: skip
     found = {name: StateColumn(values, unit, words) for name, values, unit, words in table}
@@ -363,13 +364,13 @@ def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, 
 
 
 def rows(states: SteadyStates, sure: StateChange | None = None) -> list[dict[str, Any]]:
-    """List a mapping per state of ``columns``, with rpm_1, rpm_2 ... for rotors; None for NaN."""
+    """Return a mapping of ``columns`` per state, with rpm_1, rpm_2 ... for rotors; None for NaN."""
     flat: dict[str, list[Any]] = {}
     for name, column in columns(states, sure).items():
         if column.values.ndim == 1:
             flat[name] = numbers_of(column.values)
             continue
-        # thrust_N of the first rotor is thrust_1_N.
+        # The column thrust_N of the first rotor is thrust_1_N.
         head, _, unit = name.rpartition("_") if "_" in name else (name, "", "")
         for k, values in enumerate(column.values.T, start=1):
             flat["_".join(filter(None, (head, str(k), unit)))] = numbers_of(values)

@@ -1,4 +1,4 @@
-"""Which propeller an aircraft flies best with: task, candidates, their order, how sure it is."""
+"""Ranking of propellers for an aircraft: task, candidates, scores and their uncertainty."""
 
 from __future__ import annotations
 
@@ -28,33 +28,34 @@ from propmap.tasks import InThreads, Workers, cores, in_order
 from propmap.units import INCH
 from propmap.vehicle.vehicle import Vehicle
 
-COAXIAL = 1e-3  # distance of axes over the radius below which rotors are above each other
+COAXIAL = 1e-3  # largest distance of the axes of coaxial rotors, as a share of the radius
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """A candidate on an aircraft.
+    """Results of a candidate on an aircraft.
 
     Attributes
     ----------
     candidate : Candidate
-        The propeller.
+        Propeller with its section constants.
     score : float
-        Score of the task, in its unit; NaN where it is not feasible.
+        Score of the task, in its unit; NaN for an infeasible task.
     deviation : float
-        Standard deviation of the score from that of the constants; NaN where it is not known.
+        Standard deviation of the score from uncertain section constants; NaN if not known.
     hover_power, cruise_power : float
-        Electrical if known, else of the shafts [W]; the second is NaN where the task has no speed.
+        Electrical power, or shaft power without a motor [W].  ``cruise_power`` is NaN for a task
+        without a speed.
     hover_time, cruise_time : float
-        On one battery [s]; NaN without one.
+        Flight time on one battery [s]; NaN without a battery.
     thrust_margin : float
-        In hover.
+        Thrust margin in hover.
     top_speed : float
-        [m/s]; NaN where it was not searched for or no limit was met.
+        Top speed [m/s]; NaN if not searched, and without a limit.
     limit : str
-        What limits the top speed, a status.
+        Status above the top speed.
     why_not : str
-        In words; empty where it is feasible.
+        Reason why the task is infeasible; empty for a feasible task.
     """
 
     candidate: Candidate
@@ -71,25 +72,25 @@ class Judged:
 
     @property
     def feasible(self) -> bool:
-        """Whether the task can be flown with it."""
+        """Whether the aircraft can fly the task with this candidate."""
         return not self.why_not
 
 
 class Ranking:
-    """The order of candidates for a task, on a vehicle.
+    """Ranking of candidates for a task of a vehicle.
 
     Parameters
     ----------
     vehicle : Vehicle
-        With any propeller; candidates take its place.
+        Vehicle with any propeller, which candidates replace.
     task : Task
-        What it is for.
+        Task of the aircraft.
     corrections : tuple of Correction
-        For all models; candidates whose constants know their own keep them.
+        Corrections of all models.  Constants with their own corrections keep these.
     maximum_rotor_speed : float
-        [rad/s].
+        Largest rotor speed [rad/s].
     charge : float
-        State of charge at which limits are taken.
+        State of charge that sets the limits, 0 to 1.
     """
 
     def __init__(
@@ -110,21 +111,21 @@ class Ranking:
         progress: Callable[[], None] | None = None,
         workers: Workers | None = None,
     ) -> list[Judged]:
-        """Judge all candidates: the best first, then those that are not feasible, by thrust margin.
+        """Return the results of all candidates, best first, infeasible candidates last.
 
         Parameters
         ----------
         candidates : sequence of Candidate
-            To choose from.
+            Candidates to rank.
         progress : callable, optional
-            Called after each.
+            Function that is called after each candidate.
         workers : Workers, optional
-            Who judges; by default threads of this process.
+            Workers for the candidates; by default threads of this process.
 
         Returns
         -------
         list of Judged
-            In order.
+            Results in the order of the ranking; infeasible candidates in that of thrust margin.
         """
         found = self._each(Ranking.judge, candidates, progress, workers)
         sign = 1.0 if self.task.ranked_by == "energy" else -1.0
@@ -141,21 +142,21 @@ class Ranking:
         progress: Callable[[], None] | None = None,
         workers: Workers | None = None,
     ) -> list[Judged]:
-        """Add the standard deviation of the scores, from seven more trims of each.
+        """Return results with the standard deviations of the scores, from seven trims of each.
 
         Parameters
         ----------
         judged : sequence of Judged
-            Candidates, as ``judged`` gives them.
+            Results of the method ``judged``.
         progress : callable, optional
-            Called after each.
+            Function that is called after each candidate.
         workers : Workers, optional
-            Who computes; by default threads of this process.
+            Workers for the candidates; by default threads of this process.
 
         Returns
         -------
         list of Judged
-            With deviations, in the order given.
+            Results with deviations, in the same order.
         """
         deviations = self._each(Ranking.deviation, judged, progress, workers)
         return [replace(one, deviation=d) for one, d in zip(judged, deviations, strict=True)]
@@ -167,7 +168,7 @@ class Ranking:
         progress: Callable[[], None] | None,
         workers: Workers | None,
     ) -> list[Any]:
-        """Return ``work`` of each, in order."""
+        """Return the results of ``work`` for each item of ``of``, in order."""
         found = []
         for one in (workers or InThreads(cores())).results(work, self, of):
             found.append(one)
@@ -176,7 +177,7 @@ class Ranking:
         return in_order(found)
 
     def aircraft(self, candidate: Candidate) -> Aircraft:
-        """Return the vehicle with the ``candidate``."""
+        """Return the aircraft with the ``candidate``."""
         air = self.vehicle.air
         vehicle = replace(self.vehicle, propeller=candidate.propeller)
         own = getattr(candidate.airfoil, "corrections", None)
@@ -187,7 +188,7 @@ class Ranking:
         )
 
     def judge(self, candidate: Candidate) -> Judged:
-        """Judge one ``candidate``, without the deviation of its score."""
+        """Return the results of one ``candidate``, without the deviation of its score."""
         overlap = _overlap(self.vehicle, candidate.propeller.radius)
         if overlap:
             return Judged(candidate, why_not=overlap)
@@ -213,7 +214,7 @@ class Ranking:
         )
 
     def deviation(self, judged: Judged) -> float:
-        """Return the first-order standard deviation of the score of ``judged``, or NaN."""
+        """Return the first-order standard deviation of the score of ``judged``; NaN if unknown."""
         if not judged.feasible or judged.candidate.covariance is None:
             return math.nan
         changes = []
@@ -225,7 +226,7 @@ class Ranking:
         return math.sqrt(sum(change**2 for change in changes)) if changes else math.nan
 
     def _score(self, craft: Aircraft, states: SteadyStates, top: float) -> tuple[float, str]:
-        """Return the score, and why there is none."""
+        """Return the score, or NaN and the reason."""
         task = self.task
         if task.name == "fast":
             return top, "" if math.isfinite(top) else "no top speed was found"
@@ -242,7 +243,7 @@ class Ranking:
             return (power / task.probed_speed if k else power), ""
         time = float(endurance(craft, states)[k])
         if not math.isfinite(time):
-            return math.nan, "the battery's voltage is too low, or the vehicle has none"
+            return math.nan, "the vehicle has no battery, or its voltage is too low"
         return (time * task.probed_speed if task.ranked_by == "range" else time), ""
 
     def _why_not(self, states: SteadyStates) -> str:
@@ -252,10 +253,10 @@ class Ranking:
             if asked[k] and not states.found[k]:
                 status = str(states.status[k])
                 used = states.used.get(status)
-                more = f", {100.0 * used[k]:.0f} % of it" if used is not None else ""
+                more = f", {100.0 * used[k]:.0f} % of the limit" if used is not None else ""
                 margin = float(states.thrust_margin[k])
                 if math.isfinite(margin):
-                    needed = "what is needed" if k else "the weight"
+                    needed = "the needed thrust" if k else "the weight"
                     more += f"; thrust is {margin:.2f} of {needed}"
                 return f"{what}: {STATUSES[status]}{more}"
         margin = float(states.thrust_margin[0])
@@ -265,35 +266,35 @@ class Ranking:
 
 
 def _overlap(vehicle: Vehicle, radius: float) -> str:
-    """Say why disks of ``radius`` [m], but for coaxial ones, do not fit; empty where they do."""
+    """Return the reason if disks of ``radius`` [m] overlap, except coaxial disks; "" otherwise."""
     height, across = hub_distances(vehicle)
     beside = np.triu((across > COAXIAL * radius) & (height < radius), 1)
     closest = float(across[beside].min(initial=math.inf))
     if closest >= 2.0 * radius:
         return ""
-    return f"the rotors overlap: hubs are {closest:.3g} m apart, the disks {2.0 * radius:.3g} m"
+    return f"the rotors overlap: hub distance {closest:.3g} m, disk diameter {2.0 * radius:.3g} m"
 
 
 # -------------------------------------------------------------------------------------------------
-# How sure a ranking is of its neighbours, and what no other propeller beats.
+# Uncertainty of a ranking, and Pareto front of hover power and top speed.
 
 
 def beats(better: Judged, worse: Judged) -> float:
-    """Return the probability that one candidate beats another.
+    """Return the probability that one candidate is better than another.
 
-    It is from the uncertainty of their constants alone.  What the model itself gets wrong is not
-    counted, and is similar for both; constants of different propellers were found from different
-    data and are taken as independent.
+    Only the uncertainty of the section constants counts.  Errors of the model are ignored, because
+    they are similar for both candidates.  Constants of different propellers come from different
+    data and are assumed to be independent.
 
     Parameters
     ----------
     better, worse : Judged
-        With deviations; the first is ahead of the second in a ranking.
+        Results with deviations; ``better`` is ahead of ``worse`` in the ranking.
 
     Returns
     -------
     float
-        NaN where either has no deviation.
+        Probability; NaN if one of them has no deviation.
     """
     spread = math.hypot(better.deviation, worse.deviation)
     gap = abs(worse.score - better.score)
@@ -303,7 +304,8 @@ def beats(better: Judged, worse: Judged) -> float:
 
 
 def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
-    """Number the feasible ones not beaten in both hover power and top speed, by hover power."""
+    """Return the indices of the feasible results on the Pareto front of least hover power and
+    highest top speed, in the order of hover power."""
     power = np.array([one.hover_power if one.feasible else math.nan for one in judged])
     speed = np.array([one.top_speed if one.feasible else math.nan for one in judged])
     less, faster = power[:, None] < power, speed[:, None] > speed
@@ -314,22 +316,25 @@ def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Propellers that an aircraft might fly with, and the constants of their blades.
+# Candidates: propellers with the constants of their sections.
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A propeller to choose."""
+    """Propeller with section constants, for a ranking."""
 
-    name: str  # in the catalogue, or of its file
+    name: str  # name in the catalogue, or path of the file
     propeller: Propeller
     airfoil: Section
-    covariance: SectionCovariance | None = None  # of constants identified for this propeller
-    verdict: str = "good"  # or what is wrong with the constants
+    covariance: SectionCovariance | None = None  # covariance of the section constants
+    verdict: str = "good"  # or a fault of the constants
 
     def varied(self) -> list[Candidate]:
-        """List candidates with constants off by one standard deviation along each principal axis of
-        their covariance, to the other side or not at all where one would leave its bounds."""
+        """Return candidates with constants changed by one standard deviation along each principal
+        axis of the covariance.
+
+        If a constant would leave its bounds, the change has the other sign, or is omitted.
+        """
         if self.covariance is None or not isinstance(self.airfoil, Airfoil):
             return []
         known = self.covariance.determined
@@ -352,24 +357,24 @@ class Candidate:
 def catalogue_candidates(
     diameter: tuple[float, float] = (0.0, math.inf), blades: int | None = None
 ) -> list[Candidate]:
-    """List every propeller whose constants were identified.
+    """Return the propellers with identified constants as candidates.
 
     Parameters
     ----------
     diameter : tuple of 2 float
-        Least and largest [m].
+        Least and largest diameter [m].
     blades : int, optional
-        How many; by default any.
+        Number of blades; by default any.
 
     Returns
     -------
     list of Candidate
-        In the order of the catalogue.
+        Candidates in the order of the catalogue.
 
     Raises
     ------
     InputError
-        Where there is none.
+        If no propeller matches.
     """
     low, high = diameter
     found = []
@@ -377,7 +382,7 @@ def catalogue_candidates(
         if blades not in (None, one.blades):
             continue
         blade = propeller(one.propeller, one.blades)
-        # 10 in are 0.254 m but for rounding in the catalogue.
+        # The catalogue rounds diameters: 10 in may differ from 0.254 m.
         if low - 1e-6 <= blade.diameter <= high + 1e-6:
             name = one.propeller if one.blades == 2 else f"{one.propeller}, {one.blades} blades"
             known = SectionCovariance(PARAMETERS, one.covariance)
@@ -385,25 +390,24 @@ def catalogue_candidates(
     if not found:
         fault = f"no propeller of the catalogue has {low / INCH:.3g} to {high / INCH:.3g} in"
         fault += f" and {blades} blades" if blades else ""
-        raise InputError(fault, "ask for other diameters, see `propmap props`")
+        raise InputError(fault, "choose other diameters, see `propmap props`")
     return found
 
 
 def file_candidate(path: str | os.PathLike[str], section: Section | None = None) -> Candidate:
-    """Make a candidate of a file or a name, with constants of its own or predicted ones.
+    """Return a candidate from a file or a name, with its own or with predicted constants.
 
     Parameters
     ----------
     path : path or str
-        As for ``propmap.propeller``.
+        Propeller, as for ``propmap.propeller``.
     section : Section, optional
-        Its section law; by default the best constants that are known of it, see
-        ``propmap.known_model``.
+        Section law; by default the best known constants, see ``propmap.catalogue_model``.
 
     Returns
     -------
     Candidate
-        Named as the path.
+        Candidate with the path as its name.
     """
     blade = propeller(path)
     law, verdict = section, "section law as given"
@@ -411,7 +415,7 @@ def file_candidate(path: str | os.PathLike[str], section: Section | None = None)
         meant = meant_by(path)
         own = own_constants(meant, blade.blades)
         law = own.airfoil if own else predicted_constants(meant, blade).airfoil
-        verdict = own.verdict if own else "constants to be expected, not identified"
+        verdict = own.verdict if own else "predicted constants, not identified"
     known = getattr(law, "uncertainty", None)
     return Candidate(os.fspath(path), blade, law, known and known.covariance, verdict)
 
@@ -425,27 +429,27 @@ MEASURES = {
     },
     "fast": {"speed": "top speed"},
     "mission": {"energy": "energy of the mission"},
-}  # what candidates may be ranked by for each task, the first by default
+}  # measures of the ranking for each task; the first is the default
 
 UNITS = {"energy": "W", "time": "s", "range": "m", "speed": "m/s"}
-ENERGIES = {"cruise": "J/m", "mission": "J"}  # units of the energy of tasks that are not held
-SPEED = 10.0  # [m/s] at which propellers are compared besides hover, unless one is given
+ENERGIES = {"cruise": "J/m", "mission": "J"}  # units of "energy" for tasks with another unit
+SPEED = 10.0  # default speed of comparisons, in addition to hover [m/s]
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What an aircraft is for.
+    """Task of an aircraft, which defines the score of a propeller.
 
     Attributes
     ----------
     name : str
         A key of ``MEASURES``.
     speed : float or None
-        Speed of the cruise [m/s]; None where the task has none.
+        Cruise speed [m/s]; None for a task without speed.
     mission : Mission or None
-        For the task "mission".
+        Mission of the task "mission".
     thrust_margin : float
-        That hover must leave.
+        Least thrust margin in hover.
     measure : str
         One of the task's ``MEASURES``; empty for the first.
 
@@ -469,10 +473,11 @@ class Task:
         if self.speed is not None and not self.speed > 0.0:
             raise InputError(f"the speed is {self.speed:g} m/s", "give a speed above 0")
         if (self.name == "mission") != (self.mission is not None):
-            raise InputError("the task and the mission do not fit", "give a mission for this task")
+            remedy = "give a mission for the task mission, and only for this task"
+            raise InputError("the task and the mission do not match", remedy)
         if not self.thrust_margin >= 1.0:
             found = f"the thrust margin is {self.thrust_margin:g}"
-            raise InputError(found, "give 1 or more: with less thrust than weight nothing flies")
+            raise InputError(found, "give 1 or more, because thrust must carry the weight")
         known = MEASURES[self.name]
         if self.measure and self.measure not in known:
             found = f"the task {self.name} is not ranked by {self.measure}"
@@ -480,12 +485,12 @@ class Task:
 
     @property
     def ranked_by(self) -> str:
-        """Key of its ``MEASURES`` by which candidates are ranked."""
+        """Key in ``MEASURES`` of the measure that ranks candidates."""
         return self.measure or next(iter(MEASURES[self.name]))
 
     @property
     def words(self) -> str:
-        """What candidates are ranked by, in words."""
+        """Description of the measure that ranks candidates."""
         return MEASURES[self.name][self.ranked_by]
 
     @property
@@ -496,5 +501,5 @@ class Task:
 
     @property
     def probed_speed(self) -> float:
-        """Speed at which propellers are compared besides hover [m/s]."""
+        """Speed at which propellers are compared, in addition to hover [m/s]."""
         return SPEED if self.speed is None else self.speed

@@ -1,4 +1,4 @@
-"""How sure steady states are, and how they change with the loads and with a designer's choices."""
+"""Sensitivity of steady states: derivatives and standard deviations."""
 
 from __future__ import annotations
 
@@ -24,28 +24,28 @@ from propmap.vehicle.vehicle_forces import Rotors, Sources, load_rows
 FLIGHT = ("speed", "climb")
 AREAS = ("drag_area_x", "drag_area_y", "drag_area_z")
 VEHICLE = (*FLIGHT, "mass", *AREAS)
-"""What steady states can be differentiated by, besides the constants of the section law and
-``GEOMETRY``: [m/s], [kg], [m^2]."""
+"""Quantities of flight and vehicle for derivatives of steady states [m/s], [kg], [m^2].  Section
+constants and ``GEOMETRY`` are further quantities."""
 
-DIAMETER, GROWTH = "diameter_scale", 0.01  # a common factor on radius and chord, and its step
-SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}  # of steps; else the constant itself
+DIAMETER, GROWTH = "diameter_scale", 0.01  # factor on radius and chord, and its step
+SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}  # scales of steps; else the constant itself
 
 
 class StateChange(NamedTuple):
-    """Derivatives of n steady states of k rotors, per unit of a quantity, or standard deviations.
+    """Changes of n steady states of k rotors: derivatives per unit, or standard deviations.
 
-    All are NaN where there is no state.
+    All values are NaN for states that were not found.
 
     Attributes
     ----------
     pitch, roll : ndarray, shape (n,)
-        [rad].
+        Attitude [rad].
     rotor_speed : ndarray, shape (n, k)
-        [rad/s].
+        Rotor speeds [rad/s].
     shaft_power, electrical_power : ndarray, shape (n,)
-        [W]; the second is NaN where the vehicle has no motor.
+        Powers [W]; ``electrical_power`` is NaN for a vehicle without a motor.
     used : dict of str to ndarray, shape (n,)
-        Shares of limits that are used, as in ``SteadyStates``.
+        Used shares of limits, as in ``SteadyStates``.
     """
 
     pitch: Floats
@@ -57,12 +57,12 @@ class StateChange(NamedTuple):
 
     @property
     def power(self) -> Floats:
-        """Change of the electrical power where it is known, else of the shaft power [W], (n,)."""
+        """Change of the electrical power, or of the shaft power without a motor [W], (n,)."""
         return np.where(np.isfinite(self.electrical_power), self.electrical_power, self.shaft_power)
 
 
 def _joined(changes: Sequence[StateChange], join: Callable[[list[Floats]], Floats]) -> StateChange:
-    """Apply ``join`` to each array of all ``changes``."""
+    """Return the result of ``join`` for each array of the ``changes``."""
     used = {name: join([one.used[name] for one in changes]) for name in changes[0].used}
     names = StateChange._fields[:-1]
     arrays: Any = {name: join([getattr(one, name) for one in changes]) for name in names}
@@ -72,30 +72,30 @@ def _joined(changes: Sequence[StateChange], join: Callable[[list[Floats]], Float
 def derivatives(
     aircraft: Aircraft, states: SteadyStates, names: Iterable[str]
 ) -> dict[str, StateChange]:
-    """Differentiate steady states; the attitude and the rotor speeds follow each change.
+    """Return derivatives of steady states; attitude and rotor speeds follow each change.
 
-    Those of the loads by the flow, by constants and by chord and twist are the rotor's own, and by
-    the flow those of a table; by the diameter they are differences.
+    Derivatives of the loads come from the rotor (flow, section constants, chord and twist) or from
+    the table (flow).  Derivatives with respect to the diameter are difference quotients.
 
     Parameters
     ----------
     aircraft, states : Aircraft, SteadyStates
-        What flies, and n states of it.
+        Aircraft and n of its states.
     names : iterable of str
-        From ``VEHICLE``, from the section law's constants such as "c_l1", and "chord_scale" [-], a
-        common factor on the chord, "twist_offset" [rad], added to the twist, and "diameter_scale"
-        [-], a common factor on radius and chord.
+        Quantities: names of ``VEHICLE``, section constants such as "c_l1", "chord_scale" [-], a
+        factor on the chord, "twist_offset" [rad], added to the twist, and "diameter_scale" [-], a
+        factor on radius and chord.
 
     Returns
     -------
     dict of str to StateChange
-        By name, per unit.
+        Derivatives by name, per unit.
 
     Raises
     ------
     InputError
-        For another name, a constant where loads come from a table, and the diameter of rotors in
-        each other's wakes.
+        For another name, for a constant with loads from a table, and for the diameter of rotors
+        with wakes.
     """
     wanted = list(names)
     own = tuple(name for name in wanted if name not in VEHICLE)
@@ -117,43 +117,42 @@ def derivatives(
 def power_gradient(
     aircraft: Aircraft, states: SteadyStates, names: Iterable[str]
 ) -> dict[str, Floats]:
-    """Differentiate the power, electrical where it is known, else of the shafts.
+    """Return derivatives of the electrical power, or of the shaft power without a motor.
 
     Parameters
     ----------
     aircraft, states, names : Aircraft, SteadyStates, iterable of str
-        As for ``derivatives``.
+        Parameters of ``derivatives``.
 
     Returns
     -------
     dict of str to ndarray, shape (n,)
-        [W] per unit; NaN where there is no state.
+        Derivatives by name [W] per unit; NaN for states that were not found.
 
     Raises
     ------
     InputError
-        As ``derivatives``.
+        As in ``derivatives``.
     """
     return {name: by.power for name, by in derivatives(aircraft, states, names).items()}
 
 
 def spread(aircraft: Aircraft, states: SteadyStates) -> StateChange | None:
-    """Return standard deviations of steady states, from those of the loads, to first order.
+    """Return first-order standard deviations of steady states from those of the loads.
 
-    Deviations of the loads by their sources, see ``propmap.Loads.std_by_source``, are alike at all
-    rotors.  Constants of the section law vary together by their covariance; errors of the model and
-    of the tunnel are independent from load to load.  The errors of a
-    table's loads are taken to be so too.
+    Errors of the loads, see ``propmap.Loads.std_by_source``, are equal at all rotors.  Section
+    constants have their covariance.  Errors of model and tunnel are assumed to be independent
+    between loads, and so are the errors of the loads of a table.
 
     Parameters
     ----------
     aircraft, states : Aircraft, SteadyStates
-        What flies, and n states of it.
+        Aircraft and n of its states.
 
     Returns
     -------
     StateChange or None
-        None where nothing is known of the loads' errors.
+        Standard deviations; None for loads without standard deviations.
     """
     sources: list[Any] = [source for source, _ in aircraft.rotors.sources]
     if not states.found.any() or not all(map(_has_errors, sources)):
@@ -163,7 +162,7 @@ def spread(aircraft: Aircraft, states: SteadyStates) -> StateChange | None:
     covariance = None if uncertainty is None else uncertainty.covariance.determined
     names = () if covariance is None else covariance.names
     constants = _to_parameters(responses, names) if names else []
-    # By errors of each load, of one standard deviation.
+    # Responses to errors of one standard deviation, one load at a time.
     count = len(LOADS) * (2 if uncertainty and uncertainty.another_tunnel else 1)
     changes = [(_errors_of(source), which) for source, which in aircraft.rotors.sources]
     errors = responses.to_each(changes, count)
@@ -179,17 +178,17 @@ def spread(aircraft: Aircraft, states: SteadyStates) -> StateChange | None:
 
 
 def _has_errors(source: Any) -> bool:
-    """Whether a source of loads says how sure they are."""
+    """Return whether a source of loads has standard deviations."""
     if isinstance(source, Rotor):
         return source.model.uncertainty is not None
     return isinstance(source, LoadTable) and source.content.deviations is not None
 
 
 def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[StateChange]:
-    """Differentiate by constants of the section law and geometry."""
+    """Return derivatives of the states with respect to section constants and geometry."""
     if DIAMETER in names and responses.aircraft.vehicle.wakes is not None:
-        found = f"there is no derivative by {DIAMETER!r} where rotors are in each other's wakes"
-        raise InputError(found, "leave them out for it: --no-wakes, or Vehicle(..., wakes=None)")
+        found = f"there is no derivative by {DIAMETER!r} for rotors with wakes on each other"
+        raise InputError(found, "ignore the wakes: --no-wakes, or Vehicle(..., wakes=None)")
     changes = []
     for source, which in responses.aircraft.rotors.sources:
         if not isinstance(source, Rotor):
@@ -205,7 +204,7 @@ def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[StateCh
 
 
 def _slopes_of(rotor: Rotor, wanted: tuple[str, ...]) -> ChangesAt:
-    """Differentiate the loads of a rotor by the parameters ``wanted``."""
+    """Return the derivatives of the loads of a rotor with respect to ``wanted``."""
     names = tuple(name for name in wanted if name != DIAMETER)
 
     def grown(factor: float, points: FlowPoints) -> Floats:
@@ -226,7 +225,7 @@ def _slopes_of(rotor: Rotor, wanted: tuple[str, ...]) -> ChangesAt:
 
 
 def _errors_of(source: Any) -> ChangesAt:
-    """Return the errors, one standard deviation, of the loads from a source, one at a time."""
+    """Return errors of one standard deviation of the loads from a source, one load at a time."""
 
     def at(points: FlowPoints) -> Floats:
         omega, along, across, _ = points
@@ -242,19 +241,19 @@ def _errors_of(source: Any) -> ChangesAt:
 
 
 STEP = 1e-2
-"""Steps of difference quotients to either side: angles [rad], shares of squared rotor speeds and of
-torques, speeds over 1 m/s.  Loads jump by some 1e-4 of their size at isolated points, which a much
-smaller step would make the most of a quotient."""
+"""Steps of central differences: angles [rad], shares of squared rotor speeds and of torques, speeds
+[m/s].  At isolated points, loads jump by some 1e-4 of their size, and with a much smaller step
+these jumps would dominate the quotient."""
 
-SMOOTH_STEP = 1e-5  # instead of ``STEP`` where the loads are linear: what is left is smooth
+SMOOTH_STEP = 1e-5  # replaces ``STEP`` for linearized loads, which are smooth
 
 ChangesAt = Callable[[FlowPoints], Floats]  # D changes of the L loads at N points, (D, L, N)
 
 
 class Responses:
-    """Steady states, ready to be differentiated by the implicit function theorem: with unknowns x
-    and unbalanced shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp. With ``exact`` the loads' own
-    derivatives by the flow are taken where there are some, see ``has_slopes``, else differences."""
+    """Derivatives of steady states by the implicit function theorem: with unknowns x and unbalanced
+    shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp.  ``exact`` uses the derivatives of the loads with
+    respect to the flow, if ``has_slopes``; otherwise, difference quotients are used."""
 
     def __init__(self, aircraft: Aircraft, states: SteadyStates, *, exact: bool = False) -> None:
         self.aircraft, self.count = aircraft, len(states)
@@ -276,7 +275,7 @@ class Responses:
         self._inverse, self._torque = self._by_unknowns()
 
     def to_flight(self, name: str) -> StateChange:
-        """Differentiate by the ``name`` "speed" or "climb" [m/s]."""
+        """Return derivatives with respect to ``name``, "speed" or "climb" [m/s]."""
         ahead, behind = (
             self._balance.evaluated(self.unknowns, self._perturbed(name, h))
             for h in (self._step, -self._step)
@@ -286,13 +285,13 @@ class Responses:
         return self._implied(residual, torque, name)
 
     def to_mass(self) -> StateChange:
-        """Differentiate by the mass [kg], the centre of mass where it is."""
+        """Return derivatives with respect to the mass [kg], for a constant center of mass."""
         balance = self.aircraft.balance
         specific = balance.motion(self.at.pitch, self.at.roll, self.flight)[2]
         return self._implied(balance.shares(-specific, np.zeros_like(specific)))
 
     def to_drag_area(self, axis: int) -> StateChange:
-        """Differentiate by the body's drag area along ``axis`` 0, 1 or 2 [m^2]."""
+        """Return derivatives with respect to the drag area along ``axis`` 0, 1 or 2 [m^2]."""
         force = np.zeros_like(self.at.velocity)
         along = self.at.velocity[:, axis]
         force[:, axis] = -0.5 * self.aircraft.vehicle.air.density * np.abs(along) * along
@@ -301,7 +300,7 @@ class Responses:
     def to_each(
         self, changes: Sequence[tuple[ChangesAt, NDArray[np.intp]]], count: int
     ) -> list[StateChange]:
-        """Differentiate by each of ``count`` changes of the loads, of these rotors, per unit."""
+        """Return derivatives with respect to ``count`` changes of the loads of given rotors."""
         stores: list[tuple[ChangesAt, NDArray[np.intp], list[Floats]]] = [
             (at, which, []) for at, which in changes
         ]
@@ -336,8 +335,8 @@ class Responses:
     def _implied(
         self, residual: Floats, torque: Floats | None = None, flown: str | None = None
     ) -> StateChange:
-        """Find the response to a change that by itself leaves ``residual`` (n, u) and adds
-        ``torque`` (n, k) [N m]; ``flown`` is what of the flight changes itself."""
+        """Return the response to a change that leaves ``residual`` (n, u) and adds ``torque``
+        (n, k) [N m] at constant unknowns; ``flown`` names a change of the flight."""
         dx = -np.einsum("nur,nr->nu", self._inverse, residual)
         dq = np.einsum("nku,nu->nk", self._torque, dx)
         if torque is not None:
@@ -362,7 +361,7 @@ class Responses:
         return _joined([at(h), at(-h)], slope)
 
     def _outcome(self, unknowns: Floats, flight: SteadyFlight, torque: Floats) -> StateChange:
-        """Return what changes, at torques (n, k) that are known."""
+        """Return the values of a ``StateChange`` for unknowns (n, u) and torques (n, k)."""
         aircraft, balance = self.aircraft, self.aircraft.balance
         (pitch, roll), omega = unknowns.T[:2], np.sqrt(balance.squares(unknowns))
         hubs = balance.motion(pitch, roll, flight)[1]
@@ -372,17 +371,17 @@ class Responses:
 
 
 # -------------------------------------------------------------------------------------------------
-# Changes of a rotor's loads, where loads are wanted: by a parameter, or by an error of theirs.
+# Changes of the loads by a parameter or by an error, as sources of loads.
 
 
 class LoadChange:
-    """Change number ``d`` of several as a source of loads; ``known`` keeps them, computed once."""
+    """Change number ``d`` of the loads as a source of loads; ``known`` stores all changes."""
 
     def __init__(self, at: ChangesAt, known: list[Floats], d: int) -> None:
         self.at, self.known, self.d = at, known, d
 
     def loads_at_velocity(self, omega: Floats, velocity: Floats) -> Any:
-        """Return the change by the loads' names and a ``status``, of the shape of ``omega``."""
+        """Return the change of each load by name, and a ``status``, of the shape of ``omega``."""
         if not self.known:
             across = np.hypot(velocity[:, 0], velocity[:, 1])
             self.known.append(self.at(FlowPoints(omega, velocity[:, 2], across)))
@@ -390,23 +389,22 @@ class LoadChange:
 
 
 def _by_name(rows: Floats, omega: Floats) -> Any:
-    """Name loads (L, N), with a ``status``."""
+    """Return loads (L, N) by name, with a ``status``."""
     return SimpleNamespace(**dict(zip(LOADS, rows, strict=True)), status=np.full(omega.shape, "ok"))
 
 
 # -------------------------------------------------------------------------------------------------
-# Loads to first order about operating points, by derivatives that need no differences.
+# Loads to first order about operating points, by exact derivatives.
 
 
 def has_slopes(source: Any) -> bool:
-    """Whether the loads of a ``source``, a rotor or a table, have exact derivatives by the flow."""
+    """Return whether a ``source`` of loads has exact derivatives with respect to the flow."""
     return isinstance(source, Rotor | LoadTable)
 
 
 class LocalLoads:
-    """Loads that are linear in rotor speed and velocity about the nearest of the operating points
-    of the first call. Without velocity across the axis, drag and moments by it grow in any
-    direction."""
+    """Loads that are linear in rotor speed and velocity about the nearest operating point of the
+    first call.  From a point without velocity across the axis, drag grows in all directions."""
 
     def __init__(self, source: Any) -> None:
         self._source = source

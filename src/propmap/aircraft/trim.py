@@ -1,4 +1,4 @@
-"""An aircraft's steady states: level, climbing, descending, turning, by Newton's method."""
+"""Trim of an aircraft by Newton's method: level, climbing, descending and turning states."""
 
 from __future__ import annotations
 
@@ -28,35 +28,36 @@ from propmap.vehicle.wakes import cross
 STEEPEST_BANK = math.radians(80.0)
 
 SOLVED, ACCEPTED = 1e-10, 1e-8
-"""Unbalanced share of the weight at which the search ends, and up to which a state is balanced."""
+"""Unbalanced share of the weight at the end of a search, and largest share of a balanced state."""
 
-EXTRAPOLATED = 2.0  # intervals of known states over which a search begins on their line, at most
+EXTRAPOLATED = 2.0  # largest extrapolation of known states for a start, in intervals
 SLOWEST, FASTEST = 0.2, 20.0
-"""Least and largest factor on rotor speeds between which the thrust margin is searched."""
+"""Least and largest factor on rotor speeds in the search for the thrust margin."""
 
 PIECES = (8, 4, 4, 4)
-"""The factor's range is cut into so many, one after the other; then shares are interpolated."""
+"""Number of intervals into which the range of the factor is divided at each level; in the last
+interval, shares of limits are interpolated."""
 
 
 class Aircraft:
-    """A vehicle with the loads of its rotors, ready to be trimmed.
+    """An aircraft: a vehicle and the loads of its rotors.
 
     Parameters
     ----------
     vehicle : Vehicle
-        What flies, from ``read_vehicle(path).vehicle``.
+        Vehicle, from ``read_vehicle(path).vehicle``.
     loads : Rotor or LoadTable
-        Gives its rotors' loads.
+        Source of the loads of the rotors.
     maximum_rotor_speed : float
-        [rad/s] besides the largest of the vehicle's motor.
+        Largest rotor speed [rad/s], in addition to the limit of the motor.
     charge : float
-        State of charge, 0 to 1, at which the limits are taken.
+        State of charge that sets the limits, 0 to 1.
 
     Raises
     ------
     InputError
-        Where the loads are of another propeller or air than the vehicle's, for a charge beyond 0
-        to 1, and for a largest speed that is not positive.
+        For loads of another propeller or air than the vehicle's, for a charge outside 0 to 1, and
+        for a largest rotor speed that is not positive.
     """
 
     def __init__(
@@ -69,7 +70,8 @@ class Aircraft:
     ) -> None:
         self.vehicle, self.loads = vehicle, loads
         if not maximum_rotor_speed > 0.0:
-            raise InputError(f"the rotors' largest speed is {maximum_rotor_speed:g}", "give rad/s")
+            fault = f"the largest rotor speed is {maximum_rotor_speed:g} rad/s"
+            raise InputError(fault, "give a value above 0")
         if not 0.0 < charge <= 1.0:
             raise InputError(f"charge is {charge:g}", "give a share, 1 for a full battery")
         self.maximum_rotor_speed, self.charge = maximum_rotor_speed, charge
@@ -78,7 +80,7 @@ class Aircraft:
         self._lost = NOT_FOUND if isinstance(loads, Rotor) else OUTSIDE_TABLE
 
     def with_hover_model(self) -> Aircraft:
-        """Return this aircraft with the hover model of its rotors: no drag, loads as at rest."""
+        """Return this aircraft with the hover model of its rotors: static loads, no rotor drag."""
         other = copy.copy(self)
         omega = REFERENCE_TIP_SPEED / self.vehicle.propeller.radius
         if not isinstance(self.loads, Rotor):
@@ -87,7 +89,7 @@ class Aircraft:
         still = self.loads.loads(omega, 0.0, 0.0)
         hover = HoverModel(float(still.thrust) / omega**2, float(still.torque) / omega**2, omega)
         everyone = np.arange(len(self.rotors))
-        # Its loads do not depend on the flow, nor then on the wakes.
+        # Loads of the hover model do not depend on the flow, so wakes have no effect.
         alone = replace(self.vehicle, wakes=None)
         other.rotors = Rotors(alone, [(HoverLoads(hover), everyone)])
         other.balance = SteadyBalance(self.vehicle, other.rotors)
@@ -103,45 +105,46 @@ class Aircraft:
         margin: bool = True,
         near: SteadyStates | None = None,
     ) -> SteadyStates:
-        """Find steady states, nose first.
+        """Return steady states, nose first.
 
-        An aircraft with a wing may fly at one speed with the wing stalled and without: the state is
-        that of less power.
+        An aircraft with a wing may have two states at one speed, with attached and with stalled
+        flow.  The result is the state with less power.
 
         Parameters
         ----------
         speed : array_like
-            Horizontal speed through the air [m/s], >= 0.
+            Horizontal airspeed [m/s], >= 0.
         climb : array_like
-            Climb rate through the air, negative in descent [m/s].
+            Climb rate relative to the air, negative in descent [m/s].
         bank : array_like
-            Angle of a coordinated level turn, positive to the right [rad]; all three broadcast
-            to (n,).
+            Bank of a coordinated level turn, positive to the right [rad].  Speed, climb and bank
+            broadcast to (n,).
         margin : bool
-            Whether the thrust margin is wanted, which takes as long again.
+            Whether to compute the thrust margin, which doubles the time.
         near : SteadyStates, optional
-            States at rising speeds between and beyond which the search begins; it takes less time
-            then.
+            Known states at rising speeds, from which starts are interpolated to save time.
 
         Returns
         -------
         SteadyStates
-            n of them.
+            n steady states.
 
         Raises
         ------
         InputError
-            For negative speeds, a bank beyond 80 degrees, and a turn on the spot.
+            For negative speeds, a bank above 80 degrees, and a turn without speed or with climb.
         """
         v, w, turn = (np.atleast_1d(a) for a in broadcast(speed=speed, climb=climb, bank=bank))
         if v.ndim > 1:
-            raise InputError(f"speed, climb and bank have {v.ndim} axes together", "give one")
+            fault = f"speed, climb and bank broadcast to {v.ndim} axes"
+            raise InputError(fault, "give arrays with one axis")
         if (v < 0.0).any():
-            raise InputError(f"speed is negative ({v.min():g})", "the nose points into the flight")
+            fault = f"speed is negative ({v.min():g})"
+            raise InputError(fault, "give 0 or more, because flight is nose first")
         if (np.abs(turn) > STEEPEST_BANK).any():
-            raise InputError("bank is beyond 80 degrees", "give radians, -1.39 to 1.39")
+            raise InputError("bank is above 80 degrees", "give radians, -1.39 to 1.39")
         if ((turn != 0.0) & ((v == 0.0) | (w != 0.0))).any():
-            raise InputError("a turn is level and takes speed", "give speed above 0 and climb 0")
+            raise InputError("a turn needs speed and no climb", "give speed above 0 and climb 0")
         flight = SteadyFlight(v, w, turn)
         first = None if near is None else self._between(near, v)
         found = self.balance.solve(flight, SOLVED, first)
@@ -153,7 +156,7 @@ class Aircraft:
         return self._states(flight, found, margin=margin)
 
     def _between(self, near: SteadyStates, speed: Floats) -> Floats | None:
-        """Interpolate unknowns (n, u) between known states, None where there are too few."""
+        """Return unknowns (n, u) interpolated between known states; None for fewer than two."""
         known = np.flatnonzero(near.found)
         if known.size < 2:
             return None
@@ -166,16 +169,18 @@ class Aircraft:
         return values[k - 1] + share * (values[k] - values[k - 1])
 
     def rotor_motion(self, states: SteadyStates) -> tuple[Floats, Floats]:
-        """Return rotor (m, k) [rad/s] and hub speeds (m, k, 3) [m/s] of ``states`` with numbers."""
+        """Return rotor speeds (m, k) [rad/s] and hub velocities (m, k, 3) [m/s] of found states."""
         flown = np.flatnonzero(states.found)
         flight = SteadyFlight(states.speed, states.climb, states.bank).part(flown)
         _, hubs, _ = self.balance.motion(states.pitch[flown], states.roll[flown], flight)
         return states.rotor_speed[flown], hubs
 
     def used(self, omega: Floats, velocity: Floats, torque: Floats) -> dict[str, Floats]:
-        """Return the share of each of ``LIMITS`` that n states use, (n,), 0 where none is known,
-        with ``omega`` [rad/s] and ``torque`` [N m] (n, k), and the hubs' ``velocity`` (n, k, 3) in
-        the vehicle's frame [m/s]."""
+        """Return how much of each of ``LIMITS`` the n states use, as a fraction (n,).
+
+        ``omega`` [rad/s] and ``torque`` [N m] are (n, k), and ``velocity`` (n, k, 3) is that of the
+        hubs in the vehicle frame [m/s].  Unknown limits have the fraction 0.
+        """
         axial = np.einsum("...kj,kj->...k", velocity, self.rotors.axis)
         across = np.sqrt(np.maximum(np.sum(velocity**2, axis=-1) - axial**2, 0.0))
         tip = np.hypot(omega * self.rotors.radius + across, axial)
@@ -206,7 +211,7 @@ class Aircraft:
         rough = found.residual > ACCEPTED
         slow = np.zeros_like(lost)
         if self.vehicle.wing is not None and self._lost == NOT_FOUND:
-            # What hangs on its rotors meets their limit first; what hangs on a wing stalls.
+            # Limits of lifting rotors come first; with forward-pulling rotors, stall does.
             gone = lost | np.any(over, axis=0) if self.rotors.forward else lost
             slow = gone & stalled(self.vehicle, self.vehicle.wing, flight)
         names = [STALL, self._lost, *used, VORTEX_RING, COARSE]
@@ -241,12 +246,12 @@ class Aircraft:
         )
 
     def _thrust_margin(self, omega: Floats, velocity: Floats) -> Floats:
-        """Return thrust with all rotors sped up alike to the first limit, or slowed down to it,
-        over that as they turn, (n,)."""
+        """Return the thrust at the first limit over the present thrust (n,), with a common factor
+        on all rotor speeds."""
         count, rotors = omega.shape
 
         def at(factors: Floats) -> tuple[Floats, Floats]:
-            """Return the largest share used of any limit, and the thrust, at factors (f, n)."""
+            """Return the largest used share of all limits, and the thrust, at factors (f, n)."""
             turning = omega * factors[..., None]
             moving = np.broadcast_to(velocity, (*turning.shape, 3))
             wrenches = self.rotors.wrenches(turning, moving)
@@ -278,38 +283,38 @@ class Aircraft:
 # -------------------------------------------------------------------------------------------------
 # Forces and moments on a vehicle in steady flight, and the attitude that balances them.
 
-CHANGE = 1e-4  # step of a difference quotient, of angles [rad] and of the logarithm of rotor speed
-LONGEST_TURN = 0.25  # largest change of pitch and of roll in one step [rad]
-LONGEST_CHANGE = 0.4  # largest change in one step of a squared rotor speed, as a share
+CHANGE = 1e-4  # step of difference quotients: angles [rad], logarithm of rotor speed [-]
+LONGEST_TURN = 0.25  # largest step of pitch and of roll [rad]
+LONGEST_CHANGE = 0.4  # largest relative step of a squared rotor speed [-]
 
 
 class SteadyFlight(NamedTuple):
     """n steady flights; every array is (n,)."""
 
-    speed: Floats  # horizontal, towards the nose, through the air [m/s], >= 0
-    climb: Floats  # up, through the air [m/s]
-    bank: Floats  # of a coordinated level turn [rad], positive to the right: tan(bank) = V^2/(g R)
+    speed: Floats  # horizontal airspeed toward the nose [m/s], >= 0
+    climb: Floats  # climb rate relative to the air [m/s]
+    bank: Floats  # bank of a coordinated turn, tan(bank) = V^2/(g R), positive to the right [rad]
 
     def part(self, which: NDArray[np.intp]) -> SteadyFlight:
-        """Return some of them."""
+        """Return the flights with the numbers ``which``."""
         return SteadyFlight(*(array[which] for array in self))
 
 
 class Balanced(NamedTuple):
-    """What was found for n flights of k rotors; numbers also where nothing was found."""
+    """Best result for n flights with k rotors, balanced or not."""
 
-    pitch: Floats  # nose down, (n,) [rad]
-    roll: Floats  # right side down, (n,) [rad]
+    pitch: Floats  # positive nose down, (n,) [rad]
+    roll: Floats  # positive right side down, (n,) [rad]
     omega: Floats  # (n, k) [rad/s]
-    velocity: Floats  # of the centre of mass, in the vehicle's frame, (n, 3) [m/s]
+    velocity: Floats  # velocity of the center of mass in the vehicle frame, (n, 3) [m/s]
     hubs: Floats  # velocities of the hubs, (n, k, 3) [m/s]
     wrenches: RotorWrenches
-    moment: Floats  # left for control surfaces where rotors cannot balance it, (n, 3) [N m]
+    moment: Floats  # moment that control surfaces have to balance, (n, 3) [N m]
     unbalanced: Floats  # force over weight, moments over weight times arm, (n, u) [-]
 
     @property
     def residual(self) -> Floats:
-        """The largest unbalanced share (n,)."""
+        """Largest unbalanced share (n,)."""
         return np.abs(self.unbalanced).max(axis=1)
 
     @property
@@ -318,7 +323,7 @@ class Balanced(NamedTuple):
         return np.sum(self.wrenches.torque * self.omega, axis=1)
 
     def or_else(self, other: Balanced, where: NDArray[np.bool_]) -> Balanced:
-        """Return flights of the ``other`` in the places ``where`` (n,), of these elsewhere."""
+        """Return the results of ``other`` for the flights ``where`` (n,), otherwise these."""
 
         def pick(own: Any, its: Any) -> Any:
             if isinstance(own, RotorWrenches):
@@ -329,9 +334,11 @@ class Balanced(NamedTuple):
 
 
 class SteadyBalance:
-    """Force and moment balances of a vehicle with given rotors: the unknowns are pitch, roll, and
-    the amplitudes of ``controls``. The gyroscopic moments of a steady turn, of some per cent of a
-    rotor's arm times its thrust, are left out."""
+    """Force and moment balances of a vehicle with given rotors.
+
+    The unknowns are pitch, roll and the amplitudes of ``controls``.  Gyroscopic moments of a steady
+    turn are neglected; they are some per cent of thrust times arm of a rotor.
+    """
 
     def __init__(self, vehicle: Vehicle, rotors: Rotors) -> None:
         self.vehicle, self.rotors = vehicle, rotors
@@ -352,14 +359,17 @@ class SteadyBalance:
         self.controls = controls(rotors, float(still.torque.mean()) / thrust)
         upward = max(float(rotors.axis[:, 2].mean()), 0.2)
         lifted = self.weight / (len(rotors) * upward)
-        # Squared rotor speed in hover, about [rad^2/s^2].
+        # Approximate squared rotor speed in hover [rad^2/s^2].
         self.reference = omega[0, 0] ** 2 * lifted / thrust
 
     def solve(
         self, flight: SteadyFlight, tolerance: float, first: Floats | None = None
     ) -> Balanced:
-        """Find attitude and rotor speeds of n flights, to an unbalanced share of the weight, from
-        ``first``, unknowns (n, u), by default what hover and the body's drag make likely."""
+        """Return attitude and rotor speeds of n flights, unbalanced by at most ``tolerance``.
+
+        The search starts from the unknowns ``first`` (n, u), by default an estimate from hover and
+        body drag.
+        """
         if first is None:
             area = self.vehicle.body.drag_area[0]
             push = 0.5 * self.vehicle.air.density * area * flight.speed**2 / self.weight
@@ -368,22 +378,22 @@ class SteadyBalance:
             first[:, 1] = flight.bank
             first[:, 2] = np.hypot(1.0 / np.cos(flight.bank), push)
 
-        def linearised(unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
-            return self._linearised(unknowns, flight.part(which))
+        def linearized(unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
+            return self._linearized(unknowns, flight.part(which))
 
         def residuals(unknowns: Floats, which: NDArray[np.intp]) -> Floats:
             return self.evaluated(unknowns, flight.part(which)).unbalanced
 
-        found = solve(linearised, residuals, self._bounded, first, flight.speed, tolerance)
+        found = solve(linearized, residuals, self._bounded, first, flight.speed, tolerance)
         return self.evaluated(found, flight)
 
     def unknowns(self, pitch: Floats, roll: Floats, squares: Floats) -> Floats:
-        """Return unknowns (n, u) of attitudes (n,) [rad] and squared rotor speeds (n, k)."""
+        """Return the unknowns (n, u) for attitudes (n,) [rad] and squared rotor speeds (n, k)."""
         shares = squares @ np.linalg.pinv(self.controls.patterns).T / self.reference
         return np.column_stack([pitch, roll, shares])
 
     def _bounded(self, unknowns: Floats, step: Floats) -> Floats:
-        """Shorten the step (n, u) to what may be trusted."""
+        """Return the step (n, u), shortened to the largest allowed change."""
         turn = np.abs(step[:, :2]).max(axis=1) / LONGEST_TURN
         squares = self.squares(unknowns)
         change = (step[:, 2:] @ self.controls.patterns.T) * self.reference
@@ -398,9 +408,9 @@ class SteadyBalance:
     def motion(
         self, pitch: Floats, roll: Floats, flight: SteadyFlight
     ) -> tuple[Floats, Floats, Floats]:
-        """Return velocities of the centre of mass (..., n, 3) and of the hubs (..., n, k, 3) [m/s],
-        and the specific force (..., n, 3) [m/s^2], in the vehicle's frame, at ``pitch`` and
-        ``roll`` (..., n) [rad]."""
+        """Return velocities of the center of mass (..., n, 3) and of the hubs (..., n, k, 3) [m/s],
+        and the specific force (..., n, 3) [m/s^2], in the vehicle frame, at ``pitch`` and ``roll``
+        (..., n) [rad]."""
         velocity = in_vehicle_frame(flight.speed, 0.0, flight.climb, pitch, roll)
         up = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll)
         aside = -GRAVITY * np.tan(flight.bank)
@@ -420,11 +430,11 @@ class SteadyBalance:
         return self.shares(force, moment), moment
 
     def shares(self, force: Floats, moment: Floats) -> Floats:
-        """Scale a force [N] and moment [N m] (..., 3) to what counts in a residual (..., u)."""
+        """Return the unbalanced shares (..., u) of a force [N] and a moment [N m] (..., 3)."""
         turned = moment @ self.controls.moments.T / (self.weight * self.arm)
         return np.concatenate([force / self.weight, turned], axis=-1)
 
-    def _linearised(self, unknowns: Floats, flight: SteadyFlight) -> tuple[Floats, Floats]:
+    def _linearized(self, unknowns: Floats, flight: SteadyFlight) -> tuple[Floats, Floats]:
         """Return residuals (n, u) and their derivatives (n, u, u)."""
         pitch, roll = unknowns[:, 0], unknowns[:, 1]
         omega = np.sqrt(self.squares(unknowns))
@@ -433,14 +443,14 @@ class SteadyBalance:
         found, force, moment = self.rotors.around(omega, hubs, CHANGE)
         residual, _ = self._residual(velocity, specific, found)
         by_angles = (residual[1:] - residual[0]) / CHANGE
-        # d/d(omega^2) by the square of each rotor's speed.
+        # Derivatives with respect to the squared speed of each rotor.
         each = self.shares(force, moment) / (2.0 * omega[..., None])
         by_controls = self.reference * np.einsum("nku,kc->nuc", each, self.controls.patterns)
         slopes = np.concatenate([np.moveaxis(by_angles, 0, -1), by_controls], axis=-1)
         return residual[0], slopes
 
     def evaluated(self, unknowns: Floats, flight: SteadyFlight) -> Balanced:
-        """Return what ``unknowns`` (n, u) mean in n flights, balanced or not."""
+        """Return the result for the ``unknowns`` (n, u) of n flights, balanced or not."""
         pitch, roll = unknowns[:, 0], unknowns[:, 1]
         velocity, hubs, specific = self.motion(pitch, roll, flight)
         omega = np.sqrt(self.squares(unknowns))
@@ -450,23 +460,23 @@ class SteadyBalance:
 
 
 # -------------------------------------------------------------------------------------------------
-# How rotor speeds make thrust and moments: which of these a vehicle's rotors can balance.
+# Patterns of rotor speeds, and the moments that the rotors of a vehicle can balance.
 
 WEAKEST = 0.02
-"""Moment that a pattern of rotor speeds must make, over that of the strongest: below, as for the
-yaw of rotors that all spin one way about one axis, it is left to control surfaces."""
+"""Least moment of a pattern of rotor speeds, over that of the strongest pattern.  Weaker moments,
+such as yaw with rotors of equal spin on parallel axes, are left to control surfaces."""
 
 
 class Controls(NamedTuple):
-    """Patterns of squared rotor speeds, and what each is for."""
+    """Patterns of squared rotor speeds: one for thrust, the others for moments."""
 
-    patterns: Floats  # (k, c): the first is thrust, all equal; others, of length 1, moments
-    moments: Floats  # unit vectors (c - 1, 3) along which these balance the moment [-]
+    patterns: Floats  # (k, c): the first is equal for all rotors, the others have length 1
+    moments: Floats  # unit vectors (c - 1, 3) of the moments of the other patterns [-]
 
 
 def controls(rotors: Rotors, arm_of_torque: float) -> Controls:
-    """Find the patterns, of speeds that differ least from each other, of a vehicle whose rotors
-    have this arm of the torque about the thrust [m]."""
+    """Return the patterns with the smallest differences of rotor speeds, for rotors with the torque
+    ``arm_of_torque`` times thrust [m]."""
     turning = -arm_of_torque * rotors.spin[:, None] * rotors.axis
     effect = (np.cross(rotors.position, rotors.axis) + turning).T
     equal = np.ones((len(rotors), 1))
@@ -478,7 +488,7 @@ def controls(rotors: Rotors, arm_of_torque: float) -> Controls:
         sizes = np.linalg.svd(patterns / np.linalg.norm(patterns, axis=0), compute_uv=False)
         return patterns.shape[1] > patterns.shape[0] or bool(sizes[-1] < 1e-3)
 
-    # Thrust comes first: moments that only a change of it would balance are not balanced.
+    # Thrust has priority: moments that only a change of thrust could balance are omitted.
     while kept and dependent():
         kept.pop()
     return Controls(np.hstack([equal, across[kept].T]), along[:, kept].T)
@@ -491,34 +501,36 @@ ITERATIONS = 40
 
 SHORTEST = 1.0 / 32.0  # share of a step below which the search of a system ends
 NEAR = 1e-2
-"""Norm of a residual below which derivatives are kept up by what steps do, by Broyden's rule: they
-cost as much as three residuals."""
+"""Norm of residuals below which Broyden's rule updates the derivatives, because computing them
+costs as much as three residuals."""
 
-RESTARTS = 10  # most times that systems without a solution begin anew at their neighbours'
+RESTARTS = 10  # most restarts of systems without a solution, from solutions of neighbors
 
-Linearised = Callable[[Floats, NDArray[np.intp]], tuple[Floats, Floats]]
-"""Residuals (m, u) and their derivatives (m, u, u), of unknowns (m, u) of the systems of these
-numbers (m,); NaN where there are none."""
+Linearized = Callable[[Floats, NDArray[np.intp]], tuple[Floats, Floats]]
+"""Function of the unknowns (m, u) and numbers (m,) of systems: residuals (m, u) and derivatives
+(m, u, u), NaN without loads."""
 
 Residuals = Callable[[Floats, NDArray[np.intp]], Floats]
-"""The residuals alone."""
+"""Function of the same arguments: only the residuals."""
 
 Bounded = Callable[[Floats, Floats], Floats]
-"""A step (m, u), shortened to what may be trusted, from unknowns (m, u) and a step."""
+"""Function of unknowns (m, u) and a step (m, u): the step, shortened to the allowed change."""
 
 
 def solve(
-    linearised: Linearised,
+    linearized: Linearized,
     residuals: Residuals,
     bounded: Bounded,
     first: Floats,
     order: Floats,
     tolerance: float,
 ) -> Floats:
-    """Find the unknowns (n, u) of n systems, from ``first``, or the best there are. A system whose
-    residual's norm stays above the ``tolerance`` begins anew at the solution of the system nearest
-    in ``order`` (n,)."""
-    functions = linearised, residuals, bounded
+    """Return the best unknowns (n, u) of n systems, searched from ``first``.
+
+    A system with a residual above the ``tolerance`` starts again from the solution of the system
+    that is nearest in ``order`` (n,).
+    """
+    functions = linearized, residuals, bounded
     best, size = _newton(*functions, first, np.arange(len(first)), tolerance)
     for _ in range(RESTARTS):
         good, lost = np.flatnonzero(size <= tolerance), np.flatnonzero(size > tolerance)
@@ -534,14 +546,14 @@ def solve(
 
 
 def _newton(
-    linearised: Linearised,
+    linearized: Linearized,
     residuals: Residuals,
     bounded: Bounded,
     first: Floats,
     numbers: NDArray[np.intp],
     tolerance: float,
 ) -> tuple[Floats, Floats]:
-    """Return the best unknowns (m, u) of some systems, and the norms of their residuals (m,)."""
+    """Return the best unknowns (m, u) of the systems ``numbers``, and norms of residuals (m,)."""
     best, step = first.copy(), np.zeros_like(first)
     size, share = np.full(len(first), np.inf), np.ones(len(first))
     at_work, near = np.arange(len(first)), False
@@ -553,7 +565,7 @@ def _newton(
             residual = residuals(trial, numbers[at_work])
             inverse = _followed(inverse, change, residual - left)
         else:
-            residual, slopes = linearised(trial, numbers[at_work])
+            residual, slopes = linearized(trial, numbers[at_work])
             known = np.isfinite(slopes).all(axis=(1, 2), keepdims=True)
             inverse = np.linalg.pinv(np.where(known, slopes, 0.0), rcond=1e-12)
         norm = np.nan_to_num(np.linalg.norm(residual, axis=1), nan=np.inf)
@@ -572,7 +584,8 @@ def _newton(
 
 
 def _followed(inverse: Floats, step: Floats, change: Floats) -> Floats:
-    """Update inverses (m, u, u) by Broyden's rule: a ``step`` makes a ``change`` of residuals."""
+    """Return inverses (m, u, u) updated by Broyden's rule for the ``change`` of residuals over a
+    ``step``."""
     missed = step - np.einsum("mij,mj->mi", inverse, change)
     along = np.einsum("mi,mij->mj", step, inverse)
     size = np.einsum("mi,mi->m", along, change)[:, None, None]
@@ -581,15 +594,15 @@ def _followed(inverse: Floats, step: Floats, change: Floats) -> Floats:
 
 
 # -------------------------------------------------------------------------------------------------
-# Flight on a wing: where a search for it begins, and the speed below which the wing stalls.
+# Flight on a wing: starts of a search, and the stall speed.
 
-ATTACHED = 0.6  # largest angle of attack at which a search begins, over ``alpha_0``
-ADVANCE = 0.2  # speed over tip speed at which a search begins
-ANGLES = 181  # angles, from 0 to twice ``alpha_0``, among which the largest lift is taken
+ATTACHED = 0.6  # largest angle of attack of a start, over ``alpha_0``
+ADVANCE = 0.2  # speed over tip speed of a start
+ANGLES = 181  # number of angles from 0 to twice ``alpha_0`` in the search for the largest lift
 
 
 def on_the_wing(balance: SteadyBalance, wing: Wing, flight: SteadyFlight) -> Floats:
-    """Return unknowns (n, u) of flights that the wing carries, for ``SteadyBalance.solve``."""
+    """Return starts (n, u) of flights carried by the wing, for ``SteadyBalance.solve``."""
     vehicle = balance.vehicle
     speed = np.maximum(np.hypot(flight.speed, flight.climb), 1e-3)
     slope = 0.5 * vehicle.air.density * speed**2 * wing.area * wing.c_l1
@@ -602,8 +615,7 @@ def on_the_wing(balance: SteadyBalance, wing: Wing, flight: SteadyFlight) -> Flo
 
 
 def stalled(vehicle: Vehicle, wing: Wing, flight: SteadyFlight) -> Any:
-    """Say whether n flights are slower than the speed at which their wing's largest lift is what
-    there is to carry, (n,) bool."""
+    """Return whether n flights are slower than the stall speed of the wing, (n,) bool."""
     largest = wing_lift(wing, np.linspace(0.0, 2.0 * wing.alpha_0, ANGLES)).max()
     pressure = 0.5 * vehicle.air.density * (flight.speed**2 + flight.climb**2)
     return pressure * largest < _load(vehicle, flight)
@@ -614,7 +626,7 @@ def _load(vehicle: Vehicle, flight: SteadyFlight) -> Floats:
 
 
 class HoverLoads:
-    """T = k_T Omega^2 and Q = k_tau Omega^2 at any velocity, no other loads."""
+    """Loads of the hover model, T = k_T Omega^2 and Q = k_tau Omega^2, at any velocity."""
 
     def __init__(self, hover: HoverModel) -> None:
         self.hover = hover
@@ -625,72 +637,72 @@ class HoverLoads:
 
 
 # -------------------------------------------------------------------------------------------------
-# Steady states of an aircraft as values, and what their statuses mean.
+# Steady states of an aircraft, and their statuses.
 
 LIMITS = {
-    "rpm_limit": "the rotors' largest speed",
-    "tip_speed_limit": f"a blade tip at Mach {FAST_TIP_MACH:g}, where the model ends",
-    "motor_current_limit": "the motors' largest current",
-    "voltage_limit": "full throttle: the battery's voltage",
-    "battery_limit": "the battery's largest current or power",
+    "rpm_limit": "the largest rotor speed",
+    "tip_speed_limit": f"a tip speed of Mach {FAST_TIP_MACH:g}, the limit of the model",
+    "motor_current_limit": "the largest motor current",
+    "voltage_limit": "full throttle: the voltage of the battery",
+    "battery_limit": "the largest current or power of the battery",
 }
-"""Statuses of states beyond a limit, and the limit in words."""
+"""Statuses of states beyond a limit, with a description of the limit."""
 
 JUMP = 2e-3
-"""Share of the weight by which a rotor's loads may jump past the balance, where their nodes change
-with the speed."""
+"""Largest imbalance of a state over the weight, from jumps of the loads where the nodes of a rotor
+change with the speed."""
 
 NOT_FOUND, STALL, OUTSIDE_TABLE = "no_trim", "stall", "outside_table"
 VORTEX_RING, COARSE = "vortex_ring", "coarse"
 FLOWN = ("ok", COARSE, VORTEX_RING)  # statuses of states with numbers
 STATUSES = {
-    "ok": "found, within every limit",
-    COARSE: f"found, but the loads jump past the balance, by less than {JUMP:.1%} of the weight",
-    VORTEX_RING: "found, but a rotor is in the vortex ring state: not to be trusted",
+    "ok": "found, within all limits",
+    COARSE: f"found, but unbalanced by a jump of the loads of less than {JUMP:.1%} of the weight",
+    VORTEX_RING: "found, but a rotor is in the vortex ring state, where loads are not reliable",
     **{name: f"beyond {words}" for name, words in LIMITS.items()},
-    OUTSIDE_TABLE: "nothing balances the aircraft inside the table's envelope",
-    STALL: "slower than the wing's stall speed, and the rotors cannot carry what is missing",
-    NOT_FOUND: "no attitude and rotor speeds balance it",
+    OUTSIDE_TABLE: "no state inside the envelope of the table balances the aircraft",
+    STALL: "slower than the stall speed of the wing, and the rotors cannot carry the rest",
+    NOT_FOUND: "no attitude and rotor speeds balance the aircraft",
 }
-"""Statuses in words."""
+"""Descriptions of the statuses."""
 
 
 @dataclass(frozen=True, eq=False)
 class SteadyStates:
     """n steady states of an aircraft with k rotors.
 
-    Where a state was not found, or is beyond a limit, all are NaN but the first three and, beyond a
-    limit, the next two, which say by how much.
+    States that were not found, or that are beyond a limit, have NaN values, except for ``speed``,
+    ``climb`` and ``bank``.  States beyond a limit also have ``used`` and ``thrust_margin``.
 
     Attributes
     ----------
     speed, climb, bank : ndarray, shape (n,)
-        Horizontal speed through the air [m/s], climb rate [m/s], and bank of a coordinated level
-        turn [rad], positive to the right.
+        Horizontal airspeed [m/s], climb rate [m/s], and bank of a coordinated level turn [rad],
+        positive to the right.
     used : dict of str to ndarray, shape (n,)
-        Share of each of ``LIMITS`` that the state uses or would use, 1 at the limit.
+        Used share of each of ``LIMITS``: 1 at the limit, more beyond it.
     thrust_margin : ndarray, shape (n,)
-        Thrust of all rotors, were all sped up alike to the first limit, over that which is needed;
+        Thrust at the first limit, with a common factor on all rotor speeds, over the needed thrust;
         below 1 beyond a limit.
     pitch, roll : ndarray, shape (n,)
-        Positive nose down, and right side down [rad].
+        Pitch, positive nose down, and roll, positive right side down [rad].
     rotor_speed, thrust, torque : ndarray, shape (n, k)
         Rotational speed, thrust and torque of each rotor [rad/s], [N], [N m].
     shaft_power : ndarray, shape (n,)
         Shaft power of all rotors [W].
     electrical_power : ndarray, shape (n,)
-        At the battery's terminals [W]; NaN where the vehicle has no motor.
+        Power at the terminals of the battery [W]; NaN for a vehicle without a motor.
     motor_current, throttle : ndarray, shape (n, k)
-        [A]; share of the battery's voltage [-].  NaN where the vehicle has no motor, no battery.
+        Motor current [A], NaN without a motor; motor voltage as a share of the battery voltage [-],
+        NaN without a battery.
     battery_current, battery_voltage : ndarray, shape (n,)
-        [A], [V]; NaN where the vehicle has no battery.
+        Current [A] and voltage [V] of the battery; NaN without a battery.
     moment : ndarray, shape (n, 3)
-        About the centre of mass, what rotors cannot balance and control surfaces must [N m].
+        Moment about the center of mass that control surfaces have to balance [N m].
     residual : ndarray, shape (n,)
-        The largest unbalanced force over the weight, and moment over the weight times the longest
-        arm [-].
+        Largest unbalanced force over weight, or moment over weight times the longest arm [-].
     status : ndarray of str, shape (n,)
-        One of ``STATUSES``.
+        Status of each state, one of ``STATUSES``.
     """
 
     speed: Floats
@@ -718,17 +730,17 @@ class SteadyStates:
 
     @property
     def found(self) -> NDArray[np.bool_]:
-        """Which states have numbers, (n,)."""
+        """Whether each state has numbers, (n,)."""
         return np.isfinite(self.shaft_power)
 
     @property
     def power(self) -> Floats:
-        """Electrical power where it is known, else shaft power [W], (n,)."""
+        """Electrical power, or shaft power without a motor [W], (n,)."""
         known = np.isfinite(self.electrical_power)
         return np.where(known, self.electrical_power, self.shaft_power)
 
     def and_also(self, other: SteadyStates) -> SteadyStates:
-        """Return these states with those of the ``other``, in the order of speeds."""
+        """Return these states and those of ``other``, in the order of speeds."""
         _, order = np.unique(np.concatenate([self.speed, other.speed]), return_index=True)
 
         def both(mine: Any, its: Any) -> Any:

@@ -21,10 +21,10 @@ a table of loads:     propmap table "{NAME}" --rpm 4000:8000 --speed 0:20 --tole
 def demo() -> None:
     """Compare a catalogue prediction with measured propeller loads."""
     data = measurement(DATA)
-    rotor = propmap.Rotor(propmap.known_model(NAME, air=propmap.Air(data.air_density)))
+    rotor = propmap.Rotor(propmap.catalogue_model(NAME, air=propmap.Air(data.air_density)))
     loads = rotor.loads(data.omega, data.speed, data.beta)
     low, high = loads.interval(0.95)
-    hover = HoverModel.of(rotor).loads(data.omega)
+    hover = HoverModel.from_rotor(rotor).loads(data.omega)
     rows = []
     for name, measured in data.loads.items():
         inside = (getattr(low, name) <= measured) & (measured <= getattr(high, name))

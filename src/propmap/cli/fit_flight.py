@@ -19,7 +19,7 @@ from propmap.errors import InputError, quoted
 from propmap.fit import comparison, flight, parameters
 from propmap.fit.files import fit_text
 from propmap.fit.fit import fit, range_warnings
-from propmap.fit.moments import CENTRE
+from propmap.fit.moments import CENTER
 from propmap.fit.tunnel import first_guess, model_with, section_with
 from propmap.flight import checks, steady
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
@@ -46,7 +46,7 @@ from propmap.vehicle.vehicle import Vehicle
 # -------------------------------------------------------------------------------------------------
 # Logs for fits and checks, as samples of whole flights or as steady operating points.
 
-ENOUGH_STRETCHES = 4
+ENOUGH_SEGMENTS = 4
 FROM_THROTTLE = (
     "rotor speeds are computed from throttle by a fitted curve: thrust and drag are less certain "
     "than with measured rotor speeds, torque and power are hardly known"
@@ -79,7 +79,7 @@ def read_flights(
 ) -> Flights:
     """Read logs, or tables of operating points, for the method "level", "balance" or "auto".
 
-    Steady stretches last at least ``seconds``, and ``picture`` shows them.  Whole flights have at
+    Steady segments last at least ``seconds``, and ``picture`` shows them.  Whole flights have at
     most this number of ``samples``, because adjacent samples have similar errors; ``low_pass``
     [Hz] filters all signals, 0 for no filter.  ``curve`` has the constants that convert throttle
     to rotor speed, by default usual values and the hover throttle of the logs.
@@ -100,7 +100,7 @@ def read_flights(
         return Flights(True, joined(tables, names), tuple(found))
     logs, remarks, curve = _recorded(paths, file, curve)
     if method == "level" and any(log.commanded for log in logs):
-        fault = "steady stretches with throttle instead of rotor speeds do not determine the "
+        fault = "steady segments with throttle instead of rotor speeds do not determine the "
         fault += "blade: any rotor speed could carry the weight"
         raise InputError(fault, "use --method balance, or log rotor speeds")
     if method != "balance" and not any(log.commanded for log in logs):
@@ -108,7 +108,7 @@ def read_flights(
         if points is not None:
             return Flights(True, points, tuple(remarks))
         remarks.append(
-            f"fewer than {ENOUGH_STRETCHES} steady stretches of {seconds:g} s: the balance of all "
+            f"fewer than {ENOUGH_SEGMENTS} steady segments of {seconds:g} s: the balance of all "
             "forces at all times is fitted instead"
         )
     needed = FEWEST_PER_PERIOD * low_pass
@@ -174,7 +174,7 @@ def _points(
     found = []
     for log in logs:
         try:
-            stretches = steady.steady_stretches(log, seconds=seconds)
+            segments = steady.steady_segments(log, seconds=seconds)
         except InputError:
             if needed and len(logs) == 1:
                 raise
@@ -182,11 +182,11 @@ def _points(
         if picture is not None:
             from propmap.report.fit_curves import steady_parts
 
-            out.save_picture(steady_parts(log, stretches), picture)
-        found.append(steady.operating_points(log, stretches))
-    if not found or (not needed and sum(len(p) for p in found) < ENOUGH_STRETCHES):
+            out.save_picture(steady_parts(log, segments), picture)
+        found.append(steady.operating_points(log, segments))
+    if not found or (not needed and sum(len(p) for p in found) < ENOUGH_SEGMENTS):
         if needed:
-            fault = f"no log has a steady stretch of {seconds:g} s"
+            fault = f"no log has a steady segment of {seconds:g} s"
             raise InputError(fault, "lower --seconds, or use --method balance")
         return None
     return joined(found)
@@ -223,7 +223,7 @@ BODY_ALONG_Z = (BODY_PLATE, "download_area_x", "download_area_y")
 # area of its disk, positions of the accelerometer and of the center of mass of the mean distance of
 # the hubs, mass of a rotor (at its radius) of the mass of the vehicle.
 BODY_SHARE, MOUNT_SHARE = 0.4, 0.1
-SENSOR_SHARE, CENTRE_SHARE = 0.5, 0.1
+SENSOR_SHARE, CENTER_SHARE = 0.5, 0.1
 ROTOR_SHARE = 0.01
 
 
@@ -249,7 +249,7 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
             ("clock_offset", *flight.of_each("clock_offset", log)),
             parameters.Prior(0.0, flight.CLOCK_DEVIATION),
         ),
-        **dict.fromkeys(CENTRE, parameters.Prior(0.0, CENTRE_SHARE * arm)),
+        **dict.fromkeys(CENTER, parameters.Prior(0.0, CENTER_SHARE * arm)),
         "rotor_inertia": parameters.Prior(0.0, heavy),
         "thrust_scale": parameters.Prior(1.0, flight.OVER_FLIGHTS),
         **scale.priors,
@@ -259,7 +259,7 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
 def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[str, ...]:
     """Return the parameters that a fit to flights varies by default.
 
-    Fits to steady stretches (``level``) vary the four constants of the paper.  Fits to whole
+    Fits to steady segments (``level``) vary the four constants of the paper.  Fits to whole
     flights also vary the drag of the rotor mounts, which replaces the body drag in the disk plane,
     the body drag along z, the accelerometer, the wakes of several rotors on each other, and for
     each flight of the ``log`` the clock and, with several flights, the thrust scale.
@@ -334,12 +334,12 @@ def fit_flight(
     body_study: Annotated[
         bool, Option("--body-study", help="Report whether body lift and body drag improve the fit.")
     ] = False,
-    stretches_picture: Annotated[
+    segments_picture: Annotated[
         Path | None,
         Option(
-            "--stretches",
+            "--segments",
             metavar="FILE",
-            help="Picture of the steady stretches: .png, .svg or .pdf.",
+            help="Picture of the steady segments: .png, .svg or .pdf.",
         ),
     ] = None,
     cluster: opt.Cluster = None,
@@ -350,7 +350,7 @@ def fit_flight(
     With --method balance, the fit also estimates a clock offset for each flight and, for two or
     more flights, a thrust scale. It does not estimate wind: state it in the vehicle file.
     """
-    check_outputs(output, asked.picture, stretches_picture)
+    check_outputs(output, asked.picture, segments_picture)
     base = opt.constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
     warnings = [*blade_warnings(file.vehicle.propeller), *air_warnings(file.vehicle.air)]
@@ -363,7 +363,7 @@ def fit_flight(
         seconds=seconds,
         samples=samples,
         low_pass=cutoff,
-        picture=stretches_picture,
+        picture=segments_picture,
     )
     default = free_by_default(file.vehicle, flights.log, level=flights.level)
     blade = file.vehicle.propeller

@@ -27,7 +27,13 @@ from propmap.io.csv import OperatingPoints, check_value, read_lines
 from propmap.io.geometry import blades_in_title, how_read
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.airfoil import Airfoil, SectionLaw, SectionTable, airfoil_names
-from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
+from propmap.model.corrections import (
+    CORRECTIONS,
+    as_text,
+    correction,
+    model_corrections,
+    split_mount,
+)
 from propmap.model.model import Model
 from propmap.model.plausibility import air_warnings, blade_warnings, point_warnings
 from propmap.model.propeller import Propeller
@@ -243,7 +249,7 @@ def with_physics(
     physics, mount = split_mount(more)
     if model is None and not physics and own is not None:
         return law.with_corrections([*split_mount(own)[0], *mount])
-    chosen = corrections_of(model or "recommended", more, installed=installed)
+    chosen = model_corrections(model or "recommended", more, installed=installed)
     return law.with_corrections([as_text(value) for value in chosen])
 
 

@@ -37,7 +37,7 @@ FormatOption = Annotated[
     Format | None,
     Option(
         "--format",
-        help="Output format (default: from the output file, else table).",
+        help="Output format (default: from the extension of the output file, or table).",
     ),
 ]
 TextOutput = Annotated[

@@ -79,7 +79,7 @@ def predict(
 
     from propmap.hover import HoverModel
 
-    hover = HoverModel.of(rotor).loads(omega)
+    hover = HoverModel.from_rotor(rotor).loads(omega)
     hover["power"] = hover["torque"] * omega
     blade = rotor.model.propeller
     out.show(

@@ -69,14 +69,14 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
         regulated = "A speed controller that regulates the rotor speed, in proportion to the signal"
         left_out.append(NotWritten("THR_MDL_FAC", f"{why}. {regulated}, would have 1"))
         left_out.append(
-            NotWritten("CA_ROTORn_CT", f"{why}: full-signal thrust is unknown. {NORMALISED}")
+            NotWritten("CA_ROTORn_CT", f"{why}: full-signal thrust is unknown. {NORMALIZED}")
         )
     else:
         if curve.full_thrust <= LARGEST_THRUST:
             real.append(thrust_coefficient(vehicle, still, curve))
         else:
             above = f"{curve.full_thrust:.0f} N exceeds its maximum, {LARGEST_THRUST:g} N"
-            left_out.append(NotWritten("CA_ROTORn_CT", f"{above}. {NORMALISED}"))
+            left_out.append(NotWritten("CA_ROTORn_CT", f"{above}. {NORMALIZED}"))
         real.append(_curve_factor(aircraft, still, curve))
     sets = [ParameterSet("px4.params", "wind estimation and control allocation", real)]
     simulated, why = simulator(vehicle, flights, still, curve)
@@ -141,7 +141,7 @@ def _gazebo(flights: Flights, still: StaticLoads) -> str:
 MOST_ROTORS, LARGEST_THRUST = 12, 100.0  # limits of control allocation: rotors, CA_ROTORn_CT [N]
 ALLOCATOR = "PX4-Autopilot src/modules/control_allocator"
 ROTORS = f"{ALLOCATOR}/VehicleActuatorEffectiveness/ActuatorEffectivenessRotors.cpp"
-NORMALISED = "Control allocation is normalized: a factor common to all rotors has no effect"
+NORMALIZED = "Control allocation is normalized: a factor common to all rotors has no effect"
 
 
 def in_frd(vector: Vector) -> Vector:
@@ -207,7 +207,7 @@ def thrust_coefficient(vehicle: Vehicle, still: StaticLoads, curve: SignalCurve)
         std=None if share is None else share * curve.full_thrust,
         meaning=(
             "Thrust = CA_ROTORn_CT u^2 with the signal u: the thrust at u = 1, at rest. "
-            f"{NORMALISED}."
+            f"{NORMALIZED}."
         ),
         source=(
             f"{ALLOCATOR}/module.yaml, and for the normalization src/lib/control_allocation/"

@@ -1,1 +1,1 @@
-"""Section parameters from measured loads and from flight (the paper's section III)."""
+"""Identification of section constants from measured loads and from flights (section III)."""

@@ -1,4 +1,4 @@
-"""Parameters against measurements, beside the hover model, and verdicts on what is left over."""
+"""Comparison of models with measurements and the hover model, and verdicts on the residuals."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ from propmap.vehicle.wakes import in_wakes
 
 @dataclass(frozen=True)
 class SpeedErrors:
-    """Errors of a load over all rows, in and outside the fit's envelope, and in bands of speed."""
+    """Errors of a load over all rows, inside and outside the envelope of the fit, and by speed."""
 
     all: ResidualErrors
     by_speed: Mapping[str, ResidualErrors]
-    # By ``INSIDE`` and ``OUTSIDE``, where there are rows; empty where no envelope is known.
+    # With the keys ``INSIDE`` and ``OUTSIDE``, if they have rows; empty without an envelope.
     by_envelope: Mapping[str, ResidualErrors] = field(default_factory=dict)
-    in_band: float = np.nan  # share of the rows in the 95 % band; NaN where none is known
+    in_band: float = np.nan  # share of the rows in the 95 % band; NaN without a band
 
     @property
     def bands(self) -> dict[str, ResidualErrors]:
-        """All of them by name."""
+        """All statistics by name."""
         return {"all": self.all, **self.by_envelope, **self.by_speed}
 
 
@@ -63,26 +63,26 @@ INSIDE, OUTSIDE = "inside the training's envelope", "outside"
 def compare_tunnel(
     model: Model, data: TunnelData, beyond: Beyond | None = None
 ) -> dict[str, SpeedErrors]:
-    """Errors of a model on loads measured in a tunnel or on a bench.
+    """Return the errors of a model for loads measured in a wind tunnel or on a bench.
 
     Parameters
     ----------
     model : Model
-        The section law to judge, with the propeller and the air of the test.
+        Model with the propeller and the air of the test.
     data : TunnelData
-        What was measured.
+        Measured loads.
     beyond : Beyond, optional
-        How far the rows leave the envelope of what the model was fitted to.
+        Distances of the rows from the envelope of the fitted data.
 
     Returns
     -------
     dict of str to SpeedErrors
-        Every measured load by its name with unit.  The hover model beside it has thrust and
-        torque alone.
+        Errors by the name of the load with its unit, for each measured load.  The hover model has
+        only thrust and torque.
     """
     rotor = Rotor(model)
     loads = rotor.loads(data.omega, data.speed, data.beta)
-    hovers = HoverModel.of(rotor).loads(data.omega)
+    hovers = HoverModel.from_rotor(rotor).loads(data.omega)
     return {
         LOADS[name].column: compared(
             getattr(loads, name), measured, data.speed, hovers[name], beyond
@@ -93,8 +93,8 @@ def compare_tunnel(
 
 @dataclass(frozen=True, eq=False)
 class FlightForces:
-    """All forces but gravity on a vehicle at n samples, felt where the accelerometer sits [N], and
-    moments about the centre of mass [N m], in the vehicle's frame."""
+    """Forces except gravity at n samples, as mass times specific force at the accelerometer [N],
+    and moments about the center of mass [N m], in the vehicle frame."""
 
     model: Floats  # (n, 6)
     hover: Floats  # (n, 6)
@@ -103,17 +103,17 @@ class FlightForces:
 def flight_forces(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> FlightForces:
-    """All forces but gravity on a vehicle, by a section law and what a fit found besides.
+    """Return the forces on a vehicle, except gravity, from a section law and fitted parameters.
 
     Parameters
     ----------
     vehicle, log : Vehicle, FlightLog
-        What flew, and how.
+        Vehicle and its recorded motion.
     law : Airfoil or SectionTable
-        The section law to judge.
+        Section law of the blades.
     values : mapping of str to float
-        All parameters but the rotor's by name; first guesses, or the vehicle file's, where it has
-        none.
+        Parameters by name, except those of the rotor.  Missing parameters have the values of the
+        vehicle file or their first guesses.
     """
     model = Model(vehicle.propeller, law, vehicle.air)
     logged = hub_flow(vehicle, log)
@@ -130,29 +130,29 @@ def flight_forces(
     whole = flight.on_vehicle(
         vehicle, log, logged, rotors, none, {**parameters.FIRST_GUESS, **values}, ()
     )
-    return FlightForces(whole.loads, flight.hover_loads(HoverModel.of(Rotor(model)), logged))
+    return FlightForces(
+        whole.loads, flight.hover_loads(HoverModel.from_rotor(Rotor(model)), logged)
+    )
 
 
 PER_FLIGHT_DEVIATION = {
     "thrust_scale": flight.OVER_FLIGHTS,
     flight.CLOCK: flight.CLOCK_DEVIATION,
-    **dict.fromkeys(
-        flight.TILT, 0.01
-    ),  # [rad], as attitudes are trimmed, and frames of markers set
-}  # standard deviations of what flights have of their own, before one of them is known
+    **dict.fromkeys(flight.TILT, 0.01),  # [rad], trim of attitudes, and errors of marker frames
+}  # prior standard deviations of parameters that differ from flight to flight
 
-BAND = 1.96  # half the width of a band that holds 95 %, in standard deviations
+BAND = 1.96  # half width of a 95 % band, in standard deviations
 
 
 def force_deviations(
     file: FitFile, vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]
 ) -> Floats | None:
-    """Standard deviations (n, 6) of forces [N] and moments [N m] by a fit of whole flights.
+    """Return the standard deviations (n, 6) of forces [N] and moments [N m] from a flight fit.
 
-    They are from the joint covariance of all that was free, throttle and drag among it, from what
-    differs from flight to flight, and from what the fit left on rows that it had not seen: that
-    grows with the force on the vehicle, as errors of loads do, or with V/(Omega R) beyond the data
-    of the fit, whichever is more. NaN where a load was not fitted; None for a fit of other data.
+    The sources are the joint covariance of all free parameters, the differences between flights,
+    and the cross-validated error.  The cross-validated error grows with the force on the vehicle,
+    or with V/(Omega R) beyond the data of the fit, if that is more.  Loads that were not fitted are
+    NaN.  Return None for a fit of other data.
     """
     record = file.record
     if record.kind != "flight":
@@ -193,17 +193,18 @@ def compare_forces(
     beyond: Beyond | None = None,
     deviations: Floats | None = None,
 ) -> dict[str, SpeedErrors]:
-    """Errors of forces against mass times specific force, and of moments against what turns the
-    vehicle where its inertia is known, by name with unit.
+    """Return the errors of forces and moments of a flight by name with unit.
 
-    ``beyond`` says how far samples leave the fit's envelope, ``deviations`` (n, 6) how far forces
-    and moments may err. ``InputError`` without specific force.
+    The measured forces are mass times specific force.  The measured moments turn the vehicle and
+    need its inertia.  ``beyond`` contains the distances of samples from the envelope of the fit,
+    ``deviations`` (n, 6) the standard deviations.  ``InputError`` without specific force.
     """
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
     )
     if not np.isfinite(measured[:, :3]).any():
-        raise InputError("there is no specific force to compare with", "log it", log.source)
+        fault = "there is no specific force to compare with"
+        raise InputError(fault, "log the accelerometer", log.source)
     names = (*flight.AXES, *flight.MOMENTS) if np.isfinite(measured[:, 3:]).any() else flight.AXES
     found = {}
     for k, name in enumerate(names):
@@ -220,29 +221,30 @@ def compare_forces(
 
 
 def useless(load: str, share: float) -> list[str]:
-    """Say so where a moment's error is as large a ``share`` of what was measured as that of none.
+    """Return a warning if the error of a moment is a ``share`` of 1 or more of the measured moment.
 
-    Forces next to nothing across a flight are no fault of a model; moments are all of that size.
+    Forces get no warning, because side forces near zero have large relative errors in any model.
     """
     if load not in flight.MOMENTS or not share >= 1.0:
         return []
     return [
-        f"{load}: the error is {100.0 * share:.0f} % of what was measured, no better than "
-        "predicting none: do not use it"
+        f"{load}: the error is {100.0 * share:.0f} % of the measured moment, no better than "
+        "predicting zero: do not use it"
     ]
 
 
 def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list[list[Trend]]:
-    """Find what the error of each force depends on, the strongest first; see ``compare_forces``."""
+    """Return the trends of the error of each force, strongest first; see ``compare_forces``."""
     off = forces.model[:, :3] - vehicle.mass * log.specific_force
-    block = log.stretches(flight.CORRELATED)
+    block = log.segments(flight.CORRELATED)
     return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(flight.AXES)]
 
 
 def compare_flight(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> dict[str, SpeedErrors]:
-    """``compare_forces`` of ``flight_forces`` with ``vehicle``, ``log``, ``law`` and ``values``."""
+    """Return ``compare_forces`` for the ``flight_forces`` of ``vehicle``, ``log``, ``law`` and
+    ``values``."""
     return compare_forces(vehicle, log, flight_forces(vehicle, log, law, values))
 
 
@@ -253,8 +255,8 @@ def compare_level(
     values: Mapping[str, float],
     beyond: Beyond | None = None,
 ) -> dict[str, SpeedErrors]:
-    """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17),
-    arguments as of ``flight_forces`` and ``compare_forces``."""
+    """Return the errors of the vertical force of steady level flights against the weight, eqs. (16)
+    and (17), with the arguments of ``flight_forces`` and ``compare_forces``."""
     model, hover = level_forces(vehicle, log, law, values)
     weight = np.full(len(log), vehicle.mass * GRAVITY)
     return {"vertical_force_N": compared(model, weight, log.speed, hover, beyond)}
@@ -263,7 +265,7 @@ def compare_level(
 def level_forces(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
-    """Vertical forces [N] (n,) of model and hover model, wherever the accelerometer sits."""
+    """Return the vertical forces [N] (n,) of model and hover model at the center of mass."""
     values = {
         name: value
         for name, value in values.items()
@@ -278,7 +280,7 @@ def level_forces(
 def compared(
     model: Floats, measured: Floats, speed: Floats, hover: Floats, beyond: Beyond | None
 ) -> SpeedErrors:
-    """Errors of a ``model`` and of the ``hover`` model on what was ``measured``; (n,) each."""
+    """Return the errors of the loads ``model`` and ``hover`` against ``measured``, (n,) each."""
     parts = {} if beyond is None else {INSIDE: ~beyond.samples, OUTSIDE: beyond.samples}
     by_envelope = {
         name: errors(model[mine], measured[mine], hover[mine])
@@ -290,37 +292,37 @@ def compared(
 
 
 # -------------------------------------------------------------------------------------------------
-# How far forward flight is known: relative uncertainty of thrust and torque, before and after.
+# Relative uncertainty of thrust and torque in forward flight, before and after a fit.
 
-ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)  # J = V / (n D) of the points looked at [-]
-BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])  # their angles to the axis [rad]
+ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)  # J = V / (n D) of the evaluated points [-]
+BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])  # angle beta of these points [rad]
 
 JUDGED = ("thrust", "torque")
 
 MODEL_ERROR = 0.03
-"""Error of the model with the best constants, as a share of the load at rest; so much makes
-the intervals hold after a fit to static rows: ``python -m tools.after_static``."""
+"""Error of the model with the best constants, as a share of the static load.  With this value, the
+intervals are correct after a fit to static rows: ``python -m tools.after_static``."""
 
-SMALL = 0.1  # share of the load at rest below which a relative uncertainty of a load means nothing
+SMALL = 0.1  # share of the static load below which relative uncertainties are meaningless
 
 
 @dataclass(frozen=True, eq=False)
 class ForwardTrust:
-    """Thrust and torque at m points, and how uncertain they are before and after a fit."""
+    """Thrust and torque at m points, with their uncertainty before and after a fit."""
 
     omega: float  # rotational speed of all points [rad/s]
     advance: Floats  # V / (n D) [-], (m,)
-    beta: Floats  # angle to the axis [rad], (m,)
+    beta: Floats  # angle beta [rad], (m,)
     load: Floats  # thrust [N] and torque [N m] after the fit, (m, 2)
-    # Standard deviations over the loads [-], (m, 2); NaN where a load is hardly there, and infinite
-    # where nothing was known.
+    # Standard deviations over the loads [-], (m, 2); NaN for loads near zero, infinite without a
+    # prior.
     before: Floats
     after: Floats
 
 
 def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> ForwardTrust:
-    """Uncertainty that a fit of a ``model`` leaves at rest, in axial and in edgewise flow: to first
-    order sqrt(g' S g) by the free constants, before and after, and ``MODEL_ERROR`` beside it."""
+    """Return the uncertainty at rest and in axial and edgewise flow, before and after a fit of a
+    ``model``: first-order sqrt(g' S g) of the free constants, combined with ``MODEL_ERROR``."""
     choice = fitted.choice
     by_prior = choice.prior_residuals(choice.first)[1]
     before = np.asarray(np.linalg.pinv(by_prior.T @ by_prior), np.float64)
@@ -347,11 +349,11 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
     return ForwardTrust(omega, np.array(ADVANCE), BETA, load, was, now)
 
 
-FAR = 2.5  # z-score among propellers from which a constant is worth a remark
+FAR = 2.5  # z-score among propellers above which a constant gets a remark
 
 
 def unlikely_constants(fitted: Fitted) -> list[str]:
-    """Name in a sentence a fit's constants far from other propellers'; none without a prior."""
+    """Return a sentence on fitted constants far from other propellers; none without a prior."""
     expected = fitted.choice.expected
     if expected is None:
         return []
@@ -369,25 +371,25 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
 
 
 # -------------------------------------------------------------------------------------------------
-# What one more free parameter changes in a fit: assumptions that fail, terms of the body.
+# Effect of one more free parameter on a fit: wrong assumptions, terms of the body.
 
-REMARKABLE = 0.7  # share of the residuals' size below which an assumption is worth a remark
-POOR = 0.03  # relative residual from which a fit is looked into
+REMARKABLE = 0.7  # residuals without an assumption, over those with it, that cause a remark
+POOR = 0.03  # relative residual above which assumptions are checked
 
 ASSUMPTIONS = {
     "zero_lift_angle": "C_L(0) = 0, an uncambered section",
     "c_d0": "c_d0 = 0.01, the constant drag",
-    "mount_area": "the rotor drag without more in the slipstream",
-}  # what holds as long as the parameter is not free
+    "mount_area": "rotor drag without parts in the slipstream",
+}  # assumptions of a fit in which the parameter is not free
 
 BODY_TERMS = ("lift_area", "drag_area_x")
 
-LEAST_FALL = 0.05  # share by which a term of the body has to lower the residuals to pay
+LEAST_FALL = 0.05  # least relative fall of the residuals for which a term of the body pays
 
 
 def failing_assumptions(fitted: Fitted, rows_for: Callable[[parameters.Choice], Rows]) -> list[str]:
-    """Name the assumptions of the section law that lower the residuals of a poor fit by 30 % or
-    more when given up; ``rows_for`` gives its data as rows for another choice."""
+    """Return sentences on the assumptions of the section law without which the residuals of a poor
+    fit fall by 30 % or more; ``rows_for`` returns the rows for another choice."""
     size = rms(fitted.minimum.residual)
     if size < POOR:
         return []
@@ -401,16 +403,16 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[parameters.Choice], 
         left = rms(again.residual) / size
         if left < REMARKABLE:
             sentences.append(
-                f"{assumption}, does not hold: with {name} free ({again.x[-1]:.3g} "
+                f"wrong assumption: {assumption}; with {name} free ({again.x[-1]:.3g} "
                 f"{parameters.described(name).unit}) the residuals fall to {100.0 * left:.0f} %"
             )
     return sentences
 
 
 def body_terms_verdict(fitted: Fitted, rows_for: Callable[[parameters.Choice], Rows]) -> list[str]:
-    """Say whether lift and drag of the body pay in a flight fit without them (section III.A): by an
-    interval without zero and a fall of the residuals; ``rows_for`` gives its data for another
-    choice."""
+    """Return sentences on whether lift and drag of the body (section III.A) pay in a flight fit
+    without them: the interval must exclude zero, and the residuals must fall; ``rows_for`` returns
+    the rows for another choice."""
     sentences = []
     size = rms(fitted.minimum.residual)
     for name in BODY_TERMS:
@@ -433,22 +435,22 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[parameters.Choice], R
 
 
 def _with(fitted: Fitted, name: str) -> tuple[parameters.Choice, Floats]:
-    """The choice of a fit with one more free parameter, the last, and where to begin."""
+    """Return the choice of a fit with one more free parameter, the last, and a start."""
     fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
     choice = replace(fitted.choice, free=(*fitted.choice.free, name), fixed=fixed)
     return choice, np.append(fitted.x, fitted.values.get(name, parameters.described(name).start))
 
 
 # -------------------------------------------------------------------------------------------------
-# Which variables the residuals of a flight fit still depend on, in words.
+# Trends: dependence of the residuals of a flight fit on variables of the flight.
 
-LEAST_SHARE = 0.05  # share of the residuals' variance from which a variable is worth a sentence
-CERTAIN = 3.0  # slope over its block-wise standard error from which it is significant
-MOST = 2  # sentences per load
+LEAST_SHARE = 0.05  # least share of the residuals' variance for a sentence on a variable
+CERTAIN = 3.0  # least ratio of a significant slope to its block-wise standard error
+MOST = 2  # largest number of sentences per load
 
 
 def candidates(log: FlightLog) -> dict[str, Floats]:
-    """Variables (n,) of a log that residuals may depend on, by their names with units."""
+    """Return variables (n,) of a log that may explain residuals, by name with unit."""
     forward, left, up = log.velocity.T
     roll, pitch, yaw = log.rates.T
     rotor = np.sqrt(np.mean(np.square(log.rotor_speed), axis=1))
@@ -477,22 +479,22 @@ class Trend:
 
     load: str
     unit: str
-    variable: str  # with its unit
-    at: Floats  # the variable, (n,)
+    variable: str  # name with unit
+    at: Floats  # values of the variable, (n,)
     residual: Floats  # model minus measurement, (n,)
-    block: NDArray[np.intp]  # stretches within which errors may be correlated, (n,)
+    block: NDArray[np.intp]  # numbers of segments within which errors may be correlated, (n,)
     slope: float  # by least squares
-    error: float  # its block-wise standard error
-    share: float  # of the residual's variance that the slope explains [-]
+    error: float  # block-wise standard error of the slope
+    share: float  # share of the residual's variance that the slope explains [-]
 
     @property
     def sure(self) -> bool:
-        """Whether it is significant and large enough for a sentence."""
+        """Whether the trend is significant and large enough for a sentence."""
         return self.share >= LEAST_SHARE and abs(self.slope) >= CERTAIN * self.error
 
     @property
     def sentence(self) -> str:
-        """Say how the residual changes with the variable."""
+        """Sentence on the change of the residual with the variable."""
         way, per = "grows" if self.slope > 0.0 else "falls", self.variable.partition(" [")
         return (
             f"the error of {self.load} {way} with {per[0]}: {self.slope:+.2g} {self.unit} per "
@@ -503,19 +505,19 @@ class Trend:
 def trends(
     log: FlightLog, load: str, unit: str, residual: Floats, block: NDArray[np.intp]
 ) -> list[Trend]:
-    """Fit the ``residual`` (n,) of a load, model minus measurement, to every candidate, the
-    strongest first; errors may be correlated within a ``block`` (n,)."""
+    """Return the trends of the ``residual`` (n,) of a load, model minus measurement, with all
+    candidates, strongest first; errors may be correlated within a ``block`` (n,)."""
     known = np.isfinite(residual)
-    off, stretch, found = residual[known], block[known], []
+    off, segment, found = residual[known], block[known], []
     for name, variable in candidates(log).items():
         at = variable[known]
-        found.append(Trend(load, unit, name, at, off, stretch, *_slope(at, off, stretch)))
+        found.append(Trend(load, unit, name, at, off, segment, *_slope(at, off, segment)))
     return sorted(found, key=lambda trend: -trend.share)
 
 
 def residual_trends(fitted: Fitted, log: FlightLog) -> list[str]:
-    """Say what the residuals of a fit to the samples of ``log`` still depend on, the strongest
-    first, two sentences per load at most."""
+    """Return at most two sentences per load on trends in the residuals of a fit to ``log``,
+    strongest first."""
     rows, sentences = fitted.rows, []
     if rows.group is None:
         return []
@@ -532,7 +534,7 @@ def residual_trends(fitted: Fitted, log: FlightLog) -> list[str]:
 def _slope(
     variable: Floats, residual: Floats, block: NDArray[np.intp]
 ) -> tuple[float, float, float]:
-    """Slope of the residual, its block-wise standard error, and the share of its variance."""
+    """Return slope, block-wise standard error of the slope, and explained share of the variance."""
     x, y = variable - variable.mean(), residual - residual.mean()
     size, spread = float(x @ x), float(y @ y)
     if size <= 1e-12 * max(float(variable @ variable), 1e-300) or spread == 0.0:
@@ -544,59 +546,59 @@ def _slope(
 
 
 # -------------------------------------------------------------------------------------------------
-# What each term of a whole-flight fit is worth, on flights that the fit has not seen.
+# Effect of each term of a whole-flight fit on the errors for held-out flights.
 
-SURE = 2.0  # standard errors by which a term has to change the mean square error to be said to pay
+SURE = 2.0  # least change of the mean square error for a verdict, in standard errors
 
 
 @dataclass(frozen=True, eq=False)
 class RecordedFlight:
-    """One flight, its signals low-passed and as recorded, with another's prediction of its forces
-    [N], (n, 3) at the samples of either, where there is one."""
+    """One flight with low-passed and with raw signals, and optionally with the forces [N], (n, 3),
+    that another model predicts at the samples of each."""
 
     name: str
-    passed: FlightLog  # low-passed
-    raw: FlightLog  # not low-passed
+    passed: FlightLog  # low-passed signals
+    raw: FlightLog  # signals as recorded
     prediction: Floats | None = None
     raw_prediction: Floats | None = None
 
 
 @dataclass(frozen=True)
 class Step:
-    """A model with one term more than the one before it."""
+    """Model with one more term than the previous step."""
 
-    name: str  # of what is added
-    choice: parameters.Choice  # what is free
-    vertical: bool = False  # whether the vertical forces alone are fitted
+    name: str  # name of the added term
+    choice: parameters.Choice  # parameters of the fit
+    vertical: bool = False  # whether the fit uses only the vertical forces
 
 
 @dataclass(frozen=True, eq=False)
 class AxisErrors:
-    """Errors of forces on one flight along x, y and z, model minus measurement [N]."""
+    """Errors of the forces of one flight along x, y and z, model minus measurement [N]."""
 
-    passed: Floats  # of low-passed signals, (n, 3)
-    raw: Floats  # of signals as they were recorded, (m, 3)
+    passed: Floats  # for low-passed signals, (n, 3)
+    raw: Floats  # for raw signals, (m, 3)
 
     @property
     def rms(self) -> Floats:
-        """Root mean squares of the low-passed errors, (3,)."""
+        """Root mean squares of the errors for low-passed signals, (3,)."""
         return np.asarray(np.sqrt(np.nanmean(self.passed**2, axis=0)))
 
     @property
     def raw_rms(self) -> Floats:
-        """Root mean squares of the errors as recorded, (3,)."""
+        """Root mean squares of the errors for raw signals, (3,)."""
         return np.asarray(np.sqrt(np.nanmean(self.raw**2, axis=0)))
 
 
 @dataclass(frozen=True, eq=False)
 class FittedStep:
-    """One step fitted to all flights but one, or to a single flight."""
+    """One step, fitted to all flights except one, or to a single flight."""
 
-    step: str  # its name
-    left_out: int | None  # number of the flight that was not fitted to; None for a single flight
-    values: dict[str, float]  # the free parameters
-    off: tuple[AxisErrors, ...]  # errors of this model, one per flight
-    hover: tuple[AxisErrors, ...]  # errors of the hover model with its blade
+    step: str  # name of the step
+    left_out: int | None  # number of the held-out flight; None for a single flight
+    values: dict[str, float]  # free parameters
+    off: tuple[AxisErrors, ...]  # errors of the fitted model, one per flight
+    hover: tuple[AxisErrors, ...]  # errors of the hover model with the fitted blade
 
 
 def fit_terms(
@@ -608,9 +610,12 @@ def fit_terms(
     samples: int,
     tell: Callable[[str], None] | None = None,
 ) -> list[FittedStep]:
-    """Fit all steps, each flight in turn left out and at most ``samples`` of the others, with the
-    ``law`` for what no step frees, in the order of steps, then flights left out; ``tell`` gets a
-    line after each."""
+    """Return all steps fitted with each flight held out in turn, in the order of steps, then of
+    held-out flights.
+
+    Each fit uses at most ``samples`` samples of the other flights.  ``law`` provides the constants
+    that are not free.  ``tell`` receives a line after each fit.
+    """
     found = []
     for step in steps:
         for left_out in range(len(flights)) if len(flights) > 1 else (None,):
@@ -634,12 +639,12 @@ def fit_terms(
 def gain(
     old: Sequence[AxisErrors], new: Sequence[AxisErrors], flights: Sequence[RecordedFlight]
 ) -> tuple[float, float]:
-    """Fall of the mean square of the force error from one model to another and its deviation [N^2];
-    errors within a second count as one, as they are correlated."""
+    """Return the fall of the mean square force error from one model to another, and its standard
+    deviation [N^2]; correlated errors within a second count as one."""
     means = []
     for a, b, flown in zip(old, new, flights, strict=True):
         fall = np.sum(a.passed**2 - b.passed**2, axis=1)
-        block = flown.passed.stretches(flight.CORRELATED)
+        block = flown.passed.segments(flight.CORRELATED)
         known = np.isfinite(fall)
         total = np.bincount(block[known], fall[known])
         count = np.bincount(block[known])
@@ -650,7 +655,7 @@ def gain(
 
 
 def judged(fall: float, deviation: float) -> str:
-    """Say in a word or two whether a term with such a ``gain`` pays."""
+    """Return a verdict on a term from the ``fall`` and ``deviation`` that ``gain`` returns."""
     if fall > SURE * deviation:
         return "pays"
     if fall < -SURE * deviation:
@@ -659,7 +664,7 @@ def judged(fall: float, deviation: float) -> str:
 
 
 def measured_off(vehicle: Vehicle, flown: RecordedFlight) -> AxisErrors | None:
-    """Errors of the prediction that comes with a flight; None where there is none."""
+    """Return the errors of the prediction of another model for a flight; None without one."""
     if flown.prediction is None or flown.raw_prediction is None:
         return None
     return AxisErrors(
@@ -671,7 +676,7 @@ def measured_off(vehicle: Vehicle, flown: RecordedFlight) -> AxisErrors | None:
 def _off(
     vehicle: Vehicle, flown: RecordedFlight, base: Airfoil, values: dict[str, float]
 ) -> tuple[AxisErrors, AxisErrors]:
-    """Errors of a fit's model and of the hover model."""
+    """Return the errors of the fitted model and of the hover model."""
     found = model_with(Model(vehicle.propeller, base, vehicle.air), values)
     law = replace(parameters.constants_of(found.airfoil), corrections=tuple(found.correction_texts))
     others = {
@@ -690,10 +695,12 @@ def _off(
 def values_for(
     file: FitFile, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
 ) -> tuple[dict[str, float], list[str]]:
-    """Choose parameters for the flights of a ``log`` from ``paths``, and remarks: a flight of the
-    fit keeps its own, another has the mean's, and the thrust scale of its own hover where that is
-    sure."""
-    logs = file.record.data[:-1]  # The vehicle's file is the last.
+    """Return parameters for the flights of a ``log`` from ``paths``, and remarks.
+
+    A flight of the fit has its fitted parameters.  Another flight has the means over these flights,
+    and the thrust scale of its hover if that scale is significant.
+    """
+    logs = file.record.data[:-1]  # the last item is the vehicle file
     names = flight_names([source.file for source in logs])
     seen = {source.sha256: name for source, name in zip(logs, names, strict=True)}
     values, remarks = flight.of_others(file.values), []
@@ -712,16 +719,16 @@ def values_for(
         scale = parameters.of_flight("thrust_scale", named)
         if name is None and scale in by_hover:
             values |= {scale: applied[scale]} if scale in applied else {}
-            why = "so much is applied" if scale in applied else "too near to 1 to be applied"
+            why = "this scale is applied" if scale in applied else "too near to 1 to be applied"
             remarks.append(
-                f"in its hover flight {named} has {by_hover[scale]:.3f} times the thrust of the "
-                f"fit's flights at the same rotor speeds: {why}"
+                f"in hover, flight {named} has {by_hover[scale]:.3f} times the thrust of the "
+                f"flights of the fit at the same rotor speeds: {why}"
             )
     return values, remarks
 
 
 def by_flight(fitted: Fitted, log: FlightLog) -> dict[str, dict[str, FlightErrors]]:
-    """Errors by load and by flight of a fit to the samples of ``log``; none of one flight alone."""
+    """Return the errors of a fit to ``log`` by load and flight; empty for a single flight."""
     if len(log.flights) < 2:
         return {}
     rows = fitted.rows

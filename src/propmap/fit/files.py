@@ -1,4 +1,4 @@
-"""Fit files: TOML that describes a fit, suffices to repeat it, and is a parameter set itself."""
+"""Fit files: parameter sets in TOML that also contain everything needed to repeat the fit."""
 
 from __future__ import annotations
 
@@ -18,12 +18,18 @@ import propmap
 from propmap.errors import InputError
 from propmap.fit.fit import Coverage, Fitted
 from propmap.fit.least_squares import End, FlightErrors, ResidualErrors, by_band, errors
-from propmap.fit.parameters import BEYOND_ROTORS, ROTOR, THROTTLE, WING, described, general
+from propmap.fit.parameters import BEYOND_ROTORS, ROTOR, THROTTLE, WING, described, general, known
 from propmap.fit.tunnel import model_with, section_with
 from propmap.hover import HoverModel
 from propmap.io.sections import looks_like_section_table
 from propmap.model.air import Air
-from propmap.model.airfoil import Airfoil, SectionCovariance, fitted_uncertainty, read_airfoil
+from propmap.model.airfoil import (
+    Airfoil,
+    SectionCovariance,
+    fitted_uncertainty,
+    other_version,
+    read_airfoil,
+)
 from propmap.model.envelope import Beyond, Envelope
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
@@ -33,17 +39,17 @@ from propmap.typing import Floats
 
 @dataclass(frozen=True, eq=False)
 class FitFile:
-    """What a fit file holds for further use.
+    """Contents of a fit file.
 
     Attributes
     ----------
     airfoil : Airfoil
-        The section law that was found.
+        Identified section law.
     covariance : SectionCovariance or None
-        What is known of the parameters of the section law and of the mount that were free; None
-        where none was.
+        Covariance of the free parameters of the rotor: section law, untwist, installation.  None
+        for a fit without such parameters.
     record : FitRecord
-        All that the file says of the fit.
+        Data, settings and results of the fit.
     """
 
     airfoil: Airfoil
@@ -52,34 +58,34 @@ class FitFile:
 
     @functools.cached_property
     def model(self) -> Model:
-        """The law with the propeller and the air of the data."""
+        """Model of the section law with the propeller and the air of the data."""
         return Model(self.record.propeller.propeller(), self.airfoil, self.record.air)
 
     @property
     def values(self) -> dict[str, float]:
-        """The parameters of body, wing, sensor, wakes and flights by name."""
+        """Parameters of body, wing, sensor, wakes and flights by name."""
         return self.record.body | self.record.wing
 
     @property
     def curve(self) -> dict[str, float]:
-        """Constants of the ``ThrottleCurve``; none where rotor speeds were measured."""
+        """Constants of the ``ThrottleCurve``; empty for a fit to measured rotor speeds."""
         return {name: self.values[name] for name in THROTTLE if name in self.values}
 
     @property
     def low_pass(self) -> float:
-        """Cut-off of the low-pass that flights passed [Hz]; 0 for none."""
+        """Cut-off frequency of the low-pass filter of the flights [Hz]; 0 for no filter."""
         return float(self.record.settings.get("low_pass", 0.0))
 
     @property
     def hover_reference(self) -> float | None:
-        """Thrust over squares of rotor speeds in the hover of the fit's flights [N s^2], None where
-        a flight's own hover plays no part."""
+        """Thrust over the sum of squared rotor speeds in the hover of a flight with thrust scale 1
+        [N s^2]; None for a fit that does not use the hover of its flights."""
         return float(self.record.settings.get("hover_reference", 0.0)) or None
 
     def beyond(self, flow: tuple[Floats, Floats, Floats], radius: float) -> Beyond | None:
-        """How far points leave the data of the fit; None where that is not known.
+        """Return how far points are outside the data of the fit; None without an envelope.
 
-        Their ``flow`` are the arrays of ``Envelope.beyond``, ``radius`` is R [m].
+        ``flow`` contains the arrays of ``Envelope.beyond``, and ``radius`` is R [m].
         """
         known = self.record.envelope
         return None if known is None else known.beyond(*flow, radius)
@@ -99,31 +105,31 @@ def fit_text(
     options: Mapping[str, Any],
     flights: Mapping[str, Mapping[str, FlightErrors]] | None = None,
 ) -> str:
-    """The text of a fit file.
+    """Return the text of a fit file.
 
     Parameters
     ----------
     fitted : Fitted
-        The fit.
+        Result of the fit.
     kind, name : str
-        "tunnel", "level flight" or "flight"; the name of the parameter set.
+        Kind of the fit, "tunnel", "level flight" or "flight"; name of the parameter set.
     model : Model
-        What was fitted; its section law gave the constants that are no parameters of a fit.
+        Fitted model; its section law provides the constants that a fit cannot vary.
     data : sequence of Path or str
-        Files, whose hashes are noted, or names of the catalogue.
+        Files, stored with their hashes, or names of the catalogue.
     covered, envelope : Coverage, Envelope
-        Operating points of the data.
+        Coverage and envelope of the operating points of the data.
     hover : ndarray, shape (M,)
-        The hover model's values of the fitted rows.
+        Loads of the hover model for the fitted rows.
     remarks, options : sequence of str, mapping
         Sentences for the reader; further settings by name.
     flights : mapping of str to mapping, optional
-        Errors by load and flight, where there are several.
+        Errors by load and flight, for a fit to several flights.
 
     Returns
     -------
     str
-        TOML: a parameter set, with the record of the fit as the table ``fit``.
+        TOML text of a parameter set, with the record of the fit in the table ``fit``.
     """
     import tomli_w
 
@@ -162,7 +168,7 @@ def fit_text(
 
 
 def is_fit(path: Path) -> bool:
-    """Whether a file is a parameter set that carries a fit; ``InputError`` for a bad set."""
+    """Return whether a file is a parameter set with a fit; ``InputError`` for a bad set."""
     if path.exists() and looks_like_section_table(path):
         return False
     read_airfoil(path, uncertainty=False)
@@ -175,12 +181,12 @@ def read_fit(path: Path) -> FitFile:
     Parameters
     ----------
     path : Path
-        Path of a file that ``propmap fit`` wrote.
+        Path of a file from ``propmap fit``.
 
     Raises
     ------
     InputError
-        Where the file is no fit, or an entry of it is missing or of another kind.
+        For a file without a fit, and for an entry that is missing or has the wrong type.
     """
     law, where = read_airfoil(path, uncertainty=False), str(path)
     table = tomllib.loads(path.read_text(encoding="utf-8")).get("fit")
@@ -190,36 +196,38 @@ def read_fit(path: Path) -> FitFile:
         raise InputError(found, remedy, where)
     try:
         record = read_record(table)
+        for name in (*record.free, *record.fixed, *record.body, *record.wing):
+            known(name)  # raises an InputError for a parameter of another version
         covariance = SectionCovariance(tuple(record.free), record.covariance)
         section = [name for name in record.free if name in ROTOR]
-        known = fitted_uncertainty(table, tuple(ROTOR))
-        law = law.with_parameters(uncertainty=known)
+        uncertainty = fitted_uncertainty(table, tuple(ROTOR))
+        law = law.with_parameters(uncertainty=uncertainty)
         file = FitFile(law, covariance.of(section) if section else None, record)
-        _ = file.model  # Raises where there can be no such blade.
+        _ = file.model  # raises an InputError for an impossible blade
     except InputError as error:
-        found = f"the table [fit] is damaged: {error.found}"
-        raise InputError(found, error.remedy, where) from None
+        found = f"the table [fit] cannot be read: {error.found}"
+        raise InputError(found, other_version(table) or error.remedy, where) from None
     return file
 
 
 def _parameter(fitted: Fitted, k: int) -> FreeParameter:
     choice, sure = fitted.choice, fitted.uncertainty
     name = choice.free[k]
-    known, prior = described(name), choice.prior_of(name)
+    about, prior = described(name), choice.prior_of(name)
     low, high = None, None
     if fitted.bootstrapped.size:
         low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5]).tolist()
     return FreeParameter(
         name=name,
         value=fitted.x[k],
-        unit=known.unit,
+        unit=about.unit,
         low=sure.low[k],
         high=sure.high[k],
         verdict=sure.verdicts[k],
         identified=sure.identified[k],
         start=choice.first[k],
-        lower=known.lower,
-        upper=known.upper,
+        lower=about.lower,
+        upper=about.upper,
         prior=(prior.mean, prior.deviation) if prior else None,
         bootstrap_low=low,
         bootstrap_high=high,
@@ -242,32 +250,32 @@ def _load(
 
 
 # -------------------------------------------------------------------------------------------------
-# The table ``[fit]`` of a fit file: one description for writing and for reading.
+# The table ``[fit]`` of a fit file; the same classes write and read it.
 
 BY_NAME = ("parameters", "residuals")  # tables by name in the file, lists in a record
 
 
 class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):
-    """One fitted parameter, in ``unit``."""
+    """One fitted parameter, with numbers in ``unit``."""
 
     name: str
     value: float
     unit: str
-    low: float = msgspec.field(name="low_95")  # ends of its 95 % interval
+    low: float = msgspec.field(name="low_95")  # ends of the 95 % interval
     high: float = msgspec.field(name="high_95")
     verdict: str
-    identified: bool  # whether the data determine it
-    start: float  # where the first search began
+    identified: bool  # whether the data determine the parameter
+    start: float  # start of the first search
     lower: float  # bounds
     upper: float
     prior: tuple[float, float] | None = None  # mean and standard deviation
-    # None where there was no bootstrap
+    # None for a fit without bootstrap
     bootstrap_low: float | None = msgspec.field(name="bootstrap_low_95", default=None)
     bootstrap_high: float | None = msgspec.field(name="bootstrap_high_95", default=None)
 
 
 class FittedLoad(ResidualErrors, frozen=True):
-    """Errors of one load, in ``unit``: over all rows, on rows left out, by speed and by flight."""
+    """Errors of one load in ``unit``: over all rows, cross-validated, by speed and by flight."""
 
     name: str
     unit: str
@@ -277,12 +285,12 @@ class FittedLoad(ResidualErrors, frozen=True):
 
     @property
     def measured_rms(self) -> float:
-        """Root mean square of what was measured."""
+        """Root mean square of the measured load."""
         return self.rms / self.relative_rms if self.relative_rms > 0.0 else np.nan
 
 
 class DataSource(msgspec.Struct, frozen=True, omit_defaults=True):
-    """Where data are from: a file with its SHA-256, or a name of the catalogue."""
+    """Source of data: a file with its SHA-256, or a name of the catalogue."""
 
     file: str = ""
     sha256: str = ""
@@ -290,7 +298,7 @@ class DataSource(msgspec.Struct, frozen=True, omit_defaults=True):
 
     @classmethod
     def of(cls, item: Path | str) -> DataSource:
-        """Name a file or folder (a ROS 2 bag is one) with its digest, or data of the catalogue."""
+        """Return the source of a file or folder (such as a ROS 2 bag) or of catalogue data."""
         if not isinstance(item, Path):
             return cls(catalogue=item)
         digest = hashlib.sha256()
@@ -301,12 +309,12 @@ class DataSource(msgspec.Struct, frozen=True, omit_defaults=True):
 
     @property
     def name(self) -> str:
-        """The name as it is shown."""
+        """Name for reports."""
         return self.file or f"{self.catalogue} of the catalogue"
 
 
 class FittedPropeller(msgspec.Struct, frozen=True):
-    """The propeller of a fit, as in ``Propeller``."""
+    """Propeller of a fit; see ``Propeller`` for the fields."""
 
     name: str
     blades: int
@@ -317,64 +325,64 @@ class FittedPropeller(msgspec.Struct, frozen=True):
 
     @classmethod
     def of(cls, blade: Propeller) -> FittedPropeller:
-        """The part of a propeller that its loads depend on."""
+        """Return the properties of a propeller that determine its loads."""
         shape = (blade.station, blade.chord, blade.twist)
         return cls(blade.name, blade.blades, blade.root, *shape)
 
     def propeller(self) -> Propeller:
-        """The propeller; ``InputError`` where there can be no such blade."""
+        """Return the propeller; raise ``InputError`` for an impossible blade."""
         shape = (self.station_m, self.chord_m, self.twist_rad)
         return Propeller(self.name, self.blades, *shape, self.root)
 
 
 class FitRecord(msgspec.Struct, frozen=True, omit_defaults=True):
-    """All that a fit file says of its fit of P free parameters."""
+    """Record of a fit of P free parameters, as stored in a fit file."""
 
     kind: str  # "tunnel", "level flight" or "flight"
     version: str = msgspec.field(name="propmap")
     remarks: list[str]
     free: list[str]
-    rows: int  # numbers that were fitted
-    # for how many of them the model had no solution
+    rows: int  # number of fitted measurements
+    # number of these measurements for which the model had no solution
     unsolved: int = msgspec.field(name="unsolved_rows")
     seconds: float
     settings: dict[str, Any]
-    fixed: dict[str, float]  # parameters that the user held
+    fixed: dict[str, float]  # parameters that the user fixed
     air: Air
     propeller: FittedPropeller
     data: list[DataSource]
     covered: Coverage
     parameters: list[FreeParameter]
-    body: dict[str, float]  # all parameters of the body, with the sensor's and the wakes' if any
+    body: dict[str, float]  # parameters of ``BEYOND_ROTORS``
     wing: dict[str, float]
-    covariance: Floats  # (P, P), infinite where the data say nothing
+    covariance: Floats  # (P, P), infinite variances of parameters that the data do not determine
     correlation: Floats  # (P, P)
-    singular_values: Floats  # of the sensitivities, relative to the largest, (P,)
+    singular_values: Floats  # of the sensitivities, divided by the largest, (P,)
     loads: list[FittedLoad] = msgspec.field(name="residuals")
-    starts: list[End]  # where the searches ended, best first
-    # Errors that the fit left, as standard deviations of C_T and C_P [-], by the names of
-    # ``DISCREPANCIES``; empty where an earlier version wrote the file.
+    starts: list[End]  # ends of all searches, best first
+    # Standard deviations of the errors of C_T and C_P that the fit leaves [-], by the names of
+    # ``DISCREPANCIES``; empty in files of earlier versions.
     discrepancy: dict[str, float] = msgspec.field(default_factory=dict)
-    envelope: Envelope | None = None  # None where an earlier version wrote the file
+    envelope: Envelope | None = None  # None in files of earlier versions
 
     def __post_init__(self) -> None:
         count = len(self.parameters)
         if [p.name for p in self.parameters] != self.free:
-            raise ValueError("parameters are not those that are free")
+            raise ValueError("the parameters differ from the list free")
         square = {self.covariance.shape, self.correlation.shape} == {(count, count)}
         if not square or self.singular_values.shape != (count,):
-            raise ValueError(f"the matrices are not of {count} parameters")
+            raise ValueError(f"the matrices do not have the size of {count} parameters")
         if not (self.loads and self.starts):
             raise ValueError("residuals or starts are empty")
 
     @property
     def minima(self) -> int:
-        """How many different minima the starts ended in."""
+        """Number of different minima that the searches found."""
         return max(end.minimum for end in self.starts)
 
     def table(self) -> dict[str, Any]:
-        """Plain data for a TOML file."""
-        # Arrays, and numbers of NumPy's, become lists and numbers.
+        """Return plain data for a TOML file."""
+        # The hook converts arrays and numbers of NumPy to lists and numbers.
         plain: dict[str, Any] = msgspec.to_builtins(self, enc_hook=lambda array: array.tolist())
         for key in BY_NAME:
             plain[key] = {entry.pop("name"): entry for entry in plain[key]}
@@ -382,12 +390,12 @@ class FitRecord(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 def read_record(table: Any) -> FitRecord:
-    """The record of the table ``[fit]`` from TOML; ``InputError`` names an entry at fault."""
+    """Return the record of a table ``[fit]`` from TOML; ``InputError`` names the wrong entry."""
     known = table
     if isinstance(table, Mapping):
         known = {**table, **{key: _listed(table[key]) for key in BY_NAME if key in table}}
     try:
-        # Lists become arrays.
+        # The hook converts lists to arrays.
         return msgspec.convert(known, FitRecord, dec_hook=lambda _, v: np.array(v, np.float64))
     except msgspec.ValidationError as error:
         fault, _, path = str(error).replace("`", "").partition(" - at $.")
@@ -395,24 +403,26 @@ def read_record(table: Any) -> FitRecord:
             if found := re.match(rf"{key}\[(\d+)\]", path):
                 path = f"{key}.{list(table[key])[int(found[1])]}{path[found.end() :]}"
         place = f"at {path}: " if path else ""
-        raise InputError(f"{place}{fault}", "write it again with propmap fit") from None
+        raise InputError(f"{place}{fault}", "run `propmap fit` again") from None
 
 
 def _listed(tables: Any) -> Any:
-    """Make a list of tables by name; leave anything else as it is."""
+    """Return a list of named tables for tables by name; return any other value unchanged."""
     if not isinstance(tables, Mapping):
         return tables
     return [{"name": k, **t} if isinstance(t, Mapping) else t for k, t in tables.items()]
 
 
 OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
-"""Rows whose errors, over what the hover model says of them, are shares of a static load."""
+"""Loads whose relative errors estimate the errors of static thrust and of static torque."""
 
 
 def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]:
-    """Standard deviations of C_T and C_P that a fit leaves, by name of ``DISCREPANCIES``, with the
-    model ``found`` and the hover model's rows ``hover`` (M,); a load not fitted errs by as large a
-    share."""
+    """Return the standard deviations of C_T and C_P that a fit leaves, by ``DISCREPANCIES``.
+
+    ``found`` is the fitted model, and ``hover`` (M,) contains the loads of the hover model.  A load
+    that was not fitted gets the relative error of the other load.
+    """
     shares = {}
     for kind, names in (("thrust", OF_THRUST), ("torque", OF_TORQUE)):
         for k, name in enumerate(fitted.rows.names):
@@ -422,7 +432,7 @@ def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]
                 shares[kind] = errors(*fitted.compared(k)).rms / size
     if not shares or not np.isfinite(list(shares.values())).all():
         return {}
-    static = HoverModel.of(Rotor(found))
+    static = HoverModel.from_rotor(Rotor(found))
     blade, air = found.propeller, found.air
     thrust = abs(static.k_thrust) * (2.0 * np.pi) ** 2 / (air.density * blade.diameter**4)
     power = abs(static.k_torque) * (2.0 * np.pi) ** 3 / (air.density * blade.diameter**5)

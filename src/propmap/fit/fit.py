@@ -1,4 +1,4 @@
-"""A whole identification: search, uncertainty, cross-validation, bootstrap, coverage of data."""
+"""Complete fits (search, uncertainty, cross-validation, bootstrap) and the coverage of data."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats
 from propmap.units import RPM
 
-MEDIAN_TO_DEVIATION = 1.4826  # standard deviation over median size, of normal errors
+MEDIAN_TO_DEVIATION = 1.4826  # standard deviation over median magnitude, for normal errors
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How a fit is done.
+    """Settings of a fit.
 
     Attributes
     ----------
     starts : int
-        Searches, the first from the first guess.
+        Number of searches; the first begins at the first guess.
     loss : str
-        "linear" or "soft_l1".
+        Loss function, "linear" or "soft_l1".
     folds : int
-        Folds of the cross-validation, 0 for none.
+        Number of folds of the cross-validation; 0 for no cross-validation.
     bootstrap : int
-        Repetitions, 0 for none.
+        Number of refits of the bootstrap; 0 for no bootstrap.
     seed : int
         Seed of the random starts, folds and draws.
     """
@@ -59,26 +59,26 @@ class Settings:
 
 @dataclass(frozen=True)
 class Fitted:
-    """What came out of a fit of P parameters to M rows of L loads.
+    """Result of a fit of P parameters to M rows of L loads.
 
     Attributes
     ----------
     choice, settings, rows : Choice, Settings, Rows
-        What went in.
+        Inputs of the fit.
     minimum : Minimum
-        Where the search ended.
+        Best minimum of the searches.
     uncertainty : Uncertainty
         Uncertainty of the free parameters.
     residual : ndarray, shape (M,)
-        Model minus measurement, in the units of the measurement.
+        Model minus measurement, in the unit of each measurement.
     left_out : ndarray, shape (M,)
-        Model minus measurement of rows left out of the fit to the others; NaN if not done.
+        Model minus measurement, for a fit without the row; NaN without cross-validation.
     bootstrapped : ndarray, shape (B, P)
-        Repeated fits to operating points drawn with replacement.
+        Parameters from fits to operating points drawn with replacement.
     seconds : float
-        Duration of the whole identification [s].
+        Duration of the fit [s].
     error : float
-        Standard deviation of a residual, as a share of its scale, against which priors counted.
+        Standard deviation of a residual as a share of its scale, which sets the weight of priors.
     """
 
     choice: Choice
@@ -94,7 +94,7 @@ class Fitted:
 
     @property
     def x(self) -> Floats:
-        """The free parameters at the minimum (P,)."""
+        """Free parameters at the minimum (P,)."""
         return self.minimum.x
 
     @property
@@ -104,12 +104,12 @@ class Fitted:
 
     @property
     def cross_validated(self) -> Floats:
-        """Root mean square error of each load (L,) on rows left out; NaN if not done."""
+        """Cross-validated root mean square error of each load (L,); NaN if not computed."""
         parts = (self.left_out[self.rows.of_load(k)] for k in range(len(self.rows.names)))
         return np.array([rms_known(part) for part in parts])
 
     def compared(self, load: int) -> tuple[Floats, Floats]:
-        """Modelled and measured values of the ``load`` of this index, in its unit."""
+        """Return modeled and measured values of the load number ``load``, in its unit."""
         mine = self.rows.of_load(load)
         measured = self.rows.measured[mine]
         return measured + self.residual[mine], measured
@@ -124,28 +124,28 @@ def fit(
     workers: Workers | None = None,
     remake: Callable[[], Rows] | None = None,
 ) -> Fitted:
-    """Identify the free parameters; for level flights this is eq. (18).
+    """Identify the free parameters; for level flights, this is eq. (18).
 
     Parameters
     ----------
     rows : Rows
-        What was measured, with its model.
+        Measurements with their model.
     choice : Choice
-        Which parameters are free.
+        Free parameters, fixed parameters and priors.
     settings : Settings, optional
-        How to search.
+        Settings of the fit.
     fewer : Rows, optional
-        A part of the rows, to search from several starts at less cost; the best end is followed
-        on all rows.
+        Selection of the rows.  All starts use these rows to save time; then one search continues
+        with all rows from the best result.
     workers : Workers, optional
-        Who makes the refits of the bootstrap; by default this process.
+        Workers for the refits of the bootstrap; by default this process.
     remake : callable, optional
-        Gives the rows again in another process, where workers are others.
+        Function that makes the rows again in the process of a worker.
 
     Raises
     ------
     InputError
-        Where the data cannot determine anything.
+        For fewer measurements than free parameters, and for too many rows without a solution.
     """
     settings = settings or Settings()
     begin = time.perf_counter()
@@ -159,7 +159,8 @@ def fit(
         better = search(rows, choice, [found.x], error=error)
         found = replace(better, ends=found.ends)
     if again:
-        # Only now is known how large errors are, against which priors and outliers count.
+        # The first search gives the size of the errors, which sets the weight of priors and
+        # the limit of outliers.
         error = _typical_error(fewer or rows, choice, settings, found, error)
         if choice.expected is not None:
             error = max(error, least)
@@ -180,7 +181,7 @@ def fit(
 def _typical_error(
     rows: Rows, choice: Choice, settings: Settings, found: Minimum, error: float
 ) -> float:
-    """Standard deviation of a residual as a share of its scale, whatever the outliers."""
+    """Return a robust standard deviation of a residual, as a share of its scale."""
     if settings.loss == "linear":
         return float(np.median(residual_errors(rows, choice, found, error)))
     sizes = np.abs(found.residual[rows.weight > 0.0])
@@ -190,7 +191,7 @@ def _typical_error(
 def _cross_validate(
     rows: Rows, choice: Choice, settings: Settings, refit: Callable[[Rows], Floats]
 ) -> Floats:
-    """Model minus measurement (M,) where a row's unit was left out of the fit."""
+    """Return model minus measurement (M,) of each row, from fits without the unit of the row."""
     left_out = np.full(rows.measured.size, np.nan)
     if settings.folds < 2 or np.unique(rows.point).size < 2 * settings.folds:
         return left_out
@@ -207,7 +208,7 @@ def _cross_validate(
 
 @dataclass(eq=False)
 class _Refit(RowsElsewhere):
-    """Fits much the same rows again; ``remake`` gives the rows in another process."""
+    """Refit to a selection of the rows; ``remake`` makes the rows in another process."""
 
     choice: Choice
     start: Floats
@@ -215,13 +216,13 @@ class _Refit(RowsElsewhere):
     error: float
 
     def __call__(self, part: Rows) -> Floats:
-        """The parameters (P,) that fit some rows."""
+        """Return the parameters (P,) from a fit to the rows ``part``."""
         start = [self.start]
         return search(part, self.choice, start, loss=self.loss, error=self.error, follow=True).x
 
 
 def _bootstrap(refit: _Refit, settings: Settings, workers: Workers) -> Floats:
-    """Parameters (B, P) refitted to units drawn with replacement."""
+    """Return the parameters (B, P) from refits to units drawn with replacement."""
     rng = np.random.default_rng(settings.seed + 1)
     labels, index = np.unique(refit.rows.unit, return_inverse=True)
     drawn = [
@@ -233,23 +234,23 @@ def _bootstrap(refit: _Refit, settings: Settings, workers: Workers) -> Floats:
 
 
 def _refit_to(refit: _Refit, drawn: NDArray[np.intp]) -> Floats:
-    """The parameters by rows that count as often as they were drawn (M,)."""
+    """Return the parameters from a refit in which row m counts ``drawn[m]`` times."""
     rows = replace(refit.rows, weight=refit.rows.weight * np.sqrt(drawn))
     return refit(rows.left(drawn > 0))
 
 
 # -------------------------------------------------------------------------------------------------
-# Which operating points the data of a fit cover, and what these cannot determine.
+# Operating points that the data of a fit cover, and warnings about narrow ranges.
 
-STANDSTILL = 0.1  # speed [m/s] below which the direction of the flow means nothing
-BAND = 15.0  # width of the bands of the angle beta [deg], the first one about 0
-FEW = 0.02  # share of the points in motion below which an angle is hardly covered
+STANDSTILL = 0.1  # speed [m/s] below which the angle beta is meaningless
+BAND = 15.0  # width of the bands of the angle beta [deg]; the center of the first band is 0
+FEW = 0.02  # smallest share of the points in motion that covers a band of beta
 
-HOVER_BELOW, NARROW = 1.0, 2.0  # speed [m/s] below which all hovers; range of one speed
+HOVER_BELOW, NARROW = 1.0, 2.0  # largest speed of hover, largest range called one speed [m/s]
 
 
 class _CoveredPoints(msgspec.Struct, frozen=True, omit_defaults=True):
-    """Number of operating points, their ranges, and the median rotational speed."""
+    """Number and ranges of operating points, with the median rotational speed."""
 
     points: int
     rpm: Range
@@ -263,35 +264,37 @@ class _CoveredPoints(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Covered(_CoveredPoints, frozen=True):
-    """Operating points of one kind; the advance ratio is V/(Omega R) [-]."""
+    """Number and ranges of operating points, with the advance ratio V/(Omega R) [-]."""
 
     advance: Range = msgspec.field(name="advance_ratio")
 
 
 class CoveredAngle(Covered, frozen=True):
-    """Operating points in a band of the angle beta: its range and its median [deg]."""
+    """Operating points in a band of the angle beta, with range and median of beta [deg]."""
 
     beta: Range = msgspec.field(name="beta_deg")
     typical_beta: float = msgspec.field(name="typical_beta_deg")
 
 
 class Coverage(_CoveredPoints, frozen=True):
-    """All operating points of a fit's data where the propeller turns: ranges, and those at rest and
-    in each band of beta that holds points in motion, by rising angle."""
+    """Operating points with a turning propeller in the data of a fit: all points, points at rest,
+    and points in motion in each band of beta, in the order of beta."""
 
     angles: list[CoveredAngle]
     at_rest: Covered | None = None
 
     @property
     def main_angles(self) -> list[CoveredAngle]:
-        """The angles with a share of the points that counts."""
+        """Bands of beta with at least the share ``FEW`` of the points in motion."""
         moving = sum(one.points for one in self.angles)
         return [one for one in self.angles if one.points >= FEW * moving]
 
 
 def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Coverage:
-    """Ranges of n operating points, at rest and by angle, with beta in 0...pi [rad] and R [m];
-    ``InputError`` where the propeller turns at none."""
+    """Return the coverage of n operating points, with beta in 0...pi [rad] and ``radius`` R [m].
+
+    Raise an ``InputError`` if the propeller turns at no point.
+    """
     turning = omega > 0.0
     if not turning.any():
         raise InputError("the propeller stands still at all points", "give rpm above 0")
@@ -310,18 +313,18 @@ def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Cover
 
 
 def range_warnings(rows: Rows) -> list[str]:
-    """Say what the range of speeds of the rows cannot determine; nothing where it is wide."""
+    """Return warnings for rows with a range of speeds that is too small to fit parameters."""
     speed = rows.speed[rows.weight > 0.0]
     low, high = _ends(speed)
     if high < HOVER_BELOW:
         return [
-            "all data are from hover: they fix the static loads alone and cannot tell one "
-            "parameter from another; add data at speed"
+            "all data are from hover: they determine only the static loads, not single "
+            "parameters; add data at speed"
         ]
     if high - low < NARROW:
         return [
-            f"all data are from one speed, {low:.1f} to {high:.1f} m/s: the parameters can hardly "
-            "be separated; add data at other speeds"
+            f"all data are from one speed, {low:.1f} to {high:.1f} m/s: they hardly separate the "
+            "parameters; add data at other speeds"
         ]
     return []
 
@@ -331,5 +334,5 @@ def _ends(values: Floats) -> Range:
 
 
 def _spread(values: Floats) -> tuple[Range, float]:
-    """Ends and median."""
+    """Return range and median."""
     return _ends(values), float(np.median(values))

@@ -1,4 +1,4 @@
-"""A flying vehicle's forces and moments, and their balances as rows to fit, eqs. (16) and (17)."""
+"""Forces and moments of a flying vehicle, and their balances as rows of a fit, eqs. (16), (17)."""
 
 from __future__ import annotations
 
@@ -46,74 +46,75 @@ from propmap.vehicle.vehicle_forces import free_stream_force, mounted_rotors
 from propmap.vehicle.wakes import HubFlow, check_apart, rotor_wrench, wake_flow
 
 # -------------------------------------------------------------------------------------------------
-# Force balances of a flying vehicle as rows to fit, eqs. (16) and (17) and past them.
+# Force and moment balances of a flying vehicle as rows of a fit, eqs. (16) and (17) and beyond.
 
 AXES, VERTICAL = ("force_x", "force_y", "force_z"), ("vertical_force",)
 MOMENTS = ("moment_x", "moment_y", "moment_z")
 CORRELATED = 1.0
-"""Time within which errors of a flight are taken to be correlated [s]."""
+"""Length of the segments of a flight within which errors are assumed to be correlated [s]."""
 
 UNITS = {**dict.fromkeys((*AXES, *VERTICAL), "N"), **dict.fromkeys(MOMENTS, "N m")}
 
 
 def level_rows(model: ForceModel, choice: Choice) -> Rows:
-    """Make a row per steady level flight, where the vertical forces sum up to m g: eqs. (16)(17).
+    """Return a row for each steady level flight: vertical forces balance m g, eqs. (16), (17).
 
-    With V horizontal, the vertical parts of a rotor's forces are T sin(beta) and D cos(beta); here
-    they come from the attitude, so that a trace of climb or of bank is no error.
+    For horizontal V, the vertical components of the forces of a rotor are T sin(beta) and
+    D cos(beta).  Here they follow from the attitude, so that small climb or bank causes no error.
 
     Parameters
     ----------
     model : ForceModel
-        Model of the vehicle, at its steady operating points.
+        Model of the vehicle, at steady operating points.
     choice : Choice
-        Which parameters are free.
+        Free parameters, fixed parameters and priors.
 
     Raises
     ------
     InputError
-        For free parameters that do not act.
+        For free parameters without effect.
     """
     weight = np.full((len(model.log), 1), model.vehicle.mass * GRAVITY)
     return _rows(model, choice, VERTICAL, weight)
 
 
-def vertical_rows(model: ForceModel, choice: Choice, *, stretch: float = CORRELATED) -> Rows:
-    """Make a row per sample of a whole flight: the vertical forces alone, as in (16) and (17).
+def vertical_rows(model: ForceModel, choice: Choice, *, segment: float = CORRELATED) -> Rows:
+    """Return a row for each sample of a whole flight: the vertical forces, as in (16) and (17).
 
-    Where the flight is not steady, mass times the vertical specific force stands for the weight.
+    Mass times the vertical specific force replaces the weight.  Errors within a ``segment`` [s]
+    are assumed to be correlated.
     """
     log = model.log
     measured = model.vehicle.mass * np.sum(log.specific_force * log.up, axis=1, keepdims=True)
-    return _rows(model, choice, VERTICAL, measured, log.stretches(stretch))
+    return _rows(model, choice, VERTICAL, measured, log.segments(segment))
 
 
-def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = CORRELATED) -> Rows:
-    """Rows of a whole flight: all forces but gravity against m times the specific force.
+def balance_rows(model: ForceModel, choice: Choice, *, segment: float = CORRELATED) -> Rows:
+    """Return the rows of a whole flight: all forces except gravity, against m times specific force.
 
-    There are three per sample, and three more of moments where the vehicle file has moments of
-    inertia and the log has time derivatives: moments of the air against what turns the vehicle.
+    Each sample has three rows.  If the vehicle file contains moments of inertia and the log has
+    time derivatives, three more rows balance the aerodynamic moments with the angular motion.
 
     Parameters
     ----------
     model : ForceModel
         Model of the vehicle, at the samples of its log.
     choice : Choice
-        Which parameters are free.
-    stretch : float
-        Time within which errors are taken to be correlated [s].
+        Free parameters, fixed parameters and priors.
+    segment : float
+        Length of the segments within which errors are assumed to be correlated [s].
 
     Raises
     ------
     InputError
-        Where the log has no specific force, and for free parameters that do not act.
+        For a log without specific force, and for free parameters without effect.
     """
     log = model.log
     if not np.isfinite(log.specific_force).all():
-        found = "there is no specific force (accelerometer) for all samples"
-        remedy = "add it to the log, or fit steady stretches with --method level"
+        found = "some samples have no specific force (accelerometer)"
+        remedy = "add it to the log, or fit steady segments with --method level"
         raise InputError(found, remedy, log.source)
-    group = log.stretches(stretch)
+    group = log.segments(segment)
     measured = model.vehicle.mass * log.specific_force
     turning = measured_moment(model.vehicle, log)
     if not np.isfinite(turning).all():
@@ -129,10 +130,10 @@ def _rows(
     measured: Floats,
     group: NDArray[np.intp] | None = None,
 ) -> Rows:
-    """Make a row per load ``measured`` (n, L).
+    """Return a row for each ``measured`` load (n, L).
 
-    Units are the weight, and for moments that at the hubs' mean distance from the centre of mass,
-    or at a radius where that is none and about the vertical.
+    The scale of forces is the weight.  The scale of moments is the weight times a length: the mean
+    distance of the hubs from the center of mass, or the radius about z and for a distance of zero.
     """
     free, given = choice.free, (*choice.free, *choice.fixed)
 
@@ -142,15 +143,15 @@ def _rows(
 
     if names == VERTICAL:
         sensing = [name for name in free if general(name) in SENSOR | TURNING]
-        refuse(sensing, "has no part in steady stretches", "fit it with --method balance")
+        refuse(sensing, "has no effect in steady segments", "fit it with --method balance")
     elif MOMENTS[0] not in names:
         remedy = "add inertia = [about x, about y, about z] in kg m^2 to the vehicle file"
         turning = [name for name in free if name in TURNING]
-        refuse(turning, "is free but moments are not balanced", remedy)
+        refuse(turning, "is free, but the fit has no moments", remedy)
     if any(mount.drag is not None for mount in model.vehicle.mounts):
-        remedy = "remove the [mount] table, or leave the parameter to the file"
+        remedy = "remove the [mount] table, or do not free or fix the parameter"
         mounted = [name for name in given if name in MOUNT]
-        refuse(mounted, "is given for a vehicle whose file has it as well", remedy)
+        refuse(mounted, "is a parameter of the fit, but the vehicle file has it, too", remedy)
     if len(model.vehicle.mounts) == 1:
         wakes = [name for name in free if name in WAKES]
         refuse(wakes, "is free but the vehicle has one rotor", "leave it out of --free")
@@ -170,7 +171,7 @@ def _rows(
     weight = model.vehicle.mass * GRAVITY
     places = np.array([mount.position for mount in model.vehicle.mounts])
     arm = float(np.mean(np.linalg.norm(places, axis=1))) or model.vehicle.propeller.radius
-    # Torques go as the rotors' radius, and are a small part of the moments by their arms.
+    # Torques about z scale with the rotor radius and are much smaller than thrust times arm.
     levers = dict(zip(MOMENTS, (arm, arm, model.vehicle.propeller.radius), strict=True))
     each = np.array([weight * levers.get(name, 1.0) for name in names])
     scale = np.broadcast_to(each, measured.shape)
@@ -179,18 +180,18 @@ def _rows(
 
 
 def _along(log: FlightLog, names: tuple[str, ...], loads: Floats) -> Floats:
-    """Pick the loads ``names`` (..., n, L) out of forces and moments (..., n, 6)."""
+    """Return the loads ``names`` (..., n, L) from forces and moments (..., n, 6)."""
     if names == VERTICAL:
         return np.asarray(np.sum(loads[..., :3] * log.up, axis=-1, keepdims=True))
     return loads[..., : len(names)]
 
 
 def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Floats:
-    """What the hover model says of the rows (M,) made of ``model``.
+    """Return the hover model for the ``rows`` (M,) made from ``model``.
 
-    The parameters ``values`` give the rotor whose constants are taken.
+    The rotor with the parameters ``values`` provides the constants of the hover model.
     """
-    hover = HoverModel.of(Rotor(model_with(model.model, values)))
+    hover = HoverModel.from_rotor(Rotor(model_with(model.model, values)))
     return rows.picked(_along(model.log, rows.names, hover_loads(hover, model.flow)))
 
 
@@ -198,23 +199,23 @@ def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Fl
 # Forces and moments on a flying vehicle at the samples of a log, and their derivatives.
 
 LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "untwist")
-"""Parameters of attached lift, and so of the rotors' wakes."""
+"""Parameters that change the attached lift, and therefore the wakes of the rotors."""
 
 LIFT_STEP = 1e-4
-"""Step of the difference quotients by these, over the spread of each."""
+"""Step of difference quotients with respect to ``LIFT``, in spreads of the parameters."""
 
 TURNED = (ROTOR_SPEED, *THROTTLE)
-"""Parameters by which rotor speeds are found."""
+"""Parameters that change the rotor speeds."""
 
 SPEED_STEP = 1e-6
-"""Step of the quotient by the rotor speed, over the speed."""
+"""Relative step of difference quotients with respect to the rotor speed."""
 
 
 class VehicleLoads(NamedTuple):
-    """Force [N] and moment about the centre of mass [N m] at n samples, in the vehicle's frame."""
+    """Force [N] and moment about the center of mass [N m] at n samples, in the vehicle's frame."""
 
-    loads: Floats  # (n, 6), NaN where the rotors' loads were not found
-    slopes: Floats  # derivatives by the P parameters asked for, (P, n, 6)
+    loads: Floats  # (n, 6), NaN for samples without loads of the rotors
+    slopes: Floats  # derivatives with respect to P parameters, (P, n, 6)
 
     @property
     def force(self) -> Floats:
@@ -228,23 +229,23 @@ class VehicleLoads(NamedTuple):
 
 
 class ForceModel:
-    """All forces but gravity on a vehicle and their moments, at the samples of a log.
+    """Forces except gravity, and their moments, on a vehicle at the samples of a log.
 
     Parameters
     ----------
     vehicle : Vehicle
-        Its rotors, body and wing.
+        Vehicle with rotors, body and wing.
     log : FlightLog
-        How it moves.
+        Motion of the vehicle.
     base : Airfoil
-        Gives what no parameter of a fit does.
+        Section law that provides the constants that no fit varies.
     setting : str
         Accuracy of the loads, as in ``Rotor``.
 
     Raises
     ------
     InputError
-        Where the log has not one rotor speed per rotor.
+        For a log without one rotor speed per rotor.
     """
 
     def __init__(
@@ -259,25 +260,25 @@ class ForceModel:
         self.flow = hub_flow(vehicle, log)
 
     def at_samples(self, samples: NDArray[np.intp]) -> ForceModel:
-        """The model at some of the ``samples``."""
+        """Return the model at the samples with the numbers ``samples``."""
         return ForceModel(self.vehicle, self.log.picked(samples), self.base, self.setting)
 
     def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> VehicleLoads:
-        """Forces and moments, and their derivatives.
+        """Return forces and moments with their derivatives.
 
         Parameters
         ----------
         values : mapping of str to float
             All parameters by name.
         free : tuple of str
-            Names of the P by which to differentiate.
+            Names of the P parameters of the derivatives.
         """
         check_flights(free, self.log)
         loads, slopes = self._rotors(values, free)
         return on_vehicle(self.vehicle, self.log, self.flow, loads, slopes, values, free)
 
     def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        """Loads (n, 6) of all rotors, in each other's wakes if there are any; slopes (P, n, 6)."""
+        """Return the loads (n, 6) of all rotors, including wakes, and slopes (P, n, 6)."""
         section = tuple(name for name in free if name in (*ROTOR, *TURNED))
         at_section = [name in section for name in free]
         slopes = np.zeros((len(free), len(self.log), 6))
@@ -294,7 +295,7 @@ class ForceModel:
         if not free:
             return six_loads(self.flow, loads), slopes
         by_axial = by_here[:, -1]
-        # The wakes change with the thrusts that they are computed from.
+        # Parameters of the section also change the thrust, and the wakes with the thrust.
         followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_lift)
         by_section = by_here[:, :-1] + by_axial[:, None] * followed
         slopes[at_section] = six_loads(self.flow, by_section)
@@ -307,7 +308,7 @@ class ForceModel:
     def _attached(
         self, values: Mapping[str, float], names: tuple[str, ...]
     ) -> tuple[Floats, Floats]:
-        """Thrust (n, m) that the wakes are computed from, and its derivatives (P, n, m)."""
+        """Return the attached thrust (n, m), which determines wakes, and derivatives (P, n, m)."""
         flow = self.flow
         known = {name: value for name, value in values.items() if name not in MOUNT}
         lifting = [name for name in names if name in LIFT]
@@ -334,7 +335,8 @@ class ForceModel:
     def _loads(
         self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
     ) -> tuple[Floats, Floats]:
-        """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m); slopes (L, P, n, m)."""
+        """Return the loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m), and slopes
+        (L, P, n, m)."""
         flow, shape = self.flow, self.flow.omega.shape
         omega, by_name = self._turned(values)
         asked = [name for name in names if name not in TURNED]
@@ -355,7 +357,7 @@ class ForceModel:
         return loads, slopes
 
     def _turned(self, values: Mapping[str, float]) -> tuple[Floats, dict[str, Floats]]:
-        """Rotor speeds (n, m) [rad/s] and their derivatives by the parameters ``TURNED``."""
+        """Return rotor speeds (n, m) [rad/s], and derivatives with respect to ``TURNED``."""
         log, scale = self.log, values.get(ROTOR_SPEED, 1.0)
         omega, by_name = self.flow.omega, dict.fromkeys(THROTTLE, np.zeros_like(self.flow.omega))
         if log.commanded:
@@ -365,14 +367,14 @@ class ForceModel:
         return scale * omega, {ROTOR_SPEED: omega, **by_name}
 
     def coverage(self) -> Coverage:
-        """Ranges of the flow at all rotors."""
+        """Return the coverage of the operating points of all rotors."""
         flow = self.flow
         speed, beta = np.hypot(flow.axial, flow.inplane), np.arctan2(flow.inplane, flow.axial)
         radius = self.vehicle.propeller.radius
         return coverage(flow.omega.ravel(), speed.ravel(), beta.ravel(), radius)
 
     def envelope(self, percentiles: Range) -> Envelope:
-        """Ranges of the flow at all rotors between these ``percentiles`` of their points."""
+        """Return the envelope of the flow at all rotors, between two ``percentiles``."""
         flow, radius = self.flow, self.vehicle.propeller.radius
         return Envelope.of(flow.omega, flow.axial, flow.inplane, radius, percentiles)
 
@@ -386,7 +388,8 @@ def on_vehicle(
     values: Mapping[str, float],
     free: tuple[str, ...],
 ) -> VehicleLoads:
-    """All but gravity on the vehicle, from the loads (n, 6) of its rotors and slopes (P, n, 6)."""
+    """Return force and moment on the vehicle, without gravity, from the ``loads`` (n, 6) of all
+    rotors and their ``slopes`` (P, n, 6)."""
     scale = at_samples("thrust_scale", values, log)[:, None]
     slopes = scale * slopes
     for row, name in enumerate(free):
@@ -406,12 +409,12 @@ def on_vehicle(
 
 
 def six_loads(flow: HubFlow, loads: Floats) -> Floats:
-    """Force and moment (..., n, 6) of all rotors from loads (L, ..., n, m)."""
+    """Return the sum of forces and moments (..., n, 6) of all rotors with loads (L, ..., n, m)."""
     return np.concatenate(rotor_wrench(flow, loads), axis=-1)
 
 
 def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
-    """The hover model's force [N] and moment [N m] of all rotors on the vehicle; (n, 6)."""
+    """Return force [N] and moment [N m] (n, 6) of all rotors on the vehicle by the hover model."""
     known = hover.loads(flow.omega)
     return six_loads(flow, np.stack([known[name] for name in LOADS]))
 
@@ -420,11 +423,11 @@ def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
 # Forces of the body and the wing on the vehicle: section III.A and footnote 4.
 
 STEPS = dict.fromkeys(BODY, 1e-3) | {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
-"""Steps of central differences; the forces are linear in all but the last parameter."""
+"""Steps of central differences; the forces are linear in all parameters except the last."""
 
 
 def wing_values(vehicle: Vehicle) -> dict[str, float]:
-    """The wing's parameters by name, as the vehicle file gives them; none without a wing."""
+    """Return the parameters of the wing in the vehicle file by name; none without a wing."""
     if vehicle.wing is None:
         return {}
     return {name: getattr(vehicle.wing, name.removeprefix("wing_")) for name in WING}
@@ -433,10 +436,10 @@ def wing_values(vehicle: Vehicle) -> dict[str, float]:
 def body_force(
     vehicle: Vehicle, log: FlightLog, values: Mapping[str, float], free: tuple[str, ...]
 ) -> tuple[Floats, Floats]:
-    """Force (n, 3) [N] of body and wing in the vehicle's frame, and its derivatives (P, n, 3).
+    """Return the force (n, 3) [N] of body and wing in the vehicle frame, and derivatives (P, n, 3).
 
-    The body's parameters among ``values`` add to the vehicle file's. Derivatives are central
-    differences.
+    The parameters of the body in ``values`` add to those of the vehicle file.  Derivatives are
+    central differences.
     """
     force = _force(vehicle, log, values)
     slopes = np.zeros((len(free), *force.shape))
@@ -461,15 +464,15 @@ def _force(vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]) -> Flo
 
 
 # -------------------------------------------------------------------------------------------------
-# What an accelerometer away from the centre of mass, on a clock of its own, adds to a balance.
+# Effects of position, delay, tilt and bias of an accelerometer on the force balance.
 #
-# It reads a = a_cm + dw/dt x r + w x (w x r) of the vehicle that turns at w, r from the centre of
-# mass; and where its stamps are late by d, a(t - d), here a - d da/dt.  Turned by small angles q,
-# it reads a - q x a, and with a bias b more.
+# At r from the center of mass of a vehicle that turns at w, an accelerometer reads
+# a = a_cm + dw/dt x r + w x (w x r).  If its time stamps are late by d, it reads a(t - d), here
+# a - d da/dt.  If it is tilted by small angles q, it reads a - q x a.  A bias b adds to a.
 
 OFFSET = ("sensor_x", "sensor_y", "sensor_z")
 CLOCK = "clock_offset"
-CLOCK_DEVIATION = 0.01  # [s] beforehand; filters of sensors delay them by some milliseconds
+CLOCK_DEVIATION = 0.01  # prior standard deviation [s]; sensor filters delay by some milliseconds
 TILT = ("sensor_tilt_x", "sensor_tilt_y")
 BIAS = ("sensor_bias_x", "sensor_bias_y", "sensor_bias_z")
 
@@ -477,18 +480,19 @@ BIAS = ("sensor_bias_x", "sensor_bias_y", "sensor_bias_z")
 def sensor_force(
     vehicle: Vehicle, log: FlightLog, values: Mapping[str, float], free: tuple[str, ...]
 ) -> tuple[Floats, Floats]:
-    """Mass times what the sensor reads beyond the acceleration of the centre of mass [N]; slopes.
+    """Return mass times the excess of the accelerometer reading over the acceleration of the center
+    of mass [N] (n, 3), and slopes (P, n, 3).
 
-    Shapes are (n, 3) and (P, n, 3). The sensor's place among ``values`` adds to the vehicle file's,
-    which plays no part at steady operating points, as these have no time derivatives. Raises
-    ``InputError`` where a parameter acts and the log has no time derivatives.
+    The position in ``values`` adds to that of the vehicle file.  Steady operating points have no
+    time derivatives, so the vehicle file's position is ignored for them.  Raise an ``InputError``
+    if a parameter needs time derivatives and the log has none.
     """
     own = np.array([values.get(name, 0.0) for name in OFFSET])
     place, late = own + vehicle.sensor, at_samples(CLOCK, values, log)
     force, slopes = np.zeros((len(log), 3)), np.zeros((len(free), len(log), 3))
     for name, axis in (*zip(TILT, np.eye(3), strict=False), *zip(BIAS, np.eye(3), strict=True)):
         if name not in free and not values.get(name):
-            continue  # steady operating points have no accelerometer
+            continue  # steady operating points have no specific force
         turned = -np.cross(axis, log.specific_force) if name in TILT else axis
         force += vehicle.mass * values.get(name, 0.0) * turned
         if name in free:
@@ -498,8 +502,8 @@ def sensor_force(
     if not fitted and (points or not place.any()):
         return force, slopes
     if not np.isfinite(log.angular_acceleration).all():
-        found = "a sensor's place or clock acts on a log without time derivatives"
-        remedy = "fit whole flights with --method balance, or leave the sensor's parameters out"
+        found = "position and delay of the accelerometer need a log with time derivatives"
+        remedy = "fit whole flights with --method balance, or leave out the sensor parameters"
         raise InputError(found, remedy, log.source)
     rates, turning = log.rates, log.angular_acceleration
     by_place = [
@@ -517,15 +521,15 @@ def sensor_force(
 
 
 # -------------------------------------------------------------------------------------------------
-# The rotors' wakes on each other as parameters of a fit: axial flow added, and its derivatives.
+# Parameters of the effects of rotor wakes on other rotors.
 
 PREFIX = "wake_"
 
 
 def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
-    """The vehicle's wakes with those parameters of ``WAKES`` that are among ``values``.
+    """Return the wakes of the vehicle with the parameters of ``WAKES`` in ``values``.
 
-    None where neither has any: the rotors then do not act on each other.
+    Return None without wakes and parameters: then the rotors do not affect each other.
     """
     given = {name.removeprefix(PREFIX): values[name] for name in WAKES if name in values}
     if not given:
@@ -534,44 +538,44 @@ def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
 
 
 # -------------------------------------------------------------------------------------------------
-# A flight's thrust scale, from its own hover: battery, mass, and the scale of its motor speeds.
+# The thrust scale of a flight from its hover: effect of battery, mass and rotor speed errors.
 #
-# In hover a rotor's thrust goes as the square of its speed.  What thrust a flight measures there
-# per square of its rotor speeds, over that of all flights of a fit, is no matter of the model: it
-# is a scale of that flight's rotor speeds or forces, ``thrust_scale[FLIGHT]``, by which its rotor
-# loads are multiplied.
+# In hover, the thrust of a rotor is proportional to the square of its speed.  The hover ratio of a
+# flight is its measured thrust over the sum of squared rotor speeds.  It differs between flights by
+# errors of rotor speeds or forces, not of the model.  The hover ratio, divided by the ratio of all
+# flights of a fit, gives the factor ``thrust_scale[FLIGHT]`` on the rotor loads.
 
 SLOW, LEVEL_RATE, QUIET = 1.0, 0.5, 0.15
-"""A sample hovers below this speed [m/s] and rate [rad/s], its specific force within this share of
-gravity."""
+"""Limits of hover: speed [m/s], angular rate [rad/s], and difference of the specific force from
+gravity, as a share of gravity."""
 
 LEAST_HOVER = 0.5
-"""Duration of hover [s] that a scale needs."""
+"""Least duration of hover that determines a scale [s]."""
 
 NAME = "thrust_scale"
 
 OVER_FLIGHTS, IN_HOVER = 0.02, 0.01
-"""Standard deviation of flights' scales beforehand, without and with a hover of their own.
-Batteries, payloads and temperatures differ by so much; and by a hundredth do half seconds of one
-flight's hover, at its start and at its end: 0.7 and 1.2 % in the two of examples/neurobem."""
+"""Prior standard deviations of the scale, for flights without and with hover.  The first is the
+effect of batteries, payloads and temperatures.  The second is the difference between half seconds
+of hover at the start and end of a flight: 0.7 and 1.2 % in the two flights of examples/neurobem."""
 
 RANGE = (0.9, 1.1)
-"""Range of a scale; outside, mass or unit of the rotor speeds is wrong, and none is applied."""
+"""Range of scales that are applied; outside, the mass or the unit of the rotor speeds is wrong."""
 
 
 @dataclass(frozen=True)
 class HoverScale:
-    """Thrust scales of the flights of a log, from where each of them hovers."""
+    """Thrust scales of the flights of a log, from the hover of each flight."""
 
     flights: tuple[str, ...]  # names by number
-    # Thrust over the sum of the squares of the rotor speeds [N s^2], by number of each flight that
-    # hovers for long enough.
+    # Hover ratio: thrust over the sum of squared rotor speeds [N s^2], by number of the flight, for
+    # flights with enough hover.
     measured: Mapping[int, float]
-    reference: float | None  # of the flights of a fit [N s^2]; None where none of them hovers
+    reference: float | None  # hover ratio of the flights of a fit [N s^2]; None without hover
 
     @classmethod
     def of(cls, vehicle: Vehicle, log: FlightLog, reference: float | None = None) -> HoverScale:
-        """Find where the flights of a ``log`` hover; by default the reference is their mean."""
+        """Return the scales of a ``log``; the default ``reference`` is the mean hover ratio."""
         total = np.sum([mount.axis for mount in vehicle.mounts], axis=0)
         axis = total / max(float(np.linalg.norm(total)), 1e-9)
         still = (log.speed < SLOW) & (np.linalg.norm(log.rates, axis=1) < LEVEL_RATE)
@@ -593,7 +597,7 @@ class HoverScale:
 
     @property
     def scales(self) -> dict[str, float]:
-        """Scale by the flight's parameter, where it is within ``RANGE`` [-]."""
+        """Scales within ``RANGE`` [-], by the names ``thrust_scale[FLIGHT]``."""
         if not self.reference:
             return {}
         found = {
@@ -604,14 +608,14 @@ class HoverScale:
 
     @property
     def remarkable(self) -> dict[str, float]:
-        """Those that differ from 1 by more than a hover may by itself."""
+        """Scales that differ from 1 by more than two standard deviations of a hover."""
         return {name: one for name, one in self.scales.items() if abs(one - 1.0) > 2.0 * IN_HOVER}
 
     @property
     def priors(self) -> dict[str, Prior]:
-        """Prior of each flight's scale before a fit; none of one flight alone.
+        """Prior of the scale of each flight; empty for a single flight.
 
-        Alone, a flight's scale cannot be distinguished from the blade's thrust.
+        A fit to a single flight cannot separate its scale from the thrust of the blade.
         """
         if len(self.flights) < 2:
             return {}
@@ -620,7 +624,7 @@ class HoverScale:
         return {name: known.get(name, Prior(1.0, OVER_FLIGHTS)) for name in names}
 
     def reference_at(self, values: Mapping[str, float]) -> float | None:
-        """What a flight of scale 1 measures in hover [N s^2], by the scales that a fit found."""
+        """Return the hover ratio of a flight with scale 1 [N s^2], from the fitted ``values``."""
         each = [
             one / values.get(of_flight(NAME, self.flights[number]), 1.0)
             for number, one in self.measured.items()
@@ -629,18 +633,18 @@ class HoverScale:
 
 
 # -------------------------------------------------------------------------------------------------
-# Parameters that each flight of a log may have for itself: its thrust scale, its clock.
+# Parameters with one value per flight of a log: thrust scale and clock offset.
 
 
 def of_each(name: str, log: FlightLog) -> tuple[str, ...]:
-    """The parameter ``name`` of each flight of ``log``."""
+    """Return the names of the parameter ``name`` for each flight of ``log``."""
     return tuple(of_flight(name, flight) for flight in log.flights)
 
 
 def at_samples(name: str, values: Mapping[str, float], log: FlightLog) -> Floats:
-    """The parameter ``name``, of ``PER_FLIGHT``, of the flight of each sample; (n,).
+    """Return the parameter ``name`` of ``PER_FLIGHT`` at each sample (n,).
 
-    What is not given for a flight is what is given for all.
+    A flight without its own value has the value of all flights.
     """
     common = values.get(name, EVERY[name].start)
     each = [values.get(one, common) for one in of_each(name, log)]
@@ -648,9 +652,9 @@ def at_samples(name: str, values: Mapping[str, float], log: FlightLog) -> Floats
 
 
 def samples_of(name: str, values: Mapping[str, float], log: FlightLog) -> NDArray[np.bool_]:
-    """Which samples (n,) the parameter ``name`` acts on.
+    """Return whether the parameter ``name`` acts on each sample (n,).
 
-    Those of its flight, or of all flights that have none of their own among the ``values``.
+    A parameter without ``[FLIGHT]`` acts on all flights without their own entry in ``values``.
     """
     if general(name) == name:
         own = np.array([one in values for one in of_each(name, log)])
@@ -660,16 +664,16 @@ def samples_of(name: str, values: Mapping[str, float], log: FlightLog) -> NDArra
 
 
 def check_flights(names: Sequence[str], log: FlightLog) -> None:
-    """Raise ``InputError`` where one of these ``names`` is of a flight that ``log`` has not."""
+    """Raise an ``InputError`` if one of ``names`` refers to a flight that ``log`` does not have."""
     here = [one for name in PER_FLIGHT for one in of_each(name, log)]
     for name in names:
         if general(name) != name and name not in here:
-            remedy = f"name one of {', '.join(log.flights)}, or leave the brackets out for all"
-            raise InputError(f"{quoted(name)} is of no flight of these", remedy)
+            remedy = f"name one of {', '.join(log.flights)}, or omit the brackets for all flights"
+            raise InputError(f"{quoted(name)} names no flight of the logs", remedy)
 
 
 def of_others(values: Mapping[str, float]) -> dict[str, float]:
-    """Give flights that a fit has not seen the means of its flights' own ``values``."""
+    """Return ``values`` for other flights: the means over the flights of the fit."""
     found = dict(values)
     for name in PER_FLIGHT:
         mine = [value for one, value in values.items() if general(one) == name != one]

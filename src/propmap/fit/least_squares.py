@@ -1,4 +1,4 @@
-"""Bounded nonlinear least squares from several starts, eq. (18), and the rows that it sees."""
+"""Bounded nonlinear least squares from several starts, eq. (18), and the rows of a fit."""
 
 from __future__ import annotations
 
@@ -18,41 +18,41 @@ from propmap.errors import InputError
 from propmap.fit.parameters import Choice
 from propmap.typing import Floats
 
-NOISE_FLOOR = 1e-3  # least deviation of a residual over its scale, that of the computed loads
-SAME_MINIMUM = 1e-3  # distance of two ends of one minimum, in spreads
+NOISE_FLOOR = 1e-3  # least error of a residual over its scale: the numerical error of the loads
+SAME_MINIMUM = 1e-3  # largest distance of two ends of a minimum, in units of ``Parameter.spread``
 DIFFERENCE = 1e-5  # step of difference quotients, in spreads
 
-ON_BOUND = 1e-9  # distance from a bound, in spreads, that is none: searches stay inside
-EVALUATIONS, FINAL_EVALUATIONS = 20, 30  # at most, from each start and to polish
-FINE = 1e-6, 1e-8  # last relative steps and gains, above the derivatives' errors
-REFIT_EVALUATIONS = 6  # at most where a known minimum is followed, as in cross-validation
-FAR = 1.5  # standard deviations of a prior within which searches start
-MOST_UNSOLVED = 0.05  # share of the rows that may have no solution in the model
-ONE_OF_FEW = 0.2  # share of few rows that may have none where they are of one operating point
+ON_BOUND = 1e-9  # parameters closer to a bound, in spreads, are set to the bound
+EVALUATIONS, FINAL_EVALUATIONS = 20, 30  # most evaluations from each start, and of the polish
+FINE = 1e-6, 1e-8  # last relative steps and gains, above the errors of the derivatives
+REFIT_EVALUATIONS = 6  # most evaluations from a known minimum, as in cross-validation
+FAR = 1.5  # largest distance of a start from the prior mean, in standard deviations of the prior
+MOST_UNSOLVED = 0.05  # largest share of rows without a solution of the model
+ONE_OF_FEW = 0.2  # the same share for few rows, if the rows belong to one operating point
 
 
 class End(msgspec.Struct, frozen=True):
-    """Where a search from one start ended."""
+    """Start and end of one search."""
 
     start: Floats  # first and last parameters (P,)
     x: Floats = msgspec.field(name="end")
     cost: float  # half the sum of squares [-]
-    minimum: int = 1  # number of its minimum, from 1 for the best
+    minimum: int = 1  # number of the minimum; 1 is the best
 
 
 @dataclass(frozen=True)
 class Minimum:
-    """The best end of a search over M rows and P free parameters."""
+    """Best minimum of the searches over M rows and P free parameters."""
 
     x: Floats
-    residual: Floats  # (M,) as shares of their scales
+    residual: Floats  # (M,) as shares of the scales
     slopes: Floats  # derivatives (M, P) of the residuals
-    ends: tuple[End, ...]  # all ends, best first
-    unsolved: int  # rows that the model gave no value for
+    ends: tuple[End, ...]  # ends of all searches, best first
+    unsolved: int  # number of rows without a solution of the model
 
 
 class Evaluator:
-    """Residuals of a fit and their derivatives; ``unsolved`` rows at the last parameters."""
+    """Residuals of a fit, their derivatives, and the number of ``unsolved`` rows."""
 
     def __init__(self, rows: Rows, choice: Choice, error: float) -> None:
         self.rows, self.choice = rows, choice
@@ -60,7 +60,7 @@ class Evaluator:
         self.unsolved = 0
 
     def at(self, x: Floats, free: tuple[str, ...] | None = None) -> Evaluation:
-        """Residuals (M,) over scales, without priors, and derivatives (M, P) by ``free``."""
+        """Return residuals (M,) over scales, without priors, and derivatives (M, P) by ``free``."""
         rows = self.rows
         value, slope = rows.model(self.choice.values(x), self.choice.free if free is None else free)
         lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
@@ -70,20 +70,20 @@ class Evaluator:
         return residual, keep[:, None] * np.where(lost[:, None], 0.0, slope)
 
     def residual(self, x: Floats) -> Floats:
-        """Residuals (M,), with the priors' below."""
+        """Return the residuals (M + K,): M rows, then K priors."""
         return np.concatenate([self.at(x)[0], self.weight * self.choice.prior_residuals(x)[0]])
 
     def jacobian(self, x: Floats) -> Floats:
-        """Derivatives of ``residual`` (M + K, P)."""
+        """Return the derivatives (M + K, P) of ``residual``."""
         return np.concatenate([self.at(x)[1], self.weight * self.choice.prior_residuals(x)[1]])
 
     def computed(self, x: Floats) -> Floats:
-        """What ``residual`` gives, without derivatives, which take three times as long."""
+        """Return ``residual`` without computing derivatives, in a third of the time."""
         return np.concatenate([self.at(x, ())[0], self.weight * self.choice.prior_residuals(x)[0]])
 
     def difference_quotients(self, x: Floats) -> Floats:
-        """Difference quotients (M + K, P) of ``computed``; where inflow rises steeply they differ
-        from ``jacobian`` by some per cent, see docs/theory.md, known limits."""
+        """Return difference quotients (M + K, P) of ``computed``; they differ from ``jacobian`` by
+        some per cent for a steeply rising inflow, see "Known limits" in docs/theory.md."""
         from scipy.optimize import approx_fprime
 
         step = DIFFERENCE * self.choice.column("spread")
@@ -92,17 +92,17 @@ class Evaluator:
 
 
 def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
-    """Factor on the residuals of priors beside those of rows: the standard deviation ``error`` of a
-    residual where each row is a number of its own; whole flights, and rows beside what propellers
-    have in common, are worth ``rows.independent``."""
+    """Return the factor on the residuals of priors: ``error``, the standard deviation of a
+    residual, for independent rows.  With groups or a prior from other propellers it is larger,
+    because the rows count as only ``rows.independent`` measurements."""
     if choice.expected is None and rows.group is None:
         return error
     return error * float(np.sqrt(rows.counts.sum() / max(float(rows.independent.sum()), 1.0)))
 
 
 def starts(choice: Choice, count: int, seed: int) -> list[Floats]:
-    """The first guess, and ``count`` - 1 random starts within three spreads of it and ``FAR``
-    standard deviations from the mean of other propellers."""
+    """Return the first guess and ``count`` - 1 random starts, within three spreads of it and within
+    ``FAR`` standard deviations of a prior from other propellers."""
     away = np.random.default_rng(seed).uniform(-3.0, 3.0, (count - 1, len(choice.free)))
     away = away * choice.column("spread")
     if choice.expected is not None:
@@ -125,10 +125,13 @@ def search(
     follow: bool = False,
     polish: bool = True,
 ) -> Minimum:
-    """Find the best minimum over all starts, by ``loss`` "linear" or "soft_l1"; priors are weighed
-    against the ``error`` of a residual, twice it is an outlier. ``follow`` takes few steps from a
-    known minimum, else ``polish`` follows the best end to the last digit. ``InputError`` for too
-    few numbers and too many rows without solution."""
+    """Return the best minimum of the searches from all starts ``begin``.
+
+    The ``loss`` is "linear" or "soft_l1".  ``error`` is the standard deviation of a residual, which
+    sets the weight of priors; residuals above twice this value are outliers.  ``follow`` takes few
+    steps from a known minimum; otherwise ``polish`` refines the best end.  Raise an ``InputError``
+    for too few measurements, and for too many rows without a solution.
+    """
     from scipy.optimize import least_squares
 
     used = int(np.count_nonzero(rows.weight))
@@ -141,10 +144,10 @@ def search(
     lower, upper, spread = (choice.column(a) for a in ("lower", "upper", "spread"))
 
     def run(x0: Floats, most: int, step: float, gain: float, *, exact: bool = False) -> End:
-        # At the end of a search many steps are refused, whose derivatives nobody needs.
+        # A fine search rejects many steps; ``computed`` saves their derivatives.
         often_refused = step <= FINE[0]
         with warnings.catch_warnings():
-            # At a bound SciPy divides by a zero distance and goes on.
+            # At a bound, SciPy divides by a distance of zero and continues correctly.
             warnings.simplefilter("ignore", RuntimeWarning)
             found = least_squares(
                 evaluator.computed if often_refused else evaluator.residual,
@@ -170,8 +173,8 @@ def search(
         if len(begin) > 1:
             best = min(run(best.x, FINAL_EVALUATIONS, *FINE), best, key=_cost)
         if np.sqrt(2.0 * best.cost / used) < NOISE_FLOOR:
-            # So near to a perfect fit the errors of the derivatives would end the search early.
-            # Where priors or noise leave more than those errors, the first step gains little.
+            # So near to a perfect fit, errors of the derivatives would end the search early.  If
+            # priors or noise leave larger residuals, the first step gains little and ends it.
             best = min(run(best.x, FINAL_EVALUATIONS, 1e-12, 1e-4, exact=True), best, key=_cost)
     x = best.x
     for bound in (lower, upper):
@@ -185,7 +188,7 @@ def search(
 
 
 def _softened(rows: int, squares: Floats) -> Floats:
-    """SciPy's ``soft_l1`` of so many first squares; priors, which follow, are no outliers."""
+    """Return SciPy's loss ``soft_l1`` of the first ``rows`` squares; priors have a linear loss."""
     more = 1.0 + squares
     found = np.array([2.0 * (more**0.5 - 1.0), more**-0.5, -0.5 * more**-1.5])
     found[:, rows:] = [squares[rows:], np.ones(squares.size - rows), np.zeros(squares.size - rows)]
@@ -196,7 +199,7 @@ _cost = operator.attrgetter("cost")
 
 
 def minima(ends: list[End], spread: Floats) -> tuple[End, ...]:
-    """The ends by rising cost, each with the number of its minimum."""
+    """Return the ends in the order of rising cost, each with the number of its minimum."""
     bests: list[End] = []
     found = []
     for end in sorted(ends, key=_cost):
@@ -215,39 +218,41 @@ Evaluation = tuple[Floats, Floats]
 RowModel = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
 
 INDEPENDENT = 10.0
-"""Independent numbers that the rows of one load are worth at most, beside what is known of
-propellers in general: what a model or a stand gets wrong, neighbouring rows have in common."""
+"""Largest number of independent measurements as which the rows of one load count, with a prior
+from other propellers: adjacent rows share the errors of the model and of the test stand."""
 
-INDEPENDENT_AT_REST = 4.0  # at rest, where rows differ in rotational speed alone
-REMEMBERED = 16  # evaluations that are kept: more than one refit takes
+INDEPENDENT_AT_REST = 4.0  # the same for static rows, which differ only in rotational speed
+REMEMBERED = 16  # number of stored evaluations, more than one refit needs
 
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """M measured numbers of one or several kinds of load, and a model of them.
+    """M measured numbers of one or several loads, and a model of these numbers.
 
     Attributes
     ----------
     names, units : tuple of str
-        Names and units of each kind of load.
+        Name and unit of each load.
     measured : ndarray, shape (M,)
-        In the unit of the load.
+        Measured numbers, in the unit of the load.
     load : ndarray, shape (M,)
-        Index into ``names``.
+        Index of the load in ``names``.
     scale : ndarray, shape (M,)
-        By which residuals are divided before they are squared.
+        Divisor of each residual.
     speed : ndarray, shape (M,)
         Flight speed [m/s].
     point : ndarray, shape (M,)
-        Operating point of each number; points are drawn and left out as a whole.
+        Number of the operating point.  Bootstrap and cross-validation never split a point.
     group : ndarray, shape (M,), or None
-        Stretches within which errors may be correlated; None where every number errs by itself.
+        Number of the segment of a flight; errors within a segment may be correlated.  None for
+        independent errors.
     model : callable
-        From all parameters by name and the P free names: values (M,) and derivatives (M, P).
+        Function of all parameters by name and of the P free names; it returns values (M,) and
+        derivatives (M, P).
     weight : ndarray, shape (M,)
-        1, or how a row counts.
+        Factor on each residual, usually 1.
     part : callable, optional
-        From the indices of m rows a model of these alone; by default the rows of ``model``.
+        Function that returns a model of m rows from their indices; by default from ``model``.
     """
 
     names: tuple[str, ...]
@@ -273,11 +278,11 @@ class Rows:
         table: Callable[[NDArray[np.intp]], RowModel],
         group: NDArray[np.intp] | None = None,
     ) -> Rows:
-        """Make a row of each finite number in tables ``measured`` and ``scale`` (n, L) of loads
-        with these ``names`` and ``units`` at n points of ``speed`` and ``group`` (n,). From indices
-        of m points ``table`` gives a model: values (m, L) and derivatives (m, L, P)."""
+        """Return a row for each finite number in ``measured`` (n, L), with ``scale`` (n, L), at n
+        points with ``speed`` and ``group`` (n,).  For the indices of m points, ``table`` returns
+        a model with values (m, L) and derivatives (m, L, P)."""
         point, load = np.nonzero(np.isfinite(measured))
-        # A search is polished where it ended, and refits of parts of the data begin there.
+        # Polish and refits begin at the end of a search, so stored values save evaluations.
         whole: dict[Any, Evaluation] = {}
 
         def model_of(rows: NDArray[np.intp], found: dict[Any, Evaluation]) -> RowModel:
@@ -314,26 +319,26 @@ class Rows:
 
     @property
     def unit(self) -> NDArray[np.intp]:
-        """What is drawn and left out as a whole (M,): the group, or else the operating point."""
+        """Unit of bootstrap and cross-validation of each row (M,): its group or operating point."""
         return self.point if self.group is None else self.group
 
     def picked(self, table: Floats) -> Floats:
-        """The numbers (M,) of these rows in a ``table`` (n, L) of loads at the operating points."""
+        """Return the values (M,) of these rows from a ``table`` (n, L) of loads at all points."""
         return np.asarray(table[self.point, self.load])
 
     def of_load(self, load: int) -> NDArray[np.bool_]:
-        """Which rows (M,) are of the ``load`` of this index and have weight."""
+        """Return whether each row (M,) belongs to the load number ``load`` and has a weight."""
         return (self.load == load) & (self.weight > 0.0)
 
     @property
     def counts(self) -> NDArray[np.intp]:
-        """How many rows of each load (L,) have weight."""
+        """Number of rows with a weight, for each load (L,)."""
         return np.array([np.count_nonzero(self.of_load(k)) for k in range(len(self.names))])
 
     @property
     def independent(self) -> Floats:
-        """Independent numbers that each load's rows (L,) are worth: in flight one for each
-        group."""
+        """Number of independent measurements as which the rows of each load (L,) count; each group
+        counts as one."""
         parts = [self.of_load(k) for k in range(len(self.names))]
         if self.group is not None:
             return np.array([float(np.unique(self.group[part]).size) for part in parts])
@@ -341,7 +346,7 @@ class Rows:
         return np.minimum(self.counts, np.where(moving, INDEPENDENT, INDEPENDENT_AT_REST))
 
     def left(self, kept: NDArray[np.bool_]) -> Rows:
-        """Those rows that are ``kept``, shape (M,), with a model of these alone."""
+        """Return the rows where ``kept`` (M,) is true, with a model of only these rows."""
         rows = np.flatnonzero(kept)
         names = ("measured", "load", "scale", "speed", "point", "weight")
         columns = {name: getattr(self, name)[rows] for name in names}
@@ -356,44 +361,44 @@ class Rows:
 
 
 # -------------------------------------------------------------------------------------------------
-# How far a model is from measurements: over all rows and by speed.
+# Statistics of model minus measurement, over all rows and by speed.
 
 BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)  # edges of the bands of speed [m/s]
 
 
 class ResidualErrors(msgspec.Struct, frozen=True):
-    """Errors of one load, model minus measurement, in its unit; NaN where there is no number."""
+    """Statistics of the errors of one load, model minus measurement; NaN without rows."""
 
     rows: int
     rms: float
-    relative_rms: float  # over the root mean square of the measurements [-]
+    relative_rms: float  # divided by the root mean square of the measurements [-]
     bias: float  # mean
-    worst: float  # the error of largest magnitude, with its sign
-    hover_rms: float  # of the hover model's errors; NaN where it was not asked for
+    worst: float  # error of largest magnitude, with its sign
+    hover_rms: float  # error of the hover model; NaN if it was not computed
 
 
 class FlightErrors(msgspec.Struct, frozen=True):
-    """Errors of one load on one flight, model minus measurement, in its unit."""
+    """Statistics of the errors of one load in one flight, model minus measurement, in its unit."""
 
     rows: int
     rms: float
     bias: float
-    cross_validated_rms: float  # on stretches left out of the fit; NaN where it was not done
+    cross_validated_rms: float  # from fits without the segment; NaN without cross-validation
 
 
 def rms(values: Floats) -> float:
-    """Root mean square of all values, in their unit."""
+    """Return the root mean square of all values, in their unit."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 def rms_known(values: Floats) -> float:
-    """Root mean square of those values that are known; NaN where none is."""
+    """Return the root mean square of the finite values; NaN if there are none."""
     known = values[np.isfinite(values)]
     return rms(known) if known.size else float("nan")
 
 
 def errors(model: Floats, measured: Floats, hover: Floats | None = None) -> ResidualErrors:
-    """Statistics of the errors over all numbers (n,) that are both measured and modelled."""
+    """Return the statistics of the errors where both ``model`` and ``measured`` (n,) are finite."""
     both = np.isfinite(model) & np.isfinite(measured)
     if not both.any():
         return ResidualErrors(0, *(5 * (np.nan,)))
@@ -412,7 +417,7 @@ def errors(model: Floats, measured: Floats, hover: Floats | None = None) -> Resi
 def by_band(
     model: Floats, measured: Floats, speed: Floats, hover: Floats | None = None
 ) -> dict[str, ResidualErrors]:
-    """Errors in each band of speed that has numbers, by a name such as "3-6 m/s"."""
+    """Return the errors in each band of speed with rows, by a name such as "3-6 m/s"."""
     found = {}
     for low, high in itertools.pairwise(BANDS):
         mine = (speed >= low) & (speed < high)
@@ -425,16 +430,16 @@ def by_band(
 
 @dataclass(eq=False)
 class RowsElsewhere:
-    """``rows`` and what goes with them, to be sent to workers, where ``remake`` gives the rows
-    again as models cannot be sent; None where no other process works."""
+    """``rows`` for workers in other processes, where ``remake`` makes the rows again, because
+    models cannot be sent; ``remake`` is None if no other process works."""
 
     rows: Rows
     remake: Callable[[], Rows] | None
 
     def __getstate__(self) -> dict[str, Any]:
         if self.remake is None:
-            found = "workers in other processes cannot be sent the rows of a fit"
-            raise InputError(found, "give remake, which makes the rows there")
+            found = "the rows of a fit cannot be sent to workers in other processes"
+            raise InputError(found, "give remake, a function that makes the rows there")
         return {key: value for key, value in vars(self).items() if key != "rows"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

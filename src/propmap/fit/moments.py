@@ -1,13 +1,13 @@
-"""What turns a vehicle, and what moments a fit makes of the air's forces and the rotors' spin.
+"""Moment balance of a vehicle in flight: measured moments, and the moments of a fit.
 
-About a vehicle's centre of mass, with its inertia J and with rotors of inertia I_r and spin s_i
-about axes a_i, the air's moment is
+The vehicle has the inertia J and rotors of inertia I_r with spin s_i about the axes a_i.  The
+aerodynamic moment about its center of mass is
 
     M = J dw/dt + w x J w + I_r sum_i s_i (dOmega_i/dt a_i + Omega_i w x a_i) .
 
-A force F acts on a centre of mass that is at c in the vehicle file's frame with M - c x F.  What
-arms and inertia are in truth, and what the air does to the differences of the rotors' thrusts and
-torques, are factors on all of it: one about x and y, one about z.
+For a center of mass at c in the frame of the vehicle file, a force F changes M by -c x F.  Two
+factors on the modeled moment, one about x and y and one about z, correct errors of arms and
+inertia, and the effect of the flow on differences between the rotors.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wakes import HubFlow
 
-CENTRE = ("centre_x", "centre_y", "centre_z")
+CENTER = ("center_x", "center_y", "center_z")
 ROTOR_INERTIA = "rotor_inertia"
 FACTORS = {
     "moment_scale_xy": np.array([1.0, 1.0, 0.0]),
     "moment_scale_z": np.array([0.0, 0.0, 1.0]),
 }
-"""About which axes they act."""
+"""Axes on which the factors act."""
 
 
 def measured_moment(vehicle: Vehicle, log: FlightLog) -> Floats:
-    """Moment that turns the frame, J dw/dt + w x J w [N m]; (n, 3), NaN where it is not known.
+    """Return the moment that turns the frame, J dw/dt + w x J w [N m]; (n, 3).
 
-    It takes moments of inertia and the log's time derivatives.
+    NaN for a vehicle without moments of inertia and for a log without time derivatives.
     """
     if vehicle.inertia is None:
         return np.full_like(log.rates, np.nan)
@@ -51,24 +51,24 @@ def moment_of_all(
     values: Mapping[str, float],
     free: tuple[str, ...],
 ) -> tuple[Floats, Floats]:
-    """Moment (n, 3) [N m] about the centre of mass, as ``measured_moment`` has it; slopes.
+    """Return the modeled counterpart (n, 3) [N m] of ``measured_moment``, and slopes (P, n, 3).
 
-    The parameters of ``TURNING`` among ``values`` add to the vehicle file's.  ``loads`` (n, 6) are
-    the air's force on the vehicle [N] and the rotors' moment about the file's centre of mass [N m],
-    ``slopes`` (P, n, 6) their derivatives, and those of the moment are (P, n, 3).
+    The parameters of ``TURNING`` in ``values`` add to the values of the vehicle file.  ``loads``
+    (n, 6) contains the aerodynamic force on the vehicle [N] and the moment of the rotors about the
+    center of mass of the file [N m], ``slopes`` (P, n, 6) the derivatives of ``loads``.
     """
     force, by_force = loads[:, :3], slopes[..., :3]
-    centre = np.array([values.get(name, 0.0) for name in CENTRE])
+    center = np.array([values.get(name, 0.0) for name in CENTER])
     spun = flow.spin[:, None] * flow.axis
     momentum = flow.omega @ spun
     reaction = -(np.nan_to_num(log.rotor_acceleration) @ spun + np.cross(log.rates, momentum))
     heavy = vehicle.rotor_inertia + values.get(ROTOR_INERTIA, 0.0)
-    moment = loads[:, 3:] - np.cross(centre, force) + heavy * reaction
+    moment = loads[:, 3:] - np.cross(center, force) + heavy * reaction
     scale = sum(values.get(name, 1.0) * axes for name, axes in FACTORS.items())
-    by = slopes[..., 3:] - np.cross(centre, by_force)
+    by = slopes[..., 3:] - np.cross(center, by_force)
     for row, name in enumerate(free):
-        if name in CENTRE:
-            by[row] -= np.cross(np.eye(3)[CENTRE.index(name)], force)
+        if name in CENTER:
+            by[row] -= np.cross(np.eye(3)[CENTER.index(name)], force)
         elif name == ROTOR_INERTIA:
             by[row] += reaction
     by = scale * by

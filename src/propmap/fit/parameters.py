@@ -1,4 +1,4 @@
-"""What a fit may vary: names, bounds, first guesses, the user's choice, and priors."""
+"""Parameters of fits: names, bounds, first guesses, the user's choice, and priors."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from propmap.typing import Floats
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter in ``unit``, its bounds and first guess, the paper's x0 where it has one."""
+    """One parameter: first guess (x0 of the paper, if any), bounds and spread in ``unit``."""
 
     unit: str
     start: float
     lower: float
     upper: float
-    # By how much real propellers or vehicles differ: the unit in which sensitivities are compared.
-    # A parameter is identified where its 95 % interval is no wider.
+    # Typical difference between propellers or vehicles, and the unit of sensitivities.  A parameter
+    # is identified if its 95 % interval is not wider than this.
     spread: float
     meaning: str
 
@@ -37,7 +37,7 @@ SECTION = {
     name: Parameter(constant.unit, *constant.fit, constant.meaning)
     for name, constant in CONSTANTS.items()
     if constant.fit is not None
-}  # parameters of the section law; x0 of (18) is that of the first four
+}  # parameters of the section law; the first four have x0 of (18) as first guess
 
 _TABLES = tomllib.loads(Path(__file__).with_name("parameters.toml").read_text(encoding="utf-8"))
 
@@ -48,38 +48,38 @@ def _listed(table: str) -> dict[str, Parameter]:
 
 MOUNT = _listed("mount")
 INSTALLED = _listed("installed") | MOUNT
-"""The correction ``installed``, the model's own where it is neither free nor fixed."""
+"""Parameters of the correction ``installed``; the model has the values that a fit does not set."""
 
-FLEX = _listed("flex")  # the model's own where it is neither free nor fixed
-ROTOR = SECTION | FLEX | INSTALLED  # what changes the loads of a rotor at a given flow
+FLEX = _listed("flex")  # the model has the value that a fit does not set
+ROTOR = SECTION | FLEX | INSTALLED  # parameters that change the loads of a rotor in a given flow
 BODY, WING, SENSOR, TURNING = map(_listed, ("body", "wing", "sensor", "turning"))
-WAKES = _listed("wakes")  # what is neither free nor fixed is the vehicle file's
+WAKES = _listed("wakes")  # the vehicle file has the values that a fit does not set
 FLIGHT, THROTTLE = _listed("flight"), _listed("throttle")
 ROTOR_SPEED = "rotor_speed_scale"
 BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
-"""What acts in flight alone, without the wing's: the table ``[fit.body]`` of a fit's file."""
+"""Parameters that act only in flight, without the wing: the table ``[fit.body]`` of fit files."""
 
-PER_FLIGHT = ("thrust_scale", "clock_offset")  # named as ``thrust_scale[FLIGHT]``
+PER_FLIGHT = ("thrust_scale", "clock_offset")  # one per flight, as in ``thrust_scale[FLIGHT]``
 
 EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
 _NOT_ALWAYS = FLEX | INSTALLED | WAKES | THROTTLE
 FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in _NOT_ALWAYS}
 
 
-LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")  # forces are linear in these
+LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")  # forces are linear in these parameters
 
 
 def constants_of(section: Section) -> Airfoil:
-    """The section law if it has the parameters of ``SECTION``; refuse a section table."""
+    """Return the section law if it has the parameters of ``SECTION``; refuse a section table."""
     if isinstance(section, Airfoil):
         return section
-    found = f"{section.name!r} is no set of constants such as c_l1"
-    raise InputError(found, "a fit and a simulated flight need constants: give a parameter set")
+    found = f"{section.name!r} is a section table, without constants such as c_l1"
+    raise InputError(found, "give a parameter set: fits and simulated flights need constants")
 
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of a parameter beforehand.
+    """Normal prior distribution of a parameter.
 
     Attributes
     ----------
@@ -92,25 +92,25 @@ class Prior:
 
 
 IN_FLIGHT = {name: Prior(*known) for name, known in _TABLES["in_flight"].items()}
-"""What is known of some parameters before a fit of whole flights, of vehicles of any size."""
+"""Priors in fits of whole flights that do not depend on the size of the vehicle."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Which parameters are free, and what holds the others.
+    """Free parameters, fixed parameters, priors and starts of a fit.
 
     Attributes
     ----------
     free : tuple of str
-        Names, in order.
+        Names of the free parameters, in order.
     fixed : mapping of str to float
-        Values of any others that are not at their first guess.
+        Values of other parameters; parameters without a value have their first guess.
     priors : mapping of str to Prior
         Priors of free parameters.
     start : mapping of str to float
-        Values to start from first, where these are not the first guesses.
+        Values from which the first search starts, instead of the first guesses.
     expected : SectionPrior, optional
-        Prior, from other propellers, of the free section constants that have none of their own.
+        Prior from other propellers, for the free section constants without an entry in ``priors``.
 
     Raises
     ------
@@ -126,7 +126,7 @@ class Choice:
 
     def __post_init__(self) -> None:
         if not self.free:
-            raise InputError("no parameter is free", f"name some of {', '.join(EVERY)}")
+            raise InputError("no parameter is free", f"name one or more of {', '.join(EVERY)}")
         for name in (*self.free, *self.fixed, *self.priors, *self.start):
             known(name)
         for name in self.free:
@@ -136,11 +136,11 @@ class Choice:
                 raise InputError(f"{name} is both free and fixed", "choose one")
         for name, prior in self.priors.items():
             if name not in self.free:
-                raise InputError(f"{name} has a prior but is not free", "add it to the free ones")
+                raise InputError(f"{name} has a prior but is not free", f"free {name} as well")
             if not np.isfinite(prior.mean):
-                raise InputError(f"the prior of {name} has no number as mean", "give one")
+                raise InputError(f"the prior of {name} has no finite mean", "give a number")
             if not prior.deviation > 0.0:
-                found = f"the prior of {name} has the deviation {prior.deviation:g}"
+                found = f"the prior of {name} has the standard deviation {prior.deviation:g}"
                 raise InputError(found, "give one above zero, as in c_l2=2.0:0.3")
         for name, value in (*self.fixed.items(), *self.start.items()):
             p = described(name)
@@ -149,28 +149,28 @@ class Choice:
                 raise InputError(fault, f"give a value from {p.lower:g} to {p.upper:g}")
 
     def values(self, x: Floats) -> dict[str, float]:
-        """All parameters by name.
+        """Return all parameters by name.
 
         Parameters
         ----------
         x : ndarray, shape (P,)
-            The free ones.
+            Values of the free parameters.
         """
         return {**FIRST_GUESS, **self.fixed, **dict(zip(self.free, x.tolist(), strict=True))}
 
     def column(self, attribute: str) -> Floats:
-        """An ``attribute`` (P,) of the free parameters."""
+        """Return an ``attribute`` of ``Parameter``, for all free parameters (P,)."""
         return np.array([getattr(described(name), attribute) for name in self.free])
 
     def prior_of(self, name: str) -> Prior | None:
-        """The prior of the free parameter ``name``; None without one."""
+        """Return the prior of the free parameter ``name``; None without a prior."""
         if name in self.priors or self.expected is None:
             return self.priors.get(name)
         found = self.expected.of_constant(name)
         return Prior(*found) if found else None
 
     def prior_residuals(self, x: Floats) -> tuple[Floats, Floats]:
-        """Distances (K,) of ``x`` (P,) from K priors, in deviations, and slopes (K, P)."""
+        """Return the residuals (K,) of K priors at ``x`` (P,), of unit variance; slopes (K, P)."""
         own = [k for k, name in enumerate(self.free) if name in self.priors]
         given = [self.priors[self.free[k]] for k in own]
         deviation = np.array([p.deviation for p in given])
@@ -188,62 +188,62 @@ class Choice:
 
     @property
     def first(self) -> Floats:
-        """Where the search starts (P,)."""
+        """Start of the first search (P,)."""
         return np.array([self.start.get(name, described(name).start) for name in self.free])
 
 
 def general(name: str) -> str:
-    """``name`` without the flight that it is of, if it is of one."""
+    """Return ``name`` without its suffix ``[FLIGHT]``, if any."""
     head, bracket, flight = name.partition("[")
     return head if bracket and head in PER_FLIGHT and flight[:-1] and flight[-1] == "]" else name
 
 
 def of_flight(name: str, flight: str) -> str:
-    """The parameter ``name`` of one ``flight``."""
+    """Return the name of the parameter ``name`` of one ``flight``."""
     return f"{name}[{flight}]"
 
 
 def described(name: str) -> Parameter:
-    """The parameter of this ``name``, be it of one flight or of all."""
+    """Return the parameter called ``name``, with or without a suffix ``[FLIGHT]``."""
     return EVERY[general(name)]
 
 
 def known(name: str) -> str:
-    """``name`` if it is a parameter's; raises ``InputError`` with the closest ones otherwise."""
+    """Return ``name`` if it is a parameter; raise ``InputError`` with similar names otherwise."""
     if general(name) not in EVERY:
         close = difflib.get_close_matches(name, EVERY, n=2) or list(EVERY)
         raise InputError(f"{quoted(name)} is not a parameter", f"choose from {', '.join(close)}")
     return name
 
 
-SMALLEST = 1e-6  # for a constant at its bound of 0, whose logarithm is infinitely far
+SMALLEST = 1e-6  # replaces constants at their bound of 0, which have no logarithm
 
 LEAST_ERROR = 0.03
-"""Standard deviation of residuals at least, as a share of their scale, where such a prior is
-weighed against them: no stand and no model is better, however well few rows are fitted.  With it,
-after a fit to static rows, a propeller's rows in flight lie within their intervals as often as they
-should: ``python -m tools.after_static``."""
+"""Least standard deviation of residuals as a share of their scale, in fits with a ``SectionPrior``.
+No stand and no model is better, even if a fit to few rows leaves less.  With this value, the right
+share of a propeller's flight rows lies in the intervals after a fit to its static rows: ``python -m
+tools.after_static``."""
 
 LEAST_IN_FLIGHT = 0.01
-"""That of the forces in whole flights, as a share of the weight: across the flight they are a few
-hundredths of it themselves, and stretches of a second already count what samples have in common."""
+"""``LEAST_ERROR`` of the forces in whole flights, as a share of the weight.  It is smaller because
+side forces are a few hundredths of the weight, and segments already count correlated samples."""
 
 
 @dataclass(frozen=True, eq=False)
 class SectionPrior:
-    """A distribution of section constants over propellers, as the prior of one of them.
+    """Distribution of section constants over propellers, as the prior of one propeller.
 
-    The constants are not independent of each other: it is the angle of least drag from the chord
-    line that propellers have in common, so that ``drag_angle`` falls as ``zero_lift_angle`` rises.
+    The constants are correlated.  Propellers have a similar angle of least drag from the chord
+    line, so that ``drag_angle`` falls as ``zero_lift_angle`` rises.
 
     Attributes
     ----------
     distribution : PopulationPrior
         Distribution of the coordinates of the constants.
     airfoil : Airfoil
-        The most likely constants.
+        Most likely constants.
     source : str
-        One line that says of which propellers this is.
+        One line that names the propellers of the distribution.
     """
 
     distribution: PopulationPrior
@@ -251,8 +251,8 @@ class SectionPrior:
     source: str
 
     def z_scores(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """Standard deviations (P,) between coordinates and means of constants ``values`` by name,
-        in the order of ``PARAMETERS``, and derivatives (P, P)."""
+        """Return the z-scores (P,) of the coordinates of the constants ``values``, in the order of
+        ``PARAMETERS``, and their derivatives (P, P)."""
         constants = np.array([values[name] for name in PARAMETERS])
         inside = np.where(LOGARITHMIC, np.maximum(constants, SMALLEST), constants)
         place = coordinates(inside)
@@ -261,15 +261,15 @@ class SectionPrior:
         return (place - self.distribution.mean) / deviation, slopes
 
     def penalty(self, values: Mapping[str, float], kept: Sequence[int]) -> tuple[Floats, Floats]:
-        """Numbers (K,) independent and of variance 1 beforehand, of the coordinates ``kept`` at the
-        constants ``values`` by name; their slopes (K, 7)."""
+        """Return residuals (K,) of the coordinates ``kept``, independent and of variance 1 in this
+        distribution, at the constants ``values``, and their slopes (K, 7)."""
         scores, slopes = self.z_scores(values)
         own = list(kept)
         root = np.linalg.cholesky(self.distribution.correlation[np.ix_(own, own)])
         return np.linalg.solve(root, scores[own]), np.linalg.solve(root, slopes[own])
 
     def of_constant(self, name: str) -> tuple[float, float] | None:
-        """Mean and standard deviation of the constant ``name``; None where there is none."""
+        """Return mean and standard deviation of the constant ``name``; None for another name."""
         if name not in PARAMETERS:
             return None
         k = PARAMETERS.index(name)

@@ -1,4 +1,4 @@
-"""Loads measured on a bench or in a tunnel: files, and rows to fit."""
+"""Loads measured on a bench or in a wind tunnel: files, and rows for fits."""
 
 from __future__ import annotations
 
@@ -49,15 +49,15 @@ class TunnelData:
     Attributes
     ----------
     source : str
-        Where they are from, for reports.
+        Name of the data in reports.
     omega, speed, beta : ndarray, shape (n,)
         Rotational speed [rad/s], flight speed [m/s], angle to the axis [rad].
     loads : mapping of str to ndarray, shape (n,)
-        By their names in ``propmap.loads.LOADS`` [N], [N m]; NaN where not measured.
+        Loads by the names of ``propmap.loads.LOADS`` [N], [N m]; NaN if not measured.
     remarks : tuple of str
-        What was taken for what, and what are no measurements.
+        Notes on the interpretation of columns, and on values that are not measured loads.
     by_power : bool
-        Whether the torque is that of a power.
+        Whether the torque was computed from a power.
     """
 
     source: str
@@ -73,7 +73,7 @@ class TunnelData:
 
     @property
     def folded_beta(self) -> Floats:
-        """beta brought to 0...pi [rad] (n,): beta and 2 pi - beta have the same loads."""
+        """Angle beta in 0...pi [rad] (n,); beta and 2 pi - beta have the same loads."""
         return np.abs(np.remainder(self.beta + np.pi, 2.0 * np.pi) - np.pi)
 
     @property
@@ -83,14 +83,14 @@ class TunnelData:
         return self.omega, self.speed * np.cos(self.beta), across
 
     def picked(self, which: NDArray[Any]) -> TunnelData:
-        """Keep the rows ``which``, numbers of them or a mask."""
+        """Return the rows ``which``, given as indices or as a mask."""
         loads = {name: values[which] for name, values in self.loads.items()}
         flow = self.omega[which], self.speed[which], self.beta[which]
         return TunnelData(self.source, *flow, loads)
 
 
 def merged(parts: Sequence[TunnelData]) -> TunnelData:
-    """Join several sets to one."""
+    """Return the data of all ``parts`` as one set."""
     names = [name for name in LOADS if any(name in part.loads for part in parts)]
 
     def column(part: TunnelData, name: str) -> Floats:
@@ -105,18 +105,18 @@ def merged(parts: Sequence[TunnelData]) -> TunnelData:
 
 
 def first_guess() -> Airfoil:
-    """The section law at x0 of (18)."""
+    """Return the section law with the constants x0 of (18)."""
     start: Any = {name: FIRST_GUESS[name] for name in SECTION}
     return Airfoil(**start)
 
 
 def section_with(base: Section, values: Mapping[str, float]) -> Airfoil:
-    """The section law with the section parameters among ``values``."""
+    """Return the section law ``base`` with the constants of ``SECTION`` in ``values``."""
     return constants_of(base).with_parameters(**{n: values[n] for n in SECTION if n in values})
 
 
 def model_with(model: Model, values: Mapping[str, float]) -> Model:
-    """The model with the parameters of ``ROTOR`` among ``values``."""
+    """Return the ``model`` with the parameters of ``ROTOR`` in ``values``."""
     model = model.with_airfoil(section_with(model.airfoil, values))
     if "untwist" in values:
         model = model.with_correction(BladeUntwist(values["untwist"]))
@@ -128,7 +128,7 @@ def model_with(model: Model, values: Mapping[str, float]) -> Model:
 
 
 def rotor_with(model: Model, values: Mapping[str, float], setting: str) -> Rotor:
-    """A rotor of ``model_with`` of this accuracy."""
+    """Return the rotor of ``model_with`` with the accuracy ``setting``."""
     return Rotor(model_with(model, values), accuracy=setting)
 
 
@@ -141,33 +141,33 @@ def tunnel_rows(
     weights: Mapping[str, float] | None = None,
     setting: str = "standard",
 ) -> Rows:
-    """Rows to fit from loads measured on a bench or in a tunnel.
+    """Return rows from loads measured on a bench or in a wind tunnel.
 
-    Residuals are compared as coefficients, relative to rho Omega^2 R^4 (R^5 for moments), because
-    that is how measurement errors scale over a sweep of rotational speed; each load by the root
-    mean square of its own measured coefficient, divided by its weight.  Where rows are weighed
-    against the prediction from other propellers, half of an error is taken to be the load cell's,
-    which is the same in all rows: at low rotational speed that is most of it.
+    Residuals are compared as coefficients, that is divided by rho Omega^2 R^4 (R^5 for moments),
+    because measurement errors grow in this way with rotational speed.  The scale of a load is the
+    root mean square of its measured coefficient, divided by its weight.  With a prior from other
+    propellers, half of each error belongs to the load cell and is equal in all rows.  At low
+    rotational speed, this half is most of the error.
 
     Parameters
     ----------
     model : Model
-        Model of the test; its section law gives what no parameter of a fit does.
+        Model of the test; its section law provides the constants that no fit varies.
     data : TunnelData
-        What was measured.
+        Measured loads.
     choice : Choice
-        Which parameters are free.
+        Free parameters, fixed parameters and priors.
     loads : sequence of str
-        Names of those to fit; by default all that were measured.
+        Names of the loads to fit; by default all measured loads.
     weights : mapping of str to float, optional
-        How often the residuals of a load count, where that is not once.
+        Factors on the residuals of loads (default: 1).
     setting : str
         Accuracy of the loads, as in ``Rotor``.
 
     Raises
     ------
     InputError
-        For a load that was not measured and for a parameter that does not act.
+        For a load that was not measured, and for a free parameter without effect.
     """
     names, weights = tuple(loads) or tuple(n for n in LOADS if n in data.loads), weights or {}
     _check(data, choice, names, weights)
@@ -181,7 +181,7 @@ def tunnel_rows(
     for name, value in zip(names, np.ravel(typical), strict=True):
         if value == 0.0:
             fault = f"every value of {name} is zero"
-            raise InputError(fault, "leave it out, by --loads", data.source)
+            raise InputError(fault, "name only other loads with --loads", data.source)
     scale = typical * size
     if choice.expected is not None:
         scale = np.hypot(scale, scale.max(axis=0))
@@ -206,7 +206,7 @@ def _check(
 ) -> None:
     useless = [n for n in choice.free if general(n) in BODY | WING | SENSOR | WAKES | FLIGHT]
     if useless:
-        raise InputError(f"{useless[0]} has no part in a tunnel test", "fit it from flight")
+        raise InputError(f"{useless[0]} has no effect in a tunnel test", "fit it to flights")
     for name in names:
         if name not in LOADS:
             raise InputError(f"{name!r} is not a load", f"choose from {', '.join(LOADS)}")
@@ -226,17 +226,17 @@ def _check(
 
 
 def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
-    """What the hover model with this rotor's constants says of the rows (M,) made of ``data``."""
-    loads = HoverModel.of(rotor).loads(data.omega)
+    """Return the hover model of the ``rotor`` for the ``rows`` (M,) made from ``data``."""
+    loads = HoverModel.from_rotor(rotor).loads(data.omega)
     return rows.picked(np.stack([loads[name] for name in rows.names], axis=1))
 
 
 # -------------------------------------------------------------------------------------------------
-# DATA arguments of tunnel fits and checks: CSV files, UIUC files, names of the catalogue.
+# DATA arguments of tunnel fits and checks: CSV files, UIUC files, catalogue names.
 
 
 def sources(data: Sequence[str]) -> list[Path | str]:
-    """Files as paths, measurements of the catalogue by name; ``InputError`` for neither."""
+    """Return files as paths and catalogue measurements as names; ``InputError`` for others."""
     known = measurement_names()
     found: list[Path | str] = []
     for item in data:
@@ -251,19 +251,19 @@ def sources(data: Sequence[str]) -> list[Path | str]:
 
 
 def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelData:
-    """Read all ``data`` as one set; coefficients become loads with this propeller and air."""
+    """Return all ``data`` as one set; propeller and air convert coefficients to loads."""
     return merged([_read(item, propeller, air) for item in sources(data)])
 
 
 def tunnel_warnings(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
-    """Say how files were read and what does not fit the propeller; ``InputError`` for impossible
-    loads or points."""
+    """Return notes on the interpretation of files, and warnings of data that do not fit the
+    propeller; raise an ``InputError`` for impossible loads or points."""
     parts = [_read(item, propeller, air) for item in sources(data)]
     return [text for part in parts for text in data_warnings(part, propeller, air)]
 
 
 def data_warnings(data: TunnelData, propeller: Propeller, air: Air) -> list[str]:
-    """Say of one file what ``tunnel_warnings`` says of all."""
+    """Return the texts of ``tunnel_warnings`` for one file."""
     points = data.omega, data.speed, data.beta
     with located(data.source):
         warnings = point_warnings(propeller, *points)
@@ -272,18 +272,19 @@ def data_warnings(data: TunnelData, propeller: Propeller, air: Air) -> list[str]
 
 
 def measured_in_catalogue(name: str, air: Air) -> TunnelData:
-    """The measurement of the catalogue called ``name``, as loads in this ``air``."""
+    """Return the catalogue measurement called ``name``, as loads in this ``air``."""
     m = measurement(name)
-    # As published they are coefficients at this density.
+    # The catalogue contains loads at the density of the measurement.
     loads = {n: v * (air.density / m.air_density) for n, v in m.loads.items()}
     return TunnelData(name, m.omega, m.speed, m.beta, loads)
 
 
-SAME_POWER = 0.03  # share within which a power is that of voltage and current
+SAME_POWER = 0.03  # largest relative difference between electrical power and voltage times current
 
 
 def measured_loads(path: Path, *, at_rest: bool = False) -> Callable[[Propeller, Air], TunnelData]:
-    """Read loads now, of a test ``at_rest`` or not; coefficients take propeller and air later."""
+    """Read loads of a test, ``at_rest`` or not; return a function of propeller and air, which
+    converts coefficients."""
     if looks_like_coefficients(path):
         return functools.partial(_of_coefficients, path.name, read_coefficients(path))
     further = (*LOAD_COLUMNS, "power_W", "voltage_V", "current_A")
@@ -291,16 +292,16 @@ def measured_loads(path: Path, *, at_rest: bool = False) -> Callable[[Propeller,
     electrical = columns.pop("voltage_V", np.nan) * columns.pop("current_A", np.nan)
     power, omega = columns.pop("power_W", None), points.rpm * RPM
     if power is not None and np.mean(np.isclose(power, electrical, rtol=SAME_POWER)) > 0.5:
-        remarks.append("power is voltage times current, electrical and not of the shaft: not used")
+        remarks.append("power equals voltage times current: it is electrical and not used")
         power = None
     loads = {LOAD_COLUMNS[name]: values for name, values in columns.items()}
     if power is not None:
-        remarks.append("power is taken to be the shaft's, not the battery's")
+        remarks.append("power is assumed to be shaft power, not battery power")
         unknown = np.full_like(omega, np.nan)
         loads["torque"] = np.divide(power, omega, out=unknown, where=omega > 0.0)
     if not loads:
         known = ", ".join((*LOAD_COLUMNS, "power_W"))
-        remedy = f"add one of {known}; power is that of the shaft"
+        remedy = f"add one of {known}; power_W is shaft power"
         found = "; ".join(("there is no column with a load", *remarks))
         raise InputError(found, remedy, str(path))
     beta = np.radians(points.beta_deg)

@@ -1,4 +1,4 @@
-"""How well a fit determines its parameters: intervals within bounds, errors that come in blocks."""
+"""Uncertainty of fitted parameters: intervals within bounds, and errors correlated in blocks."""
 
 from __future__ import annotations
 
@@ -12,39 +12,38 @@ from propmap.fit.least_squares import NOISE_FLOOR, Evaluator, Minimum, Rows, wei
 from propmap.fit.parameters import LEAST_ERROR, LINEAR, Choice, described, general
 from propmap.typing import Floats
 
-AT_BOUND = 1e-6  # distance from a bound, in spreads, within which the bound holds a parameter
+AT_BOUND = 1e-6  # largest distance from a bound, in spreads, at which the bound holds a parameter
 
-HELD_BY_PRIOR = 0.7  # share of the prior deviation above which it says more than the data
-LARGEST_STRETCH = 4.0  # of an interval at most, which identifies nothing then
+HELD_BY_PRIOR = 0.7  # standard deviation over that of the prior, above which the prior dominates
+LARGEST_STRETCH = 4.0  # largest factor on one side of an interval
 
 NEGLIGIBLE = 1e-6
-"""Singular value, relative to the largest, below which data say nothing of a direction: its
-square has to stand above the rounding errors of the largest one's."""
+"""Singular value over the largest, below which data do not determine a direction.  Its square has
+to exceed the rounding errors of the largest squared singular value."""
 
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """How uncertain P parameters are.
+    """Uncertainty of P parameters.
 
     Attributes
     ----------
     covariance : ndarray, shape (P, P)
-        As if there were no bounds; a variance is infinite where the data say nothing.
+        Covariance without bounds; infinite variances of parameters that data do not determine.
     low, high : ndarray, shape (P,)
         Ends of the 95 % intervals, within the bounds.
     correlation : ndarray, shape (P, P)
         Correlation of the errors [-].
     singular_values : ndarray, shape (P,)
-        Singular values of the residuals' derivatives per spread, relative to the largest.
+        Singular values of the derivatives of residuals per spread, divided by the largest.
     verdicts : tuple of str
-        A sentence for each.
+        Sentence on each parameter.
     identified : tuple of bool
-        Whether the data determine it.
+        Whether the data determine each parameter.
     error : ndarray, shape (L,)
         Standard deviation of a residual of each load, as a share of its scale.
     left : ndarray, shape (P,)
-        Standard deviation over that beforehand [-]: 1 where the data say nothing, 0 where nothing
-        was known.
+        Standard deviation over that of the prior [-]: 1 if data add nothing, 0 without a prior.
     """
 
     covariance: Floats
@@ -61,15 +60,18 @@ class Uncertainty:
 def uncertainty(
     rows: Rows, choice: Choice, found: Minimum, error: float = NOISE_FLOOR
 ) -> Uncertainty:
-    """Gauss-Newton covariance, with errors as large as the residuals of each load. Stretches of
-    correlated errors count as one by ``block_errors``; beside a prior from other propellers rows
-    err together, by ``LEAST_ERROR`` at least, and ``error`` is that of the ``search``."""
+    """Return the Gauss-Newton uncertainty, with errors as large as the residuals of each load.
+
+    ``block_errors`` counts each segment of correlated errors as one.  With a prior from other
+    propellers, errors of rows are at least ``LEAST_ERROR`` and correlated, and ``error`` is that
+    of the ``search``.
+    """
     from scipy.special import stdtrit  # scipy.stats takes half a second to import
 
     x = found.x
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     seen = np.linalg.norm(found.slopes, axis=0) * spread
-    # Where data say nothing of a parameter, they do not press it against a bound either.
+    # Data that do not determine a parameter do not push it against a bound.
     held = (x - lower < AT_BOUND * spread) | (upper - x < AT_BOUND * spread)
     held &= seen > NEGLIGIBLE * max(float(seen.max()), 1e-300)
     used = rows.weight > 0.0
@@ -98,17 +100,17 @@ def uncertainty(
     covariance, inverse, root = _sandwich(whole, middle + by_priors)
     covariance = covariance * np.outer(spread, spread)
     deviation = np.sqrt(np.diag(covariance))
-    # At a minimum the sum of squares only slopes towards bounds.
+    # At a minimum, the sum of squares falls only toward bounds.
     uphill = slopes.T @ found.residual + weight**2 * (by_prior.T @ from_prior)
-    centre = x / spread - inverse @ np.where(held, uphill, 0.0)
+    center = x / spread - inverse @ np.where(held, uphill, 0.0)
     quantile = np.broadcast_to(stdtrit(freedom, 0.975), x.shape)
-    low, high = bounded_intervals(centre, root, lower / spread, upper / spread, quantile)
+    low, high = bounded_intervals(center, root, lower / spread, upper / spread, quantile)
     ends = np.stack([np.minimum(low, x / spread), np.maximum(high, x / spread)])
     bent = np.array([general(name) not in LINEAR for name in choice.free])
     narrow = np.flatnonzero(~held & bent & (ends[1] - ends[0] <= 1.0))
     low, high = _stretched(ends, narrow, rows, choice, found, weight) * spread
     singular = np.zeros(x.size)
-    # Fewer rows than parameters leave directions that the data do not see at all.
+    # Fewer rows than parameters give fewer singular values; the others are zero.
     seen_at_all = np.linalg.svd(slopes, compute_uv=False)
     singular[: seen_at_all.size] = seen_at_all
     scale = np.where(deviation > 0.0, deviation, 1.0)
@@ -133,7 +135,7 @@ def uncertainty(
 def residual_errors(
     rows: Rows, choice: Choice, found: Minimum, error: float = NOISE_FLOOR
 ) -> Floats:
-    """Standard deviation of a residual of each load (L,), as a share of its scale."""
+    """Return the standard deviation of a residual of each load (L,), as a share of its scale."""
     counts, determined = rows.counts, float(found.x.size)
     if choice.expected is not None:
         spread = choice.column("spread")
@@ -147,7 +149,7 @@ def residual_errors(
 
 
 def _left(deviation: Floats, by_prior: Floats) -> Floats:
-    """The ``deviation`` (P,) over that of the priors, whose slopes are (K, P); 0 without one."""
+    """Return ``deviation`` (P,) over the standard deviation of the prior; 0 without a prior."""
     if not by_prior.size:
         return np.zeros_like(deviation)
     beforehand = np.diag(np.linalg.pinv(by_prior.T @ by_prior))
@@ -163,24 +165,23 @@ def _stretched(
     found: Minimum,
     weight: float,
 ) -> Floats:
-    """Move ends (2, P) of intervals, in spreads, of the parameters ``narrow`` outwards where the
-    model is not linear: where, linear anew at the end, its least sum of squares rises by less than
-    foreseen."""
+    """Return ``ends`` (2, P) of intervals, in spreads, widened for the parameters ``narrow`` if the
+    sum of squares, linearized again at an end, rises by less than the first linearization gives."""
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     evaluator = Evaluator(rows, choice, NOISE_FLOOR)
 
-    def linearised(at: Floats, residual: Floats, slopes: Floats) -> tuple[Quadratic, float]:
-        """The sum of squares around ``at``, in spreads, with the priors; its value there."""
+    def linearized(at: Floats, residual: Floats, slopes: Floats) -> tuple[Quadratic, float]:
+        """Return the sum of squares around ``at``, in spreads, with priors; and its value there."""
         from_prior, by_prior = choice.prior_residuals(at * spread)
         r = np.concatenate([residual, weight * from_prior])
         j = np.concatenate([slopes, weight * by_prior]) * spread
-        # A triangle of P + 1 rows has the same sum of squares as all rows.
+        # The triangular factor has P + 1 rows and the same sum of squares as all rows.
         reduced = np.asarray(np.linalg.qr(np.column_stack([j, j @ at - r]), mode="r"))
         return Quadratic(reduced[:, :-1], reduced[:, -1], *bounds), float(r @ r)
 
     x = found.x / spread
     bounds = (lower / spread, upper / spread)
-    first, at_minimum = linearised(x, found.residual, found.slopes)
+    first, at_minimum = linearized(x, found.residual, found.slopes)
     stretched = ends.copy()
     for k in narrow:
         for side in range(2):
@@ -188,7 +189,7 @@ def _stretched(
             foreseen, there = first.profile(k, end)
             if end == bounds[side][k] or foreseen <= at_minimum:
                 continue
-            least, _ = linearised(there, *evaluator.at(there * spread))[0].profile(k, end)
+            least, _ = linearized(there, *evaluator.at(there * spread))[0].profile(k, end)
             share = (least - at_minimum) / (foreseen - at_minimum)
             stretch = max(1.0, max(share, LARGEST_STRETCH**-2) ** -0.5)
             stretched[side, k] = x[k] + stretch * (end - x[k])
@@ -196,7 +197,8 @@ def _stretched(
 
 
 def _standard_error(residual: Floats, share: float) -> float:
-    """Standard error of residuals, ``share`` parameters fitted to each, or the noise floor."""
+    """Return the standard error of residuals with ``share`` fitted parameters per residual, at
+    least the noise floor."""
     if residual.size == 0:
         return NOISE_FLOOR
     freedom = max(residual.size * (1.0 - share), 1.0)
@@ -204,9 +206,9 @@ def _standard_error(residual: Floats, share: float) -> float:
 
 
 def _sandwich(information: Floats, middle: Floats) -> tuple[Floats, Floats, Floats]:
-    """inverse(information) middle inverse(information) of parameters in spreads, infinite where
-    there is none; beside it that inverse, zero along what data do not see, and W (R, P) of
-    ``bounded_intervals``."""
+    """Return the covariance inverse(information) middle inverse(information) of parameters in
+    spreads, with infinite variances for directions that data do not determine; the inverse, zero in
+    these directions; and W (R, P) of ``bounded_intervals``."""
     values, vectors = np.linalg.eigh(information)
     seen = values > NEGLIGIBLE**2 * max(float(values[-1]), 1e-300)
     values, blind, vectors = values[seen], vectors[:, ~seen], vectors[:, seen]
@@ -223,7 +225,8 @@ def _sandwich(information: Floats, middle: Floats) -> tuple[Floats, Floats, Floa
 def _verdict(
     name: str, x: float, ends: tuple[float, float], half: float, held: bool, left: float
 ) -> tuple[str, bool]:
-    """Say whether a parameter is identified; ``half`` is half of its interval without bounds."""
+    """Return a verdict, and whether the parameter is identified; ``half`` is half of its interval
+    without bounds."""
     known, (low, high) = described(name), ends
     lower, upper, spread = known.lower, known.upper, known.spread
     if held:
@@ -234,23 +237,23 @@ def _verdict(
         alone = half <= 0.5 * spread
         return "identified" if alone else "identified, given the bounds of the others", True
     if low == lower and high == upper:
-        return f"weak: held by its start, the data say nothing of {name}", False
+        return f"weak: held by its start, the data do not determine {name}", False
     return (
-        f"weak: held by its start, the data leave it {low:.3g} to {high:.3g} where propellers "
-        f"differ by about {spread:g}",
+        f"weak: held by its start, the data allow {low:.3g} to {high:.3g}; propellers differ by "
+        f"about {spread:g}",
         False,
     )
 
 
 def _beside_prior(verdict: tuple[str, bool], left: float) -> tuple[str, bool]:
-    """Add to a verdict how much of a prior's standard deviation is ``left``."""
+    """Return the verdict with the share of the prior's standard deviation that is ``left``."""
     text, good = verdict
-    text = text.replace("held by its start, the data leave it", "data and prior leave it")
+    text = text.replace("held by its start, the data allow", "data and prior allow")
     return f"{text}; {left:.2f} of the prior's deviation is left", good
 
 
 # -------------------------------------------------------------------------------------------------
-# Confidence intervals of parameters that are known to lie within bounds.
+# Confidence intervals of parameters with bounds.
 
 
 class Quadratic(NamedTuple):
@@ -262,7 +265,7 @@ class Quadratic(NamedTuple):
     upper: Floats
 
     def profile(self, k: int, value: float) -> tuple[float, Floats]:
-        """The least sum of squares with parameter k at ``value``, and x (P,) there."""
+        """Return the least sum of squares with parameter k at ``value``, and x (P,) there."""
         from scipy.optimize import lsq_linear
 
         rest = np.arange(self.lower.size) != k
@@ -277,18 +280,21 @@ class Quadratic(NamedTuple):
 
 
 def bounded_intervals(
-    centre: Floats, root: Floats, lower: Floats, upper: Floats, quantile: Floats | float
+    center: Floats, root: Floats, lower: Floats, upper: Floats, quantile: Floats | float
 ) -> tuple[Floats, Floats]:
-    """Ends (P,) of the profile intervals of |W (x - centre)|^2 within bounds, W the ``root`` (R,
-    P): values for which some of the others, within their bounds, exceed the least sum of squares by
-    ``quantile``, of Student's t, squared at most. Far from bounds that is centre +- quantile *
-    deviation."""
+    """Return the ends (P,) of the profile intervals of |W (x - center)|^2 within bounds, where W is
+    ``root`` (R, P).
+
+    An interval contains the values of a parameter for which the least sum of squares over the other
+    parameters, within bounds, exceeds the minimum by at most the square of ``quantile``.  This is a
+    quantile of Student's t; far from bounds, the interval is center +- quantile * deviation.
+    """
     from scipy.optimize import brentq, lsq_linear
 
-    squares = Quadratic(root, root @ centre, lower, upper)
+    squares = Quadratic(root, root @ center, lower, upper)
     best = lsq_linear(root, squares.target, (lower, upper), "bvls")
-    each = np.broadcast_to(quantile, centre.shape)
-    ends = np.empty((2, centre.size))
+    each = np.broadcast_to(quantile, center.shape)
+    ends = np.empty((2, center.size))
     for k, middle in enumerate(best.x):
         allowed = 2.0 * float(best.cost) + float(each[k]) ** 2
 
@@ -303,20 +309,24 @@ def bounded_intervals(
 
 
 # -------------------------------------------------------------------------------------------------
-# Errors of parameters from residuals that are correlated within stretches of the data.
+# Errors of parameters from residuals that are correlated within segments of the data.
 
-MOST_ALONE = 0.9  # share of what is known of a direction that one stretch can give
+MOST_ALONE = 0.9  # largest share of the information on a direction from one segment
 
 
 def block_errors(
     slopes: Floats, residual: Floats, group: NDArray[np.intp], whole: Floats, by_priors: Floats
 ) -> tuple[Floats, Floats]:
-    """Cluster-robust covariance (P, P) of slopes (M, P) of half the squares in stretches ``group``,
-    each with residuals of a fit that left it out (CR3 of Bell and McCaffrey, Survey Methodology 28,
-    2002, page 169), as few stretches would have too small ones, and Satterthwaite's degrees of
-    freedom (P,). Errors outlast a stretch: the covariance of consecutive stretches, whose numbers
-    in ``group`` follow each other, is added to a parameter's variance where it is positive.
-    ``whole`` is the information of data and priors, ``by_priors`` what priors add."""
+    """Return the cluster-robust covariance (P, P) of the gradient of half the sum of squares, and
+    Satterthwaite's degrees of freedom (P,).
+
+    ``slopes`` are (M, P), and ``group`` numbers the segments.  The residuals of each segment are
+    those of a fit without it (CR3 of Bell and McCaffrey, Survey Methodology 28, 2002, page 169),
+    because with few segments the residuals of one fit are too small.  Some errors last longer than
+    a segment: a positive covariance of consecutive segments, with consecutive numbers in ``group``,
+    adds to the variance.  ``whole`` is the information of data and priors, ``by_priors`` the part
+    of priors in the covariance.
+    """
     labels, index = np.unique(group, return_inverse=True)
     floor = np.where(np.abs(residual) < NOISE_FLOOR, NOISE_FLOOR * np.sign(residual), residual)
     values, vectors = np.linalg.eigh(whole)
@@ -343,7 +353,7 @@ def block_errors(
     squares = np.sum(evenness**2, axis=0)
     counted = np.sum(evenness, axis=0) ** 2 / np.where(squares > 0.0, squares, 1.0)
     counted = np.clip(counted, 1.0, max(labels.size - 1, 1))
-    # The variance that priors bring is known.
+    # The variance from priors is exact, which increases the degrees of freedom.
     both = of_data + of_priors
     unknown = np.where(both > 0.0, of_data / np.where(both > 0.0, both, 1.0), 1.0)
     return small * middle, counted / np.maximum(unknown, 1e-3) ** 2

@@ -1,1 +1,1 @@
-"""What a flight log tells before anything is fitted to it: plausibility, steady stretches."""
+"""Tools for flight logs before a fit: plausibility checks, steady segments, simulated flights."""

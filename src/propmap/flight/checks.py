@@ -1,4 +1,4 @@
-"""Whether the rotor speeds of a log can carry the vehicle and are those of its rotors."""
+"""Plausibility checks of the rotor speeds of a log: unit, order of the rotors, one vehicle."""
 
 from __future__ import annotations
 
@@ -23,38 +23,38 @@ if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
 # -------------------------------------------------------------------------------------------------
-# Whether the rotor speeds of a log can carry the vehicle: unit errors show in hover.
+# Comparison of the thrust at the logged rotor speeds with the weight, which reveals unit errors.
 
-SLOW = 3.0  # speed [m/s] below which the hover model serves
-QUIET = 0.1  # share of g by which the specific force may differ from it
-FEWEST_SLOW = 20  # samples of slow flight, below which there is too little of it
+SLOW = 3.0  # largest speed at which the hover model is accurate enough [m/s]
+QUIET = 0.1  # largest relative difference between specific force and g
+FEWEST_SLOW = 20  # least number of samples of slow flight
 NEAR_UNIT, NEAR_PAIRS = Range(0.75, 1.25), Range(0.9, 1.1)
-"""Speeds over those that carry the weight, once corrected.  A nominal section law and a roughly
-known blade give the thrust to about 50 %, the speed to 25 %; several numbers of pole pairs then fit
-and the nearest is named, but few pairs must fit closely, as 2 is near 1."""
+"""Ratio of corrected speeds to the speeds that carry the weight.  A nominal section law and a
+roughly known blade determine thrust to about 50 % and speed to 25 %.  Several numbers of pole pairs
+then fit, and the nearest is reported.  Few pole pairs must fit closely, because 2 is near 1."""
 
 POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 
-CARRIED = Range(0.4, 2.5)  # thrust over the weight outside which a warning is due
-POSSIBLE = Range(0.2, 5.0)  # and outside which it is an error: no blade is off by so much
-PWM = Range(900.0, 2200.0)  # [us], pulses to motor controllers
+CARRIED = Range(0.4, 2.5)  # thrust over weight outside this range causes a warning
+POSSIBLE = Range(0.2, 5.0)  # outside this range it is an error, impossible for any blade
+PWM = Range(900.0, 2200.0)  # pulse widths of commands to motor controllers [us]
 
 
 def check_rotor_speed(
     log: FlightLog, rotor: Rotor, vehicle: Vehicle, rotor_unit: str | None = None
 ) -> list[str]:
-    """Warn where the thrust that the rotor speeds give in slow flight is not the weight.
+    """Return warnings if the thrust from the rotor speeds in slow flight differs from the weight.
 
-    The ``rotor`` has a nominal section law.  ``rotor_unit``, "rad/s", "rpm" or "erpm", is what the
-    vehicle file states, and separates errors of like size.  Raises ``InputError`` where a rotor
-    stands still, where a wrong unit, of the speeds or of the mass, explains the difference, and
-    where the thrust is below a fifth of the weight or above five times.
+    The ``rotor`` has a nominal section law.  ``rotor_unit`` is the unit in the vehicle file,
+    "rad/s", "rpm" or "erpm"; it distinguishes errors of similar size.  Raise an ``InputError`` if
+    a rotor stands still, if a wrong unit of speeds or mass explains the difference, or if the
+    thrust is less than a fifth or more than five times the weight.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:
             fault = f"rotor {k} stands still in the whole log (0 rad/s)"
-            remedy = "check rotor_speed and rotor_order in [log] of the vehicle file, and that the "
-            remedy += "motor controllers report their speed"
+            remedy = "check rotor_speed and rotor_order in [log] of the vehicle file, and whether "
+            remedy += "the motor controllers report speeds"
             raise InputError(fault, remedy, log.source)
     slow = log.picked(slow_flight(log))
     share = _thrust_share(slow, rotor, vehicle)
@@ -73,25 +73,25 @@ def check_rotor_speed(
         return []
     if share not in POSSIBLE:
         raise InputError(
-            f"{found}, which no error of units explains that is common",
+            f"{found}, and no common error of units explains the difference",
             "check mass and propeller in the vehicle file, and whether the log has rotor speeds in "
-            "rpm, electrical rpm or rad/s: PWM and throttle are commands, no speeds",
+            "rpm, electrical rpm or rad/s: PWM and throttle are commands, not speeds",
             log.source,
         )
     return [f"{log.source}: {found}; check mass, propeller, air density and the rotor speeds"]
 
 
 def drive_in_hover(logs: Sequence[FlightLog]) -> float:
-    """Return what drives the motors in slow flight, on average over the logs that have throttle."""
+    """Return the mean throttle drive in slow flight, over the logs with throttle."""
     parts = [log.throttle[slow_flight(log)] for log in logs if log.commanded]
     return float(np.mean([np.mean(part) for part in parts]))
 
 
 def slow_flight(log: FlightLog) -> NDArray[np.bool_]:
-    """Return which samples (n,) are below 3 m/s with a specific force within 10 % of g.
+    """Return whether each sample (n,) is below 3 m/s with a specific force within 10 % of g.
 
-    Where there is too little of it, the slowest tenth of the flight serves.  Time on the ground
-    does not count.
+    With too few such samples, return the slowest tenth of the flight.  Samples on the ground are
+    excluded.
     """
     flying = airborne(log)
     force = np.linalg.norm(log.specific_force, axis=1)
@@ -103,25 +103,25 @@ def slow_flight(log: FlightLog) -> NDArray[np.bool_]:
 
 
 def _thrust_share(log: FlightLog, rotor: Rotor, vehicle: Vehicle) -> float:
-    """Divide the rotors' mean force along the vehicle's z axis by the force that flight takes."""
+    """Return the mean force of the rotors along the z axis of the vehicle over the needed force."""
     up = np.mean(log.up[:, 2])
     measured = np.mean(log.specific_force[:, 2])
     needed = vehicle.mass * (GRAVITY / up if np.isnan(measured) else measured)
-    force = HoverModel.of(rotor).k_thrust * float(
+    force = HoverModel.from_rotor(rotor).k_thrust * float(
         np.mean(np.square(log.rotor_speed) @ vehicle.rotor_axes[:, 2])
     )
     if not (needed > 0.0 and force > 0.0):
-        found = f"slow flight takes {needed:.3g} N along the vehicle's z axis, of rotors that give "
-        found += f"{force:.3g} N"
+        found = f"slow flight needs {needed:.3g} N along the z axis of the vehicle, but the rotors "
+        found += f"produce {force:.3g} N"
         remedy = "check body_frame, world_frame and the axes of the rotors in the vehicle file"
         raise InputError(found, remedy, log.source)
     return float(force / needed)
 
 
 def _speed_error(ratio: float, unit: str | None, *, pulses: bool) -> tuple[str, str]:
-    """Return cause and remedy of speeds that are wrong by the factor ``ratio``; empty for none.
+    """Return cause and remedy of speeds that are wrong by the factor ``ratio``, or empty texts.
 
-    With ``pulses``, they are in the range of PWM.
+    ``pulses`` is true for numbers in the range of PWM.
     """
     pwm, measured = "like PWM in us", "log measured speeds, as PWM is a command, and name them"
 
@@ -130,16 +130,16 @@ def _speed_error(ratio: float, unit: str | None, *, pulses: bool) -> tuple[str, 
 
     if unit == "erpm":
         if pole_pairs(1.0 / ratio):
-            cause = "they look like mechanical rpm, divided by pole_pairs for nothing"
+            cause = "they look like mechanical rpm, wrongly divided by pole_pairs"
             return cause, 'write rotor_unit = "rpm", or correct pole_pairs'
         pairs = pole_pairs(ratio)
-        cause = f"they look as if divided by too few pole pairs, by a factor of about {pairs}"
+        cause = f"pole_pairs looks too small, by a factor of about {pairs}"
         return (cause, "correct pole_pairs") if pairs else ("", "")
     if unit != "rpm" and ratio * RPM in NEAR_UNIT:
         cause, remedy = "they look like rpm read as rad/s", 'write rotor_unit = "rpm"'
         if unit == "rad/s":
             return cause, remedy
-        # Not knowing what is stated, 9 or 10 pole pairs look like 60 / (2 pi).
+        # Without the stated unit, 9 or 10 pole pairs look like the factor 60 / (2 pi).
         return f"{cause}, or like electrical rpm", f'{remedy}, or "erpm" and pole_pairs,'
     if unit != "rad/s" and ratio / RPM in NEAR_UNIT:
         cause, remedy = "they look like rad/s read as rpm", 'write rotor_unit = "rad/s"'
@@ -152,29 +152,30 @@ def _speed_error(ratio: float, unit: str | None, *, pulses: bool) -> tuple[str, 
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether the columns of rotor speeds are those of the rotors, and all flights of one vehicle.
+# Order of the rotors in the log, and whether all flights are of one vehicle.
 
 BAND = (1.0, 6.0)
-"""Frequencies [Hz] in which moments of the rotors turn the vehicle: slower ones, the air's turn it
-as well; faster ones, motor controllers lag."""
+"""Frequencies [Hz] at which moments of the rotors turn the vehicle.  At lower frequencies, other
+aerodynamic moments turn it, too; at higher frequencies, motor controllers lag."""
 
-MOST_ROTORS = 6  # rotors up to which all orders are tried
+MOST_ROTORS = 6  # largest number of rotors for which all orders are tried
 WRONG_ORDER, RIGHT_ORDER = 0.3, 0.7
-"""Correlation of moment and angular acceleration below which an order is wrong, and above which
-another one is right."""
+"""Largest correlation of moment and angular acceleration of a wrong order, and least correlation of
+a right order."""
 
 FEWEST, AGILE = 200, 0.5
-"""Samples in flight, and their angular acceleration [rad/s^2], from which an order shows."""
+"""Least number of samples in flight, and least angular acceleration [rad/s^2], for this check."""
 
 OTHER_VEHICLE = 1.15
-"""Ratio of two flights' thrust per squared rotor speed in hover that batteries and air do not
-explain."""
+"""Ratio of the thrusts per squared rotor speed of two flights in hover that batteries and air do
+not explain."""
 
 
 def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:
-    """Compare the moments of the rotors, as they are ordered, with how the vehicle turns.
+    """Check the order of the rotors by comparing their moments with the angular acceleration.
 
-    Raises ``InputError`` where another order turns it as it turned and the one given does not.
+    Raise an ``InputError`` if another order explains the angular acceleration and the given order
+    does not.
     """
     count = len(vehicle.mounts)
     step = float(np.median(np.diff(log.time))) if len(log) > 1 else np.inf
@@ -203,18 +204,18 @@ def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:
     found = correlation(arms[best])
     if found < RIGHT_ORDER:
         return
-    # Column k, which is rotor k's now, is the one of the rotor whose arm suits it.
+    # Column k, now assigned to rotor k, fits the arm of rotor ``best[k]``.
     order = ", ".join(str(number + 1) for number in best)
     raise InputError(
-        "the rotor speeds do not turn the vehicle as it turned (correlation "
-        f"{given:.2f}); those of rotors 1 to {count} are rather of rotors {order} ({found:.2f})",
+        "the rotor speeds do not explain how the vehicle turned (correlation "
+        f"{given:.2f}); the columns of rotors 1 to {count} fit rotors {order} ({found:.2f})",
         "correct rotor_order, the columns, or the positions of the [[rotors]]",
         log.source,
     )
 
 
 def mixed_vehicles(logs: Sequence[FlightLog], vehicle: Vehicle) -> list[str]:
-    """Warn where ``logs`` cannot be of one vehicle, by what hover takes of the rotors."""
+    """Return a warning if the rotor speeds in hover show that ``logs`` are not of one vehicle."""
     found, axes = {}, vehicle.rotor_axes[:, 2]
     for log in logs:
         hover = log.picked(slow_flight(log))
@@ -231,5 +232,5 @@ def mixed_vehicles(logs: Sequence[FlightLog], vehicle: Vehicle) -> list[str]:
         return []
     return [
         f"in slow flight {high} has {ratio:.2f} times the force per mass and squared rotor speed "
-        f"of {low}: they are not of one vehicle, mass or propeller; fit them one by one"
+        f"of {low}: vehicle, mass or propeller differ; fit the flights one by one"
     ]

@@ -1,4 +1,4 @@
-"""Flights that were not flown: steady circles, their log with noise, and what it would tell."""
+"""Simulated flights: trimmed steady circles, logs with noise, and expected results of a fit."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ from propmap.vehicle.log import FlightLog, in_vehicle_frame, pitch_and_roll
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
-# Operating points flown one after the other, as a log with the noise of its sensors.
+# Logs of operating points flown one after the other, with sensor noise.
 
-HARDEST = 2.0  # largest acceleration [m/s^2] from one speed to the next
-SHORTEST = 0.5  # least time [s] from one speed to the next
+HARDEST = 2.0  # largest acceleration from one speed to the next [m/s^2]
+SHORTEST = 0.5  # least duration of a change of speed [s]
 MOST_SAMPLES = 2_000_000
 
 VECTORS = {
@@ -44,21 +44,21 @@ ANGLES = ("roll", "pitch", "yaw")
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """Standard deviations of one sample; the noise is white, so that averages have less."""
+    """Standard deviations of the noise of one sample; the noise is white."""
 
-    rotor_speed: float = 0.005  # as a share of the rotor speed [-]
-    velocity: float = 0.05  # of each component [m/s]
-    attitude: float = 0.005  # of pitch and roll [rad]
-    specific_force: float = 0.3  # of each component [m/s^2]
+    rotor_speed: float = 0.005  # share of the rotor speed [-]
+    velocity: float = 0.05  # for each component [m/s]
+    attitude: float = 0.005  # for pitch and roll [rad]
+    specific_force: float = 0.3  # for each component [m/s^2]
 
 
 NOISELESS = SensorNoise(0.0, 0.0, 0.0, 0.0)
 
 
 def check_sampling(dwell: float, rate: float) -> None:
-    """Raise ``InputError`` for a ``dwell`` [s] or a ``rate`` [1/s] that makes no log."""
+    """Raise an ``InputError`` for a ``dwell`` [s] or a ``rate`` [1/s] outside its range."""
     if not 1.0 <= dwell <= 3600.0:
-        raise InputError(f"each speed is held for {dwell:g} s", "give from 1 to 3600 s")
+        raise InputError(f"each speed lasts {dwell:g} s", "give from 1 to 3600 s")
     if not 4.0 <= rate <= 10_000.0:
         raise InputError(f"the rate is {rate:g} samples per second", "give from 4 to 10000")
 
@@ -71,16 +71,16 @@ def fly(
     noise: SensorNoise = NOISELESS,
     seed: int = 0,
 ) -> FlightLog:
-    """Make a log of level circles, each flown for ``dwell`` [s], with samples at a ``rate`` [1/s].
+    """Return a log of level circles, each flown for ``dwell`` [s] and sampled at ``rate`` [1/s].
 
-    Between two speeds the vehicle leans into the acceleration and the rotors carry it, by the
-    thrust alone: these moments are there to be left out, as in a real log.  ``points`` are those of
-    ``trim``, in the order in which they are flown.
+    ``points`` come from ``trim`` and are flown in order.  Between two speeds, the vehicle leans
+    into the acceleration, and only thrust carries it.  A search for steady segments excludes these
+    samples, as in a real log.
     """
     check_sampling(dwell, rate)
     speed, (pitch, roll) = points.speed, pitch_and_roll(points.up)
     turn = np.sum(points.rates * points.up, axis=1)
-    # The smooth change below is at most twice as fast as its mean.
+    # The rate of the smooth change below is at most twice its mean.
     lasts = np.maximum(2.0 * np.abs(np.diff(speed)) / HARDEST, SHORTEST)
     begins = dwell * np.arange(1, speed.size) + np.concatenate([[0.0], np.cumsum(lasts)])[:-1]
     count = int((dwell * speed.size + lasts.sum()) * rate)
@@ -126,18 +126,18 @@ def fly(
 
 
 def log_map(rotors: int) -> LogMap:
-    """Say how a file of ``log_csv`` is to be read."""
+    """Return the description of a file from ``log_csv``."""
     columns = {"time": ("time_s",), **VECTORS, **{name: (f"{name}_rad",) for name in ANGLES}}
     columns["rotor_speed"] = tuple(f"rotor_{k}_radps" for k in range(1, rotors + 1))
     return LogMap("flu", "enu", "body", "rad/s", columns=columns)
 
 
 def log_table(rotors: int) -> str:
-    """Write the table ``[log]`` of a vehicle file that reads such a log."""
+    """Return the table ``[log]`` of a vehicle file for logs from ``log_csv``, as TOML."""
     how, several = log_map(rotors), (*VECTORS, "rotor_speed")
     stated = {key: how.stated(key) for key in STATED}
     columns = {key: names if key in several else names[0] for key, names in how.columns.items()}
-    # Texts and lists of texts are the same in JSON and in TOML.
+    # Strings and lists of strings have the same form in JSON and in TOML.
     tables = [
         [heading, *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
         for heading, table in (("[log]", stated), ("[log.columns]", columns))
@@ -146,7 +146,7 @@ def log_table(rotors: int) -> str:
 
 
 def log_csv(log: FlightLog) -> str:
-    """Write the log as CSV; the heading, which a log does not have, follows from the yaw rate."""
+    """Return the log as CSV, with a heading from the integral of the yaw rate."""
     pitch, roll = pitch_and_roll(log.up)
     turn = np.sum(log.rates * log.up, axis=1)
     steps = 0.5 * (turn[1:] + turn[:-1]) * np.diff(log.time)
@@ -161,23 +161,23 @@ def log_csv(log: FlightLog) -> str:
 
 
 # -------------------------------------------------------------------------------------------------
-# Steady level circles of a vehicle whose section law is known: the paper's experiment.
+# Steady level circles of a vehicle with a known section law: the experiment of the paper.
 
 PAPER_RADIUS = 1.7  # length of the tether [m]
-CHANGE = 1e-5  # step of an unknown in a difference quotient; the forces are computed to about 1e-12
+CHANGE = 1e-5  # step of difference quotients; the error of the forces is about 1e-12
 LONGEST_STEPS = (0.3, 0.2, 0.2)
-"""Largest change in one step of the logarithm of the rotor speed, of pitch, of roll [rad]."""
+"""Largest step of the logarithm of the rotor speed [-], of pitch and of roll [rad]."""
 
 STEEPEST = 1.4  # largest pitch and roll [rad]
 EXACT, ACCEPTED = 1e-9, 1e-4
-"""Unbalanced force as a share of the weight: the search ends below the first; up to the second is
-accepted, as the forces jump where the number of azimuths, which depends on the speed, changes."""
+"""Unbalanced force as a share of the weight at the end of a search, and largest accepted value.
+They differ because the forces jump where the number of azimuths changes with the speed."""
 
 
 def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
-    """Return all parameters of a fit by name, as they are; what a fit adds to the body is zero.
+    """Return the true values of all parameters of a fit by name; additions to the body are zero.
 
-    A fit has no parameter for what the rotors are mounted on where the vehicle file says it.
+    The drag of mounts is not a parameter if the vehicle file contains it.
     """
     law = constants_of(airfoil)
     section = {name: getattr(law, name) for name in SECTION}
@@ -197,30 +197,29 @@ def trim(
     tether: bool = True,
     disturbance: Floats | None = None,
 ) -> FlightLog:
-    """Balance level circles to the left, nose first, at ``speeds`` (n,) [m/s].
+    """Return operating points of level circles to the left, nose first, at ``speeds`` (n,) [m/s].
 
-    All rotors turn at one speed: moments, which take small differences of rotor speed, are not
-    balanced.  The forces are those that a fit uses.  The circles have a ``radius`` [m], infinity
-    for straight flight; a horizontal ``tether`` carries the centripetal force, as in the paper, or
-    else the vehicle banks.  A ``disturbance`` (n,) is a vertical force that the rotors carry
-    besides the weight, as a share of it: what a fit, which does not know of it, sees as an error.
-    In the result, ``specific_force`` holds the tether's pull.  Raises ``InputError`` for speeds
-    that cannot be flown.
+    All rotors have the same speed, because balancing the moments takes only small differences.  The
+    forces are those of a fit.  The circles have a ``radius`` [m], infinite for straight flight.  A
+    horizontal ``tether`` provides the centripetal force, as in the paper; without a tether, the
+    vehicle banks.  A ``disturbance`` (n,) is an additional vertical force on the rotors, as a share
+    of the weight; for a fit, it is an error.  ``specific_force`` includes the force of the tether.
+    Raise an ``InputError`` for speeds that cannot be flown.
     """
     flown = np.asarray(speeds, dtype=np.float64)
     if flown.ndim != 1 or flown.size == 0 or not (np.isfinite(flown) & (flown >= 0.0)).all():
         raise InputError("speeds must be one or more numbers", "give 0 or more m/s")
     if not radius > 0.0:
-        raise InputError(f"the circle's radius is {radius:g} m", "give metres, above 0")
+        raise InputError(f"the radius of the circle is {radius:g} m", "give meters, above 0")
     problem = _Problem(vehicle, airfoil, flown, radius, tether, disturbance)
-    functions = problem.linearised, problem.residual, problem.bounded
+    functions = problem.linearized, problem.residual, problem.bounded
     unknowns = solve(*functions, problem.first, flown, EXACT)
     left_over = np.abs(problem.residual(unknowns, np.arange(flown.size))).max(axis=1)
     lost = ~(left_over < ACCEPTED)
     if lost.any():
         first = float(flown[lost].min())
         slower = flown[~lost & (flown < first)]
-        remedy = f"{slower.max():.4g} m/s can be" if slower.size else "give slower ones"
+        remedy = f"{slower.max():.4g} m/s is possible" if slower.size else "give lower speeds"
         if not tether and math.isfinite(radius):
             remedy += ", or fly wider circles"
         found = f"{first:.4g} m/s cannot be flown: no rotor speed and attitude balance the forces"
@@ -250,13 +249,13 @@ class _Problem:
         bank = -np.arctan(aside)
         rate = np.full_like(speeds, np.log(REFERENCE_TIP_SPEED / vehicle.propeller.radius))
         self.first = np.stack([rate, nothing, bank], axis=1)[:, : self.count]
-        # Thrust goes with the square of the rotor speed.
+        # Thrust is proportional to the square of the rotor speed.
         everyone = np.arange(speeds.size)
         carried = np.nan_to_num(self.residual(self.first, everyone)[:, 1] + lift, nan=1.0)
         self.first[:, 0] -= 0.5 * np.log(np.clip(carried / lift, 0.05, 20.0))
 
     def log(self, unknowns: Floats, which: Any = slice(None)) -> FlightLog:
-        """Return the circles, or those of some speeds, as operating points."""
+        """Return the circles, or those with the numbers ``which``, as operating points."""
         speeds, pitch = self.speeds[which], unknowns[:, 1]
         roll = unknowns[:, 2] if self.count == 3 else np.zeros_like(pitch)
         up, turn = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll), speeds / self.radius
@@ -273,7 +272,7 @@ class _Problem:
         )
 
     def residual(self, unknowns: Floats, which: NDArray[np.intp]) -> Floats:
-        """Return forces forward, up, left, less those wanted, over the weight; (m, k)."""
+        """Return forces forward, up and left minus the wanted forces, over the weight; (m, k)."""
         log = self.log(unknowns, which)
         force = ForceModel(self.vehicle, log, self.airfoil).at(self.values, ()).force
         across = np.cross(log.up, np.array([1.0, 0.0, 0.0]))
@@ -282,7 +281,7 @@ class _Problem:
         weight = self.vehicle.mass * GRAVITY
         return np.asarray(np.einsum("nki,ni->nk", parts, force) / weight - self.wanted[which])
 
-    def linearised(self, unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    def linearized(self, unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """Return residuals (m, k) and their derivatives (m, k, k)."""
         residual = self.residual(unknowns, which)
         changes = [
@@ -292,7 +291,7 @@ class _Problem:
         return residual, np.stack(changes, axis=-1) / CHANGE
 
     def bounded(self, unknowns: Floats, step: Floats) -> Floats:
-        """Shorten the step to the longest and to the steepest attitude."""
+        """Return the step, limited in length and to the largest pitch and roll."""
         longest = np.array(LONGEST_STEPS[: self.count])
         step = np.clip(step, -longest, longest)
         angles = unknowns[:, 1:]
@@ -301,17 +300,17 @@ class _Problem:
 
 
 # -------------------------------------------------------------------------------------------------
-# What a planned flight would tell of the parameters, before it is flown.
+# Expected uncertainty of the parameters from a planned flight.
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """What a fit of planned flights would find."""
+    """Expected result of a fit of planned flights with P free parameters."""
 
-    choice: Choice  # of the P free parameters
-    truth: Floats  # their true values, (P,)
-    uncertainty: Uncertainty  # intervals about these
-    error: float  # of the flights' vertical forces, as a share of the weight
+    choice: Choice  # parameters of the fit
+    truth: Floats  # true values of the free parameters, (P,)
+    uncertainty: Uncertainty  # intervals about the true values
+    error: float  # standard deviation of the vertical forces, as a share of the weight
 
 
 def expectation(
@@ -322,24 +321,24 @@ def expectation(
     free: tuple[str, ...] = PAPER_FOUR,
     error: float = 0.01,
 ) -> Expectation:
-    """Return Gauss-Newton intervals at the truth for a fit of level flights, eq. (18).
+    """Return the Gauss-Newton intervals of a fit of level flights, eq. (18), at the true values.
 
-    ``error`` is the standard deviation of the vertical force of a flight, as a share of the weight;
-    at least the numerical error of the loads is assumed.  Raises ``InputError`` for a true value
-    outside the bounds of a fit.
+    ``error`` is the standard deviation of the vertical force of a flight, as a share of the weight,
+    and at least the numerical error of the loads.  Raise an ``InputError`` for a true value outside
+    the bounds of a fit.
     """
     truth = {name: EVERY[name].start for name in free if name in MOUNT}
     truth |= true_values(vehicle, airfoil)
     for name in EVERY.keys() & set(free):
         low, high = EVERY[name].lower, EVERY[name].upper
         if not low <= truth[name] <= high:
-            fault = f"{name} is {truth[name]:g}, a fit looks from {low:g} to {high:g}"
-            raise InputError(fault, "simulate another airfoil or leave it out of the free ones")
+            fault = f"{name} is {truth[name]:g}, outside the bounds of a fit, {low:g} to {high:g}"
+            raise InputError(fault, f"simulate another airfoil, or do not free {name}")
     choice = Choice(free, start={name: truth[name] for name in free if name in EVERY})
     rows = level_rows(ForceModel(vehicle, points, airfoil), choice)
     _, slopes = rows.model(truth, free)
     x, error = choice.first, max(error, NOISE_FLOOR)
-    # Residuals that give this standard error again, once the fitted ones are discounted.
+    # With the fitted parameters discounted, these residuals give the standard error ``error``.
     margin = AT_BOUND * choice.column("spread")
     inside = np.minimum(x - choice.column("lower"), choice.column("upper") - x) >= margin
     discount = max(len(rows.measured) - int(inside.sum()), 1) / len(rows.measured)

@@ -1,4 +1,4 @@
-"""Steady stretches of a flight, and operating points of steady flight given directly."""
+"""Steady segments of a flight, and tables of steady operating points."""
 
 from __future__ import annotations
 
@@ -20,31 +20,31 @@ from propmap.vehicle.log import LONGEST_GAP, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
-# Stretches of a flight in which nothing changes, and the operating points they give.
+# Steady segments of a flight, and the operating points from these segments.
 
-MOVING = 1.0  # speed [m/s] above which a vehicle is certainly not on the ground
+MOVING = 1.0  # speed above which a vehicle is certainly not on the ground [m/s]
 IDLE = 0.3  # share of the usual thrust below which the rotors do not carry the vehicle
 SMOOTHING = 0.25
-"""Time [s] over which signals are averaged before their range is taken: noise is no change."""
+"""Averaging time of signals [s], because noise must not end a steady segment."""
 
-RESOLUTION = 1e-3  # time [s] to which the longest stretch is found where there is no steady one
+RESOLUTION = 1e-3  # accuracy of the longest segment in error messages [s]
 
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """Samples without a gap."""
+    """Samples of a log without a gap."""
 
-    first: int  # its index in the log
+    first: int  # index of the first sample in the log
     time: Floats
-    scaled: Floats  # signals over their bands, (n, channels)
+    scaled: Floats  # signals divided by their bands, (n, channels)
 
 
 def airborne(log: FlightLog) -> NDArray[np.bool_]:
-    """Say in which samples (n,) the rotors carry the vehicle.
+    """Return whether the rotors carry the vehicle at each sample (n,).
 
-    On the ground the rotors stand still or idle: the sum of their squared speeds, to which the
-    thrust is proportional, is then far below its median in motion (without motion, below its 90th
-    percentile).  The unit of the speeds, which may be wrong, does not matter.
+    On the ground the rotors stand still or idle.  The sum of their squared speeds, to which thrust
+    is proportional, is then far below its median in motion (for a log without motion, below its
+    90th percentile).  The result does not depend on the unit of the speeds, which may be wrong.
     """
     squares = np.sum(np.square(log.rotor_speed), axis=1)
     moving = log.speed > MOVING
@@ -52,7 +52,7 @@ def airborne(log: FlightLog) -> NDArray[np.bool_]:
     return np.asarray((squares > IDLE * usual) & (squares > 0.0))
 
 
-def steady_stretches(
+def steady_segments(
     log: FlightLog,
     *,
     seconds: float = 2.0,
@@ -61,14 +61,13 @@ def steady_stretches(
     rate_band: float = 0.3,
     tilt_band: float = 0.1,
 ) -> list[slice]:
-    """Find stretches of a log, ``seconds`` long or longer, in which the flight is steady, in order.
+    """Return the steady segments of a log with a length of at least ``seconds``, in order.
 
-    A circle flown nose first at constant speed is steady.  Time on the ground and gaps in the log
-    belong to no stretch.  Signals are averaged over 0.25 s first.  The bands are the largest
-    difference between two moments of a stretch: of each component of the velocity in the vehicle's
-    frame [m/s], of the climb rate [m/s], of each angular rate [rad/s], and of the direction of
-    ``up`` [rad].  Raises ``InputError`` where there is none; it names the band that ended the
-    longest one.
+    A circle flown nose first at constant speed is steady.  Segments exclude gaps in the log and
+    time on the ground.  Signals are averaged over 0.25 s.  A band is the largest difference between
+    two samples of a segment: of each velocity component in the vehicle frame [m/s], of the climb
+    rate [m/s], of each angular rate [rad/s], and of the direction of ``up`` [rad].  Without a
+    steady segment, raise an ``InputError`` with the band that ended the longest segment.
     """
     bands = {
         "speed_band": (speed_band, log.velocity),
@@ -82,21 +81,21 @@ def steady_stretches(
             raise InputError(f"{name} is {value}", "give a number above 0")
     scaled = np.concatenate([signal / band for band, signal in bands.values()], axis=1)
     pieces = _pieces(log, scaled)
-    stretches = [stretch for piece in pieces for stretch in _stretches(piece, seconds)]
-    if not stretches:
+    segments = [segment for piece in pieces for segment in _segments(piece, seconds)]
+    if not segments:
         names = [name for name, (_, signal) in bands.items() for _ in signal.T]
         raise _none_steady(log, pieces, seconds, names, limits)
-    return stretches
+    return segments
 
 
-def operating_points(log: FlightLog, stretches: list[slice]) -> FlightLog:
-    """Average over the stretches, one row per stretch; ``up`` has length 1 again."""
-    means = log.with_each(lambda array: np.array([np.mean(array[s], axis=0) for s in stretches]))
+def operating_points(log: FlightLog, segments: list[slice]) -> FlightLog:
+    """Return the means over each of the ``segments``, one row per segment; ``up`` has length 1."""
+    means = log.with_each(lambda array: np.array([np.mean(array[s], axis=0) for s in segments]))
     return replace(means, up=means.up / np.linalg.norm(means.up, axis=1, keepdims=True))
 
 
 def _pieces(log: FlightLog, scaled: Floats) -> list[_Piece]:
-    """Split the flight at gaps and landings, and smooth its signals."""
+    """Return the pieces of a flight between gaps and landings, with smoothed signals."""
     from scipy.ndimage import uniform_filter1d
 
     def smoothed(part: slice) -> Floats:
@@ -107,7 +106,7 @@ def _pieces(log: FlightLog, scaled: Floats) -> list[_Piece]:
 
     flying = airborne(log)
     steps = np.diff(log.time)
-    # A log read at a low rate has wider steps, which are no gaps.
+    # The wide steps of a log with a low rate are not gaps.
     longest = max(LONGEST_GAP, 1.5 * float(np.median(steps))) if steps.size else LONGEST_GAP
     ends = (steps > longest) | (flying[1:] != flying[:-1])
     bounds = [0, *(np.flatnonzero(ends) + 1), len(log)]
@@ -115,28 +114,28 @@ def _pieces(log: FlightLog, scaled: Floats) -> list[_Piece]:
     return [_Piece(part.start, log.since_start[part], smoothed(part)) for part in parts]
 
 
-def _stretches(piece: _Piece, seconds: float) -> list[slice]:
-    """Find stretches of one piece: from the first moment that allows one, as far as the bands."""
-    stretches = []
+def _segments(piece: _Piece, seconds: float) -> list[slice]:
+    """Return the segments of a piece; each begins as early as possible and ends at a band."""
+    segments = []
     start = 0
     while start < piece.time.size:
-        # Where a stretch of the least duration would end; rounding of times must not matter.
+        # End of a segment of least length; 1 us absorbs the rounding of times.
         least = int(np.searchsorted(piece.time, piece.time[start] + seconds - 1e-6))
         if least >= piece.time.size:
             break
-        # Backwards from there: no stretch that goes so far can begin before what ends it.
+        # Backward from this end, the first sample outside the bands limits the start.
         back = _count_within(piece.scaled[start : least + 1][::-1])
         if back < least + 1 - start:
             start = least + 1 - back
             continue
         end = start + _count_within(piece.scaled[start:])
-        stretches.append(slice(piece.first + start, piece.first + end))
+        segments.append(slice(piece.first + start, piece.first + end))
         start = end
-    return stretches
+    return segments
 
 
 def _count_within(scaled: Floats) -> int:
-    """Count how many samples from the first on stay within the bands."""
+    """Return the number of samples, from the first, that stay within the bands."""
     size = 256
     while True:
         part = scaled[:size]
@@ -152,7 +151,8 @@ def _count_within(scaled: Floats) -> int:
 def _none_steady(
     log: FlightLog, pieces: list[_Piece], seconds: float, names: list[str], limits: dict[str, float]
 ) -> InputError:
-    """Make the error that says what ended the longest stretch; ``names`` are of channels."""
+    """Return the error that names the band that ended the longest segment; ``names`` are the bands
+    of the channels."""
     if not pieces:
         fault = "the rotors never carry the vehicle"
         return InputError(fault, "give the log of a flight", log.source)
@@ -162,46 +162,45 @@ def _none_steady(
         low, high = 0.0, seconds
         while high - low > RESOLUTION:
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if _stretches(piece, middle) else (low, middle)
-        longest = max(_stretches(piece, low), key=lambda one: one.stop - one.start)
-        stretch = slice(longest.start - piece.first, longest.stop - piece.first)
-        each.append((float(np.ptp(piece.time[stretch])), piece, stretch))
-    lasts, best, stretch = max(each, key=lambda one: one[0])
-    found = f"no steady stretch of {seconds:g} s: the longest lasts {lasts:.2f} s, "
-    found += f"from {best.time[stretch.start]:.6g} s"
-    if stretch.stop < best.time.size:
-        with_next, verb = slice(stretch.start, stretch.stop + 1), "ended"
-    elif stretch.start > 0:
-        with_next, verb = slice(stretch.start - 1, stretch.stop), "began"
+            low, high = (middle, high) if _segments(piece, middle) else (low, middle)
+        longest = max(_segments(piece, low), key=lambda one: one.stop - one.start)
+        segment = slice(longest.start - piece.first, longest.stop - piece.first)
+        each.append((float(np.ptp(piece.time[segment])), piece, segment))
+    lasts, best, segment = max(each, key=lambda one: one[0])
+    found = f"no steady segment of {seconds:g} s: the longest lasts {lasts:.2f} s, "
+    found += f"from {best.time[segment.start]:.6g} s"
+    if segment.stop < best.time.size:
+        with_next, verb = slice(segment.start, segment.stop + 1), "ended"
+    elif segment.start > 0:
+        with_next, verb = slice(segment.start - 1, segment.stop), "limited"
     else:
-        fault = f"{found}, a gap, a landing or the log's end ended it"
+        fault = f"{found}, ended by a gap, a landing or the end of the log"
         return InputError(fault, "lower seconds, or fly constant speeds for longer", log.source)
     worst = names[int(np.argmax(np.ptp(best.scaled[with_next], axis=0)))]
     remedy = f"raise {worst} or lower seconds, or fly constant speeds for longer"
-    return InputError(f"{found}, {worst} = {limits[worst]:g} {verb} it", remedy, log.source)
+    return InputError(f"{found}, {verb} by {worst} = {limits[worst]:g}", remedy, log.source)
 
 
 # -------------------------------------------------------------------------------------------------
-# Operating points of steady flight given directly: CSV with speed, attitude and rpm.
+# Tables of steady operating points: CSV with speed, attitude and rpm.
 
 REQUIRED = ("speed_mps", "pitch_deg")
 OPTIONAL = ("roll_deg", "climb_mps", "yaw_rate_dps")
 RPM_COLUMN = re.compile(r"rpm_[1-9][0-9]*")
 
-STEEPEST = 85.0  # pitch and roll [deg], beyond which no flight is steady
+STEEPEST = 85.0  # largest pitch and roll of a steady flight [deg]
 
 
 def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLog:
     """Read operating points from a CSV file with a header line and one row per point.
 
-    Columns are ``speed_mps`` (horizontal speed through the air towards where the nose points, >=
-    0), ``pitch_deg`` (positive when the top of the vehicle leans into the flight direction, nose
-    down), ``rpm_1`` ... ``rpm_n`` (of the vehicle's rotors in their order, mechanical, >= 0), and,
-    0 where missing, ``roll_deg`` (about the vehicle's x axis, after the pitch; positive right side
-    down), ``climb_mps`` (up positive), ``yaw_rate_dps`` (about the vertical, positive to the left).
-    Other columns are ignored.  Any dialect of ``propmap.io.csv`` is read.  The log has the times 0,
-    1, 2 ... and no ``specific_force``.  Raises ``InputError`` with the file, the line and the
-    column.
+    Required columns are ``speed_mps`` (horizontal airspeed toward the nose, >= 0), ``pitch_deg``
+    (positive nose down, the top of the vehicle leans into the flight direction) and ``rpm_1`` ...
+    ``rpm_n`` (mechanical rpm of the rotors in their order, >= 0).  Optional columns, by default 0,
+    are ``roll_deg`` (about the x axis of the vehicle, after the pitch, positive right side down),
+    ``climb_mps`` (up positive) and ``yaw_rate_dps`` (about the vertical, positive to the left).
+    Other columns are ignored.  The file may have any dialect of ``propmap.io.csv``.  The log has
+    the times 0, 1, 2 ... and no ``specific_force``.  An ``InputError`` names file, line and column.
     """
     where, rotors = os.fspath(path), len(vehicle.mounts)
     speeds = [f"rpm_{k}" for k in range(1, rotors + 1)]
@@ -241,7 +240,7 @@ def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLo
 
 
 def is_level_table(path: Path) -> bool:
-    """Whether the first line of the file at ``path`` names the columns of such a table."""
+    """Return whether the first line of the file names the columns of ``read_level_table``."""
     if path.suffix.lower() != ".csv" or not path.is_file():
         return False
     with path.open(encoding="utf-8-sig", errors="replace") as file:
@@ -259,7 +258,7 @@ def _row(
         at = f"{where}, line {line}, column {name}"
         value = parse_number(cells[place] if place < len(cells) else "", name, at)
         if value < 0.0 and (name == "speed_mps" or name.startswith("rpm")):
-            remedy = "give 0 or more; the nose points into the flight direction, spins are known"
+            remedy = "give 0 or more: flight is nose first, and the vehicle file has the spins"
             raise InputError(f"{value:g} is negative", remedy, at)
         if name in ("pitch_deg", "roll_deg") and abs(value) > STEEPEST:
             remedy = f"give degrees from -{STEEPEST:g} to {STEEPEST:g}, 0 in hover"

@@ -305,16 +305,16 @@ def tunnel_fit(data: TunnelData, rotor: Rotor) -> FigureRecord:
 
 
 @style()
-def steady_parts(log: FlightLog, stretches: Sequence[slice]) -> Figure:
+def steady_parts(log: FlightLog, segments: Sequence[slice]) -> Figure:
     """Draw airspeed, climb rate and rotor speeds against time; shade the steady segments."""
     time = log.since_start
-    ends = [(time[part.start], time[part.stop - 1]) for part in stretches]
+    ends = [(time[part.start], time[part.stop - 1]) for part in segments]
     figure = new_figure(9.2, 6.0)
     axes = figure.subplots(3, 1, sharex=True, height_ratios=(1.2, 1.0, 1.2))
     speed, climb, rotors = axes
     for ax, values in ((speed, log.speed), (climb, log.climb_rate)):
         ax.plot(time, values, color=COLORS[0], rasterized=True, **SAMPLES)
-        for pair, part in zip(ends, stretches, strict=True):
+        for pair, part in zip(ends, segments, strict=True):
             ax.plot(pair, 2 * [np.mean(values[part])], color=COLORS[1], linewidth=1.6)
     colors = [COLORS[k % len(COLORS)] for k in range(log.rotor_speed.shape[1])]
     for color, values in zip(colors, log.rotor_speed.T, strict=True):
@@ -334,7 +334,7 @@ def steady_parts(log: FlightLog, stretches: Sequence[slice]) -> Figure:
     legend_below(figure, handles, columns=min(len(handles), 8))
     seconds = sum(float(last - first) for first, last in ends)
     figure.suptitle(
-        f"{log.source}: {len(stretches)} steady segments, {seconds:.0f} of {time[-1]:.0f} s"
+        f"{log.source}: {len(segments)} steady segments, {seconds:.0f} of {time[-1]:.0f} s"
     )
     return figure
 

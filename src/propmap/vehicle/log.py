@@ -1,4 +1,4 @@
-"""A flight log: signals of a vehicle on one clock and in one frame, and how they are made so."""
+"""Flight logs: signals on one clock and in one frame, and the conversion of recordings to them."""
 
 from __future__ import annotations
 
@@ -25,44 +25,45 @@ if TYPE_CHECKING:
 
 
 # -------------------------------------------------------------------------------------------------
-# A flight as arrays on one clock, in the vehicle's frame: x forward, y left, z up.
+# A flight as arrays at common times, in the vehicle's frame: x forward, y left, z up.
 
 
 @dataclass(frozen=True, eq=False)
 class FlightLog:
-    """Samples of a flight, or operating points averaged from one; n of them.
+    """A flight as n samples, or as n operating points averaged over segments.
 
     Attributes
     ----------
     source : str
-        Where they come from, for messages and reports.
+        Origin of the data, for messages and reports.
     time : ndarray, shape (n,)
-        Rising [s].
+        Increasing times [s].
     velocity : ndarray, shape (n, 3)
-        Velocity of the centre of mass through the air, in the vehicle's frame [m/s].
+        Velocity of the center of mass through the air, in the vehicle's frame [m/s].
     rates : ndarray, shape (n, 3)
         Angular velocity in the vehicle's frame [rad/s].
     up : ndarray, shape (n, 3)
         Unit vector against gravity, in the vehicle's frame [-].
     specific_force : ndarray, shape (n, 3)
-        What an accelerometer at the centre of mass reads, +g along ``up`` in hover [m/s^2]; NaN
-        where it was not measured.
+        Reading of an accelerometer at the center of mass, +g along ``up`` in hover [m/s^2]; NaN if
+        it was not measured.
     rotor_speed : ndarray, shape (n, rotors)
         Rotational speeds [rad/s], >= 0.
     angular_acceleration : ndarray, shape (n, 3)
-        Time derivative of ``rates`` [rad/s^2]; NaN where it is not known.
+        Time derivative of ``rates`` [rad/s^2]; NaN if unknown.
     specific_force_rate : ndarray, shape (n, 3)
-        Time derivative of ``specific_force`` [m/s^3]; NaN where it is not known.
+        Time derivative of ``specific_force`` [m/s^3]; NaN if unknown.
     rotor_acceleration : ndarray, shape (n, rotors)
-        Time derivative of ``rotor_speed`` [rad/s^2]; NaN where it is not known.
+        Time derivative of ``rotor_speed`` [rad/s^2]; NaN if unknown.
     throttle : ndarray, shape (n, rotors)
-        Shares of full throttle, times the battery's voltage or over the share in hover where the
-        log has these, after the usual lag of a motor [-] or [V]; NaN where rotor speeds were
-        measured.  Elsewhere ``rotor_speed`` is the same, until ``with_curve``.
+        Drive of the motors from commands [-] or [V]; NaN if rotor speeds were measured.  It is the
+        fraction of full throttle, multiplied by the battery voltage or divided by the fraction in
+        hover if the log contains one of these, after the default lag of a motor.  Without measured
+        speeds ``rotor_speed`` contains the same numbers until ``with_curve``.
     throttle_by_lag : ndarray, shape (n, rotors)
-        Derivative of ``throttle`` by the lag [1/s].
+        Derivative of ``throttle`` with respect to the lag [1/s].
     flight : ndarray, shape (n,)
-        Number of the flight among several that were joined, from 0.
+        Number of the flight in a joined log, from 0.
     flights : tuple of str
         Names of the flights, by number.
     """
@@ -98,40 +99,40 @@ class FlightLog:
         return int(self.time.size)
 
     def picked(self, which: Any) -> FlightLog:
-        """Return some of the samples: ``which`` is a mask or indices."""
+        """Return the selected samples: ``which`` is a mask, a slice or indices."""
         return self.with_each(lambda array: array[which])
 
     def with_each(self, change: Callable[[Floats], Floats]) -> FlightLog:
-        """Return this log with a ``change`` to every array, which may alter their length."""
+        """Return this log with ``change`` applied to every array; it may change their length."""
         arrays: dict[str, Any] = {name: change(getattr(self, name)) for name in ARRAYS}
         return replace(self, **arrays)
 
     @property
     def commanded(self) -> bool:
-        """Whether there are rotor speeds from throttle."""
+        """Whether the log has throttle instead of measured rotor speeds."""
         return bool(np.isfinite(self.throttle).any())
 
     def with_curve(self, curve: ThrottleCurve) -> FlightLog:
-        """Return this log with rotor speeds by a ``curve`` where they were not measured."""
+        """Return this log with the rotor speeds of a ``curve`` where they were not measured."""
         speeds, _ = curve.speeds(self.throttle, self.throttle_by_lag, self.rotor_speed)
         return replace(self, rotor_speed=speeds)
 
     @property
     def speed(self) -> Floats:
-        """Speed through the air [m/s]; (n,)."""
+        """Airspeed [m/s]; (n,)."""
         return np.asarray(np.linalg.norm(self.velocity, axis=1))
 
     @property
     def since_start(self) -> Floats:
-        """Time since the flight of each sample began [s]; (n,)."""
+        """Time since the start of the flight of each sample [s]; (n,)."""
         numbers, place = np.unique(self.flight, return_inverse=True)
         first = np.array([self.time[self.flight == number].min() for number in numbers])
         return np.asarray(self.time - first[place])
 
-    def stretches(self, seconds: float) -> NDArray[np.intp]:
-        """Number the stretches of so many ``seconds`` [s], and return that of each sample; (n,).
+    def segments(self, seconds: float) -> NDArray[np.intp]:
+        """Divide the flights into segments of ``seconds`` [s]; return the segment of each sample.
 
-        Stretches of different flights are different, whatever their clocks say.
+        Numbers are of shape (n,).  Different flights have different segments at all times.
         """
         of = np.stack([self.flight, self.since_start // seconds])
         return np.unique(of, axis=1, return_inverse=True)[1].ravel()
@@ -146,16 +147,16 @@ UNKNOWN = {
     "rates": ("angular_acceleration", "specific_force_rate"),
     "rotor_speed": ("rotor_acceleration", "throttle", "throttle_by_lag"),
 }
-"""What is NaN where it was not given, by a field with as many numbers."""
+"""Optional arrays, NaN by default, by a field of the same shape."""
 
 ARRAYS = tuple(f.name for f in fields(FlightLog) if f.name not in ("source", "flights"))
-"""Fields that have a row for each sample."""
+"""Fields with one row for each sample."""
 
 
 def joined(logs: list[FlightLog], names: tuple[str, ...] = ()) -> FlightLog:
-    """Join logs of one vehicle in the order given; their clocks are kept.
+    """Return the concatenated logs of one vehicle, with unchanged times.
 
-    The flights get these ``names``, or else are numbered.
+    The flights have these ``names``, or numbers by default.
     """
     logs = [replace(log, flight=np.full_like(log.time, k)) for k, log in enumerate(logs)]
     arrays: dict[str, Any] = {
@@ -167,12 +168,12 @@ def joined(logs: list[FlightLog], names: tuple[str, ...] = ()) -> FlightLog:
 def in_vehicle_frame(
     forward: Floats | float, left: Floats | float, up: Floats | float, pitch: Floats, roll: Floats
 ) -> Floats:
-    """Turn horizontal and vertical components (...) into the frame of a tilted vehicle, (..., 3).
+    """Return horizontal and vertical components (...) in the frame of a tilted vehicle, (..., 3).
 
-    ``pitch`` (...) [rad] is about the left, positive where the top leans forward; ``roll`` (...)
-    [rad] is about the vehicle's x axis, after the pitch, positive right side down.
+    ``pitch`` (...) [rad] is a rotation about the left axis, positive for a forward lean; ``roll``
+    (...) [rad] is a rotation about the vehicle's x axis after the pitch, positive right side down.
     """
-    # Pitch turns about y to the left, z towards x; roll then about x, y towards z.
+    # Pitch rotates about y (left), from z to x; roll then rotates about x, from y to z.
     x = forward * np.cos(pitch) - up * np.sin(pitch)
     below = forward * np.sin(pitch) + up * np.cos(pitch)
     y, z = left * np.cos(roll) + below * np.sin(roll), below * np.cos(roll) - left * np.sin(roll)
@@ -180,12 +181,12 @@ def in_vehicle_frame(
 
 
 def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
-    """Find the flow at each rotor's hub in a log, V_i = V_vehicle + omega x r_i.
+    """Return the flow at each rotor's hub in a log, V_i = V_vehicle + omega x r_i.
 
     Parameters
     ----------
     vehicle : Vehicle
-        Where its m rotors are.
+        Vehicle with m rotors.
     log : FlightLog
         n samples of its motion.
 
@@ -193,60 +194,58 @@ def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
     -------
     HubFlow
         ``omega`` [rad/s], ``axial`` and ``inplane`` velocity [m/s], shape (n, m), and the
-        directions of thrust and drag.
+        directions of thrust and rotor drag.
     """
     return hub_flow_at(vehicle, log.rotor_speed, log.velocity, log.rates)
 
 
 def pitch_and_roll(up: Floats) -> tuple[Floats, Floats]:
-    """Return pitch and roll [rad], (n,), of a vehicle in whose frame ``up`` (n, 3) is vertical.
-
-    They are those of ``in_vehicle_frame``.
-    """
+    """Return pitch and roll [rad], (n,), as in ``in_vehicle_frame``, from ``up`` (n, 3) in the
+    vehicle's frame."""
     return -np.arcsin(np.clip(up[:, 0], -1.0, 1.0)), np.arctan2(up[:, 1], up[:, 2])
 
 
 # -------------------------------------------------------------------------------------------------
-# Low-passed logs and their time derivatives: what a balance of forces needs of a raw log.
+# Low-pass filter and time derivatives of a log, required for a balance of forces.
 #
-# An accelerometer, a gyro and a motor controller each filter what they measure in their own way.  A
-# balance compares them, so all signals pass one filter here, forwards and backwards, which shifts
-# none of them in time.
+# Accelerometer, gyro and motor controllers filter their measurements differently, but a balance
+# compares them.  All signals therefore pass the same filter here, forwards and backwards, which
+# causes no delay.
 
 DERIVATIVE_CUTOFF = 6.0
-"""Default low-pass [Hz]: vehicles of up to some kilograms turn within 0.2 s, and rotor
-speeds of motor controllers carry noise above."""
+"""Default cut-off [Hz]: vehicles of up to some kilograms turn within 0.2 s, and rotor speeds of
+motor controllers are noisy at higher frequencies."""
 
-FEWEST_PER_PERIOD = 3.0  # samples per period of the cut-off below which there is nothing to filter
+FEWEST_PER_PERIOD = 3.0  # logs with fewer samples per period of the cut-off are not filtered
 
 
 def low_passed(log: FlightLog, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
     """Low-pass all signals of a log with one filter, and differentiate them.
 
-    Rotor speeds are filtered as their squares, to which forces are proportional.  Between gaps
-    each stretch is filtered by itself; a log that is slower than three samples per period of the
-    cut-off is left as it is.
+    Rotor speeds are filtered as squares, since forces are proportional to the squares.  Segments
+    between gaps are filtered separately.  Logs with fewer than three samples per period of the
+    cut-off are not filtered.
 
     Parameters
     ----------
     log : FlightLog
-        n samples in order of time, of one flight.
+        n samples of one flight in order of time.
     cutoff : float
-        Frequency above which signals are removed [Hz]; 0 for no filter.
+        Cut-off frequency [Hz]; 0 for no filter.
 
     Returns
     -------
     FlightLog
-        With ``angular_acceleration``, ``specific_force_rate`` and ``rotor_acceleration``.
+        Log with ``angular_acceleration``, ``specific_force_rate`` and ``rotor_acceleration``.
 
     Raises
     ------
     InputError
-        For a cut-off that is no frequency.
+        For a cut-off that is negative or not finite.
     """
     if not (np.isfinite(cutoff) and cutoff >= 0.0):
-        found = f"the low-pass is at {cutoff:g} Hz"
-        raise InputError(found, "give a frequency, or 0 for no filter")
+        found = f"the cut-off of the low-pass is {cutoff:g} Hz"
+        raise InputError(found, "give a positive frequency, or 0 for no filter")
     steps = np.diff(log.time)
     ends = [0, *(np.flatnonzero(steps > LONGEST_GAP) + 1), len(log)]
     parts = [
@@ -260,7 +259,7 @@ def low_passed(log: FlightLog, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
 
 
 def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
-    """Filter and differentiate one stretch without gaps."""
+    """Filter and differentiate one segment without gaps."""
 
     def smooth(signal: Floats) -> Floats:
         return low_pass(signal, 2.0 * cutoff * step, round(2.0 / (cutoff * step)))
@@ -293,10 +292,10 @@ def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
 
 
 def low_pass(signal: Floats, relative: float, padding: int, order: int = 2) -> Floats:
-    """Filter columns (n, k) forwards and backwards, which shifts nothing in time.
+    """Return columns (n, k) filtered forwards and backwards, without delay.
 
-    ``relative`` is the cut-off over half the sampling rate, ``order`` that of the Butterworth
-    filter, ``padding`` how many samples the signal is continued by at its ends.
+    ``relative`` is the cut-off over half the sampling rate, ``order`` the order of the Butterworth
+    filter, and ``padding`` the number of samples by which the signal is extended at its ends.
     """
     from scipy.signal import butter, sosfiltfilt
 
@@ -306,13 +305,13 @@ def low_pass(signal: Floats, relative: float, padding: int, order: int = 2) -> F
 
 
 # -------------------------------------------------------------------------------------------------
-# Short names of flights, from those of their files.
+# Short names of flights from their file names.
 
 TIME_OF_DAY = 6  # digits at the end of a stamp such as 20210218171908
 
 
 def flight_names(sources: Sequence[str]) -> tuple[str, ...]:
-    """Shorten paths of logs to the ends that differ; number them where nothing does."""
+    """Return the shortest different endings of the paths of logs, or numbers for equal paths."""
     parts = [_words(PurePath(source).stem) for source in sources]
     for count in range(1, max(map(len, parts), default=1) + 1):
         names = tuple("-".join(words[-count:]) for words in parts)
@@ -328,27 +327,27 @@ def _words(stem: str) -> list[str]:
 
 
 # -------------------------------------------------------------------------------------------------
-# From the frames of a log to FLU (forward, left, up) and ENU (east, north, up), by name.
+# Conversion from the frames of a log to FLU (forward, left, up) and ENU (east, north, up).
 
 
 def body_to_flu(vectors: Floats, frame: str) -> Floats:
-    """Turn vectors (n, 3) from the axes of the body frame "flu" or "frd" to those of FLU."""
+    """Return vectors (n, 3) of the body frame "flu" or "frd" in FLU."""
     return vectors if frame == "flu" else vectors * np.array([1.0, -1.0, -1.0])
 
 
 def world_to_enu(vectors: Floats, frame: str) -> Floats:
-    """Turn vectors (n, 3) from the axes of the frame "enu" or "ned" to those of ENU."""
+    """Return vectors (n, 3) of the world frame "enu" or "ned" in ENU."""
     return vectors if frame == "enu" else vectors[:, [1, 0, 2]] * np.array([1.0, 1.0, -1.0])
 
 
 def attitude_to_flu_enu(quaternions: Floats, body_frame: str, world_frame: str) -> Rotation:
-    """Turn quaternions w, x, y, z (n, 4) between named frames into those of FLU to ENU."""
+    """Return rotations from FLU to ENU for quaternions w, x, y, z (n, 4) of the given frames."""
     from scipy.spatial.transform import Rotation
 
     attitude = Rotation.from_quat(quaternions, scalar_first=True)
-    if body_frame == "frd":  # FLU turned half a turn about x
+    if body_frame == "frd":  # half a turn about x from FLU
         attitude = attitude * Rotation.from_quat([0.0, 1.0, 0.0, 0.0], scalar_first=True)
-    if world_frame == "ned":  # ENU turned half a turn about north-east
+    if world_frame == "ned":  # half a turn about the north-east axis from ENU
         attitude = Rotation.from_quat([0.0, 1.0, 1.0, 0.0], scalar_first=True) * attitude
     return attitude
 
@@ -356,8 +355,8 @@ def attitude_to_flu_enu(quaternions: Floats, body_frame: str, world_frame: str) 
 def quaternion_of_angles(roll: Floats, pitch: Floats, yaw: Floats) -> Floats:
     """Return quaternions (n, 4) of yaw about z, then pitch about y, then roll about x [rad], (n,).
 
-    The axes are those of the frames that the angles are given in: in FLU a positive pitch is nose
-    down, in FRD it is nose up.
+    The angles refer to the axes of the log's frames: positive pitch is nose down in FLU, nose up in
+    FRD.
     """
     from scipy.spatial.transform import Rotation
 
@@ -366,22 +365,22 @@ def quaternion_of_angles(roll: Floats, pitch: Floats, yaw: Floats) -> Floats:
 
 
 def continuous(quaternions: Floats) -> Floats:
-    """Return unit quaternions (n, 4) with the signs that make neighbours close."""
+    """Return unit quaternions (n, 4) with signs for which consecutive quaternions are close."""
     unit = quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
     same = np.sum(unit[1:] * unit[:-1], axis=1) >= 0.0
     return unit * np.concatenate([[1.0], np.cumprod(np.where(same, 1.0, -1.0))])[:, None]
 
 
 # -------------------------------------------------------------------------------------------------
-# What a log holds, each signal on its own clock, and the samples that cannot be used.
+# The recording of a log, with separate times for each signal, and the removal of invalid samples.
 
 FEWEST_SAMPLES = 10
-MOST_DROPPED = 0.05  # share of a signal's samples that may be unusable before the log is refused
+MOST_DROPPED = 0.05  # largest accepted fraction of invalid samples of a signal
 
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """Samples (n, k) of k numbers at n times [s], and a name for messages."""
+    """Values (n, k) at n times [s], and a name for messages."""
 
     name: str
     time: Floats
@@ -390,25 +389,25 @@ class Signal:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """The signals of a log in the frames that the log has."""
+    """The signals of a log in the frames of the log."""
 
     source: str
     body_frame: str  # "flu" or "frd"
     world_frame: str  # "enu" or "ned"
     velocity_in: str  # "body" or "world"
-    attitude: Signal  # unit quaternions w, x, y, z (n, 4) that turn body to world axes
+    attitude: Signal  # unit quaternions w, x, y, z (n, 4) from body to world axes
     velocity: Signal  # over the ground, (n, 3) [m/s]
     rates: Signal  # along body axes, (n, 3) [rad/s]
     rotor_speed: Signal  # in the order of the log, (n, rotors) [rad/s]
     specific_force: Signal | None  # along body axes, (n, 3) [m/s^2]
-    # Where there are commands in place of rotor speeds, as shares of full throttle: what each
-    # share is worth, (n, 1), a voltage [V] or the inverse of the throttle in hover [-].
+    # If commanded, ``rotor_speed`` contains commands as fractions of full throttle, and the
+    # supply is their scale (n, 1): a voltage [V] or the inverse of the throttle in hover [-].
     commanded: bool = False
     supply: Signal | None = None
-    notes: tuple[str, ...] = ()  # what its reader left out
+    notes: tuple[str, ...] = ()  # remarks of the reader on data that it left out
 
     def signals(self) -> dict[str, Signal]:
-        """Return the signals that there are, by the name of their field."""
+        """Return the available signals by the name of their field."""
         return {name: value for name, value in vars(self).items() if isinstance(value, Signal)}
 
     def from_start(self) -> Recording:
@@ -420,11 +419,11 @@ class Recording:
 
 
 def cleaned(recording: Recording) -> Recording:
-    """Drop samples that cannot be used; ``source`` then says how many these were.
+    """Drop invalid samples, and append their number to ``source``.
 
-    These are samples that are not finite, whose quaternion has not length 1, or whose time does not
-    rise above that of all before them.  Raises ``InputError`` where that is more than 5 % of a
-    signal, or where fewer than 10 samples are left.
+    Samples are invalid if they are not finite, if their quaternion is not of length 1, or if their
+    time is not after all earlier times.  Raises ``InputError`` if more than 5 % of a signal are
+    invalid, or if fewer than 10 samples remain.
     """
     dropped: dict[str, int] = {}
     parts: dict[str, Any] = {}
@@ -437,19 +436,19 @@ def cleaned(recording: Recording) -> Recording:
                 length = np.linalg.norm(np.nan_to_num(signal.values, nan=1.0), axis=1)
             unit = np.abs(length - 1.0) < 0.05
             remedy = "check which of its columns or fields are qw, qx, qy, qz"
-            reasons.append(("no unit quaternion", remedy, unit | ~finite))
+            reasons.append(("without a unit quaternion", remedy, unit | ~finite))
         usable = np.all([good for _, _, good in reasons], axis=0)
         times, rising = signal.time[usable], ~usable
         before = np.concatenate([[-np.inf], np.maximum.accumulate(times)[:-1]])
         rising[usable] = times > before
-        reasons.append(("with a time that does not rise", "sort by time or cut the log", rising))
+        reasons.append(("out of time order", "sort by time or cut the log", rising))
         for reason, remedy, good in reasons:
             lost = int(np.sum(~good))
             if lost > MOST_DROPPED * good.size:
                 found = f"{lost} of {good.size} samples of {signal.name} are {reason}"
                 raise InputError(found, remedy, recording.source)
             if lost:
-                # Columns of one table lose the same rows: these are not counted twice.
+                # Signals of one table lose the same rows, which must be counted once.
                 dropped[reason] = max(dropped.get(reason, 0), lost)
         good = usable & rising
         _check_count(signal, int(good.sum()), recording.source)
@@ -460,17 +459,17 @@ def cleaned(recording: Recording) -> Recording:
 
 
 def _check_count(signal: Signal, count: int, source: str) -> None:
-    """Raise ``InputError`` for a signal with fewer samples than a flight needs."""
+    """Raise ``InputError`` for a signal with fewer than ``FEWEST_SAMPLES`` samples."""
     if count < FEWEST_SAMPLES:
         found = f"{signal.name} has {count} samples, expected at least {FEWEST_SAMPLES}"
-        raise InputError(found, "give a log with some seconds of flight", source)
+        raise InputError(found, "give a log with several seconds of flight", source)
 
 
 def motor_slots(functions: list[int], motors: dict[int, int]) -> list[int] | None:
-    """Return the places of motors 1, 2, ... among outputs with these ``functions``.
+    """Return the indices of motors 1, 2, ... among outputs with these ``functions``.
 
-    ``motors`` has numbers of motors by function.  None where those that turn one are not motors 1
-    to n, each once.
+    ``motors`` contains motor numbers by function.  The result is None unless the outputs with a
+    motor are motors 1 to n, each once.
     """
     place = {motors[f]: k for k, f in enumerate(functions) if f in motors}
     turning = sum(function in motors for function in functions)
@@ -480,34 +479,34 @@ def motor_slots(functions: list[int], motors: dict[int, int]) -> list[int] | Non
 
 
 # -------------------------------------------------------------------------------------------------
-# A recording becomes a flight log: one clock, FLU, rotors in the vehicle's order.
+# Conversion of a recording to a flight log: common times, FLU, rotors in the vehicle's order.
 
-LONGEST_GAP = 0.25  # time [s] between two samples of a signal that are still interpolated
-FASTER = 1.5  # samples of a signal per time of the common clock from which it is low-passed first
+LONGEST_GAP = 0.25  # longest time [s] between two samples across which a signal is interpolated
+FASTER = 1.5  # a signal with this many samples per common time or more is low-passed first
 CLOCK_CUTOFF, CLOCK_ORDER = 0.4, 4
-"""That low-pass, per sample of the common clock, and the order of its Butterworth filter, applied
-twice: what the clock can show passes, vibrations that it would show as slower ones do not."""
+"""Cut-off of this low-pass in cycles per common time, and order of its Butterworth filter, which is
+applied twice: it removes vibrations that the common times would alias to lower frequencies."""
 
 
 def flight_log(
     recording: Recording, vehicle_file: VehicleFile, rate: float | None = None
 ) -> FlightLog:
-    """Turn a recording into a log in the vehicle's frame, with ``rate`` samples per second.
+    """Convert a recording to a log in the vehicle's frame, with ``rate`` samples per second.
 
-    Without a rate, they are at the sample times of the slowest of attitude, velocity and rotor
-    speed.  The sign that some logs give to the spin of a rotor is dropped.  Raises ``InputError``,
-    also where the accelerometer says that the frames or its unit cannot be as stated.
+    Without a rate, the log has the sample times of the slowest of attitude, velocity and rotor
+    speed.  Rotor speeds that a log signs by the spin become positive.  Raises ``InputError``, also
+    if the accelerometer contradicts the stated frames or its unit.
     """
     logged, rotors = recording.rotor_speed.values.shape[1], len(vehicle_file.vehicle.mounts)
     if logged != rotors:
         turn = np.flatnonzero(np.nanmax(np.abs(recording.rotor_speed.values), axis=0, initial=0.0))
         which = ", ".join(str(k + 1) for k in turn) or "none"
-        what = "commands to motors" if recording.commanded else "rotor speeds"
+        what = "motor commands" if recording.commanded else "rotor speeds"
         raise InputError(
-            f"the log has {logged} {what}, of which these ever turn: {which}; the vehicle "
-            f"has {rotors} rotors",
-            "give a [[rotors]] table per rotor or the log of this vehicle; or let the autopilot "
-            "know which outputs are motors, or save as CSV and name the motors' columns",
+            f"the log has {logged} {what}, of which {which} are not always zero; the vehicle has "
+            f"{rotors} rotors",
+            "give one [[rotors]] table per rotor, or the log of this vehicle; or configure the "
+            "autopilot's motor outputs, or save as CSV and name the columns of the motors",
             recording.source,
         )
     recording = cleaned(recording)
@@ -564,10 +563,8 @@ def flight_log(
 
 
 def _driven(recording: Recording) -> tuple[Recording, Signal]:
-    """Return a recording whose motors are driven by commands times supply, after the usual lag.
-
-    Beside it are the derivatives by the lag.
-    """
+    """Return a recording with commands times supply after the default lag as ``rotor_speed``, and
+    their derivatives with respect to the lag."""
     signal, supply = recording.rotor_speed, recording.supply
     drive = signal.values
     if supply is not None:
@@ -584,19 +581,20 @@ def _driven(recording: Recording) -> tuple[Recording, Signal]:
 def common_clock(
     leading: Sequence[Signal], following: Sequence[Signal], source: str, rate: float | None = None
 ) -> Floats:
-    """Return the times [s] at which all signals are known; (n,), rising.
+    """Return the times [s] at which all signals are known; (n,), increasing.
 
     Without a ``rate`` [1/s], they are the sample times of the slowest of the ``leading`` signals.
-    Times inside a gap of any signal longer than 0.25 s are left out: gaps are cut, not bridged.
-    Raises ``InputError`` where nothing is left.
+    Times in a gap of any signal longer than 0.25 s are left out.  Raises ``InputError`` if too few
+    times remain.
     """
     signals = [*leading, *following]
     for signal in signals:
         step = float(np.median(np.diff(signal.time)))
         if step > LONGEST_GAP:
             raise InputError(
-                f"{signal.name} comes every {step:.3g} s, expected every {LONGEST_GAP:g} s or less",
-                "log it at a higher rate, and give times in seconds",
+                f"the samples of {signal.name} are {step:.3g} s apart, expected {LONGEST_GAP:g} s "
+                "or less",
+                "log this signal at a higher rate, and give times in seconds",
                 source,
             )
     first = min(signal.time[0] for signal in signals)
@@ -615,27 +613,27 @@ def common_clock(
         known &= known_at(time, signal.time)
     if int(known.sum()) < FEWEST_SAMPLES:
         raise InputError(
-            f"all signals together are known at {int(known.sum())} times: {first_to_end.name} "
+            f"only {int(known.sum())} times have all signals: {first_to_end.name} "
             f"ends at {end - first:.6g} s, {last_to_start.name} begins at {start - first:.6g} s",
-            "log all of them at once, with the stamps of one clock",
+            "log all signals at the same time, with time stamps of one clock",
             source,
         )
     return time[known]
 
 
 def known_at(time: Floats, own: Floats) -> NDArray[np.bool_]:
-    """Say at which times (n,) [s] a signal with samples at its ``own`` times is not in a gap."""
-    # Times between two samples that are too far apart, at neither of them, are in a gap.
+    """Return which times (n,) [s] are not in a gap of a signal with samples at ``own`` times."""
+    # A time is in a gap if it is strictly between two samples that are too far apart.
     after = np.clip(np.searchsorted(own, time), 1, own.size - 1)
     wide = own[after] - own[after - 1] > LONGEST_GAP
     return np.asarray((time == own[after]) | (time == own[after - 1]) | ~wide)
 
 
 def interpolated(signal: Signal, time: Floats) -> Floats:
-    """Interpolate a signal linearly to times (n,) [s]; (n, k).
+    """Return a signal interpolated linearly to times (n,) [s]; (n, k).
 
-    A signal with many more samples is low-passed first, without a shift in time: a vibration must
-    not appear as a slow motion.
+    A signal with many more samples is low-passed first, without delay, so that vibrations are not
+    aliased to slow motions.
     """
     values = _slowed(signal, float(np.median(np.diff(time))))
     columns = [np.interp(time, signal.time, column) for column in values.T]
@@ -643,7 +641,7 @@ def interpolated(signal: Signal, time: Floats) -> Floats:
 
 
 def _slowed(signal: Signal, step: float) -> Floats:
-    """Return values (m, k) without what a clock of this ``step`` [s] cannot show."""
+    """Return values (m, k) without frequencies too high for a sampling time ``step`` [s]."""
     own = float(np.median(np.diff(signal.time)))
     if step < FASTER * own:
         return signal.values
@@ -657,21 +655,21 @@ def _slowed(signal: Signal, step: float) -> Floats:
 
 
 def _check_frames(log: FlightLog, vehicle_file: VehicleFile) -> None:
-    """Check that rotors point up and that the specific force along ``up`` averages near g."""
+    """Check that the rotors point up, and that the mean specific force along ``up`` is near g."""
     remedy = f"check body_frame, world_frame and the attitude ({vehicle_file.log.where})"
     if float(np.mean(log.up @ vehicle_file.vehicle.rotor_axes.T)) < 0.0:
-        raise InputError("on average the rotors point down", remedy, log.source)
+        raise InputError("the rotors point down on average", remedy, log.source)
     if np.isnan(log.specific_force).any():
         return
     mean = float(np.mean(np.sum(log.specific_force * log.up, axis=1)))
     if 0.5 * GRAVITY < mean < 1.5 * GRAVITY:
         return
     if 0.5 < mean < 1.5:
-        remedy = "give it in m/s^2, not in units of g"
+        remedy = "give the specific force in m/s^2, not in units of g"
     elif abs(mean) < 0.5:
-        remedy = "gravity was taken off: give what the accelerometer reads, +g upwards in hover"
+        remedy = "gravity was subtracted: give the accelerometer's reading, +g upwards in hover"
     elif abs(mean + GRAVITY) < 0.5:
-        remedy = f"it points down: change its sign, or {remedy}"
-    found = f"the specific force along the vertical averages {mean:.3g} m/s^2, expected about "
+        remedy = f"the specific force points down: change its sign, or {remedy}"
+    found = f"the mean specific force along the vertical is {mean:.3g} m/s^2, expected about "
     found += f"{GRAVITY:.3g}"
     raise InputError(found, remedy, log.source)

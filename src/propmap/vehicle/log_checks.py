@@ -1,4 +1,4 @@
-"""Whether a recording can be what it is said to be: frames, units, clocks, sensors that fail."""
+"""Consistency checks of a recording: frames, units, clocks, and failed sensors."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from propmap.vehicle import log
 
 
 def check_recording(recording: log.Recording) -> list[str]:
-    """Warn of sensors that failed, and of frames, units, columns and clocks that do not agree.
+    """Return warnings of failed sensors and of inconsistent frames, units, columns and clocks.
 
     Raises ``InputError`` for a mistake that is certain.  Checks that need the vehicle and its
-    rotors are in ``propmap.flight.checks``.  Times in messages are since the log's start.
+    rotors are in ``propmap.flight.checks``.  Times in messages count from the start of the log.
     """
     recording = log.cleaned(recording).from_start()
     found = [*recording.notes, *_gaps(recording), *_dead_sensors(recording)]
@@ -32,41 +32,43 @@ def check_recording(recording: log.Recording) -> list[str]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether the signals of a recording describe one motion: frames, units and clocks show.
+# Comparison of redundant signals, which reveals wrong frames, units and clocks.
 #
-# The attitude's own turning is what a gyro reads, and the change of the velocity, with gravity, is
-# what an accelerometer reads.  Where they disagree, each usual mistake is corrected in turn; the
-# one after which they agree is named.
+# The rate of change of the attitude must equal the gyro's reading.  The rate of change of the
+# velocity must equal the accelerometer's reading without gravity.  If they disagree, common
+# mistakes are corrected one at a time; a message reports the correction that restores agreement.
 
 CUTOFF = 3.0
-"""Low-pass [Hz] before signals are compared: slow motion is enough to tell frames and units."""
+"""Cut-off of the low-pass before the comparison [Hz]: slow motion suffices to check conventions."""
 
 TURNING, ACCELERATING = 0.1, 0.5
-"""Root mean square of rates [rad/s] and accelerations [m/s^2] below which nothing is said."""
+"""Root mean square of rates [rad/s] and accelerations [m/s^2] below which nothing is compared."""
 
 DISAGREE, AGREE = 0.15, 0.07
-"""Mismatch from which signals do not belong together, and below which they do.  0 is equal, 0.2
-twice as large, 1 unrelated, 2 opposite; real flights have 0.001 to 0.01."""
+"""Mismatch above which signals disagree, and below which they agree.
+
+For scale: 0 for equal signals, 0.2 if one is twice the other, 1 for unrelated and 2 for opposite
+signals.  Real flights have 0.001 to 0.01."""
 
 WINDOW, BROKEN = 2.0, 0.4
-"""Stretches [s] that are compared by themselves, and the mismatch from which one is reported."""
+"""Length of separately compared segments [s], and mismatch above which a segment is reported."""
 
-MOST_LATE, LATE = 0.6, 0.03  # delays [s] that are tried, and from which a warning is due
+MOST_LATE, LATE = 0.6, 0.03  # largest delay that is tried, and least delay that is reported [s]
 
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """One motion, measured in two ways, (n, 3) each, at n times [s]."""
+    """One motion from two sensors, (n, 3) each, at n times [s]."""
 
     time: Floats
     expected: Floats
     measured: Floats
-    least: float  # root mean square below which an axis says nothing
+    least: float  # root mean square below which an axis is not compared
 
     def mismatch(self, which: NDArray[np.bool_] | slice = slice(None)) -> float:
-        """Return the largest axis' squared difference over the sum of the squares.
+        """Return the squared difference over the sum of squares, the largest of the axes.
 
-        Only the samples ``which`` count.  NaN where they move too little.
+        Only the samples ``which`` count.  The result is NaN if they move too little.
         """
         a, b = self.expected[which], self.measured[which]
         sizes = np.stack([np.sum(a**2, axis=0), np.sum(b**2, axis=0)])
@@ -76,32 +78,32 @@ class Pair:
 
 
 def _disagreements(recording: log.Recording) -> list[str]:
-    """Compare attitude with gyro, velocity with accelerometer; raise what explains all."""
+    """Compare attitude with gyro and velocity with accelerometer; raise a mistake that explains
+    all disagreements."""
     turning, moving = pairs(recording)
     if any(pair.mismatch() > DISAGREE for pair in (turning, moving)):
         found = []
         for cause, remedy, corrected in mistakes(recording, turning):
             try:
                 left = [pair.mismatch() for pair in pairs(corrected)]
-            except InputError:  # no log at all, if that were it
+            except InputError:  # this correction makes the log unusable
                 continue
             if not any(mismatch > AGREE for mismatch in left):
                 found.append((float(np.nansum(left)), cause, remedy))
         if found:
             _, cause, remedy = min(found)
-            raise InputError(f"{cause}: so corrected, all signals agree", remedy, recording.source)
-    return _late(recording, turning) or _broken_stretches(recording, turning, moving)
+            found = f"{cause}: all signals agree after this correction"
+            raise InputError(found, remedy, recording.source)
+    return _late(recording, turning) or _broken_segments(recording, turning, moving)
 
 
 def pairs(recording: log.Recording) -> tuple[Pair, Pair]:
-    """Pair rates by attitude and gyro, and accelerations by velocity and accelerometer.
-
-    The latter have no samples where there is no accelerometer.
-    """
+    """Return the rates from attitude and gyro, and the accelerations from velocity and
+    accelerometer; the latter pair is empty without an accelerometer."""
     own, rest = recording.attitude, [recording.velocity, recording.rates]
     force = recording.specific_force
     rest += [force] if force is not None else []
-    # At their own times the signs of quaternions must not jump.
+    # The signs of quaternions must not jump, since components are interpolated.
     smooth = log.Signal(own.name, own.time, log.continuous(own.values))
     time = log.common_clock([own], rest, recording.source)
     ends = np.flatnonzero(np.diff(time) > log.LONGEST_GAP) + 1
@@ -118,7 +120,7 @@ def pairs(recording: log.Recording) -> tuple[Pair, Pair]:
 
 
 def _compared(recording: log.Recording, attitude: log.Signal, time: Floats) -> tuple[Floats, ...]:
-    """Return times between samples of a stretch without gaps, and what is compared there."""
+    """Return times between the samples of a segment without gaps, and the four motions there."""
     step = float(np.median(np.diff(time)))
 
     def smooth(values: Floats) -> Floats:
@@ -150,7 +152,7 @@ def _compared(recording: log.Recording, attitude: log.Signal, time: Floats) -> t
 
 
 def _late(recording: log.Recording, turning: Pair) -> list[str]:
-    """Warn where gyro and attitude agree much better with a delay between their clocks."""
+    """Warn if gyro and attitude agree much better with a delay between their clocks."""
     now = turning.mismatch()
     if not now > 0.5 * AGREE:
         return []
@@ -163,12 +165,12 @@ def _late(recording: log.Recording, turning: Pair) -> list[str]:
         return []
     return [
         f"{recording.rates.name} come {abs(late):.2g} s {'after' if late > 0.0 else 'before'} "
-        f"{recording.attitude.name}: give all signals the stamps of one clock"
+        f"{recording.attitude.name}: use the time stamps of one clock for all signals"
     ]
 
 
-def _broken_stretches(recording: log.Recording, turning: Pair, moving: Pair) -> list[str]:
-    """Warn of stretches in which the signals disagree."""
+def _broken_segments(recording: log.Recording, turning: Pair, moving: Pair) -> list[str]:
+    """Warn of segments in which the signals disagree."""
     force = recording.specific_force
     names = [(turning, recording.rates.name, recording.attitude.name)]
     if force is not None:
@@ -185,25 +187,25 @@ def _broken_stretches(recording: log.Recording, turning: Pair, moving: Pair) -> 
         if bad:
             found.append(
                 f"{measured} and {other} describe different motions in {len(bad)} of "
-                f"{len(ends) - 1} stretches, from {bad[0][0]:.4g} to {bad[-1][1]:.4g} s: look for "
-                "a jump of a clock, a sensor that failed, or wrong axes; cut the log"
+                f"{len(ends) - 1} segments, from {bad[0][0]:.4g} to {bad[-1][1]:.4g} s: look for "
+                "a jump of a clock, a failed sensor or wrong axes; cut the log"
             )
     return found
 
 
 # -------------------------------------------------------------------------------------------------
-# Usual mistakes in frames, units and columns of a recording, and how it reads without them.
+# Common mistakes in frames, units and columns, and the recording without each of them.
 
 OTHER = {"flu": "frd", "frd": "flu", "enu": "ned", "ned": "enu", "body": "world", "world": "body"}
 
-HALF_TURN = np.array([1.0, -1.0, -1.0])  # FLU to FRD and back
-OFF_TIME = 0.2  # relative error of the time from which it is named
+HALF_TURN = np.array([1.0, -1.0, -1.0])  # signs that convert between FLU and FRD
+OFF_TIME = 0.2  # least relative error of the time scale that is reported
 
 
 def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str, log.Recording]]:
-    """Yield each mistake that may have been made: cause, remedy, and the recording without it.
+    """Yield each possible mistake: cause, remedy, and the recording without it.
 
-    The ``recording`` is cleaned, ``turning`` are its rates by attitude and gyro.
+    ``recording`` must be cleaned; ``turning`` contains its rates from attitude and gyro.
     """
 
     def corrected(values: Floats, signal: log.Signal, **more: Any) -> log.Recording:
@@ -226,20 +228,20 @@ def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str
         yield cause, "change the signs of y and z of both", both
 
     q = attitude.values
-    cause = f"{attitude.name} turns world to body axes, expected body to world"
+    cause = f"{attitude.name} rotates world to body axes, expected body to world"
     inverse = corrected(q * np.array([1.0, -1.0, -1.0, -1.0]), attitude)
     yield cause, "change the signs of qx, qy and qz", inverse
     for order, first, named in (
         ([3, 0, 1, 2], "x, y, z, w", "qw is the last column, qx the first"),
-        ([1, 2, 3, 0], "w, x, y, z", "qw is the column that is named qx"),
+        ([1, 2, 3, 0], "w, x, y, z", "qw is the column with the name qx"),
     ):
-        cause = f"{attitude.name} has its numbers in the order {first}"
+        cause = f"{attitude.name} has components in the order {first}"
         yield cause, f"correct the columns, {named}", corrected(q[:, order], attitude)
     meant = log.attitude_to_flu_enu(q, OTHER[body], OTHER[world]).as_quat(scalar_first=True)
     stated = log.attitude_to_flu_enu(meant, body, world).as_quat(scalar_first=True)
     yield (
-        f"{attitude.name} turns {OTHER[body].upper()} to {OTHER[world].upper()}, stated are "
-        f"{body.upper()} and {world.upper()}",
+        f"{attitude.name} rotates {OTHER[body].upper()} to {OTHER[world].upper()}, but the stated "
+        f"frames are {body.upper()} and {world.upper()}",
         "give all signals in the same frames",
         corrected(stated, attitude),
     )
@@ -255,7 +257,7 @@ def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str
     else:
         turned, remedy = (
             log.world_to_enu(velocity.values, "ned"),
-            "give it along world_frame's axes",
+            "give it along the axes of world_frame",
         )
     axes = body if frame == "body" else world
     cause = f"{velocity.name} is along the axes of {OTHER[axes].upper()}, not {axes.upper()}"
@@ -274,7 +276,7 @@ def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str
         yield cause, "convert it to m/s", corrected(velocity.values / factor, velocity)
     slope = np.gradient(velocity.values, velocity.time, axis=0)
     yield (
-        f"{velocity.name} holds positions",
+        f"{velocity.name} contains positions",
         "name the columns of the velocity [m/s] instead",
         corrected(slope, velocity, velocity_in="world"),
     )
@@ -287,15 +289,15 @@ def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str
         upward = turn.apply(np.tile([0.0, 0.0, GRAVITY], (at.size, 1)), inverse=True)
         for cause, remedy, values in (
             (
-                f"gravity is taken off {force.name}, which reads about 0 in hover",
-                "give what the accelerometer reads, about 9.8 m/s^2 upwards in hover",
+                f"gravity is subtracted from {force.name}, which is about 0 in hover",
+                "give the reading of the accelerometer, about 9.8 m/s^2 upwards in hover",
                 flu + upward,
             ),
-            (f"{force.name} points the wrong way, down in hover", "change its sign", -flu),
+            (f"{force.name} points down in hover, expected up", "change its sign", -flu),
             (f"{force.name} is {other_body}", "change the signs of its y and z", flu * HALF_TURN),
             (
                 f"{force.name} is along world axes, not body axes",
-                "give it along the axes of the body, as an accelerometer reads",
+                "give it along the axes of the body, like the reading of an accelerometer",
                 turn.apply(flu, inverse=True),
             ),
             *(
@@ -314,61 +316,61 @@ def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str
             for name, signal in recording.signals().items()
         }
         yield (
-            f"the times are {slow:.3g} times those by which attitude and gyro agree",
+            f"the times are {slow:.3g} times the values for which attitude and gyro agree",
             "give the times of the measurements in seconds",
             replace(recording, **signals),
         )
 
 
 # -------------------------------------------------------------------------------------------------
-# Sensors that stood still, reached the end of their range or fell silent.
+# Failed sensors: constant readings, saturation, and gaps.
 
-AT_END = 0.005  # share of samples at the end of a range from which it is reported
-IN_A_ROW = 3  # samples at an end of the range, one after the other, that are no chance
+AT_END = 0.005  # least fraction of samples at an end of the range that is reported
+IN_A_ROW = 3  # number of consecutive samples at an end of the range that counts as saturation
 HELD = 0.2
-"""Share of samples equal to the one before from which a signal is one that keeps its values."""
+"""Fraction of samples equal to their predecessor above which a signal counts as sample-and-hold."""
 
-WIDE = 2.0  # range [m/s^2] or [rad/s] below which no sensor is at its end
-MOST_GAPS = 3  # gaps that are listed
+WIDE = 2.0  # signals with a smaller range [m/s^2] or [rad/s] are not checked for saturation
+MOST_GAPS = 3  # largest number of gaps in warnings
 AXES = "xyz"
 
 
 def _gaps(recording: log.Recording) -> list[str]:
-    """Warn where a signal is silent, or its clock jumped ahead; once for those of one table."""
+    """Warn of gaps in signals, once for all signals of one table."""
     found: dict[tuple[float, float], str] = {}
     for signal in recording.signals().values():
-        if signal is recording.supply:  # a battery is slow, and its voltage bridged
+        if signal is recording.supply:  # voltages change slowly, so gaps are interpolated
             continue
         for k in np.flatnonzero(np.diff(signal.time) > log.LONGEST_GAP):
             found.setdefault((signal.time[k], signal.time[k + 1]), signal.name)
     return [
-        f"{name} has no sample from {begin:.6g} to {end:.6g} s, which is left out: if its clock "
-        "jumped, correct the times"
+        f"{name} has no sample from {begin:.6g} to {end:.6g} s, and this time is left out: if the "
+        "clock jumped, correct the times"
         for (begin, end), name in list(found.items())[:MOST_GAPS]
     ]
 
 
 def _dead_sensors(recording: log.Recording) -> list[str]:
-    """Warn of signals that never change, some axes or rotors of them or all."""
+    """Warn of signals, axes or rotors whose values never change."""
     found = []
     for signal in recording.signals().values():
         still = np.ptp(signal.values, axis=0) == 0.0
         if still.all():
-            found.append(f"{signal.name} never change: log what was measured")
+            found.append(f"{signal.name} never change: log the measured values")
         elif signal is recording.specific_force and still.any():
             axes = " and ".join(AXES[k] for k in np.flatnonzero(still))
             found.append(f"{signal.name} never changes along {axes}: look for a dead axis")
         elif signal is recording.rotor_speed and still.any():
             rotors = " and ".join(str(k + 1) for k in np.flatnonzero(still))
             found.append(
-                f"{signal.name} never changes of rotor {rotors} in the order of the log: log its "
-                "measured speed"
+                f"{signal.name} never changes for rotor {rotors} (in the order of the log): log "
+                "the measured speed"
             )
     return found
 
 
 def _saturated(signal: log.Signal) -> list[str]:
-    """Warn where a sensor is at the end of its range."""
+    """Warn of axes of a sensor that reach the end of its range."""
     found = []
     for axis, column in zip(AXES, signal.values.T, strict=True):
         if np.ptp(column) < WIDE:
@@ -380,7 +382,7 @@ def _saturated(signal: log.Signal) -> list[str]:
             steady = np.count_nonzero(np.diff(elsewhere) == 0.0) > HELD * elsewhere.size
             if count > AT_END * column.size and not steady:
                 found.append(
-                    f"{signal.name} stands at {end:.4g} along {axis} in {count} samples, as at the "
-                    "end of the sensor's range: widen the range, or damp its mount"
+                    f"{signal.name} is {end:.4g} along {axis} in {count} samples, probably the end "
+                    "of the sensor's range: widen the range, or damp its mount"
                 )
     return found
