@@ -261,7 +261,7 @@ def choice_measured(found: dict[str, Any]) -> str:
     order = ("thrust", "torque", "drag", "roll_moment")
     names = " | ".join(LOADS[load] for load in order)
     rows = [f"| | {names} |", "|---|" + "---:|" * len(order)]
-    for title, group in (("ways", "fitted to these data"), ("unseen", "fitted to UIUC's rows")):
+    for title, group in (("ways", "fitted to these data"), ("unseen", "fitted to UIUC's data")):
         for way in found[title]:
             cells = [percent(way["measured"][load]) for load in order]
             rows.append(f"| {way['name']}, {group} | {' | '.join(cells)} |")
