@@ -26,10 +26,10 @@ ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "benchmarks" / "results" / "throttle.json"
 VEHICLE = str(ROOT / "examples" / "neuralfly" / "vehicle.toml")
 WITHOUT = {
-    "as above": [],
-    "without the motors' lag": ["--fix", "motor_lag=0"],
-    "without the accelerometer's tilt": ["--fix", "sensor_tilt_x=0", "--fix", "sensor_tilt_y=0"],
-    "without the throttle in hover": [],
+    "complete model": [],
+    "without motor lag": ["--fix", "motor_lag=0"],
+    "without accelerometer tilt": ["--fix", "sensor_tilt_x=0", "--fix", "sensor_tilt_y=0"],
+    "without hover throttle": [],
 }
 SEEN, UNSEEN, CONTROLLERS = ("nowind", "35wind"), ("70wind",), ("NF", "baseline")
 
@@ -70,7 +70,7 @@ def without(logs: Logs, place: Path) -> dict[str, list[float]]:
     found = {}
     for k, (name, options) in enumerate(WITHOUT.items()):
         fit = place / f"fit_{k}.toml"
-        fitted(logs, fit, str(bare) if "throttle in hover" in name else VEHICLE, *options)
+        fitted(logs, fit, str(bare) if "hover throttle" in name else VEHICLE, *options)
         loads = read_fit(fit).record.loads
         found[name] = [round(load.cross_validated, 3) for load in loads]
     return found

@@ -41,7 +41,7 @@ def test_the_store_holds_the_rotors_loads(tmp_path: Path) -> None:
 
 
 def test_deviations_are_filed_with_their_units(tmp_path: Path) -> None:
-    known = Rotor(propmap.known_model("apc 10x5e"))
+    known = Rotor(propmap.catalogue_model("apc 10x5e"))
     points = PointList(np.array([5000.0, 6000.0]), np.array([5.0, 0.0]), np.array([60.0, 0.0]))
     path = tmp_path / "map.zarr"
     sweep_to_store(known, points, path, by_source=True)
@@ -98,7 +98,7 @@ def test_another_run_does_not_go_on(tmp_path: Path, changed: dict[str, Any], tol
 
 
 def test_deviations_of_another_fit_are_another_model() -> None:
-    model = propmap.known_model("apc 10x5e")
+    model = propmap.catalogue_model("apc 10x5e")
     law: Any = model.airfoil
     wider = replace(law, uncertainty=replace(law.uncertainty, thrust_coefficient=0.1))
     layouts = [Sweep(Rotor(one), GRID).layout() for one in (model, replace(model, airfoil=wider))]

@@ -77,7 +77,7 @@ def test_outside_there_are_none() -> None:
 
 
 def test_a_table_that_says_nothing_of_them(silent: LoadTable) -> None:
-    with pytest.raises(propmap.InputError, match="says nothing of its model's errors"):
+    with pytest.raises(propmap.InputError, match="has no standard deviations"):
         silent.std(500.0, 1.0, 0.2)
 
 

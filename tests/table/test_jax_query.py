@@ -29,7 +29,7 @@ def _vectors(invented: LoadTable) -> tuple[np.ndarray, np.ndarray]:
 def test_same_numbers(invented: LoadTable) -> None:
     points = random_points(invented, 300, seed=11)
     with jax.enable_x64(True):
-        found = jax.jit(lambda table: table.loads(*points))(JaxTable.of(invented))
+        found = jax.jit(lambda table: table.loads(*points))(JaxTable.from_table(invented))
     expected = invented.loads(*points)
     for name in FIELDS:
         np.testing.assert_allclose(getattr(found, name), getattr(expected, name), 1e-9, 1e-12)
@@ -37,7 +37,9 @@ def test_same_numbers(invented: LoadTable) -> None:
 
 def test_single_precision_is_close(invented: LoadTable) -> None:
     omega, velocity = _vectors(invented)
-    found = jax.jit(lambda table: table.loads_at_velocity(omega, velocity))(JaxTable.of(invented))
+    found = jax.jit(lambda table: table.loads_at_velocity(omega, velocity))(
+        JaxTable.from_table(invented)
+    )
     assert found.thrust.dtype == jnp.float32
     expected = invented.loads_at_velocity(omega, velocity)
     np.testing.assert_allclose(found.thrust, expected.thrust, rtol=1e-4, atol=1e-5)
@@ -46,7 +48,7 @@ def test_single_precision_is_close(invented: LoadTable) -> None:
 def test_derivatives_through_jit_vmap_and_grad(invented: LoadTable) -> None:
     omega, velocity = _vectors(invented)
     with jax.enable_x64(True):
-        table = JaxTable.of(invented)
+        table = JaxTable.from_table(invented)
 
         def loads(table: JaxTable, w: jax.Array, v: jax.Array) -> jax.Array:
             found = table.loads_at_velocity(w, v)
@@ -65,7 +67,7 @@ def test_derivatives_through_jit_vmap_and_grad(invented: LoadTable) -> None:
 def test_derivatives_without_motion_across(invented: LoadTable) -> None:
     velocities = [[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [0.0, 0.0, -2.0]]
     with jax.enable_x64(True):
-        table = JaxTable.of(invented)
+        table = JaxTable.from_table(invented)
 
         def loads(v: jax.Array) -> jax.Array:
             found = table.loads_at_velocity(500.0, v)
@@ -91,14 +93,14 @@ def test_the_code_is_that_of_numpy(invented: LoadTable) -> None:
     assert set(expected.tolist()) == {0, 1, 2, 4, 5}
     with jax.enable_x64(True):
         found = jax.jit(lambda table, *p: table.code(*p, table.loads(*p).thrust))(
-            JaxTable.of(flagged), *points
+            JaxTable.from_table(flagged), *points
         )
     np.testing.assert_array_equal(found, expected)
 
 
 def test_outside_is_nan_unless_clamped(invented: LoadTable) -> None:
     with jax.enable_x64(True):
-        table = JaxTable.of(invented)
+        table = JaxTable.from_table(invented)
         both = jax.jit(lambda *p: (table.loads(*p), table.loads(*p, clamp=True)))
         for point in [(100.0, 1.0, 1.0), (500.0, 50.0, 1.0)]:
             lost, held = both(*point)

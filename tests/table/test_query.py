@@ -145,8 +145,8 @@ def test_flags_of_cells_reach_the_status(invented: LoadTable) -> None:
     ("call", "message"),
     [
         (lambda t: t.loads("fast", 1.0, 1.0), "omega is 'fast'"),
-        (lambda t: t.loads([1.0, 2.0], [1.0, 2.0, 3.0], 1.0), "must broadcast"),
-        (lambda t: t.loads_at_velocity(500.0, [1.0, 2.0]), "must hold x, y, z"),
+        (lambda t: t.loads([1.0, 2.0], [1.0, 2.0, 3.0], 1.0), "cannot be broadcast"),
+        (lambda t: t.loads_at_velocity(500.0, [1.0, 2.0]), "must be x, y, z"),
         (lambda t: t.omega_for("drag", 1.0, 1.0, 1.0), "must be one of thrust, torque, power"),
     ],
 )

@@ -81,10 +81,10 @@ def test_altered_bytes_are_noticed(path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"", "no table"),
-        (b"rpm,thrust\n1,2\n", "no table"),
-        (b"\x80\x04K\x01.", "no table"),
-        (b"PK\x03\x04" + bytes(40), "no table"),
+        (b"", "not a table"),
+        (b"rpm,thrust\n1,2\n", "not a table"),
+        (b"\x80\x04K\x01.", "not a table"),
+        (b"PK\x03\x04" + bytes(40), "not a table"),
     ],
 )
 def test_foreign_files(tmp_path: Path, content: bytes, message: str) -> None:
@@ -100,7 +100,7 @@ def test_missing_files_folders_and_other_arrays(tmp_path: Path) -> None:
     np.save(tmp_path / "one.npy", np.ones(3))
     assert "single array" in _refusal(tmp_path / "one.npy")
     np.savez(tmp_path / "other.npz", a=np.ones(3))
-    assert "says nothing of a table" in _refusal(tmp_path / "other.npz")
+    assert "does not describe a table" in _refusal(tmp_path / "other.npz")
 
 
 def test_pickles_are_not_read(tmp_path: Path) -> None:
@@ -126,20 +126,20 @@ def _rewritten(path: Path, change: Callable[[dict[str, Any], dict[str, Any]], No
     [
         (lambda h, _: h.update(format_version=FORMAT_VERSION + 1), "format version"),
         (lambda h, _: h.update(format="other"), "format is 'other'"),
-        (lambda h, _: h.pop("format"), "says nothing of a table"),
+        (lambda h, _: h.pop("format"), "does not describe a table"),
         (lambda h, _: h.update(loads=["thrust", "lift"]), "this propmap has thrust, drag"),
         (lambda h, _: h.pop("air"), "air.density_kg_m3"),
         (lambda h, _: h["propeller"].update(radius_m=-1.0), "radius"),
-        (lambda h, _: h.update(certificate={"points": 1}), "does not say tolerance"),
-        (lambda h, _: h.update(certificate="good"), "does not say tolerance"),
+        (lambda h, _: h.update(certificate={"points": 1}), "does not contain tolerance"),
+        (lambda h, _: h.update(certificate="good"), "does not contain tolerance"),
         (lambda _, a: a.pop("beta"), "has no beta"),
-        (lambda _, a: a.update(beta=a["beta"][::-1]), "do not rise"),
+        (lambda _, a: a.update(beta=a["beta"][::-1]), "do not increase"),
         (lambda _, a: a.update(beta=a["beta"][:-1]), "shape"),
-        (lambda _, a: a.update(advance=a["advance"] * np.nan), "do not rise"),
+        (lambda _, a: a.update(advance=a["advance"] * np.nan), "do not increase"),
         (lambda _, a: a.update(omega=-a["omega"][::-1]), "positive"),
         (lambda _, a: a.update(coefficients=a["coefficients"] * np.inf), "infinite"),
-        (lambda _, a: a.update(cells=a["cells"] + 0.5), "another kind"),
-        (lambda _, a: a.update(beta=np.array(["a"] * a["beta"].size)), "another kind"),
+        (lambda _, a: a.update(cells=a["cells"] + 0.5), "wrong type"),
+        (lambda _, a: a.update(beta=np.array(["a"] * a["beta"].size)), "wrong type"),
     ],
 )
 def test_inconsistent_tables(path: Path, change: Any, message: str) -> None:
@@ -161,7 +161,7 @@ def test_a_table_from_before_the_search_still_opens(path: Path) -> None:
         _rewritten(path, lambda h, _, found=certificate: h.update(certificate=found))
         assert LoadTable.load(path).certificate == certificate
     _rewritten(path, lambda h, _: h.update(certificate={**told, "max_omega": {"thrust": 1.0}}))
-    assert "does not say max_omega" in _refusal(path)
+    assert "does not contain max_omega" in _refusal(path)
 
 
 def test_a_table_of_another_propeller(path: Path, rotor: propmap.Rotor, table: LoadTable) -> None:

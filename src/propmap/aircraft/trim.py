@@ -169,7 +169,8 @@ class Aircraft:
         return values[k - 1] + share * (values[k] - values[k - 1])
 
     def rotor_motion(self, states: SteadyStates) -> tuple[Floats, Floats]:
-        """Return rotor speeds (m, k) [rad/s] and hub velocities (m, k, 3) [m/s] of found states."""
+        """Return rotor speeds (m, k) [rad/s] and hub velocities (m, k, 3) [m/s] of the ``states``
+        with a solution."""
         flown = np.flatnonzero(states.found)
         flight = SteadyFlight(states.speed, states.climb, states.bank).part(flown)
         _, hubs, _ = self.balance.motion(states.pitch[flown], states.roll[flown], flight)

@@ -278,9 +278,12 @@ class Rows:
         table: Callable[[NDArray[np.intp]], RowModel],
         group: NDArray[np.intp] | None = None,
     ) -> Rows:
-        """Return a row for each finite number in ``measured`` (n, L), with ``scale`` (n, L), at n
-        points with ``speed`` and ``group`` (n,).  For the indices of m points, ``table`` returns
-        a model with values (m, L) and derivatives (m, L, P)."""
+        """Return a row for each finite number in ``measured`` (n, L).
+
+        ``names`` and ``units`` are those of the L loads; ``scale`` is (n, L), ``speed`` and
+        ``group`` are (n,).  For the indices of m points, ``table`` returns a model with values
+        (m, L) and derivatives (m, L, P).
+        """
         point, load = np.nonzero(np.isfinite(measured))
         # Polish and refits begin at the end of a search, so stored values save evaluations.
         whole: dict[Any, Evaluation] = {}

@@ -46,14 +46,14 @@ class JaxWrench(NamedTuple):
 class JaxForces:
     """A vehicle with a table of rotor loads in JAX; a pytree.
 
-    Create it with ``JaxForces.of(vehicle, table)``.
+    Create it with ``JaxForces.from_vehicle(vehicle, table)``.
     """
 
     table: JaxTable
     vehicle: Vehicle = field(metadata={"static": True})
 
     @classmethod
-    def of(cls, vehicle: Vehicle, table: LoadTable) -> Self:
+    def from_vehicle(cls, vehicle: Vehicle, table: LoadTable) -> Self:
         """Convert a ``vehicle`` and the ``table`` of its rotors to JAX.
 
         Raises ``InputError`` if ``table`` is not a table, for a table of another propeller or air,
@@ -65,11 +65,11 @@ class JaxForces:
         if vehicle.wakes is not None:
             found = "the vehicle has wakes, which are not computed in JAX"
             raise InputError(found, "use VehicleForces, or remove the wakes")
-        return cls(JaxTable.of(table), vehicle)
+        return cls(JaxTable.from_table(table), vehicle)
 
     def wrench(
         self,
-        omegas: Any,
+        omega: Any,
         velocity: Any,
         rates: Any = (0.0, 0.0, 0.0),
         wind: Any = (0.0, 0.0, 0.0),
@@ -82,7 +82,7 @@ class JaxForces:
 
         Parameters
         ----------
-        omegas : array, shape (..., k)
+        omega : array, shape (..., k)
             Speeds of the k rotors, in the order of the vehicle's mounts [rad/s].
         velocity, rates, wind : array, shape (..., 3)
             Velocity of the center of mass over the ground [m/s], angular velocity of the vehicle
@@ -96,7 +96,7 @@ class JaxForces:
         InputError
             If a last axis does not have k speeds, or x, y, z.
         """
-        given = {"omegas": omegas, "velocity": velocity, "rates": rates, "wind": wind}
+        given = {"omega": omega, "velocity": velocity, "rates": rates, "wind": wind}
         counts = (len(self.vehicle.mounts), 3, 3, 3)
         arrays = {name: jnp.asarray(x, self.table.lows.dtype) for name, x in given.items()}
         for (name, x), count in zip(arrays.items(), counts, strict=True):
@@ -166,12 +166,12 @@ def _free_stream_force(vehicle: Vehicle, velocity: Any) -> Any:
 class MjxRotors:
     """The rotors of a vehicle on a free body of MJX; a pytree.
 
-    Create it with ``MjxRotors.of``.  If the vehicle has a ``rotor_inertia``, rotors also exert
-    reaction torques when they change speed, and gyroscopic moments.
+    Create it with ``MjxRotors.from_vehicle``.  If the vehicle has a ``rotor_inertia``, rotors also
+    exert reaction torques when they change speed, and gyroscopic moments.
     """
 
     forces: JaxForces
-    centre: Any  # center of mass from the body's origin, in the body frame (3,) [m]
+    center: Any  # center of mass from the body's origin, in the body frame (3,) [m]
     lever: Any  # center of mass from the point where MuJoCo applies ``xfrc_applied`` (3,) [m]
     left: Any  # fraction of the difference from the command that remains after a step [-]
     step: Any  # time step of the model [s]
@@ -181,7 +181,7 @@ class MjxRotors:
     dof: int = field(metadata={"static": True})
 
     @classmethod
-    def of(
+    def from_vehicle(
         cls, vehicle: Vehicle, table: LoadTable, model: Any, body: str, *, time_constant: float
     ) -> Self:
         """Attach the rotors of a vehicle to a body of a model.
@@ -189,7 +189,7 @@ class MjxRotors:
         Parameters
         ----------
         vehicle, table
-            As for ``JaxForces.of``.
+            As for ``JaxForces.from_vehicle``.
         model : mujoco.MjModel
             Model in SI units, with x of the body forward, y left, z up.
         body : str
@@ -200,8 +200,9 @@ class MjxRotors:
         Raises
         ------
         InputError
-            As ``JaxForces.of``, for a body that does not exist, is not free or has another mass,
-            for a model with air density or viscosity, and for a negative time constant.
+            As ``JaxForces.from_vehicle``, for a body that does not exist, is not free or has
+            another mass, for a model with air density or viscosity, and for a negative time
+            constant.
         """
         import mujoco
 
@@ -227,8 +228,8 @@ class MjxRotors:
         turn, origin = data.xmat[at].reshape(3, 3), data.subtree_com[at]
         steps = model.opt.timestep / time_constant if time_constant else math.inf
         return cls(
-            forces=JaxForces.of(vehicle, table),
-            centre=jnp.asarray((origin - data.xpos[at]) @ turn),
+            forces=JaxForces.from_vehicle(vehicle, table),
+            center=jnp.asarray((origin - data.xpos[at]) @ turn),
             lever=jnp.asarray((origin - data.xipos[at]) @ turn),
             left=jnp.asarray(math.exp(-steps)),
             step=jnp.asarray(model.opt.timestep),
@@ -239,7 +240,7 @@ class MjxRotors:
         )
 
     def apply(
-        self, data: Any, omegas: Any, commands: Any, wind: Any = (0.0,) * 3, *, clamp: bool = False
+        self, data: Any, omega: Any, commands: Any, wind: Any = (0.0,) * 3, *, clamp: bool = False
     ) -> tuple[Any, Any, Any]:
         """Write the aerodynamic force and moment to ``xfrc_applied``; call it before ``mjx.step``.
 
@@ -247,7 +248,7 @@ class MjxRotors:
         ----------
         data : mjx.Data
             State of one vehicle; use ``jax.vmap`` for several.
-        omegas, commands : array, shape (k,)
+        omega, commands : array, shape (k,)
             Actual and commanded rotor speeds [rad/s].
         wind : array, shape (3,)
             Wind velocity in the world frame [m/s].
@@ -258,19 +259,19 @@ class MjxRotors:
         -------
         data : mjx.Data
             State with the body's row of ``xfrc_applied`` replaced.
-        omegas : array, shape (k,)
+        omega : array, shape (k,)
             Rotor speeds after the step [rad/s].
         code : array of int
             As for ``JaxWrench``.
         """
         turn = Rotation.from_quat(jnp.roll(data.qpos[self.qpos + 3 : self.qpos + 7], -1))
         moving, rates = data.qvel[self.dof : self.dof + 3], data.qvel[self.dof + 3 : self.dof + 6]
-        velocity = turn.apply(moving, inverse=True) + jnp.cross(rates, self.centre)
+        velocity = turn.apply(moving, inverse=True) + jnp.cross(rates, self.center)
         air = turn.apply(jnp.asarray(wind), inverse=True)
-        found = self.forces.wrench(omegas, velocity, rates, air, clamp=clamp)
-        after = commands + self.left * (omegas - commands)
-        change = (after - omegas) / self.step
-        gained, held = (jnp.sum(x[:, None] * self.momenta, axis=0) for x in (change, omegas))
+        found = self.forces.wrench(omega, velocity, rates, air, clamp=clamp)
+        after = commands + self.left * (omega - commands)
+        change = (after - omega) / self.step
+        gained, held = (jnp.sum(x[:, None] * self.momenta, axis=0) for x in (change, omega))
         reaction = gained + jnp.cross(rates, held)
         moment = found.moment - reaction + jnp.cross(self.lever, found.force)
         row = jnp.concatenate([turn.apply(found.force), turn.apply(moment)])

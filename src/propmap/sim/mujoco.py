@@ -97,7 +97,7 @@ class MujocoRotors:
         _check_options(model)
         sites = _sites(model, self.names, vehicle, given=bool(names))
         body, self._pose, self._motion = _free_body(model, sites)
-        mounts, self._centre = _mounts(model, body, sites, vehicle, self.names)
+        mounts, self._center = _mounts(model, body, sites, vehicle, self.names)
         self.vehicle = replace(vehicle, mounts=mounts)
         self._speeds = _Speeds(model, self.names)
         if clamp and isinstance(loads, LoadTable):
@@ -109,7 +109,7 @@ class MujocoRotors:
             airframe(vehicle.body, vehicle.wing, vehicle.air.density),
             [of_rotor[k]._core for k in range(len(rotors))],
             float(vehicle.rotor_inertia),
-            self._centre,
+            self._center,
             clamp,
         )
         self._rotors, self._alone = rotors, np.zeros(len(rotors))
@@ -156,7 +156,7 @@ class MujocoRotors:
         mujoco.mju_quat2Mat(turn, quaternion)
         to_vehicle, motion = turn.reshape(3, 3).T, data.qvel[self._motion]
         rates = motion[3:].copy()
-        velocity = to_vehicle @ motion[:3] + cross(rates, self._centre)
+        velocity = to_vehicle @ motion[:3] + cross(rates, self._center)
         return velocity, rates, to_vehicle @ model.opt.wind
 
     def _hubs(self, model: Any, data: Any) -> Floats:
@@ -322,11 +322,11 @@ def _mounts(
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     origin, to_vehicle = data.xpos[body], data.xmat[body].reshape(3, 3).T
-    centre = to_vehicle @ (data.subtree_com[body] - origin)
+    center = to_vehicle @ (data.subtree_com[body] - origin)
     placed = []
     arm = np.linalg.norm(vehicle.hub_positions, axis=1).max()
     for mount, site, name in zip(vehicle.mounts, sites, names, strict=True):
-        place = to_vehicle @ (data.site_xpos[site] - origin) - centre
+        place = to_vehicle @ (data.site_xpos[site] - origin) - center
         axis = to_vehicle @ data.site_xmat[site].reshape(3, 3)[:, 2]
         if np.linalg.norm(place - mount.position) > PLACE * max(arm, vehicle.propeller.radius):
             remedy = "give names in the vehicle's order, and a body with x forward, y left, z up"
@@ -339,7 +339,7 @@ def _mounts(
             fault = f"the site {name!r} points along {_text(axis)}, the rotor {_text(mount.axis)}"
             raise InputError(fault, "rotate the site so that its z axis is along the thrust")
         placed.append(replace(mount, position=tuple(place.tolist()), axis=tuple(axis.tolist())))
-    return tuple(placed), centre
+    return tuple(placed), center
 
 
 def _text(vector: Any) -> str:

@@ -1,1 +1,1 @@
-"""Design studies: many blades made from one, at many operating points."""
+"""Design studies: many designs derived from one propeller, at many operating points."""

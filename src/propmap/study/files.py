@@ -1,4 +1,4 @@
-"""The file that says what a study varies, and the quadratic through its results."""
+"""The study file in TOML, and the quadratic response surface of a study's results."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ KEYS = {
     "pitch_m": ("pitch", 1.0),
     "pitch_in": ("pitch", INCH),
     **{name: (name, 1.0) for name in ("chord_scale", "twist_scale", "blades", *OPERATION)},
-}  # what may stand in [vary], its name in ``VARIABLES`` and what to multiply it by
+}  # keys of [vary]: name in ``VARIABLES``, and factor to its unit
 
 
 Values = Annotated[Number | list[Number], "a number, or [...]"]
@@ -64,32 +64,34 @@ class _Sampling(TomlTable):
         if self.method == "latin-hypercube" and self.designs is None:
             raise InputError("no designs", "add designs = 200")
         if self.method != "latin-hypercube" and self.designs is not None:
-            found = "designs is given, but a full factorial has all combinations"
-            raise InputError(found, "remove it, or write more values")
+            found = "designs is given, but a full factorial always has all combinations"
+            raise InputError(found, "remove designs, or give more values in [vary]")
 
 
 class _Picture(TomlTable):
     quantity: Annotated[str, '"power"'] | None = None
     x: Annotated[str, '"diameter"'] | None = None
     y: Annotated[str, '"diameter"'] | None = None
-    rpm: Annotated[Number, "the value at which to cut"] | None = None
-    speed_mps: Annotated[Number, "the value at which to cut"] | None = None
-    beta_deg: Annotated[Number, "the value at which to cut"] | None = None
+    rpm: Annotated[Number, "the value in the picture"] | None = None
+    speed_mps: Annotated[Number, "the value in the picture"] | None = None
+    beta_deg: Annotated[Number, "the value in the picture"] | None = None
 
 
 class _StudyFile(TomlTable):
     propeller: _StudyPropeller
     sampling: _Sampling
     title: Annotated[str, '"..."'] | None = None
-    vary: dict[str, Any] = msgspec.field(default_factory=dict)  # a ``_Vary``, but the order counts
+    vary: dict[str, Any] = msgspec.field(default_factory=dict)  # a ``_Vary`` that keeps the order
     points: _Points = msgspec.field(default_factory=_Points)
     picture: _Picture = msgspec.field(default_factory=_Picture)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """Which ``quantity`` of ``TEXTS`` to draw ``across`` and ``up`` two of what varies, and where
-    on the axes of shared operating points, at the nearest values; by default at the first."""
+    """The picture of a study: a ``quantity`` of ``TEXTS`` over the variables ``across`` and ``up``.
+
+    ``at`` selects the operating point: the nearest value on each shared axis (default: the first).
+    """
 
     quantity: str
     across: str
@@ -99,24 +101,24 @@ class Surface:
 
 @dataclass(frozen=True)
 class StudyFile:
-    """What a file says: names as on the command line, and what ``Study`` takes."""
+    """Content of a study file: names as on the command line, and the arguments of ``Study``."""
 
     title: str
-    propeller: str  # of the first design, as on the command line
-    airfoil: str  # empty for that known of the propeller
+    propeller: str  # baseline design, as on the command line
+    airfoil: str  # empty for the default section constants of the propeller
     varied: dict[str, Floats]
     axes: dict[str, Floats]
     designs: int | None
     seed: int
-    surface: Surface | None  # None where no two quantities vary
+    surface: Surface | None  # None if fewer than two variables vary
 
     def study(self, rotor: Rotor) -> Study:
-        """The study, of designs made from that of ``rotor``."""
+        """Return the study, with ``rotor`` as the baseline design."""
         return Study(rotor, self.varied, self.axes, self.designs, self.seed)
 
 
 def read_study(path: Path) -> StudyFile:
-    """Read the file at ``path``; ``InputError`` names what is wrong in it."""
+    """Read the file at ``path``; raise ``InputError`` with the wrong entry."""
     where = str(path)
     file = read_toml(path, _StudyFile, STUDY_SCHEMA, "study")
     given = asdict(checked(file.vary, _Vary, f"{where}: [vary]"))
@@ -125,7 +127,7 @@ def read_study(path: Path) -> StudyFile:
         name, unit = KEYS[key]
         if name in varied:
             found = f"{name} is given twice"
-            raise InputError(found, "give it in metres or in inches", f"{where}: [vary]")
+            raise InputError(found, "give it in meters or in inches", f"{where}: [vary]")
         varied[name] = unit * np.atleast_1d(np.asarray(given[key], np.float64))
     shared = {name: values for name, values in asdict(file.points).items() if values is not None}
     axes = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in shared.items()}
@@ -154,7 +156,8 @@ def _surface(
             name = KEYS.get(text, (text, 1.0))[0]
         if name not in wide or name in chosen:
             found = f"{key} is {quoted(name)}, which does not vary or is the other axis"
-            remedy = f"choose two of {', '.join(wide) or 'what varies, which is nothing'}"
+            remedy = f"choose two of {', '.join(wide)}"
+            remedy = remedy if len(wide) > 1 else "vary at least two variables"
             raise InputError(found, remedy, where)
         chosen.append(name)
     quantity = picture.quantity or "thrust"
@@ -164,24 +167,24 @@ def _surface(
     for name in at:
         if name not in axes:
             found = f"{name} is not one of [points]"
-            raise InputError(found, "leave it out, or give it there", where)
+            raise InputError(found, f"remove {name}, or add it to [points]", where)
     return Surface(quantity, chosen[0], chosen[1], at)
 
 
 # -------------------------------------------------------------------------------------------------
-# A quadratic through a study's results, and how well it predicts designs that it has not seen.
+# A quadratic response surface of a study's results, and its error at designs left out of the fit.
 
 
 @dataclass(frozen=True, eq=False)
 class ResponseSurface:
-    """A second-order polynomial of what varies.
+    """A second-order polynomial of the variables of a study.
 
     Attributes
     ----------
     names : tuple of str
-        What varies.
+        Variables.
     low, high : ndarray, shape (k,)
-        Least and largest of each.
+        Least and largest value of each variable.
     coefficients : ndarray
         Coefficients of the terms in the order of ``_terms``.
     left_out_rms : float
@@ -195,33 +198,33 @@ class ResponseSurface:
     left_out_rms: float
 
     def __call__(self, rows: Mapping[str, Floats]) -> Floats:
-        """Values (n,) at designs; ``rows`` has values (n,) of each of ``names``."""
+        """Return values (n,) at n designs; ``rows`` has values (n,) of each of ``names``."""
         return np.asarray(_terms(self._unit(rows)) @ self.coefficients)
 
     def middle(self) -> dict[str, float]:
-        """The middle of the range of each of ``names``."""
+        """Return the middle of the range of each of ``names``."""
         return dict(zip(self.names, (0.5 * (self.low + self.high)).tolist(), strict=True))
 
     def _unit(self, rows: Mapping[str, Floats]) -> Floats:
-        """Scale what varies (n, k) to -1 to 1."""
+        """Return the variables (n, k) scaled from -1 to 1."""
         values = np.stack([np.asarray(rows[name], np.float64) for name in self.names], axis=1)
         return np.asarray(2.0 * (values - self.low) / (self.high - self.low) - 1.0)
 
 
 def response_surface(rows: Mapping[str, Floats], values: Floats) -> ResponseSurface:
-    """Fit a quadratic by least squares.
+    """Fit a quadratic response surface by least squares.
 
     Parameters
     ----------
     rows : mapping of str to ndarray, shape (n,)
-        What varies.
+        Values of each variable at the n designs.
     values : ndarray, shape (n,)
-        The quantity; designs where it is NaN are left out.
+        Quantity to fit; designs with NaN are left out.
 
     Raises
     ------
     InputError
-        For fewer designs than the quadratic has coefficients.
+        Unless there are more designs than coefficients of the quadratic.
     """
     good = np.isfinite(values)
     used = {n: np.asarray(v)[good] for n, v in rows.items() if np.ptp(v[good] if good.any() else v)}
@@ -232,19 +235,19 @@ def response_surface(rows: Mapping[str, Floats], values: Floats) -> ResponseSurf
     count = terms.shape[1]
     if good.sum() <= count:
         found = f"a quadratic of {len(names)} variables has {count} coefficients"
-        found += f", and {good.sum()} designs have values"
-        raise InputError(found, "ask for more designs")
-    # Where a variable has two levels its square says nothing; the least coefficients are taken.
+        found += f", but only {good.sum()} designs have values"
+        raise InputError(found, "give more designs")
+    # A variable with two levels does not determine its square: use the minimum-norm solution.
     inverse = np.linalg.pinv(terms)
     coefficients = inverse @ values[good]
-    # A residual over 1 - leverage is that of the fit without the point.
+    # The residual over 1 - leverage is the residual of a fit without the point.
     leverage = np.minimum(np.einsum("ij,ji->i", terms, inverse), 1.0 - 1e-9)
     error = (values[good] - terms @ coefficients) / (1.0 - leverage)
     return ResponseSurface(names, low, high, coefficients, float(np.sqrt(np.mean(error**2))))
 
 
 def _terms(unit: Floats) -> Floats:
-    """1, each variable, and each product of two of them, (n, t)."""
+    """Return the terms 1, each variable, and each product of two variables, (n, t)."""
     count, k = unit.shape
     products = [unit[:, i] * unit[:, j] for i in range(k) for j in range(i, k)]
     return np.column_stack([np.ones(count), unit, *products])

@@ -1,4 +1,4 @@
-"""A study: designs made from a blade, evaluated in tasks as a sweep is."""
+"""A study: designs derived from a baseline propeller, evaluated in tasks like a sweep."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from propmap.sweep.points import AXES, Part, Place
 from propmap.sweep.run import Evaluation, Values
 from propmap.typing import Floats
 
-POINTS_PER_TASK = 8192  # of all its designs: one to some seconds of one core
-SAMPLE = 4  # designs by which the time of a study is predicted
+POINTS_PER_TASK = 8192  # of all designs of the task: one to some seconds of one core
+SAMPLE = 4  # designs whose evaluation is timed to predict the time of a study
 
 GEOMETRY = {
     "diameter": ("m", "of the propeller"),
     "pitch": ("m", "of the blade at three quarters of the radius"),
-    "chord_scale": ("1", "chords over those of the blade that the study begins with"),
-    "twist_scale": ("1", "differences of twist over those of the blade that the study begins with"),
-    "blades": ("1", "number of blades"),
-}  # what may vary of a propeller: unit and meaning
+    "chord_scale": ("1", "of all chords relative to the baseline blade"),
+    "twist_scale": ("1", "of the twist differences relative to the baseline blade"),
+    "blades": ("1", "of the propeller"),
+}  # variables of the propeller: unit and meaning
 
 OPERATION = {name: (unit, meaning) for name, unit, meaning in AXES.values()}
-"""Unit and meaning of what may vary of an operating point."""
+"""Unit and meaning of the variables of the operating point."""
 
 VARIABLES = {**GEOMETRY, **OPERATION}
 
@@ -40,35 +40,35 @@ MOST_DESIGNS = 100_000_000
 class Designs(NamedTuple):
     """The designs and operating points of one task."""
 
-    rows: dict[str, Floats]  # what varies (n,), by name
-    axes: dict[str, Floats]  # values of the operating point that every design has, by name
+    rows: dict[str, Floats]  # varied values (n,) by name
+    axes: dict[str, Floats]  # values shared by all designs, by name
 
 
 @dataclass(frozen=True, eq=False)
 class Study(Evaluation):
-    """Which designs are evaluated at which operating points.
+    """The designs of a study and the operating points at which each design is evaluated.
 
     Attributes
     ----------
     rotor : Rotor
-        The design to begin with; all have its section law, air and corrections.
+        Baseline design; all designs have its section law, air and corrections.
     varied : mapping of str to ndarray
-        Values of what varies from design to design, by names of ``VARIABLES``: all levels of a
-        full factorial; or least and largest of a Latin hypercube, but for ``blades``, of which
-        it has all that are named.
+        Varied values by names of ``VARIABLES``.  A full factorial uses all values.  A Latin
+        hypercube requires the least and the largest value, but all values of ``blades``.
     axes : mapping of str to ndarray
-        Values of the rest of ``OPERATION``: every design is evaluated at all combinations.
+        Values of the other variables of ``OPERATION``: every design is evaluated at all
+        combinations.
     designs : int or None
-        How many a Latin hypercube has; None for the full factorial.
+        Number of designs of a Latin hypercube; None for the full factorial.
     seed : int
         Seed of the Latin hypercube.
     points_per_task : int
-        Operating points that are computed together, at most.
+        Largest number of operating points per task.
 
     Raises
     ------
     InputError
-        Where these do not make a study, or a blade of it cannot be.
+        For an invalid combination of values, and for an impossible blade.
     """
 
     rotor: Rotor
@@ -82,22 +82,22 @@ class Study(Evaluation):
 
     def __post_init__(self) -> None:
         if not self.varied:
-            raise InputError("nothing varies", f"give values of {', '.join(VARIABLES)}")
+            raise InputError("nothing varies", f"vary one or more of {', '.join(VARIABLES)}")
         for name in OPERATION:
             if (name in self.varied) == (name in self.axes):
                 times = "twice" if name in self.axes else "nowhere"
-                raise InputError(f"{name} is given {times}", "give it once, varied or as points")
+                raise InputError(f"{name} is given {times}", "give it once, in [vary] or [points]")
         for name, values in [*self.varied.items(), *self.axes.items()]:
             _check_values(name, values)
             both = self.designs is not None and name in self.varied and name != "blades"
             if both and values.size != 2:
                 found = f"{name} has {values.size} values"
-                raise InputError(found, "a Latin hypercube takes two, from and to")
+                raise InputError(found, "give a Latin hypercube two values: least and largest")
         if self.designs is not None and not 2 <= self.designs <= MOST_DESIGNS:
             raise InputError(f"designs is {self.designs}", f"give 2 to {MOST_DESIGNS}")
         if self.count > MOST_DESIGNS:
-            found = f"all combinations are {self.count} designs"
-            raise InputError(found, "give fewer values of each")
+            found = f"all combinations make {self.count} designs"
+            raise InputError(found, "give fewer values of each variable")
         ends = {n: np.unique(v[[0, -1]]) for n, v in self.varied.items() if n in GEOMETRY}
         for corner in itertools.product(*ends.values()):
             self.design(dict(zip(ends, corner, strict=True)))
@@ -109,7 +109,7 @@ class Study(Evaluation):
 
     @cached_property
     def rows(self) -> dict[str, Floats]:
-        """What varies, by name, each (n,)."""
+        """Values of each variable at all designs (n,), by name."""
         names = list(self.varied)
         if self.designs is None:
             mesh = np.meshgrid(*self.varied.values(), indexing="ij")
@@ -129,7 +129,7 @@ class Study(Evaluation):
 
     @property
     def dims(self) -> tuple[str, ...]:
-        """ "design", then those of the operating points that all designs share."""
+        """ "design", then the dimensions of the shared operating points."""
         return ("design", *(dim for dim, (name, _, _) in AXES.items() if name in self.axes))
 
     @property
@@ -138,7 +138,7 @@ class Study(Evaluation):
         return (self.count, *(self.axes[name].size for name in OPERATION if name in self.axes))
 
     def coordinates(self) -> dict[str, tuple[tuple[str, ...], Floats, dict[str, str]]]:
-        """What varies, along the designs, and the axes of the operating points they share."""
+        """Return the varied values along the designs, and the axes of shared operating points."""
         found = {name: ("design", values) for name, values in self.rows.items()}
         found |= {
             name: (dim, self.axes[name]) for dim, (name, _, _) in AXES.items() if name in self.axes
@@ -150,14 +150,14 @@ class Study(Evaluation):
         }
 
     def described(self, command: str) -> dict[str, Any]:
-        """Attributes of a file with the results, asked for by this ``command``."""
+        """Return the attributes of a file with the results of this ``command``."""
         title = f"Designs made from {self.rotor.model.propeller.name}"
         random = f"Latin hypercube, seed {self.seed}"
         sampling = "full factorial" if self.designs is None else random
         return {**super().described(command), "title": title, "sampling": sampling}
 
     def part(self, place: Place, chunk: tuple[int, ...]) -> Designs:
-        """Designs and points of the task at this ``place``; tasks have the shape ``chunk``."""
+        """Return designs and points of the task at this ``place``; tasks have shape ``chunk``."""
         cuts = [slice(k * n, (k + 1) * n) for k, n in zip(place, chunk, strict=True)]
         rows = {name: values[cuts[0]] for name, values in self.rows.items()}
         names = [name for name in OPERATION if name in self.axes]
@@ -165,26 +165,26 @@ class Study(Evaluation):
         return Designs(rows, axes)
 
     def sample(self) -> tuple[Designs, int]:
-        """Designs spread over all, at all operating points."""
+        """Return evenly chosen designs at all operating points, and the number of points."""
         some = np.unique(np.linspace(0, self.count - 1, SAMPLE).astype(int))
         rows = {name: values[some] for name, values in self.rows.items()}
         return Designs(rows, dict(self.axes)), some.size * math.prod(self.shape[1:])
 
     def batches(self, part: Designs) -> Iterator[tuple[Rotor, Part]]:
-        """Each design of a ``part`` with its operating points."""
+        """Yield each design of a ``part`` with its operating points."""
         for row in zip(*part.rows.values(), strict=True):
             values = dict(zip(part.rows, map(float, row), strict=True))
             axes = [part.axes.get(name, np.array([values.get(name, 0.0)])) for name in OPERATION]
             yield self.design(values), Part(*np.meshgrid(*axes, indexing="ij"))
 
     def values(self, part: Designs) -> Values:
-        """What is filed of a ``part``, over the designs and the axes that they share."""
+        """Return the quantities to store for a ``part``, over the designs and the shared axes."""
         shape = [part.axes[name].size for name in OPERATION if name in part.axes]
         found = super().values(part)
         return {name: values.reshape(len(values), *shape) for name, values in found.items()}
 
     def design(self, values: Mapping[str, float]) -> Rotor:
-        """The rotor of the design that differs from the first one by ``values``, by name."""
+        """Return the rotor of the design with these ``values`` by name."""
         geometry: Any = {name: float(v) for name, v in values.items() if name in GEOMETRY}
         if "blades" in geometry:
             geometry["blades"] = round(geometry["blades"])
@@ -202,25 +202,25 @@ class Study(Evaluation):
 
 def _check_values(name: str, values: Floats) -> None:
     if name not in VARIABLES:
-        raise InputError(f"{name} cannot vary", f"known are {', '.join(VARIABLES)}")
+        raise InputError(f"{name} cannot vary", f"choose from {', '.join(VARIABLES)}")
     if values.ndim != 1 or not values.size or not np.isfinite(values).all():
-        raise InputError(f"{name} is no list of numbers", "give one or more")
+        raise InputError(f"{name} is not a list of numbers", "give one or more numbers")
     if (np.diff(values) <= 0.0).any():
-        raise InputError(f"the values of {name} do not rise", "write each once, rising")
+        raise InputError(f"the values of {name} do not increase", "sort them, each value once")
     if name == "blades" and (values != np.round(values)).any():
-        raise InputError("blades are whole numbers", "give them as 2, 3, 4")
+        raise InputError("blades has fractions", "give whole numbers, such as 2, 3, 4")
     if name != "beta_deg" and values[0] < 0.0:
         raise InputError(f"{name} is negative", "give 0 or more")
 
 
 # -------------------------------------------------------------------------------------------------
-# Blades made from another: of another size, pitch, width or twist.
+# Propellers derived from another one by changes of size, pitch, chord or twist.
 
-PITCH_AT = 0.75  # share of the radius at which a blade's pitch is taken
+PITCH_AT = 0.75  # r/R of the nominal pitch
 
 
 def pitch_of(blade: Propeller) -> float:
-    """The pitch of a ``blade`` at three quarters of the radius, 2 pi r tan(theta) [m]."""
+    """Return the pitch of a ``blade`` at three quarters of the radius, 2 pi r tan(theta) [m]."""
     radius = PITCH_AT * blade.radius
     return 2.0 * math.pi * radius * float(np.interp(radius, blade.station, np.tan(blade.twist)))
 
@@ -234,29 +234,30 @@ def changed_blade(
     twist_scale: float = 1.0,
     blades: int | None = None,
 ) -> Propeller:
-    """A propeller made from another.
+    """Return a propeller derived from another one.
 
     Parameters
     ----------
     blade : Propeller
-        The one to begin with.
+        Original propeller.
     diameter : float, optional
-        [m]; radii and chords grow by one factor.
+        New diameter [m]; one factor scales all radii and chords.
     pitch : float, optional
-        At three quarters of the radius [m]; the tangents of all twists change by one factor, so
-        that the pitch of each station does. By default it grows with the diameter.
+        New pitch at three quarters of the radius [m].  One factor scales the tangents of all twist
+        angles, and thereby the pitch at each station.  By default the pitch scales with the
+        diameter.
     chord_scale : float
-        Factor on all chords, after the diameter [-].
+        Factor on all chords after the change of diameter [-].
     twist_scale : float
-        Factor on what the twist differs by from that at three quarters of the radius [-]: 0 is a
-        blade without twist, 1 leaves it.
+        Factor on the difference between the twist and the twist at three quarters of the radius
+        [-]: 0 removes the twist, 1 keeps it.
     blades : int, optional
-        How many.
+        New number of blades.
 
     Raises
     ------
     InputError
-        For a blade that cannot be.
+        For an impossible blade.
     """
     for name, value in (("diameter", diameter), ("pitch", pitch), ("chord_scale", chord_scale)):
         if value is not None and not (math.isfinite(value) and value > 0.0):
@@ -266,7 +267,8 @@ def changed_blade(
     if pitch is not None:
         own = size * pitch_of(blade)
         if own <= 0.0:
-            raise InputError(f"the pitch of {blade.name} is {own:g} m", "begin with another blade")
+            fault = f"the pitch of {blade.name} is {own:g} m"
+            raise InputError(fault, "choose a propeller with positive pitch")
         twist = np.arctan(np.tan(twist) * (pitch / own))
     middle = np.arctan(np.interp(PITCH_AT * station[-1], station, np.tan(twist)))
     return replace(

@@ -1,1 +1,1 @@
-"""Sweeps of any size: operating points in tasks, their loads streamed into one Zarr store."""
+"""Sweeps of any size: operating points split into tasks, loads streamed into one Zarr store."""

@@ -1,4 +1,4 @@
-"""Operating points of a sweep, how they are cut into tasks, and what is filed of each point."""
+"""Operating points of a sweep, their division into tasks, and the quantities stored for them."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from propmap.results import STATUSES, Loads
 from propmap.typing import Floats
 from propmap.units import RPM
 
-Place = tuple[int, ...]  # a task's number along each dimension
+Place = tuple[int, ...]  # index of a task along each dimension
 
 AXES = {
     "rpm": ("rpm", "1/min", "rotational speed"),
     "speed": ("speed_mps", "m/s", "speed of the hub through the air"),
-    "beta": ("beta_deg", "degree", "angle from the axis to the velocity, 0 in axial climb"),
+    "beta": ("beta_deg", "degree", "angle between rotor axis and velocity, 0 in axial climb"),
 }  # coordinate, unit and meaning by dimension of a grid
 
 
@@ -40,7 +40,7 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Values:
-    """Values of what makes operating points, checked."""
+    """Checked rotational speeds, airspeeds and angles."""
 
     rpm: Floats
     speed_mps: Floats
@@ -51,14 +51,14 @@ class _Values:
             values = np.asarray(getattr(self, name), np.float64)
             object.__setattr__(self, name, values)
             if values.ndim != 1 or not values.size or not np.isfinite(values).all():
-                found = f"{name} is no list of finite numbers [{unit}]"
-                raise InputError(found, "give at least one")
+                found = f"{name} is not a list of finite numbers [{unit}]"
+                raise InputError(found, "give at least one number")
             if name != "beta_deg" and (values < 0.0).any():
                 raise InputError(f"{name} is negative", "give 0 or more")
 
 
 class Grid(_Values):
-    """All combinations of rotational speeds, flight speeds and angles.
+    """All combinations of rotational speeds, airspeeds and angles.
 
     Attributes
     ----------
@@ -73,11 +73,11 @@ class Grid(_Values):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Numbers of rotational speeds, flight speeds and angles."""
+        """Numbers of rotational speeds, airspeeds and angles."""
         return self.rpm.size, self.speed_mps.size, self.beta_deg.size
 
     def part(self, place: Place, chunk: tuple[int, ...]) -> Part:
-        """The part at this ``place`` where parts have the shape ``chunk``, but for the last."""
+        """Return the part at this ``place``; all parts except the last have shape ``chunk``."""
         w, v, b = (
             getattr(self, name)[k * n : (k + 1) * n]
             for k, n, (name, _, _) in zip(place, chunk, AXES.values(), strict=True)
@@ -86,7 +86,7 @@ class Grid(_Values):
 
 
 class PointList(_Values):
-    """Operating points one by one.
+    """A list of operating points.
 
     Attributes
     ----------
@@ -97,7 +97,8 @@ class PointList(_Values):
     def __post_init__(self) -> None:
         super().__post_init__()
         if len({getattr(self, name).size for name, _, _ in AXES.values()}) > 1:
-            raise InputError("rpm, speed and beta differ in length", "give a value of each")
+            fault = "rpm, speed and beta differ in length"
+            raise InputError(fault, "give a value of each for every point")
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -106,11 +107,11 @@ class PointList(_Values):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The number of points."""
+        """Number of points."""
         return (self.rpm.size,)
 
     def part(self, place: Place, chunk: tuple[int, ...]) -> Part:
-        """The part at this ``place`` where parts have the shape ``chunk``, but for the last."""
+        """Return the part at this ``place``; all parts except the last have shape ``chunk``."""
         cut = slice(place[0] * chunk[0], (place[0] + 1) * chunk[0])
         return Part(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut])
 
@@ -119,8 +120,8 @@ Points: TypeAlias = Grid | PointList
 
 
 def chunk_shape(shape: Sequence[int], most: int) -> tuple[int, ...]:
-    """Cut a ``shape`` into parts of ``most`` points at most in C order, as equal as may be, by the
-    shape alone, so that loads do not depend to the last digit on who does them."""
+    """Return the shape of nearly equal parts of at most ``most`` points in C order; it does not
+    depend on the workers, so that all digits of the loads are reproducible."""
     left, chunk = most, []
     for length in reversed(shape):
         parts = -(-length // max(left, 1))
@@ -130,17 +131,17 @@ def chunk_shape(shape: Sequence[int], most: int) -> tuple[int, ...]:
 
 
 def parts_along(shape: Sequence[int], chunk: Sequence[int]) -> tuple[int, ...]:
-    """Count the parts of shape ``chunk`` along each axis of a ``shape``."""
+    """Return the number of parts of shape ``chunk`` along each axis of a ``shape``."""
     return tuple(-(-length // size) for length, size in zip(shape, chunk, strict=True))
 
 
 def parts_count(shape: Sequence[int], chunk: Sequence[int]) -> int:
-    """Count the parts of shape ``chunk`` that a ``shape`` is cut into."""
+    """Return the number of parts of shape ``chunk`` in a ``shape``."""
     return math.prod(parts_along(shape, chunk))
 
 
 # -------------------------------------------------------------------------------------------------
-# What is filed of each operating point: names, units and meanings.
+# Quantities stored for each operating point: names, units and meanings.
 
 LOAD_TEXTS = {
     **{name: (load.unit, load.meaning) for name, load in LOADS.items()},
@@ -150,14 +151,14 @@ LOAD_TEXTS = {
 TEXTS = {
     **LOAD_TEXTS,
     "mean_inflow": ("m/s", "induced velocity averaged over the disk"),
-    "reverse_flow": ("1", "share of the blades' disk that the air meets from behind"),
+    "reverse_flow": ("1", "fraction of the blades' disk with reverse flow"),
     "roots": ("1", "largest number of solutions of the inflow equation along the blade"),
-}  # unit and meaning of each quantity that is no standard deviation
+}  # unit and meaning of each quantity except standard deviations
 
 
 def quantities(loads: Loads, *, bands: bool, by_source: bool) -> dict[str, NDArray[Any]]:
-    """Name the arrays to file, with ``bands`` standard deviations as "thrust_std" where there are
-    any, ``by_source`` those as "thrust_std_tunnel" too; the status is last."""
+    """Return the arrays to store by name, the status last: with ``bands`` standard deviations, if
+    any, as "thrust_std", and with ``by_source`` those of each source as "thrust_std_tunnel"."""
     found: dict[str, NDArray[Any]] = {name: getattr(loads, name) for name in TEXTS}
     if bands and loads.std_by_source:
         deviations = {"std": loads.std}
@@ -171,10 +172,10 @@ def quantities(loads: Loads, *, bands: bool, by_source: bool) -> dict[str, NDArr
 
 
 def attributes(name: str) -> dict[str, Any]:
-    """Describe a quantity of ``quantities`` by its unit and meaning."""
+    """Return unit and meaning of a quantity of ``quantities`` as attributes of its array."""
     if name == "status":
         return {
-            "long_name": "whether the loads can be trusted",
+            "long_name": "validity of the loads",
             "flag_values": np.arange(len(STATUSES), dtype=np.uint8),
             "flag_meanings": " ".join(STATUSES),
         }
@@ -183,10 +184,10 @@ def attributes(name: str) -> dict[str, Any]:
     if load != name:
         meaning = f"standard deviation of: {meaning}"
     if source:
-        meaning += f", by {source.removeprefix('_')} alone"
+        meaning += f", from {source.removeprefix('_')} only"
     return {"units": unit, "long_name": meaning}
 
 
 def filed_as(kind: np.dtype[Any]) -> np.dtype[Any]:
-    """The type in which values of a ``kind`` are filed: numbers of solutions are small."""
+    """Return the type in which values of a ``kind`` are stored; integers are counts below 256."""
     return np.dtype(np.uint8) if kind.kind in "iu" else kind

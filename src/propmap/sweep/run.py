@@ -1,4 +1,4 @@
-"""Loads at any number of operating points, in tasks: streamed into a Zarr store, or into memory."""
+"""Loads at any number of operating points, computed in tasks, in a Zarr store or in memory."""
 
 from __future__ import annotations
 
@@ -42,14 +42,17 @@ from propmap.typing import Floats
 if TYPE_CHECKING:
     import xarray
 
-POINTS_PER_TASK = 16_384  # some seconds of a core: long beside handing out, short beside a loss
-SAMPLE = 2048  # operating points by which the time of a sweep is predicted
+POINTS_PER_TASK = 16_384  # some seconds of one core; fewer: more overhead, more: more lost work
+SAMPLE = 2048  # operating points whose evaluation is timed to predict the time of a sweep
 Values = dict[str, NDArray[Any]]  # arrays by quantity
 
 
 class Evaluation(ABC):
-    """Loads at many operating points, in tasks that follow from these alone and bring them along,
-    whoever does them: ``Sweep`` of one rotor, ``propmap.study.run.Study`` of many designs."""
+    """Loads at many operating points, divided into tasks that contain their own points.
+
+    The division does not depend on the workers.  ``Sweep`` evaluates one rotor,
+    ``propmap.study.run.Study`` many designs.
+    """
 
     kind: str
     rotor: Rotor
@@ -69,37 +72,37 @@ class Evaluation(ABC):
 
     @abstractmethod
     def coordinates(self) -> dict[str, tuple[tuple[str, ...], Floats, dict[str, str]]]:
-        """Dimensions, values and attributes of each coordinate."""
+        """Return dimensions, values and attributes of each coordinate."""
 
     @abstractmethod
     def part(self, place: Place, chunk: tuple[int, ...]) -> Any:
-        """What is evaluated at this ``place``, where parts have the shape ``chunk``."""
+        """Return the part to evaluate at this ``place``; parts have the shape ``chunk``."""
 
     @abstractmethod
     def sample(self) -> tuple[Any, int]:
-        """A part by which the time of all is predicted, and its number of points."""
+        """Return a part that is timed to predict the total time, and its number of points."""
 
     @abstractmethod
     def batches(self, part: Any) -> Iterable[tuple[Rotor, Part]]:
-        """The rotors of a ``part``, each with the points at which its loads are asked for."""
+        """Return the rotors of a ``part``, each with its operating points."""
 
     def described(self, command: str) -> dict[str, Any]:
-        """Attributes of a file with the results, asked for by this ``command``."""
+        """Return the attributes of a file with the results of this ``command``."""
         return provenance(self.rotor, command)
 
     def evaluate(self, part: Any) -> Iterator[Loads]:
-        """Loads of the batches of a ``part``, one after the other."""
+        """Yield the loads of each batch of a ``part``."""
         for rotor, points in self.batches(part):
             yield rotor.loads(*points.si)
 
     def in_turn(self) -> Iterator[Loads]:
-        """Loads of all batches of all parts in C order, evaluated in this process."""
+        """Yield the loads of all batches of all parts in C order, evaluated in this process."""
         chunk = chunk_shape(self.shape, self.points_per_task)
         for place in np.ndindex(*parts_along(self.shape, chunk)):
             yield from self.evaluate(self.part(place, chunk))
 
     def values(self, part: Any) -> Values:
-        """What is filed of a ``part``, each quantity with the batches along the first axis."""
+        """Return the quantities to store for a ``part``, with the batches along the first axis."""
         each = [
             quantities(loads, bands=self.bands, by_source=self.by_source)
             for loads in self.evaluate(part)
@@ -108,9 +111,9 @@ class Evaluation(ABC):
         return {name: values.astype(filed_as(values.dtype)) for name, values in stacked.items()}
 
     def layout(self, command: str = "") -> Layout:
-        """Describe the store of the results, asked for by this ``command``."""
+        """Return the layout of the store for the results of this ``command``."""
         coordinates = self.coordinates()
-        # Names and types, from hover at a tip speed of 100 m/s.
+        # Hover at a tip speed of 100 m/s gives the names and types of the quantities.
         probe = self.rotor.loads([100.0 / self.rotor.model.propeller.radius], 0.0, 0.0)
         filed = quantities(probe, bands=self.bands, by_source=self.by_source)
         kinds = {name: (filed_as(v.dtype), attributes(name)) for name, v in filed.items()}
@@ -138,22 +141,22 @@ class Evaluation(ABC):
         workers: Workers | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> None:
-        """Compute and file what a ``store`` lacks of a ``layout``, by ``workers`` or here;
-        ``progress`` gets the number of tasks done, and that of all."""
+        """Compute and store the missing parts of a ``layout`` with ``workers`` or in this process;
+        call ``progress`` with the number of finished tasks and of all tasks."""
         total = parts_count(layout.shape, layout.chunk)
         for done in stream(workers or InTurn(), self, store, layout):
             if progress is not None:
                 progress(done, total)
 
     def seconds_per_point(self, workers: Workers) -> float:
-        """Time that one of the ``workers`` takes for an operating point [s], from a sample."""
+        """Return the time of one of the ``workers`` for one operating point [s], from a sample."""
         part, count = self.sample()
         ((_, found),) = workers.results(_timed, self, [part])
         return found / count
 
 
 def _timed(evaluation: Evaluation, part: Any) -> float:
-    """Time of the second evaluation [s]: modules are loaded at the first one."""
+    """Return the time of the second evaluation [s], since the first one also imports modules."""
     evaluation.values(part)
     start = time.perf_counter()
     evaluation.values(part)
@@ -161,7 +164,7 @@ def _timed(evaluation: Evaluation, part: Any) -> float:
 
 
 def stream(workers: Workers, evaluation: Evaluation, store: Filed, layout: Layout) -> Iterator[int]:
-    """Compute and file all parts that are missing in a store; yield how many parts are done."""
+    """Compute and store all missing parts; yield the number of finished parts after each."""
     done = store.done(layout)
     count = int(done.sum())
     yield count
@@ -170,7 +173,7 @@ def stream(workers: Workers, evaluation: Evaluation, store: Filed, layout: Layou
     def place(which: int) -> Place:
         return tuple(int(k) for k in np.unravel_index(missing[which], done.shape))
 
-    # Made one by one, as workers become free.
+    # A generator, so that tasks are created only when workers are free.
     at = map(place, range(missing.size))
     tasks = ((where, evaluation.part(where, layout.chunk)) for where in at)
     for which, values in workers.results(_file_part, (evaluation, store), tasks):
@@ -181,7 +184,7 @@ def stream(workers: Workers, evaluation: Evaluation, store: Filed, layout: Layou
 
 
 def _file_part(common: tuple[Evaluation, Filed], task: tuple[Place, Any]) -> Values | None:
-    """Compute and file a part; return its values where this process does not see the store."""
+    """Compute and store a part; return its values if this process cannot access the store."""
     (evaluation, store), (place, part) = common, task
     values = evaluation.values(part)
     if not store.here:
@@ -192,7 +195,7 @@ def _file_part(common: tuple[Evaluation, Filed], task: tuple[Place, Any]) -> Val
 
 @dataclass(frozen=True, eq=False)
 class Sweep(Evaluation):
-    """Loads of a ``rotor`` at all ``points``, with standard deviations where any are known."""
+    """Loads of a ``rotor`` at all ``points``, with standard deviations if the model has any."""
 
     rotor: Rotor
     points: Points
@@ -203,16 +206,16 @@ class Sweep(Evaluation):
 
     @property
     def dims(self) -> tuple[str, ...]:
-        """As of ``points``."""
+        """Names of the dimensions of ``points``."""
         return self.points.dims
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """As of ``points``."""
+        """Lengths of the dimensions of ``points``."""
         return self.points.shape
 
     def coordinates(self) -> dict[str, tuple[tuple[str, ...], Floats, dict[str, str]]]:
-        """Rotational speed, flight speed and angle."""
+        """Return rotational speed, airspeed and angle beta."""
         dims = [(dim,) if dim in self.dims else self.dims for dim in AXES]
         return {
             name: (dim, getattr(self.points, name), {"units": unit, "long_name": meaning})
@@ -220,11 +223,11 @@ class Sweep(Evaluation):
         }
 
     def part(self, place: Place, chunk: tuple[int, ...]) -> Part:
-        """Operating points at this ``place``, where parts have the shape ``chunk``."""
+        """Return the operating points at this ``place``; parts have the shape ``chunk``."""
         return self.points.part(place, chunk)
 
     def sample(self) -> tuple[Part, int]:
-        """Operating points spread over all."""
+        """Return evenly chosen operating points, and their number."""
         count = math.prod(self.shape)
         some = np.unique(np.linspace(0, count - 1, min(count, SAMPLE)).astype(np.int64))
         at = np.unravel_index(some, self.shape)
@@ -232,11 +235,11 @@ class Sweep(Evaluation):
         return Part(*(v[at[self.dims.index(dims[0])]] for dims, v, _ in axes)), some.size
 
     def batches(self, part: Part) -> Iterable[tuple[Rotor, Part]]:
-        """All points of a ``part`` at once."""
+        """Return all points of a ``part`` as one batch."""
         return [(self.rotor, part)]
 
     def values(self, part: Part) -> Values:
-        """What is filed of a ``part``, of its shape."""
+        """Return the quantities to store for a ``part``, in its shape."""
         return {name: stacked[0] for name, stacked in super().values(part).items()}
 
     def __getstate__(self) -> dict[str, Any]:
@@ -254,34 +257,34 @@ def sweep_to_store(
     points_per_task: int = POINTS_PER_TASK,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Loads at any number of operating points, in a Zarr store that ``xarray.open_zarr`` reads.
+    """Compute loads at any number of operating points into a Zarr store for ``xarray.open_zarr``.
 
-    Where the store is there, but for some of its tasks, these are done and the others are left: a
-    run that was killed goes on when it is asked for again.  Memory does not grow with the points.
+    If the store exists, only its missing tasks are computed: call the function again to resume a
+    run that was killed.  The memory use does not depend on the number of points.
 
     Parameters
     ----------
     rotor : Rotor
-        Whose loads.
+        Rotor to evaluate.
     points : Grid or PointList
         Operating points, from ``propmap.sweep.points``.
     path : Path
-        The store, a folder whose name ends with ".zarr".
+        Folder of the store; its name ends with ".zarr".
     workers : Workers, optional
-        Who computes: by default this process; ``propmap.cluster.DaskWorkers(client)``
-        for a ``distributed.Client``.  Loads are the same to the last digit
-        where they have the same build of the core.
+        Workers that evaluate the tasks (default: this process), for example
+        ``propmap.cluster.DaskWorkers(client)`` for a ``distributed.Client``.  All digits of the
+        loads agree if the workers have the same build of the core.
     bands, by_source : bool
-        Whether standard deviations are filed, if any are known, and by what they are from.
+        Whether to store the standard deviations of the loads, if any, and those of each source.
     points_per_task : int
-        Operating points that are computed, and lost if a worker dies, together.
+        Number of operating points per task; a worker that dies loses one task.
     progress : callable, optional
-        Called with the number of tasks done, and that of all.
+        Called with the number of finished tasks and the number of all tasks.
 
     Raises
     ------
     InputError
-        Where the store was begun with another model, other points or another version.
+        If the store belongs to another model, other points or another version.
     """
     path = Path(path)
     sweep = Sweep(rotor, points, bands, by_source, points_per_task)
@@ -298,7 +301,7 @@ def _digest(*parts: object) -> str:
 
 
 def provenance(rotor: Rotor, command: str) -> dict[str, Any]:
-    """Texts and numbers that files of a ``rotor``'s loads carry, asked for by this ``command``."""
+    """Return the provenance stored in files with a ``rotor``'s loads from this ``command``."""
     model, blade = rotor.model, rotor.model.propeller
     return {
         "title": f"Loads of {blade.name}",
@@ -323,14 +326,14 @@ def provenance(rotor: Rotor, command: str) -> dict[str, Any]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Results of tasks, in one Zarr store that a killed run leaves fit to go on, or in memory.
+# Results of tasks, in one Zarr store from which a killed run can resume, or in memory.
 #
-# A part of the results is a file per quantity, written under another name and then renamed, and the
-# part counts as done once its last file is there.  So a killed process or a full disk costs the
-# parts under way, no more; to write a part again changes nothing.  Any number of processes may
-# write, each its own parts.
+# Each part of the results has one file per quantity.  The file is written under a temporary name
+# and then renamed.  A part is finished when its last file exists.  A killed process or a full disk
+# therefore loses only unfinished parts, and writing a part twice has no effect.  Any number of
+# processes may write, each its own parts.
 
-RUN = "propmap_run"  # attribute of the store with what its results depend on
+RUN = "propmap_run"  # attribute of the store with the conditions of its results, see ``SAME``
 
 SAME = {
     "kind": "kind of run",
@@ -340,14 +343,14 @@ SAME = {
     "accuracy": "accuracy",
     "quantities": "set of quantities",
     "chunk": "size of tasks",
-}  # what must be the same for a run to go on, in words
+}  # conditions that must agree for a run to resume, with their names in messages
 
-NOT_DONE = 255  # status of points that have not been computed yet
+NOT_DONE = 255  # status of points that have not been computed
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What a store holds."""
+    """Dimensions, coordinates, quantities and attributes of a store."""
 
     sizes: Mapping[str, int]  # lengths of the dimensions
     chunk: tuple[int, ...]  # shape of the parts
@@ -355,7 +358,7 @@ class Layout:
     coordinates: Mapping[str, tuple[tuple[str, ...], NDArray[Any], Mapping[str, Any]]]
     # Type and attributes by name; the last one is written last.
     quantities: Mapping[str, tuple[np.dtype[Any], Mapping[str, Any]]]
-    attributes: Mapping[str, Any] = field(default_factory=dict)  # of the store, as JSON has them
+    attributes: Mapping[str, Any] = field(default_factory=dict)  # of the store, as JSON types
     depends_on: Mapping[str, str] = field(default_factory=dict)  # the entries of ``SAME``
 
     @property
@@ -365,11 +368,11 @@ class Layout:
 
     @property
     def bytes(self) -> int:
-        """Size of the quantities before they are compressed."""
+        """Size of the quantities before compression [bytes]."""
         return math.prod(self.shape) * sum(kind.itemsize for kind, _ in self.quantities.values())
 
     def dataset(self, values: Mapping[str, NDArray[Any]]) -> xarray.Dataset:
-        """The ``values`` by quantity, of this shape or flat, as an xarray dataset."""
+        """Return ``values`` by quantity, of this shape or flat, as an xarray dataset."""
         require("netcdf")
         import xarray
 
@@ -383,18 +386,18 @@ class Layout:
 
 @dataclass(frozen=True)
 class Store:
-    """A store on disk: its folder, and a ``run`` by which another machine knows it again."""
+    """A store on disk: its folder, and the ``run`` that identifies it on other computers."""
 
     path: Path
     run: str
 
     @classmethod
     def create(cls, path: Path, layout: Layout) -> Store:
-        """Make a new store at a ``path`` where nothing is yet; it appears whole or not at all."""
+        """Create a new store at a free ``path`` atomically."""
         zarr = _zarr()
         run = uuid.uuid4().hex
         part = path.with_name(f".{run}.part")
-        # What are coordinates though they are not named as a dimension, as CF has it.
+        # By the CF conventions, this attribute lists the coordinates that are not dimensions.
         others = " ".join(name for name in layout.coordinates if name not in layout.sizes)
         about = {**layout.attributes, "coordinates": others}
         about[RUN] = {**layout.depends_on, "run": run}
@@ -419,7 +422,7 @@ class Store:
                 )
                 assert array.chunks == layout.chunk
             with warnings.catch_warnings():
-                # Readers ask for it and warn where it is not there; so does zarr where it is made.
+                # Readers warn if consolidated metadata is missing, and zarr warns if it is created.
                 warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")
                 zarr.consolidate_metadata(str(part))
             try:
@@ -427,7 +430,7 @@ class Store:
             except OSError as error:
                 if not path.exists():
                     raise
-                found = f"another run has made it meanwhile ({error.strerror})"
+                found = f"another run has created this store in the meantime ({error.strerror})"
                 raise InputError(found, "choose another name", str(path)) from None
         except BaseException:
             shutil.rmtree(part, ignore_errors=True)
@@ -436,15 +439,15 @@ class Store:
 
     @classmethod
     def resume(cls, path: Path, layout: Layout) -> Store:
-        """Open the store of an earlier run without what it left half written; ``InputError`` where
-        the folder is no store of propmap's, or results would differ."""
+        """Open the store of an earlier run and delete its partial files; raise ``InputError`` if
+        the folder is not a store of propmap, or if results would differ."""
         before = begun(path)
         for name, words in SAME.items():
             if before.get(name) != layout.depends_on.get(name):
                 was = before.get(name, "")
                 version = f" ({was})" if was and len(was) <= len("0.10.2") else ""
-                found = f"it was begun with another {words}{version}"
-                remedy = "choose another name, or pass --force to begin anew"
+                found = f"the store was created with another {words}{version}"
+                remedy = "choose another name, or pass --force to start again"
                 raise InputError(found, remedy, str(path))
         for left in path.rglob("*.partial"):
             left.unlink(missing_ok=True)
@@ -452,15 +455,15 @@ class Store:
 
     @property
     def here(self) -> bool:
-        """Whether this process sees the store."""
+        """Whether this process can access the store."""
         try:
             return begun(self.path).get("run") == self.run
         except InputError:
             return False
 
     def write(self, place: Place, values: Mapping[str, NDArray[Any]]) -> None:
-        """File the ``values`` by quantity of the part at a ``place`` in the layout's order; an
-        ``OSError``, as of a full disk, names the store."""
+        """Write the ``values`` by quantity of the part at a ``place``, in the layout's order; an
+        ``OSError``, such as a full disk, contains the name of the store."""
         group = _zarr().open_group(str(self.path), mode="r+")
         for name, part in values.items():
             array = group[name]
@@ -475,7 +478,7 @@ class Store:
                 raise OSError(error.errno, reason, str(self.path)) from None
 
     def done(self, layout: Layout) -> NDArray[np.bool_]:
-        """Which parts of the ``layout`` are filed, by place."""
+        """Return a mask of the finished parts of the ``layout``, by place."""
         found = np.zeros(parts_along(layout.shape, layout.chunk), bool)
         top = self.path / list(layout.quantities)[-1] / "c"
         for folder, _, files in os.walk(top):
@@ -487,9 +490,9 @@ class Store:
 
 
 class InMemory:
-    """A store for results that fit in memory, in the place of a ``Store``."""
+    """Results in memory, with the interface of a ``Store``."""
 
-    here = False  # workers send their results
+    here = False  # workers have no access, so they send their results
 
     def __init__(self, layout: Layout) -> None:
         self.layout = layout
@@ -499,11 +502,11 @@ class InMemory:
         }
 
     def __getstate__(self) -> dict[str, Any]:
-        """Workers need nothing of it."""
+        """Return nothing, since workers need no data of the store."""
         return {}
 
     def write(self, place: Place, values: Mapping[str, NDArray[Any]]) -> None:
-        """Keep the ``values`` by quantity of the part at a ``place``."""
+        """Store the ``values`` by quantity of the part at a ``place``."""
         for name, part in values.items():
             cut = tuple(
                 slice(k * n, k * n + m)
@@ -512,11 +515,11 @@ class InMemory:
             self.values[name][cut] = part
 
     def done(self, layout: Layout) -> NDArray[np.bool_]:
-        """No part of the ``layout`` is filed yet."""
+        """Return a mask without finished parts of the ``layout``."""
         return np.zeros(parts_along(layout.shape, layout.chunk), bool)
 
     def dataset(self) -> xarray.Dataset:
-        """All results as an xarray dataset."""
+        """Return all results as an xarray dataset."""
         return self.layout.dataset(self.values)
 
 
@@ -524,13 +527,13 @@ Filed: TypeAlias = Store | InMemory
 
 
 def begun(path: Path) -> dict[str, str]:
-    """Read what the results of the store at ``path`` depend on, as ``Layout.depends_on``, and its
-    run; ``InputError`` for another folder."""
+    """Read the conditions of the store at ``path``, as in ``Layout.depends_on``, and its run; raise
+    ``InputError`` if it is not a store of propmap."""
     try:
         found = json.loads((path / "zarr.json").read_text(encoding="utf-8"))
         return dict(found["attributes"][RUN])
     except (OSError, ValueError, KeyError, TypeError):
-        fault = "this is no store of propmap's"
+        fault = "this folder is not a store of propmap"
         raise InputError(fault, "choose another name", str(path)) from None
 
 

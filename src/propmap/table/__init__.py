@@ -1,6 +1,6 @@
-"""Loads from a table: build and certify one with the model, then ask it without.
+"""Load tables: built and certified with the model, then queried without it.
 
-Importing this package, loading a table and asking it take NumPy and the core alone.
+Importing this package, loading a table and querying it need only NumPy and the core.
 """
 
 from __future__ import annotations

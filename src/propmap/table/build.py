@@ -1,4 +1,4 @@
-"""Building a table: knots where the model needs them, coefficients, jumps, and the certificate."""
+"""Construction of a table: adaptive knots, coefficients, jumps of the loads, certificate."""
 
 from __future__ import annotations
 
@@ -34,17 +34,18 @@ from propmap.tasks import Workers
 from propmap.typing import Floats
 from propmap.units import RPM
 
-MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; tolerances begin at twice that
+MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; tolerances must be twice as large
 LARGEST_TOLERANCE = 0.1
 
-MOST_UNRESOLVED = 0.05  # share of the envelope above which a table is refused
-NARROW_ABOVE = 0.02  # share of the envelope above which unresolved cells are halved
+# Fractions of the envelope in unresolved cells.
+MOST_UNRESOLVED = 0.05  # a table with more is refused
+NARROW_ABOVE = 0.02  # unresolved cells are halved if there are more
 
-NARROWINGS = 6
-WORTH = 0.9  # of the share before: what narrower cells must bring it below to be narrowed again
+NARROWINGS = 6  # largest number of halvings
+WORTH = 0.9  # halving continues if it reduced the fraction to less than this multiple
 
-ATTEMPTS = 8  # to certify
-REFINEMENTS = 3  # attempts after which cells with too large an error are halved, not marked
+ATTEMPTS = 8  # largest number of certifications
+REFINEMENTS = 3  # cells that fail in these first attempts are halved; later ones are marked
 
 FIRST_SEED = 20_171
 
@@ -63,31 +64,33 @@ def build_table(
 ) -> LoadTable:
     """Build a certified table of a rotor's loads.
 
-    Where the model's loads jump no table can follow.  Such cells have the status "unresolved";
-    the certificate counts and measures them by themselves.
+    No table can follow the loads where the model's loads jump.  Cells with jumps have the status
+    "unresolved"; the certificate counts them and states their errors separately.
 
     Parameters
     ----------
     rotor : Rotor
-        The model.  How well it says it is known is filed, with what that means for the loads.
+        Rotor to tabulate.  If its model has an uncertainty, the table contains the covariance of
+        the section constants and the standard deviations of the loads.
     omega, speed, beta : tuple of float
         Least and largest value of the envelope [rad/s], [m/s], [rad]; omega above 0, beta within
         0...pi.
     tolerance : float
-        Largest error as a share of the static loads at the same omega.
+        Largest error as a fraction of the static loads at the same omega.
     leave_out_vortex_ring : bool
-        Whether loads in the vortex ring state are NaN; otherwise they have that status.
+        Whether loads in the vortex ring state are NaN.  By default they keep their values, with
+        the status "vortex_ring".
     certificate_points : int
-        On how many points the errors are measured, a power of two.
+        Number of points for the certificate, a power of two.
     progress : function, optional
-        Called with what is being done and the operating points evaluated so far.
+        Called with the name of the current stage and the number of operating points evaluated.
     workers : Workers, optional
-        Who evaluates the model; by default this process.  The table is the same.
+        Workers that evaluate the model; default: this process.  They do not change the table.
 
     Raises
     ------
     InputError
-        For an impossible envelope or tolerance, and where the tolerance is not met.
+        For an impossible envelope or tolerance, and if the table does not meet the tolerance.
     """
     check_tolerance(tolerance, rotor.accuracy)
     ends = _envelope(omega, speed, beta)
@@ -120,7 +123,7 @@ def build_table(
         )
         if proof.holds:
             break
-        # Points that failed have been seen now: refine there, certify on others.
+        # The table now changes at these points, so the next attempt certifies it at other points.
         too_large = exceeding(content, found, tolerance)
         if attempt <= REFINEMENTS and _halved(too_large, refined):
             refined = refine(model, *axes, tolerance)
@@ -133,9 +136,9 @@ def build_table(
         where = (content.cells & UNRESOLVED_BIT) > 0
         rows, columns = (k[:-1] + 0.5 * np.diff(k) for k in (content.advance, content.beta))
         place = _place(rows[np.nonzero(where)[0]], columns[np.nonzero(where)[1]])
-        fault = f"the tolerance of {tolerance:.2%} is not met: errors up to {worst:.2%}, and "
-        fault += f"{unresolved:.1%} of the envelope unresolved{place}"
-        raise InputError(fault, "allow more, or make the envelope smaller")
+        fault = f"the table does not meet the tolerance of {tolerance:.2%}: errors up to "
+        fault += f"{worst:.2%}, and {unresolved:.1%} of the envelope unresolved{place}"
+        raise InputError(fault, "use a larger tolerance or a smaller envelope")
     filed: dict[str, Any] = {"certificate": proof.as_dict()}
     known, deviations = rotor.model.uncertainty, None
     if known is not None:
@@ -149,7 +152,7 @@ def build_table(
 
 
 def _halved(cells: NDArray[np.bool_], refined: Refined) -> bool:
-    """Halve the intervals of these cells where they may be; say whether there were any such."""
+    """Halve the divisible intervals of these cells; return whether there were any."""
     rows = cells.any(axis=1) & refined.advance.divisible
     columns = cells.any(axis=0) & refined.beta.divisible
     refined.advance.split(rows)
@@ -158,12 +161,12 @@ def _halved(cells: NDArray[np.bool_], refined: Refined) -> bool:
 
 
 def check_tolerance(tolerance: float, accuracy: str) -> None:
-    """Raise ``InputError`` for a tolerance that a table of a rotor of this accuracy cannot have."""
+    """Raise ``InputError`` for a tolerance outside the range for a rotor of this accuracy."""
     least = 2.0 * MODEL_ERROR[accuracy]
     if not least <= tolerance <= LARGEST_TOLERANCE:
         hint = " (0.02% with accuracy fine)" if accuracy == "standard" else ""
-        found = f"the tolerance is {tolerance:.3g}, with the model's accuracy {accuracy!r} it must "
-        found += f"lie between {least:.2%} and {LARGEST_TOLERANCE:.0%}{hint}"
+        found = f"the tolerance is {tolerance:.3g}; with accuracy {accuracy!r} it must be "
+        found += f"between {least:.2%} and {LARGEST_TOLERANCE:.0%}{hint}"
         raise InputError(found, "choose another tolerance or accuracy")
 
 
@@ -171,15 +174,15 @@ def _envelope(*ranges: Range) -> tuple[Floats, Floats, Floats]:
     units = ("omega", "rad/s"), ("speed", "m/s"), ("beta", "rad")
     for (name, unit), (low, high) in zip(units, ranges, strict=True):
         if not (np.isfinite([low, high]).all() and low < high):
-            found = f"{name} goes from {low:g} to {high:g} {unit}"
-            raise InputError(found, "give a range that rises")
+            found = f"the range of {name} is {low:g} to {high:g} {unit}"
+            raise InputError(found, "give the smaller value first")
     (slowest, _), (least, _), (first, last) = ranges
     if slowest <= 0.0:
-        found = f"omega begins at {slowest:g} rad/s, where the advance ratio is infinite"
-        raise InputError(found, "begin at the idle speed")
+        found = f"the least omega is {slowest:g} rad/s, for which the advance ratio is infinite"
+        raise InputError(found, "start at the idle speed")
     if least < 0.0 or first < 0.0 or last > np.pi + 1e-12:
-        found = "speed must not be negative, and beta must lie between 0 and pi"
-        raise InputError(found, "descent is beta above pi/2")
+        found = "speed must not be negative, and beta must be between 0 and pi"
+        raise InputError(found, "for descent, give beta above pi/2")
     omega, speed, beta = (np.array(r, dtype=np.float64) for r in ranges)
     return omega, speed, np.minimum(beta, np.pi)
 
@@ -199,7 +202,7 @@ def _content(
         beta=refined.beta.knots,
         omega=ends[0],
         speed=ends[1],
-        # As filed, so that a table answers the same before and after.
+        # Rounded as in the file, so that a table gives the same loads before and after saving.
         coefficients=coefficients.astype(np.float32).astype(np.float64),
         cells=cells.astype(np.uint8),
         info=info,
@@ -247,18 +250,19 @@ def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
 
 
 # -------------------------------------------------------------------------------------------------
-# What no knots mend: loads between the least and the largest omega, which are interpolated.
+# Interpolation error in omega, which more knots cannot reduce: a table stores only the least and
+# the largest omega, and interpolates linearly in omega^(-1/2) between them.
 
-PROBED = verification.sobol(1024, 1).T  # places in the envelope
-BETWEEN = np.array([0.25, 0.5, 0.75])  # of the way from end to end
-NARROWER = np.linspace(0.1, 0.9, 9)  # of the way, in the logarithm of omega, the least is raised
+PROBED = verification.sobol(1024, 1).T  # points in the unit cube that spans the envelope
+BETWEEN = np.array([0.25, 0.5, 0.75])  # tested positions between both ends of omega^(-1/2)
+NARROWER = np.linspace(0.1, 0.9, 9)  # positions in log(omega) that are tried as a new least omega
 
 
 def check_between_speeds(
     model: CachedModel, ends: tuple[Floats, Floats, Floats], tolerance: float
 ) -> None:
-    """Raise ``InputError`` where two rotor speeds tell too little of those between, as loads change
-    with the Reynolds number by more than the interpolation knows."""
+    """Raise ``InputError`` if the error of the interpolation in omega exceeds the tolerance: the
+    Reynolds number changes the loads too much between the least and the largest omega."""
     error, advance, beta = _errors_between(model, ends)
     limit = POINT_SHARE * tolerance
     lost = error > limit
@@ -275,15 +279,15 @@ def check_between_speeds(
     if wider < LARGEST_TOLERANCE:
         remedies.append(f"--tolerance {1.01 * wider:.2%}")
     raise InputError(
-        f"from {slow / RPM:.0f} to {fast / RPM:.0f} rpm the loads change with the Reynolds number "
-        f"by more than {tolerance:.2%} beyond what a table knows of both ends, in "
+        f"from {slow / RPM:.0f} to {fast / RPM:.0f} rpm the loads change so much with the Reynolds "
+        f"number that interpolation between both ends exceeds {tolerance:.2%} in "
         f"{lost.mean():.0%} of the envelope{_place(advance[lost], beta[lost])}",
-        f"what is near and can be had: {' or '.join(remedies) or 'a smaller envelope'}",
+        f"use {' or '.join(remedies) or 'a smaller envelope'}",
     )
 
 
 def _place(advance: Floats, beta: Floats) -> str:
-    """Say where nine in ten of points (n,) are."""
+    """Return a text with the ranges of beta and advance ratio of 90 % of the points (n,)."""
     if not advance.size:
         return ""
     (low, high), (first, last) = (np.quantile(x, [0.05, 0.95]) for x in (advance, beta))
@@ -296,7 +300,7 @@ def _place(advance: Floats, beta: Floats) -> str:
 def _errors_between(
     model: CachedModel, ends: tuple[Floats, Floats, Floats]
 ) -> tuple[Floats, Floats, Floats]:
-    """Return the largest errors (n,) of interpolation by omega alone, and their J and beta."""
+    """Return the largest errors (n,) of the interpolation in omega, and their J and beta."""
     omega, speed, beta = (
         low + (high - low) * u for (low, high), u in zip(ends, PROBED, strict=True)
     )
@@ -315,13 +319,13 @@ def _errors_between(
 
 
 # -------------------------------------------------------------------------------------------------
-# Standard deviations of a table's loads, from the model at some of the knots.
+# Standard deviations of a table's loads, from the model at a subset of the knots.
 
-MOST_DEVIATIONS = 20  # along each axis: they vary more slowly than loads
+MOST_DEVIATIONS = 20  # knots along each axis: standard deviations vary more slowly than loads
 
 
 def deviation_coefficients(rotor: Rotor, content: TableContent) -> Floats:
-    """Return deviations of the rotor's loads at the knots, as ``TableContent.deviations``."""
+    """Return the standard deviations of the loads at the knots for ``TableContent.deviations``."""
 
     def few(knots: Floats) -> Floats:
         count = min(knots.size, MOST_DEVIATIONS)
@@ -338,21 +342,22 @@ def deviation_coefficients(rotor: Rotor, content: TableContent) -> Floats:
 
 
 # -------------------------------------------------------------------------------------------------
-# Knots placed where a rotor's loads need them, until interpolation meets the tolerance.
+# Placement of the knots: intervals are halved until the interpolation meets the tolerance.
 
-FIRST_KNOTS = 13
+FIRST_KNOTS = 13  # initial number of knots along each axis
 
-LINE_SHARE = 0.35  # share of the tolerance that interpolation along one axis may take; both add up
-CELL_SHARE = 0.6  # and a cell's centre may show; the rest is for corners and the Reynolds term
-POINT_SHARE = 0.9  # and random points in a cell, at all omegas; the rest is for what they miss
-FINEST_INFLOW = 300  # most knots per hover inflow ratio, sqrt(C_T/2), where loads jump
-FINEST_ANGLE = np.pi / 512  # least distance between knots [rad], likewise
-MOST_KNOTS = 400_000  # knots of a table at most; 32 bytes each in its file, before compression
+# Allowed errors as fractions of the tolerance.
+LINE_SHARE = 0.35  # of the interpolation along one axis; the errors along both axes add
+CELL_SHARE = 0.6  # at the center of a cell; corners and the Reynolds term take the rest
+POINT_SHARE = 0.9  # at random points of a cell, at all omegas; the rest covers missed points
+FINEST_INFLOW = 300  # hover inflow ratio sqrt(C_T/2) over the least distance between knots of J
+FINEST_ANGLE = np.pi / 512  # least distance between knots along beta [rad]
+MOST_KNOTS = 400_000  # largest number of knots; 32 bytes each in the file, before compression
 ROUNDS = 40
 
 
 class Axis:
-    """Knots of one axis, halved where the loads need it, and which intervals are untested."""
+    """Knots of one axis, with a mark for untested intervals; intervals can be halved."""
 
     def __init__(
         self,
@@ -376,11 +381,11 @@ class Axis:
         return np.asarray(np.diff(self.knots) >= 2.0 * self.finest)
 
     def padded(self, values: Floats) -> Floats:
-        """Add ghosts to values (n, ...)."""
+        """Return values (n, ...) with ghost values at both ends."""
         return pad(self.knots, values, *self.parity)
 
     def split(self, intervals: NDArray[np.bool_]) -> None:
-        """Halve these intervals; their halves and what is beside them are to be tested."""
+        """Halve these intervals; mark the halves and the adjacent intervals as untested."""
         fresh = intervals.copy()
         fresh[1:] |= intervals[:-1]
         fresh[:-1] |= intervals[1:]
@@ -391,11 +396,11 @@ class Axis:
 
 @dataclass(frozen=True)
 class Refined:
-    """Axes whose knots are placed, and the model's loads at the knots."""
+    """Axes with the final knots, and the model's loads at the knots."""
 
     advance: Axis
     beta: Axis
-    values: Floats  # loads over static ones (2, n, m, L)
+    values: Floats  # loads over static loads (2, n, m, L)
     ring: NDArray[np.bool_]  # whether in the vortex ring state (n, m)
     missed: NDArray[np.bool_]  # cells where the tolerance is not met (n - 1, m - 1)
 
@@ -403,7 +408,7 @@ class Refined:
 def starting_axes(
     model: CachedModel, advance: tuple[float, float], beta: tuple[float, float]
 ) -> tuple[Axis, Axis]:
-    """Begin with few knots, those of the advance ratio denser where it is small."""
+    """Return axes with few knots; the knots of the advance ratio are denser near zero."""
     blade, air = model.rotor.model.propeller, model.rotor.model.air
     force = air.density * np.pi * blade.radius**4 * model.omega[1] ** 2
     inflow = float(np.sqrt(0.5 * model.static[1, 0] / force))
@@ -417,12 +422,12 @@ def starting_axes(
 
 
 def refine(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> Refined:
-    """Insert knots until lines and cells, tested at their middles, are within the tolerance; cells
-    that at the finest distance are not are marked. ``InputError`` for more than ``MOST_KNOTS``."""
+    """Insert knots until the middles of intervals and cells are within the tolerance; mark cells of
+    the finest size that are not.  Raise ``InputError`` for more than ``MOST_KNOTS``."""
     model.stage = "placing knots"
     for _ in range(ROUNDS):
         _refine_lines(model, advance, beta, tolerance)
-        bad = _centre_errors(model, advance, beta) > CELL_SHARE * tolerance
+        bad = _center_errors(model, advance, beta) > CELL_SHARE * tolerance
         split_advance = np.any(bad & advance.divisible[:, None], axis=1)
         split_beta = np.any(bad & beta.divisible[None, :], axis=0)
         if not (split_advance.any() or split_beta.any()):
@@ -435,13 +440,13 @@ def refine(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> R
 
 
 def spread(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Add to these cells their neighbours, into whose interpolation a jump reaches."""
+    """Return these cells and their neighbors, whose interpolation uses values across a jump."""
     around = np.lib.stride_tricks.sliding_window_view(np.pad(cells, 1), (3, 3))
     return np.asarray(around.any(axis=(2, 3)))
 
 
 def _refine_lines(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> None:
-    """Test the axes' untested intervals in turn until none is left."""
+    """Test the untested intervals of both axes in turn until none is left."""
     while advance.untested.any() or beta.untested.any():
         for axis, other, along in ((advance, beta, 0), (beta, advance, 1)):
             tested = axis.untested & axis.divisible
@@ -450,8 +455,9 @@ def _refine_lines(model: CachedModel, advance: Axis, beta: Axis, tolerance: floa
                 continue
             if (axis.knots.size + tested.sum()) * other.knots.size > MOST_KNOTS:
                 raise InputError(
-                    f"a tolerance of {tolerance:.2%} takes more than {MOST_KNOTS} knots here",
-                    "allow more, or make the envelope smaller, the least omega higher above all",
+                    f"the tolerance of {tolerance:.2%} needs more than {MOST_KNOTS} knots",
+                    "use a larger tolerance or a smaller envelope, first of all a larger least "
+                    "omega",
                 )
             known, _ = model.relative(0, advance.knots, beta.knots)
             middles = axis.middles[tested]
@@ -467,8 +473,8 @@ def _refine_lines(model: CachedModel, advance: Axis, beta: Axis, tolerance: floa
             axis.split(split)
 
 
-def _centre_errors(model: CachedModel, advance: Axis, beta: Axis) -> Floats:
-    """Find the largest error of the loads at the cells' centres, (n - 1, m - 1)."""
+def _center_errors(model: CachedModel, advance: Axis, beta: Axis) -> Floats:
+    """Return the largest error of the loads at the center of each cell, (n - 1, m - 1)."""
     known, _ = model.relative(0, advance.knots, beta.knots)
     across = interpolate(advance.knots, advance.padded(known), advance.middles)
     expected = interpolate(beta.knots, beta.padded(across.transpose(1, 0, 2)), beta.middles)
@@ -477,27 +483,26 @@ def _centre_errors(model: CachedModel, advance: Axis, beta: Axis) -> Floats:
 
 
 def _largest(error: Floats, axes: tuple[int, ...]) -> Floats:
-    """Find the largest size along the axes; where there is no value there is no error."""
+    """Return the largest magnitude along the axes; NaN counts as no error."""
     return np.asarray(np.max(np.nan_to_num(np.abs(error), nan=0.0), axis=axes))
 
 
 # -------------------------------------------------------------------------------------------------
-# Cells in which the model's loads jump or nearly so, found and marked as unresolved.
+# Search for cells in which the model's loads jump or are very steep; they are marked as unresolved.
 
-PATROL_POINTS = 8192  # points over the whole envelope, for jumps that no cell's middle has shown
+PATROL_POINTS = 8192  # points over the whole envelope, for jumps that miss the middles of all cells
 PATROL_ROUNDS = 4
 
-REACH = 3  # cells around a jump that are searched for its like
-TRIES = 12  # random points per cell there
-GLANCES = 4  # points per cell as small as cells become; such cells are where jumps have been met
+REACH = 3  # distance in cells from a jump within which further jumps are searched
+TRIES = 12  # random points per cell in this neighborhood
+GLANCES = 4  # random points per cell of the finest size; such cells occur where the loads jump
 
 
 def find_jumps(
     content: TableContent, model: CachedModel, limit: float, suspects: NDArray[np.bool_]
 ) -> TableContent:
-    """Mark further cells in which the table's error exceeds ``limit`` at random points: first of
-    the ``suspects`` (n - 1, m - 1), small as cells become, then around those marked, as a jump is
-    seldom alone."""
+    """Mark cells in which the error at random points exceeds ``limit``: in the envelope, in the
+    ``suspects`` (n - 1, m - 1), and around marked cells, since jumps seldom occur alone."""
     model.stage = "looking for jumps"
     rng, table = np.random.default_rng(PATROL_POINTS), LoadTable(content)
     points = verification.quasi_random(table, PATROL_POINTS, seed=PATROL_POINTS)
@@ -522,7 +527,7 @@ def _searched(
     tries: int,
     rng: np.random.Generator,
 ) -> TableContent:
-    """Mark what so many random points in each of these cells show, at omegas of the envelope."""
+    """Mark cells by ``tries`` random points in each of ``cells``, at omegas of the envelope."""
     cells = cells & ((content.cells & UNRESOLVED_BIT) == 0)
     if not cells.any():
         return content
@@ -532,10 +537,10 @@ def _searched(
 
 
 def marked(content: TableContent, found: verification.TableErrors, limit: float) -> TableContent:
-    """Mark the cells in which an error exceeds the limit, and those around."""
+    """Mark the cells in which an error exceeds the limit, and the cells around them."""
     cells = exceeding(content, found, limit)
     unresolved = spread(cells) | ((content.cells & UNRESOLVED_BIT) > 0)
-    unresolved = ~spread(~spread(unresolved))  # with gaps that are at most two cells wide
+    unresolved = ~spread(~spread(unresolved))  # closes gaps of at most two cells
     flags = (unresolved * UNRESOLVED_BIT).astype(np.uint8)
     return replace(content, cells=content.cells | flags)
 
@@ -543,7 +548,7 @@ def marked(content: TableContent, found: verification.TableErrors, limit: float)
 def exceeding(
     content: TableContent, found: verification.TableErrors, limit: float
 ) -> NDArray[np.bool_]:
-    """Find the cells (n - 1, m - 1) in which an error exceeds the limit."""
+    """Return the cells (n - 1, m - 1) in which an error exceeds the limit."""
     bad = (np.abs(found.errors) > limit).any(axis=1)
     cells: NDArray[np.bool_] = np.zeros(content.cells.shape, bool)
     cells[
@@ -553,7 +558,7 @@ def exceeding(
 
 
 def with_marks_of(old: TableContent, new: TableContent) -> TableContent:
-    """Mark the cells of the ``new`` table whose middles the ``old`` one had marked."""
+    """Mark the cells of the ``new`` table whose middles are in marked cells of the ``old`` one."""
     middles = (0.5 * (k[:-1] + k[1:]) for k in (new.advance, new.beta))
     row, column = (locate(k, x)[0] for k, x in zip((old.advance, old.beta), middles, strict=True))
     return replace(

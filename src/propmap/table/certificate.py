@@ -1,4 +1,4 @@
-"""``Certificate``: the errors of a table against its model, as filed and as printed."""
+"""``Certificate``: the errors of a table with respect to its model, as stored and as printed."""
 
 from __future__ import annotations
 
@@ -12,35 +12,37 @@ from propmap.units import DEGREE, RPM
 
 @dataclass(frozen=True)
 class Certificate:
-    """Errors of a table against the model on quasi-random points of its envelope.
+    """Errors of a table with respect to its model.
 
-    The largest are searched for from these; see ``propmap.table.certificate``.  Errors are
-    shares of the static loads at the same omega, by load; see ``loads.error_scales``.
+    A sample of quasi-random points covers the envelope.  A search for the largest errors starts
+    from the sample; see ``propmap.table.verification``.  Errors are fractions of the static loads
+    at the same omega, by load; see ``loads.error_scales``.
 
     Attributes
     ----------
     tolerance : float
-        What was asked for.
+        Requested tolerance.
     points, seed : int
-        How many, and of which scrambled Sobol sequence over (omega, speed, beta).
+        Number of sample points, and seed of their scrambled Sobol sequence in (omega, speed, beta).
     max_error, rms_error : dict of str to float
-        Over the points that have a value and are not "unresolved"; the largest also over those
-        of the search.
+        Errors at the points of the sample that have loads and are not "unresolved".  The largest
+        error includes the points of the search.
     unresolved : int
-        Points with that status, in cells where the model's loads jump or nearly so.
+        Number of sample points in unresolved cells, where the model's loads jump or are very steep.
     unresolved_cells, unresolved_volume : int, float
-        How many such cells there are, and their share of the envelope.
+        Number of unresolved cells, and their fraction of the envelope.
     unresolved_points : int
-        Points inside them, spread evenly, of the next two.
+        Number of evenly spread points inside unresolved cells.
     unresolved_max_error, unresolved_rms_error : dict of str to float
-        Errors inside them; the largest also over the points of the search.
+        Errors at these points.  The largest error includes the points of the search.
     vortex_ring, no_value : int
-        Points with that status, which count in the errors; and points without loads.
+        Number of points of the sample with the status "vortex_ring", which count in the errors,
+        and number of points without loads.
     search_points : int
-        How many the search for the largest errors took; 0 in tables of earlier versions, whose
-        largest errors are of the sample alone.
+        Number of points in the search for the largest errors; 0 in tables of earlier versions,
+        which were not searched.
     max_omega, max_speed, max_beta : dict of str to float
-        Where ``max_error`` was met [rad/s], [m/s], [rad]; empty in tables of earlier versions.
+        Operating point of ``max_error`` [rad/s], [m/s], [rad]; empty in earlier versions.
     """
 
     tolerance: float
@@ -63,24 +65,24 @@ class Certificate:
 
     @property
     def holds(self) -> bool:
-        """Whether the largest error is within the tolerance, unresolved points aside."""
+        """Whether the largest error outside unresolved cells is within the tolerance."""
         return max(self.max_error.values()) <= self.tolerance
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data, as filed; with ``holds``."""
+        """Return the fields and ``holds`` as plain data for files."""
         return {**asdict(self), "holds": self.holds}
 
 
 # -------------------------------------------------------------------------------------------------
-# The certificate in words.
+# The certificate as text.
 
-TITLES = {name: load.share for name, load in LOADS.items()}  # what errors are shares of
+TITLES = {name: load.share for name, load in LOADS.items()}  # labels of relative errors
 PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}  # coordinates in the envelope, with units
 
 
 def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
-    """Find where, as in ``PLACE``, a certificate's largest errors are by load, None without errors;
-    empty for one of earlier versions."""
+    """Return the operating point, as in ``PLACE``, of the largest error of each load, None if it is
+    zero; empty for certificates of earlier versions."""
     if not found.get("max_omega"):
         return {}
     units = {"max_omega": 1.0 / RPM, "max_speed": 1.0, "max_beta": 1.0 / DEGREE}
@@ -91,37 +93,37 @@ def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
 
 
 def claims(found: Mapping[str, Any]) -> Iterator[str]:
-    """Say what a table's certificate claims, a sentence each."""
+    """Yield each claim of a table's certificate as a sentence."""
     cells = int(found["unresolved_cells"])
     outside = ", outside unresolved cells" if cells else ""
     yield (
-        f"tolerance {found['tolerance']:.2%} holds on {found['points']} points that the table was "
-        f"not built from{outside}"
+        f"the tolerance of {found['tolerance']:.2%} holds on {found['points']} points that were "
+        f"not used to build the table{outside}"
     )
     if found.get("search_points"):
         yield (
-            f"the largest errors were searched for, on {found['search_points']} points more: in "
-            "each cell of the table, and uphill from its worst points"
+            f"a search for the largest errors used {found['search_points']} more points: in each "
+            "cell of the table, and uphill from the worst points"
         )
     if cells:
         worst = max(found["unresolved_max_error"].values())
         yield (
             f"unresolved: {cells} cells, {found['unresolved_volume']:.2%} of the envelope, "
-            f"where the loads change too steeply for a table; there errors reach {worst:.2%} on "
-            f"{found['unresolved_points']} points"
+            f"where the loads are too steep for a table; errors at {found['unresolved_points']} "
+            f"points in these cells reach {worst:.2%}"
         )
     yield (
-        f"of the {found['points']} points, {found['vortex_ring']} are vortex ring and "
-        f"{found['no_value']} without loads"
+        f"of the {found['points']} points, {found['vortex_ring']} are in the vortex ring state and "
+        f"{found['no_value']} have no loads"
     )
 
 
 def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
-    """Say from what the uncertainty of the section law's parameters was computed."""
+    """Yield sentences on the standard deviations due to the section constants."""
     yield (
-        "parameters: standard deviation of the loads by the fit's covariance of "
-        f"{', '.join(found['parameters'])}, on {found['points']} points"
+        "section constants: standard deviation of the loads from the fit's covariance of "
+        f"{', '.join(found['parameters'])}, at {found['points']} points"
     )
     if found["not_counted"]:
         names = ", ".join(found["not_counted"])
-        yield f"not counted, as the fit's data do not determine them: {names}"
+        yield f"not included, since the fit's data do not determine them: {names}"

@@ -1,4 +1,4 @@
-"""Tables as files: NumPy's .npz without pickle, which the package reads, and NetCDF."""
+"""Files of tables: NumPy's .npz without pickle (read and written), and NetCDF (written)."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ FORMAT_VERSION = 1
 
 ARRAYS = ("advance", "beta", "omega", "speed", "coefficients", "cells")
 
-SINGLE = ("coefficients", "deviations")  # in single precision; the second may lack
-MOST_BYTES = 200_000_000
-MOST_UNPACKED = 400_000_000  # bytes that the arrays of a file may announce
+SINGLE = ("coefficients", "deviations")  # in single precision; deviations are optional
+MOST_BYTES = 200_000_000  # largest size of a file
+MOST_UNPACKED = 400_000_000  # largest size of its arrays according to the zip directory [bytes]
 
-_REMEDY = "give a file that `propmap table` wrote"
+_REMEDY = "give a file written by `propmap table`"
 
 
 def write_table(content: TableContent, path: str | os.PathLike[str]) -> None:
-    """Write a table to a .npz file, whole or not at all, with ``info`` as JSON text."""
+    """Write a table to a .npz file atomically, with ``info`` as JSON text."""
     about = {"format": FORMAT, "format_version": FORMAT_VERSION, "sha256": content.sha256}
     arrays: dict[str, Any] = {name: getattr(content, name) for name in ARRAYS}
     for name in SINGLE:
@@ -43,22 +43,23 @@ def write_table(content: TableContent, path: str | os.PathLike[str]) -> None:
 
 
 def read_table(path: str | os.PathLike[str]) -> TableContent:
-    """Read a table; ``InputError`` for a missing, damaged or foreign file or a later format."""
+    """Read a table; raise ``InputError`` for a missing, damaged, foreign or newer file."""
     where = os.fspath(path)
     try:
         if Path(where).stat().st_size > MOST_BYTES:
-            raise InputError(f"more than {MOST_BYTES / 1e6:g} MB is no table", _REMEDY, where)
-        # Opened here, since NumPy leaves a file open that it cannot make sense of.
+            fault = f"the file is larger than {MOST_BYTES / 1e6:g} MB, so it is not a table"
+            raise InputError(fault, _REMEDY, where)
+        # Opened here, since NumPy does not close a file that it cannot read.
         with Path(where).open("rb") as stream:
             if is_zipfile(stream):
                 announced = sum(part.file_size for part in ZipFile(stream).infolist())
                 if announced > MOST_UNPACKED:
-                    size = f"it unpacks to {announced / 1e9:.1f} GB, more than a table has"
+                    size = f"the file unpacks to {announced / 1e9:.1f} GB, more than any table"
                     raise InputError(size, _REMEDY, where)
             stream.seek(0)
             file = np.load(stream, allow_pickle=False)
             if not isinstance(file, np.lib.npyio.NpzFile):
-                raise InputError("this is a single array, no table", _REMEDY, where)
+                raise InputError("the file is a single array, not a table", _REMEDY, where)
             known = (*ARRAYS, *SINGLE, "info")
             with file:
                 read = {name: file[name] for name in file.files if name in known}
@@ -68,11 +69,11 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
         raise InputError("no such file", "check the path", where) from None
     except OSError as error:
         reason = error.strerror or str(error)
-        found = f"cannot read it: {reason}"
+        found = f"cannot read the file: {reason}"
         raise InputError(found, "check the path and the file", where) from None
     except (ValueError, EOFError, KeyError, BadZipFile, zlib.error, RuntimeError, MemoryError):
-        # What NumPy and zipfile raise for files cut short, altered, pickled, locked, or foreign.
-        raise InputError("this is no table, or a damaged one", _REMEDY, where) from None
+        # NumPy and zipfile raise these for truncated, altered, pickled, encrypted or foreign files.
+        raise InputError("the file is not a table, or it is damaged", _REMEDY, where) from None
     info = _info(read, where)
     stated = info.pop("sha256", None)
     try:
@@ -81,33 +82,33 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
             if name not in read:
                 continue
             if read[name].dtype.kind != ("u" if name == "cells" else "f"):
-                raise InputError(f"{name} holds values of another kind ({read[name].dtype})")
+                raise InputError(f"{name} has values of the wrong type ({read[name].dtype})")
             arrays[name] = read[name].astype(np.uint8 if name == "cells" else np.float64)
         content = TableContent(**arrays, info=info)
         if stated != content.sha256:
-            raise InputError("its numbers are not those of its checksum")
+            raise InputError("the numbers do not match the checksum")
         return content
     except InputError as error:
         raise InputError(error.found, "the file is damaged; build the table again", where) from None
 
 
 def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
-    """Check what a file says of itself, and return what it says of its table."""
+    """Check the format, loads, arrays and certificate of a file, and return its ``info``."""
     try:
         info = json.loads(str(found["info"][()]))
         name, version = info.pop("format"), info.pop("format_version")
     except (KeyError, ValueError, TypeError, AttributeError, RecursionError):
-        raise InputError("the file says nothing of a table", _REMEDY, where) from None
+        raise InputError("the file does not describe a table", _REMEDY, where) from None
     if name != FORMAT:
         raise InputError(f"the format is {quoted(name)}, expected {FORMAT!r}", _REMEDY, where)
     if version != FORMAT_VERSION:
         raise InputError(
             f"the table's format version is {quoted(version)}, this propmap reads {FORMAT_VERSION}",
-            "install the propmap that wrote it, or build the table again",
+            "install the propmap version that wrote it, or build the table again",
             where,
         )
     if info.get("loads", list(LOADS)) != list(LOADS):
-        fault = f"the table holds {quoted(info['loads'])}, this propmap has {', '.join(LOADS)}"
+        fault = f"the table contains {quoted(info['loads'])}, this propmap has {', '.join(LOADS)}"
         raise InputError(fault, "build the table again", where)
     missing = [name for name in ARRAYS if name not in found]
     if missing:
@@ -116,13 +117,13 @@ def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
     if certificate:
         lacking = [field.name for field in fields(Certificate) if not _states(certificate, field)]
         if lacking:
-            fault = f"the table's certificate does not say {lacking[0]}"
+            fault = f"the table's certificate does not contain {lacking[0]}"
             raise InputError(fault, "build the table again", where)
     return dict(info)
 
 
 def _states(certificate: Any, field: Field[Any]) -> bool:
-    """Say whether a certificate has a number there, or one for each load, or the field is newer."""
+    """Return whether a ``field`` of a certificate is valid, or absent in an older certificate."""
     if not isinstance(certificate, dict):
         return False
     value = certificate.get(field.name)
@@ -138,7 +139,7 @@ def _states(certificate: Any, field: Field[Any]) -> bool:
 
 
 def write_netcdf(content: TableContent, path: str | os.PathLike[str]) -> None:
-    """Write a table as NetCDF to ``path``, with units and provenance, whole or not at all."""
+    """Write a table as NetCDF to ``path`` atomically, with units and provenance."""
     require("netcdf")
     import xarray
 
@@ -146,7 +147,7 @@ def write_netcdf(content: TableContent, path: str | os.PathLike[str]) -> None:
     meanings = {
         "omega": ("rad/s", "rotational speed"),
         "advance": ("1", "advance ratio V/(Omega R)"),
-        "beta": ("rad", "angle from the axis to the velocity, 0 in climb"),
+        "beta": ("rad", "angle between rotor axis and velocity, 0 in axial climb"),
     }
     coordinates = {
         name: (name, getattr(content, name), {"units": unit, "long_name": meaning})
@@ -168,7 +169,7 @@ def write_netcdf(content: TableContent, path: str | os.PathLike[str]) -> None:
         ("advance_interval", "beta_interval"),
         content.cells,
         {
-            "long_name": "where between the knots the loads are not to be relied on",
+            "long_name": "cells between the knots in which the loads are unreliable",
             "flag_masks": np.array([1, 2], np.uint8),
             "flag_meanings": "vortex_ring unresolved",
         },
@@ -177,7 +178,7 @@ def write_netcdf(content: TableContent, path: str | os.PathLike[str]) -> None:
 
 
 def _attributes(content: TableContent) -> dict[str, str | float]:
-    """Flatten ``info``, with ``speed_low_m_s`` and the like for the envelope."""
+    """Return ``info`` without nesting, with ``speed_low_m_s`` and ``speed_high_m_s``."""
     low, high = map(float, content.speed)
     flat: dict[str, str | float] = {"speed_low_m_s": low, "speed_high_m_s": high}
     for key, value in content.info.items():

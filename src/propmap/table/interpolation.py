@@ -1,4 +1,4 @@
-"""What a table holds, and the coefficients that it interpolates between its knots."""
+"""Content of a table, and the interpolation of its coefficients between knots."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from propmap.loads import LOADS
 from propmap.typing import Floats
 
 PARITY = np.array([-1.0 if load.inplane else 1.0 for load in LOADS.values()])
-"""Signs of the loads across beta = 0 and pi: even along and about the axis, odd across it."""
+"""Parity of the loads across beta = 0 and pi: -1 for in-plane loads, which are odd, otherwise 1."""
 
 VORTEX_RING_BIT, UNRESOLVED_BIT = 1, 2
-"""Bits of a cell's flags: somewhere in it momentum theory does not hold, or the table's error
-exceeds the tolerance."""
+"""Bits of a cell's flags: momentum theory is not valid, or the table's error exceeds the tolerance,
+at a point of the cell."""
 
 
 @dataclass(frozen=True)
 class TableContent:
-    """A table as it is filed; ``InputError`` where its parts do not fit together."""
+    """Content of a table's file; raises ``InputError`` for inconsistent parts."""
 
     advance: Floats  # knots of J = V/(Omega R) (n,) [-]
-    beta: Floats  # knots (m,) [rad]; the first and the last are the envelope's
+    beta: Floats  # knots (m,) [rad]; the first and the last one limit the envelope
     omega: Floats  # least and largest of the envelope (2,) [rad/s]
     speed: Floats  # least and largest of the envelope (2,) [m/s]
     # The loads at both ends of omega in the order of ``LOADS``, forces over rho pi R^4 Omega^2 and
     # moments over rho pi R^5 Omega^2 (2, L, n, m) [-]; NaN for no value.  Between the ends they are
-    # linear in Omega^(-1/2), as the friction term of eq. (4) is.
+    # linear in Omega^(-1/2), like the friction term of eq. (4).
     coefficients: Floats
-    cells: NDArray[np.uint8]  # ``VORTEX_RING_BIT`` and ``UNRESOLVED_BIT`` added up (n - 1, m - 1)
+    cells: NDArray[np.uint8]  # sum of ``VORTEX_RING_BIT`` and ``UNRESOLVED_BIT`` (n - 1, m - 1)
     info: dict[str, Any]  # provenance and the certificate, as plain data for JSON
-    deviations: Floats | None = None  # standard deviations like ``coefficients``, where known
+    deviations: Floats | None = None  # standard deviations of ``coefficients``, if known
 
     def __post_init__(self) -> None:
         n, m = self.advance.size, self.beta.size
@@ -58,13 +58,13 @@ class TableContent:
         for name in ("advance", "beta", "omega", "speed"):
             values = getattr(self, name)
             if not (np.isfinite(values).all() and (np.diff(values) > 0.0).all()):
-                raise InputError(f"the values of {name} do not rise")
+                raise InputError(f"the values of {name} do not increase")
         if min(n, m) < 4:
-            raise InputError(f"the table has {n} x {m} knots, expected 4 at least on each axis")
+            raise InputError(f"the table has {n} x {m} knots, expected at least 4 on each axis")
         if self.omega[0] <= 0.0 or self.speed[0] < 0.0 or self.advance[0] < 0.0:
-            raise InputError("omega must be positive, speed and advance not negative")
+            raise InputError("omega must be positive, and speed and advance must not be negative")
         if self.beta[0] < 0.0 or self.beta[-1] > np.pi:
-            raise InputError("beta must lie between 0 and pi")
+            raise InputError("beta must be between 0 and pi")
         if np.isinf(self.coefficients).any():
             raise InputError("a coefficient is infinite")
         if (self.cells > VORTEX_RING_BIT + UNRESOLVED_BIT).any():
@@ -75,7 +75,7 @@ class TableContent:
 
     @property
     def sha256(self) -> str:
-        """Hash of the numbers, little-endian: axes, envelope, coefficients, cells, deviations."""
+        """Hash of the little-endian numbers: axes, envelope, coefficients, cells, deviations."""
         axes = (self.advance, self.beta, self.omega, self.speed)
         digest = hashlib.sha256(np.concatenate(axes).astype("<f8").tobytes())
         digest.update(np.ascontiguousarray(self.coefficients, "<f4").data)
@@ -86,7 +86,7 @@ class TableContent:
 
     @property
     def radius(self) -> float:
-        """Radius of the tip [m]."""
+        """Tip radius [m]."""
         return self._entry("propeller", "radius_m")
 
     @property
@@ -96,18 +96,18 @@ class TableContent:
 
     @property
     def scale(self) -> Floats:
-        """Loads per coefficient and Omega^2, in the order of ``LOADS``; (L,) [N s^2], [N m s^2]."""
+        """Load over coefficient and Omega^2, in the order of ``LOADS``; (L,) [N s^2], [N m s^2]."""
         return coefficient_scale(self.density, self.radius)
 
     def _entry(self, group: str, name: str) -> Any:
         try:
             return self.info[group][name]
         except (KeyError, TypeError):
-            raise InputError(f"the table does not say {group}.{name}") from None
+            raise InputError(f"the table does not contain {group}.{name}") from None
 
     def padded(self) -> Floats:
-        """Return loads over Omega^2 at the least omega [N s^2], [N m s^2], then their slopes with
-        Omega^(-1/2), with the ghost values that interpolation needs; (n + 2, m + 2, 2 L)."""
+        """Return loads over Omega^2 at the least omega [N s^2], [N m s^2], then their derivatives
+        with respect to Omega^(-1/2), with ghost values on all sides; (n + 2, m + 2, 2 L)."""
         low, high = self.coefficients
         roots = self.omega**-0.5
         both = np.concatenate([low, (high - low) / (roots[1] - roots[0])])
@@ -119,28 +119,28 @@ class TableContent:
 
 
 def coefficient_scale(density: float, radius: float) -> Floats:
-    """rho pi R^4 of forces and rho pi R^5 of moments, in the order of ``LOADS``; (L,)."""
+    """Return rho pi R^4 for forces and rho pi R^5 for moments, in the order of ``LOADS``; (L,)."""
     force = density * np.pi * radius**4
     return force * np.array([radius if load.moment else 1.0 for load in LOADS.values()])
 
 
 # -------------------------------------------------------------------------------------------------
-# What a table says of a point beside its loads, and bilinear values between its knots.
+# Status of a point, and bilinear interpolation between knots.
 
 STATUSES = ("ok", "vortex_ring", "unresolved", "clamped", "no_value", "outside")
-"""What a code stands for, from harmless to fatal; where several apply, the last is given."""
+"""Names of the status codes, from harmless to fatal; if several apply, a point has the last one."""
 
 OK, VORTEX_RING, UNRESOLVED, CLAMPED, NO_VALUE, OUTSIDE = range(len(STATUSES))
 
 
 def cell_codes(content: TableContent) -> NDArray[np.uint8]:
-    """``OK``, ``VORTEX_RING`` or ``UNRESOLVED`` for each cell (n - 1, m - 1)."""
+    """Return ``OK``, ``VORTEX_RING`` or ``UNRESOLVED`` for each cell (n - 1, m - 1)."""
     return np.array([OK, VORTEX_RING, UNRESOLVED, UNRESOLVED], np.uint8)[content.cells]
 
 
 def bilinear(x: Floats, y: Floats, values: Floats, at_x: Floats, at_y: Floats) -> Floats:
-    """Interpolate values (..., n, m) at knots x (n,), y (m,) linearly at ``at_x`` and ``at_y``,
-    which broadcast to the result's last axes."""
+    """Interpolate values (..., n, m) at knots x (n,), y (m,) bilinearly at ``at_x`` and ``at_y``,
+    which broadcast to the last axes of the result."""
     i, t = locate(x, at_x)
     j, u = locate(y, at_y)
     low = values[..., i, j] * (1.0 - t) + values[..., i + 1, j] * t
@@ -149,16 +149,17 @@ def bilinear(x: Floats, y: Floats, values: Floats, at_x: Floats, at_y: Floats) -
 
 
 # -------------------------------------------------------------------------------------------------
-# One axis of a table: cubic interpolation between knots at any distances, C1.
+# One axis of a table: C1 cubic interpolation between knots at any distances.
 #
-# Between two knots runs the cubic Hermite polynomial whose slopes are those of the parabola
-# through each knot and its neighbours, so that four values decide: those at the interval's ends
-# and one further on either side.  At the ends of the axis a ghost value stands in for the fourth.
+# Each interval has a cubic Hermite polynomial.  Its slope at a knot is the slope of the parabola
+# through the knot and its two neighbors, so that the polynomial depends on four values: the ends of
+# the interval and the next value on each side.  At an end of the axis, a ghost value replaces the
+# missing one.
 
 
 def interval_polynomials(knots: Floats) -> Floats:
-    """Polynomials (n - 1, 4, 4) between n >= 3 knots: the weight of the k-th of the four values in
-    interval i, at the share t of its width, is the sum over m of coefficients[i, k, m] t^m."""
+    """Return polynomials (n - 1, 4, 4) between n >= 3 knots: the weight of value k of four in
+    interval i, at fraction t of its width, is the sum over m of coefficients[i, k, m] t^m."""
     wide = with_ghosts(knots)
     before, width, after = wide[1:-2] - wide[:-3], wide[2:-1] - wide[1:-2], wide[3:] - wide[2:-1]
     zero = np.zeros_like(width)
@@ -174,20 +175,20 @@ def interval_polynomials(knots: Floats) -> Floats:
 
 
 def with_ghosts(knots: Floats) -> Floats:
-    """Add a knot on either side, as far out as the next one is inside; (n + 2,)."""
+    """Return knots with a ghost knot at each end, the mirror image of the next one; (n + 2,)."""
     return np.concatenate(
         [[2.0 * knots[0] - knots[1]], knots, [2.0 * knots[-1] - knots[-2]]], dtype=np.float64
     )
 
 
 def on_planes(beta: Floats) -> tuple[bool, bool]:
-    """Whether the first and the last angle [rad] are on the axis, where loads are even or odd."""
+    """Return whether the first angle is 0 and the last one pi [rad], where loads have parity."""
     return bool(abs(beta[0]) < 1e-9), bool(abs(beta[-1] - np.pi) < 1e-9)
 
 
 def pad(knots: Floats, values: Floats, low: Floats | None, high: Floats | None) -> Floats:
-    """Add a ghost value on either side of values (n, ...): by the parity ``low`` or ``high``, 1 or
-    -1, on a plane of symmetry, and where it is None on the parabola of the last three."""
+    """Return values (n, ...) with a ghost value at each end: by the parity ``low`` or ``high``, 1
+    or -1, on a plane of symmetry; for None by the parabola through the last three values."""
     wide = with_ghosts(knots)
     ghosts = []
     for parity, ends, ghost in ((low, slice(0, 3), wide[0]), (high, slice(-1, -4, -1), wide[-1])):
@@ -200,7 +201,7 @@ def pad(knots: Floats, values: Floats, low: Floats | None, high: Floats | None) 
 
 
 def locate(knots: Floats, x: Floats) -> tuple[NDArray[np.intp], Floats]:
-    """Find the interval that holds each x, and the share of its width that lies below x."""
+    """Return the interval that contains each x, and the fraction of its width below x."""
     i = np.searchsorted(knots[1:-1], x, side="right")
     return i, (x - knots[i]) / (knots[i + 1] - knots[i])
 
@@ -214,7 +215,7 @@ def interpolate(knots: Floats, padded: Floats, x: Floats) -> Floats:
 
 
 def _parabola_slope(before: Floats, after: Floats) -> tuple[Floats, Floats, Floats]:
-    """Weights of three values in the slope at the middle one, at these distances."""
+    """Return the weights of three values in the slope at the middle one, for these distances."""
     both = before + after
     return -after / (before * both), (after - before) / (before * after), before / (after * both)
 
@@ -231,15 +232,15 @@ def _parabola(x: Floats, at: float) -> Floats:
 
 
 # -------------------------------------------------------------------------------------------------
-# Operating points counted in a table's cells, in which its errors have one size on every scale.
+# Positions of operating points in units of cells: the errors of a table vary on the scale of cells.
 #
-# A position (n, 3) counts cells along the advance ratio and along beta, with the share of the cell
-# behind the point, and has the share of the rotational speeds that the envelope has at that
-# advance ratio, from the least to the largest.
+# A position (n, 3) has the number of cells below the point along the advance ratio and along beta,
+# with a fraction for the cell of the point, and the fraction of the range of omega that the
+# envelope allows at that advance ratio.
 
 
 def most_position(content: TableContent) -> Floats:
-    """Return the largest position (3,); the least is zero."""
+    """Return the largest position (3,); the smallest one is zero."""
     return np.array([content.advance.size - 1.0, content.beta.size - 1.0, 1.0])
 
 
@@ -256,7 +257,7 @@ def points_at(content: TableContent, position: Floats) -> tuple[Floats, Floats, 
 
 
 def positions_of(content: TableContent, omega: Floats, advance: Floats, beta: Floats) -> Floats:
-    """Return the positions (n, 3) of points of the envelope (n,)."""
+    """Return the positions (n, 3) of points (n,) in the envelope."""
     along, across = (
         np.add(*locate(knots, values))
         for knots, values in ((content.advance, advance), (content.beta, beta))
@@ -267,7 +268,7 @@ def positions_of(content: TableContent, omega: Floats, advance: Floats, beta: Fl
 
 
 def _omegas(content: TableContent, advance: Floats) -> tuple[Floats, Floats]:
-    """Return least and largest omega (n,) at which the envelope has these advance ratios."""
+    """Return the least and largest omega (n,) of the envelope for these advance ratios."""
     (slowest, fastest), per_omega = content.omega, advance * content.radius
     moves = per_omega > 0.0
     bounds = [

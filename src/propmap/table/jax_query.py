@@ -1,6 +1,6 @@
-"""A table's query in JAX, for differentiable simulators: jit, vmap, jvp and grad.
+"""Queries of a table in JAX, for differentiable simulators: jit, vmap, jvp and grad.
 
-The values are those of ``LoadTable``, in the precision of the caller's JAX setting.
+The loads agree with ``LoadTable``, in the precision of the JAX settings.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ import jax.numpy as jnp  # noqa: E402
 
 
 class JaxTable(NamedTuple):
-    """A table as JAX arrays; a pytree, so that it may be an argument of a compiled function.
+    """A table as JAX arrays; a pytree, so that compiled functions accept it as an argument.
 
-    Make one with ``JaxTable.of(table)``.
+    Create one with ``JaxTable.from_table(table)``.
     """
 
     padded: Any
@@ -35,8 +35,8 @@ class JaxTable(NamedTuple):
     codes: Any
 
     @classmethod
-    def of(cls, table: LoadTable) -> JaxTable:
-        """Take a ``table`` over to JAX, in float32 unless the caller has switched x64 on."""
+    def from_table(cls, table: LoadTable) -> JaxTable:
+        """Convert a ``table`` to JAX arrays: float32, or float64 if JAX has x64 enabled."""
         content = table.content
         lows, highs = zip(*table.envelope.values(), strict=True)
         return cls(
@@ -59,8 +59,8 @@ class JaxTable(NamedTuple):
         omega, speed, beta : array
             Omega [rad/s], V [m/s] and beta [rad] in 0...pi; broadcast.
         clamp : bool
-            Whether a point outside the envelope gets the loads of the nearest point of it, with
-            zero derivatives across its border, in place of NaN.
+            Whether points outside the envelope have the loads of the nearest point of the envelope
+            instead of NaN, with zero derivatives across its border.
         """
         w, v, b, inside = self._bounded(omega, speed, beta)
         values = _at(self, w, v * jnp.cos(b), v * jnp.sin(b))
@@ -69,8 +69,8 @@ class JaxTable(NamedTuple):
     def loads_at_velocity(self, omega: Any, velocity: Any, *, clamp: bool = False) -> JaxLoads:
         """Interpolate the loads for a velocity in the rotor frame.
 
-        Derivatives are finite everywhere inside, at rest too; without in-plane velocity they
-        are those for a velocity that begins to grow along x.
+        Derivatives are finite everywhere in the envelope, also at rest.  Without in-plane velocity
+        they are the one-sided derivatives for an in-plane velocity along x.
 
         Parameters
         ----------
@@ -79,7 +79,7 @@ class JaxTable(NamedTuple):
         velocity : array, shape (..., 3)
             Velocity of the hub through the air [m/s], z along the thrust.
         clamp : bool
-            As in ``loads``; outside, the derivatives by the velocity are zero.
+            As in ``loads``; outside, the derivatives with respect to the velocity are zero.
         """
         velocity = jnp.asarray(velocity)
         x, y, axial = velocity[..., 0], velocity[..., 1], velocity[..., 2]
@@ -88,14 +88,14 @@ class JaxTable(NamedTuple):
             omega, jnp.hypot(inplane, axial), jnp.arctan2(inplane, axial)
         )
         held = jax.lax.stop_gradient((v * jnp.cos(b), v * jnp.sin(b)))
-        # Inside, the velocity itself: its polar form has no derivatives at rest.
+        # Inside, the velocity itself is used, since its polar form has no derivatives at rest.
         axial, inplane = jnp.where(inside, axial, held[0]), jnp.where(inside, inplane, held[1])
         return _finish(_at(self, w, axial, inplane), w, inside | clamp)
 
     def code(self, omega: Any, speed: Any, beta: Any, thrust: Any) -> Any:
-        """Return the index into ``propmap.table.STATUSES``, as ``LoadTable.loads`` unclamped.
+        """Return the index into ``propmap.table.STATUSES``, as in ``LoadTable.loads`` unclamped.
 
-        ``omega``, ``speed`` and ``beta`` are those of ``loads``, which gave the ``thrust``.
+        ``thrust`` is the result of ``loads`` for the same ``omega``, ``speed`` and ``beta``.
         """
         w, v, b, inside = self._bounded(omega, speed, beta)
         i = jnp.searchsorted(self.advance[1:-1], v / (w * self.radius), side="right")
@@ -133,7 +133,7 @@ def _length_jvp(primals: Any, tangents: Any) -> Any:
 
 @jax.custom_jvp
 def _at(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> Any:
-    """Interpolate loads (..., L); omega, axial and inplane of one shape, inside the envelope."""
+    """Return loads (..., L) for omega, axial and inplane of one shape, inside the envelope."""
     return _expanded(table, omega, axial, inplane)[0]
 
 
@@ -145,7 +145,7 @@ def _at_jvp(primals: Any, tangents: Any) -> Any:
 
 
 def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[Any, Any, Any, Any]:
-    """Interpolate loads (..., L) and their derivatives with omega, axial and in-plane velocity."""
+    """Return loads (..., L) and derivatives with respect to omega, axial and in-plane velocity."""
     speed = jnp.hypot(axial, inplane)
     tip_speed = omega * table.radius
     advance = speed / tip_speed
@@ -154,7 +154,7 @@ def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[An
     j, along = _weights(table.beta, table.beta_weights, beta)
     k = jnp.arange(4)
     block = table.padded[(i[..., None] + k)[..., :, None], (j[..., None] + k)[..., None, :]]
-    # One by one, so that XLA leaves out what is not asked for.
+    # One einsum for each pair, so that XLA can drop results that are not used.
     pairs = [(across[..., d, :], along[..., e, :]) for d in (0, 1) for e in (0, 1)]
     each = [jnp.einsum("...k,...l,...klc->...c", one, other, block) for one, other in pairs]
     found = jnp.stack(each, axis=-2).reshape(*omega.shape, 2, 2, -1)
@@ -167,11 +167,11 @@ def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[An
 
 
 def _weights(knots: Any, polynomials: Any, x: Any) -> tuple[Any, Any]:
-    """Find the interval of x, and weights of its four values and their derivative (..., 2, 4)."""
+    """Return the interval of x, and the weights of its four values and of the slope (..., 2, 4)."""
     i = jnp.searchsorted(knots[1:-1], x, side="right")
     width = (knots[i + 1] - knots[i])[..., None]
     t = (x - knots[i])[..., None] / width
-    # Horner's scheme: XLA takes ten times as long for products of as many small matrices.
+    # Horner's scheme: with products of many small matrices XLA takes ten times as long.
     p = polynomials[i]
     value = p[..., 0] + t * (p[..., 1] + t * (p[..., 2] + t * p[..., 3]))
     slope = (p[..., 1] + t * (2.0 * p[..., 2] + 3.0 * t * p[..., 3])) / width

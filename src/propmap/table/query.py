@@ -1,4 +1,4 @@
-"""``LoadTable``: loads from a table, their derivatives, and omega from a load."""
+"""``LoadTable``: loads from a table, their derivatives, and the omega for a given load."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ if TYPE_CHECKING:
 
 
 # -------------------------------------------------------------------------------------------------
-# What a table's queries return: tuples of every load of the registry.
+# Results of queries: named tuples with every load of the registry.
 
 TORQUE = list(LOADS).index("torque")
 
 
 def _every_load(*further: str) -> Any:
-    """A named tuple of all loads; tuples, since for a single point a dataclass takes too long."""
+    """Return a named tuple type of all loads; dataclasses are too slow for single points."""
     return namedtuple("_EveryLoad", (*LOADS, *further))
 
 
 class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
-    """Loads from a table; floats for a single point, else arrays of the points' shape.
+    """Loads from a table: floats for a single point, arrays for several points.
 
     The fields are the loads of ``propmap.loads.LOADS``, the power, and ``code``, an index into
     ``STATUSES``; see ``status``.
@@ -47,28 +47,28 @@ class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
 
     @property
     def status(self) -> Any:
-        """A word of ``STATUSES`` per point.
+        """Status of each point, one of ``STATUSES``.
 
-        "vortex_ring": the model's momentum theory does not hold nearby.  "unresolved": the
-        model's loads jump or nearly so, and the table's error may exceed its tolerance.
-        "clamped": outside the envelope, the loads are those of the nearest point of it.
-        "no_value": the model found no loads nearby, or they were left out; NaN.  "outside":
-        outside the envelope; NaN.
+        - "vortex_ring": momentum theory is not valid at or near the point;
+        - "unresolved": the model's loads jump or are very steep, and the table's error may exceed
+          its tolerance;
+        - "clamped": the point is outside the envelope and has the loads of the nearest point;
+        - "no_value": NaN, since the model found no loads nearby, or they were left out;
+        - "outside": NaN, since the point is outside the envelope.
         """
         words = np.asarray(interpolation.STATUSES)[self.code]
         return str(words) if words.ndim == 0 else words
 
     @property
     def inside(self) -> Any:
-        """Whether the point asked for is inside the envelope."""
+        """Whether the point is inside the envelope."""
         return (self.code != interpolation.OUTSIDE) & (self.code != interpolation.CLAMPED)
 
 
 class Gradient(_every_load("power")):  # type: ignore[misc]
     """Derivatives of the fields below, (..., k).
 
-    The last axis counts what they are taken by: omega, speed and beta, or omega and the
-    velocity's x, y, z.
+    The last axis is the variable: omega, speed and beta, or omega and the velocity's x, y, z.
     """
 
     __slots__ = ()
@@ -95,21 +95,21 @@ for _kind in (TableLoads, Gradient, Deviation, JaxLoads):
     _kind.__doc__ = "\n".join(_parts)
 
 
-CHUNK = 1024  # points that are differentiated together, so that what they take stays in the cache
-SLACK = 1e-9  # share of an axis by which points may lie beyond its end for rounding
-HALF = len(LOADS)  # values per knot that are loads; as many slopes with Omega^(-1/2) follow
+CHUNK = 1024  # points differentiated together; their arrays fit in the processor cache
+SLACK = 1e-9  # tolerance for rounding beyond the end of an axis, as a fraction of its largest value
+HALF = len(LOADS)  # loads per knot; the same number of slopes in Omega^(-1/2) follows
 
 
 class LoadTable:
     """Loads of one rotor over an envelope of operating points.
 
-    Make one with ``LoadTable.load`` or ``build_table``.  The envelope is a box in omega [rad/s],
+    Create one with ``LoadTable.load`` or ``build_table``.  The envelope is a box in omega [rad/s],
     speed [m/s] and beta [rad]; see ``envelope``.
 
     Parameters
     ----------
     content : TableContent
-        What the table holds.
+        Knots, coefficients, flags and provenance.
     """
 
     def __init__(self, content: interpolation.TableContent) -> None:
@@ -122,7 +122,7 @@ class LoadTable:
 
     @functools.cached_property
     def _core(self) -> CoreTable:
-        """The table in the compiled core."""
+        """Table of the compiled core."""
         from propmap import core
 
         content = self.content
@@ -139,39 +139,38 @@ class LoadTable:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, propeller: Propeller | None = None) -> Self:
-        """Read a table from a .npz file; nothing in it is executed.
+        """Read a table from a .npz file, without executing any code from it.
 
         Parameters
         ----------
         path : path
             Path of the file.
         propeller : Propeller, optional
-            The geometry that the table must have been built from.
+            Propeller whose geometry the table must have.
 
         Raises
         ------
         InputError
-            For a missing, damaged or foreign file, one of a later format, and a table of another
-            propeller.
+            For a missing, damaged, foreign or newer file, and for a table of another propeller.
         """
         content = read_table(path)
         if propeller is not None:
             described = content.info["propeller"]
             if described.get("geometry_sha256") != propeller.fingerprint():
-                found = f"the table is of {described.get('name')!r}, expected {propeller.name!r}"
+                found = f"the table is for {described.get('name')!r}, expected {propeller.name!r}"
                 remedy = "build a table for this propeller"
                 raise InputError(f"{found} with the same geometry", remedy, os.fspath(path))
         return cls(content)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the table to the .npz file at ``path``, whole or not at all."""
+        """Write the table to the .npz file at ``path`` atomically."""
         write_table(self.content, path)
 
     def to_netcdf(self, path: str | os.PathLike[str]) -> None:
-        """Write the table as NetCDF to ``path``, whole or not at all; needs the extra ``netcdf``.
+        """Write the table as NetCDF to ``path`` atomically; requires the extra ``netcdf``.
 
         The file contains coefficients and cells over omega, advance ratio V/(Omega R) and beta,
-        with units and provenance; its attributes contain the envelope in V.
+        with units and provenance; its attributes contain the range of V.
         """
         write_netcdf(self.content, path)
 
@@ -182,12 +181,12 @@ class LoadTable:
 
     @property
     def info(self) -> dict[str, Any]:
-        """Where the table comes from: propeller, airfoil, air, versions; plain data."""
+        """Provenance of the table: propeller, airfoil, air and versions, as plain data."""
         return self.content.info
 
     @property
     def certificate(self) -> dict[str, Any]:
-        """The table's errors against the model, see ``propmap.table.Certificate``; plain data."""
+        """Errors with respect to the model as plain data, see ``propmap.table.Certificate``."""
         return dict(self.info.get("certificate") or {})
 
     def loads(
@@ -201,8 +200,8 @@ class LoadTable:
             Omega [rad/s], V [m/s], beta [rad], broadcast; beta and 2 pi - beta are mirror images
             with the same loads.
         clamp : bool
-            Whether a point outside the envelope gets the loads at the nearest omega, speed and
-            beta of it, with the status "clamped", in place of NaN.
+            Whether points outside the envelope have the loads of the nearest point of the envelope
+            and the status "clamped", instead of NaN.
         """
         if (
             isinstance(omega, (float, int))
@@ -239,10 +238,10 @@ class LoadTable:
         return self.loads(w, np.hypot(across, z), np.arctan2(across, z), clamp=clamp)
 
     def std(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Deviation:
-        """Interpolate standard deviations of the model's loads; NaN outside the envelope.
+        """Interpolate the standard deviations of the model's loads; NaN outside the envelope.
 
-        Those of the constants and of the blade, of the model itself and of another tunnel, see
-        ``propmap.Loads.std_by_source``; the table's own errors, see ``certificate``, come on top.
+        They include all sources of ``propmap.Loads.std_by_source``, but not the interpolation
+        errors of the table; see ``certificate``.
 
         Parameters
         ----------
@@ -252,13 +251,13 @@ class LoadTable:
         Raises
         ------
         InputError
-            Where the table does not say them: its model says nothing of its errors.
+            If the table has no standard deviations, since its model has no uncertainty.
         """
         content = self.content
         if content.deviations is None:
-            found = "the table says nothing of its model's errors"
-            remedy = "build it of constants identified or expected by name, or of a fit's file"
-            raise InputError(found, remedy)
+            found = "the table has no standard deviations"
+            remedy = "build it from section constants with an uncertainty: identified or predicted "
+            raise InputError(found, remedy + "constants of the catalogue, or the file of a fit")
         w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         rate, speeds, folded = self._inside(w, v, b)
         lost = np.isnan(rate)
@@ -272,9 +271,10 @@ class LoadTable:
         return Deviation(*values, values[TORQUE] * rate)
 
     def gradient(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Gradient:
-        """Differentiate by ``omega``, ``speed`` and ``beta``, the last axis (3,); NaN outside.
+        """Return the derivatives of the loads with respect to omega, speed and beta.
 
-        Arguments are those of ``loads``.
+        They are along the last axis, and NaN outside the envelope.  ``omega``, ``speed`` and
+        ``beta`` are those of ``loads``.
         """
         w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         with np.errstate(invalid="ignore"):
@@ -282,10 +282,11 @@ class LoadTable:
         return self._by_chunks(self._polar_gradient, *self._inside(w, v, b), sign)
 
     def gradient_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Gradient:
-        """Differentiate by ``omega`` and x, y, z of ``velocity``, the last axis (4,); NaN outside.
+        """Return the derivatives of the loads with respect to omega and x, y, z of the velocity.
 
-        Arguments are those of ``loads_at_velocity``.  Without in-plane velocity, where loads by
-        it point nowhere, the derivatives are those for one that begins to grow along x.
+        They are along the last axis, and NaN outside the envelope.  ``omega`` and ``velocity`` are
+        those of ``loads_at_velocity``.  In-plane loads have no direction without in-plane velocity;
+        the derivatives there are one-sided, for an in-plane velocity along x.
         """
         w, x, y, z = arrays_of(omega=omega, **components(velocity))
         across = np.hypot(x, y)
@@ -295,14 +296,14 @@ class LoadTable:
     def omega_for(
         self, quantity: str, value: ArrayLike, speed: ArrayLike, beta: ArrayLike
     ) -> Inverse:
-        """Find the omega at which a load has a value.
+        """Find the omega at which a load has a given value.
 
         Parameters
         ----------
         quantity : str
             "thrust" [N], "torque" [N m] or "power" [W].
         value, speed, beta : array_like
-            Its value, V [m/s] and beta [rad], broadcast.
+            Value of the load, V [m/s] and beta [rad], broadcast.
         """
 
         wanted, v, b = arrays_of(value=value, speed=speed, beta=beta)
@@ -314,14 +315,14 @@ class LoadTable:
         return TableLoads(*(row.reshape(omega.shape) for row in (*rows, code)))
 
     def _inside(self, omega: Floats, speed: Floats, beta: Floats) -> Floats:
-        """Bring points (...) into the envelope where mere rounding has them outside; omega, speed
-        and beta in 0...pi (3, ...), omega NaN for all others outside."""
+        """Return omega, speed and beta in 0...pi (3, ...): points outside the envelope by rounding
+        only are moved inside; other points outside have omega NaN."""
         points = (np.ascontiguousarray(each.ravel()) for each in (omega, speed, beta))
         found: Floats = self._core.bounded(*points).reshape(3, *omega.shape)
         return found
 
     def _by_chunks(self, gradient: Callable[..., Floats], *arrays: Floats) -> Gradient:
-        """Gather a ``gradient`` (n, L + 1, k) of chunks; fields of the points' shape and k."""
+        """Return a ``gradient`` (n, L + 1, k) evaluated in chunks, in the shape of the points."""
         shape = arrays[0].shape
         flat = [np.ravel(array) for array in np.broadcast_arrays(*arrays)]
         parts = [
@@ -332,7 +333,7 @@ class LoadTable:
         return Gradient(*found.swapaxes(0, 1).reshape(found.shape[1], *shape, found.shape[2]))
 
     def _polar_gradient(self, omega: Floats, speed: Floats, beta: Floats, sign: Floats) -> Floats:
-        """Differentiate by omega, speed and beta (n, L + 1, 3); ``sign`` is of beta's change."""
+        """Return derivatives by omega, speed and beta (n, L + 1, 3); ``sign`` -1: mirrored beta."""
         loads, by_omega, by_speed, by_angle = self._derivatives(omega, speed, beta)
         by_beta = by_angle * (sign * speed)[:, None]
         return _with_power(loads, omega, np.stack([by_omega, by_speed, by_beta], axis=-1))
@@ -340,7 +341,7 @@ class LoadTable:
     def _velocity_gradient(
         self, omega: Floats, speed: Floats, beta: Floats, vx: Floats, vy: Floats
     ) -> Floats:
-        """Differentiate by omega and the velocity's components (n, L + 1, 4)."""
+        """Return derivatives by omega and the components of the velocity (n, L + 1, 4)."""
         loads, by_omega, by_speed, by_angle = self._derivatives(omega, speed, beta)
         by_axial, by_inplane = cartesian_slopes(by_speed, by_angle, np.cos(beta), np.sin(beta))
         across = np.hypot(vx, vy)
@@ -362,15 +363,17 @@ class LoadTable:
 # -------------------------------------------------------------------------------------------------
 # Derivatives of a table's loads, by the chain rule through J, beta and Omega^(-1/2).
 
-HARDLY_MOVING = 1e-7  # advance ratio below which d/dbeta over J is taken from its limit
+HARDLY_MOVING = 1e-7  # advance ratio below which (d/dbeta)/J is replaced by its limit
 
 
 def chain_rule(
     found: Any, omega: Any, advance: Any, tip_speed: Any, root: Any, where: Callable[..., Any]
 ) -> tuple[Any, Any, Any, Any]:
-    """Find loads and their derivatives by omega, speed, and beta over the speed, (..., L), of what
-    the core's ``Table.slopes`` ``found`` at omega [rad/s], J [-] and Omega R [m/s]; ``root`` is
-    Omega^(-1/2) above the least, ``where`` NumPy's or JAX's."""
+    """Return loads and their derivatives by omega, by speed, and by beta over the speed, (..., L).
+
+    ``found`` is the result of the core's ``Table.slopes``; ``omega`` [rad/s], J and Omega R [m/s]
+    are its point, ``root`` is its Omega^(-1/2) minus that of the least omega, and ``where`` is the
+    function of NumPy or JAX."""
     both = found[..., :HALF] + root[..., None, None, None] * found[..., HALF:]
     value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
     by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]
@@ -386,37 +389,37 @@ def chain_rule(
 
 
 def cartesian_slopes(by_speed: Any, by_angle: Any, cosine: Any, sine: Any) -> tuple[Any, Any]:
-    """Turn derivatives by speed and angle (..., L) at beta into those along the axis and across."""
+    """Return derivatives by axial and in-plane velocity from those by speed and angle (..., L)."""
     cosine, sine = cosine[..., None], sine[..., None]
     return by_speed * cosine - by_angle * sine, by_speed * sine + by_angle * cosine
 
 
 def _with_power(loads: Floats, omega: Floats, each: Floats) -> Floats:
-    """Add the power's to derivatives (n, L, k), the first by omega; (n, L + 1, k)."""
+    """Return derivatives (n, L, k), the first by omega, with those of the power; (n, L + 1, k)."""
     power = each[:, TORQUE] * omega[:, None]
     power[:, 0] += loads[:, TORQUE]
     return np.concatenate([each, power[:, None]], axis=1)
 
 
 # -------------------------------------------------------------------------------------------------
-# From a load to the rotational speed.
+# The rotational speed for a given load.
 
 QUANTITIES = ("thrust", "torque", "power")
 
-END_SLACK = 1e-11  # share beyond the load at an end of the envelope that is mere rounding
+END_SLACK = 1e-11  # relative difference that counts as rounding at an end of the envelope
 
 
 class Inverse(NamedTuple):
-    """The rotational speeds at which a load has the value asked for; arrays of one shape.
+    """The rotational speeds at which a load has a given value; arrays of one shape.
 
     Attributes
     ----------
     omega, least : ndarray
-        The largest and the smallest [rad/s]; NaN where there is none.
+        Largest and smallest solution [rad/s]; NaN without a solution.
     solutions : ndarray of int
-        How many there are inside the envelope.
+        Number of solutions inside the envelope.
     status : ndarray of str
-        "ok" for one, "none", "several".
+        "ok" for one solution, "none" or "several".
     """
 
     omega: Floats
@@ -426,8 +429,8 @@ class Inverse(NamedTuple):
 
 
 def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: Floats) -> Inverse:
-    """Find every omega of the envelope at which a load has a value, arguments of one shape; none
-    outside, and "several" where blades windmill at low omega."""
+    """Find every omega of the envelope at which a load has a given value; all arrays have one
+    shape.  Several solutions occur if the blades windmill at low omega."""
     if quantity not in QUANTITIES:
         raise InputError(f"quantity is {quantity!r}: it must be one of {', '.join(QUANTITIES)}")
     shape = value.shape
@@ -441,8 +444,8 @@ def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: F
 
 
 def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: float) -> list[float]:
-    """Find the omegas at which the load is ``value``, rising."""
-    # Between the omegas at which the advance ratio crosses a knot the load is one smooth piece.
+    """Return the omegas at which the load is ``value``, in ascending order."""
+    # The load is smooth between two omegas at which the advance ratio crosses a knot.
     low, high = table.envelope["omega"]
     with np.errstate(divide="ignore", invalid="ignore"):
         crossed = speed / (table.content.advance * table.content.radius)
@@ -451,7 +454,7 @@ def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: fl
     omega = np.sort(np.concatenate([ends, 0.5 * (ends[:-1] + ends[1:])]))
     field = getattr(table.loads(omega, speed, beta), quantity) - value
     slope = getattr(table.gradient(omega, speed, beta), quantity)[:, 0]
-    # The excess at an end of the envelope is zero if it is mere rounding.
+    # An excess within rounding at an end of the envelope counts as a solution.
     near = np.abs(field) <= END_SLACK * np.fmax(np.abs(omega * slope), abs(value))
     near[1:-1] = False
     field = np.where(near, 0.0, field)
@@ -466,7 +469,7 @@ def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: fl
     points = list(zip(omega.tolist(), field.tolist(), slope.tolist(), strict=True))
     for (a, fa, da), (b, fb, db) in itertools.pairwise(points):
         if fa * fb >= 0.0 and da * db < 0.0:
-            # The load turns back on its way; perhaps it meets the value before and after.
+            # The load has an extremum in between, and may have the value on either side of it.
             turn = _bisect(rate, a, b, da)
             middle = excess(turn)
             found += _met(excess, a, fa, turn, middle) + _met(excess, turn, middle, b, fb)
@@ -480,14 +483,14 @@ def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: fl
 def _met(
     excess: Callable[[float], float], low: float, at_low: float, high: float, at_high: float
 ) -> list[float]:
-    """Find the root in [low, high) of a function that is monotonic there, if it has one."""
+    """Return the root in [low, high), if any, of a function that is monotonic there."""
     if at_low == 0.0:
         return [low]
     return [_bisect(excess, low, high, at_low)] if at_low * at_high < 0.0 else []
 
 
 def _bisect(function: Callable[[float], float], low: float, high: float, start: float) -> float:
-    """Find the root of a ``function`` with the sign of ``start`` at low and the other at high."""
+    """Return the root of a ``function`` with the sign of ``start`` at low, the opposite at high."""
     for _ in range(200):
         middle = 0.5 * (low + high)
         if not low < middle < high:

@@ -1,4 +1,4 @@
-"""Comparison of a table with its model, on points that the construction did not use."""
+"""Comparison of a table with its model at points that were not used to build it."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from propmap.table.query import LoadTable
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
 
-POINTS = 32_768  # points of a certificate; a power of two, as Sobol's sequence wants
-CANDIDATES = 32  # points per point of a certificate, to find some in unresolved cells
-MOST_INSIDE = 4  # of the certificate's points, one in so many is taken there
+POINTS = 32_768  # points of a certificate; Sobol's sequence requires a power of two
+CANDIDATES = 32  # candidates per point of a certificate in the search for unresolved cells
+MOST_INSIDE = 4  # points of a certificate over the largest number of points in unresolved cells
 
 
 # -------------------------------------------------------------------------------------------------
 # The model that a table is built from and compared with; each coefficient is computed once.
 
-Progress = Callable[[str, int], None]  # what is done, and points evaluated so far
-BATCH = 4096  # operating points between two reports of progress: some tenths of a second
+Progress = Callable[[str, int], None]  # called with the current stage and the points evaluated
+BATCH = 4096  # operating points between two calls of progress: some tenths of a second
 
 
 class CachedModel:
-    """Loads of a rotor, and relative to its static ones at two rotational speeds (2,) [rad/s];
-    ``InputError`` unless these are positive."""
+    """Loads of a rotor, absolute and relative to its static loads at two rotational speeds (2,)
+    [rad/s]; raises ``InputError`` unless the static loads are positive."""
 
     def __init__(
         self,
@@ -54,25 +54,25 @@ class CachedModel:
         self.static = self.static_loads(omega)
 
     def static_loads(self, omega: Floats) -> Floats:
-        """Evaluate what errors are relative to (n, L), see ``loads.error_scales``."""
+        """Return the reference loads of errors (n, L), see ``loads.error_scales``."""
         loads, _ = self._evaluate(omega, np.zeros_like(omega), np.zeros_like(omega))
         static = dict(zip(LOADS, loads.T, strict=True))
         scales = np.array(list(error_scales(static, self.rotor.model.propeller.radius).values())).T
         if not (scales > 0.0).all():
-            found = "at rest in the air this rotor has no positive thrust and torque, to which a "
-            found += "table's errors could be related"
+            found = "the static thrust and torque of this rotor, the reference for the errors of a "
+            found += "table, are not positive"
             raise InputError(found, "check the propeller's pitch and the section law")
         return scales
 
     def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """Return loads (n, L) in the order of ``LOADS``, and where in the vortex ring state."""
+        """Return loads (n, L) in the order of ``LOADS``, and a mask of the vortex ring state."""
         values, ring = self._evaluate(omega, speed, beta)
         if self.leave_out_vortex_ring:
             values[ring] = np.nan
         return values, ring
 
     def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
-        """Return loads over static ones at one omega (n, m, L), and 1 in the vortex ring (n, m)."""
+        """Return loads over static loads at one omega (n, m, L), and 1 in the vortex ring state."""
         known = self._known[node]
         grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
         new = [point for point in grid if point not in known]
@@ -102,33 +102,32 @@ class CachedModel:
 def _loads_of(
     rotor: Rotor, batch: tuple[Floats, Floats, Floats]
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return loads (n, L) of a batch, and whether in the vortex ring state (n,)."""
+    """Return loads (n, L) of a batch, and a mask of the vortex ring state (n,)."""
     found = rotor.loads(*batch)
     values = np.stack([getattr(found, name) for name in LOADS], axis=-1)
     return values, found.status == "vortex_ring"
 
 
 # -------------------------------------------------------------------------------------------------
-# The certificate: errors on fresh points, and a search for the largest.
+# The certificate: errors at independent points, and a search for the largest errors.
 
 
 def certify(
     table: LoadTable, model: CachedModel, tolerance: float, *, points: int = POINTS, seed: int = 1
 ) -> tuple[Certificate, TableErrors]:
-    """Compare a table on fresh points and search for the worst.
+    """Compare a table with its model at independent points, and search for the largest errors.
 
-    Return the certificate, and the points with loads outside unresolved cells.  Points inside do
-    not count in the claim that the tolerance holds.  They are few, so that more are taken for the
-    bound that is stated for these cells.
+    Return the certificate, and the points with loads outside unresolved cells.  The tolerance does
+    not apply inside unresolved cells.  Extra points there give the separate error of these cells.
 
     Parameters
     ----------
     table, model : LoadTable, CachedModel
-        To be certified, and what it was built from.
+        Table to certify, and the model that it was built from.
     tolerance : float
-        Largest error as a share of static loads.
+        Largest error as a fraction of the static loads.
     points, seed : int
-        How many, a power of two, and the seed of their Sobol sequence.
+        Number of points, a power of two, and the seed of their Sobol sequence.
     """
     model.stage = "certifying"
     sample = compare(table, model, *quasi_random(table, points, seed))
@@ -164,14 +163,14 @@ def certify(
 
 
 def unresolved_share(table: LoadTable) -> float:
-    """Estimate the share of the envelope that unresolved cells take."""
+    """Estimate the fraction of the envelope in unresolved cells."""
     return _unresolved(table, POINTS // CANDIDATES, seed=1)[0]
 
 
 def _unresolved(
     table: LoadTable, points: int, seed: int
 ) -> tuple[float, tuple[Floats, Floats, Floats]]:
-    """Estimate the share of the envelope of unresolved cells, and find points inside them (n,)."""
+    """Return the fraction of the envelope in unresolved cells, and points inside them (n,)."""
     content = table.content
     if not (content.cells & interpolation.UNRESOLVED_BIT).any():
         none = np.empty(0)
@@ -187,13 +186,13 @@ def _unresolved(
 
 
 def _kinds(found: TableErrors) -> tuple[TableErrors, TableErrors]:
-    """Part the points with loads into those in resolved cells, and those in the others."""
+    """Split the points with loads into points in resolved cells and points in unresolved cells."""
     loose = found.code == interpolation.UNRESOLVED
     return found.where(~found.lost & ~loose), found.where(~found.lost & loose)
 
 
 def _largest(found: TableErrors) -> tuple[dict[str, float], list[dict[str, float]]]:
-    """Find the largest error by load, and where it is; zeros without points."""
+    """Return the largest error by load, and its operating point; zeros without points."""
     if not found.omega.size:
         return dict.fromkeys(LOADS, 0.0), [{}, {}, {}]
     errors = np.abs(found.errors)
@@ -203,25 +202,25 @@ def _largest(found: TableErrors) -> tuple[dict[str, float], list[dict[str, float
 
 
 def _rms(errors: Floats) -> dict[str, float]:
-    """Take the root mean square by load; zeros where there are no points."""
+    """Return the root mean square by load; zeros without points."""
     return by_load(np.sqrt((errors**2).sum(axis=0) / max(len(errors), 1)))
 
 
 def by_load(values: Floats) -> dict[str, float]:
-    """Name values (L,) by ``LOADS``."""
+    """Return values (L,) by the names of ``LOADS``."""
     return dict(zip(LOADS, values.tolist(), strict=True))
 
 
 # -------------------------------------------------------------------------------------------------
-# A table beside the model, at points of its envelope.
+# Errors of a table at points of its envelope.
 
 
 @dataclass(frozen=True)
 class TableErrors:
     """Errors of a table at n operating points."""
 
-    errors: Floats  # as shares of the static loads at the same omega (n, L); NaN without loads
-    code: NDArray[np.uint8]  # the table's, an index into ``STATUSES``
+    errors: Floats  # fractions of the static loads at the same omega (n, L); NaN without loads
+    code: NDArray[np.uint8]  # status of the table, an index into ``STATUSES``
     omega: Floats  # [rad/s]
     speed: Floats  # [m/s]
     beta: Floats  # [rad]
@@ -229,15 +228,15 @@ class TableErrors:
 
     @property
     def lost(self) -> NDArray[np.bool_]:
-        """Where there are no loads, of the table or of the model (n,)."""
+        """Points (n,) at which the table or the model has no loads."""
         return np.asarray(np.isnan(self.errors).any(axis=1) | (self.code == interpolation.NO_VALUE))
 
     def where(self, chosen: NDArray[np.bool_]) -> Self:
-        """Keep the points ``chosen`` (n,)."""
+        """Return the points ``chosen`` (n,)."""
         return type(self)(*(getattr(self, f.name)[chosen] for f in fields(self)))
 
     def and_also(self, other: Self) -> Self:
-        """Join these points and those of the ``other``."""
+        """Return these points followed by the points of the ``other``."""
         both = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
         return type(self)(*map(np.concatenate, both))
 
@@ -245,7 +244,7 @@ class TableErrors:
 def compare(
     table: LoadTable, model: CachedModel, omega: Floats, speed: Floats, beta: Floats
 ) -> TableErrors:
-    """Measure the table's errors at n points of its envelope, (n,) each."""
+    """Compute the table's errors at n points of its envelope, (n,) each."""
     expected, _ = model.loads(omega, speed, beta)
     found = table.loads(omega, speed, beta)
     values = np.stack(found[: len(LOADS)], axis=-1)
@@ -262,8 +261,8 @@ def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floa
 
 
 def static_loads(model: CachedModel, omega: Floats) -> Floats:
-    """Interpolate the static loads (n, L) at omega (n,), to 1e-5."""
-    # Over Omega^2 they are linear in Omega^(-1/2), as the model's friction is.
+    """Interpolate the static loads (n, L) at omega (n,), with a relative error of 1e-5."""
+    # Static loads over Omega^2 are linear in Omega^(-1/2), like the model's friction.
     roots, ends = omega**-0.5, model.omega**-0.5
     share = ((roots - ends[0]) / (ends[1] - ends[0]))[:, None]
     low, high = model.static / (model.omega**2)[:, None]
@@ -273,29 +272,29 @@ def static_loads(model: CachedModel, omega: Floats) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # The search for a table's largest errors, which evenly spread points alone would miss.
 #
-# An error that fills one ten-thousandth of the envelope is seldom met by chance, but mostly has
-# slopes that are.  So each cell of the table is sampled, however small a share of the envelope it
-# is.  From the worst points of each load, each in a cell of its own, the error is climbed by random
-# steps, which grow where they succeed and shrink where they fail.  The worse half of the climbs is
-# given up again and again, for more steps of the others.
+# Evenly spread points seldom hit a peak of the error that fills one ten-thousandth of the envelope,
+# but they usually hit its slopes.  The search therefore samples every cell of the table, including
+# the smallest ones.  It starts climbs from the worst points of each load, at most one per cell.  A
+# climb tries random steps, which grow after a success and shrink after a failure.  At intervals the
+# search drops the worse half of the climbs, and the remaining climbs try more steps.
 
-OVERHANG = np.array([0.5, 0.5, 0.25])  # beyond the envelope, then held back for its edges
-CLIMBS = 32  # climbs at first, per load and 32768 points known
+OVERHANG = np.array([0.5, 0.5, 0.25])  # samples reach so far outside, and are clipped to the edges
+CLIMBS = 32  # initial climbs per load and 32768 known points
 FEWEST_CLIMBS = 8
 
-TRIES = 4  # steps that each climb tries in a round, at first
-HALVINGS, ROUNDS = 4, 5  # how often the better half of the climbs goes on, and rounds in between
-STEP = np.array([0.5, 0.5, 0.25])  # largest of the first round, as positions count
+TRIES = 4  # steps that each climb tries per round, until the first halving
+HALVINGS, ROUNDS = 4, 5  # halvings of the number of climbs, and rounds before each halving
+STEP = np.array([0.5, 0.5, 0.25])  # largest step of the first round, in positions
 GROWTH, SHRINKAGE = 1.5, 0.6
 
-GOALS = 2 * len(LOADS)  # each load in resolved cells, then each in the others
+GOALS = 2 * len(LOADS)  # each load in resolved cells, then each load in unresolved cells
 
 
 def largest_errors(
     table: LoadTable, model: CachedModel, sampled: TableErrors, seed: int
 ) -> TableErrors:
-    """Search by random steps of this ``seed`` for the largest errors by load from points
-    ``sampled``, inside unresolved cells separately, and return all points met."""
+    """Search for the largest errors by load from points ``sampled``, separately inside unresolved
+    cells, with random steps of this ``seed``; return all points evaluated."""
     rng = np.random.default_rng(seed)
     content = table.content
     points = sampled.omega.size
@@ -316,7 +315,7 @@ def largest_errors(
 
 
 class _Climbs:
-    """Walks to larger errors, from the worst ``most`` points of each goal, no two in a cell."""
+    """Climbs to larger errors from the worst ``most`` points of each goal, at most one per cell."""
 
     def __init__(self, content: interpolation.TableContent, known: TableErrors, most: int) -> None:
         position = interpolation.positions_of(content, known.omega, known.advance, known.beta)
@@ -330,18 +329,18 @@ class _Climbs:
             goals.append(np.full(first.size, goal))
         start, goal_of = np.concatenate(starts), np.concatenate(goals)
         self.position = position[start]  # (k, 3)
-        self.error = sizes[start, goal_of]  # the largest met so far (k,)
+        self.error = sizes[start, goal_of]  # the largest found so far (k,)
         self.goal = goal_of  # load and kind of cell (k,)
-        self.length = np.ones(goal_of.size)  # of the steps, in ``STEP`` (k,)
+        self.length = np.ones(goal_of.size)  # length of the steps as a multiple of ``STEP`` (k,)
 
     def steps(self, tries: int, rng: np.random.Generator, most: Floats) -> Floats:
-        """Return positions (k tries, 3) to be tried, those of the first climb first."""
+        """Return positions (k tries, 3) to try, starting with those of the first climb."""
         share = rng.uniform(-1.0, 1.0, (self.goal.size, tries, 3))
         step = share * STEP * self.length[:, None, None]
         return np.clip(self.position[:, None] + step, 0.0, most).reshape(-1, 3)
 
     def take(self, position: Floats, tried: TableErrors) -> None:
-        """Go to the best of the positions tried, where it is better."""
+        """Move each climb to the best position tried, if its error is larger."""
         count = self.goal.size
         if not count:
             return
@@ -355,7 +354,7 @@ class _Climbs:
         self.length *= np.where(better, GROWTH, SHRINKAGE)
 
     def halve(self) -> None:
-        """Give up the worse half of each goal's climbs."""
+        """Drop the worse half of each goal's climbs."""
         order = np.lexsort((-self.error, self.goal))
         rank = np.arange(order.size) - np.searchsorted(self.goal[order], self.goal[order])
         count = np.bincount(self.goal, minlength=GOALS)[self.goal[order]]
@@ -365,14 +364,14 @@ class _Climbs:
 
 
 def _sizes(found: TableErrors) -> Floats:
-    """Sizes (n, ``GOALS``) of the errors; zero where the cell is of the other kind."""
+    """Return the magnitudes (n, ``GOALS``) of the errors; zero in cells of the other kind."""
     size = np.where(found.lost[:, None], 0.0, np.abs(found.errors))
     loose = (found.code == interpolation.UNRESOLVED)[:, None]
     return np.concatenate([np.where(loose, 0.0, size), np.where(loose, size, 0.0)], axis=1)
 
 
 # -------------------------------------------------------------------------------------------------
-# How uncertain a table's loads are because the section law's parameters are.
+# Standard deviations of a table's loads due to the section constants.
 
 UNCERTAINTY_POINTS = 1024  # points of the envelope; a power of two
 SEED = 20_170
@@ -381,8 +380,8 @@ SEED = 20_170
 def parameter_uncertainty(
     table: LoadTable, model: CachedModel, covariance: SectionCovariance
 ) -> dict[str, Any]:
-    """Measure what the covariance means for the loads over the envelope as plain data: standard
-    deviations, to first order, as shares of the static loads."""
+    """Return percentiles over the envelope of the loads' standard deviations due to the covariance,
+    to first order, as fractions of the static loads; plain data."""
     model.stage = "uncertainty of the parameters"
     known = covariance.determined
     omega, speed, beta = quasi_random(table, UNCERTAINTY_POINTS, SEED)
@@ -391,7 +390,7 @@ def parameter_uncertainty(
     median, high = np.percentile(shares, [50.0, 95.0], axis=0)
     return {
         "parameters": list(known.names),
-        "not_counted": list(covariance.unknown),  # those of which the data said nothing
+        "not_counted": list(covariance.unknown),  # constants that the data do not determine
         "points": len(shares),
         "median": by_load(median),
         "percentile_95": by_load(high),
@@ -401,7 +400,7 @@ def parameter_uncertainty(
 def load_deviations(
     rotor: Rotor, covariance: SectionCovariance, omega: Floats, speed: Floats, beta: Floats
 ) -> Floats:
-    """Find deviations (n, L) of the loads, sqrt(g' S g) with derivatives g and covariance S."""
+    """Return standard deviations (n, L) of loads: sqrt(g' S g), derivatives g, covariance S."""
     found = rotor.gradients(
         covariance.names, omega, speed * np.cos(beta), np.abs(speed * np.sin(beta))
     )
@@ -410,7 +409,7 @@ def load_deviations(
 
 
 # -------------------------------------------------------------------------------------------------
-# Points that fill a box evenly: Sobol's sequence in three dimensions, scrambled.
+# Evenly spread points: the scrambled Sobol sequence in three dimensions.
 
 BITS = 30  # bits of each coordinate
 
@@ -418,8 +417,9 @@ BITS = 30  # bits of each coordinate
 def sobol(count: int, seed: int) -> Floats:
     """Return the first points (n, 3) of the sequence in the unit cube, scrambled by ``seed``.
 
-    They are those of ``scipy.stats.qmc.Sobol``, which takes longer to import than a small table to
-    build: direction numbers by Joe and Kuo, scrambled by a lower triangular matrix and a shift.
+    The points equal those of ``scipy.stats.qmc.Sobol``: direction numbers by Joe and Kuo, scrambled
+    by a lower triangular matrix and a shift.  SciPy takes longer to import than a small table to
+    build.
     """
     rng = np.random.default_rng(seed)
     place = np.arange(BITS, dtype=np.uint32)
@@ -433,13 +433,13 @@ def sobol(count: int, seed: int) -> Floats:
     for direction in directions.T:
         if len(found) >= count:
             break
-        # In Gray code the numbers with a further bit are those without it, backwards.
+        # In Gray code, the numbers with one more bit are the earlier ones, reversed, with this bit.
         found = np.concatenate([found, found[::-1] ^ direction])
     return found[:count] / 2.0**BITS
 
 
 def _directions() -> NDArray[np.uint32]:
-    """Direction numbers (3, ``BITS``): of no polynomial, of x + 1 and of x^2 + x + 1."""
+    """Return direction numbers (3, ``BITS``) for no polynomial, x + 1 and x^2 + x + 1."""
     found = np.ones((3, BITS), np.uint32)
     found[2, 1] = 3
     for k in range(1, BITS):

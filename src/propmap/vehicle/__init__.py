@@ -1,1 +1,1 @@
-"""A vehicle, its rotors, and logs of its flights."""
+"""Vehicles: rotors, airframe, powertrain, wakes, and flight logs."""

@@ -1,4 +1,4 @@
-"""Reader of ArduPilot's DataFlash logs (.bin), whose messages are in FRD and NED."""
+"""Reader of ArduPilot's DataFlash logs (.bin), whose frames are FRD and NED."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from propmap.vehicle.files import LogMap
 from propmap.vehicle.log import Recording, Signal, known_at, motor_slots, quaternion_of_angles
 from propmap.vehicle.throttle import PULSES, share_of_full, worth_of_throttle
 
-# Fields by message, of which the first that the log has is used; units and frames by ArduPilot's
-# documentation, https://ardupilot.org/copter/docs/logmessages.html: deg, m/s, rad/s, m/s^2, rpm.
+# Fields by message; the reader uses the first message of each group that the log contains.  Units:
+# deg, m/s, rad/s, m/s^2, rpm; see https://ardupilot.org/copter/docs/logmessages.html.
 ANGLES = dict.fromkeys(("ATT", "AHR2"), ("Roll", "Pitch", "Yaw"))
 VELOCITY = dict.fromkeys(("XKF1", "NKF1"), ("VN", "VE", "VD"))
 INERTIAL = {"IMU": ("GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ")}
@@ -27,23 +27,24 @@ SPEEDS = {"ESC": ("RPM",), "RPM": ("RPM",)}
 BATTERY = dict.fromkeys(("BAT", "CURR"), ("Volt",))
 FIELDS = {**ANGLES, **VELOCITY, **INERTIAL, **SPEEDS, **BATTERY}
 INSTANCES = ("I", "C", "Inst", "Instance")
-"""Fields with the number of the sensor, the filter or the motor controller, from 0."""
+"""Fields with the number of the sensor, filter or motor controller, from 0."""
 
 COMMANDS = "RCOU"
 LIMITS = ("MOT_PWM_MIN", "MOT_PWM_MAX")
-"""Pulses to the motors, in place of their speeds, and parameters with their range."""
+"""Message with the pulses to the motors, used without measured speeds, and parameters with their
+range."""
 
 MOTORS = {
     **{32 + number: number for number in range(1, 9)},
     **{73 + number: number for number in range(9, 13)},
 }
-"""Number of the motor by ``SERVOn_FUNCTION``."""
+"""Motor number by ``SERVOn_FUNCTION``."""
 
 ON_COPROCESSOR = 8
-"""Outputs before those whose controllers are counted, where a coprocessor has the first ones."""
+"""Number of outputs on a coprocessor, if there is one; controller 0 then has the next output."""
 
-HEAD = b"\xa3\x95"  # before each message
-AS_WRITTEN = "give the .bin file as ArduPilot wrote it"
+HEAD = b"\xa3\x95"  # first bytes of each message
+AS_WRITTEN = "give the original .bin file of ArduPilot"
 
 Samples = Mapping[tuple[str, int], Floats]
 """Rows of time [s] and fields, (n, 1 + fields), by message and instance."""
@@ -52,12 +53,16 @@ Samples = Mapping[tuple[str, int], Floats]
 def read_dataflash(path: Path, log: LogMap) -> Recording:
     """Read a DataFlash log of ArduPilot.
 
-    ATT (else AHR2), XKF1 (else NKF1) for the velocity, IMU, and ESC (else RPM) for the rotor
-    speeds, in rpm unless the ``log`` map says "erpm".  Where there are several sensors or
-    filters the first is read; among motor controllers those whose ``SERVOn_FUNCTION`` is a
-    motor's, in the order of the motors' numbers.  Without ESC and RPM there are the commands of
-    RCOU by the same functions, with the voltage of BAT (else CURR).  Frames are FRD and NED,
-    whatever the map says.  Raises ``InputError``.
+    - Attitude: ATT, or AHR2.
+    - Velocity: XKF1, or NKF1.
+    - Rates and specific force: IMU.
+    - Rotor speeds: ESC, or RPM, in rpm unless the ``log`` map specifies "erpm".
+      ``SERVOn_FUNCTION`` gives the motor of each controller; other controllers are left out.
+    - Without rotor speeds: the commands of RCOU, assigned in the same way, with the voltage of BAT,
+      or CURR.
+
+    Of several sensors or filters the first one is read.  The frames are always FRD and NED.  Raises
+    ``InputError``.
     """
     samples, parameters = _messages(path)
 
@@ -103,12 +108,12 @@ def read_dataflash(path: Path, log: LogMap) -> Recording:
 
 
 def _messages(path: Path) -> tuple[Samples, dict[str, float]]:
-    """Return the samples of the messages of use, and the parameters."""
+    """Return the samples of the required messages, and the parameters."""
     from pymavlink.DFReader import DFReader_binary
 
     class Reader(DFReader_binary):  # type: ignore[misc]
         def init_arrays_fast(self, progress_callback: Any = None) -> None:
-            """Find the messages as its own Python does, as its C prints past ``sys.stderr``."""
+            """Find the messages in Python: the C code would print to stderr despite redirection."""
             try:
                 self.init_arrays(progress_callback)
             except Exception:
@@ -118,9 +123,9 @@ def _messages(path: Path) -> tuple[Samples, dict[str, float]]:
     samples: dict[tuple[str, int], Floats] = {}
     with path.open("rb") as start:
         if start.read(len(HEAD)) != HEAD:
-            raise InputError("not a DataFlash log: it does not begin as one", AS_WRITTEN)
+            raise InputError("not a DataFlash log: the first bytes are wrong", AS_WRITTEN)
     try:
-        # pymavlink prints what it skips, such as the rest of a sector at the end.
+        # pymavlink prints a message for bytes that it skips, such as the rest of the last sector.
         quiet = io.StringIO()
         with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
             file = Reader(str(path))
@@ -142,7 +147,7 @@ def _messages(path: Path) -> tuple[Samples, dict[str, float]]:
             stated = _columns(file, "PARM", ("Name", "Value")) if kinds.get("PARM") else {}
     except InputError:
         raise
-    # Damaged bytes make its parser fail in ways that it does not list.
+    # Damaged bytes make the parser of pymavlink raise undocumented exceptions.
     except Exception as error:
         found = f"not a DataFlash log: {str(error) or type(error).__name__}"
         raise InputError(found, AS_WRITTEN) from None
@@ -151,15 +156,15 @@ def _messages(path: Path) -> tuple[Samples, dict[str, float]]:
 
 
 def _columns(file: Any, kind: str, fields: tuple[str, ...]) -> dict[str, list[Any]]:
-    """Return these ``fields`` of all messages of a kind, and that of their instance.
+    """Return these ``fields`` and the instance field of all messages of a kind.
 
-    This is as pymavlink unpacks them, but all at once: one by one takes three times as long.
+    The result equals that of pymavlink, which unpacks messages one by one in three times the time.
     """
     layout = file.formats[file.name_to_id[kind]]
     if not {*fields} <= {*layout.columns}:
         fault = f"message {kind} has the fields {', '.join(layout.columns)}, expected "
         fault += f"{', '.join(fields)}"
-        raise InputError(fault, "give a log of a later release of ArduPilot")
+        raise InputError(fault, "give a log of a later ArduPilot release")
     unpack = struct.Struct(layout.msg_struct).unpack_from
     whole = file.data_len - layout.len
     rows = [unpack(file.data_map, at + 3) for at in file.offsets[layout.type] if at <= whole]
@@ -173,19 +178,19 @@ def _columns(file: Any, kind: str, fields: tuple[str, ...]) -> dict[str, list[An
 
 
 def _check_present(present: set[str]) -> None:
-    """Raise ``InputError`` for all that a log with messages of these kinds lacks."""
+    """Raise ``InputError`` with all missing messages of a log that has ``present`` kinds."""
     wanted = ([*ANGLES], [*VELOCITY], [*INERTIAL], [*SPEEDS, COMMANDS])
     missing = [" or ".join(kinds) for kinds in wanted if not present & {*kinds}]
     if missing:
-        found = ", ".join(sorted(present & {*FIELDS, COMMANDS})) or "none of use"
+        found = ", ".join(sorted(present & {*FIELDS, COMMANDS})) or "no required message"
         fault = f"no message {', no '.join(missing)}; found {found}"
-        raise InputError(fault, "set LOG_BITMASK so that it is logged")
+        raise InputError(fault, "set LOG_BITMASK to log the missing messages")
 
 
 def _commands(
     rows: Floats, parameters: Mapping[str, float], limits: tuple[float, float] | None
 ) -> Signal:
-    """Return the commands to the motors (n, m) as shares of full throttle, from all outputs."""
+    """Return the motor commands (n, m) among all outputs, as fractions of full throttle."""
     outputs = rows[:, 1:]
     functions = [int(parameters.get(f"SERVO{k + 1}_FUNCTION", 0)) for k in range(outputs.shape[1])]
     slots = motor_slots(functions, MOTORS) or np.flatnonzero(np.ptp(outputs, axis=0))
@@ -200,10 +205,10 @@ def _commands(
 def _rotor_speed(
     samples: Samples, parameters: Mapping[str, float]
 ) -> tuple[Signal, tuple[str, ...]]:
-    """Return rotor speeds in the unit of the log and notes on what is left out.
+    """Return rotor speeds in the unit of the log, and notes on controllers that are left out.
 
-    Controllers report one after the other: those of all are interpolated to the times of the one
-    with the fewest samples, but for times at which one of them is silent.
+    Controllers report at different times: all speeds are interpolated to the times of the
+    controller with the fewest samples, except times in a gap of any controller.
     """
     kind = next(kind for kind in SPEEDS if any(key[0] == kind for key in samples))
     instances = sorted(number for name, number in samples if name == kind)
@@ -216,8 +221,8 @@ def _rotor_speed(
                 left = [str(k) for place, k in enumerate(instances) if place not in slots]
                 if left:
                     notes = (
-                        f"ESC has {len(instances)} instances, of which those of motors 1 to "
-                        f"{len(slots)} are read; left out, as no motor's: {', '.join(left)}",
+                        f"ESC has {len(instances)} instances; those of motors 1 to {len(slots)} "
+                        f"are read; left out, since they belong to no motor: {', '.join(left)}",
                     )
                 instances = [instances[place] for place in slots]
                 break

@@ -1,4 +1,4 @@
-"""A vehicle file drafted from the parameters of a PX4 log, with what they do not say marked."""
+"""Draft of a vehicle file from the parameters of a PX4 log, with marks for missing entries."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from propmap.vehicle.log_readers import COMMANDS, OUTPUTS, ROTORS, parsed_ulog
 
 UP = (0.0, 0.0, -1.0)  # in FRD
 FIELDS = {"PX": 0.0, "PY": 0.0, "PZ": 0.0, "AX": UP[0], "AY": UP[1], "AZ": UP[2], "KM": 0.05}
-"""Parameters of a rotor after "CA_ROTORn_", with PX4's defaults, which a log may leave out."""
+"""Parameters of a rotor after "CA_ROTORn_", with PX4's defaults, since logs may omit these."""
 
-MASS = "WEIGHT_GROSS"  # [kg], -1 where it was not set
+MASS = "WEIGHT_GROSS"  # [kg], -1 if it was not set
 MISSING = "# MISSING: "
 
 
 def draft_vehicle(path: Path) -> str:
-    """Write the TOML text of a vehicle file from a ULog file.
+    """Return the TOML text of a vehicle file drafted from a ULog file.
 
-    Places, axes and spins of the rotors are those of CA_ROTORn_*, the mass is WEIGHT_GROSS.  Lines
-    with what the log does not say are comments that begin with "MISSING".  Raises ``InputError``
-    where the log says nothing of rotors.
+    Positions, axes and spins of the rotors come from CA_ROTORn_*, the mass from WEIGHT_GROSS.
+    Entries that the log does not contain are comments that begin with "MISSING".  Raises
+    ``InputError`` if the log has no rotor parameters.
     """
     if not path.is_file():
-        raise InputError("there is no such file", "give the .ulg file of a flight", str(path))
+        raise InputError("no such file", "give the .ulg file of a flight", str(path))
     require("logs")
     log = parsed_ulog(path)
     stated: Mapping[str, float] = log.initial_parameters
     count = int(stated.get("CA_ROTOR_COUNT", 0))
     if count < 1:
-        found = "its parameters have no rotors: no CA_ROTOR_COUNT above 0"
-        remedy = "give a log of PX4 1.14 or later, whose geometry is set, or write the file by hand"
+        found = "the log has no rotor parameters: CA_ROTOR_COUNT is missing or 0"
+        remedy = "give a log of PX4 1.14 or later with a geometry, or write the file by hand"
         raise InputError(found, remedy, str(path))
     mass = float(stated.get(MASS, -1.0))
     rotors = [
@@ -42,16 +42,16 @@ def draft_vehicle(path: Path) -> str:
         for k in range(count)
     ]
     places = np.array([[one["PX"], one["PY"], one["PZ"]] for one in rotors])
-    # Airframes that were never measured have ones for the sides.
+    # PX4's generic airframes have coordinates of 0 or 1 m instead of measured positions.
     generic = bool(np.isin(np.abs(places), (0.0, 1.0)).all())
     lines = [
-        f'# Drafted from {path.name} by "propmap vehicle from-log": fill in what is MISSING.',
+        f'# Drafted from {path.name} by "propmap vehicle from-log": fill in the MISSING entries.',
         "schema = 1",
         f'name = "{_plain(path.stem)}"',
         'frame = "frd"  # of the positions: x forward, y right, z down',
-        f"mass = {mass:.6g}  # kg, {MASS}: check that the battery is included"
+        f"mass = {mass:.6g}  # kg, {MASS}: check that it includes the battery"
         if mass > 0.0
-        else f"{MISSING}mass = 1.0  # kg, battery included",
+        else f"{MISSING}mass = 1.0  # kg, including the battery",
         f'{MISSING}propeller = "apc-8x6e"  # a name of `propmap props` or a geometry file',
     ]
     for number, (one, place) in enumerate(zip(rotors, places, strict=True), start=1):
@@ -61,7 +61,7 @@ def draft_vehicle(path: Path) -> str:
         lines += [
             "",
             f"[[rotors]]  # motor {number} of PX4",
-            f"{MISSING}{where}  # m; these are PX4's generic ones" if generic else where,
+            f"{MISSING}{where}  # m; PX4's generic position" if generic else where,
             f'spin = "{"ccw" if one["KM"] > 0.0 else "cw"}"',
         ]
         if length > 0.0 and not np.allclose(axis / length, UP, atol=1e-3):
@@ -71,27 +71,27 @@ def draft_vehicle(path: Path) -> str:
 
 
 def _rotor_unit(topics: set[str]) -> str:
-    """Say where a log with these topics has the rotors' speeds, or what stands for them."""
-    unit = 'rotor_unit = "rpm"  # "erpm" and pole_pairs where it is electrical'
+    """Return the [log] line for the rotor speeds, or the commands, of a log with these topics."""
+    unit = 'rotor_unit = "rpm"  # for electrical speeds: "erpm", and add pole_pairs'
     if ROTORS in topics:
         return unit
     commands = [name for name in (COMMANDS, OUTPUTS) if name in topics]
     if commands:
-        return f"# no {ROTORS} in the log: `propmap fit flight` takes the throttle of {commands[0]}"
+        return f"# no {ROTORS} in the log: `propmap fit flight` uses the throttle of {commands[0]}"
     return f"{MISSING}{unit}; no {ROTORS}, {COMMANDS} or {OUTPUTS} in the log"
 
 
 def missing_in(draft: str) -> list[str]:
-    """List the entries that a draft lacks, each once."""
+    """Return the missing entries of a draft, each once."""
     lines = [line.removeprefix(MISSING) for line in draft.splitlines() if line.startswith(MISSING)]
     return list(dict.fromkeys(line.partition(" ")[0] for line in lines))
 
 
 def _numbers(values: Floats) -> str:
-    """Write the values, which PX4 has as 32-bit numbers, as a list of TOML."""
+    """Return the values, which PX4 stores as 32-bit floats, as a TOML list."""
     return f"[{', '.join(str(float(f'{value:.6g}') + 0.0) for value in values)}]"
 
 
 def _plain(text: str) -> str:
-    """Return a text without what a string of TOML would have to escape."""
+    """Return a text without characters that a TOML string must escape."""
     return "".join(c if c.isprintable() and c not in '"\\' else "_" for c in text)

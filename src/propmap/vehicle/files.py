@@ -1,4 +1,4 @@
-"""A vehicle file, TOML: the vehicle, its powertrain, and how to read its logs."""
+"""The vehicle file in TOML: vehicle, powertrain, and conventions of its logs."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from propmap.vehicle.vehicle import SLIPSTREAMS, Body, Mount, Vehicle, Wakes, Wi
 from propmap.vehicle.wakes import above_each_other
 
 # -------------------------------------------------------------------------------------------------
-# What a vehicle file may say, table by table; the texts are what to write where an entry is bad.
+# Tables and keys of a vehicle file; the texts appear in messages as the value to write.
 
 VEHICLE_SCHEMA = 1
 OneOrMore = Number | tuple[Number, ...]
@@ -35,17 +35,17 @@ Area = Annotated[float, Meta(ge=0.0, le=1e6)]
 Gain = Annotated[float, Meta(ge=0.0, le=20.0), "a factor from 0 to 20"]
 AtRotor = Annotated[float, Meta(ge=-20.0, le=20.0)]
 AtSensor = Annotated[float, Meta(ge=-5.0, le=5.0)]
-"""Places from the centre of mass, along an axis [m]."""
+"""Coordinates relative to the center of mass [m]."""
 PolePairs = Annotated[int, Meta(ge=1, le=100), "half the number of the motor's magnets"]
 Names = Annotated[tuple[Text, Text, Text], '["x", "y", "z"], the names of 3 columns']
 Column = Annotated[Text, '"the name of a column"']
 Topic = Annotated[Text, '"/the/name/of/a/topic"']
-Geometry = Annotated[Text, '"apc-8x6e", a name of `propmap props` or a geometry file beside this']
+Geometry = Annotated[Text, '"apc-8x6e", a name of `propmap props` or a geometry file']
 
 
 class _Rotor(TomlTable):
     position: Annotated[
-        tuple[AtRotor, AtRotor, AtRotor], "[x, y, z], in m, not mm, from the centre of mass"
+        tuple[AtRotor, AtRotor, AtRotor], "[x, y, z], in m, not mm, from the center of mass"
     ]
     spin: Literal["ccw", "cw"]
     axis: Annotated[Vector, "a unit vector along the thrust"] | None = None
@@ -67,7 +67,7 @@ class _Mount(TomlTable):
     area: Annotated[
         Number | tuple[Number, ...], "an area in m^2, or a list with one for each rotor"
     ]
-    wake: Annotated[Number, "a share of the inflow, 1 at the disk"] = Installed.wake
+    wake: Annotated[Number, "a multiple of the inflow, 1 at the disk"] = Installed.wake
 
 
 class _Body(TomlTable):
@@ -75,7 +75,7 @@ class _Body(TomlTable):
         tuple[Area, Area, Area], "[front, side, top], areas of 0 or more in m^2"
     ] = Body.drag_area
     lift_area: Annotated[Area, "an area of 0 or more in m^2"] = Body.lift_area
-    # Either sign is allowed.
+    # Negative areas are allowed: they give lift.
     download_area: Annotated[tuple[Number, Number], "[along x, along y], two areas in m^2"] = (
         Body.download_area
     )
@@ -93,11 +93,11 @@ class _Wing(TomlTable):
     def __post_init__(self) -> None:
         if self.span is not None and not self.span**2 > self.area:
             found = f"span is {self.span:g} m for an area of {self.area:g} m^2"
-            raise InputError(found, "give that from tip to tip, in m, longer than the chord")
+            raise InputError(found, "give the span from tip to tip in m, larger than the chord")
 
 
 class _Motor(TomlTable):
-    kv_rpm_per_volt: Annotated[Number, "920, revolutions per minute and volt"]
+    kv_rpm_per_volt: Annotated[Number, "920, in rpm per volt"]
     resistance: Annotated[float, Meta(le=10.0), "0.1, ohms of the winding, not milliohms"]
     no_load_current: Annotated[OneOrMore, "0.6, amperes"]
     no_load_voltage: Annotated[OneOrMore, "10, volts"] = ()
@@ -108,16 +108,17 @@ class _Motor(TomlTable):
 
 class _Esc(TomlTable):
     resistance: Annotated[float, Meta(le=1.0), "0.01, ohms, not milliohms"] | None = None
-    efficiency: Annotated[Number, "0.95, a share"] | None = None
+    efficiency: Annotated[Number, "0.95, a fraction"] | None = None
 
     def __post_init__(self) -> None:
         given = [value for value in (self.resistance, self.efficiency) if value is not None]
         if len(given) != 1:
-            raise InputError(f"{len(given)} keys in [esc]", "give resistance or efficiency")
+            fault = f"[esc] has {len(given)} keys, expected 1"
+            raise InputError(fault, "give resistance or efficiency")
 
 
 class _Battery(TomlTable):
-    cells: Annotated[int, "4, those in series"]
+    cells: Annotated[int, "4, the number of cells in series"]
     capacity_mAh: Annotated[Number, "5000"]  # noqa: N815
     resistance: Annotated[float, Meta(le=2.0), "0.02, ohms of the pack, not milliohms"] = 0.0
     usable_share: Annotated[Number, "0.8"] = Battery.usable_share
@@ -126,7 +127,7 @@ class _Battery(TomlTable):
 
     def __post_init__(self) -> None:
         if 0.0 < self.capacity_mAh < 50.0:
-            remedy = f"give milliampere hours: {1000.0 * self.capacity_mAh:g}, if this is A h"
+            remedy = f"give milliampere hours: {1000.0 * self.capacity_mAh:g}, if this is in A h"
             raise InputError(f"capacity_mAh is {self.capacity_mAh:g}", remedy)
 
 
@@ -134,12 +135,12 @@ class _Wakes(TomlTable):
     ahead: Gain = Wakes.ahead
     beside: Gain = Wakes.beside
     downwash: Gain = Wakes.downwash
-    share: Annotated[float, Meta(ge=0.0, le=2.0), "a share from 0 to 2"] = Wakes.share
+    share: Annotated[float, Meta(ge=0.0, le=2.0), "a number from 0 to 2"] = Wakes.share
 
 
 class _Sensor(TomlTable):
     position: Annotated[
-        tuple[AtSensor, AtSensor, AtSensor], "[x, y, z], give it in m from the centre of mass"
+        tuple[AtSensor, AtSensor, AtSensor], "[x, y, z], in m from the center of mass"
     ] = (0.0, 0.0, 0.0)
 
 
@@ -179,7 +180,7 @@ class _Log(TomlTable):
     pole_pairs: PolePairs | None = None
     rotor_order: Annotated[tuple[int, ...], "[2, 1, ...]"] | None = None
     throttle_range: (
-        Annotated[tuple[Number, Number], "[1000, 2000], those at rest and at full throttle"] | None
+        Annotated[tuple[Number, Number], "[1000, 2000], at rest and at full throttle"] | None
     ) = None
     wind: Annotated[Vector, "[east, north, up]"] = (0.0, 0.0, 0.0)
     columns: _Columns = msgspec.field(default_factory=_Columns)
@@ -187,13 +188,13 @@ class _Log(TomlTable):
 
 
 class _VehicleFile(TomlTable):
-    name: Annotated[Text, '"what the vehicle is called"']
+    name: Annotated[Text, '"the name of the vehicle"']
     frame: Literal["flu", "frd"]
-    mass: Annotated[Number, "the take-off mass in kg, battery included"]
+    mass: Annotated[Number, "the take-off mass in kg, including the battery"]
     propeller: Geometry | _VehiclePropeller
     rotors: tuple[_Rotor, ...] = ()
     inertia: Annotated[Vector, "[about x, about y, about z], in kg m^2"] | None = None
-    rotor_inertia: Annotated[Number, "that of one rotor in kg m^2"] = 0.0
+    rotor_inertia: Annotated[Number, "the inertia of one rotor in kg m^2"] = 0.0
     air: _Air = msgspec.field(default_factory=_Air)
     mount: _Mount | None = None
     body: _Body = msgspec.field(default_factory=_Body)
@@ -207,44 +208,50 @@ class _VehicleFile(TomlTable):
 
 
 # -------------------------------------------------------------------------------------------------
-# A vehicle and how to read its logs, from one TOML file.
+# Reader of vehicle files.
 
 
 @dataclass(frozen=True)
 class VehicleFile:
-    """The vehicle, in FLU whatever the file's frame, and how its logs are to be read."""
+    """A vehicle, converted to FLU, and the conventions of its logs."""
 
     vehicle: Vehicle
     log: LogMap
 
 
 def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
-    """Read a vehicle file in TOML; SI units and radians throughout.
+    """Read a vehicle file in TOML, in SI units and radians except where names state a unit.
 
-    ``schema = 1``, ``name``, ``frame`` ("flu" or "frd", of ``position`` and ``axis``), ``mass``
-    [kg] and ``propeller``: a name of the catalogue, the path of a geometry file relative to the
-    vehicle file, or a table with ``geometry`` (either of these) and, where the geometry lacks
-    them, ``blades``, ``radius`` [m], ``root_cutout`` [m].
-    ``[[rotors]]``, one per rotor: ``position`` [m], ``spin`` ("ccw" or "cw", seen from above),
-    ``axis`` (unit vector along the thrust, by default up).
-    Optional: ``inertia`` about the three axes [kg m^2] and ``rotor_inertia`` [kg m^2], see
-    ``Vehicle``; ``[air]`` ``density``, ``viscosity`` (by default the paper's);
-    ``[mount]``, what is in the rotors' slipstreams, see ``Installed``: ``area`` [m^2], one for all
-    rotors or a list with one for each, ``wake`` (by default 1); ``[body]``
-    ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]),
-    ``plate_area`` [m^2];
-    ``[wing]`` ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad], ``span``
-    [m], with which it has induced drag;
-    ``[motor]`` ``kv_rpm_per_volt``, ``resistance`` [ohm], ``no_load_current`` [A] and, optional,
-    ``no_load_voltage`` [V] at which that was measured (either may be a list of up to three),
-    ``maximum_current`` [A], ``maximum_rpm``, ``winding_temperature`` [degrees C]; ``[esc]``
-    ``resistance`` [ohm] or ``efficiency``; ``[battery]`` ``cells``, ``capacity_mAh`` and, optional,
-    ``resistance`` [ohm] of the pack, ``usable_share``, ``maximum_current`` [A],
-    ``auxiliary_power`` [W];
-    ``[wakes]``, the rotors' wakes on each other, see
-    ``Wakes``: ``ahead``, ``beside``, ``downwash``, ``share`` (each by default 1; rotors above each
-    other act on those below them without this table, too); ``[sensor]``
-    ``position`` [m] of the accelerometer, from the centre of mass; ``[log]``, see ``LogMap``.
+    Required entries:
+
+    - ``schema = 1``, ``name``, ``mass`` [kg];
+    - ``frame``: "flu" or "frd", the frame of positions and axes;
+    - ``propeller``: a name of the catalogue, the path of a geometry file relative to the vehicle
+      file, or a table with ``geometry`` (name or path) and any of ``blades``, ``radius`` [m] and
+      ``root_cutout`` [m] that the geometry lacks;
+    - ``[[rotors]]`` for each rotor: ``position`` [m], ``spin`` ("ccw" or "cw", seen from above) and
+      optionally ``axis`` (unit vector along the thrust; default: up).
+
+    Optional entries:
+
+    - ``inertia`` about the three axes [kg m^2], ``rotor_inertia`` [kg m^2], see ``Vehicle``;
+    - ``[air]``: ``density``, ``viscosity`` (default: values of the paper);
+    - ``[mount]``, the parts in the rotors' slipstreams, see ``Installed``: ``area`` [m^2] for all
+      rotors, or a list for each rotor, and ``wake`` (default: 1);
+    - ``[body]``: ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers
+      [m^2]), ``plate_area`` [m^2];
+    - ``[wing]``: ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad], and
+      ``span`` [m] for a wing with induced drag;
+    - ``[motor]``: ``kv_rpm_per_volt``, ``resistance`` [ohm], ``no_load_current`` [A] (up to three),
+      and optionally ``no_load_voltage`` [V] of each current, ``maximum_current`` [A],
+      ``maximum_rpm``, ``winding_temperature`` [degrees C];
+    - ``[esc]``: ``resistance`` [ohm] or ``efficiency``;
+    - ``[battery]``: ``cells``, ``capacity_mAh``, and optionally ``resistance`` [ohm] of the pack,
+      ``usable_share``, ``maximum_current`` [A], ``auxiliary_power`` [W];
+    - ``[wakes]``, the interaction of rotors, see ``Wakes``: ``ahead``, ``beside``, ``downwash``,
+      ``share`` (default: 1); slipstreams act on lower rotors also without this table;
+    - ``[sensor]``: ``position`` [m] of the accelerometer relative to the center of mass;
+    - ``[log]``, see ``LogMap``.
 
     Parameters
     ----------
@@ -254,7 +261,7 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     Raises
     ------
     InputError
-        Naming the file, the table and the key.
+        For an invalid entry, with its file, table and key.
     """
     where = os.fspath(path)
     file = read_toml(path, _VehicleFile, VEHICLE_SCHEMA, "vehicle description")
@@ -295,7 +302,7 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
 
 def _flu(vector: Vector, flip: bool) -> Vector:
     x, y, z = vector
-    # Adding zero keeps -0.0 out of what is shown.
+    # Subtracting from zero avoids -0.0 in printed vectors.
     return (x, 0.0 - y, 0.0 - z) if flip else vector
 
 
@@ -306,7 +313,7 @@ def _several(given: float | tuple[float, ...]) -> tuple[float, ...]:
 def _propeller(given: str | _VehiclePropeller, where: str) -> Propeller:
     given = _VehiclePropeller(given) if isinstance(given, str) else given
     known = given.geometry.strip().lower() in catalogue.names()
-    # Relative to the vehicle file alone: what lies in the current folder plays no part.
+    # Paths are relative to the vehicle file, not to the current folder.
     beside = Path(where).parent / given.geometry
     file = not known and (beside.exists() or looks_like_path(given.geometry))
     with located(f"{where}: propeller"):
@@ -319,7 +326,7 @@ def _mount_drags(mount: _Mount | None, rotors: int, where: str) -> Sequence[Inst
         return [None] * rotors
     areas = mount.area if isinstance(mount.area, tuple) else (mount.area,) * rotors
     if len(areas) != rotors:
-        found = f"area has {len(areas)} numbers for {rotors} rotors"
+        found = f"area has {len(areas)} values for {rotors} rotors"
         raise InputError(found, "give one area in m^2, or a list with one for each rotor", where)
     with located(where):
         return [Installed(1.0, area, mount.wake) for area in areas]
@@ -357,47 +364,47 @@ def _powertrain(file: _VehicleFile, where: str) -> Powertrain:
 
 
 # -------------------------------------------------------------------------------------------------
-# What a vehicle file says about flight logs: frames, units, names of columns and topics.
+# Conventions of flight logs in a vehicle file: frames, units, names of columns and topics.
 
 STATED = ("body_frame", "world_frame", "velocity_in", "rotor_unit")
-"""Keys of ``[log]`` by which its numbers are read, but for ``throttle_range``."""
+"""Keys of ``[log]`` with frames and units, except ``throttle_range``."""
 QUATERNION_COLUMNS = ("qw", "qx", "qy", "qz")
 EULER_COLUMNS = ("roll", "pitch", "yaw")
 
 
 @dataclass(frozen=True)
 class LogMap:
-    """What the table ``[log]`` of a vehicle file states about its logs; None is "not stated".
+    """Conventions of a vehicle's logs: the table ``[log]`` of its file; None is "not stated".
 
-    Logs of PX4 and ArduPilot are in FRD and NED whatever is stated, and their rotor speeds in rpm
-    unless "erpm" is stated.  Bags are in FLU and ENU (REP 103), and an Odometry's velocity in the
-    body frame, unless stated.  Whatever else a log needs must be stated.
+    Logs of PX4 and ArduPilot are always in FRD and NED; their rotor speeds are in rpm unless "erpm"
+    is stated.  The defaults for bags are FLU and ENU (REP 103), and the body frame for the velocity
+    of an Odometry message.  All other conventions that a log needs must be stated.
 
     Attributes
     ----------
     body_frame : str or None
-        "flu" or "frd"; with ``world_frame`` of attitude, velocity, rates and specific force.
+        Body frame of attitude, velocity, rates and specific force: "flu" or "frd".
     world_frame : str or None
-        "enu" or "ned".
+        World frame of attitude and velocity: "enu" or "ned".
     velocity_in : str or None
-        "body" or "world", the frame of the velocity.
+        Frame of the velocity: "body" or "world".
     rotor_unit : str or None
         "rad/s", "rpm" or "erpm" (electrical).
     pole_pairs : int or None
-        Number of pole pairs of the motors; needed for "erpm".
+        Number of pole pairs of the motors; required for "erpm".
     rotor_order : tuple of int or None
-        Entry k is the number (from 1) of the vehicle's rotor that the log shows k-th.
+        Entry k is the number (from 1) of the vehicle's rotor in position k of the log.
     throttle_range : tuple of 2 float or None
-        Commands to the motors at rest and at full throttle, where there are these in place of rotor
-        speeds.
+        Motor commands at rest and at full throttle, for logs without rotor speeds.
     wind : tuple of 3 float
-        Velocity of the air over the ground [m/s], in ``world_frame``, else in the log's own.
+        Velocity of the air over the ground [m/s], in ``world_frame`` or, if that is not stated, in
+        the world frame of the log.
     columns : mapping of str to tuple of str
-        For CSV and Parquet files: quantity to names of columns.
+        Column names by quantity, for CSV and Parquet files.
     topics : mapping of str to str
-        For bags: role to the name of the topic.
+        Topic names by role, for bags.
     file : str
-        The vehicle file, for messages.
+        Vehicle file, for messages.
     """
 
     body_frame: str | None = None
@@ -414,26 +421,26 @@ class LogMap:
 
     @property
     def where(self) -> str:
-        """The file and the table, for messages."""
+        """File and table, for messages."""
         return f"{self.file}: [log]"
 
     def stated(self, key: str) -> Any:
-        """What is stated of a ``key`` of ``STATED``; ``InputError`` if nothing is."""
+        """Return the value of a ``key`` of ``STATED``; raise ``InputError`` if it is None."""
         value = getattr(self, key)
         if value is None:
             listed = example(get_type_hints(_Log, include_extras=True)[key])
-            raise InputError(f"no {key}", f"add {key} = {listed}, as it is in the log", self.where)
+            raise InputError(f"no {key}", f"add {key} = {listed}, as in the log", self.where)
         return value
 
     def rotor_factor(self, unit: str) -> float:
-        """Rotational speed [rad/s] per ``unit`` "rad/s", "rpm" or "erpm"."""
+        """Return the factor from ``unit``, "rad/s", "rpm" or "erpm", to rad/s."""
         if unit == "rad/s":
             return 1.0
         if unit == "rpm":
             return RPM
         if self.pole_pairs is None:
             remedy = "add pole_pairs = half the number of the motor's magnets"
-            raise InputError("rotor_unit is 'erpm' and there is no pole_pairs", remedy, self.where)
+            raise InputError("rotor_unit is 'erpm', but pole_pairs is missing", remedy, self.where)
         return RPM / self.pole_pairs
 
 
@@ -442,18 +449,18 @@ def _log_map(log: _Log, rotors: int, where: str) -> LogMap:
     if order is not None and sorted(order) != list(range(1, rotors + 1)):
         raise InputError(
             f"rotor_order is {quoted(list(order))}, expected each number from 1 to {rotors} once",
-            "for each speed in the log, give the number of its [[rotors]] table",
+            "for each rotor speed of the log, give the number of its [[rotors]] table",
             f"{where}: [log]",
         )
     for key in ("rotor_speed", "throttle"):
         named = len(columns[key])
         if named not in (0, rotors):
-            found = f"{key} names {named} columns, the vehicle has {rotors} rotors"
+            found = f"{key} lists {named} columns, the vehicle has {rotors} rotors"
             remedy = "name one column per rotor, or add the missing [[rotors]] tables"
             raise InputError(found, remedy, f"{where}: [log.columns]")
     limits = log.throttle_range
     if limits is not None and not limits[0] < limits[1]:
-        remedy = "give the command at rest, then that at full throttle, such as [1000, 2000]"
+        remedy = "give the commands at rest and at full throttle, such as [1000, 2000]"
         raise InputError(f"throttle_range is {quoted(list(limits))}", remedy, f"{where}: [log]")
     by_key = {
         key: (names,) if isinstance(names, str) else tuple(names)

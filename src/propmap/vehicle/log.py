@@ -1,4 +1,4 @@
-"""Flight logs: signals on one clock and in one frame, and the conversion of recordings to them."""
+"""Flight logs: signals at common times in one frame, and their computation from recordings."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class FlightLog:
         return self.with_each(lambda array: array[which])
 
     def with_each(self, change: Callable[[Floats], Floats]) -> FlightLog:
-        """Return this log with ``change`` applied to every array; it may change their length."""
+        """Return this log with ``change`` applied to all arrays; their common length may change."""
         arrays: dict[str, Any] = {name: change(getattr(self, name)) for name in ARRAYS}
         return replace(self, **arrays)
 
@@ -130,9 +130,9 @@ class FlightLog:
         return np.asarray(self.time - first[place])
 
     def segments(self, seconds: float) -> NDArray[np.intp]:
-        """Divide the flights into segments of ``seconds`` [s]; return the segment of each sample.
+        """Divide the flights into segments of ``seconds`` [s]; return the number of each sample.
 
-        Numbers are of shape (n,).  Different flights have different segments at all times.
+        The result has the shape (n,).  Segments of different flights have different numbers.
         """
         of = np.stack([self.flight, self.since_start // seconds])
         return np.unique(of, axis=1, return_inverse=True)[1].ravel()
@@ -311,7 +311,7 @@ TIME_OF_DAY = 6  # digits at the end of a stamp such as 20210218171908
 
 
 def flight_names(sources: Sequence[str]) -> tuple[str, ...]:
-    """Return the shortest different endings of the paths of logs, or numbers for equal paths."""
+    """Return the shortest endings of the file names that differ, or numbers for equal names."""
     parts = [_words(PurePath(source).stem) for source in sources]
     for count in range(1, max(map(len, parts), default=1) + 1):
         names = tuple("-".join(words[-count:]) for words in parts)

@@ -78,8 +78,8 @@ class Pair:
 
 
 def _disagreements(recording: log.Recording) -> list[str]:
-    """Compare attitude with gyro and velocity with accelerometer; raise a mistake that explains
-    all disagreements."""
+    """Return warnings if attitude and gyro, or velocity and accelerometer, disagree; raise
+    ``InputError`` for a mistake that explains all disagreements."""
     turning, moving = pairs(recording)
     if any(pair.mismatch() > DISAGREE for pair in (turning, moving)):
         found = []
@@ -120,7 +120,7 @@ def pairs(recording: log.Recording) -> tuple[Pair, Pair]:
 
 
 def _compared(recording: log.Recording, attitude: log.Signal, time: Floats) -> tuple[Floats, ...]:
-    """Return times between the samples of a segment without gaps, and the four motions there."""
+    """Return the times between samples of a segment without gaps, and rates and accelerations."""
     step = float(np.median(np.diff(time)))
 
     def smooth(values: Floats) -> Floats:

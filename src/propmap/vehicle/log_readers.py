@@ -1,4 +1,4 @@
-"""Readers of flight logs: CSV and Parquet, PX4's ULog, bags of ROS; by the file's ending, all."""
+"""Readers of flight logs by file extension: CSV, Parquet, ULog of PX4, DataFlash, ROS bags."""
 
 from __future__ import annotations
 
@@ -33,29 +33,31 @@ from propmap.vehicle.log import (
 from propmap.vehicle.throttle import PULSES, share_of_full, worth_of_throttle
 
 # -------------------------------------------------------------------------------------------------
-# Flight logs as CSV or Parquet, whose columns the vehicle file names.
+# Flight logs as CSV or Parquet; the vehicle file contains their column names.
 
-MOST_SHOWN = 30  # columns of a file that a message lists
+MOST_SHOWN = 30  # largest number of columns listed in a message
 QUANTITIES = ("time", "velocity", "rates")
 SUPPLY = ("battery_voltage", "hover_throttle")
 OPTIONAL = ("specific_force", *SUPPLY)
 BLACKBOX, BLACKBOX_VOLTAGE = "motor[", "vbatLatest (V)"
-"""How the commands to the motors, and the voltage, are called in tables of blackbox_decode."""
+"""Start of the column names of motor commands, and column of the voltage, by blackbox_decode."""
 
-DSHOT = (48.0, 2047.0)  # Betaflight's commands at rest and at full throttle, but for old ESCs
+DSHOT = (48.0, 2047.0)  # Betaflight's commands at rest and at full throttle, except for old ESCs
 
 
 def read_csv_log(path: Path, log: LogMap) -> Recording:
     """Read a CSV file with a header line, or a Parquet file (``.parquet``, ``.pq``).
 
-    The ``log`` map must state the frames and units and name the columns: ``time`` [s],
-    ``velocity`` [m/s], ``rates`` [rad/s] and the optional ``specific_force`` [m/s^2] (3 each),
-    ``rotor_speed``, and either ``qw, qx, qy, qz`` or ``roll, pitch, yaw`` [rad] (yaw about z,
-    then pitch about y, then roll about x of the stated body frame).  In place of
-    ``rotor_speed`` there may be ``throttle``, with ``throttle_range`` stated and
-    ``battery_voltage`` [V] or ``hover_throttle`` where the log has one; columns as of
-    blackbox_decode are found without being named.  Any dialect of ``propmap.io.csv`` is read.
-    Empty cells are samples that are not finite; text is refused.  Raises ``InputError``.
+    The ``log`` map must state the frames and units, and the columns of:
+
+    - ``time`` [s], ``velocity`` [m/s], ``rates`` [rad/s], optionally ``specific_force`` [m/s^2];
+    - the attitude: ``qw, qx, qy, qz``, or ``roll, pitch, yaw`` [rad] (yaw about z, then pitch about
+      y, then roll about x of the stated body frame);
+    - ``rotor_speed``, or ``throttle`` with ``throttle_range`` and optionally ``battery_voltage``
+      [V] or ``hover_throttle``; columns of blackbox_decode are found automatically.
+
+    All dialects of ``propmap.io.csv`` are read.  Empty cells count as invalid samples.  Raises
+    ``InputError``, for example for text in a column of numbers.
     """
     where = str(path)
     stated: dict[str, Any] = {
@@ -69,12 +71,12 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     )
     if angles and quaternion:
         found = "the attitude is given twice, as quaternion and as angles"
-        raise InputError(found, "keep one of them", f"{log.file}: [log.columns]")
+        raise InputError(found, "keep only one", f"{log.file}: [log.columns]")
     attitude = EULER_COLUMNS if angles else QUATERNION_COLUMNS
     wanted = [*QUANTITIES, turning, *OPTIONAL, *attitude]
     unnamed = [key for key in wanted if key not in log.columns and key not in OPTIONAL]
     if unnamed:
-        remedy = f"name the columns, such as {unnamed[0]} = ..."
+        remedy = f"add the column names, such as {unnamed[0]} = ..."
         raise InputError(f"no {', '.join(unnamed)}", remedy, f"{log.file}: [log.columns]")
     names = {key: log.columns[key] for key in wanted if key in log.columns}
     table = _table(path, where, {name for several in names.values() for name in several})
@@ -111,7 +113,7 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
 
 
 def _with_blackbox(path: Path, log: LogMap) -> LogMap:
-    """Name the columns of commands and voltage where they are those of blackbox_decode."""
+    """Return ``log`` with the columns of commands and voltage of a file of blackbox_decode."""
     if {"rotor_speed", "throttle"} & {*log.columns} or path.suffix.lower() != ".csv":
         return log
     with path.open(encoding="utf-8-sig", errors="replace") as lines:
@@ -125,30 +127,30 @@ def _with_blackbox(path: Path, log: LogMap) -> LogMap:
 
 
 def as_share(signal: Signal, limits: tuple[float, float]) -> Signal:
-    """Return commands to motors as shares of full throttle, see ``share_of_full``."""
+    """Return motor commands as fractions of full throttle, see ``share_of_full``."""
     return replace(signal, values=share_of_full(signal.values, limits, signal.name))
 
 
 def as_supply(signal: Signal) -> Signal:
-    """Return what throttle is worth by a voltage, or by the throttle in hover."""
+    """Return the scale of the throttle from a voltage, or from the throttle in hover."""
     inverse = signal.name.startswith("hover_throttle")
     return replace(signal, values=worth_of_throttle(signal.values, signal.name, inverse=inverse))
 
 
 def _quaternions(columns: list[Floats], where: str) -> Floats:
-    """Return quaternions (n, 4) of columns that are these, or angles [rad]."""
+    """Return quaternions (n, 4) from columns of quaternions or angles [rad]."""
     if len(columns) == len(QUATERNION_COLUMNS):
         return np.stack(columns, axis=1)
     largest = max(float(np.nanmax(np.abs(column), initial=0.0)) for column in columns)
-    # Yaw may be unwrapped over many turns, roll and pitch may not.
+    # Only yaw may be unwrapped over many turns.
     if float(np.nanmax(np.abs(columns[:2]), initial=0.0)) > 2.0 * np.pi:
-        found = f"roll, pitch and yaw reach {largest:.4g}, which looks like degrees"
+        found = f"roll, pitch and yaw reach {largest:.4g}, probably in degrees"
         raise InputError(found, "convert these columns to radians", where)
     return quaternion_of_angles(*columns)
 
 
 def _table(path: Path, where: str, wanted: Collection[str]) -> Any:
-    """Load the file as a pandas data frame; of CSV, all cells as text with decimal points."""
+    """Load the file as a pandas data frame; cells of CSV files are text with decimal points."""
     import pandas as pd  # type: ignore[import-untyped]
 
     try:
@@ -158,7 +160,7 @@ def _table(path: Path, where: str, wanted: Collection[str]) -> Any:
             table = _csv_table(path, where, wanted)
     except InputError:
         raise
-    # Errors of pandas are ValueErrors; those of pyarrow for a damaged file OSErrors, too.
+    # pandas raises ValueErrors; pyarrow also raises OSErrors for damaged files.
     except (ValueError, OSError) as error:
         raise InputError(f"cannot be read: {error}", "export the log again", where) from None
     table.columns = [str(name).strip() for name in table.columns]
@@ -171,10 +173,10 @@ def _csv_table(path: Path, where: str, wanted: Collection[str]) -> Any:
     with path.open(encoding="utf-8-sig", newline="") as file:
         head = [file.readline(), file.readline()]
     separator = separator_of(head[0].rstrip("\r\n"), wanted)
-    # Room for what spreadsheets add at the end of a row.
+    # Spreadsheets may append empty fields to a row, so the second line also counts.
     width = max(len(row) for row in csv.reader(head, delimiter=separator, skipinitialspace=True))
-    # Blank lines are kept, so that a row's place tells its line, and the header is read as a row,
-    # as pandas would rename a column that occurs twice.
+    # Blank lines are kept so that row numbers are line numbers.  The header is read as a row, since
+    # pandas would rename duplicate columns.
     cells = pd.read_csv(
         path,
         sep=separator,
@@ -195,7 +197,7 @@ def _csv_table(path: Path, where: str, wanted: Collection[str]) -> Any:
 
 
 def _use_points(table: Any, separator: str, where: str, wanted: Collection[str]) -> None:
-    """Put decimal points into the columns ``wanted`` of a table that is separated otherwise."""
+    """Convert decimal commas in the columns ``wanted``, unless commas separate the columns."""
     if separator == ",":
         return
     places = [k for k, name in enumerate(table.columns) if str(name).strip() in wanted]
@@ -212,7 +214,7 @@ def _use_points(table: Any, separator: str, where: str, wanted: Collection[str])
 def _check_columns(
     present: list[str], names: dict[str, tuple[str, ...]], where: str, log: LogMap
 ) -> None:
-    """Raise ``InputError`` for all columns named that the file does not have exactly once."""
+    """Raise ``InputError`` for all columns in ``names`` that are missing or not unique."""
     wanted = {name: key for key, columns in names.items() for name in columns}
     missing = [name for name in wanted if name not in present]
     twice = [name for name in wanted if present.count(name) > 1]
@@ -236,7 +238,8 @@ def _check_columns(
 
 
 def _numbers(column: Any, name: str, where: str) -> Floats:
-    """Convert a column of a data frame to float64; empty cells are NaN, other text is refused."""
+    """Return a column of a data frame as float64, NaN for empty cells; raise ``InputError`` for
+    text."""
     import pandas as pd
 
     numbers = pd.to_numeric(column, errors="coerce")
@@ -255,11 +258,11 @@ def _numbers(column: Any, name: str, where: str) -> Floats:
 # Flight logs of PX4: ULog files, in FRD and NED.
 
 
-# Topics and fields per quantity; the first topic that the log has is used.
+# Topics and fields by quantity; the reader uses the first topic that the log contains.
 ATTITUDE = {"vehicle_attitude": [f"q[{k}]" for k in range(4)]}
 VELOCITY = {"vehicle_local_position": ["vx", "vy", "vz"]}
 VALID = ("v_xy_valid", "v_z_valid")
-"""Flags of vehicle_local_position that say whether its velocity is known."""
+"""Flags of vehicle_local_position for a valid velocity."""
 
 RATES = {
     "vehicle_angular_velocity": [f"xyz[{k}]" for k in range(3)],
@@ -271,36 +274,40 @@ SPECIFIC_FORCE = {
 }
 ROTORS = "esc_status"
 COMMANDS, OUTPUTS, BATTERY = "actuator_motors", "actuator_outputs", "battery_status"
-"""Commands to the motors from 0 to 1, outputs as pulses, and the battery, in place of speeds."""
+"""Topics used without esc_status: motor commands from 0 to 1, outputs as pulses, battery."""
 
 LIMITS = tuple((f"{kind}_MIN", f"{kind}_MAX") for kind in ("PWM_MAIN", "PWM_AUX", "PWM"))
-"""Parameters with the pulses at rest and at full throttle; of the first two with the number of the
-output, the last before PX4 1.13."""
+"""Parameters with the pulses at rest and at full throttle.  The first two pairs are followed by the
+output number; the last pair is from before PX4 1.13."""
 
 ACCELEROMETER_LATE, NOT_SAMPLED = "accelerometer_timestamp_relative", 2**31 - 1
-"""Field of sensor_combined with the time from its stamp to that of the accelerometer [us], and what
-it holds where there is none: PX4's SensorCombined.msg."""
+"""Field of sensor_combined with the time from its time stamp to the accelerometer's [us], and its
+value without an accelerometer sample: PX4's SensorCombined.msg."""
 
 MOTORS = {100 + number: number for number in range(1, 13)}
-"""Number of the motor by ``actuator_function`` in PX4's EscReport.msg."""
+"""Motor number by ``actuator_function`` in PX4's EscReport.msg."""
 
 FUNCTIONS = ("UAVCAN_EC_FUNC", "PWM_MAIN_FUNC", "PWM_AUX_FUNC")
-"""Parameters, before the number of the output, that say what it turns."""
+"""Parameters with the function of an output, followed by the output number."""
 
 TURNING = (ROTORS, COMMANDS, OUTPUTS)
 TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, *TURNING, BATTERY})
 
 
 def read_ulog(path: Path, log: LogMap) -> Recording:
-    """Read a ULog file with the topics of PX4.
+    """Read a ULog file of PX4.
 
-    vehicle_attitude, vehicle_local_position, vehicle_angular_velocity (else sensor_combined),
-    vehicle_acceleration (else sensor_combined, else none) and esc_status, whose ``esc_rpm`` is
-    in rpm unless the ``log`` map says "erpm".  Where the log says which controller turns which
-    motor, those of motors are read, in the order of their numbers.  Without esc_status there
-    are commands, actuator_motors, else actuator_outputs, with the voltage of battery_status.
-    Times are those of the measurement where logged.  Velocities that the log marks as not valid
-    are left out.  Frames are PX4's, FRD and NED, whatever the map says.  Raises ``InputError``.
+    - Attitude: vehicle_attitude.
+    - Velocity: vehicle_local_position; samples that are marked as invalid are left out.
+    - Rates: vehicle_angular_velocity, or sensor_combined.
+    - Specific force, optional: vehicle_acceleration, or sensor_combined.
+    - Rotor speeds: esc_status, whose ``esc_rpm`` is in rpm unless the ``log`` map specifies "erpm".
+      If the log assigns controllers to motors, only these are read, in the order of the motors.
+    - Without esc_status: the commands of actuator_motors, or actuator_outputs, with the voltage of
+      battery_status.
+
+    Times are the times of measurement if the log contains them.  The frames are always FRD and NED.
+    Raises ``InputError``.
     """
     file = parsed_ulog(path)
     unit = "erpm" if log.rotor_unit == "erpm" else "rpm"
@@ -340,22 +347,22 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
 
 
 def parsed_ulog(path: Path) -> Any:
-    """Return a ULog file as pyulog has it, with the topics of use.
+    """Return the object of pyulog for a ULog file, with the required topics.
 
-    Raises ``InputError`` where it cannot be read.
+    Raises ``InputError`` if the file cannot be read.
     """
     from pyulog import ULog
 
     try:
-        # pyulog prints what it finds damaged; ``file_corruption`` says it too.
+        # pyulog prints messages about damaged parts, which ``file_corruption`` reports as well.
         with path.open("rb") as file, contextlib.redirect_stdout(io.StringIO()):
             return ULog(file, TOPICS)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", "check the path") from None
-    # Damaged bytes make its parser fail in ways that it does not list.
+    # Damaged bytes make the parser of pyulog raise undocumented exceptions.
     except Exception as error:
         found = f"not a ULog file: {str(error) or type(error).__name__}"
-        raise InputError(found, "give the .ulg file as the flight controller wrote it") from None
+        raise InputError(found, "give the original .ulg file of the flight controller") from None
 
 
 def _dataset(file: Any, topic: str) -> Any:
@@ -365,7 +372,7 @@ def _dataset(file: Any, topic: str) -> Any:
 
 
 def _signal(file: Any, name: str, sources: dict[str, list[str]]) -> Signal:
-    """Return the samples of the first of the topics that the log has; it has one of them."""
+    """Return the samples of the first topic in ``sources`` that the log contains."""
     topic = next(topic for topic in sources if _dataset(file, topic))
     data, fields = _dataset(file, topic), sources[topic]
     values = np.stack([_field(data, topic, field) for field in fields], axis=1)
@@ -374,7 +381,7 @@ def _signal(file: Any, name: str, sources: dict[str, list[str]]) -> Signal:
 
 
 def _valid(data: Any, name: str, topic: str) -> NDArray[np.bool_]:
-    """Say which samples (n,) of a topic the log does not mark as unknown."""
+    """Return a mask (n,) of the samples of a topic that the log does not mark as invalid."""
     stamps = data.data["timestamp"]
     flags = [data.data[flag] for flag in VALID if flag in data.data]
     late = data.data.get(ACCELEROMETER_LATE)
@@ -384,13 +391,13 @@ def _valid(data: Any, name: str, topic: str) -> NDArray[np.bool_]:
     if not valid.any():
         raise InputError(
             f"{topic} marks all {stamps.size} samples of its {name} as not valid",
-            "fly where the autopilot knows its velocity: with GPS, optical flow or motion capture",
+            "fly with a velocity estimate, from GPS, optical flow or motion capture",
         )
     return np.asarray(valid)
 
 
 def _ulog_rotor_speed(file: Any, factor: float) -> tuple[Signal, tuple[str, ...]]:
-    """Return the speeds of the motors and a note where other slots are left out."""
+    """Return the motor speeds, and a note on slots that are left out."""
     data = _dataset(file, ROTORS)
     count = int(np.max(_field(data, ROTORS, "esc_count")))
     columns = [_field(data, ROTORS, f"esc[{k}].esc_rpm") for k in range(count)]
@@ -405,19 +412,19 @@ def _ulog_rotor_speed(file: Any, factor: float) -> tuple[Signal, tuple[str, ...]
     if slots and len(slots) < count:
         left = ", ".join(str(k + 1) for k in range(count) if k not in slots)
         notes = (
-            f"{ROTORS} has {count} slots, of which those of motors 1 to {len(slots)} are read; "
-            f"left out, as no motor's: {left}",
+            f"{ROTORS} has {count} slots; those of motors 1 to {len(slots)} are read; left out, "
+            f"since they belong to no motor: {left}",
         )
     speeds = np.stack(columns, axis=1)[:, slots or [*range(count)]]
     return Signal(f"rotor speed ({ROTORS})", _time(data), speeds * factor), notes
 
 
 def _ulog_commands(file: Any, limits: tuple[float, float] | None) -> Signal:
-    """Return the commands to the motors as shares of full throttle."""
+    """Return the motor commands as fractions of full throttle."""
     data = _dataset(file, COMMANDS)
     if data:
         columns = _numbered(data, "control")
-        # PX4 has NaN for motors that are not armed, and for those that there are not.
+        # PX4 logs NaN for motors that are not armed, and for motors that do not exist.
         slots = [k for k, column in enumerate(columns) if np.isfinite(column).any()]
         limits = limits or (0.0, 1.0)
     else:
@@ -441,7 +448,7 @@ def _numbered(data: Any, field: str) -> list[Floats]:
 
 
 def _slots_stated(file: Any, count: int) -> Iterator[list[int] | None]:
-    """Yield the places of the motors among so many outputs by each kind of parameters."""
+    """Yield the indices of the motors among ``count`` outputs from each kind of parameters."""
     stated = file.initial_parameters
     for name in FUNCTIONS:
         functions = [int(stated.get(f"{name}{k + 1}", 0)) for k in range(count)]
@@ -449,7 +456,7 @@ def _slots_stated(file: Any, count: int) -> Iterator[list[int] | None]:
 
 
 def _pulses(stated: Mapping[str, float], output: int) -> tuple[float, float]:
-    """Return the pulses at rest and at full throttle [us] by the parameters of an ``output``."""
+    """Return the pulses at rest and at full throttle [us] from the parameters of an ``output``."""
     ends = [
         [float(stated.get(f"{name}{output}", stated.get(name, 0.0))) for name in pair]
         for pair in LIMITS
@@ -458,7 +465,7 @@ def _pulses(stated: Mapping[str, float], output: int) -> tuple[float, float]:
 
 
 def _time(data: Any, field: str = "") -> Floats:
-    """Return when a ``field`` was measured where the topic says it, else published [s]; (n,)."""
+    """Return the times of measurement of a ``field``, or of publication without them [s]; (n,)."""
     stamps = data.data["timestamp"]
     measured = data.data.get("timestamp_sample", stamps)
     time = np.where(measured > 0, measured, stamps).astype(np.float64)
@@ -475,12 +482,11 @@ def _field(data: Any, topic: str, field: str) -> Floats:
 
 
 def _missing_topics(file: Any, topics: list[str]) -> InputError:
-    # Topics that are not of use here are not parsed, but the log names their formats.
-    present = sorted({data.name for data in file.data_list}) or ["no topic of use"]
+    present = sorted({data.name for data in file.data_list}) or ["no required topic"]
     return InputError(
         f"no topic {', no '.join(topics)}; found {', '.join(present)}",
-        "log what is missing: see SDLOG_PROFILE of PX4, and for esc_status motor controllers with "
-        "telemetry",
+        "log the missing topics (see SDLOG_PROFILE of PX4); esc_status requires motor controllers "
+        "with telemetry",
     )
 
 
@@ -494,7 +500,7 @@ TYPES = {
     "imu": "sensor_msgs/msg/Imu",
     "battery": "sensor_msgs/msg/BatteryState",
 }
-"""Message type per role of a topic."""
+"""Message type by role of a topic."""
 
 ROTOR_FIELDS = {
     "std_msgs/msg/Float64MultiArray": "data",
@@ -503,26 +509,29 @@ ROTOR_FIELDS = {
     "mav_msgs/msg/Actuators": "angular_velocities",
     "actuator_msgs/msg/Actuators": "velocity",
 }
-"""Field with the rotor speeds; of another type, its only field that is an array of numbers."""
+"""Field with the rotor speeds by message type; in other types, the only array of numbers."""
 
 Extract = Callable[[Any], list[float]]
 
 
 def read_rosbag(path: Path, log: LogMap) -> Recording:
-    """Read a bag whose topics ``[log.topics]`` names.
+    """Read the topics in ``[log.topics]`` from a bag.
 
-    ``odometry`` (nav_msgs/Odometry), or ``pose`` (geometry_msgs/PoseStamped) and ``velocity``
-    (geometry_msgs/TwistStamped); ``rotor_speed`` (an array of numbers, see ``ROTOR_FIELDS``),
-    or ``throttle`` (an array of commands to the motors) and, optional, ``battery``
-    (sensor_msgs/BatteryState); optional ``imu`` (sensor_msgs/Imu) for rates and specific force,
-    else the rates are those of the odometry or twist and the specific force is not known.
-    Times are those of the headers; of a message without one, when it was recorded.  Raises
+    - ``odometry`` (nav_msgs/Odometry), or ``pose`` (geometry_msgs/PoseStamped) and ``velocity``
+      (geometry_msgs/TwistStamped).
+    - ``rotor_speed`` (an array of numbers, see ``ROTOR_FIELDS``), or ``throttle`` (an array of
+      motor commands) and optionally ``battery`` (sensor_msgs/BatteryState).
+    - Optionally ``imu`` (sensor_msgs/Imu) for rates and specific force.  Without it, the rates are
+      from the odometry or twist, and the specific force is unknown.
+
+    Times are those of the headers, or times of recording for messages without a header.  Raises
     ``InputError``.
     """
     topics = log.topics
     turning = "throttle" if "throttle" in topics else "rotor_speed"
     if turning not in topics or not ("odometry" in topics or {"pose", "velocity"} <= {*topics}):
-        found = "bags need topics: odometry, or pose and velocity; and rotor_speed, or throttle"
+        found = "a bag needs the topics odometry (or pose and velocity) and rotor_speed (or "
+        found += "throttle)"
         remedy = 'add [log.topics] with odometry = "/...", imu = "/...", rotor_speed = "/..."'
         raise InputError(found, remedy, log.where)
     read = _messages(path, log)
@@ -530,7 +539,7 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
     velocity_in = (log.velocity_in or "body") if odometry else log.stated("velocity_in")
     twist_role = "odometry" if odometry else "velocity"
     if "imu" not in topics and velocity_in == "world":
-        found = "the twist is in the world frame, and no topic gives rates about body axes"
+        found = "the twist is in the world frame, and no topic has rates about body axes"
         raise InputError(found, 'add imu = "/..." to [log.topics]', log.where)
 
     def signal(name: str, role: str, extract: Extract) -> Signal:
@@ -582,12 +591,12 @@ def _xyz(vector: Any) -> list[float]:
 
 
 def _messages(path: Path, log: LogMap) -> dict[str, tuple[Floats, list[Any]]]:
-    """Return times [s] and messages of the topics named, by role."""
+    """Return times [s] and messages of the topics in ``log``, by role."""
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
 
     try:
-        # Old bags of ROS 2 do not hold the definitions of their messages.
+        # Old bags of ROS 2 do not contain the definitions of their messages.
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
             present = {c.topic: _short(c.msgtype) for c in bag.connections}
             missing = {r: topic for r, topic in log.topics.items() if topic not in present}
@@ -599,9 +608,9 @@ def _messages(path: Path, log: LogMap) -> dict[str, tuple[Floats, list[Any]]]:
             return {role: _topic(bag, role, topic) for role, topic in log.topics.items()}
     except InputError:
         raise
-    # Damaged bytes make SQLite, MCAP and YAML parsers fail in ways that rosbags does not list.
+    # Damaged bytes make the SQLite, MCAP and YAML parsers raise undocumented exceptions.
     except Exception as error:
-        found = f"not a bag that can be read: {str(error) or type(error).__name__}"
+        found = f"not a readable bag: {str(error) or type(error).__name__}"
         remedy = "give a ROS 1 .bag, a ROS 2 folder with metadata.yaml, or an .mcap file"
         raise InputError(found, remedy) from None
 
@@ -611,7 +620,7 @@ def _topic(bag: Any, role: str, topic: str) -> tuple[Floats, list[Any]]:
     wanted, found = TYPES.get(role), connections[0].msgtype
     if wanted not in (None, found):
         fault = f"topic {topic} is of type {_short(found)}, expected {_short(str(wanted))}"
-        raise InputError(fault, f"name a topic of that type as {role} in [log.topics]")
+        raise InputError(fault, f"give a topic of this type as {role} in [log.topics]")
     times, messages = [], []
     for connection, recorded, data in bag.messages(connections):
         message = bag.deserialize(data, connection.msgtype)
@@ -623,7 +632,7 @@ def _topic(bag: Any, role: str, topic: str) -> tuple[Floats, list[Any]]:
 
 
 def _bag_rotor_speed(time: Floats, messages: list[Any], factor: float, name: str) -> Signal:
-    """Return rotor speeds [rad/s]; ``factor`` is their unit in the log."""
+    """Return rotor speeds [rad/s]; ``factor`` converts from the unit of the log."""
     if not messages:
         return Signal(name, time, np.empty((0, 0)))
     kind: str = messages[0].__msgtype__
@@ -639,18 +648,18 @@ def _bag_rotor_speed(time: Floats, messages: list[Any], factor: float, name: str
     rows = [np.asarray(getattr(message, field), dtype=np.float64).ravel() for message in messages]
     lengths = sorted({row.size for row in rows})
     if len(lengths) > 1:
-        fault = f"messages of {name} have from {lengths[0]} to {lengths[-1]} values"
+        fault = f"messages of {name} have {lengths[0]} to {lengths[-1]} values"
         raise InputError(fault, "record one value per rotor in every message")
     return Signal(name, time, np.stack(rows) * factor)
 
 
 def _short(kind: str) -> str:
-    """Write a message type as in ROS 1 and in speech."""
+    """Return a message type in the notation of ROS 1."""
     return kind.replace("/msg/", "/")
 
 
 # -------------------------------------------------------------------------------------------------
-# Readers of flight logs, one file per format.
+# Choice of the reader by file extension.
 
 READERS: dict[str, Callable[[Path, LogMap], Recording]] = {
     ".csv": read_csv_log,
@@ -662,40 +671,40 @@ READERS: dict[str, Callable[[Path, LogMap], Recording]] = {
     ".db3": read_rosbag,
     ".mcap": read_rosbag,
 }
-"""By the file's ending; a folder is a bag of ROS 2."""
+"""Readers by file extension; a folder is a bag of ROS 2."""
 
 
 def read_flight_log(
     path: str | os.PathLike[str], vehicle_file: VehicleFile, *, rate: float | None = None
 ) -> FlightLog:
-    """Read a flight log of any kind: CSV, Parquet, PX4's ULog, ArduPilot's DataFlash, bags of ROS.
+    """Read a flight log: CSV, Parquet, ULog of PX4, DataFlash of ArduPilot, or ROS bag.
 
-    Signals are interpolated linearly to one clock, those that are faster after a low-pass; gaps
-    above 0.25 s are cut out.  Samples that cannot be used are dropped, which ``source`` then tells,
-    or refused where they are many.
+    Signals are interpolated linearly to common times; faster signals are low-passed first.  Gaps
+    above 0.25 s are cut out.  Invalid samples are dropped and counted in ``source``; a log with
+    many invalid samples is refused.
 
     Parameters
     ----------
     path : path
         Path of the file, or the folder of a ROS 2 bag.
     vehicle_file : VehicleFile
-        The vehicle and the map of the log.
+        Vehicle and conventions of the log.
     rate : float, optional
-        Samples per second [1/s]; by default the sample times of the slowest of attitude, velocity
-        and rotor speed.
+        Samples per second [1/s].  By default the log has the sample times of the slowest of
+        attitude, velocity and rotor speed.
 
     Raises
     ------
     InputError
-        Where the log cannot be read, or is not one of this vehicle.
+        For a log that cannot be read, or that does not fit the vehicle.
     """
     return flight_log(read_recording(path, vehicle_file), vehicle_file, rate)
 
 
 def read_recording(path: str | os.PathLike[str], vehicle_file: VehicleFile) -> Recording:
-    """Read what a flight log of any kind holds, as it was recorded.
+    """Read the signals of a flight log with their own times and frames.
 
-    Raises ``InputError`` where it cannot be read.
+    Raises ``InputError`` if the log cannot be read.
     """
     file = Path(path)
     where = str(file)
@@ -710,12 +719,12 @@ def read_recording(path: str | os.PathLike[str], vehicle_file: VehicleFile) -> R
         raise InputError("the file is empty", "give the log of a flight", where)
     kind = file.suffix.lower()
     if not folder and kind not in READERS:
-        found = f"the file's ending is {kind!r}, expected one of {', '.join(READERS)}"
-        remedy = "give a log of one of these kinds, or the folder of a ROS 2 bag"
+        found = f"the file extension is {kind!r}, expected one of {', '.join(READERS)}"
+        remedy = "give a log of one of these types, or the folder of a ROS 2 bag"
         raise InputError(found, remedy, where)
     if folder and not (file / "metadata.yaml").exists():
         fault = "this folder has no metadata.yaml, expected a ROS 2 bag"
-        raise InputError(fault, "name a file inside it", where)
+        raise InputError(fault, "give a file of this folder, or the folder of a bag", where)
     require("parquet" if kind in (".parquet", ".pq") else "logs")
     try:
         return (read_rosbag if folder else READERS[kind])(file, vehicle_file.log)

@@ -1,4 +1,4 @@
-"""Motors, speed controllers and a battery: what they take for a torque at a speed."""
+"""Motors, speed controllers and battery: current, voltage and power for torque and speed."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from propmap.typing import Floats
 from propmap.units import RPM
 
 # -------------------------------------------------------------------------------------------------
-# From shaft power to the battery: motor, speed controller and battery together.
+# The powertrain from battery to shaft: motor, speed controller and battery.
 
 USUAL_TIP_SPEED = (60.0, 900.0)
-"""[m/s] of a blade on an unloaded motor at full charge.  A Kv in rad/s/V read as rpm/V is a tenth
-of what it should be, one in rpm/V read as rad/s/V ten times as much."""
+"""Plausible tip speeds [m/s] with an unloaded motor at full charge.  If rad/s/V and rpm/V are
+confused, Kv is wrong by a factor of ten."""
 
 
 class ElectricState(NamedTuple):
-    """What n states of m motors take; NaN where a part of the powertrain is not known."""
+    """Electrical quantities of n states of m motors; NaN if the required component is unknown."""
 
     motor_current: Floats  # (n, m) [A]
-    controller_voltage: Floats  # battery voltage that just drives the motor so, (n, m) [V]
+    controller_voltage: Floats  # least battery voltage for this motor state, (n, m) [V]
     power: Floats  # at the battery's terminals, (n,) [W]
     battery_current: Floats  # (n,) [A]
     battery_voltage: Floats  # (n,) [V]
@@ -32,16 +32,16 @@ class ElectricState(NamedTuple):
 
 @dataclass(frozen=True)
 class Powertrain:
-    """What turns the rotors; None for what is not known.
+    """Motors, speed controllers and battery of a vehicle; None for unknown components.
 
     Attributes
     ----------
     motor : Motor or None
         Motor of every rotor.
     controller : SpeedController or None
-        Controller of every motor; without one nothing is lost there.
+        Controller of every motor; None for a controller without losses.
     battery : Battery or None
-        One for all motors.
+        Battery of all motors.
 
     Raises
     ------
@@ -57,10 +57,10 @@ class Powertrain:
         if self.motor is None and (self.battery or self.controller):
             has = "[battery]" if self.battery else "[esc]"
             remedy = f"add [motor], or remove {has}: without a motor only shaft power is known"
-            raise InputError(f"there is {has} and no [motor]", remedy)
+            raise InputError(f"the file has {has}, but no [motor]", remedy)
 
     def check_blade(self, radius: float) -> None:
-        """Refuse a Kv that cannot be, for a blade of this ``radius`` [m] on this battery."""
+        """Raise ``InputError`` for a Kv with an implausible tip speed at this ``radius`` [m]."""
         if self.motor is None or self.battery is None:
             return
         kv = self.motor.speed_constant
@@ -70,13 +70,13 @@ class Powertrain:
         if not low <= tip <= high:
             unit = "in rad/s/V? multiply by 9.549" if tip < low else "of another motor?"
             raise InputError(
-                f"kv_rpm_per_volt is {kv / RPM:g}: unloaded at {full:.1f} V the blade's tip would "
-                f"move at {tip:.0f} m/s",
+                f"kv_rpm_per_volt is {kv / RPM:g}: the no-load tip speed at {full:.1f} V would be "
+                f"{tip:.0f} m/s",
                 f"check kv ({unit}), cells, and the propeller's size",
             )
 
     def driven(self, torque: Floats, omega: Floats, charge: float) -> ElectricState:
-        """Return what shafts take at ``torque`` [N m] and ``omega`` [rad/s], (n, m).
+        """Return currents, voltages and power for ``torque`` [N m] and ``omega`` [rad/s], (n, m).
 
         ``charge`` is the battery's state of charge, 0 to 1.
         """
@@ -98,23 +98,23 @@ class Powertrain:
 
 
 # -------------------------------------------------------------------------------------------------
-# A brushless motor by its Kv, winding resistance and no-load current.
+# Model of a brushless motor: Kv, winding resistance and no-load current.
 
 COPPER = 0.00393
-"""[1/K] by which the resistance of copper grows, from that at 20 degrees C: IEC 60028."""
+"""Temperature coefficient of the resistance of copper at 20 degrees C [1/K]: IEC 60028."""
 
-COLD = 20.0  # [degrees C] at which the resistance of a data sheet holds
+COLD = 20.0  # winding temperature of the resistance in data sheets [degrees C]
 
 
 class MotorState(NamedTuple):
-    """What goes into a motor, of the shape of its load."""
+    """Current and voltage of a motor, in the shape of its load."""
 
     current: Floats  # [A]
     voltage: Floats  # [V]
 
     @property
     def power(self) -> Floats:
-        """Power into the motor's terminals [W]."""
+        """Electrical power of the motor [W]."""
         return self.current * self.voltage
 
 
@@ -122,32 +122,33 @@ class MotorState(NamedTuple):
 class Motor:
     """The equivalent circuit of a DC motor: a back-EMF behind a resistance.
 
-    With omega = Kv (v - i R) and Q = (i - i_0) / Kv, Kv in rad/s/V; i_0(omega) covers iron and
-    friction.  Source: M. Drela, First-Order DC Electric Motor Model, MIT Aero & Astro, 2007, and
-    Second-Order DC Electric Motor Model, 2006, for an i_0 that depends on omega.
+    The equations are omega = Kv (v - i R) and Q = (i - i_0) / Kv, with Kv in rad/s/V.  The no-load
+    current i_0(omega) represents iron losses and friction.  Source: M. Drela, First-Order DC
+    Electric Motor Model, MIT Aero & Astro, 2007; for i_0 as a function of omega, Second-Order DC
+    Electric Motor Model, 2006.
 
     Attributes
     ----------
     speed_constant : float
-        Kv [rad/s/V], without load.
+        Kv without load [rad/s/V].
     resistance : float
-        Resistance of the winding, at 20 degrees C [ohm].
+        Resistance of the winding at 20 degrees C [ohm].
     no_load_current : tuple of float
-        i_0 [A]; more than one where it was measured at several voltages.
+        i_0 [A], measured at one to three voltages.
     no_load_voltage : tuple of float
-        At which these were measured [V], one for each; may be empty for one current, which then
-        holds at any speed.
+        Voltage of each no-load current [V].  It may be empty for a single current, which is then
+        used at all speeds.
     maximum_current : float
-        [A], infinite where none is known.
+        Maximum current [A]; infinite if unknown.
     maximum_speed : float
-        [rad/s], infinite where none is known.
+        Maximum speed [rad/s]; infinite if unknown.
     temperature : float
         Temperature of the winding in flight [degrees C].
 
     Raises
     ------
     InputError
-        For values that no motor has.
+        For impossible values.
     """
 
     speed_constant: float
@@ -160,8 +161,8 @@ class Motor:
 
     def __post_init__(self) -> None:
         for name, value, meaning in (
-            ("kv", self.speed_constant, "revolutions per minute and volt, as the data sheet does"),
-            ("resistance", self.resistance, "the winding's ohms, between two of the three wires"),
+            ("kv", self.speed_constant, "the speed constant of the data sheet in rpm per volt"),
+            ("resistance", self.resistance, "the ohms of the winding between two of three wires"),
             ("maximum_current", self.maximum_current, "amperes, or leave it out"),
             ("maximum_rpm", self.maximum_speed, "revolutions per minute, or leave it out"),
         ):
@@ -172,16 +173,16 @@ class Motor:
             raise InputError("no_load_current is negative or empty", "give amperes, 0 or more")
         if (len(currents) > 1 or voltages) and len(currents) != len(voltages):
             found = f"{len(currents)} no_load_current for {len(voltages)} no_load_voltage"
-            raise InputError(found, "give the voltage of each current")
+            raise InputError(found, "give one voltage for each current")
         if len(currents) > 3 or len(set(voltages)) != len(voltages):
             fault = f"no_load_voltage is {list(voltages)}"
             raise InputError(fault, "give one, two or three voltages, each once")
         if any(v <= i * self.resistance for i, v in zip(currents, voltages, strict=False)):
-            found = "the winding alone takes more than the no_load_voltage"
-            raise InputError(found, "give volts, and the resistance in ohms, not milliohms")
+            found = "resistance times no_load_current exceeds the no_load_voltage"
+            raise InputError(found, "give volts and amperes, and ohms, not milliohms")
         if not -60.0 <= self.temperature <= 250.0:
             found = f"temperature is {self.temperature:g} degrees C"
-            raise InputError(found, "give that of the winding in flight, -60 to 250")
+            raise InputError(found, "give the temperature of the winding in flight, -60 to 250")
 
     @property
     def hot_resistance(self) -> float:
@@ -189,26 +190,26 @@ class Motor:
         return self.resistance * (1.0 + COPPER * (self.temperature - COLD))
 
     def idle_current(self, omega: Floats) -> Floats:
-        """Return i_0 [A] at ``omega`` [rad/s]: the polynomial through what was measured."""
+        """Return i_0 [A] at ``omega`` [rad/s], by a polynomial through the measured currents."""
         if len(self.no_load_current) == 1:
             return np.full_like(omega, self.no_load_current[0])
         i, v = np.array(self.no_load_current), np.array(self.no_load_voltage)
         speeds = self.speed_constant * (v - i * self.resistance)
         scale = speeds.max()
         fit = np.linalg.solve(np.vander(speeds / scale), i)
-        # A parabola through three points must not turn back beyond them.
+        # A polynomial through the measured currents may become negative beyond them.
         return np.asarray(np.maximum(np.polyval(fit, omega / scale), 0.0))
 
     def driven(self, torque: Floats, omega: Floats) -> MotorState:
-        """Return what turns a shaft at this ``torque`` [N m] and ``omega`` [rad/s]."""
+        """Return current and voltage for a ``torque`` [N m] at ``omega`` [rad/s]."""
         current = self.speed_constant * torque + self.idle_current(omega)
         return MotorState(current, omega / self.speed_constant + current * self.hot_resistance)
 
 
 # -------------------------------------------------------------------------------------------------
-# A lithium-polymer battery: open-circuit voltage by charge, a resistance, a usable share.
+# Model of a lithium-polymer battery: open-circuit voltage, resistance, usable fraction of charge.
 
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)  # for the integral over charge
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)  # for the integral over the charge
 HALVINGS = 60
 
 
@@ -227,27 +228,27 @@ def cell_voltage(charge: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Battery:
-    """Cells in series behind a resistance.
+    """Cells in series with a resistance.
 
     Attributes
     ----------
     cells : int
-        In series.
+        Number of cells in series.
     capacity : float
         Capacity of the pack [A s].
     resistance : float
         Resistance of the pack [ohm].
     usable_share : float
-        Share of the charge that a flight uses [-].
+        Fraction of the charge that a flight may use [-].
     maximum_current : float
-        [A], infinite where none is known.
+        Maximum current [A]; infinite if unknown.
     auxiliary_power : float
-        What is not for the motors [W].
+        Power of all consumers except the motors [W].
 
     Raises
     ------
     InputError
-        For values that no battery has.
+        For impossible values.
     """
 
     cells: int
@@ -260,17 +261,17 @@ class Battery:
     def __post_init__(self) -> None:
         if type(self.cells) is not int or not 1 <= self.cells <= 200:
             found = f"cells is {self.cells!r}"
-            raise InputError(found, "give how many are in series, 1 to 200, 4 for a 4S pack")
+            raise InputError(found, "give the number in series, 1 to 200; 4 for a 4S pack")
         if not self.capacity > 0.0:
-            raise InputError(f"capacity is {self.capacity / 3600.0:g} A h", "give it, above 0")
+            raise InputError(f"capacity is {self.capacity / 3600.0:g} A h", "give A h above 0")
         if not self.resistance >= 0.0:
             raise InputError(f"resistance is {self.resistance:g} ohm", "give 0 or more")
         if not 0.0 < self.usable_share <= 1.0:
             found = f"usable_share is {self.usable_share:g}"
-            raise InputError(found, "give a share such as 0.8, not percent")
+            raise InputError(found, "give a fraction such as 0.8, not percent")
         if not self.maximum_current > 0.0:
             found = f"maximum_current is {self.maximum_current:g} A"
-            raise InputError(found, "give it, or leave it out")
+            raise InputError(found, "give more than 0, or leave it out")
         if not self.auxiliary_power >= 0.0:
             raise InputError(f"auxiliary_power is {self.auxiliary_power:g} W", "give 0 or more")
 
@@ -279,21 +280,21 @@ class Battery:
         return self.cells * cell_voltage(charge)
 
     def current(self, power: Floats, charge: Floats) -> Floats:
-        """Return the current that delivers a power; NaN where the battery cannot.
+        """Return the current for a power; NaN if the battery cannot deliver the power.
 
-        The smaller root of power = (V_oc - i R) i.
+        It is the smaller root of power = (V_oc - i R) i.
 
         Parameters
         ----------
         power : ndarray
-            At the terminals [W].
+            Power at the terminals [W].
         charge : ndarray
             State of charge, 0 to 1, of the same shape or a number.
 
         Returns
         -------
         ndarray
-            [A].
+            Current [A].
         """
         voltage = self.open_circuit_voltage(charge)
         left = voltage**2 - 4.0 * self.resistance * power
@@ -301,17 +302,17 @@ class Battery:
             return 2.0 * power / (voltage + np.sqrt(np.where(left >= 0.0, left, np.nan)))
 
     def voltage(self, power: Floats, charge: Floats) -> Floats:
-        """Return the voltage [V] while it delivers ``power`` [W] at this ``charge``."""
+        """Return the terminal voltage [V] at this ``power`` [W] and ``charge``."""
         current = self.current(power, charge)
         return self.open_circuit_voltage(charge) - self.resistance * current
 
     def voltage_or_least(self, power: Floats, charge: Floats) -> Floats:
-        """Return the voltage at ``power`` and ``charge``, or at the largest power."""
+        """Return the voltage at ``power`` [W] and ``charge``, or at the largest possible power."""
         least = 0.5 * self.open_circuit_voltage(charge)
         return np.where(np.isnan(found := self.voltage(power, charge)), least, found)
 
     def share_used(self, power: Floats, charge: Floats) -> Floats:
-        """Return the share of the largest power or current that ``power`` at ``charge`` takes."""
+        """Return the larger of ``power`` and current at ``charge`` as fractions of their limits."""
         voltage = self.open_circuit_voltage(charge)
         of_power = 4.0 * self.resistance * np.maximum(power, 0.0) / voltage**2
         current = np.nan_to_num(self.current(power, charge), nan=0.0)
@@ -320,7 +321,7 @@ class Battery:
     def charge_after(self, power: Floats, duration: float, charge: Floats) -> Floats:
         """Return the charge after a ``duration`` [s] at constant ``power`` [W], from ``charge``.
 
-        NaN where it does not last so long.
+        The result is NaN if the battery does not last this long.
         """
         low, high = np.zeros_like(charge), np.array(charge)
         for _ in range(HALVINGS):
@@ -331,9 +332,9 @@ class Battery:
         return np.where(self._time(power, charge, high) >= duration * (1.0 - 1e-9), high, np.nan)
 
     def charges(self, power: float, times: Floats, charge: float) -> Floats:
-        """Return the charges at rising ``times`` (m,) [s], from ``charge``, of constant ``power``.
+        """Return the charges at increasing ``times`` (m,) [s], from ``charge``, at constant power.
 
-        NaN from where it does not last.
+        Charges are NaN for times that the battery does not last; ``power`` is in W.
         """
         found, before = [], 0.0
         for time in times.tolist():
@@ -344,22 +345,22 @@ class Battery:
         return np.array(found)
 
     def endurance(self, power: Floats, voltage: Floats, charge: float = 1.0) -> Floats:
-        """Return the time of flight at constant power, until the usable share is used up.
+        """Return the flight time at constant power, until the usable charge is consumed.
 
         Parameters
         ----------
         power : ndarray
-            At the terminals [W].
+            Power at the terminals [W].
         voltage : ndarray
-            Below which the motors do not turn fast enough [V]; the flight ends there if it comes
-            first.
+            Least voltage at which the motors turn fast enough [V]; the flight ends earlier if the
+            voltage falls below it.
         charge : float
-            State of charge at the beginning.
+            State of charge at the start.
 
         Returns
         -------
         ndarray
-            [s]; NaN where the flight cannot begin, infinite without power.
+            Flight time [s]; NaN if the flight cannot start, infinite without power.
         """
         power = np.asarray(power, dtype=np.float64)
         low = np.full_like(power, max(charge - self.usable_share, 0.0))
@@ -384,29 +385,29 @@ class Battery:
 
 
 # -------------------------------------------------------------------------------------------------
-# An electronic speed controller: what it loses between battery and motor.
+# Model of the losses in an electronic speed controller.
 
 
 @dataclass(frozen=True)
 class SpeedController:
-    """A resistance in series with the motor, or an efficiency.
+    """A speed controller with a resistance in series with the motor, or with an efficiency.
 
-    As a chopper it takes the motor's power from the battery at the battery's voltage.  That its
-    efficiency falls at part throttle is left out: see C. R. Green, R. A. McDonald, Modeling and
-    Test of the Efficiency of Electronic Speed Controllers for Brushless DC Motors, AIAA 2015-3191,
-    doi 10.2514/6.2015-3191.
+    The controller is a chopper: it draws the motor's power from the battery at the battery's
+    voltage.  The lower efficiency at part throttle is not modeled: see C. R. Green, R. A. McDonald,
+    Modeling and Test of the Efficiency of Electronic Speed Controllers for Brushless DC Motors,
+    AIAA 2015-3191, doi 10.2514/6.2015-3191.
 
     Attributes
     ----------
     resistance : float
-        [ohm], at full throttle.
+        Resistance at full throttle [ohm].
     efficiency : float
-        Motor power over battery power besides [-].
+        Motor power over battery power, without the losses in the resistance [-].
 
     Raises
     ------
     InputError
-        For a negative resistance, and an efficiency that is none.
+        For a negative resistance, or an efficiency outside 0.5 to 1.
     """
 
     resistance: float = 0.0
@@ -417,12 +418,12 @@ class SpeedController:
             raise InputError(f"resistance is {self.resistance:g} ohm", "give 0 or more")
         if not 0.5 <= self.efficiency <= 1.0:
             found = f"efficiency is {self.efficiency:g}"
-            raise InputError(found, "give a share from 0.5 to 1, such as 0.95")
+            raise InputError(found, "give a fraction from 0.5 to 1, such as 0.95")
 
     def power(self, motor: MotorState) -> Floats:
-        """Return what is taken from the battery for a ``motor`` in this state [W]."""
+        """Return the power drawn from the battery for a ``motor`` in this state [W]."""
         return (motor.power + self.resistance * motor.current**2) / self.efficiency
 
     def voltage(self, motor: MotorState) -> Floats:
-        """Return the voltage [V] that keeps a ``motor`` in this state at full throttle."""
+        """Return the battery voltage [V] for a ``motor`` in this state at full throttle."""
         return motor.voltage + self.resistance * motor.current

@@ -1,4 +1,4 @@
-"""Rotor speeds from throttle, where a log has commands to the motors and no measured speeds."""
+"""Rotor speeds from motor commands, for logs without measured rotor speeds."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from propmap.units import GRAVITY
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
-# Commands as logs have them, as shares of full throttle.
+# Conversion of logged commands to fractions of full throttle.
 
 BEYOND, MOST_BEYOND = 0.05, 0.05
-"""Share of its range by which a command may leave it, and share of the samples that may by more."""
+"""Tolerance of the command range, as a fraction of it, and largest fraction of samples outside."""
 
 PULSES = (1000.0, 2000.0)
-"""Usual range of pulses to motor controllers [us]."""
+"""Common range of pulses to motor controllers [us]."""
 
 
 def share_of_full(commands: Floats, limits: tuple[float, float], name: str) -> Floats:
-    """Return commands (n, m) as shares of full throttle, from 0 to 1, by their two ``limits``.
+    """Return commands (n, m) as fractions of full throttle, from 0 to 1, by their two ``limits``.
 
-    A command that is no number is that of a motor that is not armed.  Raises ``InputError`` for
-    commands that leave their range, and for those that never change.
+    NaN is the command of a motor that is not armed, and counts as 0.  Raises ``InputError`` for
+    commands outside their range, and for commands that never change.
     """
     low, high = limits
     share = np.nan_to_num((commands - low) / (high - low))
@@ -39,65 +39,68 @@ def share_of_full(commands: Floats, limits: tuple[float, float], name: str) -> F
     if np.mean(outside) > MOST_BEYOND:
         ends = np.nanmin(commands), np.nanmax(commands)
         raise InputError(
-            f"{name} goes from {ends[0]:.4g} to {ends[1]:.4g}, outside its range of {low:g} to "
+            f"{name} is between {ends[0]:.4g} and {ends[1]:.4g}, outside its range of {low:g} to "
             f"{high:g}",
             "write throttle_range = [at rest, at full throttle] in [log], such as [1000, 2000] for "
-            "pulses, [48, 2047] for Betaflight, [0, 1]",
+            "pulses, [48, 2047] for Betaflight, or [0, 1]",
         )
     if not np.ptp(share, axis=0).any():
-        remedy = "give a flight in which the motors were armed, and name the commands to them"
+        remedy = "give a flight with armed motors, and the columns or topics of the motor commands"
         raise InputError(f"{name} never changes ({commands.flat[0]:.4g})", remedy)
     return np.clip(share, 0.0, 1.0)
 
 
 def worth_of_throttle(values: Floats, name: str, *, inverse: bool) -> Floats:
-    """Return what a share of full throttle is worth (n, 1), by a voltage or, ``inverse``, by hover.
+    """Return the scale of the throttle (n, 1): the values of a voltage, or their ``inverse`` for
+    the throttle in hover.
 
-    What is not above zero is NaN.  Raises ``InputError`` where most of it is not.
+    Values that are not above zero give NaN.  Raises ``InputError`` if too many are not above zero.
     """
     known = values > 0.0
     if np.mean(known) < 1.0 - MOST_BEYOND:
         raise InputError(
-            f"{name} is above 0 in {100.0 * np.mean(known):.0f} % of its samples",
-            "name the column of the voltage, or leave it out, as if the battery were always full",
+            f"{name} is above 0 in only {100.0 * np.mean(known):.0f} % of its samples",
+            "give the correct column, or remove it to assume that the battery is always full",
         )
     found = np.where(known, values, np.nan)
     return 1.0 / found if inverse else found
 
 
 # -------------------------------------------------------------------------------------------------
-# From throttle to rotor speed: a curve of two constants and the lag of the motors.
+# The curve from throttle to rotor speed, with two constants and the lag of the motors.
 #
-# Where d is what drives a motor, its throttle times what that is worth (``Recording.supply``), over
-# the same in hover,
+# The drive of a motor is its throttle times the scale ``Recording.supply``.  With the drive d
+# relative to hover,
 #
-#     Omega^2 = k^2 Omega_h^2 ((1 - e) d + e d^2) ,
+#     Omega^2 = k^2 Omega_h^2 ((1 - e) d + e d^2) .
 #
-# the form by which ArduPilot (MOT_THST_EXPO) and PX4 (THR_MDL_FAC) take thrust for a mix of the
-# throttle and its square.  Omega_h only makes k a number near 1: with a nominal section law the
-# rotors carry the weight at it.  The motor follows d with a lag of first order.
+# ArduPilot (MOT_THST_EXPO) and PX4 (THR_MDL_FAC) model the thrust in the same form.  Omega_h only
+# makes k a number near 1: at this speed the rotors carry the weight with a nominal section law.
+# The motor follows d with a lag of first order.
 
 SPEED, EXPO, LAG = CURVE = ("throttle_speed", "throttle_expo", "motor_lag")
 USUAL = {SPEED: 1.0, EXPO: 0.5, LAG: 0.05}
-"""Constants of the curve before a fit: k [-], e [-], the lag [s]."""
+"""Default constants of the curve: k [-], e [-], lag [s]; starting point of a fit."""
 
 HOVER_DRIVE = "hover_drive"
-LEAST = 1e-4  # square of a rotor speed over that in hover, at least
+LEAST = 1e-4  # lower limit of the squared rotor speed relative to hover
 
 
 @dataclass(frozen=True)
 class ThrottleCurve:
-    """Rotor speeds of a vehicle by its throttle."""
+    """Curve from throttle to the rotor speeds of a vehicle."""
 
     hover_speed: float  # Omega_h [rad/s]
-    hover_drive: float  # what drives the motors in hover, in the unit of ``FlightLog.throttle``
+    hover_drive: float  # drive of the motors in hover, in the unit of ``FlightLog.throttle``
     constants: Mapping[str, float]  # by the names of ``CURVE``
 
     @classmethod
     def of(cls, vehicle: Vehicle, values: Mapping[str, float]) -> ThrottleCurve:
-        """Take the constants from ``values``, those that are not there as is usual."""
+        """Return the curve of a ``vehicle`` with constants from ``values``, or the defaults."""
         nominal = Model(vehicle.propeller, parameter_set("paper-apc"), vehicle.air)
-        lift = HoverModel.of(Rotor(nominal)).k_thrust * abs(float(vehicle.rotor_axes[:, 2].sum()))
+        lift = HoverModel.from_rotor(Rotor(nominal)).k_thrust * abs(
+            float(vehicle.rotor_axes[:, 2].sum())
+        )
         constants = {name: values.get(name, usual) for name, usual in USUAL.items()}
         speed = math.sqrt(vehicle.mass * GRAVITY / lift)
         return cls(speed, values[HOVER_DRIVE], constants)
@@ -107,8 +110,8 @@ class ThrottleCurve:
     ) -> tuple[Floats, dict[str, Floats]]:
         """Return rotor speeds (n, m) [rad/s] and their derivatives by the constants.
 
-        ``throttle`` and its derivative ``by_lag`` are those of a ``FlightLog``; where there is no
-        throttle, speeds are those ``measured``.
+        ``throttle`` and its derivative ``by_lag`` are those of a ``FlightLog``.  Samples without
+        throttle have the ``measured`` speeds.
         """
         gain, expo, lag = (self.constants[name] for name in CURVE)
         known = np.isfinite(throttle)
@@ -127,9 +130,9 @@ class ThrottleCurve:
 
 
 def lagged(values: Floats, step: float) -> tuple[Floats, Floats]:
-    """Return values (n, m), every ``step`` [s], after the usual lag, and the derivatives by it.
+    """Return values (n, m), every ``step`` [s], after the default lag, and derivatives by the lag.
 
-    Between samples they are taken to change linearly.
+    Values are assumed to change linearly between samples.
     """
     from scipy.signal import lfilter
 

@@ -1,4 +1,4 @@
-"""A vehicle: rotors on a frame, its mass, and what its body and wing add to their forces."""
+"""A vehicle: mass, rotors, body, wing, and the interaction of its rotors."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Mount:
-    """Where a rotor sits, in the vehicle's frame: x forward, y left, z up; and on what.
+    """Position, axis, spin and mount of a rotor in the vehicle's frame: x forward, y left, z up.
 
     Attributes
     ----------
     position : tuple of 3 float
-        Position of the hub relative to the centre of mass [m].
+        Position of the hub relative to the center of mass [m].
     axis : tuple of 3 float
         Unit vector along the thrust [-].
     spin : str
         "ccw" or "cw", seen from above with the thrust up.
     drag : Installed or None
-        What carries it in its slipstream, such as motor and arm; None for what the section law
-        brings along, where it was fitted with a mount.
+        Drag of the parts in the slipstream, such as motor and arm; None for the mount that belongs
+        to the section law, if any.
     """
 
     position: Vector
@@ -42,21 +42,22 @@ class Mount:
 
 @dataclass(frozen=True)
 class Body:
-    """Forces of the body itself (the paper's section III.A), in the vehicle's frame.
+    """Forces of the body (section III.A of the paper), in the vehicle's frame.
 
     Attributes
     ----------
     drag_area : tuple of 3 float
-        Along each axis [m^2]; F_k = -1/2 rho drag_area_k |v_k| v_k.
+        Drag area along each axis [m^2]; F_k = -1/2 rho drag_area_k |v_k| v_k.
     lift_area : float
-        Lift across the flow is 1/2 rho V^2 lift_area sin(a) cos(a) [m^2], a the angle of attack of
-        the body in its plane of symmetry.
+        Lift area [m^2]; the lift normal to the flow is 1/2 rho V^2 lift_area sin(a) cos(a), where a
+        is the angle of attack of the body in its plane of symmetry.
     download_area : tuple of 2 float
-        For flow along x and along y [m^2]: F_z = -1/2 rho download_area_k v_k^2, whichever way it
-        flows; negative where it lifts.
+        Download areas for flow along x and y [m^2]: F_z = -1/2 rho download_area_k v_k^2, for both
+        signs of v_k.  Negative areas give lift.
     plate_area : float
-        Area of what lies level, as a plate [m^2]: F_z = -1/2 rho plate_area V v_z. In flow along z
-        its force is that of an equal ``drag_area``; in oblique flow it is larger.
+        Area of the horizontal parts (frame, battery, arms) [m^2], which act as a flat plate:
+        F_z = -1/2 rho plate_area V v_z.  The force equals that of the same ``drag_area`` in flow
+        along z, and is larger in oblique flow.
     """
 
     drag_area: Vector = (0.0, 0.0, 0.0)
@@ -67,7 +68,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Wing:
-    """A wing in the free stream whose lift follows eq. (3) (the paper's footnote 4).
+    """A wing in the free stream with the lift of eq. (3) (footnote 4 of the paper).
 
     Attributes
     ----------
@@ -76,10 +77,10 @@ class Wing:
     incidence : float
         Angle between its zero-lift line and the vehicle's x axis [rad], positive leading edge up.
     c_l1, c_l2, alpha_0 : float
-        As for a blade section [1/rad], [-], [rad].
+        Section constants, as for a blade section [1/rad], [-], [rad].
     span : float or None
-        [m], for the drag that comes with lift, that of an elliptic wing: Prandtl, NACA report 116,
-        1921; None for no such drag, as in the paper.
+        Span [m] for the induced drag of an elliptic wing: Prandtl, NACA report 116, 1921; None for
+        no induced drag, as in the paper.
     """
 
     area: float
@@ -92,20 +93,20 @@ class Wing:
 
 @dataclass(frozen=True)
 class Wakes:
-    """How the rotors' wakes act on each other, see ``propmap.vehicle.wakes``.
+    """Interaction of the rotors through their wakes, see ``propmap.vehicle.wakes``.
 
-    Where rotors are above each other, the slipstreams of the upper ones act on the lower ones, and
-    no gain counts.
+    For overlapping rotors above each other, the slipstream of the upper rotor acts on the lower
+    rotor, without a gain.
 
     Attributes
     ----------
     ahead, beside, downwash : float
-        Factors on the velocity that a vortex cylinder induces [-]: on upwash at rotors ahead of or
-        behind the one whose wake it is, as the air meets it, on upwash at rotors beside it, and on
-        downwash; 1 is the cylinder's own, 0 none.
+        Gains on the velocity induced by a vortex cylinder [-]: 1 for the value of the cylinder, 0
+        for none.  ``ahead`` applies to upwash at rotors ahead of or behind the source rotor in the
+        flight direction, ``beside`` to upwash at rotors to its side, ``downwash`` to downwash.
     share : float
-        Share of a rotor's inflow in the air that carries its wake away [-]: 1 at the disk, 2 far
-        below.
+        Multiple of the rotor's inflow in the velocity that carries its wake away [-]: 1 at the
+        disk, 2 far below.
     """
 
     ahead: float = 1.0
@@ -115,22 +116,22 @@ class Wakes:
 
     @property
     def slipstreams_alone(self) -> bool:
-        """Whether no wake acts but the slipstreams of rotors on those below them."""
+        """Whether only the slipstreams of upper rotors act on lower rotors."""
         return self == SLIPSTREAMS
 
 
 SLIPSTREAMS = Wakes(ahead=0.0, beside=0.0, downwash=0.0)
-"""What acts in a vehicle whose file has no [wakes]."""
+"""Interaction in a vehicle whose file has no [wakes]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Vehicle:
-    """Rotors of one kind on a frame.
+    """A vehicle with equal propellers.
 
     Attributes
     ----------
     name : str
-        What it is called.
+        Name of the vehicle.
     mass : float
         Take-off mass [kg].
     propeller : Propeller
@@ -138,26 +139,25 @@ class Vehicle:
     mounts : tuple of Mount
         One per rotor, in the order of the rotor speeds.
     air : Air
-        By default the paper's.
+        Air (default: values of the paper).
     body, wing : Body, Wing or None
-        What else carries or drags.
+        Forces of the body, and of a wing if there is one.
     powertrain : Powertrain
-        What turns the rotors, as far as it is known.
+        Known components of the powertrain.
     wakes : Wakes or None
-        How the rotors' wakes act on each other; None for not at all, as in the paper.  A file
-        without [wakes] has ``SLIPSTREAMS`` where rotors are above each other.
+        Interaction of the rotors; None for no interaction, as in the paper.  A file without [wakes]
+        has ``SLIPSTREAMS`` if rotors are above each other.
     sensor : tuple of 3 float
-        Where the accelerometer of its logs is, from the centre of mass [m].
+        Position of the accelerometer of its logs relative to the center of mass [m].
     inertia : tuple of 3 float, or None
-        Moments of inertia about its axes through the centre of mass [kg m^2]; None where they are
-        not known.
+        Moments of inertia about its axes through the center of mass [kg m^2]; None if unknown.
     rotor_inertia : float
-        Moment of inertia of one rotor with what turns with it, about its axis [kg m^2].
+        Moment of inertia of one rotor and its rotating motor parts about the rotor axis [kg m^2].
 
     Raises
     ------
     InputError
-        For a mass, a spin or an axis that cannot be.
+        For an impossible mass, inertia, spin or axis.
     """
 
     name: str
@@ -183,10 +183,11 @@ class Vehicle:
             if not min(self.inertia) > 0.0:
                 raise InputError(what, "give three numbers above zero, or leave it out")
             if largest > (sum(self.inertia) - largest) * 1.001:
-                found = f"{what}, one of which is more than the other two together"
+                found = f"{what}: one value is larger than the sum of the others"
                 raise InputError(found, "check the order [about x, about y, about z] and the units")
         if not 0.0 <= self.rotor_inertia < 0.1 * self.mass:
-            remedy = "give that of one rotor with its motor's bell about its axis, or leave it out"
+            remedy = "give the inertia of one rotor and its motor's bell about the rotor axis, or "
+            remedy += "leave it out"
             raise InputError(f"rotor_inertia is {self.rotor_inertia:g} kg m^2", remedy)
         for k, mount in enumerate(self.mounts, start=1):
             if mount.spin not in SPINS:
@@ -195,11 +196,11 @@ class Vehicle:
             length = sum(a * a for a in mount.axis) ** 0.5
             if abs(length - 1.0) > 1e-6:
                 fault = f"rotor {k}: the axis has length {length:g}"
-                raise InputError(fault, "give a unit vector, [0, 0, 1]")
+                raise InputError(fault, "give a unit vector, such as [0, 0, 1]")
 
     @property
     def hub_positions(self) -> Floats:
-        """Positions of the k hubs relative to the centre of mass, (k, 3) [m]."""
+        """Positions of the k hubs relative to the center of mass, (k, 3) [m]."""
         return np.array([mount.position for mount in self.mounts])
 
     @property

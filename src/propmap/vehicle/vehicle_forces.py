@@ -1,4 +1,4 @@
-"""Force and moment of the air on a vehicle: rotors in each other's wakes, body and wing."""
+"""Aerodynamic force and moment on a vehicle: interacting rotors, body and wing."""
 
 from __future__ import annotations
 
@@ -33,29 +33,30 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class VehicleWrench:
-    """Force and moment of the air on a vehicle of k rotors at (...) states, in its frame.
+    """Aerodynamic force and moment on a vehicle of k rotors at (...) states, in its frame.
 
-    Weight, and what spinning rotors do to a vehicle that turns, are not among them.
+    Weight and gyroscopic moments of the rotors are not included.
 
     Attributes
     ----------
     force, moment : ndarray, shape (..., 3)
-        [N], and about the centre of mass [N m]; NaN where a rotor's loads were not found.
+        Total force [N], and moment about the center of mass [N m]; NaN if the loads of a rotor were
+        not found.
     status : ndarray of str, shape (...)
-        The worst of the rotors', in the words of ``propmap.Loads`` or of a table's loads, or
-        "extrapolated" where a rotor's flow is beyond the data of the fit that its constants are of.
+        Worst status of the rotors, as in ``propmap.Loads`` or a table's loads.  It is
+        "extrapolated" if a rotor's flow is outside the data of the fit of its section constants.
     rotor_force, rotor_moment : ndarray, shape (..., k, 3)
-        Force and moment of each rotor with its mount [N], and about the centre of mass [N m].
+        Force of each rotor and its mount [N], and its moment about the center of mass [N m].
     body_force, wing_force : ndarray, shape (..., 3)
-        [N], at the centre of mass; zero where there is none.
+        Forces at the center of mass [N]; zero without a body or wing.
     thrust, torque : ndarray, shape (..., k)
         Thrust and torque of each rotor [N], [N m].
     added_flow : ndarray, shape (..., k)
-        What the wakes of the other rotors add to V cos(beta) [m/s]; zero without [wakes].
+        Velocity that the wakes of the other rotors add to V cos(beta) [m/s]; zero without [wakes].
     rotor_status : ndarray of str, shape (..., k)
         Status of each rotor.
     power : ndarray, shape (...)
-        Power of all shafts, the sum of torque times omega [W].
+        Total shaft power, the sum of torque times omega [W].
     """
 
     force: Floats
@@ -73,21 +74,21 @@ class VehicleWrench:
 
 
 class VehicleForces:
-    """A vehicle with the loads of its rotors, ready to give force and moment of the air on it.
+    """A vehicle and the loads of its rotors: computes the aerodynamic force and moment.
 
     Parameters
     ----------
     vehicle : Vehicle
-        From ``propmap.read_vehicle(path).vehicle``.  Its rotors are in each other's wakes where it
-        has ``wakes``.
+        Vehicle, from ``propmap.read_vehicle(path).vehicle``.  Its rotors interact if it has
+        ``wakes``.
     loads : Rotor or LoadTable
-        Gives its rotors' loads: these, or what else has ``loads_at_velocity``.
+        Source of the loads of its rotors; other objects need a method ``loads_at_velocity``.
 
     Raises
     ------
     InputError
-        Where the loads are of another propeller or air than the vehicle's, where a table's rotors
-        have mounts, and where two rotors in each other's wakes are in one place.
+        For loads of another propeller or other air, for a table if the vehicle has mounts, and for
+        interacting rotors in one place.
     """
 
     def __init__(self, vehicle: Vehicle, loads: LoadSource) -> None:
@@ -98,48 +99,46 @@ class VehicleForces:
 
     def wrench(
         self,
-        omegas: ArrayLike,
+        omega: ArrayLike,
         velocity: ArrayLike,
         rates: ArrayLike = (0.0, 0.0, 0.0),
         wind: ArrayLike = (0.0, 0.0, 0.0),
     ) -> VehicleWrench:
-        """Force and moment of the air on the vehicle.
+        """Return the aerodynamic force and moment on the vehicle.
 
         All vectors are in the vehicle's frame: x forward, y left, z up.  Leading axes broadcast.
 
         Parameters
         ----------
-        omegas : array_like, shape (..., k)
+        omega : array_like, shape (..., k)
             Speeds of the k rotors, in the order of the vehicle's mounts [rad/s], >= 0.
         velocity : array_like, shape (..., 3)
-            Velocity of the centre of mass over the ground [m/s].
+            Velocity of the center of mass over the ground [m/s].
         rates : array_like, shape (..., 3)
-            How fast it turns [rad/s].
+            Angular velocity [rad/s].
         wind : array_like, shape (..., 3)
-            Velocity of the air over the ground [m/s], uniform; a wind that is known in the world's
-            frame has to be turned into the vehicle's.
+            Uniform velocity of the air over the ground [m/s]; convert a wind in the world's frame
+            to the vehicle's frame first.
 
         Raises
         ------
         InputError
-            For other shapes, for negative rotor speeds, and for what is not finite.
+            For other shapes, negative rotor speeds, and values that are not finite.
         """
         k = len(self._rotors)
         vectors = {"velocity": velocity, "rates": rates, "wind": wind}
-        given = {"omegas": rates_of("omegas", omegas)}
+        given = {"omega": rates_of("omega", omega)}
         given |= {name: broadcast(**{name: vector})[0] for name, vector in vectors.items()}
         for name, array in given.items():
-            count, what = (3, "x, y, z") if name in vectors else (k, f"speeds of the {k} rotors")
+            count, what = (3, "x, y, z") if name in vectors else (k, f"the {k} rotor speeds")
             if array.ndim == 0 or array.shape[-1] != count:
-                raise InputError(
-                    f"{name} has shape {array.shape}", f"its last axis must hold the {what}"
-                )
+                raise InputError(f"{name} has shape {array.shape}", f"its last axis must be {what}")
         try:
             shape = np.broadcast_shapes(*(array.shape[:-1] for array in given.values()))
         except ValueError:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items())
             raise InputError(
-                f"shapes do not fit together: {shapes}", "all axes but the last must broadcast"
+                f"shapes do not fit together: {shapes}", "all axes except the last must broadcast"
             ) from None
         omega, moving, turning, air = (
             np.broadcast_to(array, (*shape, array.shape[-1])) for array in given.values()
@@ -171,31 +170,31 @@ class VehicleForces:
 
 
 # -------------------------------------------------------------------------------------------------
-# The rotors of a vehicle as force and moment on it, in each other's wakes.
+# Forces and moments of the interacting rotors of a vehicle.
 
 THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
-FORWARD = 0.5  # upward part of the rotors' mean axis below which they pull forward
+FORWARD = 0.5  # rotors pull forward if the upward component of their mean axis is smaller
 FLOW_STEP = 1e-2  # step of difference quotients by the axial flow [m/s]
 
 
 class RotorWrenches(NamedTuple):
-    """What k rotors do at (...) states."""
+    """Forces, moments and loads of k rotors at (...) states."""
 
     force: Floats  # (..., k, 3) on the vehicle at the hub, in its frame [N]
     moment: Floats  # (..., k, 3) about the hub [N m]
     thrust: Floats  # (..., k) [N]
     torque: Floats  # (..., k) [N m]
-    added_flow: Floats  # (..., k), by other rotors' wakes to V cos(beta) [m/s]; NaN: not known
+    added_flow: Floats  # (..., k), added to V cos(beta) by other wakes [m/s]; NaN if unknown
     status: NDArray[np.str_]  # (..., k)
 
 
 class Rotors:
-    """All rotors of a vehicle, in each other's wakes where the vehicle has ``wakes``.
+    """All rotors of a vehicle, which interact if the vehicle has ``wakes``.
 
-    ``sources`` give the loads of which rotors; ``attached`` is the rotor whose ``attached_thrust``
-    makes the wakes, by default the thrust of the sources, which takes their loads twice.  Raises
-    ``InputError`` where there are wakes and two rotors are in one place.
+    ``sources`` compute the loads of the rotors.  The wakes follow from the ``attached_thrust`` of
+    ``attached``, or by default from the thrust of the sources, which are then evaluated twice.
+    Raises ``InputError`` for interacting rotors in one place.
     """
 
     def __init__(self, vehicle: Vehicle, sources: Sources, attached: Rotor | None = None) -> None:
@@ -213,14 +212,14 @@ class Rotors:
 
     @property
     def forward(self) -> bool:
-        """Whether they pull forward rather than up."""
+        """Whether the rotors pull forward rather than up."""
         return float(self.axis[:, 2].mean()) < FORWARD
 
     @classmethod
     def of(cls, vehicle: Vehicle, loads: LoadSource) -> Rotors:
-        """Make the rotors with loads from a ``Rotor``, of whose model they are, or from a table.
+        """Return the rotors with loads from a ``Rotor``, which also gives their model, or a table.
 
-        Raises ``InputError`` where the propeller or the air is another than the vehicle's.
+        Raises ``InputError`` if propeller or air differ from the vehicle.
         """
         if not isinstance(loads, LoadSource):
             raise InputError(
@@ -239,7 +238,8 @@ class Rotors:
         return cls(vehicle, every, loads if vehicle.wakes is not None else None)
 
     def moment(self, force: Floats, moment: Floats) -> Floats:
-        """Return moments (..., k, 3) [N m] about the centre of mass of what acts at the hubs."""
+        """Return moments (..., k, 3) [N m] about the center of mass from forces and moments at the
+        hubs."""
         return moment + cross(self.position, force)
 
     def wrenches(self, omega: Floats, velocity: Floats) -> RotorWrenches:
@@ -258,7 +258,7 @@ class Rotors:
         return _as_wrenches(flow, loads, added, status, omega.shape)
 
     def added(self, omega: Floats, velocity: Floats) -> Floats:
-        """Return what the wakes add to V cos(beta) (..., k) [m/s], as ``wrenches`` has it."""
+        """Return the velocity that wakes add to V cos(beta) (..., k) [m/s], as in ``wrenches``."""
         assert self.wakes is not None
         flow = self._flow(omega, velocity)
         alone = self._alone(flow)
@@ -274,13 +274,13 @@ class Rotors:
     def around(
         self, omega: Floats, velocity: Floats, change: float
     ) -> tuple[RotorWrenches, Floats, Floats]:
-        """Return each rotor's wrench in s motions, and what its speed does to the wrenches of all.
+        """Return the wrenches for s motions, and derivatives of the total by each rotor's speed.
 
-        Rotor speeds ``omega`` (n, k) [rad/s] are those of all motions, whose hubs move at
-        ``velocity`` (s, n, k, 3) [m/s]; ``change`` is the relative step of a difference quotient by
-        a rotor speed.  The derivatives (n, k, 3) by the speed of each rotor are of the force [N s]
-        and of the moment about the centre of mass [N m s], in the first motion, with the wakes that
-        change.
+        All motions have the rotor speeds ``omega`` (n, k) [rad/s]; their hub velocities are
+        ``velocity`` (s, n, k, 3) [m/s].  ``change`` is the relative step of the difference quotient
+        by a rotor speed.  The derivatives (n, k, 3) of the total force [N s] and of the moment
+        about the center of mass [N m s] are those of the first motion, and include the change of
+        the wakes.
         """
         s, n, k = velocity.shape[:3]
         first, faster = np.arange(n), np.arange(s * n, (s + 1) * n)
@@ -306,7 +306,7 @@ class Rotors:
         force, moment = hub_wrenches(here, (loads[:, faster] - loads[:, first]) / step)
         moment = self.moment(force, moment)
         if wake is not None:
-            # The flow that a rotor's speed adds at all others, and what that does there.
+            # A rotor's speed changes the flow at the other rotors, and thereby their loads.
             push, turn = hub_wrenches(here, (loads[:, (s + 1) * n :] - loads[:, first]) / FLOW_STEP)
             by_speed = wake.by_thrust * ((thrust[faster] - thrust[first]) / step)[:, None]
             force = force + np.einsum("ntj,nts->nsj", push, by_speed)
@@ -318,10 +318,10 @@ class Rotors:
         return wrenches, force, moment
 
     def changed(self, changes: Sources, omega: Floats, velocity: Floats) -> RotorWrenches:
-        """Return what ``changes`` of the loads do to each rotor's force and moment, to first order.
+        """Return the first-order changes of forces and moments due to ``changes`` of the loads.
 
-        Where there are wakes, they change with the thrusts, attached or not; ``omega`` (n, k) and
-        ``velocity`` (n, k, 3) are those of ``wrenches``.
+        Wakes change with the thrusts, also if they follow from the attached thrust.  ``omega``
+        (n, k) and ``velocity`` (n, k, 3) are those of ``wrenches``.
         """
         flow = self._flow(omega, velocity)
         added = np.zeros_like(flow.omega)
@@ -334,7 +334,7 @@ class Rotors:
             loads_at_hubs(self.sources, flow.perturbed(wake.added + by))[0]
             for by in (FLOW_STEP, -FLOW_STEP)
         )
-        # Both in one call: changes are computed once, for one set of points.
+        # Both flows in one call, since ``changes`` computes its points only once.
         twice = np.tile(np.arange(len(omega)), 2)
         both = flow.part(twice).perturbed(np.concatenate([np.zeros_like(added), wake.added]))
         every, status = loads_at_hubs(changes, both)
@@ -344,12 +344,12 @@ class Rotors:
         return _as_wrenches(flow, loads, follows, status[len(omega) :], omega.shape)
 
     def _flow(self, omega: Floats, velocity: Floats) -> HubFlow:
-        """Find the flow at the hubs; leading axes are made one."""
+        """Return the flow at the hubs, with all leading axes flattened to one."""
         k = len(self)
         return flow_of_hubs(self.vehicle, omega.reshape(-1, k), velocity.reshape(-1, k, 3))
 
     def _alone(self, flow: HubFlow) -> _Isolated:
-        """Find the thrust of the rotors without each other's wakes."""
+        """Return the thrust of the rotors without interaction."""
         if self._attached is None:
             loads, status = loads_at_hubs(self.sources, flow)
             return _Isolated(np.nan_to_num(loads[THRUST]), np.isnan(loads[THRUST]), status)
@@ -367,18 +367,18 @@ class Rotors:
 
 
 class _Isolated(NamedTuple):
-    """Thrust that makes the wakes, where it is not known, and the status; (n, k) each."""
+    """Thrust that generates the wakes, a mask of unknown thrust, and the status; (n, k) each."""
 
     thrust: Floats
     lost: NDArray[np.bool_]
     status: NDArray[np.str_]
 
     def part(self, which: NDArray[np.intp]) -> _Isolated:
-        """Return some states."""
+        """Return the selected states."""
         return _Isolated(self.thrust[which], self.lost[which], self.status[which])
 
     def known(self, added: Floats) -> Floats:
-        """Return the ``added`` flow, NaN where the thrust of another rotor is not known."""
+        """Return the ``added`` flow, NaN if the thrust of another rotor is unknown."""
         others = self.lost.sum(axis=1, keepdims=True) - self.lost
         return np.where(others > 0, np.nan, added)
 
@@ -386,16 +386,16 @@ class _Isolated(NamedTuple):
 def _as_wrenches(
     flow: HubFlow, loads: Floats, added: Floats, status: NDArray[np.str_], shape: tuple[int, ...]
 ) -> RotorWrenches:
-    """Return loads (L, n, k) as vectors, of the ``shape`` (..., k) that was asked for."""
+    """Return loads (L, n, k) as ``RotorWrenches`` of the ``shape`` (..., k)."""
     force, moment = (values.reshape(*shape, 3) for values in hub_wrenches(flow, loads))
     thrust, torque = loads[THRUST].reshape(shape), loads[TORQUE].reshape(shape)
     return RotorWrenches(force, moment, thrust, torque, added.reshape(shape), status.reshape(shape))
 
 
 def mounted_rotors(vehicle: Vehicle, model: Model) -> list[tuple[Model, NDArray[np.intp]]]:
-    """List each model that some of the rotors have, by what they are mounted on, and their indices.
+    """Return the different models of the rotors by their mounts, and the indices of the rotors.
 
-    ``model`` is that of a rotor of which the vehicle says nothing.
+    ``model`` is the model of rotors without a mount.
     """
     drags = [mount.drag for mount in vehicle.mounts]
     return [
@@ -408,16 +408,16 @@ def mounted_rotors(vehicle: Vehicle, model: Model) -> list[tuple[Model, NDArray[
 
 
 # -------------------------------------------------------------------------------------------------
-# Loads of a vehicle's rotors from what gives them: a rotor, a table or the hover model.
+# Loads of a vehicle's rotors from a rotor model, a table or the hover model.
 
 USABLE, (RING, LOST) = STATUSES[:-2], STATUSES[-2:]
 SEVERITY = (*USABLE, "extrapolated", RING, "unresolved", "clamped", LOST, "no_value", "outside")
-"""Statuses of rotors and of tables, and of points beyond a fit's data, from harmless to fatal."""
+"""Statuses of rotors, of tables, and of points outside a fit's data, from harmless to fatal."""
 
 
 @runtime_checkable
 class LoadSource(Protocol):
-    """What gives loads for a velocity in the rotor frame, as ``Rotor`` and ``LoadTable`` do."""
+    """Interface of ``Rotor`` and ``LoadTable``: loads for a velocity in the rotor frame."""
 
     def loads_at_velocity(self, omega: Any, velocity: Any) -> Any:
         """Return loads with a ``status``."""
@@ -425,7 +425,7 @@ class LoadSource(Protocol):
 
 
 Sources = list[tuple[LoadSource, NDArray[np.intp]]]
-"""What gives the loads of which rotors."""
+"""Sources of loads, each with the indices of its rotors."""
 
 
 def loads_at_hubs(sources: Sources, flow: HubFlow) -> tuple[Floats, NDArray[np.str_]]:
@@ -436,7 +436,7 @@ def loads_at_hubs(sources: Sources, flow: HubFlow) -> tuple[Floats, NDArray[np.s
         parts = [values[:, mine] for values in (flow.omega, flow.inplane, flow.axial)]
         if not parts[0].size:
             continue
-        # Half the rotors of a symmetric vehicle see what the other half sees.
+        # Rotors of a symmetric vehicle have equal points, which are evaluated once.
         once, where = _distinct(np.stack(parts, axis=-1).reshape(-1, 3))
         where = where.reshape(parts[0].shape)
         omega, across, along = once.T
@@ -463,7 +463,7 @@ def worst(status: NDArray[np.str_]) -> NDArray[np.str_]:
 
 
 def _distinct(points: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the distinct rows of points (n, 3), but for rounding, and which each one is."""
+    """Return the rows of points (n, 3) that differ by more than rounding, and the row of each."""
     size = np.maximum(np.abs(points).max(axis=0, initial=0.0), 1e-30)
     rounded = np.round(points / size, 11) + 0.0
     order = np.lexsort(rounded.T)
@@ -475,37 +475,37 @@ def _distinct(points: Floats) -> tuple[Floats, NDArray[np.intp]]:
 
 
 def check_table(vehicle: Vehicle, table: Any) -> None:
-    """Raise ``InputError`` for a ``table``, or what else has loads, of another rotor or air."""
+    """Raise ``InputError`` if a ``table``, or another source of loads, does not fit the vehicle."""
     if any(mount.drag is not None for mount in vehicle.mounts):
         raise InputError(
-            "the vehicle file has [mount], of which a table knows nothing",
-            "leave out [mount] and build the table with --correction installed:area_m2=...",
+            "the vehicle file has [mount], which does not apply to a table",
+            "remove [mount], and build the table with --correction installed:area_m2=...",
         )
     described = getattr(table, "info", {}).get("propeller")
     if described is None:
         return
     if described.get("geometry_sha256") != vehicle.propeller.fingerprint():
         raise InputError(
-            f"the table is of {described.get('name')!r}, the vehicle has "
+            f"the table is for {described.get('name')!r}, the vehicle has "
             f"{vehicle.propeller.name!r}, or the same with another geometry",
             "build a table for this propeller",
         )
     if abs(table.content.density - vehicle.air.density) > 1e-6 * vehicle.air.density:
         raise InputError(
-            f"the table holds for {table.content.density:g} kg/m^3, the vehicle flies in "
-            f"{vehicle.air.density:g}",
+            f"the table is valid for {table.content.density:g} kg/m^3, the vehicle flies in "
+            f"{vehicle.air.density:g} kg/m^3",
             "build a table with --rho, or change [air]",
         )
 
 
 # -------------------------------------------------------------------------------------------------
-# Force of a body and a wing in the free stream: section III.A and footnote 4 of the paper.
+# Forces of body and wing in the free stream: section III.A and footnote 4 of the paper.
 
 
 def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: Floats) -> Floats:
     """Return the force of body and wing [N] at a ``velocity`` (..., 3) through the air [m/s].
 
-    Both are in the vehicle's frame; ``density`` is that of the air [kg/m^3].
+    Both vectors are in the vehicle's frame; ``density`` is the air density [kg/m^3].
     """
     return np.asarray(sum(body_and_wing(body, wing, density, velocity)))
 
@@ -513,7 +513,7 @@ def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: F
 def body_and_wing(
     body: Body, wing: Wing | None, density: float, velocity: Floats
 ) -> tuple[Floats, Floats]:
-    """Return the parts of ``free_stream_force``, zero where there is no ``wing``."""
+    """Return the forces of body and wing in ``free_stream_force``, zero without a ``wing``."""
     from propmap import core
 
     rows = np.ascontiguousarray(velocity).reshape(-1, 3)
@@ -523,7 +523,7 @@ def body_and_wing(
 
 
 def airframe(body: Body, wing: Wing | None, density: float) -> dict[str, Any]:
-    """Write body and wing in air of a ``density`` [kg/m^3] as the core takes them."""
+    """Return body, wing and air ``density`` [kg/m^3] in the form that the core reads."""
     found: dict[str, Any] = {"density": float(density), "lift_area": float(body.lift_area)}
     found["plate_area"] = float(body.plate_area)
     for name in ("drag_area", "download_area"):

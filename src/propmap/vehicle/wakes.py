@@ -1,4 +1,4 @@
-"""The flow at each rotor of a moving vehicle: by its motion, and by the other rotors' wakes."""
+"""The flow at each rotor of a moving vehicle, due to its motion and the wakes of other rotors."""
 
 from __future__ import annotations
 
@@ -22,35 +22,39 @@ if TYPE_CHECKING:
 
 
 # -------------------------------------------------------------------------------------------------
-# The rotors' wakes on each other: what they add to the axial flow at each other's disks.
+# Interaction of the rotors: the axial flow that wakes add at the disks of other rotors.
 #
-# Each rotor's wake is a skewed vortex cylinder (below) that carries twice the inflow of Glauert's
-# momentum theory (10).  Its velocity along the axis of each other rotor, averaged over that disk,
-# times a gain, adds to V cos(beta) there.  The gains stand for what the cylinder leaves out, as
-# rolled-up tip vortices; they are one where the cylinder is right.  Rotors above each other have
-# the contracted slipstream (further below) in place of cylinders, without a gain.
+# The wake of each rotor is a skewed vortex cylinder (below) with a circulation density of twice the
+# inflow v of Glauert's momentum theory (10).  The cylinder induces a velocity along the axis of
+# each other rotor.  Its average over the other disk, times a gain, adds to V cos(beta) there.  The
+# gains represent effects that the cylinder lacks, such as rolled-up tip vortices; a gain of one is
+# the cylinder alone.  For overlapping rotors above each other, the contracted slipstream (further
+# below) replaces the cylinder, without a gain.
 
 LARGEST_INFLOW = 2.0
-"""Inflow over that of the same thrust in hover [-], at most: about what is measured in the vortex
-ring, where momentum theory has no solution."""
+"""Upper limit of the inflow over the hover inflow at the same thrust [-]: about the measured value
+in the vortex ring state, where momentum theory has no solution."""
 
-UPWASH = 0.005  # per density of circulation [-], from which the gain is all that of upwash
+UPWASH = 0.005
+"""Upwash per density of circulation above which the upwash gain applies in full [-]; below it, the
+gain changes smoothly to the gain of the downwash."""
 
 LARGEST_UPWASH = 0.5
-"""Upwash per density of circulation, gain included [-], at most: a wake then moves the air by the
-inflow of its rotor, as a cylinder does at its own surface, the fastest there is outside."""
+"""Upper limit of the upwash per density of circulation, including the gain [-].  At this limit the
+upwash equals the inflow of the source rotor: the largest velocity outside a cylinder, which occurs
+at its surface."""
 
-SLOW = 0.5  # in-plane velocity [m/s] about which ahead and beside begin to differ
-STEPS = 40  # steps of Newton's method, which is monotone from above
+SLOW = 0.5  # in-plane velocity [m/s] above which the gains ahead and beside differ clearly
+STEPS = 40  # steps of Newton's method, which converges monotonically from above
 
 
 @dataclass(frozen=True, eq=False)
 class WakeFlow:
-    """What the wakes add to the axial velocity at each of m rotors, n samples."""
+    """Axial velocity added by the wakes at each of m rotors in n samples, and its derivatives."""
 
-    added: Floats  # (n, m) to V cos(beta) [m/s], gains included; positive is downwash
-    by_gain: dict[str, Floats]  # its derivatives (n, m) by the fields of ``Wakes`` [m/s]
-    by_thrust: Floats  # its derivatives (n, m, m) by each rotor's thrust, the last axis [m/s/N]
+    added: Floats  # (n, m), added to V cos(beta), with gains [m/s]; positive for downwash
+    by_gain: dict[str, Floats]  # derivatives (n, m) by the fields of ``Wakes`` [m/s]
+    by_thrust: Floats  # derivatives (n, m, m) by the thrust of each rotor, the last axis [m/s/N]
 
 
 def glauert_inflow(
@@ -58,9 +62,10 @@ def glauert_inflow(
 ) -> tuple[Floats, Floats]:
     """Solve eq. (10) for a disk's uniform inflow v, T = 2 rho A v sqrt(V_in^2 + (V_ax + v)^2).
 
-    Arrays are (...): ``thrust`` [N], V cos(beta) and V sin(beta) [m/s]; ``disk`` is rho A [kg/m].
-    Where descent has several solutions v [m/s] is the largest, but no more than ``LARGEST_INFLOW``;
-    0 without thrust, NaN where an argument is.  Also returns its derivative by T [m/s/N].
+    Arrays are (...): ``thrust`` T [N], ``axial`` V cos(beta) and ``inplane`` V sin(beta) [m/s];
+    ``disk`` is rho A [kg/m].  Return v [m/s] and its derivative by T [m/s/N].  If descent has
+    several solutions, v is the largest one, limited by ``LARGEST_INFLOW``.  Without thrust v is 0;
+    it is NaN if an argument is NaN.
     """
     square = np.maximum(thrust, 0.0) / (2.0 * disk)
     hover = np.sqrt(square)
@@ -73,7 +78,7 @@ def glauert_inflow(
     through = axial + v
     speed = np.sqrt(inplane**2 + through**2 + 1e-12)
     slope = 1.0 / (2.0 * disk * np.maximum(speed + v * through / speed, 1e-6))
-    # The hover's inflow rises without bound as its thrust begins.
+    # The derivative of the hover inflow is infinite at zero thrust, so a least thrust limits it.
     at_most = LARGEST_INFLOW * hover
     limit_slope = at_most / np.maximum(2.0 * thrust, 1e-6)
     slope = np.where(v < at_most, slope, limit_slope)
@@ -81,21 +86,21 @@ def glauert_inflow(
 
 
 def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> HubFlow:
-    """Find the flow at rotors in each other's wakes, each of which has attached thrust.
+    """Return the flow at interacting rotors; the wakes follow from the attached thrust.
 
     Parameters
     ----------
     vehicle, wakes : Vehicle, Wakes
-        Where its m rotors are, and how they act on each other.
+        Vehicle with m rotors, and their interaction.
     model : Model
-        Physics of its rotors.
+        Model of its rotors.
     flow : HubFlow
-        Flow of n samples without the wakes.
+        Flow of n samples without interaction.
 
     Raises
     ------
     InputError
-        Where two rotors are in one place.
+        For two rotors in one place.
     """
     check_apart(vehicle)
     thrust, _ = Rotor(model).attached_thrust(flow.omega, flow.axial, flow.inplane)
@@ -104,10 +109,10 @@ def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> Hub
 
 
 def added_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> Floats:
-    """Return what the wakes of all other rotors add to V cos(beta) at each [m/s], (n, m).
+    """Return the velocity that other wakes add to V cos(beta) at each rotor [m/s], (n, m).
 
-    ``vehicle``, ``wakes``, ``flow`` and ``thrust`` are those of ``wake_flow``, which gives the
-    derivatives as well and takes twice the time.
+    ``vehicle``, ``wakes``, ``flow`` and ``thrust`` are those of ``wake_flow``, which also computes
+    derivatives and takes twice the time.
     """
     inflow, _ = _inflow(vehicle, flow, thrust)
     seen, _ = _seen(vehicle, wakes, flow, inflow)
@@ -120,18 +125,18 @@ def added_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) ->
 
 
 def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> WakeFlow:
-    """Return what the wakes of all other rotors add to the axial flow at each, and its derivatives.
+    """Return the axial flow that other wakes add at each rotor, and its derivatives.
 
     Parameters
     ----------
     vehicle : Vehicle
-        Where its m rotors are.
+        Vehicle with m rotors.
     wakes : Wakes
-        Gains, and the share of its inflow that skews a wake.
+        Gains, and the multiple of the inflow that carries a wake away.
     flow : HubFlow
-        Flow of n samples.
+        Flow of n samples without interaction.
     thrust : ndarray, shape (n, m)
-        Thrust of each rotor [N], without its neighbours.
+        Thrust of each rotor without interaction [N].
     """
     inflow, by_thrust = _inflow(vehicle, flow, thrust)
     seen, by_share = _seen(vehicle, wakes, flow, inflow, slope=True)
@@ -143,7 +148,7 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
     gained = down * (seen - rising) + lifted
     steeper = down * (1.0 - slope) + share * upwash * slope
     twice = 2.0 * inflow[:, None, :]
-    # A wake goes as 2 v K(share v): its strength and its direction change with the inflow.
+    # The velocity is 2 v K(share v): strength and direction of a wake depend on the inflow v.
     by_inflow = 2.0 * (gained + wakes.share * steeper * by_share)
     return WakeFlow(
         added=np.sum(twice * gained, axis=2),
@@ -158,31 +163,30 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
 
 
 def _inflow(vehicle: Vehicle, flow: HubFlow, thrust: Floats) -> tuple[Floats, Floats]:
-    """Return ``glauert_inflow`` at each rotor."""
+    """Return the ``glauert_inflow`` of each rotor."""
     disk = vehicle.air.density * np.pi * vehicle.propeller.radius**2
     return glauert_inflow(thrust, flow.axial, flow.inplane, disk)
 
 
 def _rising(seen: Floats) -> tuple[Floats, Floats]:
-    """Return the part of the velocities that is upwash, and its derivative; both continuous."""
+    """Return the upwash part of velocities ``seen``, and its derivative; both are continuous."""
     share = np.clip(-seen / UPWASH, 0.0, 1.0)
     return seen * share**2 * (3.0 - 2.0 * share), share**2 * (9.0 - 8.0 * share)
 
 
 def _limited(upwash: Floats) -> tuple[Floats, Floats]:
-    """Limit upwash per density of circulation, gain included, to ``LARGEST_UPWASH``.
-
-    Also returns what a little more upwash adds to it [-].
-    """
+    """Return upwash per density of circulation, with gain, limited to ``LARGEST_UPWASH``, and the
+    derivative of the limited upwash by ``upwash`` [-]."""
     relative = np.tanh(upwash / LARGEST_UPWASH)
     return LARGEST_UPWASH * relative, 1.0 - relative**2
 
 
 def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
-    """Say how far a target is along the flight of a source, not beside it (n, target, source) [-].
+    """Return the weight of the gain ahead (n, target, source) [-]: 1 in flight direction, 0 beside.
 
-    This is the squared cosine between the source's in-plane velocity and the direction to the
-    target in the source's disk plane; it fades to 0 as the velocity does, where there is neither.
+    The weight is the squared cosine between the source's in-plane velocity and the direction to the
+    target in the source's disk plane.  It tends to 0 at velocities below ``SLOW``, since ahead and
+    beside are undefined at rest.
     """
     position, axis = vehicle.hub_positions, vehicle.rotor_axes
     offset = position[:, None] - position[None]
@@ -196,17 +200,17 @@ def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
 def _seen(
     vehicle: Vehicle, wakes: Wakes, flow: HubFlow, inflow: Floats, *, slope: bool = False
 ) -> tuple[Floats, Floats]:
-    """Return the downward velocity (n, target, source) at each rotor by the wake of each [-].
+    """Return the downward velocity (n, target, source) that each wake induces at each rotor [-].
 
-    It is per density of the wake's circulation.  With ``slope``, also its derivative by the share
-    of the inflow that skews a wake, else zeros.
+    The velocity is per density of the wake's circulation.  With ``slope``, the second array is its
+    derivative by ``wakes.share``; otherwise it is zero.
     """
     mounts, radius, share = vehicle.mounts, vehicle.propeller.radius, wakes.share
     alone = wakes.slipstreams_alone
     found = np.zeros((inflow.shape[0], len(mounts), len(mounts)))
     by_share = np.zeros_like(found)
     for source, mount in enumerate(mounts):
-        # The air carries a wake against the hub's velocity and down its own axis.
+        # The air carries a wake against the velocity of the hub and down the rotor axis.
         away = -flow.velocity[:, source] @ frame_of(mount.axis).T
         away[:, 2] -= share * inflow[:, source]
         away[np.all(np.abs(away) < 1e-9, axis=1)] = 0.0, 0.0, -1.0
@@ -221,7 +225,7 @@ def _seen(
 
 
 def check_apart(vehicle: Vehicle) -> None:
-    """Raise ``InputError`` where two rotors of a ``vehicle`` with wakes are in one place."""
+    """Raise ``InputError`` if two rotors of a ``vehicle`` with wakes are in one place."""
     for k, mount in enumerate(vehicle.mounts):
         for j, other in enumerate(vehicle.mounts[:k]):
             distance = float(np.linalg.norm(np.subtract(mount.position, other.position)))
@@ -233,7 +237,7 @@ def check_apart(vehicle: Vehicle) -> None:
 
 
 # -------------------------------------------------------------------------------------------------
-# The flow at each rotor of a moving vehicle, and the rotors' forces and moments back on it.
+# The flow at each rotor of a moving vehicle, and the rotors' forces and moments on the vehicle.
 
 
 class HubFlow(NamedTuple):
@@ -244,8 +248,8 @@ class HubFlow(NamedTuple):
     inplane: Floats  # V_i sin(beta_i) >= 0, (n, m) [m/s]
     axis: Floats  # unit vectors along the thrust, (m, 3)
     downstream: Floats  # unit vectors (n, m, 3) along the rotor drag, zero without in-plane flow
-    position: Floats  # of the hubs from the centre of mass, (m, 3) [m]
-    spin: Floats  # 1 for counter-clockwise, else -1, (m,)
+    position: Floats  # of the hubs relative to the center of mass, (m, 3) [m]
+    spin: Floats  # 1 for counter-clockwise, -1 for clockwise, (m,)
 
     @property
     def velocity(self) -> Floats:
@@ -254,7 +258,7 @@ class HubFlow(NamedTuple):
         return along - self.inplane[..., None] * self.downstream
 
     def part(self, which: NDArray[np.intp] | slice) -> HubFlow:
-        """Return some samples."""
+        """Return the selected samples."""
         return self._replace(
             omega=self.omega[which],
             axial=self.axial[which],
@@ -263,23 +267,23 @@ class HubFlow(NamedTuple):
         )
 
     def perturbed(self, added: Floats) -> HubFlow:
-        """Return this flow with ``added`` (n, m) to the axial velocity [m/s]."""
+        """Return this flow with ``added`` (n, m) in the axial velocity [m/s]."""
         return self._replace(axial=self.axial + added)
 
 
 def hub_flow_at(vehicle: Vehicle, omega: Floats, velocity: Floats, rates: Floats) -> HubFlow:
-    """Find the flow at the hubs of rotors at ``omega`` (n, m) [rad/s].
+    """Return the flow at the hubs of rotors at ``omega`` (n, m) [rad/s].
 
-    The vehicle moves at ``velocity`` [m/s] and turns at ``rates`` [rad/s], (n, 3) in its frame.
+    The vehicle has the ``velocity`` [m/s] and the angular ``rates`` [rad/s], (n, 3) in its frame.
     """
     hubs = velocity[:, None] + cross(rates[:, None], vehicle.hub_positions)
     return flow_of_hubs(vehicle, omega, hubs)
 
 
 def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
-    """Find the flow at ``hubs`` whose velocities (n, m, 3) through the air are known.
+    """Return the flow for velocities of the ``hubs`` through the air (n, m, 3) [m/s].
 
-    They are in the vehicle's frame [m/s]; ``omega`` is (n, m) [rad/s].
+    The velocities are in the vehicle's frame; ``omega`` is (n, m) [rad/s].
     """
     from propmap import core
 
@@ -291,7 +295,7 @@ def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
 
 
 def rotor_forces(flow: HubFlow, thrust: Floats, drag: Floats) -> Floats:
-    """Sum the rotors' forces on the vehicle [N], (..., n, 3), of loads (..., n, m) [N]."""
+    """Return the total force of the rotors [N], (..., n, 3), from loads (..., n, m) [N]."""
     along = np.einsum("...nm,mk->...nk", thrust, flow.axis)
     return along + np.einsum("...nm,nmk->...nk", drag, flow.downstream)
 
@@ -299,8 +303,8 @@ def rotor_forces(flow: HubFlow, thrust: Floats, drag: Floats) -> Floats:
 def hub_wrenches(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
     """Return each rotor's force [N] on the vehicle and moment about its hub [N m], (..., n, m, 3).
 
-    The ``loads`` (L, ..., n, m) are in the order of ``LOADS``.  Both results are linear in them:
-    derivatives of loads give derivatives of forces and moments.
+    The ``loads`` (L, ..., n, m) are in the order of ``LOADS``.  Both results are linear in the
+    loads, so that derivatives of loads give derivatives of forces and moments.
     """
     from propmap import core
 
@@ -312,39 +316,40 @@ def hub_wrenches(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
 
 
 def rotor_wrench(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
-    """Sum the rotors' forces [N] and their moments about the centre of mass [N m], (..., n, 3).
+    """Return the total force [N] and moment about the center of mass [N m] of the rotors.
 
-    ``flow`` and ``loads`` are those of ``hub_wrenches``.
+    The shapes are (..., n, 3); ``flow`` and ``loads`` are those of ``hub_wrenches``.
     """
     force, moment = hub_wrenches(flow, loads)
     return force.sum(axis=-2), (moment + cross(flow.position, force)).sum(axis=-2)
 
 
 # -------------------------------------------------------------------------------------------------
-# The velocity of one rotor's wake, averaged over another's disk, for every way the wake may go.
+# Table of the velocity that one rotor's wake induces, averaged over the disk of another rotor.
 #
-# It depends on where the air carries the wake alone, so that a table over the two angles of that
-# direction serves all flights of a vehicle.  The table is made from the vortex cylinder when it is
-# first asked for, in some tenths of a second per pair of rotors that no other pair resembles.
-# Cubic splines go through it, so that the velocity and its slope are continuous.
+# The velocity depends only on the direction in which the air carries the wake.  A table over the
+# two angles of this direction is therefore valid for all flights of a vehicle.  At the first use,
+# the table is computed from the vortex cylinder, in some tenths of a second for each pair of rotors
+# with a new relative position.  Cubic splines interpolate it with continuous derivatives.
 
 SKEWS, BEARINGS = 121, 96  # nodes of the table: from straight down to straight up, and around
 TABLE_AZIMUTHS = 64
-"""Around each ring.  With the core of the sheet the error on the wake's surface is below 1 %."""
+"""Azimuths per ring.  With the core of the sheet, the error on the wake's surface is below 1 %."""
 
-RINGS, SPOKES = 4, 8  # nodes over a disk: Gauss's radii for equal areas, and angles
-_BEYOND = 4  # bearings by which the table goes on past a full turn, so that splines close
+RINGS, SPOKES = 4, 8  # nodes over a disk: Gauss radii for equal areas, and angles
+_BEYOND = 4  # bearings repeated on both sides of a full turn, so that the spline is periodic
 _SKEW = np.linspace(0.0, np.pi, SKEWS)
 _AROUND = 2.0 * np.pi * np.arange(BEARINGS) / BEARINGS
 
 
 class SeenWake:
-    """The wake of the rotor ``source`` as seen by the disk of ``target``, with one ``radius`` [m].
+    """The velocity induced by the wake of ``source`` at the disk of ``target``.
 
-    ``towards`` is the bearing of the target in the source's frame [rad], from which those of the
-    ``spline`` over skew and bearing [rad] count; similar pairs share one spline.  It is zero
-    where a wake does not act: on a rotor above its own that this overlaps and, with
-    ``slipstreams_alone``, on all that are not overlapped.
+    Both rotors have the ``radius`` [m].  The ``spline`` interpolates the velocity over skew and
+    bearing [rad] of the wake; ``towards`` is the bearing of the target in the source's frame [rad],
+    where the bearing of the spline is zero.  Pairs with equal relative positions share one spline.
+    The velocity is zero at rotors above the source that overlap it.  With ``slipstreams_alone`` it
+    is also zero at rotors that do not overlap the source.
     """
 
     def __init__(
@@ -357,7 +362,7 @@ class SeenWake:
         turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         self.towards = towards
         place, axis = turn @ offset, turn @ frame @ np.array(target.axis)
-        # Equal but for rounding: one table for all such pairs.
+        # Rounded, so that pairs that differ only by rounding errors share one table.
         where = tuple(float(x) for x in np.round([*place, *axis], 9) + 0.0)
         depth = depth_below(source, target, radius)
         self.acts = depth > 0.0 or not (depth or slipstreams_alone)
@@ -371,7 +376,7 @@ class SeenWake:
         """Return the velocity against the target's axis per density of circulation [-], (n,).
 
         The air carries the wake along ``direction`` (n, 3), of any length, in the source's frame.
-        With ``skewing``, the derivative by the wake's angle from straight down instead [1/rad].
+        With ``skewing``, return the derivative by the wake's angle from straight down [1/rad].
         """
         skew = np.arctan2(np.hypot(direction[:, 0], direction[:, 1]), -direction[:, 2])
         bearing = np.arctan2(direction[:, 1], direction[:, 0]) - self.towards
@@ -383,13 +388,13 @@ class SeenWake:
 def seen_wake(
     source: Mount, target: Mount, radius: float, slipstreams_alone: bool = False
 ) -> SeenWake:
-    """Make each ``SeenWake`` once: a flight asks for it at every step."""
+    """Return a cached ``SeenWake``, which simulations need at every step."""
     return SeenWake(source, target, radius, slipstreams_alone)
 
 
 @functools.lru_cache(maxsize=256)
 def frame_of(axis: tuple[float, float, float]) -> Floats:
-    """Return two directions in the disk and the ``axis`` as rows, right-handed; read-only."""
+    """Return two directions in the disk and the ``axis`` as rows of a right-handed frame."""
     z = np.array(axis)
     nearest = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     y = np.cross(z, nearest)
@@ -401,7 +406,8 @@ def frame_of(axis: tuple[float, float, float]) -> Floats:
 
 @functools.lru_cache(maxsize=256)
 def _table(x: float, y: float, z: float, along_x: float, along_y: float, along_z: float) -> Any:
-    """Fit a spline over skew and bearing for a target at (x, y, z) radii with such an axis."""
+    """Return the spline over skew and bearing for a target at (x, y, z) [radii] with axis
+    (along_x, along_y, along_z)."""
     rim, weights = _disk()
     axis = (along_x, along_y, along_z)
     points = np.array([x, y, z]) + rim @ frame_of(axis)
@@ -415,7 +421,7 @@ def _table(x: float, y: float, z: float, along_x: float, along_y: float, along_z
 
 
 def _spline(seen: Floats) -> Any:
-    """Fit a spline to velocities (SKEWS, BEARINGS)."""
+    """Return the spline through velocities (SKEWS, BEARINGS)."""
     from scipy.interpolate import RectBivariateSpline
 
     bearing = 2.0 * np.pi * np.arange(-_BEYOND, BEARINGS + _BEYOND + 1) / BEARINGS
@@ -424,11 +430,11 @@ def _spline(seen: Floats) -> Any:
 
 
 def _disk() -> tuple[Floats, Floats]:
-    """Return points (S, 3) of a disk of radius one, and their weights, which sum to one."""
+    """Return points (S, 3) on a disk of radius one, and their weights, whose sum is one."""
     node, weight = np.polynomial.legendre.leggauss(RINGS)
     radius = np.sqrt(0.5 * (node + 1.0))
     angle = 2.0 * np.pi * np.arange(SPOKES) / SPOKES
-    # Each ring is turned against the next, so that no direction has more points than others.
+    # Each second ring is rotated, so that all directions have equally many points.
     turned = angle + (np.pi / SPOKES) * (np.arange(RINGS) % 2)[:, None]
     flat = radius[:, None] * np.stack([np.cos(turned), np.sin(turned)])
     points = np.concatenate([flat, np.zeros((1, RINGS, SPOKES))]).reshape(3, -1).T
@@ -436,18 +442,22 @@ def _disk() -> tuple[Floats, Floats]:
 
 
 # -------------------------------------------------------------------------------------------------
-# The slipstream of a rotor at the disk of one below that it overlaps, as of a coaxial pair.
+# The slipstream of a rotor at the disk of an overlapping lower rotor, such as a coaxial rotor.
 #
-# At the distance s radii along the wake the inflow v has grown to v (1 + s/sqrt(1 + s^2)), as on
-# the axis of the vortex cylinder, and the slipstream has contracted so that as much air goes
-# through it as through the disk.  Its area on the lower disk, times the velocity, over that disk is
-# what the lower rotor meets: v in hover, at any depth, where it is wholly on the disk.  How much
-# it contracts is taken from level flight with this skew; fast climb brings up to twice v.
+# At the distance of s radii along the wake the velocity has grown to v (1 + s/sqrt(1 + s^2)), as on
+# the axis of the vortex cylinder.  The slipstream contracts so that its volume flow equals the flow
+# through the upper disk.  The lower rotor meets the velocity of the slipstream times the fraction
+# of its disk that the slipstream covers.  In hover this product is v at any depth, provided that
+# the slipstream is entirely on the disk.  The contraction is that of level flight with the same
+# skew; in fast climb real slipstreams contract less, and the product is up to 2 v.
 #
-# The upper rotor does not feel the lower one, as in the theory of coaxial rotors of Leishman and
-# Ananthan; with that, equal thrusts in hover take 1.309 times the induced power of two separate
-# rotors, where momentum theory has 1.281 for a lower rotor far below and 1.414 for one in the same
-# plane, which no coaxial pair can be.  A third rotor below has the slipstreams of both.
+# The lower rotor has no effect on the upper one, as in the theory of coaxial rotors by Leishman and
+# Ananthan.  At a third rotor, the slipstreams of both upper rotors add.  Induced power of two equal
+# thrusts in hover, relative to two separate rotors:
+#
+# - this model: 1.309;
+# - momentum theory, lower rotor far below: 1.281;
+# - momentum theory, both rotors in one plane (a limit that no coaxial pair reaches): 1.414.
 #
 # References
 # ----------
@@ -456,16 +466,16 @@ def _disk() -> tuple[Floats, Floats]:
 # J. G. Leishman, M. Syal, J. Am. Helicopter Soc. 53, 2008, doi 10.4050/JAHS.53.290.
 
 IN_ONE_PLANE = 0.05
-"""Height over radius up to which overlapping disks count as in one plane: not modelled."""
+"""Height over radius below which overlapping disks are modeled as separate rotors in one plane."""
 
-PARALLEL = 0.9  # least cosine between the axes of rotors that count as above each other
+PARALLEL = 0.9  # least cosine between the axes of rotors above each other
 
 
 def depth_below(source: Mount, target: Mount, radius: float) -> float:
-    """Return how far a rotor is below another that overlaps it, in radii; negative: above.
+    """Return the depth of ``target`` below an overlapping ``source`` in radii; negative if above.
 
-    It is 0 where they do not overlap as seen along the axis of the ``source``, where their axes
-    are not parallel, and where they are in one plane.
+    The depth is 0 if the rotors do not overlap as seen along the axis of the ``source``, if their
+    axes are not parallel, or if the rotors are coplanar.
     """
     frame = frame_of(source.axis)
     x, y, height = frame @ (np.subtract(target.position, source.position) / radius)
@@ -474,7 +484,7 @@ def depth_below(source: Mount, target: Mount, radius: float) -> float:
 
 
 def above_each_other(vehicle: Vehicle) -> NDArray[np.bool_]:
-    """Say which rotors of a ``vehicle`` are above or below one another and overlap, (m, m)."""
+    """Return a mask (m, m) of the pairs of overlapping rotors above each other."""
     return _above_each_other(vehicle.mounts, vehicle.propeller.radius)
 
 
@@ -487,7 +497,7 @@ def _above_each_other(mounts: tuple[Mount, ...], radius: float) -> NDArray[np.bo
 
 
 def downwash_gains(vehicle: Vehicle, wakes: Wakes) -> Floats:
-    """Return the gain of the downwash at each rotor by each (m, m): 1 in slipstreams."""
+    """Return the gain of the downwash (target, source), 1 for slipstreams."""
     return np.where(above_each_other(vehicle), 1.0, wakes.downwash)
 
 
@@ -497,21 +507,23 @@ def slipstream(depth: float, aside: float, skew: Floats, bearing: Floats) -> Flo
     Parameters
     ----------
     depth, aside : float
-        Where the disk is, in radii.
+        Depth and lateral offset of the disk below the source rotor [radii].
     skew, bearing : ndarray, shape (...)
-        Skew of the wake from straight down, up to pi / 2, and bearing of the disk from it [rad].
+        Skew of the wake from straight down, up to pi / 2, and its bearing relative to the direction
+        of the disk [rad].
 
     Returns
     -------
     ndarray, shape (...)
-        Per density of circulation, as in ``axial_velocity`` [-]: 1/2 on the axis, with no skew.
+        Velocity per density of circulation, as in ``axial_velocity`` [-]; 1/2 for a coaxial disk
+        without skew.
     """
     tangent = np.tan(np.minimum(skew, 0.5 * np.pi - 1e-6))
     path = depth * np.hypot(1.0, tangent)
     grown = 1.0 + path / np.hypot(1.0, path)
     radius = np.sqrt(np.hypot(1.0, tangent) / np.hypot(grown, tangent))
     off = np.hypot(depth * tangent * np.cos(bearing) - aside, depth * tangent * np.sin(bearing))
-    # The area that circles of this radius and of 1 have in common, by their sectors.
+    # The common area of a circle of this radius and a unit circle, from their sectors.
     off = np.clip(off, 1.0 - radius + 1e-12, 1.0 + radius)
     inner = np.arccos(np.clip((off**2 + radius**2 - 1.0) / (2.0 * off * radius), -1.0, 1.0))
     outer = np.arccos(np.clip((off**2 + 1.0 - radius**2) / (2.0 * off), -1.0, 1.0))
@@ -521,24 +533,24 @@ def slipstream(depth: float, aside: float, skew: Floats, bearing: Floats) -> Flo
 
 @functools.lru_cache(maxsize=256)
 def _slipstream_table(depth: float, aside: float, along: float) -> Any:
-    """Fit a spline to a ``slipstream``; ``along`` is the cosine between the axes."""
+    """Return the spline of a ``slipstream``; ``along`` is the cosine between the axes."""
     falls = along * (np.cos(_SKEW) > 0.0)[:, None]
     return _spline(falls * slipstream(depth, aside, _SKEW[:, None], _AROUND))
 
 
 # -------------------------------------------------------------------------------------------------
-# The velocity about a rotor's wake: a semi-infinite skewed cylinder of vortex rings.
+# The velocity induced by a rotor's wake: a semi-infinite skewed cylinder of vortex rings.
 #
 # The rings are parallel to the disk and lie along the direction in which the air carries the wake
-# away.  The Biot-Savart integral along that direction has a closed form; what is left is one
-# integral around a ring, here by equally spaced azimuths, which converge geometrically away from
-# the wake's surface.  With x in radii, a = x - e_r, d the unit direction of the wake, c = |a| and
+# away.  The Biot-Savart integral along this direction has a closed form.  The remaining integral
+# around a ring is a sum over equally spaced azimuths, which converges geometrically away from the
+# wake's surface.  With x in radii, a = x - e_r, d the unit direction of the wake, c = |a| and
 # b = a . d,
 #
 #     w = 1/(4 pi) Int [e_t x a / (c (c - b)) - e_t x d / (c - b)] . z dpsi
 #
-# is the velocity along z per density of circulation along the wake.  At the disk's centre it is 1/2
-# for every skew, which is why a wake of density 2 v carries the inflow v of Glauert's eq. (10).
+# is the velocity along z per density of circulation along the wake.  At the disk's center it is 1/2
+# for every skew.  A wake of density 2 v therefore induces the inflow v of Glauert's eq. (10).
 #
 # References
 # ----------
@@ -549,23 +561,22 @@ def _slipstream_table(depth: float, aside: float, along: float) -> Any:
 
 CYLINDER_AZIMUTHS = 32
 """Nodes around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the wake's
-surface and some per cent on it."""
+surface, and a few percent on the surface."""
 
 CORE = 0.05
-"""Radius of the core of the vortex sheet, over the rotor's radius [-]: it spreads the jump of the
-velocity across the wake's surface, so that the velocity is smooth where a wake sweeps over a
-rotor."""
+"""Radius of the core of the vortex sheet over the rotor radius [-].  The core smooths the jump of
+the velocity across the wake's surface, so that the loads are smooth when a wake passes a rotor."""
 
 
 def axial_velocity(
     place: Floats, direction: Floats, *, core: float = CORE, azimuths: int = CYLINDER_AZIMUTHS
 ) -> Floats:
-    """Return the downward velocity by a rotor's wake, per density of circulation along it.
+    """Return the downward velocity induced by a rotor's wake, per density of circulation.
 
     Parameters
     ----------
     place : ndarray, shape (..., 3)
-        Where, in radii from the rotor's centre, in a frame with z along its thrust [-].
+        Point relative to the rotor's center in radii, in a frame with z along the thrust [-].
     direction : ndarray, shape (..., 3)
         Unit vector along which the air carries the wake away [-].
     core : float
@@ -576,8 +587,8 @@ def axial_velocity(
     Returns
     -------
     ndarray, shape (...)
-        Velocity against z [-], positive inside the wake of a rotor that thrusts along z, where it
-        goes to 1 far below a rotor in axial flow.
+        Velocity against z [-], positive inside the wake.  Far below a rotor in axial flow it tends
+        to 1 inside the wake.
     """
     psi = 2.0 * np.pi * (np.arange(azimuths) + 0.5) / azimuths
     cosine, sine = np.cos(psi), np.sin(psi)
@@ -589,15 +600,15 @@ def axial_velocity(
     # The z components of e_t x a and e_t x d, with e_t = (-sin(psi), cos(psi), 0).
     ring = -sine * from_y - cosine * from_x
     wake = -sine * along_y - cosine * along_x
-    # Rings that push air down turn the other way: the sign of both terms is that of -z.
+    # The circulation of rings that push air down is opposite, so both terms are along -z.
     total: Floats = np.mean((ring / distance - wake) / beside, axis=-1)
     return 0.5 * total
 
 
 def cross(one: Floats, other: Floats) -> Floats:
-    """Return cross products (..., 3) of vectors (..., 3), to the bits of ``np.cross``.
+    """Return cross products (..., 3) of vectors (..., 3), bit for bit equal to ``np.cross``.
 
-    That spends ten times as long on its axes as on the products of a few rotors.
+    For the few vectors of a vehicle, ``np.cross`` takes ten times as long to handle its axes.
     """
     (a, b, c), (x, y, z) = ((v[..., 0], v[..., 1], v[..., 2]) for v in (one, other))
     return np.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=-1)
