@@ -109,14 +109,14 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
     }
     for name, own in axial.items():
         # Constants fitted to the tunnel or flight of interest already include this error.
-        share = OBLIQUE[name] * advance if known.another_tunnel else 0.0 * advance
+        share = OBLIQUE[name] * float(known.another_tunnel) * advance
         found[name] = np.hypot(own, share * np.abs(by_name[name]))
     return np.stack([found[name] for name in LOADS])
 
 
 def _tunnel(loads: Floats) -> Floats:
     """Return the standard deviations (L, N) between tunnels, or between tunnel and open air."""
-    gain = [[TUNNEL_GAIN if name in ("thrust", "torque") else 0.0] for name in LOADS]
+    gain = [[TUNNEL_GAIN * (name in ("thrust", "torque"))] for name in LOADS]
     return np.asarray(gain * np.abs(loads))
 
 

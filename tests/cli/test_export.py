@@ -56,7 +56,7 @@ def test_a_table_is_exported(run: Run, tmp_path: Path) -> None:
 
 def test_help_lists_every_export(run: Run) -> None:
     told = " ".join(run("export", "--help").out.split())
-    assert all(f"{export.target}: {export.writes}" in told for export in EXPORTS)
+    assert all(f"{export.target} ({export.writes})" in told for export in EXPORTS)
 
 
 def test_a_parameter_set_with_a_propeller(
@@ -158,7 +158,7 @@ def test_mujoco_takes_a_vehicle_alone(run: Run) -> None:
         (["absent.toml", "--to", "px4", "-o", "to"], "no such file"),
         (["law.toml", "--to", "ardupilot", "-o", "to"], "law.toml"),
         (["quad.toml", "--to", "px4", "--prop", "apc-8x6e", "-o", "to"], "leave it out"),
-        (["quad.toml", "--to", "px4", "--table", "map.npz", "-o", "to"], "the table is of"),
+        (["quad.toml", "--to", "px4", "--table", "map.npz", "-o", "to"], "the table is for"),
         (["quad.toml", "--to", "px4", "--speed", "3,x", "-o", "to"], "--speed '3,x'"),
         (["map.npz", "--to", "c", "--speed", "3,4", "-o", "to"], "--speed does not apply"),
         (["map.npz", "--to", "csv", "--charge", "0", "-o", "to"], "--charge does not apply"),

@@ -305,7 +305,7 @@ class DragFilter:
         rotors, *bodies = constants.tolist()
         momentum, values = round(rotors / scale, 6), {}
         for axis, inverse in zip("XY", bodies, strict=True):
-            values[self.ballistic + axis] = round(1.0 / inverse, 4) if inverse else 0.0
+            values[self.ballistic + axis] = 0.0 if not inverse else round(1.0 / inverse, 4)
         std = np.sqrt(np.sum(errors**2, axis=0)).tolist() if errors.size else None
         comparisons = [
             self._comparison(flight, vehicle, momentum * scale, ballistic)
@@ -361,7 +361,7 @@ class DragFilter:
         self, flight: InplaneForces, vehicle: Vehicle, rotors: float, ballistic: float
     ) -> DragComparison:
         """Compare a flight with the filter, for M in this air ``rotors`` [1/s] and B [kg/m^2]."""
-        inverse, mass = 1.0 / ballistic if ballistic > 1.0 else 0.0, vehicle.mass
+        inverse, mass = (ballistic > 1.0) / max(ballistic, 1.0), vehicle.mass
         density = vehicle.air.density
         slower, here, faster = (
             rotors * share * flight.along

@@ -233,7 +233,7 @@ class Cost:
 def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
     """Count the operations and bytes of one call for a ``vehicle``."""
     rotors = len(vehicle.mounts)
-    pairs = rotors * (rotors - 1) if vehicle.wakes is not None else 0
+    pairs = 0 if vehicle.wakes is None else rotors * (rotors - 1)
     done = BODY + LEVEL_PLATE * bool(vehicle.body.plate_area) + rotors * (FLOW + QUERY + FORCE)
     if vehicle.body.lift_area or vehicle.wing is not None:
         done = done + LIFT

@@ -422,7 +422,7 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[parameters.Choice], R
         rows = rows_for(choice)
         again = search(rows, choice, [begin], error=fitted.error)
         sure = uncertainty(rows, choice, again, fitted.error)
-        fall = 1.0 - rms(again.residual) / size if size > 0.0 else 0.0
+        fall = 0.0 if not size > 0.0 else 1.0 - rms(again.residual) / size
         shift = np.max(np.abs(again.x[:-1] - fitted.x) / fitted.choice.column("spread"))
         nonzero = sure.low[-1] > 0.0 or sure.high[-1] < 0.0
         pays = "pays" if nonzero and fall > LEAST_FALL else "does not pay"

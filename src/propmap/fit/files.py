@@ -427,7 +427,7 @@ def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]
     for kind, names in (("thrust", OF_THRUST), ("torque", OF_TORQUE)):
         for k, name in enumerate(fitted.rows.names):
             still = hover[fitted.rows.of_load(k)]
-            size = float(np.sqrt(np.nanmean(still**2))) if still.size else 0.0
+            size = 0.0 if still.size == 0 else float(np.sqrt(np.nanmean(still**2)))
             if name in names and size > 0.0:
                 shares[kind] = errors(*fitted.compared(k)).rms / size
     if not shares or not np.isfinite(list(shares.values())).all():

@@ -585,7 +585,7 @@ class HoverScale:
         for number in np.unique(log.flight):
             mine = log.flight == number
             steps = np.diff(log.time[mine])
-            step = float(np.median(steps)) if steps.size else 0.0
+            step = 0.0 if steps.size == 0 else float(np.median(steps))
             hovers = still & mine
             squares = float(np.sum(np.square(log.rotor_speed[hovers])))
             if np.count_nonzero(hovers) * step >= LEAST_HOVER and squares > 0.0:

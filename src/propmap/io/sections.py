@@ -97,7 +97,7 @@ def _reynolds(lines: Lines) -> float:
     if found := re.search(r"\bRe\s*=\s*(\d[\d.]*)(?:\s*e\s*([+-]?\d{1,2})\b)?", text):
         return parse_number(found[1], "Re") * 10.0 ** int(found[2] or 0)
     found = re.search(r"reynolds number\W+(\d[\d.e+]*)", text, re.IGNORECASE)
-    return parse_number(found[1], "Reynolds number") if found else 0.0
+    return 0.0 if found is None else parse_number(found[1], "Reynolds number")
 
 
 def _cactus(lines: Lines) -> Iterator[tuple[float, list[Row]]]:

@@ -200,7 +200,7 @@ class Airfoil(SectionLaw):
     def core_law(self) -> dict[str, Any]:
         """Return the law in the form that the compiled core reads: its numbers by name."""
         attached = 0.0 if self.lift_law == "simplified" else 1.0
-        plate = PLATE if self.lift_law == "plate" else 0.0
+        plate = 0.0 if self.lift_law != "plate" else PLATE
         numbers = {name: getattr(self, name) for name in self.parameters}
         return {"kind": "blended", "attached": attached, "plate": plate, **numbers}
 
@@ -482,7 +482,7 @@ class SectionTable(ByValue, SectionLaw):
             found += f"{error.max():.2g} at {worst:.2f} deg, expected at most {tolerance:g}"
             raise InputError(found, "make the law continuous there, or give a larger tolerance")
         between = np.sqrt(rows[:-1] * rows[1:])
-        whole = max(error.max(), errors(table, alpha, between).max() if between.size else 0.0)
+        whole = max(error.max(), 0.0 if between.size == 0 else errors(table, alpha, between).max())
         return replace(table, sampling_error=float(whole))
 
     def core_law(self) -> dict[str, Any]:

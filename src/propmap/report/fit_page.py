@@ -597,7 +597,7 @@ def residuals(name: str, trends: Sequence[Trend]) -> html.FigureRecord:
         for ax in axes.ravel()[len(trends) :]:
             ax.axis("off")
         for ax, trend, one in zip(axes.ravel(), trends, groups, strict=False):
-            color, x = html.COLORS[1 if trend.sure else 0], one["bin_middle"]
+            color, x = html.COLORS[int(trend.sure)], one["bin_middle"]
             ax.axhline(0.0, color="0.5", linewidth=0.8)
             ax.fill_between(
                 x, one["low_10_in_unit"], one["high_90_in_unit"], color=color, **html.BAND

@@ -309,7 +309,7 @@ def mistakes(recording: log.Recording, turning: Pair) -> Iterator[tuple[str, str
 
     along = float(np.sum(turning.expected * turning.measured))
     size = float(np.sum(turning.expected**2))
-    slow = along / size if size > 0.0 else 0.0
+    slow = 0.0 if not size > 0.0 else along / size
     if slow > 0.0 and abs(slow - 1.0) >= OFF_TIME:
         signals: Any = {
             name: replace(signal, time=signal.time / slow)

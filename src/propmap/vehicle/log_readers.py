@@ -625,7 +625,7 @@ def _topic(bag: Any, role: str, topic: str) -> tuple[Floats, list[Any]]:
     for connection, recorded, data in bag.messages(connections):
         message = bag.deserialize(data, connection.msgtype)
         header = getattr(message, "header", None)
-        stamp = header.stamp.sec + header.stamp.nanosec * 1e-9 if header is not None else 0.0
+        stamp = 0.0 if header is None else header.stamp.sec + header.stamp.nanosec * 1e-9
         times.append(stamp or recorded * 1e-9)
         messages.append(message)
     return np.array(times, dtype=np.float64), messages

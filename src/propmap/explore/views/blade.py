@@ -159,7 +159,7 @@ def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> vie
             "drag": [f"{what}-{k}" for k in range(len(PLACES))],
             "base": base.tolist(),
             "share": what == "chord",
-            "step": 1.0 if what == "chord" else 0.1,
+            "step": 0.1 if what == "twist" else 1.0,
         },
         dragmode=False,
         xaxis={"range": [0.0, 1.02 * MM * old.radius]},

@@ -56,7 +56,8 @@ class ConstantsView(view.View):
             low, high = min(about.lower, here), max(about.upper, here)
             sure = deviations.get(name, np.nan)
             marked = (here - 1.96 * sure, here + 1.96 * sure) if np.isfinite(sure) else None
-            step = 0.001 if about.unit == "rad" or high <= 0.5 else 0.01
+            coarse = about.unit != "rad" and high > 0.5
+            step = (0.001, 0.01)[coarse]
             label = f"{name}, {about.meaning}"
             sliders.append(Slider(name, label, about.unit, low, high, step, here, marked))
         free = tuple((name, name) for name in SET)
