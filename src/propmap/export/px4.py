@@ -329,8 +329,8 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
         if std is not None:
             holds += f" The model's standard deviation at rest is {std:.1%}."
         if share > CLOSE:
-            words = f"a quadratic has an error of {share:.1%}, largest at J = {at:.2f}"
-            remarks.append(f"{law} is not quadratic in J: {words}.")
+            largest = f"an error of {share:.1%}, largest at J = {at:.2f}"
+            remarks.append(f"{law} is not quadratic in J: a quadratic has {largest}.")
         named = {f"SIH_F_C{letter}{k}": float(c) for k, c in enumerate(constants)}
         meaning = f"{meaning}, n in rev/s; {law} quadratic in J = V / (n D), V along the axis."
         kinds.append(Explained(title, named, "-", None, meaning, THRUSTER, holds))

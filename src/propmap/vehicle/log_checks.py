@@ -92,8 +92,8 @@ def _disagreements(recording: log.Recording) -> list[str]:
                 found.append((float(np.nansum(left)), cause, remedy))
         if found:
             _, cause, remedy = min(found)
-            found = f"{cause}: all signals agree after this correction"
-            raise InputError(found, remedy, recording.source)
+            after = f"{cause}: all signals agree after this correction"
+            raise InputError(after, remedy, recording.source)
     return _late(recording, turning) or _broken_segments(recording, turning, moving)
 
 
