@@ -153,7 +153,7 @@ def report(
         list[str] | None,
         Option(
             metavar="DATA",
-            help="Wind-tunnel data or flight log to draw and to check the fit with; may be "
+            help="Wind-tunnel data or flight log to draw and to compare with the fit; may be "
             "repeated.",
         ),
     ] = None,
@@ -161,8 +161,8 @@ def report(
 ) -> None:
     """Write a web page on the accuracy and limits of a fit or a table.
 
-    FOLDER receives index.html with all figures, and each figure as SVG and CSV. The command
-    writes either all files or none.
+    The output folder contains index.html with all figures, and each figure as SVG and CSV. The
+    command writes either all files or none.
     """
     from propmap.report.html import PAGE, REPORT_FILES, check_folder, write_folder
 

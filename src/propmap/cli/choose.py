@@ -41,7 +41,7 @@ def choose(
     ] = "cruise",
     by: Annotated[
         Literal["energy", "time", "range"] | None,
-        Option(help="Rank hover or cruise by energy used, flight time or range (default: energy)."),
+        Option(help="For hover and cruise: rank by energy, time or range (default: energy)."),
     ] = None,
     diameter: Annotated[
         str | None, Option(metavar="A:B", help="Range of diameters in inches (default: all).")

@@ -73,7 +73,7 @@ Accept = Annotated[
     bool,
     Option(
         "--accept",
-        help="Write the fit even if its rms error of thrust or torque is above half of the load.",
+        help="Write the fit even if an rms error exceeds half of the measured rms.",
     ),
 ]
 

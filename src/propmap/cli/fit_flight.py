@@ -209,7 +209,7 @@ LowPass = Annotated[
     Option(
         "--low-pass",
         metavar="HZ",
-        help="Cut-off frequency of the low-pass filter for whole flights in Hz; 0 for no filter "
+        help="Cut-off frequency in Hz of the low-pass filter for --method balance; 0 for no filter "
         "(default: 6).",
     ),
 ]
@@ -321,14 +321,14 @@ def fit_flight(
     correction: opt.Corrections = None,
     seconds: Annotated[float, Option(help="Minimum length of a steady segment in s.")] = 2.0,
     samples: Annotated[
-        int, Option(min=10, help="Maximum number of samples from whole flights.")
+        int, Option(min=10, help="Maximum number of samples for --method balance.")
     ] = 500,
     low_pass: LowPass = None,
     hover_scale: Annotated[
         bool,
         Option(
             "--hover-scale/--no-hover-scale",
-            help="Estimate the prior of each thrust scale from the hover of its flight.",
+            help="Estimate the prior of the thrust scale of each flight from its hover phases.",
         ),
     ] = True,
     body_study: Annotated[
@@ -347,8 +347,9 @@ def fit_flight(
 ) -> None:
     """Fit section constants to flight logs of a vehicle.
 
-    With --method balance, the fit also estimates a clock offset for each flight and, for two or
-    more flights, a thrust scale. It does not estimate wind: state it in the vehicle file.
+    With --method balance, the fit also estimates a clock offset for each flight. For two or more
+    flights, it estimates a thrust scale for each. It does not estimate wind: state it in the
+    vehicle file.
     """
     check_outputs(output, asked.picture, segments_picture)
     base = opt.constants(name_or_file) if name_or_file else None
@@ -466,10 +467,10 @@ def fit_terms_page(
 ) -> None:
     """Write a web page that shows which terms of the model improve a flight fit.
 
-    The command compares a series of models. The first two are the hover model and the vertical
-    force balance; each later model adds one term. Each model is fitted to all flights except one
-    and checked on the held-out flight. The page also shows the errors of another model, if the logs
-    contain its predictions.
+    The command compares a series of models. The first is the hover model. The second fits
+    section constants to the vertical force; each later model adds one term. Each model is fitted
+    to all flights except one and checked on the held-out flight. The page also shows the errors of
+    another model, if the logs contain its predictions.
     """
     from propmap.report.html import PAGE, TERMS_FILES, check_folder, write_folder
 

@@ -37,13 +37,13 @@ class ListByDefault(TyperGroup):
 props_app = typer.Typer(
     name="props",
     cls=ListByDefault,
-    help="List propellers (default), or show one.",
+    help="List propellers, or show one.",
     rich_markup_mode=None,
 )
 airfoils_app = typer.Typer(
     name="airfoils",
     cls=ListByDefault,
-    help="List airfoil models (section laws; default), or show one.",
+    help="List section laws (airfoil models), or show one.",
     rich_markup_mode=None,
 )
 
@@ -69,7 +69,10 @@ def list_airfoils(format_: out.FormatOption = None, output: out.TextOutput = Non
 @airfoils_app.command("show")
 def show_airfoil(
     name: Annotated[
-        str, Argument(metavar="NAME|FILE", help="Name of a section law, or fit or parameter set.")
+        str,
+        Argument(
+            metavar="NAME|FILE", help="Name of a section law, or a fit or parameter file (.toml)."
+        ),
     ],
     output: out.TextOutput = None,
 ) -> None:

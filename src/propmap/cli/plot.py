@@ -45,7 +45,7 @@ def plot_map(
         Path | None,
         Option(
             metavar="FILE.csv",
-            help="Measured points to draw: rpm, speed_mps, beta_deg and loads such as thrust_N.",
+            help="Measured points: columns rpm, speed_mps, beta_deg and loads such as thrust_N.",
         ),
     ] = None,
     bands: opt.Bands = True,

@@ -81,7 +81,7 @@ def simulate_flight(
     """Simulate the flight experiment of the paper and write its log.
 
     The vehicle flies a level circle on a tether at each airspeed. The command also
-    predicts the 95 % intervals of the section constants that a fit to this flight would have. All
+    predicts the 95 % intervals that a fit to this flight would give for the section constants. All
     error options are standard deviations.
     """
     speeds = opt.parse_axis("--speeds", "speed", speed)
@@ -163,8 +163,8 @@ def vehicle_from_log(
 ) -> None:
     """Draft a vehicle file from the parameters in a PX4 log.
 
-    CA_ROTORn_* define the positions, axes and spins of the rotors. For each missing value the
-    draft has a comment that begins with MISSING. Replace these comments before using the file.
+    CA_ROTORn_* define the positions, axes and spin directions of the rotors. For each missing
+    value the draft has a comment that begins with MISSING. Replace these comments before using the file.
     """
     if output is not None:
         out.check_output(output, (".toml",), keep_existing=not force)

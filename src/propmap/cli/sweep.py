@@ -35,7 +35,10 @@ ASK_ABOVE_BYTES = 1e9
 ASK_ABOVE_SECONDS = 3600.0  # larger or longer runs need a confirmation or ``--yes``
 
 Yes = Annotated[
-    bool, Option("--yes", "-y", help="Start runs of over 1 GB or one hour without asking.")
+    bool,
+    Option(
+        "--yes", "-y", help="Start runs of more than 1 GB of output or one hour without asking."
+    ),
 ]
 
 
@@ -132,8 +135,8 @@ def sweep(
     output: Annotated[
         Path,
         out.output_option(
-            "Output file: NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr). A "
-            "repeated command resumes a Zarr store that is not complete."
+            "Output file: NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr). Run the "
+            "command again to complete a Zarr store."
         ),
     ],
     force: out.Force = False,
@@ -229,8 +232,8 @@ def study(
     output: Annotated[
         Path,
         out.output_option(
-            "Output file: NetCDF (.nc) or, for studies of any size, Zarr (.zarr). A repeated "
-            "command resumes a Zarr store that is not complete."
+            "Output file: NetCDF (.nc) or, for studies of any size, Zarr (.zarr). Run the "
+            "command again to complete a Zarr store."
         ),
     ],
     picture: Annotated[

@@ -33,7 +33,11 @@ def table(
         str, Option(metavar="A:B", help=f"{opt.BETA_HELP}: range in degrees, within 0:180.")
     ] = "0:180",
     tolerance: Annotated[
-        str, Option(metavar="SHARE", help="Largest error, as a fraction of the static loads.")
+        str,
+        Option(
+            metavar="SHARE",
+            help="Largest permitted error relative to the static loads, as 0.5% or 0.005.",
+        ),
     ] = "0.5%",
     no_vortex_ring: Annotated[
         bool, Option("--no-vortex-ring", help="Store NaN for points in the vortex ring state.")

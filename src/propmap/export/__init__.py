@@ -56,7 +56,7 @@ EXPORTS = (
     Export("rotorpy", "table", "simple_models.rotorpy_files", "rotor parameters of RotorPy",
            "change of thrust with airspeed, four loads linear in the in-plane velocity",
            "change of torque with airspeed"),
-    Export("jsbsim", "table", "simple_models.jsbsim_files", "propeller and reactions of JSBSim",
+    Export("jsbsim", "table", "simple_models.jsbsim_files", "JSBSim propeller, external reactions",
            "thrust and power over the axial advance ratio; four loads as in `multinomial`",
            "change of thrust and power with the in-plane velocity"),
     Export("npz", "table", "simple_models.npz_files", "the table for propmap", "everything"),
