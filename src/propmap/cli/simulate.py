@@ -164,7 +164,8 @@ def vehicle_from_log(
     """Draft a vehicle file from the parameters in a PX4 log.
 
     CA_ROTORn_* define the positions, axes and spin directions of the rotors. For each missing
-    value the draft has a comment that begins with MISSING. Replace these comments before using the file.
+    value the draft has a comment that begins with MISSING. Replace these comments
+    before using the file.
     """
     if output is not None:
         out.check_output(output, (".toml",), keep_existing=not force)

@@ -135,8 +135,8 @@ def sweep(
     output: Annotated[
         Path,
         out.output_option(
-            "Output file: NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr). Run the "
-            "command again to complete a Zarr store."
+            "Output file: NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr). Run "
+            "the command again to complete a Zarr store."
         ),
     ],
     force: out.Force = False,
