@@ -1,4 +1,4 @@
-// The Python module of the core.  Rotors are passed as dictionaries of numbers, operating points and loads as arrays.
+// The Python module of the core.  Rotors are passed as dictionaries of numbers; operating points and loads are passed as arrays.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>

@@ -251,9 +251,9 @@ def momentum_thrust(case: Case, y: float, v_i: Any) -> Any:
         speed = np.sqrt(v_inplane**2 + (v_axial + v) ** 2)
         return 4.0 * rho * np.pi * y * v * speed  # Eq. (10)
 
-    # In descent within 19.5 deg of the axis (10) falls with v_i between two turning points, the
-    # roots of 2 v^2 + 3 V cos(beta) v + V^2 = 0.  Momentum theory holds up to the first.  Beyond it
-    # the falling part is mirrored upwards, and averaged with a parabola like Buhl's
+    # In descent within 19.5 deg of the axis, eq. (10) falls with v_i between two turning points,
+    # the roots of 2 v^2 + 3 V cos(beta) v + V^2 = 0.  Momentum theory holds up to the first.
+    # Beyond it the falling part is mirrored upwards, and averaged with a parabola like Buhl's
     # (NREL/TP-500-36834), whose weight is 1 in axial flow.  The paper has no such branch.
     square = v_axial**2 - 8.0 * v_inplane**2
     if not case.windmill or square <= 0.0:
@@ -372,10 +372,11 @@ def pitt_peters(case: Case, v_i: Floats, strength: float) -> Floats:
     mean = float((case.y * v_i).sum() / case.y.sum())  # over the disk's area
     through = case.v_axial + mean
     speed = math.hypot(case.v_inplane, through)
-    # In descent this part of the inflow meets air from below.  Where no air passes the disk, this
-    # speed is assumed to carry the wake away.
+    # `meets` is the part of the inflow that the upward flow of a descent cancels.  Where no air
+    # passes the disk, the wake is assumed to leave along the axis at this speed.
     meets = max(min(-case.v_axial, mean), 0.0)
-    # V of Peters and HaQuang is d(v_i speed)/dv_i; it is limited where the air turns back.
+    # The mass-flow parameter of Peters and HaQuang is d(v_i speed)/dv_i.  It has a lower limit,
+    # because it would vanish where a braking rotor reverses the flow.
     mass_flow = max(speed + mean * through / speed, 0.5 * speed, meets)
     chi = math.atan2(case.v_inplane, max(abs(through), meets))  # skew of the wake to the axis
     gain = strength / (case.model.air.density * np.pi * radius**2 * mass_flow)  # [m/s per N]

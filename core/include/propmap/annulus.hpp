@@ -2,11 +2,11 @@
 //
 // The residual g(v_i) is (5) minus (10).  It is negative for all v_i above the largest root.
 // - Top: the local maximum of g near stall.
-// - Shoulder: if g has no maximum near stall, the point at which g increases least as v_i decreases.
+// - Shoulder: if g has no maximum near stall, its flattest point there, at which -dg/dv_i is smallest.
 // - Hump: the top or, if there is none, the shoulder.  Its height is the value of g at this point.
-// - Branches: v_i is above that of the top on the attached branch, and below it on the stalled branch.  (At negative
-//   angles of attack, the flow above the top is stalled.)  If the height is positive, the largest root is above the
-//   top, and two more roots may follow.  If the height is negative, the largest root is below the top.
+// - Branches: the attached branch has larger v_i than the top, the stalled branch has smaller v_i.  At negative angles
+//   of attack the names are kept, although flow is stalled above the top.  If the height is positive, the largest root
+//   is above the top, and two more roots may follow.  If the height is negative, the largest root is below the top.
 // - Fold: a radius at which the height is zero.  At a fold with a top, the largest root jumps from one branch to the
 //   other.  At a fold with a shoulder, it varies most steeply along the blade.
 //
@@ -39,7 +39,7 @@ template <class R> struct Annuli {
     }
     Dual<Lanes, 1> residual(const Station<Lanes>& at, Lanes inflow) const { return residual(at, inflow, psi); }
 
-    // Root mean square of U_T over azimuth [m/s].  Below, the mean angle of attack is the angle for this value of U_T.
+    // Root mean square of U_T over azimuth [m/s].  In this file, the mean angle of attack is computed with this U_T.
     Lanes rms_speed(const Station<Lanes>& at) const {
         const Lanes turning = flow.omega * at.radius;
         return square_root(turning * turning + (0.5 * flow.v_inplane * flow.v_inplane + 1e-18));
@@ -63,8 +63,8 @@ inline Lanes angle_at(const Station<Lanes>& at, Lanes u_t, Lanes u_p) {
     return radians(at.line - Angle<Lanes>{u_p * per, u_t * per, {}});
 }
 
-// First guess of the inflow [m/s], for attached flow without drag: v W = k (U_T^2 theta - U_T U_P), where W is the root
-// in (10) and k = N_b c_l1 c/(8 pi y).  Four Newton steps start above the solution.
+// First guess of the inflow [m/s], for attached flow without drag: v W = k (U_T^2 theta - U_T U_P), where W is the
+// square root in (10) and k = N_b c_l1 c/(8 pi y).  Four Newton steps start above the solution.
 template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes>& at) {
     const auto& f = of.flow;
     const Lanes speed = of.rms_speed(at);
@@ -80,8 +80,8 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
 }
 
 // Return the lanes whose root v is in attached flow at all azimuths, so that no root lies above it.
-// If v >= 0, thrust (5) decreases and (10) increases as v_i increases above v.  If v < 0, lift is negative; the same is
-// true up to v_i = 0, provided that no element stalls in between.  Above v_i = 0 the two thrusts have opposite signs.
+// If v >= 0, (5) decreases and (10) increases with v_i above v.  If v < 0, lift is negative; (5) still decreases and (10)
+// still increases up to v_i = 0, if no element stalls in between.  Above v_i = 0, the two thrusts have opposite signs.
 template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>& at, Lanes v) {
     const auto& f = of.flow;
     const double margin = 3.0 * std::max(of.rotor.law.stall_width(), 0.02);  // [rad]: three widths of stall
@@ -161,7 +161,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths&
     const double line = radians(at.line)[0];
     std::array<double, 96> grid;
     int count = 0;
-    // Up to 45 inflows: equally spaced inflow angles, closer ones around both stall angles, and those below.
+    // Up to 45 inflows: equally spaced inflow angles, closer ones around both stall angles, and lastly up to six special inflows.
     std::array<double, 48> angle;
     int angles = 0;
     const auto add_angle = [&](double phi) { if (std::fabs(phi) < 1.45) angle[angles++] = phi; };
@@ -601,7 +601,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
     if (near.top) return {near.radius, near.inflow, Fold::Kind::top, side};
     // No fold at a top or shoulder was found: solve for the radius at which the residual at the stall angle is zero.
     double y = 0.5 * (first + last), step = last - first;
-    // The Newton step after one of 1e-7 would be about 1e-14.
+    // Newton's method converges quadratically: after a step of 1e-7 y, the next step would be about 1e-14 y.
     for (int k = 0; k < 20 && std::fabs(step) > 1e-7 * y; ++k) {
         const Dual<Lanes, 1> moved{broadcast(y), {broadcast(1.0)}};
         const auto at = station_at(of.rotor, of.flow.omega, moved);

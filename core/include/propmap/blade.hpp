@@ -85,8 +85,8 @@ template <class S> struct BladeChange {
     S untwist;       // loss of twist of the tip at a tip speed of 100 m/s [rad]
 };
 
-// Loss of twist in rotation [rad] (Houbolt & Brooks, NACA Report 1346, 1958).  Centrifugal force turns sections toward
-// the disk plane: the tip by an angle in proportion to its speed squared, a section at y = s R by s (2 - s) of that.
+// Loss of twist in rotation [rad] (Houbolt & Brooks, NACA Report 1346, 1958).  Centrifugal force turns the tip toward
+// the disk plane by an angle proportional to its speed squared, and the section at y = s R by s (2 - s) times this angle.
 template <class U, class R, class W> auto untwisting(const U& tip_angle, double tip, const R& radius, const W& omega) {
     const auto share = radius * (1.0 / tip);
     const auto speed = omega * (tip / 100.0);

@@ -281,7 +281,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     for (int k = 0; k < disk.runs(); ++k)
         if (near_stall[k]) add_run(k);
     look_at_places();
-    // Add neighboring runs, unless the nearest height is positive and large, and its slope predicts over half of it.
+    // Add neighboring runs, unless the nearest height is positive, large, and over half as large if extrapolated to the run.
     for (int k = 0; k < disk.runs(); ++k) {
         const bool within = k > 0 && near_stall[k - 1], without = k + 1 < disk.runs() && near_stall[k + 1];
         if (near_stall[k] || !(within || without)) continue;
@@ -300,7 +300,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             const Hump &a = seen[k], &b = seen[k + 1];
             const double gap = b.radius - a.radius;
             if (gap < 1e-5 * tip || gap > 0.2 * tip) continue;
-            const Cubic<double> cubic(gap, a.height, -a.slope, b.height, -b.slope);  // for -radius, which decreases
+            const Cubic<double> cubic(gap, a.height, -a.slope, b.height, -b.slope);  // its argument must decrease: -radius
             double t[2];
             const bool crosses = (a.height < 0.0) != (b.height < 0.0);
             const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
@@ -359,7 +359,7 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
         disk.moves[k + 1] = edges[k].fold >= 0;
         if (edges[k].fold >= 0) disk.fold[k + 1] = folds.fold[edges[k].fold];
     }
-    // Three panels share nodes by length, at least `least` each.  With 12 in a long inner one, errors reached 0.13 %.
+    // Three panels share nodes by length, at least `least` each.  With 12 nodes in a long inner panel, errors reached 0.13 %.
     constexpr int least = 8;
     int left = nodes;
     for (int p = disk.panels - 1; p >= 0; --p) {

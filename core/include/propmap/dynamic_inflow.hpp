@@ -3,7 +3,7 @@
 // The state is the mean inflow v_0 over the disk and the gradients v_s and v_c of `Harmonics`.  Per density, T is the
 // thrust, L the moment that lifts the advancing side, M the moment that lifts the rear; d marks deviations from the
 // static solution.  The gains k_t, k_s, k_c are by_thrust, by_roll, by_rear of `HarmonicResponse`.  W is the mass-flow
-// parameter as a secant: the change of (v_0 times air speed at the disk) over the change of v_0, static to present.
+// parameter as a secant, the ratio of the deviations d(v_0 U) and dv_0, where U is the air speed at the disk.
 //
 //     8/3 R^3    dv_0/dt = dT - 2 pi R^2 W dv_0
 //     16/45 R^4  dv_s/dt = dL - dv_s / k_s
@@ -82,8 +82,8 @@ inline Matrix exponential(const Matrix& a) {
 
 using State = std::array<double, 3>;  // mean inflow, v_s and v_c [m/s]
 
-// Direction of the flight in the disk plane, and spin: 1 for a rotor that turns counter-clockwise.  The rear of the
-// disk is opposite to the flight; for spin = 1 the advancing side is to the right of the flight.
+// Direction of flight in the disk plane, and spin: 1 for a rotor that turns counter-clockwise.  The rear of the disk is
+// opposite to the direction of flight; for spin = 1, the advancing side is to the right of this direction.
 struct Heading {
     double x, y, spin;
 
@@ -128,7 +128,7 @@ Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const 
 
     const auto gains = harmonic_response(rotor.inflow_shape, s.mean, radius);
     const double mass = 8.0 / 3.0 * std::pow(radius, 3), inertia = 16.0 / 45.0 * std::pow(radius, 4);
-    // In edgewise flight without inflow v_c has no time constant: it follows the thrust at once.
+    // In edgewise flight with zero static inflow, v_c has no time constant: it follows the mean inflow immediately.
     const double slow = 1.0 / std::max(inertia * gains.by_rear, 1e-6);
     const double mobility[3] = {1.0 / mass, 1.0 / inertia, gains.by_rear * slow};
     State deviation;

@@ -29,8 +29,8 @@ struct Accuracy {
     static int place_of(int count) {
         return int(std::lower_bound(std::begin(counts), std::end(counts), count) - std::begin(counts));
     }
-    // The number of azimuths, in proportion to the sharpness of stall.  `times` is the number of the evaluation; from 2
-    // on, each takes the next larger of `counts`.
+    // The number of azimuths, in proportion to the sharpness of stall.  `times` counts the evaluations before this
+    // one.  From times = 2 on, each evaluation uses the next larger number in `counts`.
     int azimuths_at(double advance, double sharper, int times) const {
         std::size_t k = 0;
         while (k + 1 < azimuths.size() && advance > azimuths[k].advance) ++k;

@@ -118,7 +118,7 @@ struct SectionTable {
     std::vector<double> stall_up, stall_down;  // stall angles at each Reynolds number [rad]
     double zero_lift_angle;                    // at the middle Reynolds number [rad]
     double attached_slope;                     // of lift over angle [1/rad]
-    double stall_width = 0.014;                // [rad], assumed; a sharper stall raises the error estimate, rotor.hpp
+    double stall_width = 0.014;                // assumed [rad]; a sharper stall lowers the limit of the error estimate, rotor.hpp
 };
 
 // Make a table from C_L and C_D (R, K) at K angles of attack from the chord line, -pi to pi, and R Reynolds numbers.

@@ -13,7 +13,7 @@ template <class S> struct Flow {
     S v_hover{};  // static inflow (12) at the same Omega [m/s]; used if v_axial < 0
     S height = S{} + INFINITY;  // of the disk above the ground [m]
 
-    // The variables that users set, by name, in the order of the rows of operating points.
+    // The variables that users set, with names, in the order of the rows of the array of operating points (`Points`, bind.cpp).
     static constexpr int variables = 4;
     template <class Visit> void each_variable(Visit visit) {
         visit("omega", omega), visit("v_axial", v_axial), visit("v_inplane", v_inplane), visit("height", height);

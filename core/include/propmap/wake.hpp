@@ -15,8 +15,8 @@ template <class Y, class F, class V> auto momentum_thrust(const Y& radius, const
     return (4.0 * pi) * radius * inflow * w;  // Eq. (10)
 }
 
-// The two v_i [m/s] between which (10) falls; equal if it does not fall.  In descent within 19.5 deg of the axis (10)
-// rises up to the first one, where in axial flow the far wake stands still.  Beyond it momentum theory does not hold.
+// The two v_i [m/s] between which (10) falls; equal if it does not fall.  In descent within 19.5 deg of the axis, eq. (10) rises
+// up to the first turning point.  In axial flow, the far wake stands still there.  Momentum theory holds up to this point.
 template <class S> struct TurningPoints { S first, second; };
 template <class S> TurningPoints<S> turning_points(const S& v_axial, const S& v_inplane) {
     const S square = v_axial * v_axial - 8.0 * (v_inplane * v_inplane);
@@ -46,8 +46,8 @@ template <class Y, class F, class V> auto windmill_thrust(const Y& radius, const
     return select(value(inflow) <= value(first), here, axial * parabola + (1.0 - axial) * mirrored);
 }
 
-// Prandtl's factor on the momentum thrust for a number of blades, F = 2/pi arccos(exp(-f)), f = N_b (R - y)/(2 y
-// sin(phi)) at the tip and N_b (y - r)/(2 r sin(phi)) at a hub of radius r.  With one inflow per annulus, tan(phi) =
+// Prandtl's factor on the momentum thrust for N_b blades, F = 2/pi arccos(exp(-f)), f = N_b (R - y)/(2 y sin(phi)) at
+// the tip and N_b (y - r)/(2 r sin(phi)) at a hub of radius r.  With one inflow per annulus, tan(phi) =
 // |U_P|/(Omega y).  Prandtl in Betz, Nachrichten Goettingen 1919; Glauert in Durand, Aerodynamic Theory IV, 1935.
 template <class Y, class F, class V>
 auto prandtl_factor(double blades, double inner, double outer, const Y& radius, const F& flow, const V& inflow) {
