@@ -17,7 +17,7 @@ from propmap.catalogue.lookup import catalogue_model
 from propmap.io.geometry import read_apc_pe0
 from propmap.model.airfoil import Airfoil
 from propmap.typing import Floats
-from tests.catalogue.test_catalogue import DATA, FOLDER, with_data
+from tests.catalogue.test_catalogue import DATA, with_data
 
 PAIRS = [
     (name, made)
@@ -54,11 +54,6 @@ def test_they_are_those_of_the_files() -> None:
         np.testing.assert_allclose(blade.chord, own.chord, atol=1e-4 * own.radius)
         np.testing.assert_allclose(np.degrees(blade.twist), np.degrees(own.twist), atol=0.006)
     assert seen == len(apc.apc_blades()) + 5
-
-
-def test_what_is_bundled_is_small() -> None:
-    files = [path for path in FOLDER.rglob("*") if path.suffix in (".csv", ".toml")]
-    assert len(files) > 130 and sum(path.stat().st_size for path in files) < 3e6
 
 
 @pytest.mark.parametrize(
@@ -99,23 +94,21 @@ def thrust(name: str, law: Airfoil) -> float:
     return float(rotor.loads(450.0, 4.0, 0.0).thrust)
 
 
-@pytest.mark.parametrize(("family", "least"), [("apce", 0.0), ("apcsf", 0.06)])
-def test_constants_make_up_for_what_the_file_differs(family: str, least: float) -> None:
+def test_constants_make_up_for_what_the_file_differs() -> None:
     """Over a series, the maker's blade has the thrust of the measured one; without, it has not."""
     ratios = []
     for one, made in PAIRS:
-        if one.startswith(f"uiuc-{family}-"):
+        if one.startswith("uiuc-apcsf-"):
             label = designation(catalogue.entry(one).title)
             assert label is not None
             size = label.diameter, label.pitch
             measured, moved = (
-                expected_constants(family, size, how).airfoil for how in ("measured", "maker")
+                expected_constants("apcsf", size, how).airfoil for how in ("measured", "maker")
             )
             wanted = thrust(one, measured)
             ratios.append((thrust(made, moved) / wanted, thrust(made, measured) / wanted))
     with_it, without = np.log(ratios).mean(axis=0)
-    assert abs(with_it) < 0.02
-    assert abs(without) > least
+    assert abs(with_it) < 0.02 and abs(without) > 0.06
 
 
 def test_the_bands_hold_what_is_not_known_of_the_blade() -> None:

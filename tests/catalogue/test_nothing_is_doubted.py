@@ -12,16 +12,12 @@ from propmap import catalogue
 from propmap.catalogue.lookup import measurement, measurement_names
 from propmap.model.air import Air
 from propmap.model.plausibility import (
-    CHORD,
-    RADIUS,
-    TWIST,
     air_warnings,
-    at_share,
     blade_warnings,
     load_warnings,
     point_warnings,
 )
-from propmap.model.propeller import WIDEST_CHORD, Propeller
+from propmap.model.propeller import Propeller
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 INCH = 0.0254
@@ -51,18 +47,6 @@ def doubts(
         *point_warnings(blade, *points),
         *load_warnings(blade, air, *points, loads),
     ]
-
-
-@pytest.mark.parametrize("name", catalogue.names())
-def test_blades_of_the_catalogue(name: str) -> None:
-    blade = catalogue.load(name)
-    assert blade_warnings(blade) == []
-    chord, twist = at_share(blade, 0.75)
-    # The ranges have room, but not so much that they say nothing.
-    assert 1.1 * CHORD.low < chord / blade.radius < CHORD.high / 1.1
-    assert 1.1 * WIDEST_CHORD.low < blade.chord.max() / blade.radius < WIDEST_CHORD.high / 1.1
-    assert 2.0 * TWIST.low < np.degrees(twist) < TWIST.high / 1.2
-    assert 2.0 * RADIUS.low < blade.radius < RADIUS.high / 2.0
 
 
 @pytest.mark.parametrize("name", measurement_names())
@@ -121,65 +105,3 @@ def test_oblique_flow(name: str) -> None:
         "torque": column(rows, "torque_Nm"),
     }
     assert doubts(catalogue.load("apc-8x6e"), points, loads, Air()) == []
-
-
-@pytest.mark.slow
-def test_large_propeller_at_rest() -> None:
-    """T-Motor 28 in; the stations of its geometry end at 0.9 of the radius."""
-    rows = table("static/tmotor28_data.csv", ";")
-    text = (DATA / "static/tmotor28.ini").read_text()
-    figures = {
-        line.partition("=")[0].strip(): line.partition("=")[2].split()
-        for line in text.splitlines()
-        if "=" in line
-    }
-    blade = Propeller(
-        "tmotor28",
-        2,
-        np.array([*figures["radius"], "0.3556"], dtype=float),
-        np.array([*figures["chord"], "0.02"], dtype=float),
-        np.radians(np.array([*figures["pitch"], "6.0"], dtype=float)),
-    )
-    omega = column(rows, "omega")
-    points = omega, 0.0 * omega, 0.0 * omega
-    loads = {"thrust": column(rows, "T(N)"), "torque": column(rows, "Q(Nm)")}
-    assert doubts(blade, points, loads, Air()) == []
-
-
-@pytest.mark.slow
-def test_electrical_power_in_a_tunnel() -> None:
-    """TU Delft, 8 in: shaft power is about 0.874 of the electrical."""
-    geometry, rows = table("power/propeller_geometry.csv"), table("power/wt_10Hz.csv")
-    radius = 4.0 * INCH
-    blade = Propeller(
-        "delft",
-        2,
-        column(geometry, "r_over_R") * radius,
-        column(geometry, "c_over_R") * radius,
-        np.radians(column(geometry, "beta_deg")),
-    )
-    omega = column(rows, "rpm") * RPM
-    power = 0.874 * column(rows, "voltage") * column(rows, "current")
-    turning = omega > 0.0
-    points = omega[turning], column(rows, "airspeed")[turning], 0.0 * omega[turning]
-    assert blade_warnings(blade) == []
-    assert point_warnings(blade, *points) == []
-    assert load_warnings(blade, Air(), *points, {"torque": power[turning] / points[0]}) == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["neurobem_20210218171908", "neurobem_20210218172600"])
-def test_flights(name: str) -> None:
-    """The blade is known roughly; all rotors, all the time."""
-    rows = table(f"flight/{name}.csv")
-    radius = 0.0648
-    station = np.linspace(0.15, 1.0, 12) * radius
-    blade = Propeller(
-        "5.1 in", 3, station, np.linspace(0.017, 0.008, 12), np.linspace(0.4006, 0.2610, 12)
-    )
-    velocity = np.stack([column(rows, f"vel_{axis}") for axis in "xyz"], axis=1)
-    speed = np.linalg.norm(velocity, axis=1)
-    beta = np.arccos(np.clip(velocity[:, 2] / np.maximum(speed, 1e-9), -1.0, 1.0))
-    assert blade_warnings(blade) == []
-    for rotor in range(1, 5):
-        assert point_warnings(blade, column(rows, f"mot{rotor}"), speed, beta) == []

@@ -56,21 +56,21 @@ def told_elsewhere(pickled: bytes) -> bytes:
     return told(pickle.loads(pickled))
 
 
-@pytest.mark.parametrize("which", ["recommended", "paper", "table"])
+@pytest.mark.parametrize("which", ["recommended", "table"])
 def test_the_number_of_threads_changes_no_bit(which: str) -> None:
     found = []
-    for threads in (1, 2, 5):
+    for threads in (1, 5):
         with on_cores(threads):
             found.append(told(rotor(which), 160))  # a thread for each 32 points
-    assert found[0] == found[1] == found[2]
+    assert found[0] == found[1]
 
 
-@pytest.mark.parametrize("which", ["recommended", "paper", "table"])
+@pytest.mark.parametrize("which", ["recommended", "table"])
 def test_single_calls_have_the_bits_of_batches(which: str) -> None:
     one, (omega, speed, beta) = rotor(which), points()
     batch = one.loads(omega, speed, beta)
     slopes = one.gradients(NAMES, omega, speed, 0.3 * speed)
-    for k in (*range(0, 28), 199):
+    for k in (*range(0, 14), 199):
         single = one.loads(omega[k], speed[k], beta[k])
         assert single.thrust.shape == ()
         for name in (*LOADS, "mean_inflow", "roots", "status"):
@@ -104,12 +104,6 @@ def test_what_was_asked_before_changes_no_bit() -> None:
             np.testing.assert_array_equal(ask(), before, name)
 
 
-def test_a_pickled_rotor_has_the_same_bits() -> None:
-    there = pickle.loads(pickle.dumps(rotor()))
-    assert told(there) == told(rotor())
-    assert repr(there) == repr(rotor())
-
-
 def test_eight_threads_with_one_rotor_have_the_same_bits() -> None:
     want, fresh = told(rotor(), 40), pm.Rotor(rotor().model)
     with ThreadPoolExecutor(8) as pool:
@@ -117,14 +111,14 @@ def test_eight_threads_with_one_rotor_have_the_same_bits() -> None:
     assert all(one == want for one in found)
 
 
-@pytest.mark.parametrize("how", ["fork", "spawn"])
-def test_other_processes_have_the_same_bits(how: str) -> None:
+def test_a_pickled_rotor_has_the_same_bits_in_another_process() -> None:
     want = told(rotor())  # the core has had threads before it forks
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of forks, by newer Pythons and by JAX
-        with multiprocessing.get_context(how).Pool(2) as pool:
+        with multiprocessing.get_context("fork").Pool(2) as pool:
             found = pool.map(told_elsewhere, [pickle.dumps(rotor())] * 3)
     assert all(one == want for one in found)
+    assert repr(pickle.loads(pickle.dumps(rotor()))) == repr(rotor())
 
 
 SPECIAL = np.array(
@@ -219,26 +213,14 @@ def test_any_call_gives_loads_or_a_refusal(call: str) -> None:
             assert pool.submit(answered, call).result() >= (1 if call == "inflow" else 5)
 
 
-@pytest.mark.parametrize("count", [0, 1, 1100, 1101, 5000])
-def test_fields_have_as_many_stations_as_asked_for(count: int) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
-            assert pool.submit(stations, count).result() == (count, 73)
-
-
-def stations(count: int) -> tuple[int, ...]:
+@pytest.mark.parametrize(("count", "psi"), [(0, None), (3, [0.3]), (1101, None)])
+def test_fields_have_the_shape_that_is_asked_for(count: int, psi: list[float] | None) -> None:
     radius = np.linspace(0.03, 0.1, count)
-    field = rotor().inflow(600.0, 5.0, 1.0, radius=radius)
-    assert field.inflow.shape == (count,)
-    return field.alpha.shape
-
-
-def test_fields_at_one_azimuth_have_the_shapes_of_those_at_many() -> None:
-    field = rotor().inflow(600.0, 5.0, 1.0, radius=[0.05, 0.07, 0.09], azimuth=[0.3])
+    field = rotor().inflow(600.0, 5.0, 1.0, radius=radius, azimuth=psi)
     for name in ("inflow", "thrust_per_radius", "drag_per_radius", "torque_per_radius"):
-        assert getattr(field, name).shape == (3,), name
-    assert field.alpha.shape == field.local_inflow.shape == (3, 1)
+        assert getattr(field, name).shape == (count,), name
+    shape = (count, 73 if psi is None else 1)
+    assert field.alpha.shape == field.local_inflow.shape == shape
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
@@ -251,11 +233,3 @@ def test_huge_and_tiny_flows_have_loads_or_a_status(value: float) -> None:
                 found = one.loads(*at, beta)
                 lost = found.status == "not_converged"
                 assert bool(np.isnan(found.thrust)) == bool(lost), (which, at, beta)
-
-
-def test_a_thousand_points_in_a_row_have_the_bits_of_each() -> None:
-    omega, speed, beta = points(40)
-    one = rotor("paper")
-    many = one.loads(np.tile(omega, 25), np.tile(speed, 25), np.tile(beta, 25))
-    want = one.loads(omega, speed, beta)
-    np.testing.assert_array_equal(many.thrust.reshape(25, 40), np.tile(want.thrust, (25, 1)))

@@ -20,10 +20,10 @@ import pytest
 
 import propmap
 from propmap import catalogue, core
-from propmap.catalogue.lookup import measurement
 from propmap.flight.simulate import SensorNoise, fly, trim
 from propmap.vehicle.files import read_vehicle
-from tests.vehicle.write_logs import write_ulog
+from tests.io.test_section_tables import xfoil
+from tests.vehicle.write_px4_log import write_ulog
 
 from .pages import ROOT, Step, edited, steps
 
@@ -103,16 +103,9 @@ def uiuc_files(folder: Path) -> None:
 def polars(folder: Path) -> None:
     """Polars of a cambered section at two Reynolds numbers in the layout of XFOIL."""
     (folder / "polars").mkdir()
-    angle = np.arange(-10.0, 16.1, 0.5)
-    from_zero = np.radians(angle + 3.0)
-    attached = np.exp(-((from_zero / 0.26) ** 4))
-    lift = 5.7 * from_zero * attached + np.sin(2.0 * from_zero) * (1.0 - attached)
-    for millions in (0.06, 0.1):
-        drag = 4.0 / np.sqrt(1e6 * millions) + np.sin(from_zero) ** 2
-        rows = zip(angle, lift, drag, strict=True)
-        lines = [f" Mach = 0.000     Re = {millions:.3f} e 6     Ncrit = 9.000", "", "alpha CL CD"]
-        lines += ["----- -- --", *(" ".join(f"{v:.4f}" for v in row) for row in rows)]
-        (folder / "polars" / f"{millions}.txt").write_text("\n".join(lines) + "\n")
+    for reynolds in (6e4, 1e5):
+        text = xfoil(np.arange(-10.0, 16.1, 0.5), reynolds)
+        (folder / "polars" / f"{reynolds:g}.txt").write_text(text)
 
 
 def source(folder: Path) -> None:
@@ -225,10 +218,3 @@ def test_the_readme_s_first_block_of_python_is_the_example() -> None:
 def test_the_catalogue_is_as_large_as_the_readme_says() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert f"The catalogue contains {len(catalogue.names())} propellers" in text
-
-
-def test_the_catalogue_has_what_the_tutorial_fits() -> None:
-    found = measurement("uiuc-8x6e")
-    assert found.propeller == "apc-8x6e"
-    text = (DOCS / "tutorial.md").read_text(encoding="utf-8")
-    assert f"{found.omega.size} measured points" in " ".join(text.split())

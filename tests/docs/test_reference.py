@@ -8,8 +8,6 @@ import inspect
 import re
 from typing import Any
 
-import pytest
-
 from propmap.sim.mjx import JaxForces, MjxRotors
 from propmap.table import JaxTable
 
@@ -50,9 +48,6 @@ def callables(name: str) -> list[tuple[str, Any]]:
     return [(name, found), *methods]
 
 
-EVERY = [pair for name in documented() for pair in callables(name)]
-
-
 def parameters(found: Any) -> list[str]:
     if found in (JaxTable, JaxForces, MjxRotors):
         return []  # Made with ``of``; what it is made of is its own affair.
@@ -65,12 +60,6 @@ def parameters(found: Any) -> list[str]:
     if getattr(found, "_is_protocol", False):
         return []
     return [n for n in inspect.signature(found).parameters if n not in ("self", "cls")]
-
-
-def test_there_is_a_reference() -> None:
-    names = documented()
-    assert len(names) > 60
-    assert len(names) == len(set(names))
 
 
 def test_all_public_names_are_in_it() -> None:
@@ -104,10 +93,12 @@ def explained(text: str) -> set[str]:
     return names
 
 
-@pytest.mark.parametrize(("name", "found"), [(n, f) for n, f in EVERY])
-def test_every_parameter_is_explained(name: str, found: Any) -> None:
+def test_every_parameter_is_explained() -> None:
     """It has an entry of its own, or a sentence names it."""
-    text = found.__doc__
-    assert text, name
-    missing = {p for p in set(parameters(found)) - explained(text) if f"``{p}``" not in text}
-    assert not missing, f"{name} has no entry for {', '.join(sorted(missing))}"
+    names = documented()
+    assert len(names) > 60 and len(names) == len(set(names))
+    for name, found in (pair for one in names for pair in callables(one)):
+        text = found.__doc__
+        assert text, name
+        missing = {p for p in set(parameters(found)) - explained(text) if f"``{p}``" not in text}
+        assert not missing, f"{name} has no entry for {', '.join(sorted(missing))}"

@@ -22,9 +22,6 @@ def test_errors_name_data_and_load_once() -> None:
     assert first == ["8x6E, axial (UIUC)", "thrust", "this", "5.5\N{NO-BREAK SPACE}%",
                      "100\N{NO-BREAK SPACE}%"]  # fmt: skip
     assert second[:3] == ["", "", "hover model"]
-    # Above the measured load itself there is no exponent.
-    large = docs_reproduce.errors([{**row, "worst_over_largest_measured": "1.66"}])
-    assert cells(large)[2][4] == "166\N{NO-BREAK SPACE}%"
     assert third[:2] == ["", "torque"]
 
 
@@ -52,38 +49,3 @@ def test_what_is_not_identified_is_marked() -> None:
         ]
     )
     assert cells(none)[2] == ["15", "2.1", "none", "2.2", "2.2", "1.9"]
-
-
-def test_sources_and_fits_of_the_drag() -> None:
-    source = {
-        "source": "theory",
-        "incidence_H_over_mu": "0.0231",
-        "edgewise_H_over_mu": "0.0168",
-        "edgewise_H_over_T_mu": "",
-    }
-    found = cells(
-        docs_reproduce.drag_sources([source, {**source, "incidence_H_over_mu": "0.0462"}])
-    )
-    assert found[2] == ["theory", "0.0231", "0.0168", "none", "1"]
-    assert found[3][-1] == "2"
-    fit = {
-        "model": "with camber, 2019",
-        "data": "gill-dandrea-2019-8x6e",
-        "slipstream_factor": "2",
-        "factor_alone": "2.3",
-        "factor_rms_over_rms_measured": "0.1",
-        "plate_alone_m2": "0.0037",
-        "plate_rms_over_rms_measured": "0.096",
-        "both_factor": "1.6",
-        "both_plate_m2": "0.0021",
-        "both_rms_over_rms_measured": "0.091",
-    }
-    nb = "\N{NO-BREAK SPACE}"
-    assert cells(docs_reproduce.drag_plate([fit]))[2] == [
-        "the paper's inflow",
-        "polynomials",
-        "2",
-        f"2.3 (10{nb}%)",
-        f"37 (9.6{nb}%)",
-        f"1.6, 21 (9.1{nb}%)",
-    ]

@@ -20,6 +20,7 @@ from propmap.io.geometry import (
     read_propeller_toml,
     read_uiuc_geometry,
 )
+from propmap.model.propeller import Propeller
 
 from . import samples
 
@@ -63,15 +64,11 @@ CSV_CASES = {
     "no unit": (edited(CSV, "radius_m", "radius"), "'radius'"),
     "empty column name": (edited(CSV, "chord_m,", "chord_m,,"), "complete the row"),
     "two radius columns": (edited(CSV, "chord_m", "radius_mm"), "keep one of them"),
-    "one column twice": (edited(CSV, "chord_m,", "chord_m,chord_m,"), "keep one of them"),
     "two separators": (edited(CSV, "m,chord_m,", "m;chord_m,"), "separated by commas"),
     "decimal commas": (edited(CSV, "0.02,0.015,38", "0,02,0,015,38,0"), "use a decimal point"),
-    "quoted decimal comma": (edited(CSV, "0.015", '"0,015"'), "use a decimal point"),
     "unsorted": (edited(CSV, "0.06,", "0.03,"), "line 6", "unsorted", "sort the rows"),
     "repeated station": (edited(CSV, "0.06,", "0.04,"), "line 6", "repeated", "one row per"),
-    "tip first": (edited(CSV, "0.02,0.015,38", "0.2,0.015,38"), "sort the rows"),
     "first station at 0": (edited(CSV, "0.02,", "0,"), "start with the hub radius"),
-    "negative station": (edited(CSV, "0.02,", "-0.02,"), "start with the hub radius"),
     "negative chord": (edited(CSV, "0.022", "-0.022"), "line 6", "negative chord"),
     "chord all zero": (
         edited(CSV, "0.015", "0", "0.021", "0", "0.022", "0", "0.017", "0", "0.004", "0"),
@@ -79,7 +76,6 @@ CSV_CASES = {
     ),
     "chord in mm": (edited(CSV, "0.022", "22"), "check the units"),
     "NaN": (edited(CSV, "0.022", "nan"), "line 6: chord_m", "finite", "correct it"),
-    "infinite": (edited(CSV, ",21", ",inf"), "line 6: twist_deg", "finite"),
     "text in a number": (edited(CSV, "0.022", "wide"), "'wide'", "correct it"),
     "underscore": (edited(CSV, "0.022", "0.0_22"), "finite number"),
     "empty cell": (edited(CSV, "0.022", ""), "nothing", "correct it"),
@@ -94,12 +90,10 @@ CSV_CASES = {
         "named twist_deg",
     ),
     "no blades": (edited(CSV, "# blades: 3\n", ""), "pass --blades 2"),
-    "no blades at all": (edited(CSV, "blades: 3", "blades: 0"), "pass --blades 2"),
     "half a blade": (edited(CSV, "blades: 3", "blades: 2.5"), "whole number"),
     "many blades": (edited(CSV, "blades: 3", "blades: 300"), "from 1 to 12"),
     "no radius": (edited(CSV, "radius_m", "r_over_R"), "pass --radius"),
     "radius disagrees": (edited(CSV, "# blades", "# radius_m: 0.2\n# blades"), "correct it"),
-    "radius not a number": (edited(CSV, "# blades", "# radius_m: wide\n# blades"), "'wide'"),
     "radius negative": (edited(CSV, "# blades", "# radius_m: -1\n# blades"), "above 0"),
     "r_over_R above 1": (
         edited(
@@ -112,19 +106,11 @@ CSV_CASES = {
         edited(CSV, "radius_m", "r_over_R", "# blades", "# radius_m: 0.1\n# blades"),
         "add the tip station",
     ),
-    "millimeters as meters": (
-        edited(
-            CSV, "0.02,", "20,", "0.04,", "40,", "0.06,", "60,", "0.08,", "80,", "0.10,", "100,"
-        ),
-        "check the units",
-    ),
     "endless cell": (edited(CSV, "0.022", "2" * 200_000), "not CSV"),
     "product too large": (
         edited(CSV, "0.10,", "1e308,", "0.022", "1e9", "chord_m", "c_over_R"),
         "line 6: chord is inf",
     ),
-    "far below 0": (edited(CSV, "0.02,", "1e308,", "0.04,", "-1e308,"), "sort the rows"),
-    "huge number": (edited(CSV, "0.022", "1e999"), "finite number"),
 }
 
 UIUC_CASES = {
@@ -132,17 +118,9 @@ UIUC_CASES = {
     "header only": ("r/R c/R beta\n", "one row per station"),
     "ragged": (edited(UIUC, "0.220   21.00", "0.220"), "line 4", "complete the row"),
     "text": (edited(UIUC, "0.220", "x"), "line 4: c/R", "correct it"),
-    "NaN": (edited(UIUC, "0.220", "NaN"), "line 4: c/R", "finite"),
-    "unsorted": (edited(UIUC, "0.60 ", "0.30 "), "line 4", "sort the rows"),
-    "repeated": (edited(UIUC, "0.60 ", "0.40 "), "line 4", "one row per"),
     "beyond the tip": (edited(UIUC, "1.00 ", "1.05 "), "line 6", "divide by"),
     "no tip": (edited(UIUC, "1.00   0.040   10.00\n", ""), "add the tip"),
     "too few": (UIUC[:20] + "\n0.2 0.1 30\n1.0 0.1 10\n", "found 2 stations"),
-    "radians": (
-        edited(UIUC, "38.", ".6", "30.", ".5", "21.", ".4", "15.", ".3", "10.", ".1"),
-        "looks like radians",
-    ),
-    "negative chord": (edited(UIUC, "0.220", "-0.22"), "line 4", "negative chord"),
 }
 
 PE0_CASES = {
@@ -153,16 +131,10 @@ PE0_CASES = {
     "no rows": (samples.PE0_HEADER + samples.PE0_TRAILER, "found a header and no rows"),
     "ragged": (edited(PE0, "23.0000     -0.0100", "23.0000-0.0100"), "found 6 values"),
     "stars": (edited(PE0, "23.0000", "*******"), "line 14: TWIST", "correct it"),
-    "unsorted": (edited(PE0, "1.5000 ", "0.7000 "), "line 14", "sort the rows"),
-    "repeated": (edited(PE0, "1.5000 ", "1.0000 "), "line 14", "one row per"),
     "cut off": (edited(PE0, "RADIUS:  2.50", "RADIUS:  3.50"), "RADIUS", "correct it"),
     "no blades": (edited(PE0, "BLADES:", "PARTS:"), "pass --blades 2"),
     "blades not a number": (edited(PE0, "BLADES:  2 ", "BLADES:  two"), "whole number"),
     "hub beyond the tip": (edited(PE0, "HUBTRA:  0.50", "HUBTRA:  2.45"), "root cut-out"),
-    "radians": (
-        edited(PE0, "44.", "0.", "32.", "0.", "23.", "0.", "17.", "0.", "14.0000", "0.2"),
-        "looks like radians",
-    ),
 }
 
 TOML_CASES = {
@@ -176,53 +148,35 @@ TOML_CASES = {
     "NaN": (edited(TOML, "0.022", "nan"), "entry 2: chord", "finite"),
     "lengths differ": (edited(TOML, "0.015, ", ""), "lists of one length"),
     "degrees": (edited(TOML, "[0.6", "[30.6"), "looks like degrees"),
-    "blades as text": (edited(TOML, "blades = 2", 'blades = "2"'), "pass --blades"),
     "blades as truth": (edited(TOML, "blades = 2", "blades = true"), "pass --blades"),
     "radius disagrees": (edited(TOML, "radius_m = 0.1", "radius_m = 4"), "correct it"),
     "name not text": (edited(TOML, '"hand-made"', "3"), "write name = "),
     "cut-out inside": (TOML + "root_cutout_m = 0.01\n", "between 0.02 m"),
     "cut-out outside": (TOML + "root_cutout_m = 0.2\n", "0.09 m"),
-    "long integer": (edited(TOML, "0.022", "9" * 400), "write a number"),
     "very long integer": (edited(TOML, "0.022", "9" * 5000), "not TOML"),
     "deep nesting": ("schema = " + "[" * 100_000, "not TOML"),
 }
 
 
-@pytest.mark.parametrize("case", CSV_CASES)
-def test_bad_csv(written: Writer, case: str) -> None:
-    content, *words = CSV_CASES[case]
+def read_uiuc(path: Path) -> Propeller:
+    return read_uiuc_geometry(path, radius=0.1)
+
+
+FORMATS: dict[Callable[[Path], Propeller], dict[str, tuple[str, ...]]] = {
+    read_propeller_csv: CSV_CASES,
+    read_uiuc: UIUC_CASES,
+    read_apc_pe0: PE0_CASES,
+    read_propeller_toml: TOML_CASES,
+}
+
+
+@pytest.mark.parametrize(
+    ("read", "case"), [(read, case) for read, cases in FORMATS.items() for case in cases]
+)
+def test_bad_files(written: Writer, read: Callable[[Path], Propeller], case: str) -> None:
+    content, *words = FORMATS[read][case]
     path = written(content)
-    message = message_of(lambda: read_propeller_csv(path))
-    assert str(path) in message
-    for word in words:
-        assert word in message
-
-
-@pytest.mark.parametrize("case", UIUC_CASES)
-def test_bad_uiuc(written: Writer, case: str) -> None:
-    content, *words = UIUC_CASES[case]
-    path = written(content)
-    message = message_of(lambda: read_uiuc_geometry(path, radius=0.1))
-    assert str(path) in message
-    for word in words:
-        assert word in message
-
-
-@pytest.mark.parametrize("case", PE0_CASES)
-def test_bad_pe0(written: Writer, case: str) -> None:
-    content, *words = PE0_CASES[case]
-    path = written(content)
-    message = message_of(lambda: read_apc_pe0(path))
-    assert str(path) in message
-    for word in words:
-        assert word in message
-
-
-@pytest.mark.parametrize("case", TOML_CASES)
-def test_bad_toml(written: Writer, case: str) -> None:
-    content, *words = TOML_CASES[case]
-    path = written(content)
-    message = message_of(lambda: read_propeller_toml(path))
+    message = message_of(lambda: read(path))
     assert str(path) in message
     for word in words:
         assert word in message
@@ -239,20 +193,18 @@ NO_TEXT: dict[str, tuple[bytes, str]] = {
 
 
 @pytest.mark.parametrize("case", NO_TEXT)
-@pytest.mark.parametrize("read", READERS)
-def test_no_text(written: Writer, read: Callable[..., Any], case: str) -> None:
+def test_no_text(written: Writer, case: str) -> None:
     content, remedy = NO_TEXT[case]
     path = written(content)
-    assert remedy in message_of(lambda: read(path))
+    assert remedy in message_of(lambda: read_geometry_file(path))
 
 
 @pytest.mark.parametrize("read", [*READERS, propeller])
 def test_no_file(tmp_path: Path, read: Callable[..., Any]) -> None:
     assert "name a file inside it" in message_of(lambda: read(tmp_path))
-    assert "check the path" in message_of(lambda: read(tmp_path / "none.csv"))
-    assert "check the path" in message_of(lambda: read(f"{tmp_path}/nu\0ll"))
-    assert "check the path" in message_of(lambda: read(f"{tmp_path}/" + "long" * 2000))
-    assert "check the path" in message_of(lambda: read(tmp_path / "two\nlines"))
+    for name in ("none.csv", "nu\0ll", "long" * 2000, "two\nlines"):
+        path = f"{tmp_path}/{name}"
+        assert "check the path" in message_of(lambda path=path: read(path))
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
@@ -268,24 +220,16 @@ def test_links_in_a_circle(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [UIUC, CSV, PE0, TOML], ids=["uiuc", "csv", "pe0", "toml"])
-@pytest.mark.parametrize("blades", [0, -2, 13, 2.5, "two", True])
-def test_bad_blades_argument(written: Writer, content: str, blades: Any) -> None:
+def test_bad_arguments(written: Writer, content: str) -> None:
     path, radius = written(content), 0.1 if content == UIUC else None
-    message = message_of(lambda: read_geometry_file(path, blades=blades, radius=radius))
-    assert "pass --blades 2" in message
-
-
-@pytest.mark.parametrize("radius", [0.0, -0.1, float("nan"), float("inf"), None])
-def test_bad_radius_argument(written: Writer, radius: float | None) -> None:
-    path = written(UIUC)
-    assert "pass --radius" in message_of(lambda: read_geometry_file(path, radius=radius))
-
-
-@pytest.mark.parametrize("content", [CSV, PE0, TOML], ids=["csv", "pe0", "toml"])
-@pytest.mark.parametrize("radius", [0.5, -0.1, float("nan")])
-def test_radius_argument_must_agree(written: Writer, content: str, radius: float) -> None:
-    path = written(content)
-    assert "omit the radius" in message_of(lambda: read_geometry_file(path, radius=radius))
+    for blades in (0, 13, 2.5, "two", True):
+        message = message_of(
+            lambda blades=blades: read_geometry_file(path, blades=blades, radius=radius)
+        )
+        assert "pass --blades 2" in message
+    remedy = "pass --radius" if content == UIUC else "omit the radius"
+    for wrong in (-0.1, float("nan"), None if content == UIUC else 0.5):
+        assert remedy in message_of(lambda wrong=wrong: read_geometry_file(path, radius=wrong))
 
 
 @pytest.mark.parametrize("content", ["hello\n", "t,x,y\n1,2,3\n", "{}\n", "# only\n"])
@@ -295,7 +239,7 @@ def test_unknown_format(written: Writer, content: str) -> None:
 
 
 @settings(
-    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(
     content=st.sampled_from([CSV, UIUC, PE0, TOML]),
@@ -308,8 +252,7 @@ def test_damage_gives_a_blade_or_an_input_error(
 ) -> None:
     start = int(where * len(content))
     path = written((content[:start] + junk + content[start + cut :]).encode("utf-8", "ignore"))
-    for radius in (None, 0.1):
-        try:
-            assert read_geometry_file(path, radius=radius).radius > 0.0
-        except InputError as error:
-            assert str(error).isprintable()
+    try:
+        assert read_geometry_file(path, radius=0.1).radius > 0.0
+    except InputError as error:
+        assert str(error).isprintable()

@@ -64,12 +64,10 @@ def test_whatever_a_writer_quotes_is_read(
     ("header", "expected"),
     [
         ("rpm;speed_mps;beta_deg;note, free", ";"),
-        ("rpm;speed_mps;beta_deg;a,b,c,d,e,f", ";"),
         ("rpm\tspeed_mps\tbeta_deg\tnote; free", "\t"),
         ("rpm,speed_mps,beta_deg,note; a; b; c; d", ","),
         ('"rpm";"speed_mps";"a,""b"",c"', ";"),
         ("rpm", ","),
-        ("rpm, speed_mps , beta_deg", ","),
     ],
 )
 def test_separator(header: str, expected: str) -> None:
@@ -108,9 +106,7 @@ REFUSED = {
         "keep one of them",
     ),
     "thousands and decimals": ("rpm;speed_mps\n6.000,5;1\n", "line 2: '6.000,5' has 2 marks"),
-    "millions": ("rpm\tspeed_mps\n6,000,000\t1\n", "line 2: '6,000,000' has 2 marks"),
     "thousands by commas": ("rpm\tspeed_mps\n6,000\t5\n", "6000 or 6.000", "write 6000 or"),
-    "thousands by points": ("rpm;speed_mps\n6.000;5\n", "6000 or 6.000", "write 6000 or"),
     "open quote": ('rpm;speed_mps\n6000;"5\n', "not CSV"),
 }
 

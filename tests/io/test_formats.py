@@ -22,7 +22,6 @@ from propmap.model.propeller import Propeller
 from . import samples
 
 Writer = Callable[[str | bytes], Path]
-ORIGINALS = Path(__file__).resolve().parents[3] / "shared" / "data"
 
 
 def same_blade(one: Propeller, other: Propeller) -> bool:
@@ -40,22 +39,15 @@ def test_pe0_columns_and_units(written: Writer) -> None:
     np.testing.assert_allclose(np.rad2deg(blade.twist), [44.0, 32.0, 23.0, 17.0, 14.0])
     assert blade.root == pytest.approx(0.5 * 0.0254)
     assert blade.diameter == pytest.approx(5.0 * 0.0254)
-
-
-def test_pe0_loads_from_the_hub_transition_where_that_is_further_out(written: Writer) -> None:
+    assert read_apc_pe0(written(samples.PE0.replace("\n", "\r\n"))) == blade
+    # Loads begin at the hub transition if that is further out.
     blade = read_apc_pe0(written(samples.PE0.replace("HUBTRA:  0.50", "HUBTRA:  0.80")))
     assert blade.root == pytest.approx(0.8 * 0.0254)
     assert blade.station[0] == pytest.approx(0.5 * 0.0254)
 
 
-def test_pe0_line_ends_do_not_matter(written: Writer) -> None:
-    unix = read_apc_pe0(written(samples.PE0))
-    assert read_apc_pe0(written(samples.PE0.replace("\n", "\r\n"))) == unix
-
-
-@pytest.mark.parametrize("title", ["# name: HQ 5x4.3x3", "# Gemfan 5 x 4,3 x 3", "# 3-blade 5043"])
-def test_a_title_tells_the_blades_where_nothing_else_does(written: Writer, title: str) -> None:
-    told = samples.CSV.replace("# name: hand-made", title)
+def test_a_title_tells_the_blades_where_nothing_else_does(written: Writer) -> None:
+    told = samples.CSV.replace("# name: hand-made", "# Gemfan 5 x 4,3 x 3")
     untold = told.replace("# blades: 3\n", "")
     assert read_propeller_csv(written(untold)).blades == 3
     assert read_propeller_csv(written(untold), blades=2).blades == 2
@@ -84,11 +76,6 @@ def test_uiuc_scales_with_radius_and_asks_for_its_blades(written: Writer) -> Non
     assert read_uiuc_geometry(written(samples.UIUC), blades=4, radius=0.15).blades == 4
 
 
-def test_csv_comments_are_read(written: Writer) -> None:
-    blade = read_propeller_csv(written(samples.CSV))
-    assert (blade.name, blade.blades, blade.radius) == ("hand-made", 3, 0.1)
-
-
 @pytest.mark.parametrize(
     ("column", "per_metre"), [("m", 1.0), ("mm", 1000.0), ("in", 1.0 / 0.0254), ("_over_R", 10.0)]
 )
@@ -97,6 +84,7 @@ def test_csv_units_give_one_blade(
     written: Writer, column: str, per_metre: float, twist: str
 ) -> None:
     expected = read_propeller_csv(written(samples.CSV))
+    assert (expected.name, expected.blades, expected.radius) == ("hand-made", 3, 0.1)
     stem = column.startswith("_")
     names = (f"r{column}", f"c{column}") if stem else (f"radius_{column}", f"chord_{column}")
     angles = np.rad2deg(expected.twist) if twist == "deg" else expected.twist
@@ -134,12 +122,3 @@ def test_content_tells_the_format(written: Writer, content: str, radius: float |
     assert blade.blades == 5
     assert propeller(path, blades=5, radius=radius) == blade
     assert propeller(str(path), blades=5, radius=radius) == blade
-
-
-@pytest.mark.skipif(not ORIGINALS.is_dir(), reason="the published data are not here")
-def test_original_uiuc_layout() -> None:
-    folder = ORIGINALS / "uiuc" / "raw" / "apcsf_10x7" / "uiuc_data"
-    blade = propeller(folder / "apcsf_10x7_geom.txt", radius=0.127)
-    table = np.loadtxt(folder / "apcsf_10x7_geom.txt", skiprows=1)
-    np.testing.assert_allclose(blade.chord, table[:, 1] * 0.127)
-    np.testing.assert_allclose(np.rad2deg(blade.twist), table[:, 2])

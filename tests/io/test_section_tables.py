@@ -12,7 +12,6 @@ import propmap
 from propmap.errors import InputError
 from propmap.io.sections import read_section_table
 
-SHELDAHL = Path(__file__).resolve().parents[3] / "shared" / "data" / "airfoil" / "NACA_0015.dat"
 REYNOLDS = (1e5, 4e5)
 ANGLES = np.linspace(-180.0, 180.0, 49)
 
@@ -154,30 +153,11 @@ def test_different_angles_are_brought_together(tmp_path: Path) -> None:
     assert np.diff(table.angle).min() > np.radians(0.04)
 
 
-def test_a_file_open_at_180_degrees_is_closed(tmp_path: Path) -> None:
-    (tmp_path / "a.csv").write_text(csv(ANGLES[:-1]))
-    table = read_section_table(tmp_path / "a.csv")
-    assert table.angle[-1] == np.pi
-    np.testing.assert_allclose(table.lift[:, -1], table.lift[:, 0], atol=1e-12)
-
-
-def test_sheldahl_and_klimas() -> None:
-    if not SHELDAHL.exists():
-        pytest.skip("the data are not beside the checkout")
-    table = read_section_table(SHELDAHL)
-    assert table.reynolds.size == 11 and table.reynolds[[0, -1]].tolist() == [1e4, 1e7]
-    j = int(np.argmin(np.abs(table.angle - np.radians(6.0))))
-    assert (table.lift[0, j], table.drag[0, j]) == (-0.0781, 0.04)
-    np.testing.assert_allclose(table.lift[:, 0], table.lift[:, -1])
-
-
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         (csv(ANGLES).replace(",-7.500000", ",x"), "line 25: alpha_deg is 'x'"),
         (csv(ANGLES).replace("cl,", "lift,"), "not a section table"),
-        (csv(ANGLES) + "1e5,3\n", "line 100: found 2 fields, expected 5"),
-        (aerodyn(ANGLES).replace("EOT\n", "", 1).replace(" 0.4", " high", 1), "line 57"),
         (aerodyn(ANGLES).split("EOT")[0] + "EOT\n", "table 2 of 2 is missing"),
         (aerodyn(ANGLES).replace("0.4 ", "0.1 "), "Re = 100000 occurs twice"),
         (aerodyn_15(ANGLES)[:-900], "NumAlf is 49"),
@@ -190,7 +170,6 @@ def test_sheldahl_and_klimas() -> None:
         (xfoil(np.arange(-8.0, 95.0), 1e5), "expected -180 to 180"),
         (xfoil(np.arange(2.0, 5.0), 1e5), "has 3 rows, expected at least 8"),
         (xfoil(ANGLES, 1e5) + " 30.0 0.5 0.5\n", "30 deg occurs twice, in line"),
-        (xfoil(ANGLES, 1e5) + " 31.0 0.5 -0.5\n", "the drag coefficient is -0.5"),
         (xfoil(ANGLES, 1e5) + " 31.0 0.5\n", "found 2 numbers, expected angle, C_L, C_D"),
         (xfoil(ANGLES, 1e5) + " 31.0 30.5 0.5\n", "lift coefficient of 30.5"),
     ],
@@ -211,8 +190,10 @@ def test_a_folder_holds_polars_alone(tmp_path: Path) -> None:
         read_section_table(tmp_path)
 
 
-def test_a_table_without_a_reynolds_number_says_so(tmp_path: Path) -> None:
-    text = aerodyn(ANGLES).replace(" 2  Number", " 1  Number").replace(" 0.1  Table", " 0  Table")
-    (tmp_path / "a.dat").write_text(text)
+def test_a_table_open_at_180_degrees_and_without_a_reynolds_number(tmp_path: Path) -> None:
+    text = aerodyn(ANGLES[:-1]).replace(" 2  Number", " 1  Number")
+    (tmp_path / "a.dat").write_text(text.replace(" 0.1  Table", " 0  Table"))
     table = read_section_table(tmp_path / "a.dat")
     assert table.reynolds.size == 1 and "Reynolds number not stated" in table.source
+    assert table.angle[-1] == np.pi
+    np.testing.assert_allclose(table.lift[:, -1], table.lift[:, 0], atol=1e-12)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -32,6 +31,7 @@ def written(folder: Path, text: str | bytes) -> Path:
 def test_named_sets_are_table_1(
     name: str, c_l1: float, c_l2: float, c_d: float, degrees: float
 ) -> None:
+    assert name in airfoil_names()
     found = airfoil(name.upper())
     assert (found.name, found.c_l1, found.c_l2, found.c_d) == (name, c_l1, c_l2, c_d)
     assert found.alpha_0 == pytest.approx(degrees * np.pi / 180.0, rel=1e-14)
@@ -52,10 +52,6 @@ def test_the_table_has_each_number_of_the_law_in_order() -> None:
             assert spread > 0.0
 
 
-def test_names_are_listed() -> None:
-    assert set(airfoil_names()) >= {"paper-soft", "paper-stiff", "paper-apc"}
-
-
 def test_identified_constants_serve_every_model() -> None:
     found = airfoil("apc-8x6e-2019")
     assert "10.3390/drones3040077" in found.source and "propmap fit tunnel" in found.source
@@ -70,9 +66,7 @@ def test_a_file_is_read(tmp_path: Path) -> None:
     assert airfoil(written(tmp_path, text)) == Airfoil(
         5.0, 1.5, 1.2, 0.3, zero_lift_angle=-0.05, sharpness=40, name="mine"
     )
-
-
-def test_the_simplified_law_needs_no_attached_slope(tmp_path: Path) -> None:
+    # The simplified law needs no attached slope.
     text = GOOD.replace("c_l1 = 5.0\n", "") + 'lift_law = "simplified"\n'
     assert airfoil(written(tmp_path, text)).lift_law == "simplified"
 
@@ -81,18 +75,16 @@ def test_the_simplified_law_needs_no_attached_slope(tmp_path: Path) -> None:
     ("text", "told"),
     [
         (GOOD + "cl_1 = 5.0\n", ("unknown field", "cl_1")),
-        (GOOD.replace("c_d = 1.2\n", ""), ("c_d is missing",)),
         (GOOD.replace("c_l1 = 5.0\n", ""), ("c_l1 is missing",)),
         ("c_l1: 5.0\n", ("not valid TOML",)),
         (b"\xff\xfe\x00", ("not a text file",)),
         (GOOD.replace("5.0", '"5.0"'), ("c_l1", "'5.0'", "number")),
         (GOOD.replace("5.0", "true"), ("c_l1", "True", "number")),
-        (GOOD.replace("5.0", "[5.0]"), ("c_l1", "number")),
         (GOOD.replace("0.3", "20.4"), ("alpha_0", "20.4", "radians")),
-        (GOOD.replace("1.2", "-1.2"), ("c_d", "-1.2", "between")),
         (GOOD.replace("1.2", "nan"), ("c_d", "nan", "between")),
         (GOOD + 'lift_law = "thin"\n', ("lift_law", "thin", "simplified")),
         ("schema = 2\n" + GOOD, ("schema", "2", "upgrade")),
+        (GOOD + "name = 5\n", ("name",)),
     ],
 )
 def test_a_bad_file_is_told_in_one_line(
@@ -120,19 +112,7 @@ def test_a_missing_file_and_an_unknown_name_are_told(tmp_path: Path) -> None:
 FIELDS = {"c_l1": 5.1, "c_l2": 1.0 / 3.0, "c_d": 1e-5, "alpha_0": 0.3, "zero_lift_angle": -0.05}
 
 
-@pytest.mark.parametrize(
-    "source",
-    [
-        'J. "Joe" Doe',
-        "two\nlines",
-        "back\\slash \\n",
-        '"""',
-        "tab\tbed",
-        "Zürich, α₀",
-        "line\r\nend",
-        "bell\x07",
-    ],
-)
+@pytest.mark.parametrize("source", ['J. "Joe" Doe', "back\\slash\r\n", '"""', "Zürich\x07"])
 def test_a_written_set_reads_back_the_same(tmp_path: Path, source: str) -> None:
     mine = Airfoil(**FIELDS, sharpness=40.0, lift_law="simplified", name="a 'b'", source=source)
     assert airfoil(written(tmp_path, mine.to_toml())) == mine
@@ -142,12 +122,6 @@ def test_a_set_of_numpy_numbers_reads_back_the_same(tmp_path: Path) -> None:
     # What a fit returns; np.float64 is a float, but its repr is not TOML.
     mine = Airfoil(**{field: np.float64(value) for field, value in FIELDS.items()})
     assert airfoil(written(tmp_path, mine.to_toml())) == Airfoil(**FIELDS)
-
-
-@pytest.mark.parametrize("name", [5, ["a"]])
-def test_a_name_must_be_text(tmp_path: Path, name: Any) -> None:
-    with pytest.raises(InputError, match="name"):
-        airfoil(written(tmp_path, GOOD + f"name = {name}\n".replace("'", '"')))
 
 
 def test_with_parameters_changes_a_copy_and_checks_it() -> None:

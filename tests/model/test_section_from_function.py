@@ -13,10 +13,6 @@ def _plate(alpha, reynolds):
     return 1.1 * np.sin(2.0 * alpha), 2.0 * np.sin(alpha) ** 2 + 2.7 / np.sqrt(reynolds)
 
 
-def _paper(alpha, reynolds):
-    return propmap.airfoil("paper-apc").coefficients(alpha, reynolds)
-
-
 def test_the_table_is_as_close_as_it_says():
     table = propmap.SectionTable.from_function(_plate, [2e4, 5e4, 1e5], tolerance=1e-4)
     alpha = np.random.default_rng(0).uniform(-np.pi, np.pi, 2000)
@@ -26,19 +22,6 @@ def test_the_table_is_as_close_as_it_says():
         assert np.abs(lift - wanted[0]).max() < 1.5e-4
         assert np.abs(drag - wanted[1]).max() < 1.5e-4
     assert 0.0 < table.sampling_error < 2e-3  # friction between two Reynolds numbers
-
-
-def test_a_rotor_with_the_papers_law_as_a_function_has_the_papers_loads():
-    blade = propmap.propeller("apc-8x6e")
-    reynolds = np.geomspace(5e3, 2e5, 12)
-    table = propmap.SectionTable.from_function(_paper, reynolds, tolerance=2e-4)
-    flow = (600.0, [0.0, 5.0, 12.0], [0.0, 1.0, 1.4])
-    got, wanted = (
-        propmap.Rotor(propmap.Model(blade, law)).loads(*flow)
-        for law in (table, propmap.airfoil("paper-apc"))
-    )
-    np.testing.assert_allclose(got.thrust, wanted.thrust, rtol=2e-3)
-    np.testing.assert_allclose(got.torque, wanted.torque, rtol=5e-3)
 
 
 def test_a_jump_is_refused_with_its_place():

@@ -24,7 +24,7 @@ def harmonic_loads(rotor: LiteralRotor, root: float, azimuths: int = 96) -> dict
     ``harmonics`` [m/s].
     """
     tip = float(rotor.station[-1])
-    radii, weights, _ = radial_nodes(rotor, root, tip, 1)
+    radii, weights = radial_nodes(rotor, root, tip)
     share, measured = rotor.ring
     annulus = np.array([measured if share == 1.0 else rotor.inflow_root(y)[0] for y in radii])
     annulus = (1.0 - share) * annulus + share * measured

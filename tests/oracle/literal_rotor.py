@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -230,10 +231,8 @@ def _azimuth_nodes(count: int) -> tuple[Array, Array]:
     return psi, weight
 
 
-def find_jumps(
-    rotor: LiteralRotor, low: float, high: float, count: int
-) -> tuple[Array, Array, Array]:
-    """Radii [m] where the largest root jumps, where it rises steeply, and the curve followed.
+def find_breaks(rotor: LiteralRotor, low: float, high: float) -> tuple[Array, Array]:
+    """Radii [m] where the largest root jumps or rises steeply, and the curve followed.
 
     The curve is every radius [m] looked at with its inflow angle [rad], shape (:, 2).
     """
@@ -241,11 +240,10 @@ def find_jumps(
     def angle(y: float) -> float:
         return rotor.inflow_angle(y, rotor.inflow_root(y)[0])
 
-    radii = np.linspace(low, high, count)
+    radii = np.linspace(low, high, DETECTION_STATIONS)
     angles = np.array([angle(y) for y in radii])
     seen = list(zip(radii, angles, strict=True))
-    jumps: list[float] = []
-    steep: list[float] = []
+    breaks: list[float] = []
     for a, b, at_a, at_b in zip(radii[:-1], radii[1:], angles[:-1], angles[1:], strict=True):
         while b - a > JUMP_WIDTH and abs(at_b - at_a) > 0.002:
             middle = 0.5 * (a + b)
@@ -256,19 +254,15 @@ def find_jumps(
                 b, at_b = middle, at_middle
             else:
                 a, at_a = middle, at_middle
-        if abs(at_b - at_a) > 0.002:
-            jumps.append(0.5 * (a + b))
-        elif b - a < STEEP_WIDTH:  # a jump about to be born: a cube root, continuous
-            steep.append(0.5 * (a + b))
-    return np.array(jumps), np.array(steep), np.array(sorted(seen))
+        # Narrow without a jump is one about to be born: a cube root, continuous.
+        if abs(at_b - at_a) > 0.002 or b - a < STEEP_WIDTH:
+            breaks.append(0.5 * (a + b))
+    return np.array(breaks), np.array(sorted(seen))
 
 
-def radial_nodes(
-    rotor: LiteralRotor, low: float, high: float, resolution: int
-) -> tuple[Array, Array, Array]:
-    """Radii [m], weights [m] and the jump radii [m] of the composite Gauss-Legendre rule."""
-    jumps, steep, seen = find_jumps(rotor, low, high, DETECTION_STATIONS * resolution)
-    breaks = np.concatenate([jumps, steep])
+def radial_nodes(rotor: LiteralRotor, low: float, high: float) -> tuple[Array, Array]:
+    """Radii [m] and weights [m] of the composite Gauss-Legendre rule."""
+    breaks, seen = find_breaks(rotor, low, high)
     # Chord and twist are cubic between stations, so panels end there; but not right beside a
     # break, where a panel has to hold the whole neighborhood of the root-like rise.
     ends = [y for y in rotor.station if low < y < high and np.all(np.abs(y - breaks) > 1e-3)]
@@ -278,7 +272,7 @@ def radial_nodes(
     for a, b in pairwise(edges):
         inside = seen[(seen[:, 0] > a) & (seen[:, 0] < b), 1]
         change = np.ptp(inside) if inside.size else 0.0
-        pieces = resolution * max(1, int(np.ceil(change * rotor.sharper / PANEL_ANGLE)))
+        pieces = max(1, int(np.ceil(change * rotor.sharper / PANEL_ANGLE)))
         clustered = bool(np.any((a == breaks) | (b == breaks)))
         x, w = np.polynomial.legendre.leggauss(4)
         cuts = np.linspace(0.0, 1.0, (4 if clustered else 1) * pieces + 1)
@@ -289,7 +283,7 @@ def radial_nodes(
             t, w = t**2 * (3.0 - 2.0 * t), w * 6.0 * t * (1.0 - t)
         nodes.append(a + (b - a) * t)
         weights.append((b - a) * w)
-    return np.concatenate(nodes), np.concatenate(weights), jumps
+    return np.concatenate(nodes), np.concatenate(weights)
 
 
 def sharper_stall(section: Section) -> float:
@@ -316,73 +310,44 @@ def literal_rotor(
     omega: float,
     v_axial: float,
     v_inplane: float,
-    root: float | None = None,
     zero_lift_angle: float = 0.0,
     *,
     tip_loss: bool = False,
     hub_radius: float | None = None,
     v_hover: float | None = None,
-    resolution: int = 1,
 ) -> LiteralRotor:
-    """The rotor of `literal_loads`, whose arguments these are."""
+    """A rotor at one operating point.
+
+    `station`, `chord` [m] and `twist` [rad] run from the first measured station to the tip.
+    `section` holds c_l1, c_l2, c_d, alpha_0 [rad] and, if they differ from the paper's, M, c_p,
+    c_d0, or is a table. `rho` [kg/m^3], `mu` [Pa s], `omega` [rad/s], `v_axial` and `v_inplane` >=
+    0 [m/s]. `tip_loss` and `hub_radius` [m] ask for Prandtl's losses. `v_hover` [m/s] is the static
+    inflow (12) at this omega, in descent; by default of the hover computed here.
+    """
     y, c, theta = (np.asarray(a, dtype=float) for a in (station, chord, twist))
     losses = {"tip_loss": tip_loss, "hub_radius": hub_radius}
     windmill, ring = False, (0.0, 0.0)
     if v_axial < 0.0:
         if v_hover is None:
-            still = (y, c, theta, blades, section, rho, mu, omega, 0.0, 0.0, root, zero_lift_angle)
-            hover = literal_loads(*still, **losses, resolution=resolution)
+            still = (y, c, theta, blades, section, rho, mu, omega, 0.0, 0.0, zero_lift_angle)
+            hover = literal_loads(*still, **losses)
             v_hover = static_inflow(hover["thrust"], rho, float(y[-1]))
         windmill = v_axial < WINDMILL_BELOW * v_hover
         ring = vortex_ring(v_axial, v_inplane, v_hover)
     motion = (omega, v_axial, v_inplane)
     wake = LiteralWake(rho, *motion, blades, float(y[-1]), **losses, windmill=windmill)
     count = azimuth_count(omega, float(y[-1]), v_inplane, sharper_stall(section))
-    n_azimuth = count if count == 1 else count * resolution
-    numbers = (rho, mu, *motion, zero_lift_angle, n_azimuth, SCAN_STEP / resolution)
+    numbers = (rho, mu, *motion, zero_lift_angle, count, SCAN_STEP)
     return LiteralRotor(y, c, theta, blades, section, wake, ring, *numbers)
 
 
-def literal_loads(
-    station: ArrayLike,
-    chord: ArrayLike,
-    twist: ArrayLike,
-    blades: int,
-    section: Section,
-    rho: float,
-    mu: float,
-    omega: float,
-    v_axial: float,
-    v_inplane: float,
-    root: float | None = None,
-    zero_lift_angle: float = 0.0,
-    *,
-    tip_loss: bool = False,
-    hub_radius: float | None = None,
-    v_hover: float | None = None,
-    resolution: int = 1,
-) -> dict[str, float]:
-    """Loads of a rotor by eqs (1)-(15), the largest root of (11) taken at every radius.
+def literal_loads(*rotor: Any, **options: Any) -> dict[str, float]:
+    """Loads of a `literal_rotor` by eqs (1)-(15), the largest root of (11) taken at every radius.
 
-    `station`, `chord` [m] and `twist` [rad] run from the first measured station to the tip;
-    integration starts at `root` [m] (default: the first station). `section` holds c_l1, c_l2,
-    c_d, alpha_0 [rad] and, if they differ from the paper's, M, c_p, c_d0, or is a table. `rho`
-    [kg/m^3], `mu` [Pa s], `omega` [rad/s], `v_axial` and `v_inplane` >= 0 [m/s]. `tip_loss` and
-    `hub_radius` [m] ask for Prandtl's losses. `v_hover` [m/s] is the static inflow (12) at this
-    omega, in descent; by default of the hover computed here. `resolution` multiplies every node
-    count. Returns thrust [N], drag [N], torque [N m], roll_moment [N m], and the number of radii at
-    which the inflow jumps (`jumps`).
+    Returns thrust [N], drag [N], torque [N m] and roll_moment [N m].
     """
-    losses = {"tip_loss": tip_loss, "hub_radius": hub_radius}
-    rotor = literal_rotor(
-        *(station, chord, twist, blades, section, rho, mu, omega, v_axial, v_inplane, root),
-        zero_lift_angle,
-        **losses,
-        v_hover=v_hover,
-        resolution=resolution,
-    )
-    low = float(rotor.station[0]) if root is None else root
-    nodes, weights, jumps = radial_nodes(rotor, low, float(rotor.station[-1]), resolution)
-    totals = weights @ np.array([rotor.load_densities(r) for r in nodes])  # Eqs (13)-(15)
+    one = literal_rotor(*rotor, **options)
+    nodes, weights = radial_nodes(one, float(one.station[0]), float(one.station[-1]))
+    totals = weights @ np.array([one.load_densities(r) for r in nodes])  # Eqs (13)-(15)
     names = ("thrust", "drag", "torque", "roll_moment")
-    return dict(zip(names, map(float, totals), strict=True)) | {"jumps": float(jumps.size)}
+    return dict(zip(names, map(float, totals), strict=True))

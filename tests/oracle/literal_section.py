@@ -1,7 +1,8 @@
 """Section laws of the literal reference: eqs (3) and (4) as printed, and a table.
 
-`section` holds c_l1, c_l2, c_d, alpha_0 [rad] and, if they differ from the paper's, M, c_p, c_d0,
-and reynolds_camber and drag_angle [rad], which the paper does not have and the rotor applies.
+`section` holds c_l1, c_l2, c_d, alpha_0 [rad] and, if they differ from the paper's, M, c_p, c_d0.
+Extensions: attached = 0 is the lift of footnote 1, plate = 0.44 that of a plate past stall; the
+rotor applies reynolds_camber and drag_angle [rad].
 """
 
 from __future__ import annotations
@@ -28,9 +29,13 @@ def stall_blend(alpha: ArrayLike, alpha_0: float, sharpness: float) -> Array:
 def lift_coefficient(alpha: ArrayLike, section: dict[str, float]) -> Array:
     """C_L of eq. (3) at alpha [rad], in (-pi, pi]."""
     a = np.asarray(alpha, dtype=float)
+    stalled = section["c_l2"] * np.sin(a) * np.cos(a)
+    if section.get("attached", 1.0) == 0.0:
+        return stalled
+    plate = section.get("plate", 0.0)
+    stalled = stalled / (1.0 - plate + plate * np.abs(np.sin(a)))
     sigma = stall_blend(a, section["alpha_0"], section.get("M", 50.0))
     attached = section["c_l1"] * a
-    stalled = section["c_l2"] * np.sin(a) * np.cos(a)
     blended: Array = (1.0 - sigma) * attached + sigma * stalled
     return blended
 

@@ -1,31 +1,30 @@
-"""Compute the reference loads at every reference point and section; write them as tables.
+"""The stored loads of the literal reference, and the command that computes them again.
 
-Run from the repository root, with the package importable (about ten minutes on one core for each
-of the two tables):
+Run from the repository root, with the package importable (an hour on one core):
 
     python -m tests.oracle.make_reference
 
-The package lends the blade geometry and nothing else.
+It solves the points of each stored table and replaces the loads.  The package lends the geometry of
+the blades and nothing else.
 """
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable, Iterator
-from functools import cache, partial
+import multiprocessing
 from pathlib import Path
+from typing import Any, NamedTuple
 
-from numpy.typing import ArrayLike
-
-from tests.oracle.frozen import COLUMNS, EXTENDED_TABLE, TABLE, ReferenceLoads
-from tests.oracle.literal_rotor import literal_loads
+import propmap
+from propmap.units import RPM
+from tests.oracle.literal_harmonics import harmonic_loads
+from tests.oracle.literal_rotor import literal_loads, literal_rotor
 from tests.oracle.literal_wake import static_inflow
 from tests.oracle.naca_0015 import naca_0015
-from tests.oracle.points import MU, RHO, SECTIONS, Point, extended_points, reference_points
+from tests.oracle.points import MU, RHO, SECTIONS
 
-PROPELLER = "apc-8x6e"
-
-Solve = Callable[[str, Point], dict[str, float]]
+BLADE = propmap.propeller("apc-8x6e")
+LAW = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "sharpness")
 
 EXTENDED = ("naca-0015", "tip-loss", "hub-loss", "both-losses")
 """Extensions of the paper's rotor; the losses with a section of Table I."""
@@ -33,69 +32,122 @@ EXTENDED = ("naca-0015", "tip-loss", "hub-loss", "both-losses")
 SECTION_OF = {"tip-loss": "apc", "hub-loss": "soft", "both-losses": "stiff"}
 
 
-def solver(station: ArrayLike, chord: ArrayLike, twist: ArrayLike, blades: int) -> Solve:
-    """A function of a set's or extension's name and a point that gives the literal loads [SI]."""
-    blade = partial(literal_loads, station, chord, twist, blades)
-    root, tip = float(min(station)), float(max(station))  # type: ignore[type-var,arg-type]
+class PaperRow(NamedTuple):
+    """Loads of the reference propeller at one point, and its loads in hover; SI but rpm."""
 
-    @cache
-    def solve(name: str, point: Point) -> dict[str, float]:
-        section = naca_0015() if name == "naca-0015" else SECTIONS[SECTION_OF.get(name, name)]
-        hub = root if name in ("hub-loss", "both-losses") else None
-        losses = {"tip_loss": name in ("tip-loss", "both-losses"), "hub_radius": hub}
-        v_hover = None
-        if point.v_axial < 0.0:
-            static = solve(name, Point(point.rpm, 0.0, 0.0))["thrust"]
-            v_hover = static_inflow(static, RHO, tip)
-        motion = (point.omega, point.v_axial, point.v_inplane)
-        return blade(section, RHO, MU, *motion, **losses, v_hover=v_hover)
-
-    return solve
+    set: str  # name of the section parameters, or of the extension
+    rpm: float
+    v_axial: float
+    v_inplane: float
+    thrust: float
+    drag: float
+    torque: float
+    roll_moment: float
+    static_thrust: float
+    static_torque: float
 
 
-def reference_row(solve: Solve, name: str, point: Point) -> ReferenceLoads:
-    """One row of the table: the loads at `point` and in hover at the same speed of rotation."""
-    loads = solve(name, point)
-    static = solve(name, Point(point.rpm, 0.0, 0.0))
-    return ReferenceLoads(
-        set=name,
-        rpm=point.rpm,
-        v_axial=point.v_axial,
-        v_inplane=point.v_inplane,
-        thrust=loads["thrust"],
-        drag=loads["drag"],
-        torque=loads["torque"],
-        roll_moment=loads["roll_moment"],
-        static_thrust=static["thrust"],
-        static_torque=static["torque"],
-    )
+class HarmonicRow(NamedTuple):
+    """Loads with the inflow of Pitt and Peters at one point, and loads at rest; SI."""
+
+    set: str
+    omega: float
+    v_axial: float
+    v_inplane: float
+    thrust: float
+    drag: float
+    torque: float
+    roll_moment: float
+    side_force: float
+    pitch_moment: float
+    static_thrust: float
+    static_torque: float
 
 
-def reference_rows(
-    solve: Solve, names: Iterable[str], points: list[Point]
-) -> Iterator[ReferenceLoads]:
-    """All rows of a table: every name at every point."""
-    for name in names:
-        for point in points:
-            yield reference_row(solve, name, point)
+class OtherRow(NamedTuple):
+    """Loads of a blade with a random law at one point, and its loads at rest; SI, rad."""
+
+    blade: str
+    blades: float
+    c_l1: float
+    c_l2: float
+    c_d: float
+    alpha_0: float
+    zero_lift_angle: float
+    c_d0: float
+    sharpness: float
+    omega: float
+    v_axial: float
+    v_inplane: float
+    thrust: float
+    drag: float
+    torque: float
+    roll_moment: float
+    static_thrust: float
+    static_torque: float
 
 
-def write_table(path: Path, rows: Iterable[ReferenceLoads]) -> None:
-    """Write all rows to `path`; str() of a float gives every digit needed to read it back."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(rows)
+Row = PaperRow | HarmonicRow | OtherRow
+
+TABLES: dict[str, type[Row]] = {
+    "reference_loads": PaperRow,
+    "reference_loads_extended": PaperRow,
+    "reference_loads_harmonic": HarmonicRow,
+    "reference_loads_other_laws": OtherRow,
+}
+
+
+def path_of(table: str) -> Path:
+    return Path(__file__).with_name(f"{table}.csv")
+
+
+def frozen_rows(table: str) -> list[Any]:
+    """All rows of a table, of its kind."""
+    with path_of(table).open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    kind = TABLES[table]
+    assert tuple(header) == kind._fields, "run make_reference again"
+    return [kind(row[0], *map(float, row[1:])) for row in rows]
+
+
+def solved(row: Row) -> Row:
+    """The row with loads that are computed here."""
+    blade, section = BLADE, SECTIONS["apc"]
+    options: dict[str, Any] = {}
+    if isinstance(row, OtherRow):
+        blade = propmap.propeller(row.blade, blades=int(row.blades))
+        section = {"M" if name == "sharpness" else name: getattr(row, name) for name in LAW}
+        options["zero_lift_angle"] = section.pop("zero_lift_angle")
+    else:
+        name = SECTION_OF.get(row.set, row.set)
+        section = naca_0015() if name == "naca-0015" else SECTIONS[name]
+        if row.set in ("tip-loss", "both-losses"):
+            options["tip_loss"] = True
+        if row.set in ("hub-loss", "both-losses"):
+            options["hub_radius"] = float(blade.station[0])
+    omega = row.rpm * RPM if isinstance(row, PaperRow) else row.omega
+    rotor = (blade.station, blade.chord, blade.twist, blade.blades, section, RHO, MU, omega)
+    static = literal_loads(*rotor, 0.0, 0.0, **options)
+    options["v_hover"] = static_inflow(static["thrust"], RHO, blade.radius)
+    moving = (*rotor, row.v_axial, row.v_inplane)
+    if isinstance(row, HarmonicRow):
+        found = harmonic_loads(literal_rotor(*moving, **options), float(blade.station[0]))
+    else:
+        found = literal_loads(*moving, **options)
+    found |= {"static_thrust": static["thrust"], "static_torque": static["torque"]}
+    return row._replace(**{name: found[name] for name in row._fields if name in found})
 
 
 def main() -> None:
-    """Compute both tables for the catalogue's propeller."""
-    from propmap.catalogue.lookup import propeller
-
-    blade = propeller(PROPELLER)
-    solve = solver(blade.station, blade.chord, blade.twist, blade.blades)
-    write_table(TABLE, reference_rows(solve, SECTIONS, reference_points()))
-    write_table(EXTENDED_TABLE, reference_rows(solve, EXTENDED, extended_points()))
+    """Compute the tables on all cores."""
+    for table, kind in TABLES.items():
+        rows = frozen_rows(table)
+        with multiprocessing.Pool() as pool:
+            rows = pool.map(solved, rows, chunksize=1)
+        with path_of(table).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(kind._fields)
+            writer.writerows(rows)
 
 
 if __name__ == "__main__":

@@ -16,18 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 import propmap as pm
 from propmap.loads import LOADS
 from propmap.results import Loads
-from tests.oracle.make_other_reference import (
-    LAW,
-    POINTS,
-    ROTORS,
-    OtherRow,
-    frozen_rows,
-    other_row,
-    questions,
-)
-from tests.oracle.make_other_reference import (
-    LOADS as PAPER_LOADS,
-)
+from tests.oracle.make_reference import LAW, OtherRow, frozen_rows
 from tests.other_laws import Flow, OtherRotor, error_scales_of, other_flow, other_rotors
 
 FLOW = ("omega", "v_axial", "v_inplane")
@@ -37,16 +26,6 @@ PROMISED = 1e-3
 
 COARSE_AT_MOST = 0.005
 """Share of points with that status."""
-
-ISSUE_FITS = {
-    "fit to the oblique data": pm.Airfoil(
-        c_l1=4.03, c_l2=0.0, c_d=1.44, alpha_0=0.584, zero_lift_angle=-0.078
-    ),
-    "steeper lift, sooner stall": pm.Airfoil(
-        c_l1=6.59, c_l2=0.302, c_d=1.3, alpha_0=0.39, zero_lift_angle=-0.048
-    ),
-}
-"""With 64 nodes and more azimuths past an advance ratio of 0.24 they missed by 0.8 and 1.1 %."""
 
 
 class Checked(NamedTuple):
@@ -81,10 +60,13 @@ def against_fine(model: pm.Model, flow: Flow) -> Checked:
     return errors_of(model, flow, vars(loads(model, flow, "fine")))
 
 
-@pytest.mark.parametrize("name", ISSUE_FITS)
-def test_fits_of_users_meet_what_is_promised(name: str) -> None:
-    """No point of theirs is even coarse, the once worst one and 20 random ones."""
-    model = pm.Model(pm.propeller("apc-8x6e"), ISSUE_FITS[name])
+def test_a_fit_of_a_user_meets_what_is_promised() -> None:
+    """No point is even coarse, the once worst one and 20 random ones.
+
+    With 64 nodes and more azimuths past an advance ratio of 0.24 it missed by 1.1 %.
+    """
+    law = pm.Airfoil(c_l1=6.59, c_l2=0.302, c_d=1.3, alpha_0=0.39, zero_lift_angle=-0.048)
+    model = pm.Model(pm.propeller("apc-8x6e"), law)
     beta = np.radians(88.0)
     worst = (3578.0 * np.pi / 30.0, 9.6 * np.cos(beta), 9.6 * np.sin(beta))
     flow = tuple(np.append(one, w) for one, w in zip(other_flow(20, 25), worst, strict=True))
@@ -96,17 +78,17 @@ def test_fits_of_users_meet_what_is_promised(name: str) -> None:
 def test_other_laws_meet_what_is_promised_against_the_literal_reference() -> None:
     """The reference shares no code with the package."""
     rows: dict[OtherRotor, list[OtherRow]] = {}
-    for row in frozen_rows():
-        law = {name: getattr(row, name) for name in LAW}
-        rows.setdefault(OtherRotor(row.blade, row.blades, pm.Airfoil(**law)), []).append(row)
+    for row in frozen_rows("reference_loads_other_laws"):
+        law = pm.Airfoil(**{name: getattr(row, name) for name in LAW})
+        rows.setdefault(OtherRotor(row.blade, int(row.blades), law), []).append(row)
     parts = []
     for one, mine in rows.items():
-        columns = {k: np.array([getattr(row, k) for row in mine]) for k in (*FLOW, *PAPER_LOADS)}
+        columns = {k: np.array([getattr(row, k) for row in mine]) for k in row._fields[9:]}
         flow = tuple(columns[k] for k in FLOW)
         model = pm.Model(one.propeller(), one.airfoil)
         parts.append(errors_of(model, flow, columns))
     found = joined(parts)
-    assert found.error.size == ROTORS * POINTS
+    assert found.error.size == 300
     assert found.unsaid.size == 0, found.error[found.unsaid]
     assert found.coarse.mean() < COARSE_AT_MOST
 
@@ -130,12 +112,6 @@ def test_twenty_thousand_points_meet_what_is_promised_or_say_so() -> None:
     assert found.coarse.mean() < COARSE_AT_MOST
 
 
-@pytest.mark.slow
-def test_the_frozen_loads_are_what_the_literal_code_gives() -> None:
-    for question, row in list(zip(questions(), frozen_rows(), strict=True))[::97]:
-        assert other_row(*question)[1:] == pytest.approx(row[1:], rel=1e-9)
-
-
 def test_what_no_nodes_resolve_is_said() -> None:
     """A blade stalled at rest, whose annuli attach and stall by turns in slow climb."""
     law = pm.Airfoil(
@@ -151,12 +127,11 @@ def test_what_no_nodes_resolve_is_said() -> None:
     assert slow.status[0] == "coarse" or abs(slow.thrust[0] - truth.thrust) < PROMISED * scale
 
 
-@pytest.mark.parametrize("accuracy", ["standard", "fine"])
-def test_a_blade_without_lift_is_not_judged_by_it(accuracy: str) -> None:
+def test_a_blade_without_lift_is_not_judged_by_it() -> None:
     """Nor are errors of a rotor at rest in a wind divided by nothing."""
     blade = pm.propeller("apc-8x6e")
     flat = pm.Propeller("flat", 2, blade.station, blade.chord, 0.0 * blade.twist)
-    rotor = pm.Rotor(pm.Model(flat, pm.airfoil("paper-apc")), accuracy=accuracy)
+    rotor = pm.Rotor(pm.Model(flat, pm.airfoil("paper-apc")))
     found = rotor.loads([600.0, 0.0, 0.0], [0.0, 0.0, 9.0], [0.0, 0.0, np.pi / 2])
     assert (found.status[:2] == "ok").all()
     assert np.isfinite(found.thrust).all()

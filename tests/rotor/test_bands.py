@@ -22,32 +22,31 @@ POINTS = (np.array([500.0, 600.0, 700.0]), np.array([6.0, 10.0, 14.0]), np.array
 NAMES = tuple(each.name for each in fields(LoadValues))
 
 
-def _identified() -> pm.Model:
+@pytest.fixture(scope="module")
+def model() -> pm.Model:
+    """An identified propeller in oblique flow."""
     known = identified("uiuc-apce-10x5", 2)
     assert known is not None
     blade = pm.propeller("uiuc-apce-10x5")
     return pm.Model(blade, known.airfoil, corrections=pm.model_corrections("recommended"))
 
 
-def _with(model: pm.Model, known: SectionUncertainty | None) -> pm.Model:
+def known_law(model: pm.Model) -> tuple[pm.Airfoil, SectionUncertainty]:
     law = model.airfoil
-    assert isinstance(law, pm.Airfoil)
-    return model.with_airfoil(law.with_parameters(uncertainty=known))
+    assert isinstance(law, pm.Airfoil) and law.uncertainty is not None
+    return law, law.uncertainty
 
 
-@pytest.fixture(scope="module")
-def model() -> pm.Model:
-    """An identified propeller in oblique flow."""
-    return _identified()
+def _with(model: pm.Model, known: SectionUncertainty | None) -> pm.Model:
+    return model.with_airfoil(known_law(model)[0].with_parameters(uncertainty=known))
 
 
 @pytest.mark.slow
 def test_loads_of_drawn_constants_spread_as_said(model: pm.Model) -> None:
     """The meaning of a covariance: draw constants and look at the loads."""
-    law = model.airfoil
-    assert isinstance(law, pm.Airfoil) and law.uncertainty is not None
-    names = law.uncertainty.covariance.names
-    small = SectionCovariance(names, law.uncertainty.covariance.matrix / 9.0)
+    law, known = known_law(model)
+    names = known.covariance.names
+    small = SectionCovariance(names, known.covariance.matrix / 9.0)
     uncertain = _with(model, SectionUncertainty(small))
     told = pm.Rotor(uncertain).loads(*POINTS).std_by_source["parameters"]
     random, found = np.random.default_rng(3), []
@@ -62,9 +61,8 @@ def test_loads_of_drawn_constants_spread_as_said(model: pm.Model) -> None:
 
 
 def test_what_is_not_known_of_the_blade_is_told_apart(model: pm.Model) -> None:
-    law = model.airfoil
-    assert isinstance(law, pm.Airfoil) and law.uncertainty is not None
-    own = law.uncertainty.covariance
+    _, identified_law = known_law(model)
+    own = identified_law.covariance
     whole = SectionCovariance(own.names, 5.0 * own.matrix)
     plain, told = (
         pm.Rotor(_with(model, known)).loads(*POINTS).std_by_source
@@ -97,17 +95,16 @@ def test_sources_add_up_in_squares_and_make_the_interval(model: pm.Model) -> Non
 
 
 def test_what_the_other_sources_are(model: pm.Model) -> None:
-    law = model.airfoil
-    assert isinstance(law, pm.Airfoil) and law.uncertainty is not None
+    _, known = known_law(model)
     rotor, omega = pm.Rotor(model), 600.0
     tip = omega * model.propeller.radius
     found = rotor.loads(omega, np.array([0.0, 0.1 * tip]), 0.0)
     by = found.std_by_source
     n, diameter = omega / (2.0 * np.pi), model.propeller.diameter
     force = model.air.density * n**2 * diameter**4
-    expected = law.uncertainty.thrust_coefficient * force
+    expected = known.thrust_coefficient * force
     assert by["discrepancy"].thrust[0] == pytest.approx(expected, rel=1e-9)
-    expected = law.uncertainty.power_coefficient * force * diameter / (2.0 * np.pi)
+    expected = known.power_coefficient * force * diameter / (2.0 * np.pi)
     assert by["discrepancy"].torque[0] == pytest.approx(expected, rel=1e-9)
     np.testing.assert_allclose(by["tunnel"].thrust, TUNNEL_GAIN * found.thrust, rtol=1e-12)
     np.testing.assert_allclose(by["tunnel"].torque, TUNNEL_GAIN * found.torque, rtol=1e-12)
@@ -119,12 +116,12 @@ def test_what_the_other_sources_are(model: pm.Model) -> None:
     advance = np.array([0.1, 0.2])
     edgewise = rotor.loads(omega, advance * tip, 0.5 * np.pi)
     advance = advance / np.hypot(1.0, advance)
-    axial = law.uncertainty.thrust_coefficient * force * np.array([1.0 + 0.01, 1.0 + 0.04])
+    axial = known.thrust_coefficient * force * np.array([1.0 + 0.01, 1.0 + 0.04])
     want = np.hypot(axial, OBLIQUE["thrust"] * advance * edgewise.thrust)
     np.testing.assert_allclose(edgewise.std_by_source["discrepancy"].thrust, want, rtol=1e-9)
     want = INPLANE["side_force"] * advance * edgewise.thrust
     np.testing.assert_allclose(edgewise.std_by_source["discrepancy"].side_force, want, rtol=1e-9)
-    own = _with(model, replace(law.uncertainty, another_tunnel=False))
+    own = _with(model, replace(known, another_tunnel=False))
     assert "tunnel" not in pm.Rotor(own).loads(omega, 1.0, 0.0).std_by_source
 
 
@@ -158,19 +155,16 @@ def test_a_blade_that_was_not_measured_is_less_sure() -> None:
     assert share("uiuc-apce-10x5") < share("apc 10x4.4e") < share("10x4.4")
 
 
-def test_nothing_is_said_of_constants_that_say_nothing(model: pm.Model) -> None:
-    loads = pm.Rotor(_with(model, None)).loads(600.0, 5.0, 1.0)
+def test_changed_constants_have_no_covariance(model: pm.Model) -> None:
+    law, known = known_law(model)
+    assert law.with_corrections(["pitt-peters"]).uncertainty is known
+    assert law.with_parameters(uncertainty=None) == law
+    changed = law.with_parameters(c_l1=5.0)
+    assert changed.uncertainty is None
+    loads = pm.Rotor(model.with_airfoil(changed)).loads(600.0, 5.0, 1.0)
     assert loads.std_by_source == {}
     with pytest.raises(pm.InputError, match="constants have no covariance"):
         _ = loads.std
-
-
-def test_changed_constants_are_not_those_that_were_identified(model: pm.Model) -> None:
-    law = model.airfoil
-    assert isinstance(law, pm.Airfoil)
-    assert law.with_parameters(c_l1=5.0).uncertainty is None
-    assert law.with_corrections(["pitt-peters"]).uncertainty is law.uncertainty
-    assert law.with_parameters(uncertainty=None) == law
 
 
 def test_shapes_are_those_of_the_points(model: pm.Model) -> None:
@@ -196,14 +190,12 @@ def test_a_parameter_file_carries_how_well_its_constants_are_known(
     model: pm.Model, tmp_path: Path
 ) -> None:
     """A parameter file carries no covariance; the constants themselves are the same."""
-    law = model.airfoil
-    assert isinstance(law, pm.Airfoil)
+    law, known = known_law(model)
     path = tmp_path / "constants.toml"
     path.write_text(law.to_toml())
     assert pm.airfoil(path) == law
     there = pm.airfoil(path).uncertainty  # type: ignore[union-attr]
-    assert there is not None and law.uncertainty is not None
-    assert there.as_dict() == law.uncertainty.as_dict()
+    assert there is not None and there.as_dict() == known.as_dict()
     path.write_text(path.read_text().replace("another_tunnel", "other"))
     with pytest.raises(pm.InputError, match=r"constants.toml: the table \[uncertainty\]"):
         pm.airfoil(path)

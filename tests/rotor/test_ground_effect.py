@@ -19,15 +19,11 @@ def rotor(request: pytest.FixtureRequest) -> pm.Rotor:
     return pm.Rotor(pm.Model(blade, law, corrections=corrections))
 
 
-def test_factor_in_hover_depends_on_height_over_radius_alone(rotor: pm.Rotor) -> None:
-    radius = rotor.model.propeller.radius
-    far = rotor.loads(OMEGA, 0.0, 0.0).thrust
-    for ratio, factor in ((0.5, 4.0 / 3.0), (1.0, 16.0 / 15.0), (2.0, 64.0 / 63.0)):
-        near = rotor.loads(OMEGA, 0.0, 0.0, height=ratio * radius).thrust
-        assert near / far == pytest.approx(factor, rel=1e-12)
-
-
-def test_factor_in_forward_flight_is_that_of_the_publication(rotor: pm.Rotor) -> None:
+def test_factor_in_hover_and_in_forward_flight_is_that_of_the_publication(rotor: pm.Rotor) -> None:
+    heights = rotor.model.propeller.radius * np.array([0.5, 1.0, 2.0])
+    still, near = rotor.loads(OMEGA, 0.0, 0.0), rotor.loads(OMEGA, 0.0, 0.0, height=heights)
+    wanted = [4.0 / 3.0, 16.0 / 15.0, 64.0 / 63.0]
+    np.testing.assert_allclose(near.thrust / still.thrust, wanted, rtol=1e-12)
     speed, height = np.array([0.5, 2.0, 5.0, 12.0]), 0.12
     far = rotor.loads(OMEGA, speed, 1.3)
     near = rotor.loads(OMEGA, speed, 1.3, height=height)
@@ -81,7 +77,7 @@ def test_there_is_no_ground_unless_it_is_given(rotor: pm.Rotor) -> None:
     assert rotor.gradients(["height"], OMEGA, 1.0, 3.0).slopes[0, 0] == 0.0
 
 
-@pytest.mark.parametrize("height", [0.05, 0.0, -1.0, [0.2, 0.03], np.nan, np.inf])
+@pytest.mark.parametrize("height", [0.05, -1.0, [0.2, 0.03], np.nan])
 def test_heights_of_which_nothing_is_known_are_refused(rotor: pm.Rotor, height: object) -> None:
     with pytest.raises(pm.InputError, match="height"):
         rotor.loads(OMEGA, 3.0, 1.0, height=height)  # type: ignore[arg-type]

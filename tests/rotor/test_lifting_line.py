@@ -15,18 +15,7 @@ from benchmarks.lifting_line.compare import (
     by_theory,
     model,
 )
-from benchmarks.lifting_line.vortices import segment_velocity
 from benchmarks.lifting_line.wake import Resolution
-
-
-def test_a_long_straight_vortex() -> None:
-    """1 / (2 pi h), less inside the core, right-handed."""
-    start, end = np.array([0.0, 0.0, -1e5]), np.array([0.0, 0.0, 1e5])
-    point = np.array([0.5, 0.0, 0.0])
-    found = segment_velocity(point, start, end, np.array(0.0))
-    np.testing.assert_allclose(found, [0.0, 1.0 / np.pi, 0.0], rtol=1e-6, atol=1e-12)
-    thick = segment_velocity(point, start, end, np.array(0.5))
-    np.testing.assert_allclose(thick, 0.5 * found, rtol=1e-6, atol=1e-12)
 
 
 def test_an_elliptic_wing_has_prandtls_lift() -> None:
@@ -34,18 +23,16 @@ def test_an_elliptic_wing_has_prandtls_lift() -> None:
     assert found == pytest.approx(known, rel=2e-3)
 
 
-@pytest.mark.parametrize("k", [0.05, 0.15, 0.3])
+@pytest.mark.parametrize("k", [0.05, 0.3])
 def test_a_heaving_section_has_theodorsens_lift(k: float) -> None:
     """Within what a vortex at a quarter of the chord loses against thin-airfoil theory."""
     for found, known in checks.heaving_section(k, phases=48):
         assert found == pytest.approx(known, abs=0.02)
 
 
-@pytest.mark.parametrize("degrees", [0.0, 40.0, 75.0])
-def test_a_wake_of_constant_circulation_is_colemans_cylinder(degrees: float) -> None:
-    mean, slope = checks.skewed_cylinder(
-        float(np.radians(degrees)), Resolution(stations=2, phases=24, turns=20)
-    )
+def test_a_wake_of_constant_circulation_is_colemans_cylinder() -> None:
+    skew = float(np.radians(40.0))
+    mean, slope = checks.skewed_cylinder(skew, Resolution(stations=2, phases=24, turns=20))
     assert mean.found == pytest.approx(mean.known, rel=3e-3)
     assert slope.found == pytest.approx(slope.known, rel=0.02, abs=1e-9)
 

@@ -1,4 +1,4 @@
-"""The blade continued to the hub: its shape, and when there is nothing to continue."""
+"""A blade continued to the hub, and one that flattens as it turns, against blades by hand."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 import propmap as pm
 from propmap.loads import LOADS
+from propmap.model.corrections import BladeUntwist
 
 BLADE, LAW = pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")
 FLOWS = (600.0, np.array([0.0, 6.0, 10.0, 8.0]), np.array([0.0, 0.3, 1.5, 2.4]))
@@ -18,37 +20,11 @@ def rotor(*texts: str, blade: pm.Propeller = BLADE) -> pm.Rotor:
     return pm.Rotor(pm.Model(blade, LAW, corrections=tuple(pm.correction(t) for t in texts)))
 
 
-def twist_at(one: pm.Rotor, radius: np.ndarray) -> np.ndarray:
-    """alpha is theta - phi."""
-    field = one.inflow(600.0, 5.0, 0.0, radius=radius, azimuth=[0.0, 1.0])
-    return field.alpha[:, 0] + np.arctan2(field.u_normal, field.u_tangential)[:, 0]
-
-
-def test_the_measured_part_stays_as_it_is() -> None:
-    y = np.linspace(BLADE.station[0], BLADE.radius, 500)
-    longer, plain = (
-        one.inflow(600.0, 5.0, 0.8, radius=y)
-        for one in (rotor("blade-to-hub:radius_m=0.006"), rotor())
-    )
-    np.testing.assert_allclose(longer.normal_force, plain.normal_force, rtol=1e-12, atol=1e-12)
-    np.testing.assert_allclose(longer.alpha, plain.alpha, rtol=1e-12, atol=1e-12)
-
-
-def test_inside_the_pitch_is_constant() -> None:
-    first, twist_there = BLADE.station[0], BLADE.twist[0]
-    y = np.linspace(0.008, first, 97)
-    one = rotor("blade-to-hub:radius_m=0.008")
-    assert one._core.span[0] == 0.008
-    np.testing.assert_allclose(y * np.tan(twist_at(one, y)), first * np.tan(twist_there), rtol=1e-4)
-
-
 @pytest.mark.parametrize("hub", [0.008, 0.016])
 def test_loads_are_those_of_a_blade_continued_by_hand(hub: float) -> None:
     """The chord tapers as it does outside, to half at least, and grows no wider inwards."""
     first, chord_there, radius = BLADE.station[0], BLADE.chord[0], BLADE.radius
     y = np.linspace(hub, first, 60)[:-1]
-    from scipy.interpolate import PchipInterpolator
-
     outside = float(PchipInterpolator(BLADE.station, BLADE.chord)(first + 0.1 * radius))
     taper = max((outside - chord_there) / (0.1 * radius), 0.0)
     chord = np.maximum(chord_there + taper * (y - first), 0.5 * chord_there)
@@ -68,8 +44,13 @@ def test_loads_are_those_of_a_blade_continued_by_hand(hub: float) -> None:
         np.testing.assert_allclose(getattr(got, name), getattr(want, name), atol=2e-4 * size)
 
 
-def test_the_hub_is_by_default_a_share_of_the_radius() -> None:
-    assert rotor("blade-to-hub")._core.span[0] == pytest.approx(0.08 * BLADE.radius)
+def test_reverse_flow_and_inflow_reach_to_the_hub() -> None:
+    """By default at a share of the radius."""
+    one, plain = rotor("blade-to-hub"), rotor()
+    assert one.inflow(600.0, 10.0, 1.5).radius[0] == pytest.approx(0.08 * BLADE.radius)
+    longer, shorter = (float(r.loads(600.0, 20.0, 1.5).reverse_flow) for r in (one, plain))
+    assert longer > shorter
+    assert one.model.reynolds(600.0, 10.0, 1.5)[0] < plain.model.reynolds(600.0, 10.0, 1.5)[0]
 
 
 def test_a_blade_that_reaches_the_hub_stays_as_it_is() -> None:
@@ -86,18 +67,15 @@ def test_a_blade_that_reaches_the_hub_stays_as_it_is() -> None:
             np.testing.assert_array_equal(one, other)
 
 
-@pytest.mark.parametrize("radius", ["0", "-0.01", "inf", "nan"])
+@pytest.mark.parametrize("radius", ["-0.01", "nan"])
 def test_a_radius_that_cannot_be_is_refused(radius: str) -> None:
     with pytest.raises(pm.InputError, match="give the radius of the hub in meters"):
         pm.correction(f"blade-to-hub:radius_m={radius}")
 
 
-def test_a_hub_outside_the_first_station_is_refused() -> None:
+def test_hubs_that_do_not_suit_the_blade_are_refused() -> None:
     with pytest.raises(pm.InputError, match=r"is 8 m, but the blade begins at 0\.024"):
         rotor("blade-to-hub:radius_m=8").loads(*FLOWS)
-
-
-def test_a_root_cut_out_and_a_longer_blade_contradict_each_other() -> None:
     with pytest.raises(pm.InputError, match=r"root is cut out at 0\.03 m"):
         rotor("blade-to-hub", blade=BLADE.with_root_cutout(0.03)).loads(*FLOWS)
 
@@ -112,3 +90,54 @@ def test_corrections_act_alike_in_any_order() -> None:
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
     stated = rotor("blade-to-hub", f"hub-loss:radius_m={0.08 * BLADE.radius!r}").loads(*FLOWS)
     np.testing.assert_allclose(one.thrust, stated.thrust, rtol=1e-12)
+
+
+AT_100 = 100.0 / BLADE.radius
+"""Rotational speed at which the tip moves at 100 m/s [rad/s]."""
+
+
+def untwisted(angle: float | None, blade: pm.Propeller = BLADE) -> pm.Rotor:
+    corrections = () if angle is None else (BladeUntwist(angle),)
+    model = pm.Model(blade, LAW, corrections=corrections)
+    return pm.Rotor(model, accuracy="fine")
+
+
+@pytest.mark.parametrize("share", [0.5, 1.5])
+def test_loads_are_those_of_a_blade_with_that_twist(share: float) -> None:
+    s = BLADE.station / BLADE.radius
+    lost = 0.03 * share**2 * s * (2.0 - s)
+    flat = untwisted(None, replace(BLADE, twist=BLADE.twist - lost))
+    flow = (share * AT_100, [0.0, 6.0, 12.0], [0.0, 0.7, 1.5])
+    bent, rigid = untwisted(0.03).loads(*flow), untwisted(None).loads(*flow)
+    for name in LOADS:
+        wanted = getattr(flat.loads(*flow), name)
+        np.testing.assert_allclose(getattr(bent, name), wanted, rtol=2e-4, atol=1e-6)
+    assert (bent.thrust < rigid.thrust).all()
+
+
+def test_slow_blades_and_none_are_rigid() -> None:
+    slow, rigid = (untwisted(angle).loads(0.02 * AT_100, 0.1, 1.0) for angle in (0.05, None))
+    assert slow.thrust == pytest.approx(rigid.thrust, 1e-3)
+    assert untwisted(0.0).loads(AT_100, 5.0, 1.0) == untwisted(None).loads(AT_100, 5.0, 1.0)
+
+
+def test_derivatives_by_it_and_by_rotational_speed() -> None:
+    flow = (np.array([AT_100]), np.array([4.0]), np.array([7.0]))
+    found = untwisted(0.02).gradients(("untwist", "omega"), *flow).slopes
+    speed, beta = np.hypot(4.0, 7.0), np.arctan2(7.0, 4.0)
+
+    def at(angle: float, omega: float) -> list[float]:
+        loads = untwisted(angle).loads(omega, speed, beta)
+        return [float(getattr(loads, name)) for name in LOADS]
+
+    steps = ((1e-4, 0.0), (0.0, 1.0))
+    for k, (angle, omega) in enumerate(steps):
+        up, down = at(0.02 + angle, AT_100 + omega), at(0.02 - angle, AT_100 - omega)
+        wanted = (np.array(up) - np.array(down)) / (2.0 * (angle + omega))
+        np.testing.assert_allclose(found[:, k, 0], wanted, rtol=2e-3, atol=1e-7)
+
+
+@pytest.mark.parametrize("angle", [0.3, np.nan])
+def test_angles_that_no_blade_survives_are_refused(angle: float) -> None:
+    with pytest.raises(pm.InputError, match="100 m/s"):
+        BladeUntwist(angle)
