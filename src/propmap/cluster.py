@@ -48,8 +48,8 @@ def connected(address: str) -> Iterator[DaskWorkers]:
     Raises
     ------
     InputError
-        For another text, a scheduler that does not answer or has no workers, and different
-        versions.
+        For an invalid address, a scheduler that does not answer or has no workers, and different
+        versions of client, scheduler and workers.
     """
     local = re.fullmatch(r"local(?::(.*))?", address)
     remote = re.fullmatch(r"(?:tcp|tls)://[^\s/:]+:(\d+)", address)

@@ -39,12 +39,12 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 
     Notes
     -----
-    JAX calls the compiled core back on the CPU.  The core computes in float64, all points of a call
-    in parallel.  JAX rounds arguments and results to float32, unless the caller creates and uses
-    the arrays inside ``jax.enable_x64(True)``.  First derivatives are those of ``Rotor.gradients``.
-    Second derivatives do not exist.  For derivatives with respect to section constants and blade,
-    use ``Rotor.gradients``.  Values that ``Rotor.gradients`` refuses stop the computation with its
-    message.
+    JAX calls the compiled core on the CPU through a callback.  The core computes in float64, all
+    points of a call in parallel.  JAX rounds arguments and results to float32, unless the caller
+    creates and uses the arrays inside ``jax.enable_x64(True)``.  First derivatives are those of
+    ``Rotor.gradients``.  Second derivatives do not exist.  For derivatives with respect to section
+    constants and blade, use ``Rotor.gradients``.  If ``Rotor.gradients`` refuses a value, the
+    computation stops with the message of ``Rotor.gradients``.
     """
     dtype = jnp.result_type(float)
     given = [jnp.asarray(value, dtype) for value in (omega, v_axial, v_inplane)]

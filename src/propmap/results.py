@@ -99,7 +99,7 @@ class Loads(LoadValues):
           determine;
         - "geometry": chord and twist of a blade that was not measured;
         - "discrepancy": error of the model with the best constants;
-        - "tunnel": difference to another tunnel or to the open air;
+        - "tunnel": difference from another tunnel or from the open air;
         - "installation": unspecified properties of an installed rotor.
 
         The sources are independent.  The first access computes them, to first order in the
@@ -138,7 +138,7 @@ class Loads(LoadValues):
         Raises
         ------
         InputError
-            For another ``share``, and as in ``std``.
+            For a ``share`` that is not between 0 and 1, and as in ``std``.
         """
         if not 0.0 < share < 1.0:
             raise InputError(f"the share is {share}", "give a probability such as 0.95")
@@ -178,7 +178,7 @@ class Inflow:
     radius : ndarray, shape (S,)
         Radius y of the stations [m].
     azimuth : ndarray, shape (P,)
-        Azimuth psi [rad]: 0 downstream of the in-plane velocity, pi/2 on the advancing side.
+        Azimuth psi [rad]: 0 at the rear of the disk (downstream), pi/2 on the advancing side.
     inflow : ndarray, shape (S,)
         v_i(y), averaged over azimuth [m/s], positive against the thrust.
     local_inflow : ndarray, shape (S, P)

@@ -244,8 +244,8 @@ class Rotor:
 
         Each annulus has the Glauert inflow (10) for the lift at small angles of attack, without
         drag, tip loss or stall.  Outside descent, this inflow is within one percent of the full
-        solution for ordinary flight.  In descent momentum theory has several solutions or none;
-        the largest solution is used.
+        solution for ordinary flight.  In descent, momentum theory has several solutions or none.
+        The search starts above the largest one.  Without a solution, the result is not reliable.
 
         Parameters
         ----------
@@ -275,7 +275,7 @@ class Rotor:
     def hover_inflow(self, omega: ArrayLike) -> Floats:
         """Return the static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s].
 
-        It follows from the static thrust that this rotor computes.
+        The inflow is computed from the static thrust of this rotor.
         """
         w = rates_of("omega", omega)
         return self._core.hover_inflow(np.ascontiguousarray(w.ravel()), cores()).reshape(w.shape)

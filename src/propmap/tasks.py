@@ -37,7 +37,7 @@ class Workers(Protocol):
         Parameters
         ----------
         work : callable
-            Function of a module, called as ``work(common, task)``.
+            Function at module level (to be pickled), called as ``work(common, task)``.
         common : object
             Argument shared by all tasks.
         tasks : iterable

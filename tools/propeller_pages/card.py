@@ -50,7 +50,7 @@ def card(one: Identified, tested: MeasuredPropeller | None) -> str:
             raw(fit_pictures.keys(compared), _side_by_side(fit_pictures.pictures(compared))),
             "Points: measured. Lines: the model with the constants below, over J at the mean rotor "
             "speed of the runs. Shaded: rms error of all rows. The last four columns of the table "
-            "divide the sum of squared errors into four parts.",
+            "are shares of the sum of squared errors.",
             _errors(one, compared),
         ]
     parts += [
@@ -87,8 +87,8 @@ def verdict(one: Identified) -> str:
 def _errors(one: Identified, found: Comparison) -> str:
     measured = np.stack([found.tested.thrust, found.tested.power])
     rows = [
-        "| | rms error | over measured rms | rms error at rest | squared errors: at rest "
-        "| means of runs | slope over J | scatter |",
+        "| | rms error | over measured rms | rms error at rest | share: rows at rest "
+        "| share: run means | share: slope over J | share: scatter |",
         "|---|---:|---:|---:|---:|---:|---:|---:|",
     ]
     errors = (
@@ -109,7 +109,7 @@ def _constants(one: Identified) -> str:
     fitted = coordinate_covariance(one.constants, one.covariance)
     left = np.sqrt(np.diag(fitted)) / POPULATION.deviation
     rows = [
-        "| constant | meaning | value | standard deviation | over that of the prior |",
+        "| constant | meaning | value | standard deviation | ratio to prior std |",
         "|---|---|---:|---:|---:|",
     ]
     for k, name in enumerate(PARAMETERS):
@@ -123,7 +123,10 @@ def _constants(one: Identified) -> str:
         [
             *rows,
             "",
-            "The last column is the standard deviation of the coordinate over that of the prior. "
+            "The last column is the standard deviation of the constant divided by its standard "
+            "deviation in the prior. Both are computed for the logarithm of the constant; for "
+            "`zero_lift_angle` and `reynolds_camber` for the constant itself, and for `drag_angle` "
+            "for `zero_lift_angle` + `drag_angle`. "
             "Near 100 % the data do not determine the constant, and the value is that of the "
             "prior. The covariance matrix is in "
             f"`propmap.catalogue.identified.identified({one.propeller!r}, {one.blades})`.",
@@ -153,8 +156,8 @@ def _bands(one: Identified, blade: Propeller) -> str:
         [
             *rows,
             "",
-            "The rotor is modeled as installed on a motor. ± is half the width of the 95 % band: "
-            "[sources of the uncertainty](../how-to/uncertainty.md).",
+            "The rotor is modeled as installed on a motor. ± is half the width of the 95 % band. "
+            "[Uncertainty of the loads](../how-to/uncertainty.md) explains the band.",
         ]
     )
 

@@ -23,7 +23,7 @@ def without_body_drag(vehicle: Vehicle) -> str:
 def assumptions(
     vehicle: Vehicle, loads: Rotor | LoadTable | None, corrections: Sequence[str] = ()
 ) -> dict[str, str]:
-    """Return the assumptions behind the figures of an aircraft.
+    """Return the assumptions behind the computed performance of an aircraft.
 
     Parameters
     ----------

@@ -56,7 +56,8 @@ class Course(NamedTuple):
     Attributes
     ----------
     time : ndarray, shape (n, m)
-        Time from the start of the mission [s]; the first time of a leg ends the previous leg.
+        Time from the start of the mission [s].  The first time of each leg is the end of the
+        previous leg.
     charge, voltage : ndarray, shape (n, m)
         State of charge [-], and voltage at the terminals of the battery [V].
     """
@@ -79,7 +80,8 @@ class Flown:
     course : Course
         Battery over time; NaN without a battery.
     status : ndarray of str
-        Status of each leg, one of ``WORDS``.
+        Status of each leg: "battery_empty", "not_reached" after an impossible leg, or a status of
+        ``SteadyStates``.  ``status_in_words`` describes it.
     """
 
     states: SteadyStates
@@ -98,7 +100,7 @@ class Flown:
         return np.isin(self.status, FLOWN)
 
     def status_in_words(self, leg: int) -> str:
-        """Return a description of the status of the ``leg`` number 0, 1, ...."""
+        """Return the status of the leg with index ``leg`` (from 0) in words."""
         return WORDS[str(self.status[leg])]
 
 

@@ -30,13 +30,15 @@ class NamedState:
         Airspeed [m/s].
     ground_speed : float
         Speed over ground [m/s].
-    power, electrical_power : float
-        Electrical power, or shaft power without a motor [W]; electrical power, NaN without a motor.
+    power : float
+        Electrical power, or shaft power if the vehicle has no motor [W].
+    electrical_power : float
+        Electrical power [W]; NaN if the vehicle has no motor.
     endurance, distance : float
         Time and distance over ground on one battery [s], [m]; NaN without a battery.
     speed_std, power_std, endurance_std : float
-        Standard deviations of a top speed [m/s], and of power [W] and endurance [s] at this speed.
-        NaN if not requested or not known.
+        Standard deviations of the airspeed (only for the top speed) [m/s], and of power [W] and
+        endurance [s] at this airspeed.  NaN if not requested or not known.
     """
 
     speed: float
@@ -64,7 +66,8 @@ class Performance:
         State at rest, at the speed of least power, at the speed of least energy per distance over
         ground, and at the top speed; None for a state that does not exist.
     limit : str
-        Status of states just above the top speed; empty without a limit up to ``FASTEST``.
+        Status of states just above the top speed; empty if no limit is reached up to the largest
+        speed of the search, 150 m/s.
     at_rest : str
         Status in hover.
     wind : float
@@ -124,14 +127,16 @@ def performance(
     wind: float = 0.0,
     bands: bool = False,
 ) -> Performance:
-    """Return the performance with the named states.
+    """Return endurance and range at each speed, and the named states.
+
+    The named states are hover, least power, best range and top speed.
 
     Parameters
     ----------
     aircraft : Aircraft
         Aircraft of the states.
     states : SteadyStates
-        States at two or more rising speeds and one climb rate, from ``aircraft.steady``.
+        States at two or more increasing speeds and one climb rate, from ``aircraft.steady``.
     climb : float
         Climb rate of the states [m/s].
     wind : float
@@ -142,7 +147,7 @@ def performance(
     Raises
     ------
     InputError
-        For speeds that do not rise, and for a wind that is not finite.
+        For speeds that do not increase, and for a wind that is not finite.
     """
     speed = states.speed
     if speed.size < 2 or not (np.diff(speed) > 0.0).all():
@@ -253,7 +258,7 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
     aircraft : Aircraft
         Aircraft of the states.
     states : SteadyStates
-        States at two or more rising speeds and one climb rate.
+        States at two or more increasing speeds and one climb rate.
     climb : float
         Climb rate of the states [m/s].
 

@@ -44,14 +44,14 @@ class Judged:
     deviation : float
         Standard deviation of the score from uncertain section constants; NaN if not known.
     hover_power, cruise_power : float
-        Electrical power, or shaft power without a motor [W].  ``cruise_power`` is NaN for a task
-        without a speed.
+        Electrical power, or shaft power if the vehicle has no motor [W].  ``cruise_power`` is NaN
+        for a task without a speed.
     hover_time, cruise_time : float
         Flight time on one battery [s]; NaN without a battery.
     thrust_margin : float
         Thrust margin in hover.
     top_speed : float
-        Top speed [m/s]; NaN if not searched, and without a limit.
+        Top speed [m/s]; NaN if it was not computed or if no limit was reached.
     limit : str
         Status above the top speed.
     why_not : str
@@ -82,7 +82,7 @@ class Ranking:
     Parameters
     ----------
     vehicle : Vehicle
-        Vehicle with any propeller, which candidates replace.
+        Vehicle; each candidate replaces its propeller.
     task : Task
         Task of the aircraft.
     corrections : tuple of Correction
@@ -90,7 +90,7 @@ class Ranking:
     maximum_rotor_speed : float
         Largest rotor speed [rad/s].
     charge : float
-        State of charge that sets the limits, 0 to 1.
+        State of charge at which the limits of the powertrain are computed, above 0, at most 1.
     """
 
     def __init__(
@@ -125,7 +125,7 @@ class Ranking:
         Returns
         -------
         list of Judged
-            Results in the order of the ranking; infeasible candidates in that of thrust margin.
+            Feasible candidates by score, then infeasible candidates by thrust margin.
         """
         found = self._each(Ranking.judge, candidates, progress, workers)
         sign = 1.0 if self.task.ranked_by == "energy" else -1.0
@@ -142,7 +142,10 @@ class Ranking:
         progress: Callable[[], None] | None = None,
         workers: Workers | None = None,
     ) -> list[Judged]:
-        """Return results with the standard deviations of the scores, from seven trims of each.
+        """Return the results with the standard deviations of their scores.
+
+        Each candidate is trimmed again for one change along each principal axis of the covariance
+        of its section constants.
 
         Parameters
         ----------
@@ -443,7 +446,7 @@ class Task:
     Attributes
     ----------
     name : str
-        A key of ``MEASURES``.
+        "hover", "cruise", "fast" or "mission".
     speed : float or None
         Cruise speed [m/s]; None for a task without speed.
     mission : Mission or None
@@ -451,12 +454,14 @@ class Task:
     thrust_margin : float
         Least thrust margin in hover.
     measure : str
-        One of the task's ``MEASURES``; empty for the first.
+        "energy" or "time" for "hover"; "energy", "time" or "range" for "cruise"; "speed" for
+        "fast"; "energy" for "mission".  An empty text selects the first.
 
     Raises
     ------
     InputError
-        For another name or measure, a speed that is not positive or missing, and a missing mission.
+        For an unknown name or measure, a thrust margin below 1, a speed that is not positive or is
+        missing, and a mission that is missing or belongs to another task.
     """
 
     name: str

@@ -57,7 +57,7 @@ class StateChange(NamedTuple):
 
     @property
     def power(self) -> Floats:
-        """Change of the electrical power, or of the shaft power without a motor [W], (n,)."""
+        """Change of the electrical power, or of the shaft power if there is no motor [W], (n,)."""
         return np.where(np.isfinite(self.electrical_power), self.electrical_power, self.shaft_power)
 
 
@@ -72,8 +72,9 @@ def _joined(changes: Sequence[StateChange], join: Callable[[list[Floats]], Float
 def derivatives(
     aircraft: Aircraft, states: SteadyStates, names: Iterable[str]
 ) -> dict[str, StateChange]:
-    """Return derivatives of steady states; attitude and rotor speeds follow each change.
+    """Return the derivatives of steady states with respect to named quantities.
 
+    The aircraft is trimmed again: attitude and rotor speeds change with each quantity.
     Derivatives of the loads come from the rotor (flow, section constants, chord and twist) or from
     the table (flow).  Derivatives with respect to the diameter are difference quotients.
 
@@ -82,9 +83,10 @@ def derivatives(
     aircraft, states : Aircraft, SteadyStates
         Aircraft and n of its states.
     names : iterable of str
-        Quantities: names of ``VEHICLE``, section constants such as "c_l1", "chord_scale" [-], a
-        factor on the chord, "twist_offset" [rad], added to the twist, and "diameter_scale" [-], a
-        factor on radius and chord.
+        Quantities: "speed" and "climb" [m/s], "mass" [kg], "drag_area_x", "drag_area_y",
+        "drag_area_z" [m^2], section constants such as "c_l1", "chord_scale" [-], a factor on the
+        chord, "twist_offset" [rad], added to the twist, and "diameter_scale" [-], a factor on
+        radius and chord.
 
     Returns
     -------
@@ -94,8 +96,8 @@ def derivatives(
     Raises
     ------
     InputError
-        For another name, for a constant with loads from a table, and for the diameter of rotors
-        with wakes.
+        For an unknown name, for a quantity of the propeller if the loads are from a table, and for
+        "diameter_scale" if the vehicle has wakes.
     """
     wanted = list(names)
     own = tuple(name for name in wanted if name not in VEHICLE)
@@ -117,7 +119,7 @@ def derivatives(
 def power_gradient(
     aircraft: Aircraft, states: SteadyStates, names: Iterable[str]
 ) -> dict[str, Floats]:
-    """Return derivatives of the electrical power, or of the shaft power without a motor.
+    """Return derivatives of the electrical power, or of the shaft power if there is no motor.
 
     Parameters
     ----------

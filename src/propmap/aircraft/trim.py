@@ -51,13 +51,13 @@ class Aircraft:
     maximum_rotor_speed : float
         Largest rotor speed [rad/s], in addition to the limit of the motor.
     charge : float
-        State of charge that sets the limits, 0 to 1.
+        State of charge at which the limits of the powertrain are computed, above 0, at most 1.
 
     Raises
     ------
     InputError
-        For loads of another propeller or air than the vehicle's, for a charge outside 0 to 1, and
-        for a largest rotor speed that is not positive.
+        If the propeller or the air of the loads differs from that of the vehicle, for a charge
+        outside 0 to 1, and for a largest rotor speed that is not positive.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class Aircraft:
         margin: bool = True,
         near: SteadyStates | None = None,
     ) -> SteadyStates:
-        """Return steady states, nose first.
+        """Return the steady states of flight in the direction of the nose.
 
         An aircraft with a wing may have two states at one speed, with attached and with stalled
         flow.  The result is the state with less power.
@@ -122,7 +122,8 @@ class Aircraft:
         margin : bool
             Whether to compute the thrust margin, which doubles the time.
         near : SteadyStates, optional
-            Known states at rising speeds, from which starts are interpolated to save time.
+            Known states at increasing speeds.  The initial values of the solver are interpolated
+            from them, which saves time.
 
         Returns
         -------
@@ -681,10 +682,11 @@ class SteadyStates:
         Horizontal airspeed [m/s], climb rate [m/s], and bank of a coordinated level turn [rad],
         positive to the right.
     used : dict of str to ndarray, shape (n,)
-        Used share of each of ``LIMITS``: 1 at the limit, more beyond it.
+        Used fraction of each limit: 1 at the limit, above 1 beyond it.  The keys are "rpm_limit",
+        "tip_speed_limit", "motor_current_limit", "voltage_limit" and "battery_limit".
     thrust_margin : ndarray, shape (n,)
-        Thrust at the first limit, with a common factor on all rotor speeds, over the needed thrust;
-        below 1 beyond a limit.
+        Maximum thrust divided by the required thrust.  For the maximum, all rotor speeds are scaled
+        by one factor until the first limit is reached.  Below 1 if a limit is exceeded.
     pitch, roll : ndarray, shape (n,)
         Pitch, positive nose down, and roll, positive right side down [rad].
     rotor_speed, thrust, torque : ndarray, shape (n, k)
@@ -703,7 +705,9 @@ class SteadyStates:
     residual : ndarray, shape (n,)
         Largest unbalanced force over weight, or moment over weight times the longest arm [-].
     status : ndarray of str, shape (n,)
-        Status of each state, one of ``STATUSES``.
+        Status of each state, a key of ``propmap.aircraft.trim.STATUSES``: a key of ``used`` for a
+        state beyond this limit, or "ok", "coarse", "vortex_ring", "outside_table", "stall",
+        "no_trim".
     """
 
     speed: Floats
@@ -731,12 +735,12 @@ class SteadyStates:
 
     @property
     def found(self) -> NDArray[np.bool_]:
-        """Whether each state has numbers, (n,)."""
+        """Whether each state was found and is within all limits, (n,)."""
         return np.isfinite(self.shaft_power)
 
     @property
     def power(self) -> Floats:
-        """Electrical power, or shaft power without a motor [W], (n,)."""
+        """Electrical power, or shaft power if the vehicle has no motor [W], (n,)."""
         known = np.isfinite(self.electrical_power)
         return np.where(known, self.electrical_power, self.shaft_power)
 

@@ -56,7 +56,7 @@ def entries() -> list[Entry]:
 
 
 def search(text: str) -> list[Entry]:
-    """Return the entries with all words of ``text`` in name, title or family, in any case."""
+    """Return the entries with all words of ``text`` in name, title or family, ignoring case."""
     return matching(text, entries())
 
 
@@ -68,7 +68,7 @@ def matching(text: str, among: list[Entry]) -> list[Entry]:
 
 
 def load(name: str) -> Propeller:
-    """Return the propeller called ``name``, in any case; raise ``InputError`` if unknown."""
+    """Return the propeller ``name``, ignoring case; raise ``InputError`` if it is unknown."""
     key = name.strip().lower()
     if key not in _names():
         raise unknown_name(name)

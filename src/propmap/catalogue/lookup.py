@@ -46,15 +46,17 @@ def propeller(
     1. a name in the catalogue;
     2. a file;
     3. the catalogue propeller of a designation with manufacturer or series;
-    4. the mean blade of the named series, or of all series for other manufacturers or sizes alone.
+    4. the mean blade of the named series; of all series for an unknown manufacturer, or for a
+       designation that contains only the size.
 
     Parameters
     ----------
     name_or_path : str or path
-        A name that ``propmap props`` lists, in any case; a designation such as "APC 11x7E" or
+        A name that ``propmap props`` lists, ignoring case; a designation such as "APC 11x7E" or
         "HQ 5x4.3x3"; or the path of a file in a supported format.
     blades : int, optional
-        Number of blades; required for a file without this number, replaces it otherwise.
+        Number of blades; required if a file does not contain it.  Otherwise it replaces the number
+        of the file or the catalogue.
     radius : float, optional
         Tip radius [m]; required for a file with fractions of the radius.  It must agree with the
         radius of any other geometry.
@@ -315,7 +317,7 @@ def measurement_names() -> list[str]:
 
 @functools.lru_cache(maxsize=32)
 def measurement(name: str) -> Measurement:
-    """Return the measurement called ``name``, in any case; raise ``InputError`` if unknown."""
+    """Return the measurement ``name``, ignoring case; raise ``InputError`` if it is unknown."""
     key, known = name.strip().lower(), measurement_names()
     if key not in known:
         close = difflib.get_close_matches(key, known, n=3, cutoff=0.3) or known

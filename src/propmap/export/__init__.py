@@ -81,9 +81,9 @@ EXPORTS = (
 """All exports, in the order of ``propmap export --help``.
 
 A new export needs an entry here, a module with the function, and a template of its note,
-``templates/README-TARGET.txt.j2`` (of a vehicle: ``README-TARGET-vehicle.txt.j2``). The function
-passes a short note to ``propmap.export.files.note`` as ``text`` instead. All autopilots share
-``README-autopilot.md.j2``.
+``templates/README-TARGET.txt.j2`` (of a vehicle: ``README-TARGET-vehicle.txt.j2``). A short note
+needs no template: the function passes it to ``propmap.export.files.note`` as ``text``. All
+autopilots share ``README-autopilot.md.j2``.
 """
 
 

@@ -143,8 +143,8 @@ def autopilot_parameters(
     ------
     InputError
         For an unknown target, a vehicle that does not fit the drag models of autopilots, and fewer
-        than two speeds that can be flown.  With one or two rotors: for a target without propeller
-        model, and without the rotor speed at full throttle.
+        than two speeds that can be flown.  With one or two rotors: for a target without a propeller
+        model, and for a vehicle whose rotor speed at full throttle is unknown.
     """
     export, vehicle = find_export(target, "autopilot"), aircraft.vehicle
     if len(vehicle.mounts) <= 2 and (vehicle.wing is not None or aircraft.rotors.forward):

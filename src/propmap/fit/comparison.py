@@ -77,8 +77,9 @@ def compare_tunnel(
     Returns
     -------
     dict of str to SpeedErrors
-        Errors by the name of the load with its unit, for each measured load.  The hover model has
-        only thrust and torque.
+        Errors of the rotor and of its hover model, by the name of the load with its unit, for each
+        measured load.  The hover model predicts only thrust and torque; its other loads are
+        zero.
     """
     rotor = Rotor(model)
     loads = rotor.loads(data.omega, data.speed, data.beta)
@@ -243,8 +244,8 @@ def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list
 def compare_flight(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> dict[str, SpeedErrors]:
-    """Return ``compare_forces`` for the ``flight_forces`` of ``vehicle``, ``log``, ``law`` and
-    ``values``."""
+    """Return the errors of the ``flight_forces`` of ``vehicle``, ``log``, ``law`` and ``values``
+    relative to the forces and moments of the log, by name with unit."""
     return compare_forces(vehicle, log, flight_forces(vehicle, log, law, values))
 
 

@@ -109,7 +109,7 @@ class Fitted:
         return np.array([rms_known(part) for part in parts])
 
     def compared(self, load: int) -> tuple[Floats, Floats]:
-        """Return modeled and measured values of the load number ``load``, in its unit."""
+        """Return the modeled and measured values of the load with index ``load``, in its unit."""
         mine = self.rows.of_load(load)
         measured = self.rows.measured[mine]
         return measured + self.residual[mine], measured
@@ -145,7 +145,8 @@ def fit(
     Raises
     ------
     InputError
-        For fewer measurements than free parameters, and for too many rows without a solution.
+        For fewer measurements than free parameters, and if the model has no solution for too many
+        rows.
     """
     settings = settings or Settings()
     begin = time.perf_counter()

@@ -60,7 +60,8 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
     """Return a row for each steady level flight: vertical forces balance m g, eqs. (16), (17).
 
     For horizontal V, the vertical components of the forces of a rotor are T sin(beta) and
-    D cos(beta).  Here they follow from the attitude, so that small climb or bank causes no error.
+    D cos(beta).  Here these components are computed from the attitude, so a small climb rate or
+    bank angle causes no error.
 
     Parameters
     ----------

@@ -252,7 +252,8 @@ class Rows:
     weight : ndarray, shape (M,)
         Factor on each residual, usually 1.
     part : callable, optional
-        Function that returns a model of m rows from their indices; by default from ``model``.
+        Function that returns the model of the m rows with given indices.  By default, ``model`` is
+        evaluated and the rows are selected.
     """
 
     names: tuple[str, ...]

@@ -239,7 +239,7 @@ class SectionPrior:
     Attributes
     ----------
     distribution : PopulationPrior
-        Distribution of the coordinates of the constants.
+        Distribution of the coordinates: the transformed constants that are distributed normally.
     airfoil : Airfoil
         Most likely constants.
     source : str

@@ -146,8 +146,9 @@ def tunnel_rows(
     Residuals are compared as coefficients, that is divided by rho Omega^2 R^4 (R^5 for moments),
     because measurement errors grow in this way with rotational speed.  The scale of a load is the
     root mean square of its measured coefficient, divided by its weight.  With a prior from other
-    propellers, half of each error belongs to the load cell and is equal in all rows.  At low
-    rotational speed, this half is most of the error.
+    propellers, the square of the scale has a second term: the error of the load cell, which is
+    constant in N or N m.  Both terms are equal at the highest rotational speed.  At lower speeds,
+    the term of the load cell is larger.
 
     Parameters
     ----------

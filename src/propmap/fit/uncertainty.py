@@ -29,13 +29,15 @@ class Uncertainty:
     Attributes
     ----------
     covariance : ndarray, shape (P, P)
-        Covariance without bounds; infinite variances of parameters that data do not determine.
+        Covariance, ignoring the bounds.  The variance of a parameter that the data do not determine
+        is infinite.
     low, high : ndarray, shape (P,)
         Ends of the 95 % intervals, within the bounds.
     correlation : ndarray, shape (P, P)
         Correlation of the errors [-].
     singular_values : ndarray, shape (P,)
-        Singular values of the derivatives of residuals per spread, divided by the largest.
+        Singular values of the Jacobian of the residuals, with each parameter in units of its
+        typical difference between propellers or vehicles, divided by the largest singular value.
     verdicts : tuple of str
         Sentence on each parameter.
     identified : tuple of bool

@@ -219,9 +219,9 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
     Parameters
     ----------
     path : str or path
-        AeroDyn airfoil file (v13 to v15, all its tables), XFOIL polar or folder, CACTUS table as of
-        Sheldahl and Klimas, a polar of CCBlade (angles in radians) or airfoiltools, or CSV with the
-        columns alpha_deg, cl, cd and possibly re.
+        AeroDyn airfoil file (v13 to v15, all its tables), XFOIL polar or folder, CACTUS table (for
+        example those of Sheldahl and Klimas), a polar of CCBlade (angles in radians) or
+        airfoiltools, or CSV with the columns alpha_deg, cl, cd and possibly re.
 
     Raises
     ------

@@ -51,7 +51,7 @@ class Air:
         altitude : float
             Geometric altitude above mean sea level [m], -5000 to 80000.
         temperature_offset : float
-            Difference to the standard temperature [K], -60 to 60.
+            Difference from the standard temperature [K], -60 to 60.
 
         Raises
         ------

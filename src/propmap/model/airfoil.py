@@ -88,9 +88,9 @@ class SectionLaw:
         alpha : array_like, shape (...)
             Angle of attack from the chord line [rad].
         reynolds : array_like, shape (...)
-            Reynolds number [-], broadcast with ``alpha``.  For constants it also replaces the
-            Reynolds number of the rotation.  Beyond its Reynolds numbers a table uses the nearest
-            row.
+            Reynolds number [-], broadcast with ``alpha``.  In an ``Airfoil`` it also replaces the
+            Reynolds number of the rotation in the term of ``reynolds_camber``.  Outside its
+            Reynolds numbers, a ``SectionTable`` uses the nearest row.
 
         Returns
         -------
@@ -119,8 +119,8 @@ class Airfoil(SectionLaw):
     c_l1 : float
         Slope of the attached lift [1/rad].
     c_l2 : float
-        Amplitude of the separated lift [-].  For ``lift_law`` "simplified" it is c_l, for "plate"
-        the normal force coefficient of the section across the flow.
+        Amplitude of the separated lift [-].  For ``lift_law`` "simplified" it is c_l.  For "plate"
+        it is the normal-force coefficient at 90 degrees from the angle of zero lift.
     c_d : float
         Amplitude of the pressure drag [-].
     alpha_0 : float
@@ -139,7 +139,7 @@ class Airfoil(SectionLaw):
         zero_lift_angle - drag_angle) in (4).  About 0.07 for small propellers, 0 in the paper.
     lift_law : str
         "blended": eq. (3).  "plate": eq. (3) with the separated lift of a plate, whose normal force
-        is sin(a)/(0.56 + 0.44 sin(a)) times its value across the flow.  "simplified": footnote 1,
+        is sin(a)/(0.56 + 0.44 sin(a)) times its value at 90 degrees.  "simplified": footnote 1,
         C_L = c_l2 sin(a) cos(a).
     corrections : tuple of str or None
         Corrections with which the constants were fitted, as texts for ``propmap.correction``.  A
@@ -205,7 +205,7 @@ class Airfoil(SectionLaw):
         return {"kind": "blended", "attached": attached, "plate": plate, **numbers}
 
     def with_parameters(self, **changes: Any) -> Airfoil:
-        """Return a copy with ``changes`` by name and without the covariance, no longer valid."""
+        """Return a copy with ``changes`` by name.  The covariance, no longer valid, is left out."""
         return replace(self, **{"uncertainty": None, **changes})
 
     def to_toml(self) -> str:
@@ -530,8 +530,8 @@ class SectionUncertainty:
     thrust_coefficient, power_coefficient : float
         Standard deviations of the errors of C_T and C_P that remain with the best constants [-].
     another_tunnel : bool
-        Whether the constants come from another tunnel than the tunnel or flight of interest.  If
-        so, the bands include the differences between tunnels, see ``propmap.bands``.
+        Whether the constants were measured in a tunnel that differs from the tunnel or flight of
+        interest.  If so, the bands include the differences between tunnels, see ``propmap.bands``.
     with_blade : SectionCovariance or None
         Covariance that the constants would have with a measured blade; None if it was measured.
     envelope : Envelope or None

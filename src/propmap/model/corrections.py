@@ -69,13 +69,13 @@ class BladeToHub(Correction):
     """Extension of the blade from its first measured station to the hub.
 
     The chord line keeps the geometric pitch of the first station, 2 pi y tan(theta), as on blades
-    of constant pitch.  The chord continues with its mean slope over the first tenth of the radius,
-    but stays between half and all of the first chord.  The measured part does not change.
+    of constant pitch.  The chord is extrapolated with its mean slope over the first 0.1 R of the
+    measured part, and limited to 50 to 100 % of the first chord.  The measured part does not
+    change.
 
     Geometry files begin at the radius where the blade leaves the fairing of the hub.  The part
-    inside is at a large angle to the in-plane flow.  On the APC 8x6E it adds one or two hundredths
-    to the thrust and more than a tenth to the rotor drag.  A blade that reaches the hub does not
-    change.
+    inside is at a large angle to the in-plane flow.  On the APC 8x6E it increases the thrust by 1
+    to 2 % and the rotor drag by more than 10 %.  A blade that reaches the hub does not change.
 
     Attributes
     ----------
@@ -465,9 +465,9 @@ class RadialFriction(Correction):
 
     The drag of a section law at zero lift counts as viscous: c_d0 and the friction in eq. (4).
 
-    Two effects are neglected.  Friction changes the forces along the axis by less than 1e-3 of the
-    thrust, and hence the inflow.  If the inflow varies around the disk, friction differs between
-    rear and front, which causes a side force.
+    Two effects are neglected.  First, friction changes the axial force by less than 1e-3 of the
+    thrust, which also changes the inflow.  Second, if the inflow varies around the disk, friction
+    differs between rear and front, which causes a side force.
 
     References
     ----------
@@ -559,8 +559,8 @@ def model_corrections(
     model : str
         "recommended" or "paper", see ``MODELS``.
     added : sequence of str
-        More corrections, as texts for ``correction``.  One of the same kind replaces that of the
-        model, as does another variation of the inflow around the disk.
+        More corrections, as texts for ``correction``.  An added correction replaces the model's
+        correction of the same kind.  All variations of the inflow around the disk are one kind.
     installed : bool
         Whether to add ``Installed()``, a typical rotor on a motor, to the recommended model if
         ``added`` does not contain "installed".

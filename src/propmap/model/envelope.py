@@ -33,7 +33,8 @@ class Envelope:
     Attributes
     ----------
     percentiles : tuple of float
-        Percentiles of the points at the ends of the ranges: 0 and 100 for all points of a tunnel.
+        Percentiles at which the ranges end: 0 and 100 for tunnel data, so that the ranges include
+        all points.
     edgewise_ratio, advance_ratio, climb_ratio : tuple of float
         V sin(beta), V and V cos(beta) over the tip speed Omega R [-].
     rpm : tuple of float
@@ -107,7 +108,10 @@ class Beyond:
 
     @property
     def samples(self) -> NDArray[np.bool_]:
-        """Whether a rotor of each sample (n,) lies outside; for points (n,), as in ``points``."""
+        """Whether at least one rotor of each sample lies outside, (n,).
+
+        For points of shape (n,), the result is ``points``.
+        """
         return _by_sample(self.points)
 
     @property
@@ -118,9 +122,10 @@ class Beyond:
         return np.asarray(ratio.reshape(len(ratio), -1).max(axis=1))
 
     def sentences(self, what: str = "points") -> list[str]:
-        """Return a sentence on the samples outside: share, quantities and range.
+        """Return a list with one sentence on the samples outside; empty if there are none.
 
-        ``what`` is the name of the samples.  The list is empty if no sample lies outside.
+        The sentence states their share, the quantities and the ranges.  ``what`` is the name of the
+        samples.
         """
         outside = self.samples
         if not outside.any():

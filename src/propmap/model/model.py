@@ -68,7 +68,8 @@ class Model:
     corrections : tuple
         Values of ``propmap.correction``, at most one of each kind: terms beyond the physics of the
         paper.  By default the corrections with which the constants of the airfoil were fitted, if
-        known.  ``propmap.model_corrections("recommended")`` returns those of the commands.
+        known.  ``propmap.model_corrections("recommended")`` returns the default corrections of the
+        commands.
 
     Raises
     ------
@@ -169,8 +170,8 @@ class Model:
     def reynolds(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> tuple[float, float]:
         """Return the range of Reynolds numbers along the blade at operating points.
 
-        Compare it with the Reynolds numbers of a ``SectionTable``, which uses its nearest row
-        outside their range.
+        Compare this range with the Reynolds numbers of a ``SectionTable``: outside its Reynolds
+        numbers, the table uses the nearest row.
 
         Parameters
         ----------

@@ -57,7 +57,7 @@ class JaxForces:
         """Convert a ``vehicle`` and the ``table`` of its rotors to JAX.
 
         Raises ``InputError`` if ``table`` is not a table, for a table of another propeller or air,
-        and for mounts and wakes, which a table does not include.
+        and for a vehicle with mount drag or wakes, which a table does not include.
         """
         if not isinstance(table, LoadTable):
             raise InputError(f"table is {type(table).__name__}", "give a LoadTable of the rotors")
@@ -253,7 +253,7 @@ class MjxRotors:
         wind : array, shape (3,)
             Wind velocity in the world frame [m/s].
         clamp : bool
-            As for ``JaxForces.wrench``.
+            Whether rotors outside the table use the loads of its nearest point.
 
         Returns
         -------

@@ -44,9 +44,9 @@ class MujocoRotors:
     With ``dyntype`` "filter" or "filterexact", its activation is the actual rotor speed, which
     follows with the time constant ``dynprm`` [s]; without ``dyntype`` there is no lag.
 
-    Forces act at the sites, in air with the velocity ``model.opt.wind`` [m/s] and the density of
-    the vehicle.  If the vehicle has a ``rotor_inertia``, rotors also exert reaction torques when
-    they change speed, and gyroscopic moments.
+    Forces act at the sites, in air with the wind velocity ``model.opt.wind`` [m/s] and the density
+    ``vehicle.air.density``.  If the vehicle has a ``rotor_inertia``, rotors also exert reaction
+    torques when they change speed, and gyroscopic moments.
 
     Parameters
     ----------

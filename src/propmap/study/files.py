@@ -186,7 +186,8 @@ class ResponseSurface:
     low, high : ndarray, shape (k,)
         Least and largest value of each variable.
     coefficients : ndarray
-        Coefficients of the terms in the order of ``_terms``.
+        Coefficients of the terms: the constant, each variable, and each product of two variables,
+        including squares.  The variables are scaled to -1 to 1.
     left_out_rms : float
         Root mean square error at designs left out of the fit one at a time, in the quantity's unit.
     """

@@ -53,11 +53,12 @@ class Study(Evaluation):
     rotor : Rotor
         Baseline design; all designs have its section law, air and corrections.
     varied : mapping of str to ndarray
-        Varied values by names of ``VARIABLES``.  A full factorial uses all values.  A Latin
-        hypercube requires the least and the largest value, but all values of ``blades``.
+        Values of the varied variables: "diameter" and "pitch" [m], "chord_scale", "twist_scale",
+        "blades" [-], "rpm" [1/min], "speed_mps" and "beta_deg".  A full factorial uses all values.
+        A Latin hypercube requires the least and the largest value, but all values of ``blades``.
     axes : mapping of str to ndarray
-        Values of the other variables of ``OPERATION``: every design is evaluated at all
-        combinations.
+        Values of "rpm", "speed_mps" and "beta_deg" if they are not varied: every design is
+        evaluated at all combinations.
     designs : int or None
         Number of designs of a Latin hypercube; None for the full factorial.
     seed : int

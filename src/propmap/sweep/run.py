@@ -111,7 +111,7 @@ class Evaluation(ABC):
         return {name: values.astype(filed_as(values.dtype)) for name, values in stacked.items()}
 
     def layout(self, command: str = "") -> Layout:
-        """Return the layout of the store for the results of this ``command``."""
+        """Return the layout of the result store; ``command`` is the command line to record."""
         coordinates = self.coordinates()
         # Hover at a tip speed of 100 m/s gives the names and types of the quantities.
         probe = self.rotor.loads([100.0 / self.rotor.model.propeller.radius], 0.0, 0.0)

@@ -40,7 +40,7 @@ class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
     """Loads from a table: floats for a single point, arrays for several points.
 
     The fields are the loads of ``propmap.loads.LOADS``, the power, and ``code``, an index into
-    ``STATUSES``; see ``status``.
+    ``propmap.table.STATUSES``; see ``status``.
     """
 
     __slots__ = ()

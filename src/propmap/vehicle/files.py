@@ -236,8 +236,8 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
 
     - ``inertia`` about the three axes [kg m^2], ``rotor_inertia`` [kg m^2], see ``Vehicle``;
     - ``[air]``: ``density``, ``viscosity`` (default: values of the paper);
-    - ``[mount]``, the parts in the rotors' slipstreams, see ``Installed``: ``area`` [m^2] for all
-      rotors, or a list for each rotor, and ``wake`` (default: 1);
+    - ``[mount]``, the parts in the rotors' slipstreams, see ``Installed``: ``area`` [m^2],
+      one value for all rotors or a list with one value per rotor, and ``wake`` (default: 1);
     - ``[body]``: ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers
       [m^2]), ``plate_area`` [m^2];
     - ``[wing]``: ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad], and

@@ -30,8 +30,8 @@ class Mount:
     spin : str
         "ccw" or "cw", seen from above with the thrust up.
     drag : Installed or None
-        Drag of the parts in the slipstream, such as motor and arm; None for the mount that belongs
-        to the section law, if any.
+        Drag of the parts in the slipstream, such as motor and arm; None if the vehicle file
+        contains none.  Then the correction "installed" of the model applies, if it has one.
     """
 
     position: Vector
@@ -105,8 +105,8 @@ class Wakes:
         for none.  ``ahead`` applies to upwash at rotors ahead of or behind the source rotor in the
         flight direction, ``beside`` to upwash at rotors to its side, ``downwash`` to downwash.
     share : float
-        Multiple of the rotor's inflow in the velocity that carries its wake away [-]: 1 at the
-        disk, 2 far below.
+        Factor on the rotor's inflow in the convection velocity of its wake [-]: 1 at the disk, 2
+        far below.
     """
 
     ahead: float = 1.0
@@ -126,7 +126,7 @@ SLIPSTREAMS = Wakes(ahead=0.0, beside=0.0, downwash=0.0)
 
 @dataclass(frozen=True, eq=False)
 class Vehicle:
-    """A vehicle with equal propellers.
+    """A vehicle whose rotors have identical propellers.
 
     Attributes
     ----------
@@ -145,8 +145,8 @@ class Vehicle:
     powertrain : Powertrain
         Known components of the powertrain.
     wakes : Wakes or None
-        Interaction of the rotors; None for no interaction, as in the paper.  A file without [wakes]
-        has ``SLIPSTREAMS`` if rotors are above each other.
+        Interaction of the rotors; None for no interaction, as in the paper.  If a file has no table
+        [wakes] but rotors are above each other, only slipstreams act on the lower rotors.
     sensor : tuple of 3 float
         Position of the accelerometer of its logs relative to the center of mass [m].
     inertia : tuple of 3 float, or None

@@ -52,7 +52,8 @@ class VehicleWrench:
     thrust, torque : ndarray, shape (..., k)
         Thrust and torque of each rotor [N], [N m].
     added_flow : ndarray, shape (..., k)
-        Velocity that the wakes of the other rotors add to V cos(beta) [m/s]; zero without [wakes].
+        Velocity that the wakes of the other rotors add to V cos(beta) [m/s]; zero if the ``wakes``
+        of the vehicle are None.
     rotor_status : ndarray of str, shape (..., k)
         Status of each rotor.
     power : ndarray, shape (...)
@@ -87,8 +88,8 @@ class VehicleForces:
     Raises
     ------
     InputError
-        For loads of another propeller or other air, for a table if the vehicle has mounts, and for
-        interacting rotors in one place.
+        For loads of another propeller or other air, for a table if a mount has a drag area
+        (table [mount]), and for interacting rotors at the same position.
     """
 
     def __init__(self, vehicle: Vehicle, loads: LoadSource) -> None:
@@ -194,7 +195,7 @@ class Rotors:
 
     ``sources`` compute the loads of the rotors.  The wakes follow from the ``attached_thrust`` of
     ``attached``, or by default from the thrust of the sources, which are then evaluated twice.
-    Raises ``InputError`` for interacting rotors in one place.
+    Raises ``InputError`` for interacting rotors at the same position.
     """
 
     def __init__(self, vehicle: Vehicle, sources: Sources, attached: Rotor | None = None) -> None:

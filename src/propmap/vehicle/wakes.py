@@ -100,7 +100,7 @@ def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> Hub
     Raises
     ------
     InputError
-        For two rotors in one place.
+        For two rotors at the same position.
     """
     check_apart(vehicle)
     thrust, _ = Rotor(model).attached_thrust(flow.omega, flow.axial, flow.inplane)
@@ -509,8 +509,8 @@ def slipstream(depth: float, aside: float, skew: Floats, bearing: Floats) -> Flo
     depth, aside : float
         Depth and lateral offset of the disk below the source rotor [radii].
     skew, bearing : ndarray, shape (...)
-        Skew of the wake from straight down, up to pi / 2, and its bearing relative to the direction
-        of the disk [rad].
+        Skew of the wake from straight down, up to pi / 2, and its bearing relative to the lateral
+        direction from the source rotor to the disk [rad].
 
     Returns
     -------
@@ -571,7 +571,9 @@ the velocity across the wake's surface, so that the loads are smooth when a wake
 def axial_velocity(
     place: Floats, direction: Floats, *, core: float = CORE, azimuths: int = CYLINDER_AZIMUTHS
 ) -> Floats:
-    """Return the downward velocity induced by a rotor's wake, per density of circulation.
+    """Return the downward velocity induced by a rotor's wake, per unit of vortex-sheet strength.
+
+    The strength is the density of circulation along the wake [m/s].
 
     Parameters
     ----------
