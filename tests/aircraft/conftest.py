@@ -1,12 +1,16 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import propmap
-from propmap.aircraft.trim import Aircraft
-from propmap.units import RPM
+from propmap.aircraft.trim import Aircraft, SteadyStates
+from propmap.units import GRAVITY, RPM
 from propmap.vehicle.powertrain import Battery, Motor, Powertrain, SpeedController
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
+
+from ..vehicle.wrench_by_hand import by_hand
 
 ARM = 0.16
 POWERTRAIN = Powertrain(
@@ -38,6 +42,24 @@ def rotor_of(vehicle: Vehicle) -> propmap.Rotor:
 
 def aircraft_of(vehicle: Vehicle, **limits: float) -> Aircraft:
     return Aircraft(vehicle, rotor_of(vehicle), **limits)
+
+
+def unbalanced(
+    vehicle: Vehicle, states: SteadyStates, k: int, flight: tuple[float, float, float]
+) -> np.ndarray:
+    """Return force and moment [m] over the weight in the body frame, added up by hand.
+
+    The flight has a speed, a climb rate and a turn rate.
+    """
+    speed, climb, turn = flight
+    # About the left by the pitch, nose down; then about the own x axis, right side down.
+    attitude = [states.pitch[k], states.roll[k]]
+    to_body = Rotation.from_euler("YX", attitude).as_matrix().T
+    velocity, rates = to_body @ [speed, 0.0, climb], to_body @ [0.0, 0.0, turn]
+    omega, still = states.rotor_speed[k], np.zeros(3)
+    force, moment, _ = by_hand(rotor_of(vehicle), vehicle, omega, velocity, rates, still)
+    inertial = vehicle.mass * (to_body @ [0.0, speed * turn, GRAVITY])
+    return np.concatenate([force - inertial, moment]) / (vehicle.mass * GRAVITY)
 
 
 @pytest.fixture(scope="session")

@@ -43,6 +43,8 @@ def test_the_same_states(vehicle: Vehicle, table: LoadTable) -> None:
     assert by_table.shaft_power == pytest.approx(by_rotor.shaft_power, rel=0.03)
     assert by_table.pitch == pytest.approx(by_rotor.pitch, abs=0.01)
     assert by_table.residual.max() < 1e-8
+    outside = Aircraft(vehicle, table).steady([20.0], margin=False)
+    assert outside.status.tolist() == ["outside_table"] and np.isnan(outside.shaft_power[0])
 
 
 def test_power_s_derivatives_are_those_of_the_table(vehicle: Vehicle, table: LoadTable) -> None:
@@ -60,15 +62,9 @@ def test_power_s_derivatives_are_those_of_the_table(vehicle: Vehicle, table: Loa
     assert found["mass"] == pytest.approx((more - less) / 4e-3, rel=5e-3)
 
 
-def test_outside_is_said(vehicle: Vehicle, table: LoadTable) -> None:
-    states = Aircraft(vehicle, table).steady([20.0], margin=False)
-    assert states.status.tolist() == ["outside_table"]
-    assert np.isnan(states.shaft_power[0])
-
-
 def test_a_table_of_something_else(vehicle: Vehicle, table: LoadTable) -> None:
     thin = replace(vehicle, air=propmap.Air(1.0, 1.8e-5))
-    with pytest.raises(InputError, match=r"holds for 1\.225"):
+    with pytest.raises(InputError, match=r"for 1\.225 kg.*build a table with --rho"):
         Aircraft(thin, table)
     other = replace(vehicle, propeller=propmap.propeller("apc-9x6e"))
     with pytest.raises(InputError, match="the table is for"):

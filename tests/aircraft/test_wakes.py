@@ -1,29 +1,21 @@
-"""Steady states of rotors in each other's wakes, beside a balance that SciPy solves."""
+"""Steady states and derivatives of rotors in each other's wakes."""
 
 from __future__ import annotations
 
-import functools
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import root
-from scipy.spatial.transform import Rotation
 
 import propmap
-from propmap.aircraft import ranking
-from propmap.aircraft.ranking import Candidate, Task
-from propmap.aircraft.sensitivity import derivatives
-from propmap.aircraft.trim import Aircraft, SteadyStates
+from propmap.aircraft.ranking import Candidate, Ranking, Task
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
 from propmap.vehicle.vehicle_forces import Rotors
 
-from ..vehicle.wrench_by_hand import by_hand
-from .conftest import aircraft_of, quadcopter, rotor_of
+from .conftest import aircraft_of, quadcopter, unbalanced
 
-GRAVITY = 9.80665
 GAINS = Wakes(2.0, 0.8, 1.0, 0.9)
 SPEEDS = np.array([0.0, 6.0, 14.0])
 
@@ -33,57 +25,25 @@ def in_wakes() -> Vehicle:
     return quadcopter(wakes=GAINS)
 
 
-@pytest.fixture(scope="module")
-def level(in_wakes: Vehicle) -> SteadyStates:
-    return aircraft_of(in_wakes).steady(SPEEDS)
-
-
-def unbalanced(vehicle: Vehicle, pitch: float, roll: float, omega: np.ndarray, speed: float):
-    """Force over the weight, and moment over the weight [m], in straight level flight."""
-    to_body = Rotation.from_euler("YX", [pitch, roll]).as_matrix().T
-    still, weight = np.zeros(3), vehicle.mass * GRAVITY
-    velocity = to_body @ [speed, 0.0, 0.0]
-    force, moment, _ = by_hand(rotor_of(vehicle), vehicle, omega, velocity, still, still)
-    return np.concatenate([force - to_body @ [0.0, 0.0, weight], moment]) / weight
-
-
-def test_level_flight_balances(in_wakes: Vehicle, level: SteadyStates) -> None:
+def test_rear_rotors_in_downwash_turn_faster(vehicle: Vehicle, in_wakes: Vehicle) -> None:
+    level = aircraft_of(in_wakes).steady(SPEEDS)
     assert level.status.tolist() == ["ok"] * 3
     assert level.residual.max() < 1e-8
     for k, speed in enumerate(SPEEDS.tolist()):
-        pitch, roll, omega = level.pitch[k], level.roll[k], level.rotor_speed[k]
-        left_over = unbalanced(in_wakes, float(pitch), float(roll), omega, speed)
-        assert np.abs(left_over).max() < 1e-8
-
-
-def test_the_same_root_by_scipy(in_wakes: Vehicle, level: SteadyStates) -> None:
-    found = root(
-        lambda x: unbalanced(in_wakes, x[0], x[1], 600.0 * x[2:], 14.0),
-        [0.1, 0.02, 1.0, 1.1, 1.0, 1.1],
-        tol=1e-11,
-    )
-    assert found.success
-    assert level.pitch[2] == pytest.approx(found.x[0], abs=1e-8)
-    assert level.roll[2] == pytest.approx(found.x[1], abs=1e-8)
-    assert level.rotor_speed[2] == pytest.approx(600.0 * found.x[2:], rel=1e-8)
-
-
-def test_rear_rotors_in_downwash_turn_faster(vehicle: Vehicle, level: SteadyStates) -> None:
+        assert np.abs(unbalanced(in_wakes, level, k, (speed, 0.0, 0.0))).max() < 1e-8
     alone = aircraft_of(vehicle).steady(SPEEDS)
     change = level.rotor_speed - alone.rotor_speed
     assert (change[1:, [1, 2]] > 3.0).all()  # rear, in downwash
     assert (change[1:, [0, 3]] < -3.0).all()  # front, in upwash
     front_left, _, _, front_right = level.rotor_speed.T
     assert front_left == pytest.approx(front_right, rel=1e-9)
-
-
-def test_gains_of_zero_are_no_wakes(vehicle: Vehicle) -> None:
-    without, nothing = (
-        aircraft_of(replace(vehicle, wakes=wakes)).steady(SPEEDS)
-        for wakes in (None, Wakes(0.0, 0.0, 0.0))
-    )
-    assert nothing.rotor_speed == pytest.approx(without.rotor_speed, rel=1e-9)
-    assert nothing.shaft_power == pytest.approx(without.shaft_power, rel=1e-9)
+    # Propellers are ranked in their wakes.
+    candidate = Candidate("apc-8x6e", vehicle.propeller, propmap.airfoil("apc-8x6e-2019"))
+    power = [
+        Ranking(one, Task("cruise", 12.0, None), ()).aircraft(candidate).steady(12.0).shaft_power[0]
+        for one in (vehicle, in_wakes)
+    ]
+    assert abs(power[1] / power[0] - 1.0) > 1e-3
 
 
 def test_a_lower_rotor_turns_faster_for_its_share(vehicle: Vehicle) -> None:
@@ -125,12 +85,12 @@ class Smooth:
 
 
 def turbulent(in_wakes: Vehicle) -> tuple[Vehicle, np.ndarray, np.ndarray]:
-    """A quadrotor with one rotor more, below the first, where what wakes do is largest; states."""
+    """Return three rotors, one below another, where wakes act most, with speeds and flows."""
     below = replace(in_wakes.mounts[0], position=(0.17, 0.15, -0.1), spin="ccw")
     rng = np.random.default_rng(0)
-    omega = rng.uniform(550.0, 750.0, (3, 5))
-    velocity = np.array(rng.normal(0.0, 2.0, (3, 5, 3))) + np.array([3.0, 0.0, 2.0])
-    return replace(in_wakes, mounts=(*in_wakes.mounts, below)), omega, velocity
+    omega = rng.uniform(550.0, 750.0, (3, 3))
+    velocity = np.array(rng.normal(0.0, 2.0, (3, 3, 3))) + np.array([3.0, 0.0, 2.0])
+    return replace(in_wakes, mounts=(*in_wakes.mounts[:2], below)), omega, velocity
 
 
 def test_slopes_by_the_speeds_of_other_rotors(in_wakes: Vehicle) -> None:
@@ -146,8 +106,8 @@ def test_slopes_by_the_speeds_of_other_rotors(in_wakes: Vehicle) -> None:
     plain = rotors.wrenches(omega, velocity)
     np.testing.assert_allclose(wrenches.force[0], plain.force, rtol=1e-12)
     each = np.abs(force).max(), np.abs(moment).max()
-    for k in range(5):
-        step = 0.01 * np.eye(5)[k]
+    for k in range(3):
+        step = 0.01 * np.eye(3)[k]
         up, down = total(omega + step), total(omega - step)
         for slope, size, high, low in zip((force, moment), each, up, down, strict=True):
             # The slopes of the wakes by the thrusts are good to half a per cent of the wakes.
@@ -160,7 +120,7 @@ def test_slopes_by_the_speeds_of_other_rotors(in_wakes: Vehicle) -> None:
 @pytest.mark.parametrize("wakes", [None, GAINS], ids=["alone", "wakes"])
 def test_what_changes_of_the_loads_do(in_wakes: Vehicle, wakes: Wakes | None) -> None:
     vehicle, omega, velocity = turbulent(replace(in_wakes, wakes=wakes))
-    everyone, h = np.arange(5), 1e-4
+    everyone, h = np.arange(3), 1e-4
     up, down, here = (Rotors.of(vehicle, Smooth(1.0 + d)) for d in (h, -h, 0.0))
     found = here.changed([(Smooth(slope=True), everyone)], omega, velocity)
     high, low = (rotors.wrenches(omega, velocity) for rotors in (up, down))
@@ -173,31 +133,3 @@ def test_what_changes_of_the_loads_do(in_wakes: Vehicle, wakes: Wakes | None) ->
         flow = velocity + here.wrenches(omega, velocity).added_flow[..., None] * here.axis
         kept = Rotors.of(replace(vehicle, wakes=None), Smooth(slope=True)).wrenches(omega, flow)
         assert np.abs(kept.thrust - found.thrust).max() > 0.02 * np.abs(found.thrust).max()
-
-
-def test_derivatives_against_blades_that_are_changed(in_wakes: Vehicle) -> None:
-    rotor = rotor_of(in_wakes)
-    craft = Aircraft(in_wakes, rotor)
-    states = craft.steady([6.0, 12.0], margin=False)
-    found = derivatives(craft, states, ("c_d",))["c_d"].shaft_power
-    law, step = rotor.model.airfoil, 0.02
-    powers = [
-        Aircraft(in_wakes, rotor.with_model(rotor.model.with_airfoil(law.with_parameters(c_d=c))))
-        .steady([6.0, 12.0], margin=False)
-        .shaft_power
-        for c in (float(law.c_d) + step, float(law.c_d) - step)
-    ]
-    assert found == pytest.approx((powers[0] - powers[1]) / (2.0 * step), rel=0.03)
-
-
-def test_a_choice_knows_of_wakes(vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ranking, "Rotor", functools.partial(propmap.Rotor))
-    candidate = Candidate("apc-8x6e", vehicle.propeller, propmap.airfoil("apc-8x6e-2019"))
-    power = [
-        ranking.Ranking(replace(vehicle, wakes=wakes), Task("cruise", 12.0, None), ())
-        .aircraft(candidate)
-        .steady(12.0)
-        .shaft_power[0]
-        for wakes in (None, GAINS)
-    ]
-    assert abs(power[1] / power[0] - 1.0) > 1e-3

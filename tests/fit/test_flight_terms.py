@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit import comparison
 from propmap.fit.comparison import (
     AxisErrors,
     RecordedFlight,
@@ -18,7 +17,7 @@ from propmap.fit.comparison import (
     judged,
     measured_off,
 )
-from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
+from propmap.fit.parameters import SECTION, Choice
 from propmap.typing import Floats
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog
@@ -53,6 +52,17 @@ def test_a_term_that_takes_an_error_away_pays_by_its_square() -> None:
     assert judged(fall, deviation) == "pays"
     back = gain([new], [old], [flight("one")])
     assert back[0] == pytest.approx(-fall) and judged(*back) == "makes it worse"
+    # Samples without loads do not count.
+    missing = rest + taken
+    missing[100:150] = np.nan
+    fall, _ = gain([AxisErrors(missing, rest)], [AxisErrors(0.5 * missing, rest)], [flight("one")])
+    assert fall > 0.0 and np.isfinite(AxisErrors(missing, rest).rms).all()
+    # A prediction that comes with the flight has errors of its own.
+    weight = np.tile([0.0, 0.0, VEHICLE.mass * GRAVITY], (COUNT, 1))
+    other = replace(flight("one"), prediction=weight + 0.2, raw_prediction=weight - 0.1)
+    off = measured_off(VEHICLE, other)
+    assert off is not None and measured_off(VEHICLE, flight("one")) is None
+    np.testing.assert_allclose([off.rms, off.raw_rms], [[0.2] * 3, [0.1] * 3])
 
 
 def test_noise_alone_hardly_ever_pays_though_it_is_alike_for_a_second() -> None:
@@ -69,49 +79,25 @@ def test_noise_alone_hardly_ever_pays_though_it_is_alike_for_a_second() -> None:
     assert blocked > 4.0 * apart
 
 
-def test_samples_without_loads_do_not_count() -> None:
-    off = held(0.3, 1.0, 5)
-    broken = off.copy()
-    broken[100:150] = np.nan
-    fall, _ = gain([AxisErrors(broken, off)], [AxisErrors(0.5 * broken, off)], [flight("one")])
-    assert np.isfinite(fall) and fall > 0.0
-    assert np.isfinite(AxisErrors(broken, off).rms).all()
-
-
-def test_a_prediction_that_comes_with_the_flight() -> None:
-    one = flight("one")
-    assert measured_off(VEHICLE, one) is None
-    weight = np.tile([0.0, 0.0, VEHICLE.mass * GRAVITY], (COUNT, 1))
-    off = measured_off(VEHICLE, replace(one, prediction=weight + 0.2, raw_prediction=weight - 0.1))
-    assert off is not None
-    np.testing.assert_allclose(off.rms, 0.2)
-    np.testing.assert_allclose(off.raw_rms, 0.1)
-
-
-def test_each_flight_is_left_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    fitted_to = []
-
-    class Model:
-        def __init__(self, vehicle: Vehicle, log: FlightLog, _: object) -> None:
-            fitted_to.append(log.source)
-            self.vehicle, self.log = vehicle, log
-
-    class Found:
-        values = FIRST_GUESS | {name: getattr(LAW, name) for name in SECTION}
-
-    monkeypatch.setattr("propmap.fit.flight.ForceModel", Model)
-    monkeypatch.setattr("propmap.fit.flight.vertical_rows", lambda *_: "vertical")
-    monkeypatch.setattr("propmap.fit.flight.balance_rows", lambda *_: "balance")
-    monkeypatch.setattr(comparison, "fit", lambda *_: Found)
-    zero = np.zeros((COUNT, 3))
-    monkeypatch.setattr(
-        comparison, "flight_forces", lambda *_: type("F", (), {"model": zero, "hover": zero})
-    )
-    flights = [flight(name) for name in ("a", "b", "c")]
-    steps = [Step("one", Choice(("c_l1",)), vertical=True), Step("two", Choice(("c_l1", "c_d")))]
-    found = fit_terms(VEHICLE, flights, steps, LAW, samples=50)
+def test_each_flight_is_left_out_once() -> None:
+    """Flights with more and more thrust: without a strong one the fitted lift is lower."""
+    vehicle = replace(VEHICLE, mass=0.34)
+    flights = []
+    for seed, (name, factor) in enumerate((("a", 1.0), ("b", 1.1), ("c", 1.2))):
+        one = flight(name, 300)
+        force = factor * one.passed.specific_force + held(0.2, 1.0, seed)[:300]
+        log = replace(one.passed, specific_force=force)
+        flights.append(RecordedFlight(name, log, log))
+    fixed = {name: getattr(LAW, name) for name in SECTION}
+    free = ("c_l1", "c_d0")
+    steps = [
+        Step("one", Choice(free[:1], {n: v for n, v in fixed.items() if n not in free[:1]})),
+        Step("two", Choice(free, {n: v for n, v in fixed.items() if n not in free})),
+    ]
+    found = fit_terms(vehicle, flights, steps, LAW, samples=20)
     assert [f.left_out for f in found] == [0, 1, 2, 0, 1, 2]
-    assert fitted_to == 2 * ["b, c", "a, c", "a, b"]
-    assert set(found[-1].values) == {"c_l1", "c_d"}
-    alone = fit_terms(VEHICLE, flights[:1], steps, LAW, samples=50)
-    assert [f.left_out for f in alone] == [None, None]
+    without_a, without_b, without_c = (one.values["c_l1"] for one in found[:3])
+    assert without_a > without_b > without_c
+    assert set(found[-1].values) == {"c_l1", "c_d0"}
+    alone = fit_terms(vehicle, flights[:1], steps[:1], LAW, samples=20)
+    assert [f.left_out for f in alone] == [None]

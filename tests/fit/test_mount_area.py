@@ -11,8 +11,8 @@ import pytest
 import propmap
 from propmap.errors import InputError
 from propmap.fit.comparison import compare_tunnel
-from propmap.fit.files import FitFile, fit_text, read_fit
-from propmap.fit.fit import Fitted, Settings, coverage, fit
+from propmap.fit.files import fit_text, read_fit
+from propmap.fit.fit import Settings, coverage, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.fit.tunnel import TunnelData, model_with, tunnel_rows
@@ -25,67 +25,51 @@ from tests.fit.test_flight_fit import MOUNTS, OMEGA, VELOCITIES, log
 BLADE, LAW = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
 MODEL = propmap.Model(BLADE, LAW)
 AREA = 0.0014
-MOUNTED = MODEL.with_mount(Installed(1.0, AREA))
 FIXED = {name: getattr(LAW, name) for name in SECTION if name != "c_d"}
 CHOICE = Choice(("c_d", "mount_area"), FIXED)
 NOISE = 0.003
 
 
-@pytest.fixture(scope="module")
-def data() -> TunnelData:
-    """Loads of the rotor on its mount, with errors of ``NOISE``."""
+def test_the_area_is_found_filed_and_used_again(tmp_path: Path) -> None:
     speed = np.resize([4.0, 7.0, 10.0, 12.0], 16)
     beta = np.radians(np.repeat([30.0, 55.0, 75.0, 90.0], 4))
     omega = np.resize([520.0, 600.0, 680.0], 16)
-    found = propmap.Rotor(MOUNTED).loads(omega, speed, beta)
+    true = propmap.Rotor(MODEL.with_mount(Installed(1.0, AREA))).loads(omega, speed, beta)
     random = np.random.default_rng(7)
     names = ("thrust", "drag", "torque")
-    loads = {n: getattr(found, n) * (1.0 + NOISE * random.normal(size=16)) for n in names}
-    return TunnelData("twin", omega, speed, beta, loads)
+    loads = {n: getattr(true, n) * (1.0 + NOISE * random.normal(size=16)) for n in names}
+    data = TunnelData("twin", omega, speed, beta, loads)
+    fitted = fit(tunnel_rows(MODEL, data, CHOICE), CHOICE, Settings(starts=1, folds=0))
+    sure = fitted.uncertainty
+    assert fitted.values["mount_area"] == pytest.approx(AREA, rel=0.03)
+    assert sure.identified == (True, True)
+    # The interval is four standard deviations wide.
+    assert abs(fitted.values["mount_area"] - AREA) < sure.high[1] - sure.low[1] < 0.1 * AREA
 
-
-@pytest.fixture(scope="module")
-def fitted(data: TunnelData) -> Fitted:
-    return fit(tunnel_rows(MODEL, data, CHOICE), CHOICE, Settings(starts=2, folds=0))
-
-
-@pytest.fixture(scope="module")
-def file(fitted: Fitted, data: TunnelData, tmp_path_factory: pytest.TempPathFactory) -> FitFile:
+    path = tmp_path / "mounted.toml"
     text = fit_text(
         fitted,
         kind="tunnel",
         name="mounted",
         model=MODEL,
         data=["uiuc-8x6e"],
-        covered=coverage(data.omega, data.speed, data.beta, BLADE.radius),
+        covered=coverage(omega, speed, beta, BLADE.radius),
         envelope=Envelope.of(*data.flow, BLADE.radius),
         hover=np.zeros(fitted.rows.measured.size),
         remarks=(),
         options={},
     )
-    path = tmp_path_factory.mktemp("fit") / "mounted.toml"
     path.write_text(text)
-    return read_fit(path)
-
-
-def test_the_area_is_found_again(fitted: Fitted) -> None:
-    assert fitted.values["mount_area"] == pytest.approx(AREA, rel=0.03)
-    assert fitted.uncertainty.identified == (True, True)
-    width = fitted.uncertainty.high[1] - fitted.uncertainty.low[1]
-    # The interval is four standard deviations wide.
-    assert abs(fitted.values["mount_area"] - AREA) < width < 0.1 * AREA
-
-
-def test_the_file_brings_it_along_with_its_covariance(file: FitFile, fitted: Fitted) -> None:
+    file = read_fit(path)
     (mount,) = file.model.corrections
     assert mount == Installed(1.0, fitted.values["mount_area"])
     assert file.covariance is not None and file.covariance.names == ("c_d", "mount_area")
-    np.testing.assert_allclose(file.covariance.matrix, fitted.uncertainty.covariance)
+    np.testing.assert_allclose(file.covariance.matrix, sure.covariance)
     area = file.record.parameters[1]
     assert (area.name, area.unit, area.value) == ("mount_area", "m^2", mount.area_m2)
+    path.write_text(file.airfoil.to_toml())
+    assert propmap.Model(BLADE, propmap.airfoil(path)).corrections == file.model.corrections
 
-
-def test_whoever_uses_the_file_has_the_drag(file: FitFile, data: TunnelData) -> None:
     assert compare_tunnel(file.model, data)["drag_N"].all.relative_rms < 2.0 * NOISE
     bare = compare_tunnel(file.model.with_mount(Installed(1.0, 0.0)), data)["drag_N"].all
     assert bare.relative_rms > 0.2
@@ -137,40 +121,14 @@ def test_a_vehicle_s_mount_takes_the_place_of_the_law_s() -> None:
     own = true_values(replace(VEHICLE, mounts=MOUNTS), law)
     assert own["mount_area"] == 0.01
     assert "mount_area" not in true_values(VEHICLE, law)
-
-
-def test_an_area_in_flight_is_that_of_every_rotor() -> None:
-    """And its derivative is that of the forces, which are linear in it."""
-    model = ForceModel(replace(VEHICLE, mounts=MOUNTS), FLOWN, LAW)
-    at = {
-        area: model.at(VALUES | {"mount_area": area}, ("c_l1", "mount_area"))
-        for area in (0.001, 0.003)
-    }
-    slope = (at[0.003].loads - at[0.001].loads) / 0.002
-    np.testing.assert_allclose(at[0.001].slopes[1], slope, rtol=1e-9, atol=1e-9)
-    assert slope[0, 0] < -50.0
-
-
-@pytest.mark.parametrize(
-    ("corrections", "area"), [((), 0.0), (("installed:factor=1,area_m2=0.004",), 0.004)]
-)
-def test_a_planned_flight_knows_the_area_that_is_true(
-    corrections: tuple[str, ...], area: float
-) -> None:
-    law, vehicle = replace(LAW, corrections=corrections), replace(VEHICLE, mounts=MOUNTS)
-    found = expectation(vehicle, law, log(VELOCITIES), free=("c_l1", "mount_area"))
-    assert found.truth.tolist() == [LAW.c_l1, area]
-    assert found.uncertainty.low[1] <= area <= found.uncertainty.high[1]
-
-
-def test_a_vehicle_that_states_its_mounts_leaves_none_to_find() -> None:
     for choice in (Choice(("mount_area",)), Choice(fixed={"mount_area": 0.001})):
         with pytest.raises(InputError, match=r"mount_area is a param.*remove the \[mount\] table"):
             level_rows(ForceModel(VEHICLE, FLOWN, LAW), choice)
 
 
-def test_the_fit_file_is_readable_as_a_parameter_set(file: FitFile, tmp_path: Path) -> None:
-    path = tmp_path / "again.toml"
-    path.write_text(file.airfoil.to_toml())
-    again = propmap.Model(BLADE, propmap.airfoil(path))
-    assert again.corrections == file.model.corrections
+def test_a_planned_flight_knows_the_area_that_is_true() -> None:
+    law = replace(LAW, corrections=("installed:factor=1,area_m2=0.004",))
+    bare = replace(VEHICLE, mounts=MOUNTS)
+    found = expectation(bare, law, log(VELOCITIES), free=("c_l1", "mount_area"))
+    assert found.truth.tolist() == [LAW.c_l1, 0.004]
+    assert found.uncertainty.low[1] <= 0.004 <= found.uncertainty.high[1]

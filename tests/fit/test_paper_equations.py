@@ -14,17 +14,14 @@ from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.model.airfoil import PAPER_FOUR
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog
-from propmap.vehicle.vehicle import Mount, Vehicle
+from propmap.vehicle.vehicle import Vehicle
 
+from .flight_twin import VEHICLE
 from .synthetic_rows import Floats, linear_model, rows_of
 
 LAW = propmap.airfoil("paper-apc")
 BLADE = propmap.propeller("apc-8x6e")
-MOUNTS = tuple(
-    Mount((x, y, 0.0), spin=spin)
-    for x, y, spin in ((0.2, 0.2, "cw"), (0.2, -0.2, "ccw"), (-0.2, 0.2, "ccw"), (-0.2, -0.2, "cw"))
-)
-QUADROTOR = Vehicle("paper", 0.9, BLADE, MOUNTS)
+QUADROTOR = Vehicle("paper", 0.9, BLADE, VEHICLE.mounts)
 VALUES = FIRST_GUESS | {n: getattr(LAW, n) for n in SECTION}
 TWO = Choice(("c_l1", "alpha_0"))
 

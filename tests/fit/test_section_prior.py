@@ -63,7 +63,7 @@ def test_constants_are_spread_as_draws_from_the_coordinates_are() -> None:
     rng = np.random.default_rng(1)
     prior = prior_of(expected_prior("apce"))
     known = prior.distribution
-    place = rng.multivariate_normal(known.mean, known.covariance, 40_000)
+    place = rng.multivariate_normal(known.mean, known.covariance, 10_000)
     zero_lift = place[:, PARAMETERS.index("zero_lift_angle")]
     draws = {
         "c_l1": np.exp(place[:, PARAMETERS.index("c_l1")]),
@@ -73,7 +73,7 @@ def test_constants_are_spread_as_draws_from_the_coordinates_are() -> None:
     }
     for name, values in draws.items():
         mean, deviation = prior.of_constant(name) or (np.nan, np.nan)
-        # To first order; 40,000 draws tell a deviation to 0.4 %.
+        # To first order; 10,000 draws tell a deviation to 0.7 %.
         assert mean == pytest.approx(values.mean(), rel=0.02, abs=1e-4)
         assert deviation == pytest.approx(values.std(), rel=0.03)
     assert PRIOR.of_constant("c_p") is None
@@ -113,16 +113,14 @@ def test_what_is_learnt_of_one_constant_tells_of_those_that_go_with_it() -> None
 
 
 def precision_of(found: Fitted) -> float:
-    """What rows and prior know of the only free parameter, 1/variance."""
+    """Return 1/variance of the only free parameter."""
     return 1.0 / float(found.uncertainty.covariance[0, 0])
 
 
-@pytest.mark.parametrize("repeats", [1, 20])
-def test_rows_that_err_together_do_not_outweigh_the_prior(repeats: int) -> None:
+def test_rows_that_err_together_do_not_outweigh_the_prior() -> None:
     """Rows given many times over are worth no more: precisions add as for ten of them."""
-    error = 0.8
-    noise = np.random.default_rng(5).normal(0.0, error, 50)
-    rows = rows_on({"c_l1": np.ones(50 * repeats)}, np.tile(noise, repeats), c_l1=7.5)
+    noise = np.random.default_rng(5).normal(0.0, 0.8, 50)
+    rows = rows_on({"c_l1": np.ones(1000)}, np.tile(noise, 20), c_l1=7.5)
     found = fit(rows, choice_of("c_l1"), QUICK)
     mean, deviation = MEAN["c_l1"], PRIOR.distribution.deviation[0]
     spread = float(np.std(noise))
@@ -144,32 +142,20 @@ def test_rows_at_rest_count_less_and_no_stand_is_better_than_its_least_error() -
     moving = fit(rows, choice_of("c_l1"), QUICK)
     data = precision_of(moving) - 1.0 / (PRIOR.distribution.deviation[0] * moving.x[0]) ** 2
     assert data == pytest.approx(INDEPENDENT / LEAST_ERROR**2, rel=0.01)
-
-
-def test_a_segment_of_a_flight_is_one_number() -> None:
-    group = np.repeat(np.arange(6), 25)
-    rows = rows_on({"c_l1": np.ones(150)}, np.zeros(150), c_l1=6.0)
-    assert replace(rows, group=group).independent.tolist() == [6.0]
     assert rows.independent.tolist() == [INDEPENDENT]
-    assert rows.left(np.arange(150) < 3).independent.tolist() == [3.0]
+    # A segment of a flight is one number.
+    assert replace(rows, group=np.arange(50) // 10).independent.tolist() == [5.0]
+    assert rows.left(np.arange(50) < 3).independent.tolist() == [3.0]
 
 
 def test_a_prior_of_one_s_own_takes_the_place_of_the_propellers() -> None:
-    rows = rows_on({"c_d": np.zeros(40)}, np.zeros(40))
+    rows = rows_on({"c_d": np.zeros(1)}, np.zeros(1))  # fewer rows than parameters are enough
     own = {"c_l1": Prior(8.0, 0.1)}
     found = fit(rows, choice_of("c_l1", "c_d", priors=own), QUICK)
     assert found.x[0] == pytest.approx(8.0, abs=1e-6)
     assert found.uncertainty.covariance[0, 0] == pytest.approx(0.1**2, rel=1e-3)
     assert found.x[1] == pytest.approx(MEAN["c_d"], rel=1e-4)
     assert unlikely_constants(found) == []
-
-
-def test_fewer_rows_than_constants_are_enough() -> None:
-    rows = rows_on({"c_l1": np.ones(3)}, np.zeros(3), c_l1=6.0)
-    found = fit(rows, choice_of(*PARAMETERS), QUICK)
-    assert np.isfinite(found.uncertainty.covariance).all()
-    singular = found.uncertainty.singular_values
-    assert singular.shape == (len(PARAMETERS),) and (singular[1:] < 1e-9).all()
 
 
 def test_constants_far_from_all_propellers_are_pointed_out() -> None:
@@ -180,13 +166,3 @@ def test_constants_far_from_all_propellers_are_pointed_out() -> None:
     )
     near = rows_on({"c_l1": np.ones(40)}, np.zeros(40), c_l1=5.5)
     assert unlikely_constants(fit(near, choice_of("c_l1"), QUICK)) == []
-
-
-def test_an_outlier_does_not_soften_the_prior() -> None:
-    noise = np.random.default_rng(2).normal(0.0, 0.3, 60)
-    noise[7] = 40.0
-    rows = rows_on({"c_l1": np.ones(60)}, noise, c_l1=6.0)
-    robust = fit(rows, choice_of("c_l1"), replace(QUICK, loss="soft_l1"))
-    plain = fit(rows, choice_of("c_l1"), QUICK)
-    assert abs(robust.x[0] - 6.0) < 0.15
-    assert abs(robust.x[0] - 6.0) < abs(plain.x[0] - 6.0)

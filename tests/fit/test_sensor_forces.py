@@ -74,6 +74,8 @@ def test_a_turned_sensor_with_a_bias_reads_the_force_in_its_own_axes() -> None:
     # They need no time derivatives, as the sensor's place does.
     bare = replace(log, angular_acceleration=np.full_like(log.rates, np.nan))
     np.testing.assert_array_equal(sensor_force(VEHICLE, bare, values, names)[0], found)
+    with pytest.raises(InputError, match="a log with time derivatives"):
+        sensor_force(VEHICLE, bare, {}, ("sensor_x",))
 
 
 def test_late_stamps_read_what_was_before() -> None:
@@ -85,15 +87,10 @@ def test_late_stamps_read_what_was_before() -> None:
     inside = slice(20, -20)
     np.testing.assert_allclose(found[inside], wanted[inside], atol=0.02 * np.abs(wanted).max())
     np.testing.assert_allclose(late * slopes[0], found)
-
-
-def test_nothing_at_the_center_of_mass_and_no_derivatives_needed() -> None:
-    _, log = turning()
-    bare = replace(log, angular_acceleration=np.full_like(log.rates, np.nan))
-    force, slopes = sensor_force(VEHICLE, bare, {}, ("c_l1",))
-    assert not force.any() and not slopes.any()
-    with pytest.raises(InputError, match="a log with time derivatives"):
-        sensor_force(VEHICLE, bare, {}, ("sensor_x",))
+    # Other flights have the mean of the clocks of a fit.
+    values = {"clock_offset": 0.0, "clock_offset[a]": 0.004, "clock_offset[b]": 0.002, "c_l1": 5.0}
+    others = of_others(values)
+    assert others["clock_offset"] == pytest.approx(0.003) and others["c_l1"] == 5.0
 
 
 def hovering(seconds: float) -> FlightLog:
@@ -140,24 +137,3 @@ def test_each_flight_s_thrust_is_scaled_by_its_own_hover() -> None:
     assert known.scales == {first: pytest.approx(1.05 / 1.01)}
     # Three times the thrust is another unit of the rotor speeds, not a battery.
     assert HoverScale.of(VEHICLE, slower[0], 3.0 * (found.reference or 0.0)).scales == {}
-
-
-def test_other_flights_have_the_mean_of_those_of_a_fit() -> None:
-    values = {"clock_offset": 0.0, "clock_offset[a]": 0.004, "clock_offset[b]": 0.002, "c_l1": 5.0}
-    found = of_others(values)
-    assert found["clock_offset"] == pytest.approx(0.003) and found["c_l1"] == 5.0
-
-
-def test_each_flight_has_a_clock_of_its_own() -> None:
-    log = joined([hovering(2.0), hovering(2.0)])
-    log = replace(
-        log,
-        angular_acceleration=np.zeros_like(log.rates),
-        specific_force_rate=np.ones_like(log.rates),
-    )
-    values = {"clock_offset": 0.01, "clock_offset[2]": -0.02}
-    force, slopes = sensor_force(VEHICLE, log, values, ("clock_offset[2]",))
-    np.testing.assert_allclose(force[log.flight == 0], -VEHICLE.mass * 0.01)
-    np.testing.assert_allclose(force[log.flight == 1], VEHICLE.mass * 0.02)
-    assert not slopes[0][log.flight == 0].any()
-    np.testing.assert_allclose(slopes[0][log.flight == 1], -VEHICLE.mass)

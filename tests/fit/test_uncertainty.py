@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ import pytest
 from propmap.fit.fit import Settings, fit
 from propmap.fit.least_squares import NOISE_FLOOR, Rows, search
 from propmap.fit.parameters import EVERY, Choice, Prior
-from propmap.fit.uncertainty import Uncertainty, uncertainty
+from propmap.fit.uncertainty import Uncertainty, bounded_intervals, uncertainty
 
 from .synthetic_rows import (
     Floats,
@@ -23,11 +22,10 @@ from .synthetic_rows import (
 )
 
 DRAWS = 400
+NOISE = np.random.default_rng(1).normal(0.0, 0.05, 40)
 QUICK = Settings(starts=1, folds=0)
 THREE = Choice(("c_l1", "c_l2", "c_d"))
 SPREADS = np.array([EVERY[name].spread for name in THREE.free])
-
-Noise = Callable[[np.random.Generator], Floats]
 
 
 def judged(rows: Rows, choice: Choice) -> tuple[Floats, Uncertainty]:
@@ -35,7 +33,9 @@ def judged(rows: Rows, choice: Choice) -> tuple[Floats, Uncertainty]:
     return found.x, uncertainty(rows, choice, found)
 
 
-def coverage(rows: Rows, choice: Choice, noise: Noise, draws: int = DRAWS) -> Floats:
+def coverage(
+    rows: Rows, choice: Choice, noise: Callable[[np.random.Generator], Floats], draws: int = DRAWS
+) -> Floats:
     """Share of draws in which each 95 % interval contains the truth (P,)."""
     rng = np.random.default_rng(3)
     inside = np.zeros(len(choice.free))
@@ -66,11 +66,6 @@ def assert_promised(share: Floats) -> None:
 
 
 @pytest.mark.slow
-def test_a_linear_model_s_intervals_contain_the_truth() -> None:
-    assert_promised(coverage(exact(), THREE, lambda rng: rng.normal(0.0, 0.05, 40)))
-
-
-@pytest.mark.slow
 def test_so_they_do_where_only_few_rows_are_left_over() -> None:
     """Seven rows for three parameters: the quantile is Student's, 2.8, not 1.96."""
     model = linear_model(design(7))
@@ -80,7 +75,6 @@ def test_so_they_do_where_only_few_rows_are_left_over() -> None:
     assert (share >= 0.88).all() and (share <= 0.99).all(), share
 
 
-@pytest.mark.slow
 def test_two_loads_with_different_noise() -> None:
     """c_l1 is seen in the noisy load alone, c_l2 in the quiet one, c_d in both."""
     count = 60
@@ -91,49 +85,32 @@ def test_two_loads_with_different_noise() -> None:
     model = linear_model(columns)
     rows = rows_of(model, true_values(model), load=load)
     deviation = np.where(load == 0, 0.08, 0.02)
-    assert_promised(coverage(rows, THREE, lambda rng: deviation * rng.normal(size=2 * count)))
     _, sure = judged(noisy(rows, deviation * np.random.default_rng(11).normal(size=120)), THREE)
     np.testing.assert_allclose(sure.error, [0.08, 0.02], rtol=0.3)
     width = sure.high - sure.low
     assert width[0] > 3.0 * width[1]
 
 
-GROUPS, MEMBERS = 40, 12
-
-
-def correlated(group: bool) -> tuple[Rows, Noise]:
-    """Rows whose inputs and errors hardly change within a group."""
-    index = np.repeat(np.arange(GROUPS), MEMBERS)
+@pytest.mark.slow
+@pytest.mark.parametrize("grouped", [True, False])
+def test_errors_alike_within_groups_need_the_groups(grouped: bool) -> None:
+    """Inputs and errors of the twelve rows of a group hardly differ."""
+    index = np.repeat(np.arange(40), 12)
     rng = np.random.default_rng(5)
     columns = {
-        name: rng.normal(size=GROUPS)[index] + 0.1 * rng.normal(size=index.size)
-        for name in THREE.free
+        name: rng.normal(size=40)[index] + 0.1 * rng.normal(size=index.size) for name in THREE.free
     }
     model = linear_model(columns)
-    rows = rows_of(model, true_values(model), group=index if group else None)
-    return rows, lambda r: 0.05 * r.normal(size=GROUPS)[index] + 0.01 * r.normal(size=index.size)
+    rows = rows_of(model, true_values(model), group=index if grouped else None)
 
+    def noise(rng: np.random.Generator) -> Floats:
+        return 0.05 * rng.normal(size=40)[index] + 0.01 * rng.normal(size=index.size)
 
-@pytest.mark.slow
-def test_errors_alike_within_groups_need_the_groups() -> None:
-    assert_promised(coverage(*_with_choice(correlated(group=True))))
-    # Twelve times the rows there are: intervals too short by a factor of about 3.4.
-    assert (coverage(*_with_choice(correlated(group=False)), draws=150) < 0.7).all()
-
-
-def _with_choice(made: tuple[Rows, Noise]) -> tuple[Rows, Choice, Noise]:
-    return made[0], THREE, made[1]
-
-
-def test_independent_errors_in_groups_cost_little() -> None:
-    grouped, _ = correlated(group=True)
-    plain = replace(grouped, group=None)
-    noise = np.random.default_rng(2).normal(0.0, 0.05, grouped.measured.size)
-    with_groups = judged(noisy(grouped, noise), THREE)[1]
-    without = judged(noisy(plain, noise), THREE)[1]
-    ratio = (with_groups.high - with_groups.low) / (without.high - without.low)
-    # A variance from 40 groups is known to about 2/sqrt(80).
-    assert (ratio > 0.6).all() and (ratio < 1.6).all()
+    if grouped:
+        assert_promised(coverage(rows, THREE, noise))
+    else:
+        # Twelve times the rows there are: intervals too short by a factor of about 3.4.
+        assert (coverage(rows, THREE, noise, draws=150) < 0.7).all()
 
 
 def test_textbook_covariance_and_correlation() -> None:
@@ -149,55 +126,33 @@ def test_textbook_covariance_and_correlation() -> None:
     np.testing.assert_allclose((sure.high - sure.low) / 2.0, 1.972 * deviation, rtol=1e-3)
     np.testing.assert_allclose((sure.high + sure.low) / 2.0, x)
     assert sure.verdicts == ("identified",) * 3 and sure.identified == (True,) * 3
-
-
-def test_noise_free_rows_err_by_the_floor() -> None:
-    """The loads themselves are computed to no better than that."""
-    _, sure = judged(exact(), THREE)
-    matrix = np.stack([design(40)[name] for name in THREE.free], axis=1)
-    np.testing.assert_allclose(
-        sure.covariance, NOISE_FLOOR**2 * np.linalg.inv(matrix.T @ matrix), rtol=1e-6
-    )
-
-
-def test_singular_values_are_those_of_the_derivatives_per_spread() -> None:
-    _, sure = judged(exact(), THREE)
-    matrix = np.stack([design(40)[name] for name in THREE.free], axis=1)
-    expected = np.linalg.svd(matrix * SPREADS, compute_uv=False)
-    np.testing.assert_allclose(sure.singular_values, expected / expected[0], rtol=1e-9)
+    singular = np.linalg.svd(matrix * SPREADS, compute_uv=False)
+    np.testing.assert_allclose(sure.singular_values, singular / singular[0], rtol=1e-9)
+    # Rows without noise err by the floor: the loads are computed to no better than that.
+    exactly = judged(exact(200), THREE)[1].covariance
+    floor = NOISE_FLOOR**2 * np.linalg.inv(matrix.T @ matrix)
+    np.testing.assert_allclose(exactly, floor, rtol=1e-6)
 
 
 def test_held_by_a_bound() -> None:
     model = linear_model(design(40))
-    rows = noisy(
-        rows_of(model, true_values(model, c_d=-0.5)),
-        np.random.default_rng(1).normal(0.0, 0.05, 40),
-    )
-    x, sure = judged(rows, THREE)
+    x, sure = judged(noisy(rows_of(model, true_values(model, c_d=-0.5)), NOISE), THREE)
     assert x[2] == 0.0
     assert sure.verdicts[2] == "weak: held by its bound 0" and not sure.identified[2]
     # The interval ends at the bound, and the parameter is not taken as known.
     assert sure.low[2] == 0.0 < sure.high[2]
     assert np.all(np.diag(sure.covariance) > 0.0)
     assert sure.identified[:2] == (True, True)
-    high = judged(rows_of(model, true_values(model, c_d=11.0)), THREE)[1]
-    assert high.verdicts[2] == "weak: held by its bound 10"
-
-
-def test_all_held_by_bounds() -> None:
-    choice = Choice(("c_d",))
-    rows = rows_of(linear_model({"c_d": np.ones(10)}), np.full(10, -1.0))
-    _, sure = judged(rows, choice)
-    assert sure.verdicts == ("weak: held by its bound 0",)
-    assert sure.covariance[0, 0] > 0.0 and sure.low[0] == 0.0
+    alone = rows_of(linear_model({"c_d": np.ones(10)}), np.full(10, 11.0))
+    high = judged(alone, Choice(("c_d",), start={"c_d": 5.0}))[1]
+    assert high.verdicts == ("weak: held by its bound 10",) and high.covariance[0, 0] > 0.0
 
 
 def test_a_direction_that_the_data_say_nothing_of() -> None:
     columns = design(40)
     del columns["c_d"]
     model = linear_model(columns)
-    rows = noisy(rows_of(model, true_values(model)), np.random.default_rng(1).normal(0.0, 0.05, 40))
-    _, sure = judged(rows, THREE)
+    _, sure = judged(noisy(rows_of(model, true_values(model)), NOISE), THREE)
     assert sure.verdicts[2] == "weak: held by its start, the data do not determine c_d"
     assert (sure.low[2], sure.high[2]) == (0.0, 10.0)
     assert sure.identified == (True, True, False)
@@ -209,8 +164,7 @@ def test_two_parameters_seen_only_in_their_sum() -> None:
     columns = design(40)
     columns["c_d"] = columns["c_l2"]
     model = linear_model(columns)
-    rows = noisy(rows_of(model, true_values(model)), np.random.default_rng(1).normal(0.0, 0.05, 40))
-    x, sure = judged(rows, THREE)
+    x, sure = judged(noisy(rows_of(model, true_values(model)), NOISE), THREE)
     assert sure.identified == (True, False, False)
     # c_l2 + c_d is about 4 and c_d is above zero, so the bounds say something of both.
     assert all("held by its start, the data allow" in sure.verdicts[k] for k in (1, 2))
@@ -220,7 +174,7 @@ def test_two_parameters_seen_only_in_their_sum() -> None:
 
 
 def test_too_noisy_to_say() -> None:
-    rows = noisy(exact(), np.random.default_rng(1).normal(0.0, 10.0, 40))
+    rows = noisy(exact(), 200.0 * NOISE)
     _, sure = judged(rows, Choice(("c_l1",), {"c_l2": 2.5, "c_d": 1.5}))
     assert sure.verdicts[0].startswith("weak: held by its start, the data allow 0.5 to ")
     assert "propellers differ by about 1" in sure.verdicts[0]
@@ -254,10 +208,33 @@ def test_a_prior_holds_what_the_data_say_nothing_of() -> None:
     columns = design(40)
     del columns["c_d"]
     model = linear_model(columns)
-    noise = np.random.default_rng(1).normal(0.0, 0.05, 40)
     choice = Choice(THREE.free, priors={"c_d": Prior(2.0, 0.3)})
-    found = fit(noisy(rows_of(model, true_values(model)), noise), choice, QUICK)
+    found = fit(noisy(rows_of(model, true_values(model)), NOISE), choice, QUICK)
     assert found.x[2] == pytest.approx(2.0, abs=1e-6)
     assert found.uncertainty.verdicts[2] == "weak: held by its prior"
     assert found.uncertainty.covariance[2, 2] == pytest.approx(0.3**2, rel=1e-6)
     assert found.uncertainty.identified == (True, True, False)
+
+
+def test_intervals_within_bounds_have_closed_forms() -> None:
+    """x + y = 3 +- 0.2 (95 %), 0 <= y <= 1.5: x from 1.5 - 0.2 to 3 + 0.2."""
+    root = np.array([[9.8, 9.8]])
+    low, high = bounded_intervals(
+        np.array([3.0, 0.0]), root, np.array([-100.0, 0.0]), np.array([100.0, 1.5]), 1.96
+    )
+    assert (low[0], high[0]) == pytest.approx((1.3, 3.2))
+    assert (low[1], high[1]) == (0.0, 1.5)
+    # Within a bound the cost above the least value there counts, not above the free minimum.
+    low, high = bounded_intervals(np.array([-1.0]), np.eye(1), np.zeros(1), np.array([9.0]), 2.0)
+    assert low[0] == 0.0
+    assert high[0] == pytest.approx(np.sqrt(5.0) - 1.0)
+    # Far from bounds they are the usual ones; a bound of one narrows a correlated other.
+    center, covariance = np.array([1.0, 2.0]), np.array([[0.04, 0.03], [0.03, 0.09]])
+    root, far = np.linalg.cholesky(np.linalg.inv(covariance)).T, np.full(2, 100.0)
+    wide = bounded_intervals(center, root, -far, far, 1.96)
+    half = 1.96 * np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose(wide, [center - half, center + half], rtol=1e-9)
+    low, high = bounded_intervals(center, root, -far, np.array([100.0, 2.1]), 1.96)
+    assert high[0] < wide[1][0] - 0.02
+    assert low[0] == pytest.approx(wide[0][0])
+    assert high[1] == 2.1

@@ -34,10 +34,10 @@ KINDS = {"speeds": "", "throttle": f",{','.join(CURVE)}"}
 """What a log has, and what is free besides."""
 
 
-def flown(seed: int) -> tuple[FlightLog, Commands]:
-    """A log with noise, and the commands to its motors."""
+def flown(seed: int, dwell: float = 5.0) -> tuple[FlightLog, Commands]:
+    """A log with noise, and the commands to its motors; ``dwell`` seconds at each speed."""
     points = trim(VEHICLE, LAW, SPEEDS, radius=12.0, tether=False)
-    smooth = fly(points, dwell=5.0, rate=RATE, noise=SensorNoise(rotor_speed=0.0), seed=seed)
+    smooth = fly(points, dwell=dwell, rate=RATE, noise=SensorNoise(rotor_speed=0.0), seed=seed)
     rng = np.random.default_rng(seed)
     noisy = 1.0 + SensorNoise().rotor_speed * rng.standard_normal(smooth.rotor_speed.shape)
     return replace(smooth, rotor_speed=smooth.rotor_speed * noisy), commands(smooth, 0.01)
@@ -54,7 +54,7 @@ def write(log: FlightLog, driven: Commands | None, path: Path) -> None:
     path.write_text("\n".join(",".join(row) for row in lines) + "\n")
 
 
-def fit_both(folder: Path) -> None:
+def fit_both(folder: Path, dwell: float = 5.0, samples: int = 150, folds: int = 3) -> None:
     """Write vehicle files and two flights with columns of each kind, and fit the first flight."""
     table = log_table(4)
     named, _, speeds = table.partition("rotor_speed")
@@ -64,15 +64,15 @@ def fit_both(folder: Path) -> None:
     for kind, text in texts.items():
         (folder / f"{kind}.toml").write_text(vehicle_text(text))
     for seed, name in ((1, "seen"), (2, "unseen")):
-        log, motors = flown(seed)
+        log, motors = flown(seed, dwell)
         write(log, None, folder / f"{name}_speeds.csv")
         write(log, motors, folder / f"{name}_throttle.csv")
     for kind, more in KINDS.items():
         log_file, vehicle = str(folder / f"seen_{kind}.csv"), str(folder / f"{kind}.toml")
         way = ["--vehicle", vehicle, "--method", "balance", "--prior-from", "population"]
-        few = ["--free", FREE + more, "--starts", "1", "--folds", "3", "--samples", "150"]
+        few = ["--starts", "1", "--folds", str(folds), "--samples", str(samples)]
         fit = str(folder / f"{kind}_fit.toml")
-        assert main(["fit", "flight", log_file, *way, *few, "-o", fit]) == 0
+        assert main(["fit", "flight", log_file, *way, "--free", FREE + more, *few, "-o", fit]) == 0
 
 
 @dataclass(frozen=True, eq=False)

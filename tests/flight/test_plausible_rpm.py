@@ -26,18 +26,12 @@ def rotor() -> Rotor:
     return Rotor(Model(VEHICLE.propeller, parameter_set("paper-apc"), VEHICLE.air))
 
 
-def test_a_plausible_log_gives_no_warning(rotor: Rotor) -> None:
-    assert check_rotor_speed(LOG, rotor, VEHICLE, "rad/s") == []
-    assert check_rotor_speed(LOG, rotor, VEHICLE) == []
-
-
 @pytest.mark.parametrize(
     ("factor", "unit", "parts"),
     [
         (1.0 / RPM, "rad/s", ["rpm read as rad/s", 'write rotor_unit = "rpm"']),
         (1.0 / RPM, None, ["rpm read as rad/s", 'rotor_unit = "rpm", or "erpm" and pole_pairs']),
         (RPM, "rpm", ["rad/s read as rpm", 'write rotor_unit = "rad/s"']),
-        (7.0, "rpm", ["electrical rpm", 'write rotor_unit = "erpm" and pole_pairs (']),
         (12.0, "rpm", ["electrical rpm", "pole_pairs"]),
         (7.0 / RPM, "rad/s", ["electrical rpm", 'write rotor_unit = "erpm" and pole_pairs (']),
         (7.0, "erpm", ["pole_pairs looks too small", "correct pole_pairs"]),
@@ -56,20 +50,13 @@ def test_a_wrong_unit_is_an_error(
         assert part in message
 
 
-def test_a_doubtful_log_is_a_warning(rotor: Rotor) -> None:
-    (warning,) = check_rotor_speed(LOG, rotor, replace(VEHICLE, mass=2.5))
-    assert "times the weight" in warning and "check mass, propeller" in warning
-
-
 @pytest.mark.parametrize(
     ("values", "unit", "mass", "parts"),
     [
         # Hover takes about 10800 rpm, 1130 rad/s.
         ((1650.0, 1750.0), "rpm", 0.772, ["they look like PWM in us; log measured speeds"]),
-        ((1420.0, 1580.0), "rad/s", 0.15, ["they look like PWM in us", "PWM is a command"]),
         ((1050.0, 1150.0), "rpm", 0.772, ["like rad/s read as rpm, or like PWM in us"]),
         ((0.45, 0.55), "rpm", 0.772, ["no common error of units", "throttle are commands"]),
-        ((230.0, 250.0), "rad/s", 0.772, ["no common error of units", "check mass and prop"]),
     ],
 )
 def test_commands_are_an_error(
@@ -86,19 +73,6 @@ def test_commands_are_an_error(
         assert part in str(caught.value)
 
 
-def test_a_mass_in_grams_is_an_error(rotor: Rotor) -> None:
-    heavy = replace(VEHICLE, mass=1000.0 * VEHICLE.mass)
-    with pytest.raises(InputError, match=r"kg looks like grams; write kilograms"):
-        check_rotor_speed(LOG, rotor, heavy, "rad/s")
-
-
-def test_a_rotor_that_stands_still_is_an_error(rotor: Rotor) -> None:
-    speeds = LOG.rotor_speed.copy()
-    speeds[:, 2] = 0.0
-    with pytest.raises(InputError, match=r"rotor 3 stands still.*rotor_order"):
-        check_rotor_speed(replace(LOG, rotor_speed=speeds), rotor, VEHICLE)
-
-
 def test_without_slow_flight_the_slowest_samples_serve(rotor: Rotor) -> None:
     fast = LOG.picked(LOG.speed > 5.0)
     assert check_rotor_speed(fast, rotor, VEHICLE, "rad/s") == []
@@ -109,13 +83,19 @@ def test_without_slow_flight_the_slowest_samples_serve(rotor: Rotor) -> None:
         check_rotor_speed(wrong, rotor, VEHICLE, "rad/s")
 
 
-def test_time_on_the_ground_does_not_count(rotor: Rotor) -> None:
+def test_wrong_masses_axes_and_rotors_at_rest(rotor: Rotor) -> None:
+    assert check_rotor_speed(LOG, rotor, VEHICLE) == []
+    (warning,) = check_rotor_speed(LOG, rotor, replace(VEHICLE, mass=2.5))
+    assert "times the weight" in warning and "check mass, propeller" in warning
     speeds = LOG.rotor_speed.copy()
-    speeds[LOG.time < 3.0] = 100.0
+    speeds[LOG.time < 3.0] = 100.0  # time on the ground does not count
     assert check_rotor_speed(replace(LOG, rotor_speed=speeds), rotor, VEHICLE, "rad/s") == []
-
-
-def test_rotors_that_push_down_are_an_error(rotor: Rotor) -> None:
-    mounts = tuple(replace(mount, axis=(0.0, 0.0, -1.0)) for mount in VEHICLE.mounts)
-    with pytest.raises(InputError, match="check body_frame, world_frame and the axes"):
-        check_rotor_speed(LOG, rotor, replace(VEHICLE, mounts=mounts))
+    speeds[:, 2] = 0.0
+    down = tuple(replace(mount, axis=(0.0, 0.0, -1.0)) for mount in VEHICLE.mounts)
+    for log, vehicle, told in (
+        (LOG, replace(VEHICLE, mass=1000.0 * VEHICLE.mass), "kg looks like grams; write kilograms"),
+        (replace(LOG, rotor_speed=speeds), VEHICLE, r"rotor 3 stands still.*rotor_order"),
+        (LOG, replace(VEHICLE, mounts=down), "check body_frame, world_frame and the axes"),
+    ):
+        with pytest.raises(InputError, match=told):
+            check_rotor_speed(log, rotor, vehicle)

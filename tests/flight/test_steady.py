@@ -1,18 +1,26 @@
-"""Steady segments: what counts, what does not, and what is said where there is none."""
+"""Steady segments of logs, and tables of operating points."""
 
 from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from propmap.errors import InputError
-from propmap.flight.steady import airborne, operating_points, steady_segments
+from propmap.flight.steady import (
+    airborne,
+    operating_points,
+    read_level_table,
+    steady_segments,
+)
+from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog
 
-from .synthetic import CHANGE, HOLD, SPEEDS, flight
+from .synthetic import CHANGE, HOLD, NEUROBEM, SPEEDS, flight
 
 LOG = flight()
 
@@ -40,21 +48,14 @@ def test_each_speed_is_a_segment_and_the_changes_are_not() -> None:
         time = LOG.time[segment]
         assert time[0] <= begin + 0.5 and time[-1] >= begin + HOLD - 0.5
         assert np.ptp(LOG.speed[segment]) < 0.7
-
-
-def test_segments_do_not_overlap_and_last_long_enough() -> None:
-    for seconds in (0.5, 1.0, 3.0):
-        segments = steady_segments(LOG, seconds=seconds)
-        for segment in segments:
-            assert np.ptp(LOG.time[segment]) >= seconds - 1e-6
-        for first, second in itertools.pairwise(segments):
-            assert first.stop <= second.start
-
-
-def test_noise_does_not_end_a_segment() -> None:
+    short = steady_segments(LOG, seconds=0.5)
+    assert all(np.ptp(LOG.time[segment]) >= 0.5 - 1e-6 for segment in short)
+    assert all(first.stop <= second.start for first, second in itertools.pairwise(short))
     log = cruise()
     noise = np.random.default_rng(1).normal(0.0, 0.1, log.rates.shape)
     assert steady_segments(replace(log, rates=noise)) == [slice(0, len(log))]
+    with pytest.raises(InputError, match="speed_band is 0"):
+        steady_segments(LOG, speed_band=0.0)
 
 
 @pytest.mark.parametrize(
@@ -105,11 +106,6 @@ def test_the_ground_is_not_hover() -> None:
         steady_segments(still)
 
 
-def test_a_band_must_be_positive() -> None:
-    with pytest.raises(InputError, match="speed_band is 0"):
-        steady_segments(LOG, speed_band=0.0)
-
-
 def test_operating_points_are_averages() -> None:
     log = cruise()
     rotor_speed = log.rotor_speed + np.where(np.arange(len(log)) % 2, 3.0, -3.0)[:, None]
@@ -120,3 +116,68 @@ def test_operating_points_are_averages() -> None:
     np.testing.assert_allclose(points.rotor_speed, 1100.0)
     np.testing.assert_allclose(points.time, [0.995, 4.995])
     np.testing.assert_allclose(points.velocity, [[6.0, 0.0, 0.0]] * 2)
+
+
+HEADER = "speed_mps,pitch_deg,rpm_1,rpm_2,rpm_3,rpm_4"
+GOOD = f"{HEADER}\n0,0,9000,9100,9200,9300\n5,10,9500,9500,9500,9500\n"
+
+
+def read(text: str, folder: Path) -> FlightLog:
+    (folder / "points.csv").write_text(text, encoding="utf-8")
+    return read_level_table(folder / "points.csv", read_vehicle(NEUROBEM).vehicle)
+
+
+def test_leaning_into_the_flight_direction(tmp_path: Path) -> None:
+    points = read(GOOD, tmp_path)
+    np.testing.assert_array_equal(points.time, [0.0, 1.0])
+    np.testing.assert_allclose(points.up[0], [0, 0, 1])
+    s, c = np.sin(np.radians(10.0)), np.cos(np.radians(10.0))
+    # Nose down, the vertical is towards the tail, and the air comes from above.
+    np.testing.assert_allclose(points.up[1], [-s, 0, c])
+    np.testing.assert_allclose(points.velocity[1], [5 * c, 0, 5 * s])
+    np.testing.assert_allclose(
+        points.rotor_speed[0], np.array([9000, 9100, 9200, 9300]) * np.pi / 30
+    )
+    np.testing.assert_array_equal(points.rates, 0.0)
+    assert np.isnan(points.specific_force).all()
+
+
+def test_bank_climb_and_turn(tmp_path: Path) -> None:
+    text = "roll_deg,note,climb_mps,yaw_rate_dps," + GOOD.replace("\n0", "\n20,a,0,0,0").replace(
+        "\n5", "\n-20,b,1.5,30,5"
+    )
+    points = read(text, tmp_path)
+    # Right side down, the vertical is towards the left.
+    s, c = np.sin(np.radians(20.0)), np.cos(np.radians(20.0))
+    np.testing.assert_allclose(points.up[0], [0, s, c])
+    to_world = Rotation.from_euler("YX", [10.0, -20.0], degrees=True)
+    np.testing.assert_allclose(to_world.apply(points.velocity[1]), [5, 0, 1.5], atol=1e-12)
+    np.testing.assert_allclose(to_world.apply(points.up[1]), [0, 0, 1], atol=1e-12)
+    np.testing.assert_allclose(to_world.apply(points.rates[1]), [0, 0, np.radians(30)], atol=1e-12)
+    np.testing.assert_allclose(points.climb_rate, [0, 1.5], atol=1e-12)
+
+
+CASES = {
+    "no speed": (GOOD.replace("speed_mps", "speed"), "line 1: column speed_mps is missing"),
+    "three rotors": (GOOD.replace(",rpm_4", ",x"), "3 columns rpm_1, rpm_2 ..., the vehicle has 4"),
+    "five rotors": (GOOD.replace("rpm_4", "rpm_4,rpm_5"), "5 columns", "name rpm_1, rpm_2, rpm_3"),
+    "twice": (GOOD.replace("rpm_4", "rpm_4,pitch_deg"), "column pitch_deg occurs twice"),
+    "text": (GOOD.replace("9200", "fast"), "line 2, column rpm_3", "'fast'", "finite number"),
+    "short row": (GOOD.replace(",9500\n", "\n"), "line 3, column rpm_4", "is nothing"),
+    "negative rpm": (GOOD.replace("9200", "-9200"), "line 2, column rpm_3", "give 0 or more"),
+    "steep": (GOOD.replace(",10,", ",100,"), "line 3, column pitch_deg", "0 in hover"),
+    "header only": (HEADER, "add a row per point"),
+    "empty": ("", "the file is empty", "table of operating points"),
+    "quote": (GOOD.replace("9200", '"9200'), "save the file as plain CSV"),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_bad_tables(name: str, tmp_path: Path) -> None:
+    text, *parts = CASES[name]
+    with pytest.raises(InputError) as caught:
+        read(text, tmp_path)
+    message = str(caught.value)
+    assert message.isprintable()
+    for part in ["points.csv", *parts]:
+        assert part in message
