@@ -26,7 +26,7 @@ def test_import_brings_numpy_alone() -> None:
 def test_loads_take_neither_jax_nor_scipy_nor_matplotlib() -> None:
     loaded = _modules_after(
         "import propmap\n"
-        "propmap.Rotor(propmap.known_model('APC 8x6E')).loads(600.0, 5.0, [0.1, 0.2])"
+        "propmap.Rotor(propmap.catalogue_model('APC 8x6E')).loads(600.0, 5.0, [0.1, 0.2])"
     )
     assert not loaded & {*HEAVY, "typer", "rich", "concurrent.futures", "importlib.resources"}
 

@@ -42,13 +42,6 @@ def test_time_lies_between_its_bounds(workers: int) -> None:
     assert ideal < wall < ideal + max(tasks) + 50 * 0.003
 
 
-def test_efficiency_falls_with_workers_and_rises_with_tasks() -> None:
-    costs = Costs(dispatch=0.004, gap=0.002)
-    shares = [efficiency(2.0, n, costs) for n in (1, 10, 100, 1000)]
-    assert shares == sorted(shares, reverse=True)
-    assert efficiency(20.0, 1000, costs) > 2.0 * shares[-1]
-
-
 @pytest.mark.parametrize(("work", "workers"), [(400.0, 7), (40_000.0, 100), (40_000.0, 3000)])
 def test_the_time_of_a_large_job_is_what_the_simulation_finds(work: float, workers: int) -> None:
     costs = Costs(dispatch=0.01, gap=0.002)

@@ -35,24 +35,20 @@ def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def be_brief(patch: pytest.MonkeyPatch) -> None:
+@contextlib.contextmanager
+def brief_commands() -> Iterator[None]:
     """For what is about commands and not about numbers: fits end after few steps, and none looks
     for what it leaves out, see ``propmap.fit.comparison``."""
-    patch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", 8)
-    patch.setattr("propmap.fit.comparison.POOR", np.inf)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", 8)
+        patch.setattr("propmap.fit.comparison.POOR", np.inf)
+        yield
 
 
 @pytest.fixture
-def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+def brief() -> Iterator[None]:
     """Commands are brief: for all but their numbers."""
-    be_brief(monkeypatch)
-
-
-@contextlib.contextmanager
-def brief_commands() -> Iterator[None]:
-    """Brief commands for what tests share."""
-    with pytest.MonkeyPatch.context() as patch:
-        be_brief(patch)
+    with brief_commands():
         yield
 
 
@@ -107,22 +103,6 @@ def rotor() -> propmap.Rotor:
         propmap.Model(
             propmap.propeller("apc-8x6e"),
             propmap.airfoil("paper-apc"),
-            corrections=propmap.corrections_of("recommended"),
+            corrections=propmap.model_corrections("recommended"),
         )
     )
-
-
-@pytest.fixture
-def points_csv(tmp_path: Path) -> Path:
-    path = tmp_path / "points.csv"
-    path.write_text(
-        "beta_deg,note,rpm,speed_mps\n80,first,4000,14\n85.5,second,4100.25,14.5\n90,,4000,16\n"
-    )
-    return path
-
-
-POINTS = (
-    np.array([4000.0, 4100.25, 4000.0]),
-    np.array([14.0, 14.5, 16.0]),
-    np.array([80.0, 85.5, 90.0]),
-)

@@ -1,17 +1,28 @@
-"""`propmap trim` and `propmap choose`: tables, files, pictures, and one-line errors."""
+"""`propmap trim` and `propmap choose`: output, files, pictures, assumptions, one-line errors."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray
 
-from .conftest import Run
+from propmap.aircraft.assumptions import assumption_lines, assumptions
+from propmap.loads import LOADS
+from propmap.table import LoadTable
+from propmap.units import GRAVITY
+from propmap.vehicle.files import read_vehicle
 
+from .conftest import Run
+from .invented_tables import invented
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+CORNERS = ((0.16, 0.16), (-0.16, 0.16), (-0.16, -0.16), (0.16, -0.16))
 BARE = """schema = 1
 name = "test quad"
 frame = "flu"
@@ -19,12 +30,7 @@ mass = 1.2
 propeller = "apc-8x6e"
 """ + "".join(
     f'[[rotors]]\nposition = [{x}, {y}, 0.0]\nspin = "{spin}"\n'
-    for x, y, spin in (
-        (0.16, 0.16, "cw"),
-        (-0.16, 0.16, "ccw"),
-        (-0.16, -0.16, "cw"),
-        (0.16, -0.16, "ccw"),
-    )
+    for (x, y), spin in zip(CORNERS, ("cw", "ccw", "cw", "ccw"), strict=True)
 )
 POWERED = (
     BARE
@@ -51,24 +57,21 @@ TRIM = ["trim", "quad.toml", "--airfoil", "apc-8x6e-2019"]
 def _vehicle(_workplace: None) -> None:
     Path("quad.toml").write_text(POWERED)
     Path("bare.toml").write_text(BARE)
-    Path("words.csv").write_text("speed_mps,climb_mps,duration_s\nfast,0,10\n")
     Path("legs.csv").write_text("speed_mps,climb_mps,duration_s\n0,2,20\n10,0,120\n")
 
 
-@pytest.mark.usefixtures("brief")
 def test_wakes_count_unless_they_are_left_out(run: Run) -> None:
     Path("wakes.toml").write_text(POWERED + "[wakes]\nahead = 2.0\ndownwash = 0.5\n")
     told = {}
     for name, more in (("quad", ()), ("wakes", ()), ("wakes", ("--no-wakes",))):
         done = run("trim", f"{name}.toml", *TRIM[2:], *QUIET, *more, "--format", "json")
         assert done.code == 0, done.err
-        told[name, len(more)] = json.loads(done.out)["states"][0]
-    plain, on, off = told.values()
+        told[name, len(more)] = json.loads(done.out)
+    plain, on, off = (each["states"][0] for each in told.values())
     assert off == plain
+    assert "in each other's wakes" in told["wakes", 0]["assumptions"]["wakes"]
     front, rear = (on[f"rpm_{k}"] - plain[f"rpm_{k}"] for k in (1, 2))
     assert front < -10.0 and rear > 10.0
-    shown = run("trim", "wakes.toml", *TRIM[2:], *QUIET)
-    assert "in each other's wakes" in shown.out
     refused = run("export", "wakes.toml", "--airfoil", "apc-8x6e-2019", "--to", "px4", "-o", "out")
     assert refused.code == 2 and refused.err.count("\n") == 1
     assert "[wakes] is given" in refused.err and "--no-wakes" in refused.err
@@ -82,35 +85,26 @@ def test_a_power_curve(run: Run) -> None:
     assert done.code == 0
     for text in ("hover: ", "least power", "best range", "top speed", "limited by", "throttle"):
         assert text in done.out
+    assert "without body drag" not in done.out
     assert Path("power.png").read_bytes()[:4] == b"\x89PNG"
-    as_json = run(*TRIM, "--speed", "0,8,16", "--format", "json")
-    told = json.loads(as_json.out)
+    told = json.loads(run(*TRIM, "--speed", "0,8,16", "--format", "json").out)
     assert [row["speed_mps"] for row in told["states"]] == [0.0, 8.0, 16.0]
-    assert told["performance"]["hover"]["power"] == pytest.approx(
-        told["states"][0]["electrical_power_W"]
-    )
+    hover = pytest.approx(told["states"][0]["electrical_power_W"])
+    assert told["performance"]["hover"]["power"] == hover
     run(*TRIM, "--speed", "0,8,16", "--climb=0,2", "-o", "map.nc")
     with xarray.open_dataset("map.nc", engine="h5netcdf") as found:
         assert found.electrical_power_W.shape == (2, 3) and found.rpm.dims[-1] == "rotor"
-        assert found.electrical_power_W[0, 0].item() == pytest.approx(
-            told["states"][0]["electrical_power_W"]
-        )
+        assert found.electrical_power_W[0, 0].item() == hover
         assert (found.shaft_power_W[1] > found.shaft_power_W[0]).all()
-
-
-@pytest.mark.slow
-def test_what_is_missing_is_said(run: Run) -> None:
-    done = run("trim", "bare.toml", "--airfoil", "apc-8x6e-2019", "--speed", "5", "--format", "csv")
-    assert "shaft power (no [motor])" in done.err
-    (row,) = csv.DictReader(io.StringIO(done.out))
-    assert float(row["shaft_power_W"]) > 50.0 and row["electrical_power_W"] == ""
 
 
 @pytest.mark.slow
 def test_a_mission_and_a_turn(run: Run) -> None:
     done = run(*TRIM, "--mission", "legs.csv")
     assert done.code == 0 and "Wh in" in done.out and "legs.csv" in done.out
+    assert "body drag area 0.015 m^2 along x" in done.out
     told = json.loads(run(*TRIM, "--mission", "legs.csv", "--format", "json").out)
+    assert told["assumptions"]["power"] == "electrical power"
     course = told["over_time"]
     assert course["time_s"][0] == 0.0 and course["time_s"][-1] == 140.0
     assert course["charge"][0] == 1.0 and course["charge"] == sorted(course["charge"])[::-1]
@@ -134,72 +128,91 @@ def test_choosing(run: Run) -> None:
     rows = list(csv.DictReader(io.StringIO(listed.out)))
     assert rows and all(float(row["energy_J"]) > 0.0 for row in rows)
     assert float(rows[1]["probability_first_beats"]) >= 0.5
+    assert "each propeller as named; air" in listed.err
     longest = run(*chosen[:2], *chosen[4:], "--task", "hover", "--by", "time", "--format", "json")
-    rows = json.loads(longest.out)["propellers"]
+    told = json.loads(longest.out)
+    assert told["assumptions"]["constants"] == "different for each propeller"
+    rows = told["propellers"]
     times = [row["time_s"] for row in rows]
     assert times == sorted(times, reverse=True)
     assert [row["hover_time_s"] for row in rows] == times
     assert all(row["cruise_power_W"] is None for row in rows)
 
 
-BAD = {
-    "no vehicle": (["trim", "none.toml"], "none.toml"),
-    "no loads with a table": ([*TRIM, "--table", "x.npz"], "leave these out"),
-    "a negative speed": ([*TRIM, "--speed=-1"], "speed is negative"),
-    "speeds that fall": ([*TRIM, "--speed", "5,3"], "do not increase"),
-    "a climb in words": ([*TRIM, "--climb", "fast"], "cannot be read"),
-    "max rpm of 0": ([*TRIM, "--max-rpm", "0"], "above 0"),
-    "wind that is no number": ([*TRIM, "--speed", "0,5", "--wind", "nan"], "headwind"),
-    "charge in percent": ([*TRIM, "--charge", "80"], "1 for a full battery"),
-    "a mission of words": ([*TRIM, "--mission", "words.csv"], "line 2"),
-    "a mission and a climb": ([*TRIM, "--mission", "legs.csv", "--climb", "2"], "legs define"),
-    "no such picture": ([*TRIM, "--picture", "p.bmp"], "extension"),
-    "NetCDF and JSON": ([*TRIM, "-o", "x.nc", "--format", "json"], "NetCDF"),
-    "a bank too steep": ([*TRIM, "--speed", "5", "--bank", "89"], "80 degrees"),
-    "a diameter in words": (
-        ["choose", "quad.toml", "--speed", "9", "--diameter", "big"],
-        "in inches",
-    ),
-    "a diameter that falls": (
-        ["choose", "quad.toml", "--speed", "9", "--diameter", "10:9"],
-        "in inches",
-    ),
-    "no such diameter": (
-        ["choose", "quad.toml", "--speed", "9", "--diameter", "40:50"],
-        "no propeller of the catalogue",
-    ),
-    "no speed": (["choose", "quad.toml", "--speed", "0"], "above 0"),
-    "a cruise without speed": (["choose", "quad.toml"], "cruise has no speed"),
-    "another task": (["choose", "quad.toml", "--task", "loiter"], "choose from hover"),
-    "no such mission": (["choose", "quad.toml", "--task", "none.csv"], "none.csv"),
-    "a mission of words to choose by": (
-        ["choose", "quad.toml", "--task", "words.csv"],
-        "line 2",
-    ),
-    "a hover by range": (
-        ["choose", "quad.toml", "--task", "hover", "--by", "range"],
-        "not ranked by range",
-    ),
-    "a time without a battery": (
-        ["choose", "bare.toml", "--task", "hover", "--by", "time"],
-        "no [battery]",
-    ),
-    "no margin": (
-        ["choose", "quad.toml", "--speed", "9", "--thrust-margin", "0.5"],
-        "less thrust than weight",
-    ),
-    "a law for nothing": (
-        ["choose", "quad.toml", "--speed", "9", "--airfoil", "paper-apc"],
-        "without --propeller",
-    ),
-}
+COAXIAL = BARE + "".join(
+    f'[[rotors]]\nposition = [{x}, {y}, -0.08]\nspin = "{spin}"\n'
+    for (x, y), spin in zip(CORNERS, ("ccw", "cw", "ccw", "cw"), strict=True)
+)
 
 
-@pytest.mark.usefixtures("brief")
-@pytest.mark.parametrize("case", BAD)
-def test_errors_are_one_line(case: str, run: Run) -> None:
-    arguments, told = BAD[case]
-    done = run(*arguments)
-    lines = [line for line in done.err.splitlines() if "error" in line]
-    assert done.code == 2 and len(lines) == 1 and told in lines[0]
-    assert "Traceback" not in done.err
+MOUNTED = POWERED.replace("[esc]\nefficiency = 0.95\n", "") + "[mount]\narea = 0.0008\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (COAXIAL, ("no body drag", "shaft power (no [motor])", "8 rotors above each other: lower")),
+        (MOUNTED, ("lossless speed controllers", "drag of [mount]", "air 1.225 kg/m^3; con")),
+    ],
+    ids=["coaxial", "mounted"],
+)
+def test_assumptions_of_an_aircraft(text: str, words: tuple[str, ...]) -> None:
+    Path("x.toml").write_text(text)
+    lines = assumption_lines(assumptions(read_vehicle("x.toml").vehicle, None))
+    assert all(any(word in line for line in lines) for word in words), lines
+
+
+def test_every_output_lists_the_assumptions(run: Run) -> None:
+    run(*TRIM, *QUIET, "-o", "x.txt")
+    notes, shown = run(*TRIM, *QUIET, "--format", "csv").err, Path("x.txt").read_text()
+    for word in ("body drag area 0.015 m^2 along x", "bare rotors", "constants: apc-8x6e-2019"):
+        assert word in notes and word in shown
+    told = json.loads(run(*TRIM, *QUIET, "--format", "json").out)["assumptions"]
+    assert told["body_drag"] == "body drag area 0.015 m^2 along x, 0.03 m^2 along z"
+    run(*TRIM, *QUIET, "-o", "x.nc")
+    with xarray.open_dataset("x.nc", engine="h5netcdf") as found:
+        assert all(found.attrs[f"assumed_{name}"] == text for name, text in told.items())
+
+
+def test_without_a_body_and_a_motor(run: Run) -> None:
+    """All figures that depend on body drag say that there is none; power is that of the shafts."""
+    shown = run("trim", "bare.toml", *TRIM[2:], "--speed", "0:16:3", "--no-bands").out
+    figures = {line.partition(":")[0]: line for line in shown.splitlines() if ": " in line}
+    for name in ("least power, longest time", "best range", "top speed"):
+        assert "without body drag" in figures[name]
+    assert "without body drag" not in figures["hover"]
+    done = run("trim", "bare.toml", *TRIM[2:], *QUIET, "--format", "csv")
+    assert "shaft power (no [motor])" in done.err
+    (row,) = csv.DictReader(io.StringIO(done.out))
+    assert float(row["shaft_power_W"]) > 50.0 and row["electrical_power_W"] == ""
+
+
+def test_a_table_need_not_have_the_speed_that_is_tried_first(run: Run) -> None:
+    """Rotors are tried at a tip speed of 60 m/s first, 5639 rpm; the table begins above."""
+    quadrotor, content = EXAMPLES / "quadrotor.toml", invented().content
+    vehicle = read_vehicle(quadrotor).vehicle
+    blade, air = vehicle.propeller, vehicle.air
+    rising = np.isin(list(LOADS), ["thrust", "torque"])
+    described = {"name": blade.name, "radius_m": blade.radius}
+    described["geometry_sha256"] = blade.fingerprint()
+    medium = {"density_kg_m3": air.density, "viscosity_Pa_s": air.viscosity}
+    content = replace(
+        content,
+        coefficients=content.coefficients * rising[:, None, None],
+        info={"propeller": described, "air": medium},
+    )
+    at_rest = content.coefficients[0, list(LOADS).index("thrust"), 0, 0]
+    per_square = at_rest * air.density * np.pi * blade.radius**4
+    hover = np.sqrt(vehicle.mass * GRAVITY / 4.0 / per_square) * 30.0 / np.pi
+    assert 6000.0 < hover < 7000.0
+    for rpm, speed, code in (((6000.0, 8000.0), (0.0, 8.0), 0), ((5000.0, 7000.0), (3.0, 6.0), 2)):
+        omega = np.array(rpm) * np.pi / 30.0
+        LoadTable(replace(content, omega=omega, speed=np.array(speed))).save("map.npz")
+        done = run("trim", quadrotor, "--table", "map.npz", "--speed", "0:4:2", "--format", "csv")
+        assert done.code == code, done.err
+        if code:
+            assert "the rotors have no loads (outside); give loads that cover hover" in done.err
+        else:
+            still = next(csv.DictReader(io.StringIO(done.out)))
+            assert float(still["rpm_1"]) == pytest.approx(hover, rel=1e-4)
+        Path("map.npz").unlink()

@@ -1,4 +1,4 @@
-"""`propmap fit tunnel` and `propmap check`: files in, a fit file and its errors out."""
+"""`propmap fit tunnel`, `fit static` and `check`: files in, a fit file and its errors out."""
 
 from __future__ import annotations
 
@@ -6,15 +6,21 @@ import csv
 import hashlib
 import io
 import json
+import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import propmap
+from propmap.catalogue.identified import PARAMETERS
+from propmap.cli.fit import FitChoice, section_prior
 from propmap.fit.comparison import INSIDE, OUTSIDE
 from propmap.fit.files import read_fit
-from propmap.model.airfoil import parameter_set
+from propmap.fit.least_squares import FINAL_EVALUATIONS
+from propmap.fit.parameters import Choice
+from propmap.model.airfoil import Airfoil, parameter_set
 
 from .conftest import Run
 from .fit_inputs import (
@@ -22,6 +28,7 @@ from .fit_inputs import (
     FREE,
     ONE_SPEED,
     QUICK,
+    STAND,
     UIUC,
     fit_record,
     fitted,
@@ -30,6 +37,7 @@ from .fit_inputs import (
 )
 
 pytestmark = pytest.mark.usefixtures("brief")
+WHOLE = FINAL_EVALUATIONS  # of a fit that is not brief
 
 
 def test_the_file_carries_what_repeats_the_fit(tunnel_fit: Path, tunnel_csv: Path) -> None:
@@ -55,22 +63,9 @@ def test_the_file_carries_what_repeats_the_fit(tunnel_fit: Path, tunnel_csv: Pat
     assert found["residuals"]["thrust"]["rows"] == 14
     assert "by_speed" in found["residuals"]["torque"]
     assert len(found["starts"]) == 1 and found["starts"][0]["minimum"] == 1
-
-
-def test_the_file_is_a_parameter_set(run: Run, tunnel_fit: Path) -> None:
     law = parameter_set(tunnel_fit)
-    found = fit_record(tunnel_fit)["parameters"]
-    assert law.c_l1 == found["c_l1"]["value"]
-    assert law.zero_lift_angle == found["zero_lift_angle"]["value"]
     assert law.name == "tunnel_fit"
-    done = run(
-        "predict", "apc-8x6e", "--airfoil", tunnel_fit,
-        "--rpm", "5000", "--speed", "0", "--beta", "0", "--format", "json",
-    )  # fmt: skip
-    assert (done.code, done.err) == (0, "")
-    rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), law))
-    expected = rotor.loads(5000.0 * np.pi / 30.0, 0.0, 0.0)
-    assert json.loads(done.out)["thrust_N"] == pytest.approx(float(expected.thrust))
+    assert all(getattr(law, name) == found["parameters"][name]["value"] for name in FREE)
 
 
 def test_uiuc_files_are_the_same_rows(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
@@ -96,53 +91,38 @@ def test_by_name_of_the_catalogue(run: Run) -> None:
         assert text in out
 
 
-def test_priors_fixed_values_and_bootstrap(run: Run, tunnel_csv: Path) -> None:
-    found, out = fitted(
-        run, "tunnel", "apc-8x6e", tunnel_csv, *QUICK,
-        "--fix", "c_d0=0.015", "--prior", "c_l1=5.0:0.2", "--bootstrap", "3",
-    )  # fmt: skip
-    assert found["fixed"] == {"c_d0": 0.015}
-    assert parameter_set("out.toml").c_d0 == 0.015
-    assert found["parameters"]["c_l1"]["prior"] == [5.0, 0.2]
-    assert (
-        found["parameters"]["c_l1"]["bootstrap_low_95"]
-        <= (found["parameters"]["c_l1"]["bootstrap_high_95"])
-    )
-    assert "bootstrap" in out
-
-
-def test_another_set_gives_what_is_not_free(run: Run, tunnel_csv: Path) -> None:
-    base = ["--airfoil", "paper-apc"]
-    found, _ = fitted(run, "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *base)
+def test_another_set_priors_fixed_values_and_bootstrap(run: Run, tunnel_csv: Path) -> None:
+    stated = ["--airfoil", "paper-apc", "--fix", "c_d0=0.015", "--prior", "zero_lift_angle=0:0.2"]
+    found, out = fitted(run, "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *stated, "--bootstrap", "3")
     want = parameter_set("paper-apc")
     assert found["parameters"]["c_l1"]["start"] == want.c_l1
     assert parameter_set("out.toml").alpha_0 == want.alpha_0
+    assert found["fixed"]["c_d0"] == 0.015
+    assert parameter_set("out.toml").c_d0 == 0.015
+    assert found["parameters"]["zero_lift_angle"]["prior"] == [0.0, 0.2]
+    drawn = [found["parameters"]["c_l1"][f"bootstrap_{end}_95"] for end in ("low", "high")]
+    assert drawn[0] <= drawn[1] and "bootstrap" in out
 
 
-@pytest.mark.parametrize(("speed", "says"), [(0.0, "from hover"), (7.0, "one speed, 7.0 to 7.0")])
-def test_a_narrow_range_of_speeds_is_said_in_words(
-    run: Run, tmp_path: Path, speed: float, says: str
-) -> None:
-    rows = "".join(f"{rpm},{speed},0,{5e-8 * rpm**2}\n" for rpm in range(4000, 7000, 300))
-    (tmp_path / "narrow.csv").write_text("rpm,speed_mps,beta_deg,thrust_N\n" + rows)
-    found, out = fitted(run, "tunnel", "apc-8x6e", tmp_path / "narrow.csv", *QUICK)
-    assert any(says in remark for remark in found["remarks"])
-    assert f"note: all data are from {says.removeprefix('from ')}" in out
-
-
-def test_what_a_poor_fit_leaves_out_is_noted(
+def test_a_narrow_range_of_speeds_and_what_a_poor_fit_leaves_out_are_noted(
     run: Run, monkeypatch: pytest.MonkeyPatch, tunnel_csv: Path
 ) -> None:
+    rows = "".join(f"{rpm},7,0,{5e-8 * rpm**2}\n" for rpm in range(4000, 7000, 300))
+    Path("narrow.csv").write_text("rpm,speed_mps,beta_deg,thrust_N\n" + rows)
+    found, out = fitted(run, "tunnel", "apc-8x6e", "narrow.csv", *QUICK)
+    says = "all data are from one speed, 7.0 to 7.0"
+    assert any(says in remark for remark in found["remarks"]) and f"note: {says}" in out
     # Other fits here do not look for it.
     monkeypatch.setattr("propmap.fit.comparison.POOR", 0.03)
     found, out = fitted(run, "tunnel", "apc-8x6e", tunnel_csv, *QUICK)
-    told = "c_d0 = 0.01, the constant drag, does not hold"
+    told = "wrong assumption: c_d0 = 0.01, the constant drag"
     assert any(told in remark for remark in found["remarks"])
     assert f"note: {told}" in " ".join(out.split())
 
 
-def test_check_as_json(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> None:
-    done = run("check", tunnel_fit, tunnel_csv, "--format", "json")
+def test_check_in_every_format(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> None:
+    arguments = ["check", tunnel_fit, tunnel_csv]
+    done = run(*arguments, "--format", "json")
     assert (done.code, done.err) == (0, "")
     found = json.loads(done.out)
     assert set(found) == {"corrections", "rows", "loads"}
@@ -158,6 +138,13 @@ def test_check_as_json(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> None:
         residual = fit_record(tunnel_fit)["residuals"][name.partition("_")[0]]
         assert load["rms"] == pytest.approx(residual["rms"], rel=0.02)
         assert load["bias"] == pytest.approx(residual["bias"], rel=0.1)
+    rows = list(csv.DictReader(io.StringIO(run(*arguments, "--format", "csv").out)))
+    assert set(rows[0]) == CHECKED | {"load", "band"}
+    assert [row["load"] for row in rows if row["band"] == "all"] == ["thrust_N", "torque_Nm"]
+    shown = run(*arguments).out
+    assert all(text in shown for text in ("thrust_N", "hover model's rms", "all", "m/s"))
+    assert run(*arguments, "-o", "check.json").out == ""
+    assert Path("check.json").read_text() == done.out
 
 
 def test_check_tells_errors_beyond_the_training_apart(
@@ -189,21 +176,6 @@ def test_check_tells_errors_beyond_the_training_apart(
     assert json.loads(old.out)["loads"]["thrust_N"]["by_envelope"] == {}
 
 
-def test_check_as_csv_table_and_file(
-    run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Path
-) -> None:
-    arguments = ["check", tunnel_fit, tunnel_csv]
-    rows = list(csv.DictReader(io.StringIO(run(*arguments, "--format", "csv").out)))
-    assert set(rows[0]) == CHECKED | {"load", "band"}
-    assert [row["load"] for row in rows if row["band"] == "all"] == ["thrust_N", "torque_Nm"]
-    out = run(*arguments).out
-    for text in ("thrust_N", "torque_Nm", "hover model's rms", "all", "m/s"):
-        assert text in out
-    written = run(*arguments, "-o", tmp_path / "check.json")
-    assert written.code == 0 and written.out == ""
-    assert json.loads((tmp_path / "check.json").read_text())["rows"] == 14
-
-
 def test_check_of_a_plain_parameter_set(run: Run, tmp_path: Path, tunnel_csv: Path) -> None:
     (tmp_path / "set.toml").write_text(parameter_set("paper-apc").to_toml())
     arguments = ["check", "set.toml", tunnel_csv, "--format", "json"]
@@ -212,3 +184,131 @@ def test_check_of_a_plain_parameter_set(run: Run, tmp_path: Path, tunnel_csv: Pa
     refused = run(*arguments)
     assert (refused.code, refused.out) == (2, "")
     assert "the file has no table [fit]; add --prop NAME" in refused.err
+
+
+# -------------------------------------------------------------------------------------------------
+# `propmap fit static`: constants, and what flight can be trusted to.
+
+PROP = ["--prop", "apc-8x6e"]
+NARROW = ["--free", "c_l1,zero_lift_angle", "--prior-from", "family"]
+
+
+def test_a_stand_narrows_what_the_family_leaves_open(run: Run) -> None:
+    Path("stand.csv").write_text(STAND)
+    done = run("fit", "static", "stand.csv", *PROP, "-o", "fit.toml")
+    assert done.code == 0
+    note, wrote = done.err.splitlines()
+    source = "16 propellers of the family apce"
+    assert note.startswith(f"note: the prior of the section constants is from {source}")
+    assert "without the catalogue constants of" in note and "--prior-from none" in note
+    assert wrote == "wrote fit.toml"
+    found = fit_record(Path("fit.toml"))
+    assert found["free"] == list(PARAMETERS)
+    assert any(source in text for text in found["remarks"])
+    law = parameter_set("fit.toml")
+    assert 4.5 < law.c_l1 < 7.0 and law.zero_lift_angle < 0.0 and 1.0 < law.c_d < 5.0
+    for name, told in found["parameters"].items():
+        mean, deviation = told["prior"]
+        assert "of the prior's deviation is left" in told["verdict"]
+        assert abs(told["value"] - mean) < 3.0 * deviation, name
+    told = [(int(a), int(b)) for a, b in re.findall(r"(\d+)% -> (\d+)%", done.out)]
+    assert len(told) >= 10
+    (before, after), *_ = told  # thrust at rest
+    assert 6 <= before <= 16 and after <= 4
+    assert all(after <= before + 2 for before, after in told)
+    moving = [after for _, after in told[2:8:2]]  # thrust at J = 0.2, 0.4, 0.6 along the axis
+    assert moving == sorted(moving)
+
+
+def test_uiuc_s_static_files_and_no_file_to_write(run: Run, tmp_path: Path) -> None:
+    flying, static = uiuc_files(tmp_path)
+    assert "--prop" in run("fit", "static", static).err
+    done = run("fit", "static", static, *PROP, *NARROW)
+    assert done.code == 0 and "wrote" not in done.err and "sd before -> after" in done.out
+    refused = run("fit", "static", flying, *PROP)
+    assert refused.code == 2 and "propmap fit tunnel" in refused.err
+
+
+def test_the_battery_s_power_is_pointed_out(run: Run) -> None:
+    shaft = {rpm: 1.5e-9 * rpm**3 * np.pi / 30.0 for rpm in range(3000, 7000, 500)}
+    rows = "".join(f"{rpm},{9e-8 * rpm**2:.4f},{1.6 * p:.3f}\n" for rpm, p in shaft.items())
+    Path("electric.csv").write_text("rpm,thrust_N,power_W\n" + rows)
+    done = run("fit", "static", "electric.csv", *PROP, *NARROW)
+    assert done.code == 0 and "if it is battery power" in " ".join(done.out.split())
+
+
+# -------------------------------------------------------------------------------------------------
+# What is free, and whose prior is used.
+
+FIVE = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
+
+
+def chosen(wanted: str | None = None, base: Airfoil | None = None, **stated: Any) -> Choice:
+    """As `fit tunnel` chooses."""
+    asked = FitChoice(prior_from=wanted, **stated)
+    expected = asked.expected("apc-8x6e", propmap.propeller("apc-8x6e"), base)
+    return asked.chosen(FIVE, base, expected=expected)
+
+
+def test_all_constants_from_the_family_by_default() -> None:
+    choice = chosen()
+    assert choice.free == PARAMETERS
+    assert choice.expected is not None and "family apce" in choice.expected.source
+    # The search starts at the most likely constants.
+    assert np.abs(choice.prior_residuals(choice.first)[0]).max() < 1e-9
+
+
+def test_whoever_says_what_to_fit_gets_that_and_no_more() -> None:
+    four = chosen(free="c_l1,c_l2,c_d,alpha_0")
+    assert four == Choice()
+    assert four.first.tolist() == [2.0 * np.pi, 2.0, 0.0, 0.47]
+    law = parameter_set("paper-apc")
+    based = chosen(base=law)
+    assert based.expected is None and based.free == FIVE and based.fixed["c_d0"] == law.c_d0
+    assert chosen("none").free == FIVE and chosen("none").fixed == {}
+
+
+def test_what_is_stated_wins_over_the_prior() -> None:
+    choice = chosen(fix=["c_d=1.5"], prior=["c_l2=1.9:0.2", "c_l1=5:0.1"])
+    assert "c_d" not in choice.free and choice.fixed["c_d"] == 1.5
+    assert "c_l2" in choice.free and "c_l2" not in choice.fixed
+    told = choice.prior_of("c_l1")
+    assert told is not None and (told.mean, told.deviation) == (5.0, 0.1)
+    few = chosen("family", free="c_l1", base=parameter_set("paper-apc"))
+    assert few.expected is not None and few.fixed["c_l2"] == parameter_set("paper-apc").c_l2
+
+
+@pytest.mark.parametrize(
+    ("wanted", "prop", "says"),
+    [
+        ("family", "uiuc-apcsf-10x7", "of the family apcsf"),
+        ("family", "my-blade.csv", "small propellers of all families"),
+        ("gwsdd", "my-blade.csv", "13 propellers of the family gwsdd"),
+        (" Family", "apc-8x6e", "without the catalogue constants of"),
+    ],
+)
+def test_whose_prior(wanted: str, prop: str, says: str) -> None:
+    blade = None if prop == "my-blade.csv" else propmap.propeller(prop)
+    prior = section_prior(wanted, prop, blade, by_default=False)
+    assert prior is not None and says in prior.source
+
+
+@pytest.mark.slow
+def test_thrust_alone_at_low_speed_leaves_physical_constants(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """APC 8x4.5MR at 0 and 5 m/s, Davoudi & Duraisamy 2019: without a prior the fit ends at c_l1
+    above 10 and c_d = 0, and extrapolates badly."""
+    monkeypatch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", WHOLE)
+    quick = ["--starts", "1", "--folds", "0", "-o", "fit.toml"]
+    done = run("fit", "tunnel", "apc-8x4.5mr", "davoudi-8x4.5mr-thrust", *quick)
+    assert done.code == 0
+    said = "note: the prior of the section constants is from small propellers of all families"
+    assert said in done.err
+    law, found = parameter_set("fit.toml"), fit_record(Path("fit.toml"))
+    assert 4.0 < law.c_l1 < 8.0 and 1.0 < law.c_d < 5.0
+    assert 0.2 < law.alpha_0 < 0.4 and -0.1 < law.zero_lift_angle < 0.0 and 0.0 < law.c_d0 < 0.05
+    held = [n for n, p in found["parameters"].items() if "held by its prior" in p["verdict"]]
+    # Thrust tells of lift, not of drag; how far the blade is turned is not known to a degree.
+    assert {"c_d", "c_d0", "alpha_0"} <= set(held) and "zero_lift_angle" not in held
+    assert not any(found["parameters"][name]["identified"] for name in held)

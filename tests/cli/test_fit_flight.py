@@ -1,98 +1,150 @@
-"""`propmap fit flight`: operating points and logs in, a fit file out."""
+"""`propmap fit flight` and `propmap fit terms`: flights in, a fit or a page out."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from propmap.cli import main
-from propmap.units import GRAVITY
+from propmap.fit.comparison import AxisErrors, FittedStep, RecordedFlight, Step
+from tests.flight import agile
 
-from .conftest import Run, brief_commands
-from .fit_inputs import CHECKED, FREE, LEVEL, QUICK, VEHICLE, fit_record, fitted
+from .conftest import Run
+from .fit_inputs import CHECKED, FREE, LEVEL, QUICK, VEHICLE, fitted
 
+pytestmark = pytest.mark.usefixtures("brief", "filters_once", "pictures_as_they_fall")
 
-@pytest.fixture(scope="module")
-def level_fit(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    place = tmp_path_factory.mktemp("fit")
-    (place / "vehicle.toml").write_text(VEHICLE)
-    (place / "level.csv").write_text(LEVEL)
-    fit = place / "level_fit.toml"
-    vehicle = ["--vehicle", str(place / "vehicle.toml")]
-    level = [str(place / "level.csv"), "--method", "level", "--body-study"]
-    with brief_commands():
-        assert main(["fit", "flight", *level, *vehicle, *QUICK, "-o", str(fit)]) == 0
-    return fit
+LOG = agile.agile(rate=50.0, duration=8.0)
+"""Two seconds of hover, then curves."""
 
 
-def test_a_level_table(level_fit: Path) -> None:
-    found = fit_record(level_fit)
+def test_a_level_table_and_the_study_of_the_body(run: Run) -> None:
+    Path("vehicle.toml").write_text(VEHICLE)
+    Path("level.csv").write_text(LEVEL)
+    asked = ["level.csv", "--vehicle", "vehicle.toml", "--method", "level", "--body-study"]
+    found, _ = fitted(run, "flight", *asked, *QUICK)
     assert found["kind"] == "level flight" and found["rows"] == 7
-    names = [d["file"] for d in found["data"]]
-    assert names == ["level.csv", "vehicle.toml"]
-    assert set(found["residuals"]) == {"vertical_force"}
+    assert [d["file"] for d in found["data"]] == ["level.csv", "vehicle.toml"]
     assert found["settings"]["vehicle"] == "test quadrotor"
     # Numbers made up near the hover of paper-apc.
-    assert found["residuals"]["vertical_force"]["relative_rms"] < 0.1
-
-
-def test_the_body_study_says_whether_its_terms_pay(level_fit: Path) -> None:
-    told = [text for text in fit_record(level_fit)["remarks"] if "m^2 (" in text]
-    assert len(told) == 2
-    assert told[0].startswith("lift_area ") and told[1].startswith("drag_area_x ")
-    assert all(" pays: " in t or " does not pay: " in t for t in told)
-    assert all("m^2" in t and "residuals" in t for t in told)
-
-
-def turning_log(folder: Path, count: int = 200) -> Path:
-    """Two seconds of changing speed at 100 Hz, and the vehicle file with its columns."""
-    time = np.arange(count) / 100.0
-    speed = 2.0 + 4.0 * time
-    half = 0.05 + 0.02 * time
-    lines = ["t,vx,vy,vz,p,q,r,ax,ay,az,qw,qx,qy,qz,m1,m2,m3,m4"]
-    for k in range(count):
-        cosine, sine = np.cos(2 * half[k]), np.sin(2 * half[k])
-        v = (speed[k] * cosine, 0.0, speed[k] * sine)
-        # An acceleration of 4 m/s^2 forwards, and gravity, along the axes of a nose that sinks.
-        felt = (4.0 * cosine - GRAVITY * sine, 0.0, 4.0 * sine + GRAVITY * cosine)
-        numbers = [time[k], *v, 0.0, 0.04, 0.0, *felt]
-        numbers += [np.cos(half[k]), 0.0, np.sin(half[k]), 0.0, *(4 * [585.0 + speed[k]])]
-        lines.append(",".join(f"{number:.9g}" for number in numbers))
-    (folder / "log.csv").write_text("\n".join(lines) + "\n")
-    (folder / "logged.toml").write_text(
-        VEHICLE
-        + '[log]\nbody_frame = "flu"\nworld_frame = "enu"\nvelocity_in = "body"\n'
-        + 'rotor_unit = "rad/s"\n[log.columns]\ntime = "t"\nvelocity = ["vx", "vy", "vz"]\n'
-        + 'rates = ["p", "q", "r"]\nspecific_force = ["ax", "ay", "az"]\n'
-        + "".join(f'{name} = "{name}"\n' for name in ("qw", "qx", "qy", "qz"))
-        + 'rotor_speed = ["m1", "m2", "m3", "m4"]\n'
+    (residuals,) = found["residuals"].values()
+    assert residuals["relative_rms"] < 0.1
+    lift, drag = [text for text in found["remarks"] if "m^2 (" in text]
+    assert lift.startswith("lift_area ") and drag.startswith("drag_area_x ")
+    assert all(
+        (" pays: " in t or " does not pay: " in t) and "residuals" in t for t in (lift, drag)
     )
-    return folder / "log.csv"
 
 
-@pytest.mark.slow
-def test_without_steady_stretches_all_forces_are_fitted(run: Run, tmp_path: Path) -> None:
-    log = turning_log(tmp_path)
-    vehicle = ["--vehicle", tmp_path / "logged.toml"]
-    free = ["--free", ",".join((*FREE, "drag_area_x")), "--starts", "1", "--samples", "40"]
-    found, out = fitted(run, "flight", log, *vehicle, *free)
-    assert found["kind"] == "flight" and found["rows"] == 120
-    # A made-up log, whose rates and sideways force never change: that is said as well.
-    told = " ".join(found["remarks"])
-    assert "rates (p, q, r) never change" in told and "look for a dead axis" in told
-    assert "fewer than 4 steady stretches of 2 s" in told
-    assert "note: fewer than 4 steady stretches" in out
-    checked = json.loads(run("check", "out.toml", log, *vehicle, "--format", "json").out)
-    assert set(checked) == {"corrections", "rows", "loads"} and checked["rows"] == 200
-    assert set(checked["loads"]) == {"force_x_N", "force_y_N", "force_z_N"}
-    assert set(checked["loads"]["force_z_N"]) == CHECKED | {"by_speed", "by_envelope", "in_band"}
+def test_without_steady_segments_all_forces_are_fitted(run: Run) -> None:
+    Path("vehicle.toml").write_text(agile.vehicle())
+    agile.write(LOG, Path("log.csv"))
+    vehicle = ["log.csv", "--vehicle", "vehicle.toml"]
+    quick = ["--free", ",".join((*FREE, "drag_area_x")), "--starts", "1", "--folds", "0"]
+    found, out = fitted(run, "flight", *vehicle, *quick, "--samples", "40")
+    assert found["kind"] == "flight" and found["rows"] == 6 * 40
+    assert any("fewer than 4 steady segments of 2 s" in told for told in found["remarks"])
+    assert "note: fewer than 4 steady segments" in out
+    checked = json.loads(run("check", "out.toml", *vehicle, "--format", "json").out)
+    assert set(checked) == {"corrections", "rows", "loads"}
+    assert list(checked["loads"]) == [
+        *(f"force_{axis}_N" for axis in "xyz"),
+        *(f"moment_{axis}_Nm" for axis in "xyz"),
+    ]
+    upward = checked["loads"]["force_z_N"]
+    assert set(upward) == CHECKED | {"by_speed", "by_envelope", "in_band"}
     # In fits of whole flights the main part is the envelope.
     assert found["envelope"]["percentiles"] == [1.0, 99.0]
-    apart = checked["loads"]["force_z_N"]["by_envelope"]
-    assert sum(one["rows"] for one in apart.values()) == 200
-    refused = run("fit", "flight", log, *vehicle, *free, "--method", "level", "-o", "no.toml")
-    assert refused.code == 2 and "no steady segment of 2 s" in refused.err
-    assert not (tmp_path / "no.toml").exists()
+    assert sum(one["rows"] for one in upward["by_envelope"].values()) == checked["rows"] == 400
+    longer = ["--seconds", "3", "--method", "level", "-o", "no.toml"]
+    refused = run("fit", "flight", *vehicle, *quick, *longer)
+    assert refused.code == 2 and "no steady segment of 3 s" in refused.err
+    assert not Path("no.toml").exists()
+
+
+# -------------------------------------------------------------------------------------------------
+# `propmap fit terms`; the fits themselves are made up.
+
+ASKED: list[dict[str, Any]] = []
+
+
+def made_up(
+    _: object, flights: Sequence[RecordedFlight], steps: Sequence[Step], __: object, **settings: Any
+) -> list[FittedStep]:
+    """Each step has half of the error of the one before it."""
+    ASKED.append({"flights": flights, "steps": steps, **settings})
+    found = []
+    for number, step in enumerate(steps):
+        for left_out in range(len(flights)):
+            offs = [np.full((len(f.passed), 3), 0.5**number) for f in flights]
+            off = tuple(AxisErrors(one, one) for one in offs)
+            found.append(FittedStep(step.name, left_out, {"c_l1": 5.0}, off, off))
+    return found
+
+
+@pytest.fixture
+def flown(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Two logs with a prediction beside them, the vehicle, and no fitting."""
+    monkeypatch.setattr("propmap.fit.comparison.fit_terms", made_up)
+    ASKED.clear()
+    Path("vehicle.toml").write_text(agile.vehicle())
+    predicted = {f"other_f{a}": np.full_like(LOG["t"], k + 1.0) for k, a in enumerate("xyz")}
+    for name in ("first.csv", "second.csv"):
+        agile.write(LOG | predicted, Path(name))
+    return ["first.csv", "second.csv", "--vehicle", "vehicle.toml"]
+
+
+def test_the_page_and_what_was_asked(run: Run, flown: list[str]) -> None:
+    told = run("fit", "terms", *flown, "-o", "page", "--samples", "40", "--low-pass", "5")
+    assert told.code == 0 and "wrote page/index.html and 4 other files" in told.out
+    page = Path("page/index.html").read_text()
+    assert "terms reduce the error" in page and "prediction in the file" in page
+    (asked,) = ASKED
+    assert asked["samples"] == 40 and [f.name for f in asked["flights"]] == ["first", "second"]
+    steps = asked["steps"]
+    assert steps[0].vertical and not any(step.vertical for step in steps[1:])
+    # One term more at a time, in the dependencies' order, and everything in the last.
+    names = [set(step.choice.free) for step in steps]
+    assert "drag_area_x" in names[1] and "drag_area_x" not in names[3]
+    assert {"sensor_x", "clock_offset"} <= names[2] - names[1]
+    assert names[4] - names[3] == {"wake_ahead", "wake_beside", "wake_downwash", "wake_share"}
+    assert names[5] - names[4] == {"untwist"}
+    assert names[6] - names[5] == {"download_area_x", "download_area_y"}
+    assert names[7] - names[6] == {"plate_area"}
+    # What is not free is absent, but with the same shape of the model.
+    for step in steps[1:]:
+        assert {"mount_area", "untwist"} <= set(step.choice.free) | set(step.choice.fixed)
+    # Without what is mounted the blades keep their own rotor drag.
+    for step in steps[:3]:
+        assert step.choice.fixed["drag_factor"] == 1.0
+        assert 0.0 < step.choice.fixed["mount_area"] < 1e-6
+    first = asked["flights"][0]
+    np.testing.assert_allclose(first.prediction, [[1.0, 2.0, 3.0]] * len(first.passed), atol=1e-6)
+    passed = float(np.mean(first.passed.specific_force[:, 2]))
+    assert passed == pytest.approx(float(LOG["az"].mean()), rel=0.01)
+    # Columns of a prediction by name.
+    chosen = ["--prediction", "other_fz,other_fy,other_fx", "-o", "named"]
+    assert run("fit", "terms", *flown, *chosen).code == 0
+    np.testing.assert_allclose(ASKED[1]["flights"][0].prediction[5], [3.0, 2.0, 1.0], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["first.csv"], "two logs have the name 'first'; give each flight once"),
+        (["--prediction", "a,b,c"], "--prediction: 'a' is not a column; name three columns"),
+        (["--prior-from", "none"], "fit terms needs a prior"),
+        (["--low-pass", "-1"], "give a positive frequency, or 0 for"),
+        (["-o", "taken"], "'mine.txt'"),
+    ],
+)
+def test_bad_input_in_one_line(run: Run, flown: list[str], more: list[str], said: str) -> None:
+    Path("taken").mkdir()
+    Path("taken/mine.txt").write_text("kept")
+    told = run("fit", "terms", *flown, "-o", "page", *more)
+    assert (told.code, told.err.count("\n")) == (2, 1) and said in told.err
+    assert not Path("page").exists() and Path("taken/mine.txt").read_text() == "kept"

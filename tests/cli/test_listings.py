@@ -8,13 +8,12 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-
-import pytest
+from typing import Any
 
 import propmap
 from propmap import catalogue
 from propmap.catalogue.identified import PARAMETERS, identified, identified_without_blade
-from propmap.catalogue.lookup import known_model
+from propmap.catalogue.lookup import catalogue_model
 
 from .conftest import POINT, ROTOR, Run
 
@@ -24,11 +23,8 @@ def test_props_lists_everything(run: Run) -> None:
     others = [one.propeller for one in identified_without_blade()]
     assert [row["name"] for row in rows] == [*catalogue.names(), *others]
     assert run("props").out.count("\n") > len(rows)
-
-
-def test_props_searches(run: Run) -> None:
-    rows = list(csv.DictReader(io.StringIO(run("props", "thin", "8x6", "--format", "csv").out)))
-    assert [row["name"] for row in rows] == ["apc-8x6e"]
+    found = csv.DictReader(io.StringIO(run("props", "thin", "8x6", "--format", "csv").out))
+    assert [row["name"] for row in found] == ["apc-8x6e"]
     assert "0 propellers" in run("props", "zeppelin").out
 
 
@@ -57,7 +53,7 @@ def test_props_show_tells_what_is_expected_of_others(run: Run) -> None:
     """Not identified, or not even measured: the family's constants, with a wider spread."""
 
     def lift(name: str) -> str:
-        law = known_model(name).airfoil
+        law = catalogue_model(name).airfoil
         assert isinstance(law, propmap.Airfoil)
         return f"{law.c_l1:.4f}"
 
@@ -67,16 +63,10 @@ def test_props_show_tells_what_is_expected_of_others(run: Run) -> None:
     assert "verdict" not in words
     other = run("props", "show", "apc 12x7sf")
     assert lift("apc 12x7sf") in other.out and "no measured blade" in other.err
-    assert lift("5x4.3x3") in run("props", "show", "5x4.3x3").out
-
-
-def test_props_show_knows_no_constants_of_a_file(run: Run, tmp_path: Path) -> None:
-    path = tmp_path / "blade.csv"
-    path.write_text(
-        "radius_m,chord_m,twist_deg\n0.02,0.01,30\n0.05,0.012,15\n0.08,0.01,12\n0.1,0.005,10\n"
-    )
-    done = run("props", "show", path, "--blades", "2")
-    assert done.code == 0 and "c_l1" not in done.out
+    shown = run("props", "show", "HQ 5x4.3x3")
+    assert lift("HQ 5x4.3x3") in shown.out
+    assert "HQ 5x4.3x3: 3 blades" in shown.out and "source: not measured" in shown.out
+    assert "read as 5 x 4.3 in, 3 blades; no blade of HQProp was measured" in shown.err
 
 
 def test_airfoil_shown_is_an_airfoil_file(run: Run, tmp_path: Path) -> None:
@@ -89,34 +79,21 @@ def test_airfoil_shown_is_an_airfoil_file(run: Run, tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("arguments", [[], ["--help"], ["predict", "--help"], ["props", "--help"]])
-def test_help(run: Run, arguments: list[str]) -> None:
-    done = run(*arguments)
-    assert (done.code, done.err) == (0, "")
-    assert "Usage" in done.out
-
-
-def test_version(run: Run) -> None:
+def test_help_and_version(run: Run) -> None:
+    for arguments in ([], ["predict", "--help"], ["props", "--help"]):
+        done = run(*arguments)
+        assert (done.code, done.err) == (0, "") and "Usage" in done.out
     assert run("--version").out == f"propmap {propmap.__version__}\n"
 
 
-def _process(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "propmap", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=False)
-
-
-def test_process_predicts(run: Run) -> None:
-    arguments = ("predict", *ROTOR, *POINT, "--format", "json")
-    done = _process(*arguments)
+def test_a_process_predicts_and_fails_in_one_line(run: Run) -> None:
+    command = [sys.executable, "-m", "propmap", "predict"]
+    named: dict[str, Any] = {"capture_output": True, "text": True, "encoding": "utf-8"}
+    done = subprocess.run([*command, *ROTOR, *POINT, "--format", "json"], check=False, **named)
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == run(*arguments).out
-
-
-def test_process_fails_in_one_line() -> None:
-    done = _process("predict", "apc-8x6q", *POINT)
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
-    assert done.stdout == ""
+    assert done.stdout == run("predict", *ROTOR, *POINT, "--format", "json").out
+    done = subprocess.run([*command, "apc-8x6q", *POINT], check=False, **named)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
 
 
 def test_listing_needs_no_heavy_module() -> None:

@@ -14,19 +14,13 @@ from .conftest import POINT, ROTOR, Run
 
 pytestmark = pytest.mark.usefixtures("pictures_as_they_fall")
 
-SIGNATURES = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}
 
-
-def _check_picture(path: Path) -> None:
-    assert path.read_bytes().startswith(SIGNATURES[path.suffix])
-
-
-@pytest.mark.parametrize("ending", SIGNATURES)
-def test_planform(run: Run, tmp_path: Path, ending: str) -> None:
-    path = tmp_path / f"blade{ending}"
+@pytest.mark.parametrize(("ending", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF")])
+def test_planform(run: Run, tmp_path: Path, ending: str, start: bytes) -> None:
+    path = tmp_path / f"blade.{ending}"
     done = run("plot", "planform", "uiuc-apce-9x6", "-o", path)
     assert (done.code, done.out) == (0, f"{path}\n")
-    _check_picture(path)
+    assert path.read_bytes().startswith(start)
     assert list(tmp_path.iterdir()) == [path]
 
 

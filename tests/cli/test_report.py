@@ -17,7 +17,6 @@ from propmap.fit.comparison import INSIDE
 from propmap.model.airfoil import parameter_set
 from propmap.report.html import PAGE, REPORT_FILES
 from propmap.table import LoadTable
-from tests.fit.fit_records import fit_text
 
 from .conftest import Run
 from .fit_inputs import FREE, LEVEL, QUICK, VEHICLE, fit_record
@@ -46,70 +45,53 @@ def page_of(folder: Path) -> str:
 
 
 @pytest.mark.slow
-def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
-    done = run("report", tunnel_fit, "-o", "out")
+def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Path) -> None:
+    folder = tmp_path / "out"
+    done = run("report", tunnel_fit, "-o", "out", "--data", tunnel_csv)
     assert (done.code, done.err) == (0, "") and done.out.startswith(f"wrote out/{PAGE} and ")
-    text, told = page_of(tmp_path / "out"), fit_record(tunnel_fit)
+    text, told = page_of(folder).replace("&#39;", "'"), fit_record(tunnel_fit)
     for wanted in ("reliability", "Outside the fitted", "extrapolation", "no cross-validation"):
         assert wanted.lower() in text.lower()
+    assert "Data of the fit, which are no independent test: tunnel.csv" in text
     # The data have no drag: how the rotor is installed cannot be known.
     assert "The rotor drag is that of bare blades" in text
     assert told["data"][0]["sha256"] in text and told["propmap"] in text
-    errors = rows_of(tmp_path / "out" / "fit-errors.csv")
     by_speed = told["residuals"]["thrust"]["by_speed"]
-    thrust = [row for row in errors if row["load"] == "thrust"]
+    thrust = [row for row in rows_of(folder / "fit-errors.csv") if row["load"] == "thrust"]
     assert [row["speed_band"] for row in thrust] == list(by_speed)
     for row in thrust:
         for mine, filed in (("rms_in_unit", "rms"), ("hover_rms_in_unit", "hover_rms")):
             assert float(row[mine]) == pytest.approx(by_speed[row["speed_band"]][filed], rel=1e-4)
-    parameters = rows_of(tmp_path / "out" / "fit-parameters.csv")
+    parameters = rows_of(folder / "fit-parameters.csv")
     assert [row["parameter"] for row in parameters] == list(FREE)
-
-
-@pytest.mark.slow
-def test_its_curves_are_the_fitted_rotor(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
-    assert run("report", tunnel_fit, "-o", "out").code == 0
+    # Its curves are those of the fitted rotor.
     rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), parameter_set(tunnel_fit)))
-    rows = rows_of(tmp_path / "out" / "fit-loads.csv")
-    assert {row["beta_deg"] for row in rows} == {"0", "90"}
+    rows = rows_of(folder / "fit-loads.csv")
     for row in rows[::7]:
         rpm, speed, beta = (float(row[n]) for n in ("rpm", "speed_mps", "beta_deg"))
-        found = rotor.loads(rpm * np.pi / 30.0, speed, np.radians(beta))
-        assert float(row["thrust_N"]) == pytest.approx(float(found.thrust), rel=1e-4)
-        assert float(row["thrust_low_95_N"]) <= float(found.thrust) + 1e-4
-        assert float(row["thrust_high_95_N"]) >= float(found.thrust) - 1e-4
+        found = float(rotor.loads(rpm * np.pi / 30.0, speed, np.radians(beta)).thrust)
+        assert float(row["thrust_N"]) == pytest.approx(found, rel=1e-4)
+        low, high = (float(row[f"thrust_{end}_95_N"]) for end in ("low", "high"))
+        assert low - 1e-4 <= found <= high + 1e-4
     # The data are axial: nothing edgewise is covered, and of axial flow not the fastest.
     assert {row["covered"] for row in rows if row["beta_deg"] == "90"} == {"0"}
     axial = [row["covered"] for row in rows if row["beta_deg"] == "0"]
     assert axial[0] == "1" and axial[-1] == "0" and axial == sorted(axial, reverse=True)
-
-
-@pytest.mark.slow
-def test_data_are_checked_as_by_check(
-    run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Path
-) -> None:
-    assert run("report", tunnel_fit, "-o", "out", "--data", tunnel_csv).code == 0
-    text = page_of(tmp_path / "out")
-    assert "Data of the fit, which are no independent test: tunnel.csv" in text.replace(
-        "&#39;", "'"
-    )
-    mine = rows_of(tmp_path / "out" / "fit-check.csv")
+    # The data are checked as by `propmap check`.
     out = run("check", tunnel_fit, tunnel_csv, "--format", "csv").out
-    checked = [r for r in csv.DictReader(io.StringIO(out)) if r["band"] not in ("all", INSIDE)]
-    assert len(mine) == len(checked) > 0
-    for row, want in zip(mine, checked, strict=True):
+    wanted_rows = [r for r in csv.DictReader(io.StringIO(out)) if r["band"] not in ("all", INSIDE)]
+    for row, want in zip(rows_of(folder / "fit-check.csv"), wanted_rows, strict=True):
         assert row["speed_band"] == want["band"]
         for name, other in (("rms_in_unit", "rms"), ("hover_rms_in_unit", "hover_rms")):
             assert float(row[name]) == pytest.approx(float(want[other]), rel=1e-4)
-    measured = rows_of(tmp_path / "out" / "fit-measured.csv")
+    measured = rows_of(folder / "fit-measured.csv")
     assert len(measured) == 14 and "model_torque_Nm" in measured[0]
     # Without data the folder is replaced, and what belonged to them is gone.
     assert run("report", tunnel_fit, "-o", "out").code == 0
-    assert not (tmp_path / "out" / "fit-check.csv").exists()
-    changed = tmp_path / "new.csv"
-    changed.write_text(tunnel_csv.read_text() + "5000,6,0,1.5,0.03\n")
-    assert run("report", tunnel_fit, "-o", "out", "--data", changed).code == 0
-    assert "which test the fit: new.csv" in page_of(tmp_path / "out")
+    assert not (folder / "fit-check.csv").exists()
+    Path("new.csv").write_text(tunnel_csv.read_text() + "5000,6,0,1.5,0.03\n")
+    assert run("report", tunnel_fit, "-o", "out", "--data", "new.csv").code == 0
+    assert "which test the fit: new.csv" in page_of(folder)
 
 
 @pytest.mark.slow
@@ -183,45 +165,3 @@ def test_tables_that_are_not_certified_or_do_not_hold(
     certified(holds=False).save("map.npz")
     assert run("report", "map.npz", "-o", "out").code == 0
     assert "Accuracy against the model: outside the tolerance." in page_of(tmp_path / "out")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["absent.toml"], "no such file"),
-        (["absent.npz"], "no such file"),
-        (["map.csv"], "give a fit (.toml) or a table (.npz)"),
-        (["set.toml"], "there is no table [fit]"),
-        (["old.toml"], "the table [fit] cannot be read: Object missing required field covered"),
-        (["damaged.toml"], "typical_rpm: Expected float > 0.0"),
-        (["bad.npz"], "not a table, or it is damaged"),
-        (["map.npz", "--data", "tunnel.csv"], "--data and --vehicle apply to fits"),
-        (["whole.toml", "--data", "absent.csv"], "neither a file nor a measurement"),
-        (["whole.toml", "--vehicle", "vehicle.toml"], "add them with --data"),
-        (["flown.toml", "--data", "level.csv"], "add --vehicle FILE"),
-        (["map.npz", "-o", "taken"], "contains 'mine.txt', which this command does not write"),
-        (["map.npz", "-o", "no/out"], "there is no folder"),
-    ],
-)
-def test_what_cannot_be_reported_is_told_in_one_line(
-    run: Run, tmp_path: Path, arguments: list[str], message: str
-) -> None:
-    invented().save("map.npz")
-    (tmp_path / "bad.npz").write_bytes((tmp_path / "map.npz").read_bytes()[:500])
-    (tmp_path / "set.toml").write_text(parameter_set("paper-apc").to_toml())
-    whole = fit_text()
-    (tmp_path / "old.toml").write_text(whole.replace("covered", "covers"))
-    (tmp_path / "whole.toml").write_text(whole)
-    (tmp_path / "damaged.toml").write_text(re.sub(r"typical_rpm = .*", "typical_rpm = -1.0", whole))
-    (tmp_path / "flown.toml").write_text(fit_text(kind="level flight"))
-    (tmp_path / "vehicle.toml").write_text(VEHICLE)
-    (tmp_path / "level.csv").write_text(LEVEL)
-    (tmp_path / "map.csv").write_text("a,b\n")
-    (tmp_path / "taken").mkdir()
-    (tmp_path / "taken" / "mine.txt").write_text("mine")
-    before = sorted(tmp_path.iterdir())
-    to = [] if "-o" in arguments else ["-o", "out"]
-    done = run("report", *arguments, *to)
-    assert done.code == 2 and done.out == ""
-    assert message in done.err and done.err.count("\n") == 1 and "Traceback" not in done.err
-    assert sorted(tmp_path.iterdir()) == before

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 
 import propmap
-from propmap.table import LoadTable
 
 from .conftest import POINT, Run
 from .fit_inputs import VEHICLE
@@ -35,7 +35,7 @@ def test_loads_are_those_of_the_table(run: Run) -> None:
     done = run("predict", *ROTOR, *POINT, "--format", "json")
     assert done.code == 0 and NOTE in done.err and done.err.count("\n") == 1
     law = propmap.airfoil("plate.csv")
-    recommended = propmap.corrections_of("recommended")
+    recommended = propmap.model_corrections("recommended")
     model = propmap.Model(propmap.propeller("apc-8x6e"), law, corrections=recommended)
     rotor = propmap.Rotor(model)
     wanted = rotor.loads(4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
@@ -51,32 +51,21 @@ def test_loads_are_those_of_the_table(run: Run) -> None:
     assert dense.err.startswith("note: the air density is 11 kg/m^3")
 
 
-def test_a_sweep_names_the_table(run: Run) -> None:
-    import xarray
-
+def test_sweep_check_and_export_take_a_table(
+    run: Run, tunnel_csv: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     axes = ["--rpm", "4000", "--speed", "14", "--beta", "80"]
     done = run("sweep", *ROTOR, *axes, "-o", "x.nc")
     assert done.code == 0 and NOTE in done.err
-    found = xarray.load_dataset("x.nc")
-    assert (
-        found.attrs["airfoil_name"] == "plate"
-        and found.attrs["corrections"] == "pitt-peters, radial-friction"
-    )
-
-
-def test_check_and_export_take_a_table(
-    run: Run, tunnel_csv: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    found = xarray.load_dataset("x.nc").attrs
+    assert found["airfoil_name"] == "plate"
+    assert found["corrections"] == "pitt-peters, radial-friction"
     checked = run("check", "plate.csv", tunnel_csv, "--prop", "apc-8x6e", "--format", "json")
     assert checked.code == 0 and NOTE in checked.err
     assert json.loads(checked.out)["rows"] == 14
     built: list[propmap.Rotor] = []
-
-    def record(rotor: propmap.Rotor, **_: object) -> LoadTable:
-        built.append(rotor)
-        return invented()
-
-    monkeypatch.setattr("propmap.table.build.build_table", record)
+    record = "propmap.table.build.build_table"
+    monkeypatch.setattr(record, lambda rotor, **_: built.append(rotor) or invented())
     done = run("export", "plate.csv", "--prop", "apc-8x6e", "--to", "csv", "-o", "to")
     assert done.code == 0 and NOTE in done.err
     assert built[0].model.airfoil == propmap.airfoil("plate.csv").with_corrections(
@@ -99,12 +88,3 @@ def test_what_needs_constants_says_so(run: Run, command: list[str]) -> None:
     done = run(*command, *option, "plate.csv")
     assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
     assert "plate.csv: this is a section table, but the command needs" in done.err
-
-
-def test_in_python_too() -> None:
-    from propmap.flight.simulate import trim
-    from propmap.vehicle.files import read_vehicle
-
-    Path("vehicle.toml").write_text(VEHICLE)
-    with pytest.raises(propmap.InputError, match="'plate' is a section table, without constants"):
-        trim(read_vehicle("vehicle.toml").vehicle, propmap.airfoil("plate.csv"), np.array([5.0]))

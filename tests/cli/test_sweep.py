@@ -1,8 +1,9 @@
-"""`propmap sweep`: the grid, its units and provenance, and files that appear whole."""
+"""`propmap sweep` and `propmap study`: grids, units, provenance, and files that appear whole."""
 
 from __future__ import annotations
 
 import csv
+import socket
 from pathlib import Path
 
 import numpy as np
@@ -10,21 +11,29 @@ import pytest
 import xarray
 
 import propmap
+from propmap.cli import sweep
 from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints
 
 from .conftest import ROTOR, Run
 
+pytestmark = pytest.mark.usefixtures("pictures_as_they_fall")
+
 GRID = ["--rpm", "4000,4200", "--speed", "14:16:2", "--beta", "80:90:2"]
 AXES = (np.array([4000.0, 4200.0]), np.array([14.0, 16.0]), np.array([80.0, 90.0]))
+SWEEP = ["sweep", *ROTOR, *GRID, "-o"]
+
+
+def rows_of(name: str) -> list[dict[str, str]]:
+    with Path(name).open(newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def test_netcdf_holds_the_loads(run: Run, rotor: propmap.Rotor, tmp_path: Path) -> None:
-    path = tmp_path / "out.nc"
-    done = run("sweep", *ROTOR, *GRID, "-o", path)
+    done = run(*SWEEP, "out.nc")
     assert (done.code, done.err) == (0, "")
     assert [p.name for p in tmp_path.iterdir()] == ["out.nc"]
     loads = OperatingPoints.grid(*AXES).loads(rotor)
-    with xarray.open_dataset(path, engine="h5netcdf") as found:
+    with xarray.open_dataset("out.nc", engine="h5netcdf") as found:
         assert dict(found.sizes) == {"rpm": 2, "speed": 2, "beta": 2}
         for name, axis in zip(("rpm", "speed_mps", "beta_deg"), AXES, strict=True):
             assert (found[name].values == axis).all()
@@ -46,21 +55,12 @@ def test_netcdf_holds_the_loads(run: Run, rotor: propmap.Rotor, tmp_path: Path) 
     assert attributes["created"].endswith("+00:00")
 
 
-def test_csv_has_a_row_per_point(run: Run, tmp_path: Path) -> None:
-    path = tmp_path / "out.csv"
-    assert run("sweep", *ROTOR, *GRID, "-o", path).code == 0
-    with path.open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == 8
-    assert tuple(rows[0])[: len(PREDICT_COLUMNS)] == PREDICT_COLUMNS
+def test_csv_has_a_row_per_point_and_replaces_by_force(run: Run) -> None:
+    Path("out.csv").write_text("old")
+    assert run(*SWEEP, "out.csv", "--force").code == 0
+    rows = rows_of("out.csv")
+    assert len(rows) == 8 and tuple(rows[0])[: len(PREDICT_COLUMNS)] == PREDICT_COLUMNS
     assert [row["beta_deg"] for row in rows[:2]] == ["80.0", "90.0"]
-
-
-def test_force_replaces(run: Run, tmp_path: Path) -> None:
-    path = tmp_path / "out.csv"
-    path.write_text("old")
-    assert run("sweep", *ROTOR, *GRID, "-o", path, "--force").code == 0
-    assert path.read_text().startswith("rpm")
 
 
 @pytest.mark.parametrize(("fault", "code"), [(KeyboardInterrupt, 130), (OSError, 2)])
@@ -73,29 +73,131 @@ def test_nothing_is_left_when_writing_stops(
         raise fault(28, "No space left on device")
 
     monkeypatch.setattr(Path, "write_bytes", stop)
-    done = run("sweep", *ROTOR, *GRID, "-o", tmp_path / "out.nc")
-    assert done.code == code
-    assert done.err.count("\n") == 1
+    done = run(*SWEEP, "out.nc")
+    assert (done.code, done.err.count("\n")) == (code, 1)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_standard_deviations_are_variables_with_units(run: Run, tmp_path: Path) -> None:
-    grid = ["--rpm", "5000", "--speed", "5", "--beta", "60:80:2"]
-    path = tmp_path / "out.nc"
-    assert run("sweep", "apc 10x5e", *grid, "--std-by-source", "-o", path).code == 0
-    with xarray.open_dataset(path, engine="h5netcdf") as found:
+def test_standard_deviations_are_variables_with_units(run: Run) -> None:
+    asked = ["sweep", "apc 10x5e", "--rpm", "5000", "--speed", "5", "--beta", "60:80:2"]
+    assert run(*asked, "--std-by-source", "-o", "out.nc").code == 0
+    with xarray.open_dataset("out.nc", engine="h5netcdf") as found:
         assert found["thrust_std"].attrs["units"] == "N"
         assert found["thrust_std"].attrs["long_name"].startswith("standard deviation of")
         assert found["roll_moment_std"].attrs["units"] == "N m"
         assert found["power_std_tunnel"].attrs["long_name"].endswith("from tunnel only")
-        parts = [found[f"thrust_std_{s}"] for s in ("parameters", "discrepancy", "tunnel")]
-        total = np.sqrt(sum(part.values**2 for part in parts))
-        np.testing.assert_allclose(found["thrust_std"].values, total)
         expected = found["thrust_std"].values.ravel()
-    table = tmp_path / "out.csv"
-    assert run("sweep", "apc 10x5e", *grid, "-o", table).code == 0
-    with table.open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [float(row["thrust_std_N"]) for row in rows] == expected.tolist()
-    assert run("sweep", "apc 10x5e", *grid, "--no-bands", "-o", table, "--force").code == 0
-    assert "std" not in table.read_text()
+    assert run(*asked, "-o", "out.csv").code == 0
+    assert [float(row["thrust_std_N"]) for row in rows_of("out.csv")] == expected.tolist()
+    assert run(*asked, "--no-bands", "-o", "out.csv", "--force").code == 0
+    assert "std" not in Path("out.csv").read_text()
+
+
+# -------------------------------------------------------------------------------------------------
+# Stores, which are written in parts.
+
+
+def test_a_sweep_is_streamed_and_announced(run: Run) -> None:
+    done = run(*SWEEP, "map.zarr")
+    assert (done.code, done.out) == (0, "wrote map.zarr: 8 points\n")
+    assert "8 operating points in 1 task, up to 592 bytes; about" in done.err
+    assert run(*SWEEP, "map.nc").code == 0
+    streamed, whole = xarray.open_zarr("map.zarr"), xarray.open_dataset("map.nc")
+    assert set(streamed.data_vars) == set(whole.data_vars)
+    xarray.testing.assert_allclose(streamed, whole)
+    again = run(*SWEEP, "map.zarr")
+    assert (again.code, again.err.count("\n")) == (2, 1)
+    assert "complete; pass --force" in again.err
+    assert "created with another model" in run(*SWEEP, "map.zarr", "--rho", "1.1").err
+    assert run(*SWEEP, "map.zarr", "--rho", "1.1", "--force").code == 0
+
+
+def test_what_is_not_a_store_is_left_alone(run: Run) -> None:
+    Path("map.zarr").mkdir()
+    Path("map.zarr/thesis.txt").write_text("mine")
+    for more in ([], ["--force"]):
+        done = run(*SWEEP, "map.zarr", *more)
+        assert (done.code, done.err.count("\n")) == (2, 1)
+        assert "not a store of propmap" in done.err
+    assert Path("map.zarr/thesis.txt").read_text() == "mine"
+
+
+def test_much_is_asked_for_and_too_much_refused(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    many = ["--rpm", "1000:9000:100000", "--speed", "1:20:100000", "--beta", "1:90:10000"]
+    done = run("sweep", *ROTOR, *many, "-o", "map.zarr")
+    assert done.code == 2 and "7.4 PB" in done.err.splitlines()[-1]
+    assert list(tmp_path.iterdir()) == []
+    monkeypatch.setattr(sweep, "ASK_ABOVE_BYTES", 100.0)
+    monkeypatch.setattr("sys.stdin.isatty", lambda: False, raising=False)
+    done = run(*SWEEP, "map.zarr")
+    assert done.code == 2 and "needs a confirmation; pass --yes" in done.err
+    assert run(*SWEEP, "map.zarr", "--yes").code == 0
+
+
+@pytest.mark.parametrize(
+    ("file", "cluster", "told"),
+    [
+        ("map.zarr", "local:0", "asks for '0' workers; give a number from 1"),
+        ("map.zarr", "localhost", "not an address; write local, local:4"),
+        ("map.zarr", "tcp://localhost:99999", "not an address"),
+        ("map.zarr", "tcp://localhost:PORT", "no scheduler answers within 0.1 s; start one"),
+        ("map.nc", "local:2", "use the file extension .zarr"),
+    ],
+)
+def test_wrong_clusters_are_one_line(
+    run: Run, monkeypatch: pytest.MonkeyPatch, file: str, cluster: str, told: str
+) -> None:
+    monkeypatch.setattr("propmap.cluster.ANSWER_WITHIN", 0.1)
+    with socket.socket() as free:
+        free.bind(("localhost", 0))
+        cluster = cluster.replace("PORT", str(free.getsockname()[1]))
+        done = run(*SWEEP, file, "--cluster", cluster)
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert told in done.err
+    # A run that never began is not in the way of another one.
+    if cluster == "local:0":
+        assert Path(file).exists() and run(*SWEEP, file, "--rho", "1.1").code == 0
+
+
+STUDY = """
+schema = 1
+[propeller]
+name = "apc-8x6e"
+airfoil = "paper-apc"
+[sampling]
+method = "full-factorial"
+[vary]
+diameter_in = [7.5, 8.0, 8.5]
+pitch_in = [5.0, 6.0, 7.0]
+[points]
+rpm = 5000.0
+speed_mps = [0.0, 10.0]
+beta_deg = 60.0
+[picture]
+quantity = "thrust"
+speed_mps = 10.0
+"""
+
+
+@pytest.mark.parametrize("ending", ["nc", "zarr"])
+def test_a_study_ends_in_a_dataset_and_a_picture(run: Run, ending: str) -> None:
+    path = f"study.{ending}"
+    done = run("study", "study.toml", "-o", path)
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    Path("study.toml").write_text(STUDY)
+    picture = ["--picture", "surface.png"] if ending == "nc" else []
+    done = run("study", "study.toml", "-o", path, *picture)
+    assert done.code == 0
+    assert "wrote" in done.out and "9 designs, 18 points" in done.out
+    if picture:
+        assert "thrust at 5000 rpm, speed 10 m/s, beta 60 degree" in done.out
+        assert Path("surface.png").stat().st_size > 10_000
+    found = xarray.open_zarr(path) if ending == "zarr" else xarray.open_dataset(path)
+    assert dict(found.sizes) == {"design": 9, "rpm": 1, "speed": 2, "beta": 1}
+    assert found["diameter"].attrs["units"] == "m"
+    # More pitch, more thrust; more diameter too.
+    thrust = found["thrust"].values[:, 0, 0, 0].reshape(3, 3)
+    assert (thrust[1:] > thrust[:-1]).all()
+    assert (thrust[:, 1:] > thrust[:, :-1]).all()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 import signal
 import subprocess
@@ -16,10 +17,10 @@ import pytest
 
 from propmap.cluster import AHEAD, DaskWorkers, connected
 from propmap.errors import InputError
-from propmap.sweep.run import Store, sweep_to_store
+from propmap.sweep.run import Store
 from propmap.tasks import in_order
 from tests.sweep.conftest import whole  # noqa: F401
-from tests.sweep.small_sweep import GRID, POINTS_PER_TASK, contents, rotor, sweep
+from tests.sweep.small_sweep import contents, sweep, swept
 
 pytestmark = pytest.mark.slow
 
@@ -30,10 +31,6 @@ TIMES = 3
 def workers() -> Iterator[DaskWorkers]:
     with connected("local:2") as found:
         yield found
-
-
-def _less(common: int, task: int) -> int:
-    return task - common
 
 
 def _process(_: None, task: int) -> int:
@@ -59,17 +56,9 @@ def test_results_are_those_of_this_process(
     tmp_path: Path,
     whole: dict[str, bytes],  # noqa: F811
 ) -> None:
-    path = tmp_path / "map.zarr"
-    told = []
-    sweep_to_store(
-        rotor(),
-        GRID,
-        path,
-        workers=workers,
-        points_per_task=POINTS_PER_TASK,
-        progress=lambda done, total: told.append((done, total)),
-    )
-    assert contents(path) == whole
+    told: list[tuple[int, int]] = []
+    found = swept(tmp_path / "map.zarr", workers=workers, progress=lambda *one: told.append(one))
+    assert found == whole
     assert told == [(k, 20) for k in range(21)]
 
 
@@ -104,7 +93,7 @@ def test_all_workers_work_and_few_tasks_are_under_way(workers: DaskWorkers) -> N
 
     for count, _ in enumerate(workers.results(_slow, None, tasks())):
         assert taken <= count + AHEAD * 2 + 1
-    assert in_order(workers.results(_less, 1, range(9))) == list(range(-1, 8))
+    assert in_order(workers.results(operator.sub, 1, range(9))) == list(range(1, -8, -1))
 
 
 def test_what_a_task_refuses_is_told_as_here(workers: DaskWorkers) -> None:
@@ -113,8 +102,7 @@ def test_what_a_task_refuses_is_told_as_here(workers: DaskWorkers) -> None:
 
 
 def test_killed_workers_lose_nothing(tmp_path: Path, whole: dict[str, bytes]) -> None:  # noqa: F811
-    path, rng = tmp_path / "map.zarr", np.random.default_rng(2)
-    killed = 0
+    rng, killed = np.random.default_rng(2), 0
     with connected("local:2") as workers:
         stop, progressed = threading.Event(), threading.Event()
 
@@ -134,16 +122,8 @@ def test_killed_workers_lose_nothing(tmp_path: Path, whole: dict[str, bytes]) ->
         try:
             for run in range(20):
                 path = tmp_path / f"{run}.zarr"
-                sweep_to_store(
-                    rotor(),
-                    GRID,
-                    path,
-                    workers=workers,
-                    points_per_task=POINTS_PER_TASK,
-                    progress=lambda *_: progressed.set(),
-                )
+                found = swept(path, workers=workers, progress=lambda *_: progressed.set()).items()
                 # Killed while it writes, one leaves a temporary file, which no reader sees.
-                found = contents(path).items()
                 assert {k: v for k, v in found if not k.endswith(".partial")} == whole
                 if killed >= TIMES:
                     break
@@ -178,8 +158,7 @@ def test_a_killed_client_goes_on(
             if name.startswith("status/c") and name not in finished
         }
     assert 0 < len(finished) - 1 < 20  # killed on the way, not before and not at the end
-    sweep_to_store(rotor(), GRID, path, points_per_task=POINTS_PER_TASK)
-    assert contents(path) == whole
+    assert swept(path) == whole
     assert finished == {name: (path / name).stat().st_mtime_ns for name in finished}
 
 

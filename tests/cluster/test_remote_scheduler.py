@@ -15,9 +15,8 @@ import pytest
 
 from propmap.cluster import connected
 from propmap.errors import InputError
-from propmap.sweep.run import sweep_to_store
 from tests.sweep.conftest import whole  # noqa: F401
-from tests.sweep.small_sweep import GRID, POINTS_PER_TASK, contents, rotor
+from tests.sweep.small_sweep import swept
 
 pytestmark = pytest.mark.slow
 
@@ -44,40 +43,26 @@ def dask(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
             process.wait()
 
 
-@pytest.fixture
-def address() -> str:
+@contextlib.contextmanager
+def scheduler() -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """A scheduler that listens, and its address."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
-        return f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        port = free.getsockname()[1]
+    quiet = ("--no-dashboard", "--no-show")
+    with dask("scheduler", "--host", "127.0.0.1", "--port", str(port), *quiet) as running:
+        for _ in range(600):
+            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 0.2):
+                break
+            time.sleep(0.1)
+        yield running, f"tcp://127.0.0.1:{port}"
 
 
-def scheduler(address: str) -> contextlib.AbstractContextManager[subprocess.Popen[bytes]]:
-    host, port = address.removeprefix("tcp://").split(":")
-    return dask("scheduler", "--host", host, "--port", port, "--no-dashboard", "--no-show")
-
-
-def wait_for(address: str) -> None:
-    host, port = address.removeprefix("tcp://").split(":")
-    for _ in range(600):
-        with contextlib.suppress(OSError), socket.create_connection((host, int(port)), 0.2):
-            return
-        time.sleep(0.1)
-
-
-def worker(address: str) -> contextlib.AbstractContextManager[subprocess.Popen[bytes]]:
-    return dask("worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard")
-
-
-def test_a_scheduler_of_its_own(
-    address: str,
-    tmp_path: Path,
-    whole: dict[str, bytes],  # noqa: F811
-) -> None:
-    with scheduler(address) as running:
-        wait_for(address)
+def test_a_scheduler_of_its_own(tmp_path: Path, whole: dict[str, bytes]) -> None:  # noqa: F811
+    with scheduler() as (running, address):
         with pytest.raises(InputError, match="no workers; start workers"), connected(address):
             pass
-        with worker(address):
+        with dask("worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard"):
             workers = contextlib.ExitStack()
             for _ in range(60):
                 with contextlib.suppress(InputError):
@@ -86,20 +71,13 @@ def test_a_scheduler_of_its_own(
                 time.sleep(0.5)
             with workers:
                 assert found.count == 2
-                path = tmp_path / "map.zarr"
-                sweep_to_store(rotor(), GRID, path, workers=found, points_per_task=POINTS_PER_TASK)
-                assert contents(path) == whole
+                assert swept(tmp_path / "map.zarr", workers=found) == whole
                 # The scheduler is killed on the way.
                 path = tmp_path / "other.zarr"
-                with pytest.raises(InputError) as told:
-                    sweep_to_store(
-                        rotor(),
-                        GRID,
+                with pytest.raises(InputError, match="run the command again to resume"):
+                    swept(
                         path,
                         workers=found,
-                        points_per_task=POINTS_PER_TASK,
                         progress=lambda done, _: running.kill() if done == 3 else None,
                     )
-                assert "run the command again to resume" in str(told.value)
-    sweep_to_store(rotor(), GRID, path, points_per_task=POINTS_PER_TASK)
-    assert contents(path) == whole
+    assert swept(path) == whole

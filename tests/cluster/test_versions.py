@@ -13,11 +13,7 @@ from propmap.errors import InputError
 
 SAME: dict[str, Any] = {
     "host": {"python": "3.12.3.final.0"},
-    "packages": {
-        "propmap": "0.1.0",
-        "numpy": "2.4.6",
-        "distributed": "2026.8.0",
-    },
+    "packages": {"propmap": "0.1.0", "numpy": "2.4.6", "distributed": "2026.8.0"},
 }
 ADDRESS = "tcp://10.0.0.1:4000"
 
@@ -44,7 +40,6 @@ def test_the_same_everywhere_is_right_and_so_is_another_patch_of_python() -> Non
         ("worker", "propmap", None, f"worker {ADDRESS} does not have propmap; install propmap"),
         ("worker", "propmap", "0.2.0", f"worker {ADDRESS} has propmap 0.2.0, the client has 0.1.0"),
         ("worker", "numpy", "2.3.0", "has numpy 2.3.0, the client has 2.4.6; install the"),
-        ("worker", "numpy", "1.26.0", "has numpy 1.26.0"),
         ("worker", "python", "3.11.7.final.0", "has python 3.11, the client has 3.12"),
         ("scheduler", "propmap", None, "the scheduler does not have propmap"),
     ],
@@ -53,8 +48,7 @@ def test_differences_are_one_line(who: str, package: str, version: str | None, t
     client: Any = SimpleNamespace(get_versions=lambda **_: found(who, package, version))
     with pytest.raises(InputError) as refused:
         DaskWorkers(client)
-    assert told in str(refused.value)
-    assert "\n" not in str(refused.value)
+    assert told in str(refused.value) and "\n" not in str(refused.value)
 
 
 def test_a_worker_that_does_not_answer_is_told() -> None:

@@ -54,9 +54,8 @@ def asked(application: Application, output: str, inputs: list[Any], state: list[
         "changedPropIds": [f"{one['id']}.{one['property']}" for one in inputs],
     }
     client = application.dash.server.test_client()
-    return client.post(
-        UPDATE(application), data=json.dumps(body), headers=LOCAL, content_type="application/json"
-    )
+    where = {"headers": LOCAL, "content_type": "application/json"}
+    return client.post(UPDATE(application), data=json.dumps(body), **where)
 
 
 LOCAL = {"Host": "127.0.0.1:8765"}

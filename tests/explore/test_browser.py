@@ -50,32 +50,24 @@ def page(chromium: Browser, address: str) -> Iterator[Page]:
     wrong: list[str] = []
     found.on("pageerror", lambda error: wrong.append(str(error)))
     found.on("console", lambda one: wrong.append(one.text) if one.type == "error" else None)
-    found.on("request", lambda r: wrong.append(r.url) if _foreign(r.url, address) else None)
+    own = (address, "data:", "blob:")
+    found.on("request", lambda r: None if r.url.startswith(own) else wrong.append(r.url))
     yield found
     found.close()
     assert not wrong
 
 
-def _foreign(url: str, address: str) -> bool:
-    return not url.startswith((address, "data:", "blob:"))
-
-
-def _with_files(page: Page, address: str, folder: Path) -> None:
-    """The first view, with a vehicle and a table."""
-    table = invented()
-    table.info["certificate"] = certificate(unresolved_cells=2)
-    table.save(folder / "map.npz")
-    open_view(page, f"{address}/disk")
-    for path, kind in ((VEHICLE, "vehicle"), (folder / "map.npz", "table")):
-        page.locator("input[type=file]").set_input_files(path)
-        page.wait_for_selector(f".files:has-text('{kind}')", timeout=60e3)
-        settle(page)
-
-
 def test_each_view_opens_fits_and_is_accessible(page: Page, address: str, tmp_path: Path) -> None:
     """No serious violation that axe finds, and nothing wider than a telephone."""
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
-    _with_files(page, address, tmp_path)
+    table = invented()
+    table.info["certificate"] = certificate(unresolved_cells=2)
+    table.save(tmp_path / "map.npz")
+    open_view(page, f"{address}/disk")
+    for path, kind in ((VEHICLE, "vehicle"), (tmp_path / "map.npz", "table")):
+        page.locator("input[type=file]").set_input_files(path)
+        page.wait_for_selector(f".files:has-text('{kind}')", timeout=60e3)
+        settle(page)
     for name in VIEWS:
         page.get_by_role("link", name=name.capitalize(), exact=True).click()
         page.wait_for_selector(f".view-{name}", timeout=60e3)
@@ -103,7 +95,7 @@ def test_numbers_commands_and_address(page: Page, address: str) -> None:
     page.wait_for_timeout(50)
     settle(page)
     assert "rpm=5010" in page.url
-    loads = pm.Rotor(pm.known_model("apc-8x6e")).loads(5010.0 * RPM, 12.0, np.radians(70.0))
+    loads = pm.Rotor(pm.catalogue_model("apc-8x6e")).loads(5010.0 * RPM, 12.0, np.radians(70.0))
     row = page.locator("#tables tr", has=page.locator("th", has_text="thrust")).first
     assert row.locator("td").first.inner_text() == f"{float(loads.thrust):.4g}"
     command = page.locator("#command").inner_text() or page.locator("#command").text_content()
@@ -135,17 +127,6 @@ def test_a_bad_file_and_a_bad_name_are_told_on_the_page(page: Page, address: str
     settle(page)
 
 
-def test_two_tabs_are_two_sessions(chromium: Browser, address: str) -> None:
-    one, other = chromium.new_page(), chromium.new_page()
-    open_view(one, f"{address}/disk?prop=apc-8x6e&speed=3")
-    open_view(other, f"{address}/disk?prop=apc-9x6e&speed=7")
-    for page, name, speed in ((one, "apc-8x6e", 3.0), (other, "apc-9x6e", 7.0)):
-        assert page.locator("#prop").input_value() == name
-        box = page.get_by_label("Flight speed V, as a number")
-        assert float(box.input_value()) == speed
-        page.close()
-
-
 def test_a_fit_outlives_a_reload_and_a_killed_browser(chromium: Browser, address: str) -> None:
     place = f"{address}/constants?prop=apc-8x6e&data=uiuc-8x6e&free=c_l1"
     killed = chromium.browser_type.launch(executable_path=browser_path(), args=["--no-sandbox"])
@@ -167,17 +148,6 @@ def test_a_fit_outlives_a_reload_and_a_killed_browser(chromium: Browser, address
     fitted = float(page.get_by_label("c_l1, slope of").first.input_value())
     assert f"c_l1 = {fitted:.4g}"[:10] in page.locator("#progress").inner_text()
     page.close()
-
-
-def test_dark_and_light(page: Page, address: str) -> None:
-    open_view(page, f"{address}/disk")
-    colour = "getComputedStyle(document.body).backgroundColor"
-    light = page.evaluate(colour)
-    page.get_by_role("button", name="Dark or light").click()
-    page.wait_for_function(f"{colour} !== '{light}'")
-    page.emulate_media(color_scheme="dark")
-    page.get_by_role("button", name="Dark or light").click()
-    page.wait_for_function(f"{colour} === '{light}'")
 
 
 def test_a_point_of_the_blade_is_dragged_and_put_back(page: Page, address: str) -> None:

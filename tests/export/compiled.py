@@ -16,7 +16,7 @@ from propmap.table import LoadTable
 
 from .needed import program
 
-FLAGS = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2"]
+FLAGS = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1"]
 
 FIELDS = (*LOADS, "power")
 
@@ -75,34 +75,50 @@ void omega_for(size_t n, const real *quantity, const real *value, const real *v,
 """
 
 
+def shared_library(folder: Path, source: str, name: str = "caller", *options: str) -> ctypes.CDLL:
+    """A C source, compiled without a warning and loaded."""
+    (folder / f"{name}.c").write_text(source)
+    command = [
+        program("gcc"),
+        *FLAGS,
+        *options,
+        "-fPIC",
+        "-shared",
+        f"{name}.c",
+        "-o",
+        f"{name}.so",
+    ]
+    subprocess.run([*command, "-lm"], cwd=folder, check=True)
+    return ctypes.CDLL(str(folder / f"{name}.so"))
+
+
+def printed(folder: Path, source: str, *options: str) -> str:
+    """The output of a C program that compiles without a warning."""
+    (folder / "main.c").write_text(source)
+    command = [program("gcc"), *FLAGS, *options, "main.c", "-o", "main", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    return subprocess.run([folder / "main"], capture_output=True, text=True, check=True).stdout
+
+
+def addresses(*arrays: np.ndarray) -> list[ctypes.c_void_p]:
+    return [ctypes.c_void_p(array.ctypes.data) for array in arrays]
+
+
 class Compiled:
     """The header of a table, compiled; its functions take arrays (n,)."""
 
     def __init__(self, table: LoadTable, folder: Path, *, single: bool = False) -> None:
         (header, _) = export_table(table, "c", folder, replace=True)
-        self.name = header.stem
-        source, library = folder / "wrapper.c", folder / f"wrapper-{int(single)}.so"
-        count, fields = len(FIELDS), list(enumerate(FIELDS))
-        fill = " ".join(f"to[{k}] = f.{field};" for k, field in fields)
-        slopes = " ".join(f"to[{4 * k} + k] = f.{field}[k];" for k, field in fields)
+        upper, fields = header.stem.upper(), list(enumerate(FIELDS))
         text = WRAPPER.format(
-            name=self.name, upper=self.name.upper(), fill=fill, fill_slopes=slopes, count=count
+            name=header.stem,
+            upper=upper,
+            fill=" ".join(f"to[{k}] = f.{field};" for k, field in fields),
+            fill_slopes=" ".join(f"to[{4 * k} + k] = f.{field}[k];" for k, field in fields),
+            count=len(FIELDS),
         )
-        source.write_text(text)
-        define = [f"-D{self.name.upper()}_FLOAT"] if single else []
-        command = [
-            program("gcc"),
-            *FLAGS,
-            *define,
-            "-fPIC",
-            "-shared",
-            source.name,
-            "-o",
-            library.name,
-            "-lm",
-        ]
-        subprocess.run(command, cwd=folder, check=True)
-        self._library = ctypes.CDLL(str(library))
+        define = [f"-D{upper}_FLOAT"] if single else []
+        self._library = shared_library(folder, text, "wrapper", *define)
         self._type = np.float32 if single else np.float64
 
     def __call__(
@@ -112,8 +128,8 @@ class Compiled:
         arrays = [np.ascontiguousarray(a, self._type) for a in np.broadcast_arrays(*arguments)]
         count = arrays[0].size
         values, numbers = np.empty((count, width), self._type), np.empty(count, np.intc)
-        pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*arrays, values, numbers)]
-        getattr(self._library, function)(ctypes.c_size_t(count), *pointers)
+        call = getattr(self._library, function)
+        call(ctypes.c_size_t(count), *addresses(*arrays, values, numbers))
         return values.astype(np.float64), numbers
 
 

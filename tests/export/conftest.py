@@ -4,6 +4,7 @@ import runpy
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,32 +15,27 @@ from propmap.loads import LOADS
 from propmap.table import LoadTable, build_table
 from propmap.table.interpolation import TableContent
 
-OMEGA = (400.0, 800.0)
-SPEED = (0.0, 6.0)
-BETA = (0.0, np.pi / 2)
-
+ENVELOPE = {"omega": (400.0, 800.0), "speed": (0.0, 6.0), "beta": (0.0, np.pi / 2)}
 RADIUS = 0.1
+
+Both = tuple[propmap.Rotor, LoadTable]
 
 
 @pytest.fixture(scope="session")
 def table() -> LoadTable:
     """A coarse table of the model, from hover to slow climb and edgewise flight."""
-    rotor = propmap.Rotor(
-        propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
-    )
-    return build_table(
-        rotor, omega=OMEGA, speed=SPEED, beta=BETA, tolerance=0.05, certificate_points=512
-    )
+    model = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    rotor = propmap.Rotor(model)
+    return build_table(rotor, **ENVELOPE, tolerance=0.05, certificate_points=512)
 
 
 @pytest.fixture(scope="session")
-def oblique() -> tuple[propmap.Rotor, LoadTable]:
+def oblique() -> Both:
     """A rotor with a side force and a pitching moment, and its table, good to 0.3 %."""
     corrections = (propmap.correction("pitt-peters"),)
     blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
     rotor = propmap.Rotor(propmap.Model(blade, law, corrections=corrections))
-    ends = {"omega": OMEGA, "speed": SPEED, "beta": BETA}
-    return rotor, build_table(rotor, **ends, tolerance=0.003, certificate_points=512)
+    return rotor, build_table(rotor, **ENVELOPE, tolerance=0.003, certificate_points=512)
 
 
 @pytest.fixture(scope="session")
@@ -115,3 +111,36 @@ def module(tmp_path: Path) -> Module:
         return SimpleNamespace(**runpy.run_path(str(path)))
 
     return make
+
+
+SPINS = {"ccw": 1, "cw": -1}
+OMEGA = 600.0
+VELOCITIES = np.array([[4.0, 2.0, 1.0], [-3.0, 3.5, 0.5], [1.0, -4.5, 2.0], [-5.0, -0.5, 0.3]])
+"""Towards every quarter of the disk, within the envelope."""
+
+
+def hub_wrench(rotor: propmap.Rotor, spin: str) -> np.ndarray:
+    """Force and moment (n, 6) at ``VELOCITIES``, with all six loads at work."""
+    found = rotor.wrench(OMEGA, VELOCITIES, spin)
+    loads = rotor.loads_at_velocity(OMEGA, VELOCITIES)
+    assert (loads.pitch_moment > 1e-4).all() and (abs(loads.side_force) > 1e-3).all()
+    return np.concatenate([found.force, found.moment], axis=-1)
+
+
+def share(got: np.ndarray, want: np.ndarray) -> np.ndarray:
+    """Errors over thrust and thrust times radius."""
+    scale = want[..., 2:3] * np.array([1.0, 1.0, 1.0, RADIUS, RADIUS, RADIUS])
+    return np.asarray(abs(got - want) / scale)
+
+
+def frame(mass: float) -> dict[str, Any]:
+    """What RotorPy wants to know of a vehicle besides its rotors; these turn ccw, cw, ccw, cw."""
+    corners = 0.2 * np.array([[1, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0]])
+    return {
+        **{"mass": mass, "Ixx": 4e-3, "Iyy": 4e-3, "Izz": 7e-3},
+        **dict.fromkeys(("Ixy", "Ixz", "Iyz", "c_Dx", "c_Dy", "c_Dz"), 0.0),
+        "num_rotors": 4,
+        "rotor_pos": {f"r{k}": corner for k, corner in enumerate(corners, 1)},
+        "rotor_directions": np.array([-1, 1, -1, 1]),  # of the torque on the body
+        "tau_m": 0.02,
+    }

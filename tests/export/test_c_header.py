@@ -2,37 +2,51 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import propmap
 from propmap.export import export_table
 from propmap.export.files import static_loads
 from propmap.table import LoadTable
 
-from .compiled import FIELDS, FLAGS, compiled_of
-from .conftest import invented_content, points
+from .compiled import FIELDS, addresses, compiled_of, printed, shared_library
+from .conftest import (
+    OMEGA,
+    SPINS,
+    VELOCITIES,
+    Both,
+    hub_wrench,
+    invented_content,
+    points,
+    share,
+)
 from .needed import program
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "c" / "inflow.c"
 
 POINTS = 10_000
 
 SLOPES = 4 * len(FIELDS)
 
+InC = Callable[[np.ndarray], np.ndarray]
 
-@pytest.fixture(params=["model", "gap", "partial"])
-def any_table(request: pytest.FixtureRequest, table: LoadTable) -> LoadTable:
-    """Tables of the model; with NaN and flags; and one that ends on no plane of symmetry."""
-    if request.param == "model":
-        return table
-    if request.param == "gap":
-        return LoadTable(invented_content(gap=True))
-    return LoadTable(invented_content(beta=(0.3, 2.5)))
+
+@pytest.fixture(scope="module")
+def ragged() -> LoadTable:
+    """A table with NaN and flags that ends on no plane of symmetry."""
+    return LoadTable(invented_content(beta=(0.3, 2.5), gap=True))
 
 
 @pytest.mark.parametrize("single", [False, True])
-def test_loads_are_those_of_python(any_table: LoadTable, single: bool) -> None:
+@pytest.mark.parametrize("name", ["table", "ragged"])
+def test_loads_are_those_of_python(request: pytest.FixtureRequest, name: str, single: bool) -> None:
+    any_table: LoadTable = request.getfixturevalue(name)
     compiled = compiled_of(any_table, single=single)
     omega, speed, beta = points(any_table, POINTS)
     expected = any_table.loads(omega, speed, beta)
@@ -50,10 +64,6 @@ def test_loads_are_those_of_python(any_table: LoadTable, single: bool) -> None:
     # Beside a border between cells, single precision may be on its other side.
     assert (status != expected.code).sum() <= (POINTS // 1000 if single else 0)
     assert set(np.unique(expected.code)) == set(np.unique(status))
-
-
-def test_not_a_number_and_infinity_are_outside(table: LoadTable) -> None:
-    compiled = compiled_of(table)
     bad = np.array([np.nan, np.inf, -np.inf])
     for k in range(3):
         point = [np.full(3, 500.0), np.full(3, 2.0), np.full(3, 1.0)]
@@ -88,18 +98,6 @@ def test_velocities_and_gradients_are_those_of_python(table: LoadTable) -> None:
     # Near rest the derivative with beta is divided by the advance ratio, down to 1e-7.
     np.testing.assert_allclose(found / size, slopes / size, rtol=0.0, atol=1e-8)
     np.testing.assert_array_equal(status, expected.code)
-
-
-def test_gradients_in_single_precision(table: LoadTable) -> None:
-    compiled = compiled_of(table, single=True)
-    rng = np.random.default_rng(2)
-    omega, axial = rng.uniform(450.0, 750.0, 1000), rng.uniform(0.1, 3.0, 1000)
-    across = rng.uniform(0.5, 3.0, 1000)
-    found, _ = compiled("gradient", SLOPES, omega, across, 0.0 * across, axial)
-    velocity = np.stack([across, 0.0 * across, axial], axis=-1)
-    slopes = np.stack(table.gradient_at_velocity(omega, velocity), axis=1).reshape(-1, SLOPES)
-    size = np.maximum(abs(slopes).max(axis=0), 1e-9)
-    assert abs((found - slopes) / size).max() < 1e-3
 
 
 @pytest.mark.parametrize("quantity", ["thrust", "torque", "power"])
@@ -143,14 +141,14 @@ def test_the_inverse_answers_the_ends_of_the_envelope(
     assert solutions.tolist() == [0]
 
 
-def test_the_inverse_tells_of_several() -> None:
-    windmill = LoadTable(invented_content())
-    compiled = compiled_of(windmill)
-    # In climb, 0.016 Omega^2 - 0.08 Omega V/R turns at Omega = 2.5 V/R = 225 rad/s.
-    speed, beta = np.full(3, 9.0), np.zeros(3)
-    value = np.asarray(windmill.loads([205.0, 300.0, 224.0], speed, beta).thrust)
+def test_the_inverse_tells_of_several(ragged: LoadTable) -> None:
+    compiled = compiled_of(ragged)
+    # 0.016 Omega^2 - 0.08 Omega V_z/R turns at Omega = 2.5 V_z/R = 225 rad/s.
+    beta = np.full(3, 0.3)
+    speed = 9.0 / np.cos(beta)
+    value = np.asarray(ragged.loads([205.0, 300.0, 224.0], speed, beta).thrust)
     found, solutions = compiled("omega_for", 2, np.zeros(3), value, speed, beta)
-    expected = windmill.omega_for("thrust", value, speed, beta)
+    expected = ragged.omega_for("thrust", value, speed, beta)
     assert solutions.tolist() == [2, 1, 2]
     np.testing.assert_array_equal(solutions, expected.solutions)
     np.testing.assert_allclose(found[:, 0], expected.omega, rtol=1e-9)
@@ -158,18 +156,124 @@ def test_the_inverse_tells_of_several() -> None:
     assert found[0] == pytest.approx([245.0, 205.0], rel=1e-6)
 
 
-def test_two_propellers_go_into_one_program(table: LoadTable, tmp_path: Path) -> None:
+def test_two_propellers_go_into_one_program_in_c_and_in_cpp(
+    table: LoadTable, tmp_path: Path
+) -> None:
     odd = LoadTable(invented_content(name='9" */ #define x\n@data@ "ü"'))
-    names = [export_table(t, "c", tmp_path / "c", replace=True)[0].name for t in (table, odd)]
+    names = [export_table(t, "c", tmp_path, replace=True)[0].name for t in (table, odd)]
     text = "".join(f'#include "{name}"\n' * 2 for name in names) + "int main(void) { return 0; }\n"
-    (tmp_path / "c" / "main.c").write_text(text)
-    subprocess.run([program("gcc"), *FLAGS, "main.c", "-o", "main"], cwd=tmp_path / "c", check=True)
-
-
-@pytest.mark.parametrize("define", ["", "#define APC_8X6E_FLOAT\n"])
-def test_the_header_is_cpp_too(table: LoadTable, tmp_path: Path, define: str) -> None:
-    header, _ = export_table(table, "c", tmp_path)
-    text = f'{define}#include "{header.name}"\nint main() {{ return 0; }}\n'
-    (tmp_path / "main.cpp").write_text(text)
+    printed(tmp_path, text)
+    (tmp_path / "main.cpp").write_text("#define APC_8X6E_FLOAT\n" + text)
     command = [program("g++"), "-Wall", "-Wextra", "-Werror", "main.cpp", "-o", "main"]
     subprocess.run(command, cwd=tmp_path, check=True)
+
+
+# -------------------------------------------------------------------------------------------------
+# The wrench on the hub, and its inflow.
+
+WRENCHES = """
+#include "{name}.h"
+void wrench(int n, const double *a, double *to)
+{{
+    int i, k;
+    for (i = 0; i < n; ++i, a += 6, to += 15) {{
+        const {name}_wrench_t w = {name}_wrench(a[0], a[1], a[2], a[3], (int)a[4]);
+        const {name}_wrench_t v = {name}_wrench_in_inflow(a[5], a[0], a[1], a[2], a[3], (int)a[4]);
+        const {name}_inflow_t steady = {name}_inflow(a[0], a[1], a[2], a[3]);
+        for (k = 0; k < 3; ++k) {{
+            to[k] = w.force[k];
+            to[3 + k] = w.moment[k];
+            to[6 + k] = v.force[k];
+            to[9 + k] = v.moment[k];
+        }}
+        to[12] = steady.steady;
+        to[13] = steady.time_constant;
+        to[14] = {name}_inflow_step(a[5], 1e-3, a[0], a[1], a[2], a[3]);
+    }}
+}}
+"""
+
+
+@pytest.fixture(scope="module")
+def in_c(oblique: Both, tmp_path_factory: pytest.TempPathFactory) -> InC:
+    """What the header gives at omega, velocity, spin and inflow (n, 6): (n, 15)."""
+    folder = tmp_path_factory.mktemp("c")
+    (header, _) = export_table(oblique[1], "c", folder)
+    library = shared_library(folder, WRENCHES.format(name=header.stem))
+
+    def call(asked: np.ndarray) -> np.ndarray:
+        given, found = np.ascontiguousarray(asked), np.empty((len(asked), 15))
+        library.wrench(len(asked), *addresses(given, found))
+        return found
+
+    return call
+
+
+@pytest.mark.parametrize("spin", SPINS)
+def test_the_wrench_of_the_hub(oblique: Both, in_c: InC, spin: str) -> None:
+    rotor, _ = oblique
+    rows = [[OMEGA, *velocity, SPINS[spin], 0.0] for velocity in VELOCITIES]
+    found = in_c(np.array(rows))[:, :6]
+    assert share(found, hub_wrench(rotor, spin)).max() < 0.003  # the table's tolerance
+
+
+def test_the_inflow_in_c_follows_that_of_the_model(oblique: Both, in_c: InC) -> None:
+    """In a table each annulus has settled, with its stall, so that thrust seems to depend less on
+    the inflow: the change of thrust is up to 40 % too small."""
+    rotor, _ = oblique
+    dynamic = propmap.DynamicInflow(rotor)
+    velocity = np.vstack([VELOCITIES, [[0.0, 0.0, 0.0], [0.0, 0.0, 5.0]]])
+    steady = dynamic.steady(OMEGA, velocity)
+    rows = np.column_stack([0.0 * steady[:, :1] + OMEGA, velocity, 1.0 + 0.0 * steady[:, :1]])
+    first = in_c(np.column_stack([rows, steady[:, 0]]))
+    np.testing.assert_allclose(first[:, 12], steady[:, 0], rtol=0.06)
+    times = dynamic.time_constants(OMEGA, velocity)[:, 0]
+    np.testing.assert_allclose(first[:, 13], times, rtol=0.15)
+    # The steady inflow changes nothing.
+    own = in_c(np.column_stack([rows, first[:, 12]]))
+    np.testing.assert_allclose(own[:, 6:12], own[:, :6], rtol=1e-9, atol=1e-12)
+    for missing in (1.0, -1.5):
+        found = in_c(np.column_stack([rows, first[:, 12] - missing]))
+        there = steady - np.array([missing, 0.0, 0.0])
+        want = dynamic.step(there, 1e-3, OMEGA, velocity)[:, 0] - steady[:, 0]
+        np.testing.assert_allclose(found[:, 14] - first[:, 12], want, atol=0.05 * abs(missing))
+        thrust = dynamic.loads(there, OMEGA, velocity).thrust
+        change = thrust - rotor.loads_at_velocity(OMEGA, velocity).thrust
+        assert (np.sign(change) == np.sign(missing)).all()
+        ratio = (found[:, 8] - found[:, 2]) / change
+        assert (ratio > 0.6).all() and (ratio < 1.05).all()
+
+
+def test_the_inflow_in_c_decays_for_any_step(oblique: Both, in_c: InC) -> None:
+    """By its closed form: the deviation falls, from any state, and never changes its sign."""
+    _, table = oblique
+    random = np.random.default_rng(3)
+    velocity = np.abs(random.uniform(-3.0, 3.0, (200, 3)))
+    rows = np.column_stack([random.uniform(450.0, 750.0, 200), velocity, np.ones(200)])
+    state = random.uniform(-10.0, 20.0, 200)
+    found = in_c(np.column_stack([rows, state]))
+    before, after = state - found[:, 12], found[:, 14] - found[:, 12]
+    assert (before * after > 0.0).all() and (abs(after) < abs(before)).all()
+    # Near the steady state, the exponential of the time constant.
+    near = in_c(np.column_stack([rows, found[:, 12] + 1e-4]))
+    want = 1e-4 * np.exp(-1e-3 / found[:, 13])
+    np.testing.assert_allclose(near[:, 14] - near[:, 12], want, rtol=1e-3)
+    # Those parts of its rate that are known: without blades 3 pi/4 times 2 v over R.
+    v, time = in_c(np.array([[600.0, 0.0, 0.0, 0.0, 1.0, 0.0]]))[0, 12:14]
+    thrust = float(table.loads(600.0, 0.0, 0.0).thrust)
+    radius, density = table.content.radius, table.content.density
+    assert v == pytest.approx(np.sqrt(thrust / (2.0 * density * np.pi * radius**2)), rel=1e-9)
+    assert 0.5 < time * 1.5 * np.pi * v / radius < 1.0
+
+
+def test_the_example_of_the_inflow_in_c(oblique: Both, tmp_path: Path) -> None:
+    _, table = oblique
+    export_table(table, "c", tmp_path)
+    text = printed(tmp_path, EXAMPLE.read_text())
+    time_constant = float(re.findall(r"time constant (\S+) ms", text)[0])
+    inflow, thrust = np.array(re.findall(r"inflow (\S+) m/s, thrust (\S+) N", text), float).T
+    # The last line is the steady one, which the others near from one side.
+    assert (np.diff(inflow[:-1]) > 0.0).all() and (np.diff(thrust[:-1]) < 0.0).all()
+    assert thrust[0] > 1.05 * thrust[-1]
+    left = (inflow[-1] - inflow[:-1]) / (inflow[-1] - inflow[0])
+    assert left[10] == pytest.approx(np.exp(-10.0 / time_constant), abs=0.02)

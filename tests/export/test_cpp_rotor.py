@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +19,12 @@ from propmap.rotor import include_folder
 
 from .needed import program
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "cpp" / "loads.cpp"
+EXAMPLE = Path(__file__).parents[2] / "examples" / "cpp"
 FLAGS = ["-std=c++20", "-Wall", "-Wextra", "-pedantic", "-Werror"]
 """Instructions and contraction are those of an installation from source."""
 FAST = ["-O2", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"]
-CHECKED = ["-O1", "-march=native", "-ffp-contract=fast", "-fsanitize=address,undefined"]
+QUICKLY_COMPILED = [*FLAGS, "-Og", *FAST[1:]]
+CHECKED = [*FLAGS, "-O1", "-march=native", "-ffp-contract=fast", "-fsanitize=address,undefined"]
 
 
 def points(count: int = 1000) -> np.ndarray:
@@ -34,38 +37,8 @@ def points(count: int = 1000) -> np.ndarray:
     return found
 
 
-def compiled(rotor: pm.Rotor, folder: Path, options: list[str], at: np.ndarray) -> np.ndarray:
-    """Loads and status (N, 7) at points by the example on the header of ``rotor``."""
-    (header,) = export_rotor(rotor, "cpp", folder)
-    name = header.stem
-    text = EXAMPLE.read_text().replace("apc_8x6e", name)
-    (folder / "loads.cpp").write_text(text)
-    build = [program("c++"), *FLAGS, *options, "-I", include_folder(), "loads.cpp", "-o", "loads"]
-    subprocess.run(build, cwd=folder, check=True)
-    asked = "\n".join(" ".join(map(repr, row)) for row in at.tolist())
-    done = subprocess.run([folder / "loads"], input=asked, text=True, capture_output=True)
-    assert done.returncode == 0, done.stderr
-    return np.array([line.split() for line in done.stdout.splitlines()], dtype=np.float64)
-
-
-def agrees(rotor: pm.Rotor, at: np.ndarray, found: np.ndarray) -> None:
-    omega, along, across = at.T
-    own = rotor.loads_at_velocity(omega, np.stack([across, 0.0 * across, along], axis=-1))
-    loads = np.stack([getattr(own, name) for name in LOADS], axis=-1)
-    assert np.isfinite(loads).all()
-    np.testing.assert_allclose(found[:, :6], loads, rtol=1e-12, atol=1e-12 * abs(loads).max())
-    assert [STATUSES[int(k)] for k in found[:, 6]] == own.status.tolist()
-
-
-@pytest.mark.parametrize(
-    "options", [FAST, pytest.param(CHECKED, marks=pytest.mark.slow)], ids=["fast", "checked"]
-)
-def test_loads_are_those_of_python(tmp_path: Path, options: list[str]) -> None:
-    rotor = pm.Rotor(pm.known_model("APC 8x6E"))
-    agrees(rotor, points(), compiled(rotor, tmp_path, options, points()))
-
-
-def test_a_tabulated_law_with_all_that_changes_it(tmp_path: Path) -> None:
+def tabulated() -> pm.Rotor:
+    """A rotor with tabulated section coefficients and every correction that a rotor can have."""
     angle = np.linspace(-np.pi, np.pi, 73)
     lift, drag = np.sin(2.0 * angle)[None], 0.02 + np.sin(angle)[None] ** 2
     lift[:, [0, -1]] = 0.0
@@ -77,23 +50,49 @@ def test_a_tabulated_law_with_all_that_changes_it(tmp_path: Path) -> None:
         "hub-loss",
         "coleman",
         "stall-delay",
+        "prandtl-glauert",
+        "radial-friction",
     )
-    corrections = tuple(map(pm.correction, (*names, "prandtl-glauert", "radial-friction")))
-    model = pm.Model(pm.propeller("apc-8x6e"), law, corrections=corrections)
-    rotor = pm.Rotor(model, accuracy="fine")
-    agrees(rotor, points(100), compiled(rotor, tmp_path, FAST, points(100)))
+    blade = replace(pm.propeller("apc-8x6e"), name="tabulated")
+    model = pm.Model(blade, law, corrections=tuple(map(pm.correction, names)))
+    return pm.Rotor(model, accuracy="fine")
 
 
-def test_cmake_finds_the_headers(tmp_path: Path) -> None:
-    export_rotor(pm.Rotor(pm.known_model("APC 8x6E")), "cpp", tmp_path)
-    for name in ("loads.cpp", "CMakeLists.txt"):
-        (tmp_path / name).write_text((EXAMPLE.parent / name).read_text())
+@pytest.mark.parametrize(
+    "options",
+    [QUICKLY_COMPILED, pytest.param(CHECKED, marks=pytest.mark.slow)],
+    ids=["quickly compiled", "checked"],
+)
+def test_loads_are_those_of_python(tmp_path: Path, options: list[str]) -> None:
+    """The example of the documentation for two rotors, in one program that CMake builds."""
+    asked = {
+        "apc_8x6e": (pm.Rotor(pm.catalogue_model("APC 8x6E")), points()),
+        "tabulated": (tabulated(), points(100)),
+    }
+    example, text, lines = (EXAMPLE / "loads.cpp").read_text(), "", []
+    for name, (rotor, at) in asked.items():
+        (header,) = export_rotor(rotor, "cpp", tmp_path)
+        assert header.stem == name
+        text += example.replace("apc_8x6e", name).replace("int main()", f"void {name}()")
+        lines += [" ".join(map(repr, row)) for row in at.tolist()] + ["end"]
+    text += '\nint main() { apc_8x6e(); (void)std::scanf("%*s"); tabulated(); }\n'
+    (tmp_path / "loads.cpp").write_text(text)
+    shutil.copy(EXAMPLE / "CMakeLists.txt", tmp_path)
     cmake, built = Path(sys.executable).with_name("cmake"), tmp_path / "build"
     given = [f"-Dpropmap_ROOT={include_folder().parent}", "-S", tmp_path, "-B", built]
+    given += [f"-DCMAKE_CXX_COMPILER={program('c++')}", f"-DCMAKE_CXX_FLAGS={' '.join(options)}"]
     subprocess.run([cmake, *given], check=True, capture_output=True)
     subprocess.run([cmake, "--build", built], check=True, capture_output=True)
-    hover = subprocess.run([built / "loads"], input="600 0 0", text=True, capture_output=True)
-    thrust = float(hover.stdout.split()[0])
-    assert thrust == pytest.approx(
-        float(pm.Rotor(pm.known_model("APC 8x6E")).loads(600, 0, 0).thrust)
-    )
+    told = "\n".join(lines)
+    done = subprocess.run([built / "loads"], input=told, text=True, capture_output=True)
+    assert done.returncode == 0, done.stderr
+    found = np.array([line.split() for line in done.stdout.splitlines()], dtype=np.float64)
+    for rotor, at in asked.values():
+        omega, along, across = at.T
+        own = rotor.loads_at_velocity(omega, np.stack([across, 0.0 * across, along], axis=-1))
+        loads = np.stack([getattr(own, name) for name in LOADS], axis=-1)
+        assert np.isfinite(loads).all()
+        mine, found = found[: len(at)], found[len(at) :]
+        np.testing.assert_allclose(mine[:, :6], loads, rtol=1e-12, atol=1e-12 * abs(loads).max())
+        assert [STATUSES[int(k)] for k in mine[:, 6]] == own.status.tolist()
+    assert found.size == 0

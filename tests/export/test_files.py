@@ -10,7 +10,7 @@ import pytest
 import xarray
 
 from propmap.errors import InputError
-from propmap.export import AUTOPILOTS, EXPORTS, TARGETS, Export, export_table, find_export
+from propmap.export import AUTOPILOTS, EXPORTS, TARGETS, export_table, find_export
 from propmap.loads import LOADS
 from propmap.table import LoadTable
 
@@ -45,24 +45,22 @@ def test_csv_is_the_table(tmp_path: Path) -> None:
     np.testing.assert_array_equal(np.unique(numbers[:, 1]), content.advance)
 
 
-@pytest.mark.parametrize("target", TARGETS)
-def test_every_target_writes_files_and_a_note(
-    invented: LoadTable, tmp_path: Path, target: str
-) -> None:
-    paths = export_table(invented, target, tmp_path / "to")
-    assert sorted(p.name for p in paths) == sorted(p.name for p in (tmp_path / "to").iterdir())
-    text = (tmp_path / "to" / f"README-{target}.txt").read_text()
-    assert text.startswith(f"propmap export: {target}\n")
-    assert "propeller: invented, 3 blades" in text and str(tmp_path) not in text
-    assert "Error against the table" in text or "Nothing is simplified" in text
-    assert all(len(line) < 100 for line in text.splitlines())
-
-
-def test_several_targets_share_a_folder(invented: LoadTable, tmp_path: Path) -> None:
+def test_every_target_writes_files_and_a_note_into_one_folder(tmp_path: Path) -> None:
+    """Of a propeller whose name is no name of a file, a variable or an XML comment."""
+    odd = LoadTable(invented_content(name='9x4 "quick" -->*/\n"""é'))
     for target in TARGETS:
-        export_table(invented, target, tmp_path)
-    notes = {p.name for p in tmp_path.glob("README-*")}
-    assert notes == {f"README-{target}.txt" for target in TARGETS}
+        before = set(tmp_path.iterdir())
+        paths = export_table(odd, target, tmp_path)
+        assert set(paths) == set(tmp_path.iterdir()) - before
+        *written, note = paths
+        assert note.name == f"README-{target}.txt" and written
+        text = note.read_text()
+        assert text.startswith(f"propmap export: {target}\n") and str(tmp_path) not in text
+        assert "Error against the table" in text or "Nothing is simplified" in text
+        for path in written:
+            assert path.name.startswith("prop_9x4_quick")
+            if path.suffix == ".py":
+                compile(path.read_text(), path.name, "exec")
 
 
 def test_existing_files_are_kept(invented: LoadTable, tmp_path: Path) -> None:
@@ -94,23 +92,19 @@ def test_all_files_or_none(
     assert list((tmp_path / "there").iterdir()) == []
 
 
-@pytest.mark.parametrize("export", EXPORTS, ids=lambda export: f"{export.target}-{export.source}")
-def test_every_export_is_found_and_can_be_made(export: Export) -> None:
-    assert find_export(export.target, export.source) is export
-    assert callable(export.make())
-    assert export.writes and export.keeps and export.loses
-    assert len({(one.target, one.source) for one in EXPORTS}) == len(EXPORTS)
-
-
-@pytest.mark.parametrize("target", AUTOPILOTS)
-def test_an_autopilot_takes_no_table(invented: LoadTable, tmp_path: Path, target: str) -> None:
-    with pytest.raises(InputError, match=f"{target} is not made from a table, but from a vehicle"):
-        export_table(invented, target, tmp_path)
+def test_every_export_is_found_and_can_be_made() -> None:
+    for export in EXPORTS:
+        assert find_export(export.target, export.source) is export
+        assert callable(export.make())
 
 
 def test_bad_targets_and_folders(invented: LoadTable, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no target 'ros'; choose one of c, multinomial"):
         export_table(invented, "ros", tmp_path)
+    for target in AUTOPILOTS:
+        message = f"{target} is not made from a table, but from a vehicle"
+        with pytest.raises(InputError, match=message):
+            export_table(invented, target, tmp_path)
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="this is a file"):
         export_table(invented, "csv", tmp_path / "file")
@@ -121,13 +115,3 @@ def test_bad_targets_and_folders(invented: LoadTable, tmp_path: Path) -> None:
     (tmp_path / "invented.csv").mkdir()
     with pytest.raises(InputError, match="this is a folder"):
         export_table(invented, "csv", tmp_path, replace=True)
-
-
-@pytest.mark.parametrize("target", TARGETS)
-def test_a_name_that_is_no_name(tmp_path: Path, target: str) -> None:
-    odd = LoadTable(invented_content(name='9x4 "quick" -->*/\n"""é'))
-    paths = export_table(odd, target, tmp_path)
-    for path in paths:
-        assert path.name.startswith(("prop_9x4_quick", "README-"))
-        if path.suffix == ".py":
-            compile(path.read_text(), path.name, "exec")

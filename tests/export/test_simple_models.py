@@ -1,11 +1,11 @@
-"""Multinomial, Gazebo's motor model, RotorPy's rotor: the fits, the files, what they cost."""
+"""Multinomial, Gazebo, RotorPy, JSBSim: fits, files, their errors, and wrenches on the hub."""
 
 from __future__ import annotations
 
 import re
-import subprocess
 import xml.etree.ElementTree as ET
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,18 +13,24 @@ import pytest
 from propmap.errors import InputError
 from propmap.export import export_table
 from propmap.export.files import SIMPLE, errors, sample
-from propmap.export.simple_models import (
-    fit_motor_model,
-    fit_multinomial,
-    fit_rotor,
-    multinomial_loads,
-)
+from propmap.export.simple_models import axial_error, coefficients, fit_multinomial
 from propmap.loads import LOADS
 from propmap.table import LoadTable
 
-from .compiled import FLAGS
-from .conftest import RADIUS, Module, invented_content
-from .needed import package, program
+from .compiled import printed
+from .conftest import (
+    OMEGA,
+    RADIUS,
+    SPINS,
+    VELOCITIES,
+    Both,
+    Module,
+    frame,
+    hub_wrench,
+    invented_content,
+    share,
+)
+from .needed import package
 
 RHO = 1.2
 
@@ -45,26 +51,6 @@ def test_the_multinomial_recovers_what_is_one(invented: LoadTable) -> None:
     )
     assert np.array(fitted["roll_moment"]) == pytest.approx(
         force * RADIUS * np.array([0.004, -0.002]) * arm[1:3], rel=1e-3
-    )
-
-
-def test_the_multinomial_module_gives_the_fitted_loads(table: LoadTable, module: Module) -> None:
-    written = module(table, "multinomial")
-    samples = sample(table)
-    fitted = fit_multinomial(samples, table.content.density)
-    loads = multinomial_loads(fitted, samples, table.content.density)
-    x, y = 0.6 * samples.inplane, 0.8 * samples.inplane
-    force = np.stack(written.force(samples.omega, x, y, samples.axial, 1.0))
-    moment = np.stack(written.moment(samples.omega, x, y, samples.axial, 1.0))
-    thrust, drag, torque, roll = (loads[n] for n in ("thrust", "drag", "torque", "roll_moment"))
-    expected = np.stack([-0.6 * drag, -0.8 * drag, thrust])
-    np.testing.assert_allclose(force, expected, rtol=1e-12, atol=1e-15)
-    turning = np.stack([-0.6 * roll, -0.8 * roll, -torque])
-    np.testing.assert_allclose(moment, turning, rtol=1e-12, atol=1e-15)
-    other = np.stack(written.moment(samples.omega, x, y, samples.axial, -1.0))
-    np.testing.assert_array_equal(other, -moment)
-    np.testing.assert_allclose(
-        written.thrust(samples.omega, x, y, samples.axial, 2.0 * written.RHO), 2.0 * force[2]
     )
 
 
@@ -93,83 +79,10 @@ def test_casadi_evaluates_the_multinomial_and_its_gradient(
         np.testing.assert_allclose(slopes, central, rtol=1e-7, atol=1e-10)
 
 
-def test_the_multinomial_in_c(table: LoadTable, module: Module, tmp_path: Path) -> None:
-    gcc = program("gcc")
-    written = module(table, "multinomial")
-    p = "apc_8x6e_multinomial_"
-    (tmp_path / "multinomial" / "main.c").write_text(f"""
-#include "apc_8x6e_multinomial.h"
-#include <stdio.h>
-int main(void)
-{{
-    printf("%.17g %.17g %.17g %.17g\\n", {p}thrust(1.1, 500, 2, 1, 3), {p}torque(1.1, 500, 2, 1, 3),
-           {p}drag_slope(1.1, 500, 3), {p}roll_slope(1.1, 500, 3));
-    return 0;
-}}
-""")
-    folder = tmp_path / "multinomial"
-    subprocess.run([gcc, *FLAGS, "main.c", "-o", "main"], cwd=folder, check=True)
-    found = subprocess.run([folder / "main"], capture_output=True, text=True, check=True).stdout
-    expected = [
-        written.thrust(500.0, 2.0, 1.0, 3.0, 1.1),
-        written.torque(500.0, 2.0, 1.0, 3.0, 1.1),
-        written.drag_slope(500.0, 3.0, 1.1),
-        written.roll_slope(500.0, 3.0, 1.1),
-    ]
-    np.testing.assert_allclose([float(word) for word in found.split()], expected, rtol=1e-13)
-
-
-def test_the_sdf_gives_the_motor_model(table: LoadTable, tmp_path: Path) -> None:
-    path, _ = export_table(table, "gazebo", tmp_path)
-    elements = ET.fromstring(f"<plugin>{path.read_text()}</plugin>")
-    value = {element.tag: float(element.text or "") for element in elements}
-    samples = sample(table)
-    omega, inplane = samples.omega, samples.inplane
-    # The plugin's own formulas.
-    thrust = value["motorConstant"] * omega * abs(omega)
-    drag = abs(omega) * value["rotorDragCoefficient"] * inplane
-    torque = thrust * value["momentConstant"]
-    roll = abs(omega) * value["rollingMomentCoefficient"] * inplane
-    found = {"thrust": thrust, "drag": drag, "torque": torque, "roll_moment": roll}
-    fitted = fit_motor_model(table, samples).loads(omega, inplane)
-    assert set(fitted) == set(found)
-    for name, values in fitted.items():
-        np.testing.assert_allclose(found[name], values, rtol=1e-8)
-    assert value["maxRotVelocity"] == pytest.approx(table.envelope["omega"][1])
-    still = table.loads(600.0, 0.0, 0.0)
-    # In hover; the Reynolds number moves the torque.
-    assert value["motorConstant"] * 600.0**2 == pytest.approx(still.thrust, rel=0.01)
-    assert value["momentConstant"] * still.thrust == pytest.approx(still.torque, rel=0.03)
-    edgewise = table.loads(600.0, 3.0, np.pi / 2)
-    assert value["rotorDragCoefficient"] * 1800.0 == pytest.approx(edgewise.drag, rel=0.1)
-    assert value["rollingMomentCoefficient"] * 1800.0 == pytest.approx(
-        edgewise.roll_moment, rel=0.1
-    )
-
-
-def test_rotorpy_gives_the_loads_of_the_fit(table: LoadTable, module: Module) -> None:
-    multirotor = package("rotorpy.vehicles.multirotor")
-    parameters = module(table, "rotorpy").rotor_params
-    vehicle = multirotor.Multirotor({**_frame(), **parameters})
-    fitted = fit_rotor(table, sample(table))
-    for velocity in ([0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 1.0, 1.5], [1.0, -2.0, 0.5]):
-        force, moment = vehicle.compute_body_wrench(
-            np.zeros(3), np.full(4, 600.0), np.array(velocity)
-        )
-        x, y, z = velocity
-        inplane = np.hypot(x, y)
-        loads = fitted.loads(*np.array([[600.0], [z], [inplane]]))
-        thrust, drag = float(loads["thrust"][0]), float(loads["drag"][0])
-        unit = np.array([x, y]) / max(inplane, 1e-9)
-        np.testing.assert_allclose(force, 4.0 * np.array([*(-drag * unit), thrust]), atol=1e-12)
-        assert moment[2] == pytest.approx(0.0, abs=1e-12)
-        assert thrust == pytest.approx(_table_thrust(table, velocity), rel=0.1)
-
-
 def test_rotorpy_flies_the_exported_vehicle(table: LoadTable, module: Module) -> None:
     multirotor = package("rotorpy.vehicles.multirotor")
     control = package("rotorpy.controllers.quadrotor_control")
-    parameters = {**_frame(), **module(table, "rotorpy").rotor_params}
+    parameters = {**frame(0.9), **module(table, "rotorpy").rotor_params}
     hover = float(np.sqrt(parameters["mass"] * 9.81 / 4.0 / parameters["k_eta"]))
     low, high = table.envelope["omega"]
     assert low < hover < high
@@ -185,16 +98,12 @@ def test_rotorpy_flies_the_exported_vehicle(table: LoadTable, module: Module) ->
     controller = control.SE3Control(parameters)
     wanted = {name: np.zeros(3) for name in ("x", "x_dot", "x_ddot", "x_dddot", "x_ddddot")}
     wanted |= {"yaw": 0.0, "yaw_dot": 0.0, "yaw_ddot": 0.0}
-    for k in range(600):
+    for k in range(300):
         state = vehicle.step(state, controller.update(0.01 * k, state, wanted), 0.01)
     # It holds its place against the wind, up to the lean that the drag asks for.
     assert np.linalg.norm(state["x"]) < 0.2
     assert np.linalg.norm(state["v"]) < 0.02
     assert state["rotor_speeds"] == pytest.approx(np.full(4, hover), rel=0.03)
-    force, _ = vehicle.compute_body_wrench(
-        np.zeros(3), state["rotor_speeds"], np.array([-1.0, 0.0, 0.0])
-    )
-    assert force[0] > 0.0
 
 
 @pytest.mark.parametrize("target", ["multinomial", "gazebo", "rotorpy", "jsbsim"])
@@ -238,27 +147,250 @@ def test_a_map_of_vortex_rings_is_refused(tmp_path: Path) -> None:
         export_table(LoadTable(content), "gazebo", tmp_path)
 
 
-def _table_thrust(table: LoadTable, velocity: list[float]) -> float:
-    return float(table.loads_at_velocity(600.0, velocity).thrust)
+# -------------------------------------------------------------------------------------------------
+# JSBSim on a stand.
+
+NEWTONS_PER_POUND = 4.4482216152605
+METERS_PER_FOOT = 0.3048
+KG_M3_PER_SLUG_FT3 = 515.378818
+
+AIRCRAFT = """<?xml version="1.0"?>
+<fdm_config name="stand" version="2.0">
+  <metrics>
+    <wingarea unit="M2"> 0.01 </wingarea> <wingspan unit="M"> 0.1 </wingspan>
+    <chord unit="M"> 0.1 </chord>
+    <location name="AERORP" unit="M"> <x> 0 </x> <y> 0 </y> <z> 0 </z> </location>
+  </metrics>
+  <mass_balance>
+    <ixx unit="KG*M2"> 1 </ixx> <iyy unit="KG*M2"> 1 </iyy> <izz unit="KG*M2"> 1 </izz>
+    <emptywt unit="KG"> 1 </emptywt>
+    <location name="CG" unit="M"> <x> 0 </x> <y> 0 </y> <z> 0 </z> </location>
+  </mass_balance>
+  <ground_reactions/>
+  <propulsion>
+    <engine file="motor">
+      <thruster file="apc_8x6e">
+        <location unit="M"> <x> 0 </x> <y> 0 </y> <z> 0 </z> </location>
+        <orient unit="DEG"> <roll> 0 </roll> <pitch> 0 </pitch> <yaw> 0 </yaw> </orient>
+        <sense> {sense} </sense>
+      </thruster>
+    </engine>
+  </propulsion>
+  <aerodynamics> <axis name="DRAG"/> <axis name="SIDE"/> <axis name="LIFT"/> </aerodynamics>
+  <external_reactions file="apc_8x6e_reactions"/>
+</fdm_config>
+"""
+
+MOTOR = """<?xml version="1.0"?>
+<electric_engine name="motor"> <power unit="WATTS"> {watts} </power> </electric_engine>
+"""
 
 
-def _frame() -> dict[str, object]:
-    """What RotorPy wants to know of a vehicle besides its rotors."""
-    arm = 0.15
-    corners = [(1, 1), (1, -1), (-1, -1), (-1, 1)]
-    return {
-        "mass": 0.9,
-        "Ixx": 4e-3,
-        "Iyy": 4e-3,
-        "Izz": 7e-3,
-        "Ixy": 0.0,
-        "Ixz": 0.0,
-        "Iyz": 0.0,
-        "num_rotors": 4,
-        "rotor_pos": {f"r{k}": arm * np.array([*c, 0.0]) for k, c in enumerate(corners, 1)},
-        "rotor_directions": np.array([1, -1, 1, -1]),
-        "c_Dx": 0.0,
-        "c_Dy": 0.0,
-        "c_Dz": 0.0,
-        "tau_m": 0.02,
-    }
+def on_stand(
+    table: LoadTable, folder: Path, velocity: np.ndarray, *, watts: float, sense: int = 1
+) -> Any:
+    """JSBSim's steady state of a rotor on a stand that stands still in a wind of ``velocity``."""
+    jsbsim = package("jsbsim")
+    export_table(table, "jsbsim", folder / "engine")
+    (folder / "engine" / "motor.xml").write_text(MOTOR.format(watts=watts))
+    stand = folder / "aircraft" / "stand"
+    stand.mkdir(parents=True)
+    (folder / "engine" / "apc_8x6e_reactions.xml").rename(stand / "apc_8x6e_reactions.xml")
+    (stand / "stand.xml").write_text(AIRCRAFT.format(sense=sense))
+    jsbsim.FGJSBBase().debug_lvl = 0
+    simulation = jsbsim.FGFDMExec(str(folder))
+    simulation.load_model("stand")
+    simulation["propmap/apc_8x6e-sense"] = sense
+    for name in ("rate/rotational", "rate/translational", "position/rotational",
+                 "position/translational"):  # fmt: skip
+        simulation[f"simulation/integrator/{name}"] = 0
+    simulation["ic/h-sl-ft"] = 100.0
+    # The rotor's x, y and z are the body's y, z and x.
+    for name, speed in zip("vwu", velocity, strict=True):
+        simulation[f"ic/{name}-fps"] = speed / METERS_PER_FOOT
+    simulation.run_ic()
+    simulation["propulsion/engine/set-running"] = 1
+    simulation["fcs/throttle-cmd-norm"] = 1.0
+    simulation.set_dt(0.002)
+    for _ in range(5000):
+        simulation.run()
+    aero = [simulation[f"velocities/{name}-aero-fps"] * METERS_PER_FOOT for name in "vwu"]
+    assert aero == pytest.approx(velocity, abs=0.01)
+    return simulation
+
+
+def test_coefficients_are_those_of_the_map(invented: LoadTable) -> None:
+    advance, thrust, power = coefficients(invented)
+    assert (np.diff(advance) > 0.0).all() and advance[0] < 0.0
+    climb = advance / np.pi
+    # T/(rho n^2 D^4) = C (2 pi)^2 pi/16, P/(rho n^3 D^5) = C (2 pi)^3 pi/32.
+    c_thrust = 0.016 - 0.08 * climb - 0.05 * climb**2
+    c_torque = 0.0025 - 0.002 * climb - 0.003 * climb**2
+    np.testing.assert_allclose(thrust, c_thrust * np.pi**3 / 4.0, atol=1e-5)
+    np.testing.assert_allclose(power, c_torque * np.pi**4 / 4.0, atol=1e-5)
+
+
+def test_descent_ends_where_the_map_does() -> None:
+    content = invented_content()
+    content.coefficients[:, :, 12:14, -3:] = np.nan
+    advance, thrust, _ = coefficients(LoadTable(content))
+    assert np.isfinite(thrust).all()
+    assert -np.pi * 0.12 < advance[0] < -np.pi * 0.08
+    climbing = invented_content(beta=(0.0, 2.0))
+    assert coefficients(LoadTable(climbing))[0][0] == 0.0
+
+
+def test_a_table_without_axial_flight_is_refused(tmp_path: Path) -> None:
+    table = LoadTable(invented_content(beta=(0.5, np.pi)))
+    with pytest.raises(InputError, match=r"begins at 28\.6.* deg.*--beta 0:"):
+        export_table(table, "jsbsim", tmp_path)
+
+
+@pytest.mark.parametrize(("watts", "speed"), [(20.0, 0.0), (25.0, 5.5)])
+def test_jsbsim_returns_the_axial_thrust_of_the_map(
+    table: LoadTable, tmp_path: Path, watts: float, speed: float
+) -> None:
+    simulation = on_stand(table, tmp_path, np.array([0.0, 0.0, speed]), watts=watts)
+    omega = simulation["propulsion/engine/propeller-rpm"] * np.pi / 30.0
+    low, high = table.envelope["omega"]
+    assert low < omega < high
+    thrust = simulation["propulsion/engine/thrust-lbs"] * NEWTONS_PER_POUND
+    density = simulation["atmosphere/rho-slugs_ft3"] * KG_M3_PER_SLUG_FT3
+    expected = table.loads(omega, speed, 0.0)
+    static = float(table.loads(omega, 0.0, 0.0).thrust)
+    found = thrust * table.content.density / density
+    assert abs(found - expected.thrust) / static < 0.01
+    assert max(axial_error(table)) < 0.05
+    # The motor's power, which the propeller takes up in the steady state.
+    assert expected.power * density / table.content.density == pytest.approx(watts, rel=0.05)
+
+
+# -------------------------------------------------------------------------------------------------
+# The wrench on the hub, for both spins.
+
+
+@pytest.mark.parametrize("spin", SPINS)
+def test_the_wrench_of_the_multinomial(
+    oblique: Both, module: Module, tmp_path: Path, spin: str
+) -> None:
+    rotor, table = oblique
+    written = module(table, "multinomial")
+    at = (OMEGA, *VELOCITIES.T)
+    found = np.stack([*written.force(*at, SPINS[spin]), *written.moment(*at, SPINS[spin])], axis=-1)
+    want = hub_wrench(rotor, spin)
+    # A quadratic in the velocity; the loads across come within a quarter of themselves.
+    error = share(found, want)
+    assert error[:, [2, 5]].max() < 0.03 and error[:, [0, 1, 3, 4]].max() < 0.004
+    loads = ("thrust(1.1, 500, 2, 1, 3)", "torque(1.1, 500, 2, 1, 3)")
+    slopes = ("drag_slope(1.1, 500, 3)", "roll_slope(1.1, 500, 3)")
+    prefix = "apc_8x6e_multinomial_"
+    values = ", ".join(["f[0]", "f[1]", "f[2]", "m[0]", "m[1]", "m[2]"])
+    text = printed(
+        tmp_path / "multinomial",
+        f"""
+#include "apc_8x6e_multinomial.h"
+#include <stdio.h>
+int main(void)
+{{
+    double f[3], m[3];
+    {prefix}wrench({written.RHO}, 600, 4, 2, 1, {SPINS[spin]}, f, m);
+    printf("{"%.17g " * 10}", {values}, {", ".join(prefix + one for one in (*loads, *slopes))});
+    return 0;
+}}
+""",
+    )
+    others = [
+        written.thrust(500.0, 2.0, 1.0, 3.0, 1.1),
+        written.torque(500.0, 2.0, 1.0, 3.0, 1.1),
+        written.drag_slope(500.0, 3.0, 1.1),
+        written.roll_slope(500.0, 3.0, 1.1),
+    ]
+    in_c = [float(word) for word in text.split()]
+    np.testing.assert_allclose(in_c, [*found[0], *others], rtol=1e-12)
+
+
+@pytest.mark.parametrize("spin", SPINS)
+def test_the_wrench_in_rotorpy(oblique: Both, module: Module, spin: str) -> None:
+    """With the mix-in, all six; without it, RotorPy has neither side force nor rolling moment."""
+    multirotor = package("rotorpy.vehicles.multirotor")
+    rotor, table = oblique
+    written = module(table, "rotorpy")
+
+    class Vehicle(written.HubWrench, multirotor.Multirotor):  # type: ignore[name-defined,misc]
+        pass
+
+    parameters = {**frame(1.0), **written.rotor_params}
+    places, spins = [*parameters["rotor_pos"].values()], -parameters["rotor_directions"]
+    vehicle, plain = Vehicle(parameters), multirotor.Multirotor(parameters)
+    turning = np.array([0.5, -0.3, 2.0])
+    # Two rotors of one spin at opposite places, which leave no moment of their forces' arms.
+    speeds = np.where(spins == SPINS[spin], OMEGA, 0.0)
+    for velocity, target in zip(VELOCITIES, hub_wrench(rotor, spin), strict=True):
+        lift = parameters["k_h"] * (velocity[0] ** 2 + velocity[1] ** 2)  # at any speed of a rotor
+        for one, is_all in ((vehicle, True), (plain, False)):
+            found = np.concatenate(one.compute_body_wrench(np.zeros(3), speeds, velocity)) / 2.0
+            found[2] -= lift
+            error = share(found, target)
+            assert error[[2, 5]].max() < 0.06
+            assert (error[[0, 1, 3, 4]].max() < 0.012) == is_all
+    # A vehicle that turns: each hub has a velocity of its own, and its forces an arm.
+    velocity, want = VELOCITIES[0], np.zeros(6)
+    for place, sign in zip(places, spins, strict=True):
+        hub = velocity + np.cross(turning, place)
+        wrench = rotor.wrench(OMEGA, hub, "ccw" if sign > 0 else "cw")
+        want[:3] += wrench.force
+        want[3:] += wrench.moment + np.cross(place, wrench.force)
+    found = np.concatenate(vehicle.compute_body_wrench(turning, np.full(4, OMEGA), velocity))
+    np.testing.assert_allclose(found[:2], want[:2], atol=0.004 * want[2])
+    np.testing.assert_allclose(found[3:], want[3:], atol=0.006 * want[2] * 0.2)
+
+
+@pytest.mark.parametrize("spin", SPINS)
+def test_gazebo_has_four_of_six(oblique: Both, tmp_path: Path, spin: str) -> None:
+    """By the plugin's formulas; what is missing are the side force and the pitching moment."""
+    rotor, table = oblique
+    path, note = export_table(table, "gazebo", tmp_path)
+    elements = ET.fromstring(f"<plugin>{path.read_text()}</plugin>")
+    value = {element.tag: float(element.text or "") for element in elements}
+    assert value["maxRotVelocity"] == pytest.approx(table.envelope["omega"][1])
+    sign = SPINS[spin]  # turningDirection
+    across = VELOCITIES * [1.0, 1.0, 0.0]
+    thrust = value["motorConstant"] * OMEGA**2
+    force = -OMEGA * value["rotorDragCoefficient"] * across + [0.0, 0.0, thrust]
+    # PX4's plugin turns the rolling moment with the direction; the note says what others need.
+    moment = -sign * OMEGA * value["rollingMomentCoefficient"] * across
+    moment = moment - [0.0, 0.0, sign * value["momentConstant"] * thrust]
+    want = hub_wrench(rotor, spin)
+    loads = rotor.loads_at_velocity(OMEGA, VELOCITIES)
+    z, length = np.array([0.0, 0.0, 1.0]), np.hypot(*VELOCITIES.T[:2])
+    left = np.cross(z, across / length[:, None])
+    lost = np.concatenate(
+        [sign * loads.side_force[:, None] * left, -loads.pitch_moment[:, None] * left], axis=-1
+    )
+    error = share(np.concatenate([force, moment], axis=-1), want - lost)
+    assert error[:, [0, 1, 3, 4]].max() < 0.006 and error[:, 2].max() < 0.3
+    assert "no side force and no pitching moment" in " ".join(note.read_text().split())
+
+
+@pytest.mark.parametrize("spin", SPINS)
+def test_the_wrench_in_jsbsim(oblique: Both, tmp_path: Path, spin: str) -> None:
+    rotor, table = oblique
+    velocity = np.array([3.0, -2.0, 1.0])
+    simulation = on_stand(table, tmp_path, velocity, watts=20.0, sense=SPINS[spin])
+    omega = simulation["propulsion/engine/propeller-rpm"] * np.pi / 30.0
+    density = simulation["atmosphere/rho-slugs_ft3"] * KG_M3_PER_SLUG_FT3 / table.content.density
+    force, moment = (
+        np.array([sum(simulation[f"{kind}-{part}-{unit}"] for part in ("prop", "external"))
+                  for kind in axes])
+        for axes, unit in (
+            (("forces/fby", "forces/fbz", "forces/fbx"), "lbs"),
+            (("moments/m", "moments/n", "moments/l"), "lbsft"),
+        )
+    )  # fmt: skip
+    found = np.concatenate([force, moment * METERS_PER_FOOT]) * NEWTONS_PER_POUND / density
+    wrench = rotor.wrench(omega, velocity, spin)
+    want = np.concatenate([wrench.force, wrench.moment])
+    error = share(found, want)
+    assert error[[0, 1, 3, 4]].max() < 0.004
+    assert error[2] < 0.1 and error[5] < 0.03  # of axial flow
+    assert np.sign(found[5]) == -SPINS[spin]

@@ -17,17 +17,6 @@ from propmap.report.html import PAGE
 
 ROOT = Path(__file__).parents[2]
 SECTIONS = ("table-1", "figure-6", "figure-7", "camber", "rotor-drag", "times")
-WITHOUT_UNIT = {
-    "set", "propeller", "blade", "used_for", "fit", "data", "data_set", "parameter", "value",
-    "low_95", "high_95", "verdict", "load", "model", "unit", "points", "blades", "c_l2", "c_d",
-    "solidity", "what", "drag_factor", "advance_ratio", "inflow_over_speed", "lowest", "highest",
-    "source", "factor_alone", "both_factor", "slipstream_factor", "incidence_H_over_mu",
-    "edgewise_H_over_mu", "edgewise_H_over_T_mu", "polynomials_over_recommended",
-}  # fmt: skip
-UNITS = re.compile(
-    r"(_N|_Nm|_m|_m2|_mm|_deg|_rpm|_mps|_kg|_s|per_rad|_in_unit|_C_[TP]|_C_[TP]_error|rpm"
-    r"|_of_weight|_measured|_percent|_theory)$"
-)
 
 
 def test_other_folders_are_refused_before_any_work(
@@ -83,8 +72,6 @@ def _is_whole(folder: Path) -> None:
         with path.open(newline="") as file:
             heads, *rows = list(csv.reader(file))
         assert rows and all(len(row) == len(heads) for row in rows), path.name
-        for head in heads:
-            assert head in WITHOUT_UNIT or UNITS.search(head), (path.name, head)
 
 
 def _says_what_was_found(folder: Path) -> None:
@@ -131,8 +118,7 @@ def _says_what_was_found(folder: Path) -> None:
         share = float(r["incidence_H_over_mu"]) / float(theory["incidence_H_over_mu"])
         assert 1.7 < share < 2.3 if r["source"].startswith("2019") else 0.75 < share < 1.25, r
     for r in rows("rotor-drag-plate.csv"):
-        left = {
-            part: float(r[f"{part}_rms_over_rms_measured"]) for part in ("factor", "plate", "both")
-        }
-        assert left["both"] <= min(left["factor"], left["plate"]) + 1e-9
-        assert 0.0 < left["both"] < 0.12
+        factor, plate, both = (
+            float(r[f"{part}_rms_over_rms_measured"]) for part in ("factor", "plate", "both")
+        )
+        assert 0.0 < both <= min(0.12, factor + 1e-9, plate + 1e-9)

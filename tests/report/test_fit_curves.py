@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib.colors as colours
+import matplotlib.colors as colors
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -15,7 +15,7 @@ from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData
 from propmap.hover import HoverModel
 from propmap.report.fit_curves import level_flight, steady_parts, tunnel_fit
-from propmap.report.html import COLOURS, HOVER, save
+from propmap.report.html import COLORS, HOVER, save
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Mount, Vehicle
@@ -57,18 +57,16 @@ def rotor(vehicle: Vehicle) -> propmap.Rotor:
     )
 
 
-def _check(figure: Figure, path: Path) -> None:
+def _has_units(figure: Figure) -> None:
     drawn = [ax for ax in figure.axes if ax.axison]
     for ax in drawn:
         assert "[" in ax.get_ylabel() and ax.get_ylabel().endswith("]")
     assert drawn[-1].get_xlabel().endswith("]")
-    save(figure, path)
-    assert path.read_bytes().startswith(b"\x89PNG")
 
 
 def _lines(ax: Any, *, dashed: bool) -> list[Any]:
-    grey = colours.to_rgba(HOVER["color"])
-    return [line for line in ax.lines if (colours.to_rgba(line.get_color()) == grey) == dashed]
+    gray = colors.to_rgba(HOVER["color"])
+    return [line for line in ax.lines if (colors.to_rgba(line.get_color()) == gray) == dashed]
 
 
 def _points(ax: Any) -> list[Any]:
@@ -79,7 +77,9 @@ def test_level_flight(vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path) ->
     # Given out of order: the curves run with rising speed.
     log = _log(np.array([16.0, 13.0, 14.5]))
     figure = level_flight(vehicle, log, rotor.model.airfoil)
-    _check(figure, tmp_path / "level.png")
+    _has_units(figure)
+    save(figure, tmp_path / "level.png")
+    assert (tmp_path / "level.png").read_bytes().startswith(b"\x89PNG")
     labels = [ax.get_ylabel() for ax in figure.axes[:5]]
     for word, label in zip(("thrust", "drag", "torque", "error", "pitch"), labels, strict=True):
         assert word in label
@@ -88,7 +88,7 @@ def test_level_flight(vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path) ->
         (hover,) = _lines(ax, dashed=True)
         assert hover.is_dashed()
         assert hover.get_xdata() == pytest.approx([13.0, 14.5, 16.0])
-    k = HoverModel.of(rotor, 420.0)
+    k = HoverModel.from_rotor(rotor, 420.0)
     assert _lines(thrust, dashed=True)[0].get_ydata() == pytest.approx(2.0 * k.thrust(420.0))
     assert _lines(torque, dashed=True)[0].get_ydata() == pytest.approx(2.0 * k.torque(420.0))
     loads = rotor.loads_at_velocity(420.0, log.velocity)
@@ -104,16 +104,13 @@ def test_level_flight(vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path) ->
     assert error.lines[1].get_ydata() == pytest.approx(vertical[[1, 2, 0]] - weight)
 
 
-def test_level_flight_without_accelerometer(
-    vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path
-) -> None:
+def test_level_flight_without_accelerometer(vehicle: Vehicle, rotor: propmap.Rotor) -> None:
     figure = level_flight(vehicle, _log(np.array([13.0, 16.0]), felt=False), rotor.model.airfoil)
-    _check(figure, tmp_path / "level.png")
     texts = [text.get_text() for text in figure.axes[5].get_legend().get_texts()]
     assert "measured: pitch angle" in texts
 
 
-def test_tunnel_fit(rotor: propmap.Rotor, tmp_path: Path) -> None:
+def test_tunnel_fit(rotor: propmap.Rotor) -> None:
     speed = np.array([13.0, 14.0, 15.0, 14.0])
     omega = np.array([420.0, 420.0, 420.0, 400.0])
     thrust = np.array([3.0, 3.1, np.nan, 2.5])
@@ -121,7 +118,7 @@ def test_tunnel_fit(rotor: propmap.Rotor, tmp_path: Path) -> None:
         "tunnel.csv", omega, speed, np.full(4, 1.4), {"thrust": thrust, "drag": 0.1 * thrust}
     )
     figure = tunnel_fit(data, rotor).figure()
-    _check(figure, tmp_path / "tunnel.png")
+    _has_units(figure)
     first, second = figure.axes[:2]
     assert first.get_xlabel() == "measured thrust T [N]"
     assert second.get_ylabel() == "predicted rotor drag D [N]"
@@ -132,7 +129,7 @@ def test_tunnel_fit(rotor: propmap.Rotor, tmp_path: Path) -> None:
     assert points.get_ydata() == pytest.approx(found.thrust[keep])
     # Two rotational speeds make two dashes of the thrust; of the drag the model says nothing.
     dashes = _lines(first, dashed=True)
-    k = HoverModel.of(rotor)
+    k = HoverModel.from_rotor(rotor)
     levels = sorted(float(line.get_ydata()[0]) for line in dashes)
     assert levels == pytest.approx([float(k.thrust(w)) for w in (400.0, 420.0)])
     assert all(line.is_dashed() for line in dashes)
@@ -141,10 +138,10 @@ def test_tunnel_fit(rotor: propmap.Rotor, tmp_path: Path) -> None:
         tunnel_fit(TunnelData("t.csv", omega, speed, speed, {"thrust": thrust * np.nan}), rotor)
 
 
-def test_steady_parts(tmp_path: Path) -> None:
+def test_steady_parts() -> None:
     log = _log(np.concatenate([np.full(40, 3.0), np.linspace(3.0, 8.0, 20), np.full(40, 8.0)]))
     figure = steady_parts(log, [slice(0, 40), slice(60, 100)])
-    _check(figure, tmp_path / "steady.png")
+    _has_units(figure)
     speed, climb, rotors = figure.axes
     assert rotors.get_xlabel() == "time [s]" and rotors.get_ylabel() == "rotor speeds [1/min]"
     for ax in figure.axes:
@@ -154,5 +151,5 @@ def test_steady_parts(tmp_path: Path) -> None:
     assert means == pytest.approx([3.0, 8.0])
     assert len(_points(rotors)) == 2
     assert rotors.lines[0].get_ydata() == pytest.approx(420.0 * 30.0 / np.pi)
-    assert colours.to_rgba(climb.lines[0].get_color()) == colours.to_rgba(COLOURS[0])
-    assert "2 steady stretches, 8 of 10 s" in figure.get_suptitle()
+    assert colors.to_rgba(climb.lines[0].get_color()) == colors.to_rgba(COLORS[0])
+    assert "2 steady segments, 8 of 10 s" in figure.get_suptitle()

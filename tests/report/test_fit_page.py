@@ -60,19 +60,15 @@ def test_the_worst_load_decides(monkeypatch: pytest.MonkeyPatch) -> None:
     fit = record(loads=[load("thrust", 0.02, 0.3, 0.02), load("torque", 0.3, 0.6, 0.3)])
     assert overall(fit) == "bad"
     text = told(fit, monkeypatch)
-    assert "No. Where there were data, 0.0 to 9.0 m/s, 4000 to 6000 rpm, β from 0° to 90°" in text
-    assert "thrust within 2 % (hover model 30 %), torque within 30 % (hover model 60 %)." in text
-
-
-def test_one_speed_is_never_trusted_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    fit = record(speed=(7.0, 7.5))
-    assert overall(fit) == "caution"
-    assert "The data are from one speed" in told(fit, monkeypatch)
+    assert "Within the fitted data (0.0 to 9.0 m/s, 4000 to 6000 rpm, β from 0° to 90°)" in text
+    assert "thrust 2 % (hover model 30 %), torque 30 % (hover model 60 %). These errors" in text
+    # One speed alone is never trusted.
+    assert overall(record(speed=(7.0, 7.5))) == "caution"
 
 
 @pytest.mark.parametrize(
     ("share", "off", "level"),
-    [(0.02, 1.0, "Yes"), (0.2, 0.04, "With care"), (0.2, 1.0, "No")],
+    [(0.02, 1.0, "Reliable"), (0.2, 0.04, "Use with care"), (0.2, 1.0, "Not reliable")],
     ids=["a few rows", "beyond, where it still holds", "beyond, where it fails"],
 )
 def test_a_use_beyond_the_data_is_no_yes(
@@ -86,32 +82,30 @@ def test_a_use_beyond_the_data_is_no_yes(
     errors = compared(model, measured, inplane, measured + 2.0, beyond)
     given = fit_page.GivenData([], {"thrust_N": errors}, beyond=beyond)
     text = told(record(), monkeypatch, given)
-    assert f"{level}. Where there were data" in text
-    asked = "The data given are beyond that."
-    assert (asked in text) == (level != "Yes")
+    assert f"{level}. Within the fitted data" in text
+    asked = "The given data exceed the fitted range."
+    assert (asked in text) == (level != "Reliable")
     if asked in text:
         assert "20.0% of the rows lie beyond the data of the fit: V sin(beta)" in text
-        assert f"The rms errors there are thrust {off:g} N (0.01 inside)." in text
+        assert f"errors of these samples are thrust {off:g} N (0.01 within the data)." in text
 
 
 def test_every_speed_has_its_own_answer() -> None:
     rows = speed_rows(record())
     # 1 % below 3 m/s, 8 % above 6: the whole is 2 %.
-    assert [row[-1] for row in rows] == ["Yes", "With care"]
+    assert [row[-1] for row in rows] == ["Reliable", "Use with care"]
     assert rows[1][2] == "8 / 30"
 
 
 def test_what_was_not_fitted_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     text = told(record(), monkeypatch)
-    assert "So are rotor drag and torque and rolling moment" in text
-    assert "Rotor drag of bare blades is predicted to about 20 %" in text
-    every = [load(name, 0.02, 0.3) for name in LOADS]
-    rest = [one for one in every if one.name != "roll_moment"]
+    assert "The fit used no data of rotor drag, torque, rolling moment" in text
+    assert "rotor drag of bare blades is accurate to about 20 %" in text
+    rest = [load(name, 0.02, 0.3) for name in LOADS if name != "roll_moment"]
     text = told(record(loads=rest), monkeypatch)
-    assert "So is rolling moment at any speed: no data of it" in text and "of two" not in text
-    assert "at any speed" not in told(record(loads=every), monkeypatch)
+    assert "rolling moment: this load is an extrapolation at every airspeed" in text
     flown = told(record(kind="flight", loads=[load("force_z", 0.02, 0.3)]), monkeypatch)
-    assert "torque and moments were not measured" in flown
+    assert "torque and moments of a single rotor were not measured" in flown
 
 
 def test_forces_are_compared_with_the_largest() -> None:
@@ -127,7 +121,7 @@ def test_a_moment_no_better_than_none_is_not_to_be_used(monkeypatch: pytest.Monk
     found = record(kind="flight", loads=[load("force_z", 0.02, 0.3), useful])
     # Moments are no share of the weight, and no answer for the forces.
     assert overall(found) == "good"
-    assert "moment about x within 70 % (hover model 300 %)" in told(found, monkeypatch)
+    assert "moment about x 70 % (hover model 300 %)" in told(found, monkeypatch)
     useless = load("moment_z", 0.9, 3.0, 1.1)
     found = record(kind="flight", loads=[load("force_z", 0.02, 0.3), useful, useless])
     assert overall(found) == "caution"
@@ -136,8 +130,8 @@ def test_a_moment_no_better_than_none_is_not_to_be_used(monkeypatch: pytest.Monk
         "moment_z_Nm": compared(np.ones(4), -np.ones(4), np.ones(4), np.zeros(4), None),
     }
     text = told(found, monkeypatch, fit_page.GivenData([], given))
-    assert "Moment_z: the error is 110 % of what was measured" in text
-    assert "Moment_z: the error is 200 % of what was measured" in text
+    assert "Moment_z: the error is 110 % of the measured moment" in text
+    assert "Moment_z: the error is 200 % of the measured moment" in text
     assert text.count("do not use it") == 2 and "Moment_x: the error" not in text
 
 
@@ -146,9 +140,9 @@ def test_angles_without_data_are_extrapolation(monkeypatch: pytest.MonkeyPatch) 
     fit = record(angles=[covered(0.0, 0.2), covered(90.0, 0.25), sparse])
     assert angles_without_data(fit) == "30° to 60° and 120° to 180°"
     text = told(fit, monkeypatch)
-    assert "advance ratios above 0.25; angles 30° to 60° and 120° to 180° (flow" in text
+    assert "advance ratios above 0.25; angles 30° to 60° and 120° to 180° (no data)" in text
     at_rest = told(record(angles=[], at_rest=covered(0.0, 0.01)), monkeypatch)
-    assert "every speed above zero is extrapolation" in at_rest
+    assert "every airspeed above zero is extrapolation" in at_rest
 
 
 def test_draws_have_the_covariance_and_keep_to_the_bounds() -> None:

@@ -44,7 +44,7 @@ LOG = flown()
 LEFT = 0.3 + 0.05 * LOG.climb_rate + 0.1 * wandering(1.0) + 0.01 * RNG.standard_normal(COUNT)
 """Grows with the climb rate, with an error that is alike for a second."""
 
-TRENDS = trends(LOG, "force_z", "N", LEFT, LOG.stretches(1.0))
+TRENDS = trends(LOG, "force_z", "N", LEFT, LOG.segments(1.0))
 
 
 def test_the_strongest_is_first_and_told_with_its_slope() -> None:
@@ -81,7 +81,7 @@ def test_errors_of_means_count_a_second_as_one() -> None:
 
 def test_a_variable_that_hardly_changes_has_few_bins() -> None:
     still = FlightLog(**{**LOG.__dict__, "velocity": np.zeros_like(LOG.velocity)})
-    for trend in trends(still, "force_x", "N", LEFT, still.stretches(1.0)):
+    for trend in trends(still, "force_x", "N", LEFT, still.segments(1.0)):
         found = binned(trend)
         assert found["samples"].sum() == COUNT
         assert all(np.isfinite(values).all() for values in found.values())
@@ -89,14 +89,11 @@ def test_a_variable_that_hardly_changes_has_few_bins() -> None:
             assert found["mean_in_unit"].size == 1 and not trend.sure
 
 
-def test_samples_without_a_residual_are_left_out() -> None:
+def test_samples_without_a_residual_are_left_out_and_flights_are_apart() -> None:
     some = np.where(np.arange(COUNT) % 3 == 0, np.nan, LEFT)
-    one = trends(LOG, "force_z", "N", some, LOG.stretches(1.0))[0]
+    one = trends(LOG, "force_z", "N", some, LOG.segments(1.0))[0]
     assert one.at.size == one.residual.size == one.block.size == COUNT - COUNT // 3
-
-
-def test_stretches_of_two_flights_are_apart() -> None:
-    both = joined([LOG, LOG]).stretches(1.0)
+    both = joined([LOG, LOG]).segments(1.0)
     assert not set(both[:COUNT]) & set(both[COUNT:])
     assert np.unique(both).size == 2 * COUNT / RATE
 
@@ -104,12 +101,13 @@ def test_stretches_of_two_flights_are_apart() -> None:
 def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.MonkeyPatch) -> None:
     nothing = FigureRecord("fit-loads", [], Figure), {"rpm": 5000.0, "draws": 0, "motor": ""}
     monkeypatch.setattr(fit_curves, "load_lines", lambda *_: nothing)
+    monkeypatch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")
     measured = 7.6 + 0.0 * LEFT
     compared = SpeedErrors(
         errors(measured + LEFT, measured, measured),
         by_band(measured + LEFT, measured, LOG.speed, measured),
     )
-    calm = trends(LOG, "force_x", "N", 0.1 * wandering(1.0), LOG.stretches(1.0))
+    calm = trends(LOG, "force_x", "N", 0.1 * wandering(1.0), LOG.segments(1.0))
     given = GivenData([], {"force_z_N": compared}, residuals=[calm, TRENDS])
     fit = FitFile(propmap.airfoil("paper-apc"), None, record(loads=[load("force_z", 0.02, 0.3)]))
     files = fit_page.fit_pages(fit, "fit.toml", "abc", given)
@@ -118,7 +116,7 @@ def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.Mo
     text = unescape(re.sub(r"<[^>]+>", " ", str(files[PAGE])))
     for told in sentences([calm, TRENDS]):
         assert told[1:] in text
-    assert "the strongest first" in text
+    assert "strongest dependence first" in text
     table = list(csv.DictReader(io.StringIO(str(files["fit-residuals-2.csv"]))))
     assert table[0]["variable"] == TRENDS[0].variable.partition(" [")[0]
     assert float(table[0]["slope"]) == pytest.approx(TRENDS[0].slope, rel=1e-4)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import io
+import re
 
 import numpy as np
 import pytest
@@ -62,21 +64,28 @@ def test_worth_is_judged_on_what_was_not_seen() -> None:
     assert second[:2] == ("noise", "no sure gain")
 
 
-@pytest.mark.parametrize("predicted", [True, False])
-@pytest.mark.parametrize("names", [("first", "second"), ("alone",)])
-def test_the_page_tells_it_in_words_and_files(names: tuple[str, ...], predicted: bool) -> None:
+@pytest.mark.parametrize(("names", "predicted"), [(("first", "second"), True), (("alone",), False)])
+def test_the_page_tells_it_in_words_and_files(
+    names: tuple[str, ...], predicted: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")
     flights = known(predicted, names)
     fits = found(flights)
     pages = terms_pages(VEHICLE, flights, fits, low_pass=6.0, samples=300, remarks=["a remark <b>"])
     assert set(pages) == TERMS_FILES
-    page = pages[PAGE]
-    assert isinstance(page, str)
-    assert "1 of 2 terms pay" in page and "No sure gain: noise." in page
-    assert "A remark &lt;b&gt;." in page
+    page, sheet, values = (
+        str(pages[name]) for name in (PAGE, "fit-terms.csv", "fit-terms-values.csv")
+    )
+    assert "1 of 2 terms reduce the error" in page and "No significant change with: noise." in page
+    # Text is no markup; units stand apart; pictures are inside, and nothing is fetched.
+    assert "A remark &lt;b&gt;." in page and '<span class="unit">[N]</span>' in page
+    pictures = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', page)
+    assert {base64.b64decode(one) for one in pictures} == {b"<svg/>"}
+    addresses = re.findall(r'(?:src|href)="([^"]*)"', page)
+    assert not [one for one in addresses if one.startswith(("http", "//"))]
+    assert "<script" not in page and "@import" not in page and "url(" not in page
     assert ("prediction in the file" in page) == predicted
-    assert ("give a second one" in page) == (len(names) == 1)
-    sheet = pages["fit-terms.csv"]
-    assert isinstance(sheet, str)
+    assert ("give a second flight" in page) == (len(names) == 1)
     table = list(csv.DictReader(io.StringIO(sheet)))
     # Low-passed and as recorded; fitted to it and not, where there are two.
     per_flight = (2 if len(names) == 1 else 4) * len(STEPS) + 2 + 2 * predicted
@@ -85,6 +94,4 @@ def test_the_page_tells_it_in_words_and_files(names: tuple[str, ...], predicted:
         row for row in table if row["model"] == HOVER_MODEL and row["signals"] == "as recorded"
     )
     assert float(hover["z_rms_N"]) == 5.0
-    values = pages["fit-terms-values.csv"]
-    assert isinstance(values, str)
     assert len(values.splitlines()) == 1 + len(fits)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -16,7 +14,6 @@ import pytest
 
 import propmap
 from propmap import InputError, VehicleForces
-from propmap.model.corrections import Installed
 from propmap.sim.mjx import JaxForces, MjxRotors
 from propmap.table import STATUSES, LoadTable
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
@@ -42,17 +39,19 @@ VEHICLE = Vehicle(
 )
 
 
-def table_of(**changes: Any) -> LoadTable:
-    """A table with all six loads, said to be of this blade."""
+def table() -> LoadTable:
+    """A table with all six loads, said to be of this blade, and of vortex rings in descent."""
     content = invented_content()
     known = content.info["propeller"] | {"geometry_sha256": BLADE.fingerprint()}
-    return LoadTable(replace(content, info=content.info | {"propeller": known}, **changes))
+    content.cells[:, 20:] = 1
+    return LoadTable(replace(content, info=content.info | {"propeller": known}))
 
 
-TABLE = table_of()
+TABLE = table()
+CHEAPLY = {"xla_backend_optimization_level": 0}
+"""Most of the time of these tests goes into compiling."""
 
-
-WRENCH = jax.jit(JaxForces.wrench, static_argnames="clamp")
+WRENCH = jax.jit(JaxForces.wrench, static_argnames="clamp", compiler_options=CHEAPLY)
 
 
 def states(count: int, seed: int = 0) -> tuple[np.ndarray, ...]:
@@ -62,47 +61,65 @@ def states(count: int, seed: int = 0) -> tuple[np.ndarray, ...]:
     return omegas, rng.normal(0.0, 2.0, (count, 3)), rates, rng.normal(0.0, 1.0, (count, 3))
 
 
-SPECIAL = {
-    "hover": ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
-    "climb": ([0.0, 0.0, 3.0], [0.0, 0.0, 0.0]),
-    "descent": ([0.0, 0.0, -3.0], [0.0, 0.0, 0.0]),
-    "along a tilted axis": (list(3.0 * np.array(LEAN)), [0.0, 0.0, 0.0]),
-    "level": ([4.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
-    "turning on the spot": ([0.0, 0.0, 0.0], [0.5, -0.3, 2.0]),
-}
-"""Velocities and rates at which some direction is not defined."""
+def special_states() -> tuple[np.ndarray, ...]:
+    """Velocities and rates at which some direction is not defined."""
+    along = [0.0, 0.0, 1.0], [0.0, 0.0, -1.0], LEAN, [1.0, 0.0, 0.0]
+    velocity = 3.0 * np.array([*along, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    rates = np.zeros((6, 3))
+    rates[-1] = [0.5, -0.3, 2.0]
+    return np.tile([500.0, 600.0, 550.0, 700.0], (6, 1)), velocity, rates, 0.0 * rates
+
+
+BEYOND = 4
+
+
+def beyond_the_table() -> tuple[np.ndarray, ...]:
+    """Slow and reversed rotors, a fast one among others, and flight that is too fast."""
+    omegas = np.array([[150.0] * 4, [-5.0] * 4, [500.0, 500.0, 500.0, 1200.0], [500.0] * 4])
+    velocity = np.array([[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 40.0]])
+    return omegas, velocity, np.zeros((BEYOND, 3)), np.zeros((BEYOND, 3))
 
 
 @pytest.mark.parametrize(("x64", "tolerance"), [(True, 1e-9), (False, 3e-5)])
 def test_it_is_the_wrench_of_numpy(x64: bool, tolerance: float) -> None:
-    given = [np.concatenate(pair) for pair in zip(states(200), special_states(), strict=True)]
-    expected = VehicleForces(VEHICLE, TABLE).wrench(*given)
+    parts = zip(states(200), special_states(), beyond_the_table(), strict=True)
+    given = [np.concatenate(part) for part in parts]
+    # Slow rotors have no loads either; for ``VehicleForces`` a negative speed is an error.
+    expected = VehicleForces(VEHICLE, TABLE).wrench(np.abs(given[0]), *given[1:])
     with jax.enable_x64(x64):
-        forces = JaxForces.of(VEHICLE, TABLE)
+        forces = JaxForces.from_vehicle(VEHICLE, TABLE)
         found = WRENCH(forces, *given)
         assert found.force.dtype == (jnp.float64 if x64 else jnp.float32)
-    size = np.abs(expected.rotor_force).max()
+    size = np.abs(expected.rotor_force[:-BEYOND]).max()
+    assert np.isnan(expected.force[-BEYOND:]).all() and np.isfinite(expected.force[:-BEYOND]).all()
     np.testing.assert_allclose(found.force, expected.force, atol=tolerance * size, rtol=0.0)
     np.testing.assert_allclose(found.moment, expected.moment, atol=tolerance * size, rtol=0.0)
     words = np.array(STATUSES)[found.code]
     np.testing.assert_array_equal(words, expected.status)
-    assert (words == "ok").all()
+    assert set(words.tolist()) == {"ok", "vortex_ring", "outside"}
+    if x64:
+        return
+    held = WRENCH(forces, *given, clamp=True)
+    np.testing.assert_array_equal(held.code, found.code)
+    assert np.isfinite(held.force).all()
+    np.testing.assert_allclose(held.force[:-BEYOND], found.force[:-BEYOND], rtol=1e-5, atol=1e-5)
+    given[0][-4:] = np.clip(given[0][-4:], 200.0, 1000.0)  # the ends of the table
+    at_end = VehicleForces(VEHICLE, TABLE).wrench(*given).force
+    for row in (-4, -3, -2):
+        np.testing.assert_allclose(held.force[row], at_end[row], rtol=0.0, atol=tolerance * size)
 
 
-def special_states() -> tuple[np.ndarray, ...]:
-    velocity, rates = (np.array(x) for x in zip(*SPECIAL.values(), strict=True))
-    return np.tile([500.0, 600.0, 550.0, 700.0], (len(SPECIAL), 1)), velocity, rates, 0.0 * rates
-
-
-def total(forces: JaxForces) -> Callable[..., jax.Array]:
-    """One number of which every component of force and moment is a part."""
+def differentiated() -> Callable[..., tuple[Any, ...]]:
+    """Values and derivatives of a number of which all of force and moment is a part."""
+    forces = JaxForces.from_vehicle(VEHICLE, TABLE)
     weights = jnp.array([1.0, -2.0, 0.7, 5.0, 8.0, -6.0])
 
     def of(omegas: Any, velocity: Any, rates: Any) -> jax.Array:
         found = forces.wrench(omegas, velocity, rates)
         return jnp.concatenate([found.force, found.moment]) @ weights
 
-    return of
+    many = jax.vmap(jax.value_and_grad(of, argnums=(0, 1, 2)))
+    return jax.jit(many, compiler_options=CHEAPLY)
 
 
 def test_derivatives_are_those_of_differences() -> None:
@@ -111,9 +128,8 @@ def test_derivatives_are_those_of_differences() -> None:
         np.concatenate(pair) for pair in zip(states(8, 3), special_states(), strict=True)
     )
     with jax.enable_x64(True):
-        function = total(JaxForces.of(VEHICLE, TABLE))
-        slopes = jax.jit(jax.vmap(jax.grad(function, argnums=(0, 1, 2))))(omegas, velocity, rates)
-        many = jax.jit(jax.vmap(function))
+        many = differentiated()
+        _, slopes = many(omegas, velocity, rates)
         given = [omegas, velocity, rates]
         for part, step in enumerate((1e-3, 1e-4, 1e-4)):
             for column in range(given[part].shape[1]):
@@ -122,52 +138,17 @@ def test_derivatives_are_those_of_differences() -> None:
                     moved = list(given)
                     moved[part] = moved[part].copy()
                     moved[part][:, column] += sign * step
-                    ends.append(np.asarray(many(*moved)))
+                    ends.append(np.asarray(many(*moved)[0]))
                 difference = (ends[0] - ends[1]) / (2.0 * step)
                 # Drag areas have |v| v and the hub's in-plane speed a kink of the second order.
                 np.testing.assert_allclose(slopes[part][:, column], difference, 1e-3, 2e-3)
 
 
 def test_derivatives_are_finite_in_single_precision() -> None:
-    function = total(JaxForces.of(VEHICLE, TABLE))
+    many = differentiated()
     omegas, velocity, rates, _ = (jnp.asarray(x, jnp.float32) for x in special_states())
-    slopes = jax.jit(jax.vmap(jax.grad(function, argnums=(0, 1, 2))))(omegas, velocity, rates)
+    _, slopes = many(omegas, velocity, rates)
     assert all(np.isfinite(slope).all() and np.abs(slope).min() > 0.0 for slope in slopes)
-
-
-def test_four_thousand_vehicles_are_each_one() -> None:
-    omegas, velocity, rates, wind = (jnp.asarray(x, jnp.float32) for x in states(4096, 5))
-    forces = JaxForces.of(VEHICLE, TABLE)
-    many = jax.jit(jax.vmap(forces.wrench))(omegas, velocity, rates, wind)
-    assert many.force.shape == (4096, 3) and many.code.shape == (4096,)
-    for k in (0, 1717, 4095):
-        single = WRENCH(forces, omegas[k], velocity[k], rates[k], wind[k])
-        np.testing.assert_allclose(many.force[k], single.force, rtol=0.0, atol=2e-5)
-        np.testing.assert_allclose(many.moment[k], single.moment, rtol=0.0, atol=2e-5)
-
-
-def test_outside_the_table_is_nan_unless_clamped() -> None:
-    forces = JaxForces.of(VEHICLE, TABLE)
-    omegas = np.array([[500.0] * 4, [500.0, 500.0, 500.0, 1200.0], [500.0] * 4, [-5.0] * 4])
-    velocity = np.array([[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 40.0], [1.0, 0.0, 0.0]])
-    found = WRENCH(forces, omegas, velocity)
-    assert [STATUSES[code] for code in found.code] == ["ok", "outside", "outside", "outside"]
-    assert np.isfinite(found.force[0]).all() and np.isnan(found.force[1:]).all()
-    held = WRENCH(forces, omegas, velocity, clamp=True)
-    assert np.isfinite(held.force).all() and (held.code == found.code).all()
-    omegas[1, 3] = 1000.0
-    at_end = WRENCH(forces, omegas, velocity)
-    np.testing.assert_allclose(held.force[1], at_end.force[1], rtol=1e-5)
-
-
-def test_what_the_table_says_of_a_point_is_told() -> None:
-    cells = TABLE.content.cells.copy()
-    cells[:, 15:] = 1  # vortex ring: all beyond edgewise flow
-    flagged = table_of(cells=cells)
-    velocity = np.array([[0.0, 0.0, -2.0], [0.0, 0.0, 2.0]])
-    level = replace(VEHICLE, mounts=tuple(replace(m, axis=(0.0, 0.0, 1.0)) for m in VEHICLE.mounts))
-    found = WRENCH(JaxForces.of(level, flagged), np.full(4, 500.0), velocity)
-    assert [STATUSES[code] for code in found.code] == ["vortex_ring", "ok"]
 
 
 # -------------------------------------------------------------------------------------------------
@@ -188,11 +169,11 @@ def model_of(place: str = "-0.02 0 0", nose: float = 0.2, air: float = 0.0) -> m
 
 def rotors_on(model: mujoco.MjModel, **changes: Any) -> MjxRotors:
     given = {"vehicle": VEHICLE, "table": TABLE, "body": "quad", "time_constant": 0.05} | changes
-    return MjxRotors.of(model=model, **given)
+    return MjxRotors.from_vehicle(model=model, **given)
 
 
-def test_a_step_of_mjx_accelerates_as_newton_and_euler_have_it() -> None:
-    """Turned, moving and turning, with the centre of mass off the origin of either body."""
+def test_the_applied_wrench_accelerates_as_newton_and_euler_have_it() -> None:
+    """Turned, moving and turning, with the center of mass off the origin of either body."""
     from mujoco import mjx
 
     wind, omegas = np.array([1.0, -0.5, 0.2]), np.array([520.0, 560.0, 610.0, 590.0])
@@ -203,20 +184,23 @@ def test_a_step_of_mjx_accelerates_as_newton_and_euler_have_it() -> None:
     mujoco.mj_forward(model, data)
     at = model.body("quad").id
     turn = data.xmat[at].reshape(3, 3)
-    # By MuJoCo's own momentum of the whole: its rate is force, and moment about the centre of mass.
+    # By MuJoCo's own momentum of the whole: its rate is force, and moment about the center of mass.
     mujoco.mj_subtreeVel(model, data)
     before = data.subtree_linvel[at].copy(), data.subtree_angmom[at].copy()
     expected = VehicleForces(VEHICLE, TABLE).wrench(
         omegas, turn.T @ before[0], data.qvel[3:6], turn.T @ wind
     )
     rates = data.qvel[3:6].copy()
+    apply = jax.jit(MjxRotors.apply, compiler_options=CHEAPLY)
     with jax.enable_x64(True):
-        rotors, device = rotors_on(model, vehicle=heavy), mjx.put_model(model)
-        state, after, code = jax.jit(MjxRotors.apply)(
-            rotors, mjx.put_data(model, data), omegas, omegas + 10.0, wind
-        )
-        acceleration = np.asarray(jax.jit(mjx.forward)(device, state).qacc)
-    assert int(code) == 0
+        rotors = rotors_on(model, vehicle=heavy)
+        given = mjx.put_data(model, data), omegas, omegas + 10.0, wind
+        state, after, code = apply(rotors, *given)
+    # MuJoCo's own dynamics, which MJX has too.
+    data.xfrc_applied[:] = state.xfrc_applied
+    mujoco.mj_forward(model, data)
+    acceleration = data.qacc.copy()
+    assert STATUSES[int(code)] == expected.status
     np.testing.assert_allclose(after, omegas + 10.0 * (1.0 - np.exp(-0.002 / 0.05)), rtol=1e-12)
     step = 1e-6
     mujoco.mj_integratePos(model, data.qpos, data.qvel, step)
@@ -261,38 +245,20 @@ def test_many_fly_at_once_and_are_differentiated() -> None:
     np.testing.assert_allclose(np.diff(speeds), by_slopes, rtol=0.01)
 
 
-def test_without_jax_one_line_says_what_to_install() -> None:
-    hidden = "import sys; sys.modules['jax'] = None; import propmap.sim.mjx"
-    done = subprocess.run(
-        [sys.executable, "-c", hidden], capture_output=True, text=True, check=False
-    )
-    last = done.stderr.strip().splitlines()[-1]
-    assert last.endswith("jax is not installed; run: pip install 'propmap[jax]'")
-
-
+OTHER = propmap.propeller("apc-8x6e")
 WRONG: dict[str, tuple[Callable[[], Any], str]] = {
-    "no table": (lambda: JaxForces.of(VEHICLE, 3), "table is int; give a LoadTable"),  # type: ignore[arg-type]
-    "wakes": (lambda: JaxForces.of(replace(VEHICLE, wakes=Wakes()), TABLE), "has wakes"),
+    "no table": (lambda: JaxForces.from_vehicle(VEHICLE, 3), "table is int; give a LoadTable"),  # type: ignore[arg-type]
+    "wakes": (lambda: JaxForces.from_vehicle(replace(VEHICLE, wakes=Wakes()), TABLE), "has wakes"),
     "another propeller": (
-        lambda: JaxForces.of(replace(VEHICLE, propeller=propmap.propeller("apc-8x6e")), TABLE),
-        "the table is of 'invented'",
-    ),
-    "another air": (
-        lambda: JaxForces.of(replace(VEHICLE, air=propmap.Air(1.0)), TABLE),
-        "1.2 kg/m^3",
-    ),
-    "a mount": (
-        lambda: JaxForces.of(
-            replace(VEHICLE, mounts=(Mount((0.0, 0.0, 0.0), drag=Installed(1e-3)),)), TABLE
-        ),
-        "[mount]",
+        lambda: JaxForces.from_vehicle(replace(VEHICLE, propeller=OTHER), TABLE),
+        "the table is for 'invented'",
     ),
     "three speeds": (
-        lambda: JaxForces.of(VEHICLE, TABLE).wrench([500.0] * 3, [0.0] * 3),
-        "omegas has shape (3,); its last axis must hold 4",
+        lambda: JaxForces.from_vehicle(VEHICLE, TABLE).wrench([500.0] * 3, [0.0] * 3),
+        "omega has shape (3,); its last axis must hold 4",
     ),
     "a number for a velocity": (
-        lambda: JaxForces.of(VEHICLE, TABLE).wrench([500.0] * 4, 3.0),
+        lambda: JaxForces.from_vehicle(VEHICLE, TABLE).wrench([500.0] * 4, 3.0),
         "velocity has shape ()",
     ),
     "no such body": (

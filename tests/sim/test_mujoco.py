@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+import runpy
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,11 +18,9 @@ from scipy.spatial.transform import Rotation
 import propmap
 from propmap import InputError, VehicleForces
 from propmap.export import export_vehicle
-from propmap.table import LoadTable
 from propmap.vehicle.vehicle import Body, Vehicle
-from tests.export.conftest import invented_content
 from tests.export.needed import package
-from tests.export.test_vehicle_export import ASKEW, PLAIN, VEHICLES, WAKES
+from tests.export.test_vehicle_export import ASKEW, PLAIN, VEHICLES, WAKES, table_of
 from tests.vehicle.test_vehicle_wrench import QUAD, ROTOR
 
 mujoco = package("mujoco")
@@ -30,30 +29,23 @@ sim = package("propmap.sim.mujoco")
 INERTIA = (0.004, 0.005, 0.008)
 GRAVITY = 9.81
 LAG = 0.03
-CENTRE = (0.02, -0.01, 0.03)
-
-
-def table_of(vehicle: Vehicle, *, scale: float = 1.0, gap: bool = False) -> LoadTable:
-    """The invented table as one of the vehicle's propeller, with loads times ``scale``."""
-    content = invented_content(gap=gap)
-    content.info["propeller"]["geometry_sha256"] = vehicle.propeller.fingerprint()
-    return LoadTable(replace(content, coefficients=scale * content.coefficients))
+CENTER = (0.02, -0.01, 0.03)
 
 
 def mjcf(
     vehicle: Vehicle,
     *,
     option: str = "",
-    centre: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    center: tuple[float, float, float] = (0.0, 0.0, 0.0),
     actuator: str = f'dyntype="filter" dynprm="{LAG}" gainprm="0"',
 ) -> str:
-    """The vehicle, with its centre of mass at ``centre`` of its body's frame."""
+    """The vehicle, with its center of mass at ``center`` of its body's frame."""
 
     def words(vector: Any) -> str:
         return " ".join(repr(float(x)) for x in vector)
 
     sites = "\n".join(
-        f'<site name="rotor_{k}" pos="{words(np.add(mount.position, centre))}"'
+        f'<site name="rotor_{k}" pos="{words(np.add(mount.position, center))}"'
         f' zaxis="{words(mount.axis)}"/>'
         for k, mount in enumerate(vehicle.mounts, start=1)
     )
@@ -66,7 +58,7 @@ def mjcf(
 <worldbody>
 <body name="quad">
 <freejoint/>
-<inertial pos="{words(centre)}" mass="{vehicle.mass}" diaginertia="{words(INERTIA)}"/>
+<inertial pos="{words(center)}" mass="{vehicle.mass}" diaginertia="{words(INERTIA)}"/>
 {sites}
 </body>
 </worldbody>
@@ -98,29 +90,37 @@ def random_state(data: Any, rng: np.random.Generator, low: float, high: float) -
     data.ctrl[:] = data.act
 
 
-@pytest.mark.parametrize("case", [*VEHICLES, "on the core"])
+@pytest.mark.parametrize(
+    "case",
+    [
+        "askew, with a wing and lift",
+        "askew in wakes, on a wing with a span",
+        "slipstreams",
+        "on the core",
+    ],
+)
 def test_forces_are_those_of_vehicle_forces(fly: Callable[..., Any], case: str) -> None:
-    """At any attitude, spin, motion and wind, with the body's origin beside its centre of mass."""
+    """At any attitude, spin, motion and wind, with the body's origin beside its center of mass."""
     vehicle = VEHICLES.get(case, QUAD)
     loads = ROTOR if case == "on the core" else table_of(vehicle)
     wind = np.array([2.0, -1.0, 0.5])
-    text = mjcf(vehicle, option='wind="2 -1 0.5"', centre=CENTRE)
+    text = mjcf(vehicle, option='wind="2 -1 0.5"', center=CENTER)
     model, data, forces = fly(text, vehicle, loads)
     rng, direct = np.random.default_rng(0), VehicleForces(vehicle, loads)
     compared = 0
-    for _ in range(30):
+    for _ in range(20):
         random_state(data, rng, 450.0, 900.0)
         turn = Rotation.from_quat(data.qpos[[4, 5, 6, 3]])
         rates = data.qvel[3:].copy()
-        centre = turn.inv().apply(data.qvel[:3]) + np.cross(rates, CENTRE)
-        want = direct.wrench(data.act, centre, rates, turn.inv().apply(wind))
+        center = turn.inv().apply(data.qvel[:3]) + np.cross(rates, CENTER)
+        want = direct.wrench(data.act, center, rates, turn.inv().apply(wind))
         if np.isnan(want.force).any():
             with pytest.raises(InputError, match="has no loads"):
                 mujoco.mj_forward(model, data)
             continue
         compared += 1
         mujoco.mj_forward(model, data)
-        place = data.qpos[:3] + turn.apply(CENTRE)
+        place = data.qpos[:3] + turn.apply(CENTER)
         expected = np.zeros(model.nv)
         body = model.body("quad").id
         force, moment = turn.apply(want.force), turn.apply(want.moment)
@@ -129,30 +129,22 @@ def test_forces_are_those_of_vehicle_forces(fly: Callable[..., Any], case: str) 
         np.testing.assert_allclose(data.qfrc_passive, expected, rtol=0.0, atol=1e-12 * size)
         told = forces.wrench(data)
         np.testing.assert_allclose(told.moment, want.moment, rtol=0.0, atol=1e-12 * size)
-        words = [forces._words[code] for code in forces._codes[0]]
-        assert words == list(forces.status)
         if case != "on the core":
             assert list(forces.status) == want.rotor_status.tolist()
-    assert compared >= 10
+    assert compared >= 7
 
 
-def hover_speed(vehicle: Vehicle, table: LoadTable) -> float:
-    share = vehicle.mass * GRAVITY / len(vehicle.mounts)
-    return float(table.omega_for("thrust", share, 0.0, 0.0).omega)
-
-
-AT = tuple(
-    (*(float(np.sign(x)) * 0.16 for x in mount.position[:2]), 0.02) for mount in PLAIN.mounts
-)
 SQUARE = replace(
-    PLAIN, mounts=tuple(replace(m, position=at) for m, at in zip(PLAIN.mounts, AT, strict=True))
+    PLAIN,
+    mounts=tuple(replace(m, position=tuple(0.16 * np.sign(m.position))) for m in PLAIN.mounts),
 )
 
 
 def test_hover_holds_and_rotors_lag(fly: Callable[..., Any]) -> None:
     table = table_of(SQUARE)
     model, data, forces = fly(mjcf(SQUARE), SQUARE, table)
-    omega = hover_speed(SQUARE, table)
+    share = SQUARE.mass * GRAVITY / 4.0
+    omega = float(table.omega_for("thrust", share, 0.0, 0.0).omega)
     data.act[:] = data.ctrl[:] = omega
     while data.time < 1.0:
         mujoco.mj_step(model, data)
@@ -182,65 +174,13 @@ def test_without_a_lag_the_command_is_the_speed(fly: Callable[..., Any]) -> None
 
 def test_a_fall_ends_at_the_terminal_velocity(fly: Callable[..., Any]) -> None:
     """Rotors without loads: weight against the drag of the body."""
-    model, data, forces = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN, scale=0.0), clamp=True)
+    text = mjcf(PLAIN).replace('timestep="0.001"', 'timestep="0.01"')
+    model, data, forces = fly(text, PLAIN, table_of(PLAIN, scale=0.0), clamp=True)
     while data.time < 15.0:
         mujoco.mj_step(model, data)
     terminal = np.sqrt(2.0 * PLAIN.mass * GRAVITY / (PLAIN.air.density * PLAIN.body.drag_area[2]))
     assert data.qvel[2] == pytest.approx(-terminal, rel=1e-3)
     assert set(forces.worst_status) == {"clamped"}
-
-
-def test_work_and_impulse_are_the_changes_of_energy_and_momentum(fly: Callable[..., Any]) -> None:
-    vehicle = VEHICLES["askew, with a wing and lift"]
-    model, data, forces = fly(mjcf(vehicle), vehicle, table_of(vehicle))
-    data.qvel[:] = [3.0, 1.0, 0.5, 0.4, -0.3, 0.2]
-    data.act[:] = [600.0, 620.0, 640.0, 580.0]
-    data.ctrl[:] = [640.0, 600.0, 610.0, 620.0]
-    inertia, rows = np.array(INERTIA), []
-    while data.time < 0.4:
-        turn = Rotation.from_quat(data.qpos[[4, 5, 6, 3]])
-        told, rates = forces.wrench(data), data.qvel[3:]
-        push = turn.apply(told.force)
-        energy = 0.5 * vehicle.mass * data.qvel[:3] @ data.qvel[:3] + 0.5 * rates @ (
-            inertia * rates
-        )
-        energy += vehicle.mass * GRAVITY * data.qpos[2]
-        spin = turn.apply(inertia * rates)
-        power = push @ data.qvel[:3] + told.moment @ rates
-        weight = [0.0, 0.0, -vehicle.mass * GRAVITY]
-        momentum = vehicle.mass * data.qvel[:3]
-        moment = turn.apply(told.moment)
-        rows.append([[energy, *momentum, *spin], [power, *(push + weight), *moment]])
-        mujoco.mj_step(model, data)
-    have, rate = np.array(rows).swapaxes(0, 1)
-    # Simpson's rule over the steps.
-    odd = len(have) - 1 + len(have) % 2
-    weights = np.ones(odd)
-    weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
-    done = model.opt.timestep / 3.0 * weights @ rate[:odd]
-    change = have[odd - 1] - have[0]
-    assert np.abs(change).max() > 0.5
-    np.testing.assert_allclose(done, change, rtol=0.0, atol=2e-6 * np.abs(change).max())
-
-
-def test_a_mirrored_vehicle_flies_a_mirrored_flight(fly: Callable[..., Any]) -> None:
-    def mirrored(mount: Any) -> Any:
-        (x, y, z), (u, v, w) = mount.position, mount.axis
-        spin = {"cw": "ccw", "ccw": "cw"}[mount.spin]
-        return replace(mount, position=(x, -y, z), axis=(u, -v, w), spin=spin)
-
-    flights = []
-    for mounts, side in ((ASKEW, 1.0), (tuple(map(mirrored, ASKEW)), -1.0)):
-        vehicle = replace(PLAIN, mounts=mounts, rotor_inertia=2e-5)
-        model, data, _ = fly(mjcf(vehicle), vehicle, table_of(vehicle))
-        data.qvel[:] = [2.0, side, 0.3, side * 0.4, 0.3, side * 0.5]
-        data.act[:], data.ctrl[:] = [600.0, 620.0, 640.0, 610.0], 630.0
-        while data.time < 0.3:
-            mujoco.mj_step(model, data)
-        flights.append(data.qpos * [1.0, side, 1.0, 1.0, side, 1.0, side])
-        mujoco.set_mjcb_passive(None)
-    assert np.abs(flights[0][[1, 4, 6]]).max() > 0.05
-    np.testing.assert_allclose(flights[0], flights[1], rtol=0.0, atol=1e-12)
 
 
 def test_angular_momentum_of_vehicle_and_rotors_is_kept(fly: Callable[..., Any]) -> None:
@@ -310,13 +250,6 @@ def test_a_command_that_is_no_number_is_told(fly: Callable[..., Any], clamp: boo
         mujoco.mj_step(model, data)
 
 
-def test_what_is_no_model_and_no_vehicle_is_named() -> None:
-    model = mujoco.MjModel.from_xml_string(GOOD)
-    for given in ((model, "quad.toml"), ("quad.xml", PLAIN)):
-        with pytest.raises(InputError, match="not MjModel and Vehicle; give an MjModel and"):
-            sim.MujocoRotors(*given, table_of(PLAIN))
-
-
 @pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])
 def test_beyond_the_table_by_its_nearest_point(fly: Callable[..., Any], wakes: Any) -> None:
     vehicle = replace(PLAIN, wakes=wakes)
@@ -336,8 +269,8 @@ def test_beyond_the_table_by_its_nearest_point(fly: Callable[..., Any], wakes: A
 def test_the_vortex_ring_is_told(fly: Callable[..., Any]) -> None:
     model, data, forces = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN, gap=True))
     found = set()
-    for speed in np.linspace(0.0, 10.0, 60):
-        for angle in np.linspace(0.0, np.pi, 25):
+    for speed in np.linspace(0.0, 10.0, 30):
+        for angle in np.linspace(0.0, np.pi, 13):
             data.qvel[:3] = speed * np.sin(angle), 0.0, speed * np.cos(angle)
             data.act[:] = data.ctrl[:] = 600.0
             try:
@@ -369,13 +302,13 @@ def test_rollouts_in_threads_are_the_flights(fly: Callable[..., Any]) -> None:
     model, data, _ = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN))
     kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
     data.act[:], data.qvel[0] = 600.0, 1.0
-    start = np.empty((4, mujoco.mj_stateSize(model, kind)))
-    for row in start:
-        mujoco.mj_getState(model, data, row, kind)
+    start = np.empty(mujoco.mj_stateSize(model, kind))
+    mujoco.mj_getState(model, data, start, kind)
     commands = np.broadcast_to(np.linspace(580.0, 640.0, 4)[:, None, None], (4, 50, 4)).copy()
-    states, _ = rollout.rollout(model, [mujoco.MjData(model) for _ in range(2)], start, commands)
-    for row, command, found in zip(start, commands, states, strict=True):
-        mujoco.mj_setState(model, data, row, kind)
+    threads = [mujoco.MjData(model) for _ in range(2)]
+    states, _ = rollout.rollout(model, threads, np.tile(start, (4, 1)), commands)
+    for command, found in zip(commands, states, strict=True):
+        mujoco.mj_setState(model, data, start, kind)
         data.ctrl[:] = command[0]
         for _ in range(50):
             mujoco.mj_step(model, data)
@@ -409,7 +342,7 @@ WRONG: dict[str, tuple[str, dict[str, Any], str]] = {
         {}, "has 1200 kg, the vehicle file 1.2 kg; MJCF is in kg, not g"
     ),
     "another mass": (GOOD.replace('mass="1.2"', 'mass="2"'), {}, "give both the same mass"),
-    "millimetres": (
+    "millimeters": (
         mjcf(replace(PLAIN, mounts=tuple(
             replace(m, position=tuple(1e3 * x for x in m.position)) for m in PLAIN.mounts))),
         {}, "is at (160, 170, 20) m from the center of mass, the vehicle's rotor at "
@@ -429,7 +362,6 @@ WRONG: dict[str, tuple[str, dict[str, Any], str]] = {
         {}, "rotate the site so that its z axis is along the thrust"
     ),
     "no free joint": (GOOD.replace("<freejoint/>", '<joint type="hinge"/>'), {}, "no free joint"),
-    "fixed": (GOOD.replace("<freejoint/>", ""), {}, "no free joint"),
     "a rotor that tilts": (
         GOOD.replace(SITE[0], f'<body><joint/><geom size="0.01" mass="0.01"/>{SITE[0]}</body>'),
         {}, "are on bodies that move relative to each other"
@@ -458,48 +390,58 @@ def test_what_does_not_fit_is_refused_in_a_line(case: str) -> None:
     assert "\n" not in str(told.value)
 
 
-def test_loads_of_something_else() -> None:
+def test_what_is_no_model_vehicle_or_loads_is_named() -> None:
     model = mujoco.MjModel.from_xml_string(GOOD)
     with pytest.raises(InputError, match="loads is str; give a Rotor or a LoadTable"):
         sim.MujocoRotors(model, PLAIN, "table.npz")
+    for given in ((model, "quad.toml"), ("quad.xml", PLAIN)):
+        with pytest.raises(InputError, match="not MjModel and Vehicle; give an MjModel and"):
+            sim.MujocoRotors(*given, table_of(PLAIN))
     with pytest.raises(InputError, match="another propeller or air"):
-        sim.MujocoRotors(model, PLAIN, propmap.Rotor(propmap.known_model("apc-8x6e")))
+        sim.MujocoRotors(model, PLAIN, propmap.Rotor(propmap.catalogue_model("apc-8x6e")))
 
 
 # -------------------------------------------------------------------------------------------------
 # ``propmap export --to mujoco``.
 
 
-@pytest.mark.parametrize("case", ["plain", "askew, with a wing and lift", "wakes"])
-def test_an_exported_vehicle_hovers_in_a_process_of_its_own(tmp_path: Path, case: str) -> None:
-    vehicle = replace(VEHICLES[case], inertia=INERTIA, rotor_inertia=1e-5)
+@pytest.mark.parametrize(
+    ("flown", "seconds"),
+    [(VEHICLES["askew, with a wing and lift"], "0.500"), (replace(PLAIN, wakes=WAKES), "0.250")],
+    ids=["askew, with a wing and lift", "wakes"],
+)
+@pytest.mark.usefixtures("fly")
+def test_an_exported_vehicle_hovers(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    flown: Vehicle,
+    seconds: str,
+) -> None:
+    vehicle = replace(flown, inertia=INERTIA, rotor_inertia=1e-5)
     paths = export_vehicle(vehicle, table_of(vehicle), "mujoco", tmp_path)
     assert sorted(path.name for path in paths) == [
         "README-mujoco.txt", "invented.npz", "test_quad.xml", "test_quad_mujoco.py"
     ]  # fmt: skip
-    command = [sys.executable, str(tmp_path / "test_quad_mujoco.py"), "--headless", "0.5"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0 and not done.stderr, done.stderr
+    script = str(tmp_path / "test_quad_mujoco.py")
+    monkeypatch.setattr(sys, "argv", [script, "--headless", seconds])
+    runpy.run_path(script, run_name="__main__")
+    mujoco.set_mjcb_passive(None)
+    told = capsys.readouterr().out
     found = re.fullmatch(
-        r"after 0\.50\d s at \((\S+), (\S+), (\S+)\) m, status ok, ok, ok, ok\n", done.stdout
+        rf"after {seconds} s at \((\S+), (\S+), (\S+)\) m, status ok, ok, ok, ok\n", told
     )
-    assert found is not None, done.stdout
-    np.testing.assert_allclose([float(word) for word in found.groups()], [0, 0, 2], atol=2e-3)
+    assert found is not None, told
+    # As far as a hundredth of a m/s^2 or so moves it in that time, and rounding in print.
+    off = 0.008 * float(seconds) ** 2
+    np.testing.assert_allclose([float(word) for word in found.groups()], [0, 0, 2], atol=off)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "test_quad.xml"))
     assert model.body_mass.sum() == pytest.approx(vehicle.mass, rel=1e-12)
     np.testing.assert_allclose(model.body("test_quad").inertia, INERTIA, rtol=1e-12)
-    assert "written by propmap" in (tmp_path / "test_quad.xml").read_text()
     assert "0.05 s: assumed" in " ".join((tmp_path / "README-mujoco.txt").read_text().split())
 
 
-def spun(*spins: Literal["cw", "ccw"]) -> Vehicle:
-    """The vehicle with other spins."""
-    mounts = zip(PLAIN.mounts, spins, strict=True)
-    return replace(
-        PLAIN, inertia=INERTIA, mounts=tuple(replace(mount, spin=spin) for mount, spin in mounts)
-    )
-
-
+ONE_SPIN = tuple(replace(mount, spin="cw") for mount in PLAIN.mounts)
 AHEAD = tuple(replace(mount, position=(0.16, *mount.position[1:])) for mount in PLAIN.mounts)
 
 
@@ -508,14 +450,12 @@ AHEAD = tuple(replace(mount, position=(0.16, *mount.position[1:])) for mount in 
     [
         (PLAIN, "has no inertia"),
         (replace(PLAIN, inertia=INERTIA, mass=30.0), "does not hover: .* rotor speeds"),
-        (spun("cw", "cw", "cw", "cw"), "cannot hover without a moment .* position and spin"),
-        (spun("ccw", "ccw", "cw", "ccw"), "cannot hover without a moment; .* position and spin"),
-        (
-            replace(PLAIN, inertia=INERTIA, mounts=AHEAD),
-            "cannot hover without a moment .* position and spin",
+        *(
+            (replace(PLAIN, inertia=INERTIA, mounts=mounts), "cannot hover without a moment .*spin")
+            for mounts in (ONE_SPIN, AHEAD)
         ),
     ],
-    ids=["no inertia", "too heavy", "one spin for all", "one wrong spin", "rotors ahead"],
+    ids=["no inertia", "too heavy", "one spin for all", "rotors ahead"],
 )
 def test_what_cannot_be_exported(tmp_path: Path, vehicle: Vehicle, message: str) -> None:
     with pytest.raises(InputError, match=message) as told:
@@ -525,10 +465,9 @@ def test_what_cannot_be_exported(tmp_path: Path, vehicle: Vehicle, message: str)
 
 def test_a_table_without_descent_is_refused(tmp_path: Path) -> None:
     vehicle = replace(PLAIN, inertia=INERTIA)
-    content = invented_content(beta=(0.0, np.pi / 2.0))
-    content.info["propeller"]["geometry_sha256"] = vehicle.propeller.fingerprint()
+    table = table_of(vehicle, beta=(0.0, np.pi / 2.0))
     with pytest.raises(InputError, match=r"beta is 0 to 90 deg.*--beta 0:180"):
-        export_vehicle(vehicle, LoadTable(content), "mujoco", tmp_path / "out")
+        export_vehicle(vehicle, table, "mujoco", tmp_path / "out")
 
 
 def test_headless_flight_without_loads_ends_with_a_line(tmp_path: Path) -> None:
@@ -536,16 +475,10 @@ def test_headless_flight_without_loads_ends_with_a_line(tmp_path: Path) -> None:
     vehicle = replace(PLAIN, inertia=INERTIA)
     export_vehicle(vehicle, table_of(vehicle), "mujoco", tmp_path)
     model = tmp_path / "test_quad.xml"
-    slow = re.sub(r'act="[^"]*"', 'act="100 100 100 100"', model.read_text())
-    model.write_text(slow)
+    text = model.read_text()
+    assert 'qpos="0 0 2 1.0 0.0 0.0 0.0"' in text  # without rounding errors
+    model.write_text(re.sub(r'act="[^"]*"', 'act="100 100 100 100"', text))
     command = [sys.executable, str(tmp_path / "test_quad_mujoco.py"), "--headless", "5"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 1 and done.stdout == ""
     assert done.stderr.count("\n") == 1 and "no loads" in done.stderr, done.stderr
-
-
-def test_the_keyframe_has_no_rounding_in_it(tmp_path: Path) -> None:
-    vehicle = replace(PLAIN, inertia=INERTIA)
-    export_vehicle(vehicle, table_of(vehicle), "mujoco", tmp_path)
-    (attitude,) = re.findall(r'qpos="0 0 2 ([^"]*)"', (tmp_path / "test_quad.xml").read_text())
-    assert attitude == "1.0 0.0 0.0 0.0"

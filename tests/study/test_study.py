@@ -72,12 +72,9 @@ def test_a_latin_hypercube_has_every_stripe_once(rotor: Rotor) -> None:
 
 @pytest.mark.parametrize("where", ["memory", "store"])
 def test_loads_are_those_of_each_design(rotor: Rotor, tmp_path: Path, where: str) -> None:
-    varied = {
-        "pitch": np.array([0.12, 0.16]),
-        "blades": np.array([2.0, 3.0]),
-        "rpm": np.array([4000.0, 5000.0]),
-    }
-    shared = {name: values for name, values in POINTS.items() if name != "rpm"}
+    values = {"pitch": [0.12, 0.16], "blades": [2.0, 3.0], "rpm": [4000.0, 5000.0]}
+    varied = {name: np.array(two) for name, two in values.items()}
+    shared = {name: POINTS[name] for name in ("speed_mps", "beta_deg")}
     study = Study(rotor, varied, shared, points_per_task=6)
     layout = study.layout()
     assert layout.chunk[0] < study.count
@@ -107,11 +104,9 @@ def test_a_quadratic_is_found_and_another_function_is_told_apart() -> None:
     assert surface.left_out_rms < 1e-12
     new = {"diameter": np.array([0.15]), "pitch": np.array([0.11])}
     assert surface(new)[0] == pytest.approx(3.0 + 0.15 * 0.11 - 0.11**2)
-    rough = np.sin(40.0 * rows["diameter"])
-    error = []
+    rough, error = np.sin(40.0 * rows["diameter"]), []
     for k in range(40):
-        kept = np.arange(40) != k
-        left = response_surface({n: v[kept] for n, v in rows.items()}, rough[kept])
+        left = response_surface({n: np.delete(v, k) for n, v in rows.items()}, np.delete(rough, k))
         error.append(left({n: v[[k]] for n, v in rows.items()})[0] - rough[k])
     # The variables' ranges, by which they are scaled, do not matter to a full quadratic.
     told = response_surface(rows, rough).left_out_rms
@@ -124,18 +119,15 @@ FAULTS = [
     ('method = "latin-hypercube"', 'method = "sobol"', "method is 'sobol'"),
     ("designs = 60", "designs = 1", "designs is 1"),
     ("designs = 60", "designs = 2.5", "designs is '2.5', expected a whole number"),
-    ("designs = 60", "", "no designs"),
     ('method = "latin-hypercube"', 'method = "full-factorial"', "designs is given"),
     ("diameter_in = [7.0, 9.0]", "diameter_in = [9.0, 7.0]", "do not increase"),
     ("diameter_in = [7.0, 9.0]", "diameter_in = [7.0, 8.0, 9.0]", "a Latin hypercube two values"),
     ("diameter_in = [7.0, 9.0]", "diameter_in = [-7.0, 9.0]", "diameter is negative"),
     ("diameter_in = [7.0, 9.0]", "diametre_in = [7.0, 9.0]", "did you mean diameter_in"),
-    ("diameter_in = [7.0, 9.0]", "diameter_in = [0.0, 9.0]", "diameter is 0"),
     ("diameter_in = [7.0, 9.0]", "diameter_in = 'wide'", "expected a number or a list"),
     ("pitch_in = [4.0, 7.0]", "diameter_m = [0.1, 0.2]", "given twice"),
     ("chord_scale = [0.8, 1.2]", "chord_scale = [0.8, 90.0]", "the design with"),
     ("blades = [2, 3]", "blades = [2.5, 3]", "whole numbers"),
-    ("blades = [2, 3]", "blades = [2, 40]", "blades"),
     ("rpm = [6000.0]", "", "rpm is given nowhere"),
     ("speed_mps = [0.0, 10.0, 20.0]", "speed_mps = [-1.0]", "negative"),
     ('quantity = "power"', 'quantity = "noise"', "quantity is 'noise'"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +30,12 @@ def sweep() -> Sweep:
     return Sweep(rotor(), GRID, points_per_task=POINTS_PER_TASK)
 
 
+def swept(path: Path, **more: Any) -> dict[str, bytes]:
+    """Run the sweep, or what is left of it, into a store; files of the store, by name."""
+    sweep_to_store(rotor(), GRID, path, points_per_task=POINTS_PER_TASK, **more)
+    return contents(path)
+
+
 def contents(path: Path) -> dict[str, bytes]:
     """Files of a store with results, by name; what tells of the run is left out."""
     return {
@@ -44,8 +51,6 @@ if __name__ == "__main__":
         from propmap.cluster import connected
 
         with connected(cluster[0]) as workers:
-            sweep_to_store(
-                rotor(), GRID, Path(where), workers=workers, points_per_task=POINTS_PER_TASK
-            )
+            swept(Path(where), workers=workers)
     else:
-        sweep_to_store(rotor(), GRID, Path(where), points_per_task=POINTS_PER_TASK)
+        swept(Path(where))

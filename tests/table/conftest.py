@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -64,6 +66,15 @@ def invented_content() -> TableContent:
         cells=np.zeros((advance.size - 1, beta.size - 1), np.uint8),
         info=info,
     )
+
+
+def flagged_content() -> TableContent:
+    """The invented table with cells of every flag, and a column of points without a value."""
+    content = invented_content()
+    cells, coefficients = content.cells.copy(), content.coefficients.copy()
+    cells[:, :9], cells[:, 9:14], cells[5:9, 4:20] = 1, 2, 3
+    coefficients[:, :, :, 20] = np.nan
+    return replace(content, cells=cells, coefficients=coefficients)
 
 
 def random_points(table: LoadTable, count: int, seed: int = 0) -> tuple[np.ndarray, ...]:

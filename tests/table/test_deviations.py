@@ -14,7 +14,6 @@ from propmap.loads import LOADS
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import LoadTable
 from propmap.table.build import deviation_coefficients
-from propmap.table.interpolation import bilinear
 
 from .conftest import invented_content, random_points
 
@@ -56,8 +55,14 @@ def test_what_is_filed_comes_back(tmp_path: Path) -> None:
         assert (getattr(here, name) >= 0.0).all()
     np.testing.assert_allclose(here.power, here.torque * points[0])
     table.to_netcdf(tmp_path / "x.nc")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["x.nc", "x.npz"]
     with xarray.open_dataset(tmp_path / "x.nc", engine="h5netcdf") as found:
+        np.testing.assert_array_equal(found["advance"], table.content.advance)
+        for k, name in enumerate(LOADS):
+            np.testing.assert_array_equal(found[name], table.content.coefficients[:, k])
+            assert found[name].attrs["units"] == "1"
         assert found["thrust_std"].shape == table.content.coefficients[:, 0].shape
+        assert found.attrs["propeller_name"] == "invented"
 
 
 def test_a_share_of_the_loads_stays_that_share_between_the_knots() -> None:
@@ -68,37 +73,13 @@ def test_a_share_of_the_loads_stays_that_share_between_the_knots() -> None:
     np.testing.assert_allclose(found.torque, 0.1 * np.abs(loads.torque), rtol=0.02, atol=1e-6)
 
 
-def test_outside_there_are_none() -> None:
+def test_where_there_are_none() -> None:
     table = _invented()
     assert np.isnan(table.std(5000.0, 1.0, 0.3).thrust)
     assert np.isnan(table.std(np.nan, 1.0, 0.3).thrust)
-    assert np.isfinite(table.std(300.0, 1.0, -0.3).thrust)
-    assert table.std(300.0, np.zeros((2, 3)), 0.3).roll_moment.shape == (2, 3)
-
-
-def test_a_table_that_says_nothing_of_them(silent: LoadTable) -> None:
-    with pytest.raises(propmap.InputError, match="has no standard deviations"):
-        silent.std(500.0, 1.0, 0.2)
-
-
-@pytest.fixture
-def silent() -> LoadTable:
-    return LoadTable(invented_content())
-
-
-def test_negative_ones_are_refused() -> None:
+    assert table.std(300.0, np.zeros((2, 3)), -0.3).roll_moment.shape == (2, 3)
     content = invented_content()
+    with pytest.raises(propmap.InputError, match="has no standard deviations"):
+        LoadTable(content).std(500.0, 1.0, 0.2)
     with pytest.raises(propmap.InputError, match="negative"):
         replace(content, deviations=content.coefficients - 1.0)
-
-
-def test_between_knots_it_is_linear_both_ways() -> None:
-    x, y = np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0, 5.0])
-    values = 2.0 + 3.0 * x[:, None] - y + 0.5 * x[:, None] * y
-    at = np.random.default_rng(0).uniform(0.0, 1.0, (2, 40)) * [[3.0], [5.0]]
-    want = 2.0 + 3.0 * at[0] - at[1] + 0.5 * at[0] * at[1]
-    found = bilinear(x, y, values, at[0], at[1])
-    inside = [(x.searchsorted(at[0]) > 0).all(), (y.searchsorted(at[1]) > 0).all()]
-    assert all(inside)
-    # A product is linear along each axis.
-    np.testing.assert_allclose(found, want, rtol=1e-12)

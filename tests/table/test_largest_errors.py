@@ -51,11 +51,8 @@ def spiked(invented: LoadTable) -> CachedModel:
     return CachedModel(rotor, invented.content.omega)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_a_spike_between_samples_is_found(
-    invented: LoadTable, spiked: CachedModel, seed: int
-) -> None:
-    points = 4096
+def test_a_spike_between_samples_is_found(invented: LoadTable, spiked: CachedModel) -> None:
+    points, seed = 4096, 1
     sampled = compare(invented, spiked, *quasi_random(invented, points, seed))
     told, _ = certify(invented, spiked, 0.005, points=points, seed=seed)
     assert not told.holds
@@ -102,24 +99,20 @@ def test_the_search_is_bounded(invented: LoadTable, spiked: CachedModel) -> None
     assert spiked.evaluations - before == told.points + told.search_points
 
 
-def test_positions_and_points_are_inverse() -> None:
+def test_positions_and_points_are_inverse_and_stay_in_the_envelope() -> None:
+    """The faces of the box too, and where only one omega has the advance ratio."""
     content = invented_content()
     omega, speed, beta = random_points(LoadTable(content), 5000, seed=3)
     advance = speed / (omega * content.radius)
     back = points_at(content, positions_of(content, omega, advance, beta))
     np.testing.assert_allclose(np.stack(back), np.stack([omega, speed, beta]), rtol=1e-9)
-
-
-def test_positions_stay_in_the_envelope() -> None:
-    """The faces of the box too, and where only one omega has the advance ratio."""
-    table = LoadTable(invented_content())
-    ends = np.array([table.content.advance.size - 1.0, table.content.beta.size - 1.0, 1.0])
+    ends = np.array([content.advance.size - 1.0, content.beta.size - 1.0, 1.0])
     corners = np.stack(np.meshgrid([0, 0.5, 1], [0, 0.5, 1], [0, 0.5, 1]), -1).reshape(-1, 3)
-    omega, speed, beta = points_at(table.content, corners * ends)
-    assert table.loads(omega, speed, beta).inside.all()
+    omega, speed, beta = points_at(content, corners * ends)
+    assert LoadTable(content).loads(omega, speed, beta).inside.all()
     last = corners[:, 0] == 1
-    np.testing.assert_allclose(omega[last], table.content.omega[0])
-    np.testing.assert_allclose(speed[last], table.content.speed[1])
+    np.testing.assert_allclose(omega[last], content.omega[0])
+    np.testing.assert_allclose(speed[last], content.speed[1])
 
 
 def test_cells_in_which_the_certificate_fails_are_halved(
@@ -147,31 +140,3 @@ def test_cells_in_which_the_certificate_fails_are_halved(
     assert len(axes) > 1 and axes == sorted(axes)
     assert table.certificate["holds"]
     assert table.certificate["unresolved_volume"] < 0.01
-
-
-@pytest.mark.slow
-def test_the_corner_where_the_8x6e_stalls_below_zero_lift(rotor: propmap.Rotor) -> None:
-    """The README's table: near 3073 rpm, 14.8 m/s and 5 deg the torque is off by more than
-    elsewhere, where one point of 20 000 lies.  Before there was a search the certificate stated
-    0.161 % of the static torque."""
-    table = build_table(
-        rotor,
-        omega=(3000.0 * RPM, 9000.0 * RPM),
-        speed=(0.0, 15.0),
-        beta=(0.0, 0.5 * np.pi),
-        tolerance=0.01,
-    )
-    told = table.certificate
-    assert told["holds"]
-    rng = np.random.default_rng(26)
-    omega = rng.uniform(3000.0 * RPM, 3200.0 * RPM, 8192)
-    speed, beta = rng.uniform(14.0, 15.0, 8192), rng.uniform(0.0, 0.2, 8192)
-    model = CachedModel(rotor, table.content.omega)
-    largest = np.abs(compare(table, model, omega, speed, beta).errors).max(axis=0)
-    torque = list(LOADS).index("torque")
-    assert largest[torque] > 0.00375
-    for size, load in zip(largest, LOADS, strict=True):
-        assert size <= 1.1 * told["max_error"][load]
-    assert told["max_omega"]["torque"] < 3300.0 * RPM
-    assert told["max_speed"]["torque"] > 14.0
-    assert told["max_beta"]["torque"] < 0.2

@@ -9,6 +9,6 @@ from scipy.stats import qmc
 from propmap.table.verification import sobol
 
 
-@pytest.mark.parametrize(("count", "seed"), [(1, 0), (2, 3), (8192, 8192), (2**16, 1)])
+@pytest.mark.parametrize(("count", "seed"), [(1, 0), (8192, 8192)])
 def test_they_are_scipys(count: int, seed: int) -> None:
     np.testing.assert_array_equal(sobol(count, seed), qmc.Sobol(3, seed=seed).random(count))

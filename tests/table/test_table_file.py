@@ -35,15 +35,6 @@ def test_a_table_answers_alike_before_and_after(invented: LoadTable, path: Path)
     assert LoadTable.load(path).info == invented.info
 
 
-def test_the_file_is_data_alone(path: Path) -> None:
-    with np.load(path, allow_pickle=False) as file:
-        kinds = {name: file[name].dtype.kind for name in file.files}
-        head = json.loads(str(file["info"][()]))
-    assert "O" not in kinds.values()
-    assert head["format"] == "propmap-table"
-    assert head["format_version"] == FORMAT_VERSION
-
-
 def _refusal(path: Path, **options: Any) -> str:
     with pytest.raises(propmap.InputError) as error:
         LoadTable.load(path, **options)
@@ -53,17 +44,13 @@ def _refusal(path: Path, **options: Any) -> str:
     return text
 
 
-@pytest.mark.parametrize("share", [0.0, 0.01, 0.3, 0.9, 0.999])
-def test_truncated(path: Path, share: float) -> None:
-    data = path.read_bytes()
-    path.write_bytes(data[: int(share * len(data))])
-    _refusal(path)
-
-
-def test_altered_bytes_are_noticed(path: Path) -> None:
+def test_truncated_files_and_altered_bytes_are_noticed(path: Path) -> None:
     data = path.read_bytes()
     rng = np.random.default_rng(5)
     before = LoadTable.load(path)
+    for share in (0.01, 0.3, 0.999):
+        path.write_bytes(data[: int(share * len(data))])
+        _refusal(path)
     for place in rng.integers(0, len(data), 60).tolist():
         altered = bytearray(data)
         altered[place] ^= 0x55
@@ -78,19 +65,11 @@ def test_altered_bytes_are_noticed(path: Path) -> None:
             assert before.info == after.info
 
 
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        (b"", "not a table"),
-        (b"rpm,thrust\n1,2\n", "not a table"),
-        (b"\x80\x04K\x01.", "not a table"),
-        (b"PK\x03\x04" + bytes(40), "not a table"),
-    ],
-)
-def test_foreign_files(tmp_path: Path, content: bytes, message: str) -> None:
+@pytest.mark.parametrize("content", [b"", b"rpm,thrust\n1,2\n", b"PK\x03\x04" + bytes(40)])
+def test_foreign_files(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "map.npz"
     path.write_bytes(content)
-    assert message in _refusal(path)
+    assert "not a table" in _refusal(path)
 
 
 def test_missing_files_folders_and_other_arrays(tmp_path: Path) -> None:
@@ -126,20 +105,16 @@ def _rewritten(path: Path, change: Callable[[dict[str, Any], dict[str, Any]], No
     [
         (lambda h, _: h.update(format_version=FORMAT_VERSION + 1), "format version"),
         (lambda h, _: h.update(format="other"), "format is 'other'"),
-        (lambda h, _: h.pop("format"), "does not describe a table"),
         (lambda h, _: h.update(loads=["thrust", "lift"]), "this propmap has thrust, drag"),
         (lambda h, _: h.pop("air"), "air.density_kg_m3"),
         (lambda h, _: h["propeller"].update(radius_m=-1.0), "radius"),
         (lambda h, _: h.update(certificate={"points": 1}), "does not contain tolerance"),
-        (lambda h, _: h.update(certificate="good"), "does not contain tolerance"),
         (lambda _, a: a.pop("beta"), "has no beta"),
         (lambda _, a: a.update(beta=a["beta"][::-1]), "do not increase"),
         (lambda _, a: a.update(beta=a["beta"][:-1]), "shape"),
-        (lambda _, a: a.update(advance=a["advance"] * np.nan), "do not increase"),
         (lambda _, a: a.update(omega=-a["omega"][::-1]), "positive"),
         (lambda _, a: a.update(coefficients=a["coefficients"] * np.inf), "infinite"),
         (lambda _, a: a.update(cells=a["cells"] + 0.5), "wrong type"),
-        (lambda _, a: a.update(beta=np.array(["a"] * a["beta"].size)), "wrong type"),
     ],
 )
 def test_inconsistent_tables(path: Path, change: Any, message: str) -> None:

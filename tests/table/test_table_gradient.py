@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -26,39 +28,34 @@ def _difference(table: LoadTable, point: np.ndarray, k: int, step: float, name: 
     return float(ends[1] - ends[0]) / (2.0 * step)
 
 
-@pytest.mark.parametrize("beta_sign", [1.0, -1.0])
-def test_polar_derivatives(invented: LoadTable, beta_sign: float) -> None:
-    omega, speed, beta = random_points(invented, 40, seed=1)
-    speed, omega = 0.1 + 0.9 * speed, 210.0 + 0.95 * (omega - 200.0)
-    points = np.stack([omega, speed, np.clip(beta, 0.01, 3.1) * beta_sign], -1)
-    gradient = invented.gradient(*points.T)
-    steps = (1e-3, 1e-5, 1e-5)
+def _check(table: LoadTable, points: np.ndarray, gradient: Any, steps: tuple[float, ...]) -> None:
     for row, point in enumerate(points):
         for name in FIELDS:
             scale = np.abs(getattr(gradient, name)).max(axis=0)
             for k, step in enumerate(steps):
                 # A knot within the step, where the second derivative jumps, shows first.
-                expected = _difference(invented, point, k, step, name)
+                expected = _difference(table, point, k, step, name)
                 found = getattr(gradient, name)[row, k]
                 assert found == pytest.approx(expected, rel=1e-5, abs=1e-5 * scale[k])
+
+
+def test_polar_derivatives(invented: LoadTable) -> None:
+    omega, speed, beta = random_points(invented, 40, seed=1)
+    beta_sign = np.where(np.arange(40) % 2, 1.0, -1.0)
+    speed, omega = 0.1 + 0.9 * speed, 210.0 + 0.95 * (omega - 200.0)
+    points = np.stack([omega, speed, np.clip(beta, 0.01, 3.1) * beta_sign], -1)
+    _check(invented, points, invented.gradient(*points.T), (1e-3, 1e-5, 1e-5))
 
 
 def test_derivatives_with_the_velocity(invented: LoadTable) -> None:
     rng = np.random.default_rng(2)
-    velocity = rng.uniform(-1.0, 1.0, (40, 3))
-    omega = rng.uniform(300.0, 900.0, 40)
-    gradient = invented.gradient_at_velocity(omega, velocity)
+    velocity, omega = rng.uniform(-1.0, 1.0, (40, 3)), rng.uniform(300.0, 900.0, 40)
     points = np.concatenate([omega[:, None], velocity], axis=1)
-    for row, point in enumerate(points):
-        for name in FIELDS:
-            scale = np.abs(getattr(gradient, name)).max(axis=0)
-            for k, step in enumerate((1e-3, 1e-5, 1e-5, 1e-5)):
-                expected = _difference(invented, point, k, step, name)
-                found = getattr(gradient, name)[row, k]
-                assert found == pytest.approx(expected, rel=1e-5, abs=1e-5 * scale[k])
+    gradient = invented.gradient_at_velocity(omega, velocity)
+    _check(invented, points, gradient, (1e-3, 1e-5, 1e-5, 1e-5))
 
 
-@pytest.mark.parametrize("axial", [-1.0, -1e-9, 0.0, 1e-9, 1.0])
+@pytest.mark.parametrize("axial", [-1.0, 0.0, 1e-9])
 @pytest.mark.parametrize("inplane", [0.0, 1e-9])
 def test_derivatives_are_finite_and_right_without_motion_across(
     invented: LoadTable, axial: float, inplane: float

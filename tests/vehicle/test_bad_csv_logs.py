@@ -6,10 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import vehicle_with
 
 from .refusals import LOG, message_of
@@ -77,10 +75,6 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
         lambda t: t.header.__setitem__(t.header.index("ax"), "vy"),
         ["'ax' missing, 'vy' more than once", "correct specific_force, velocity in [log.columns]"],
     ),
-    "several columns are missing": (
-        lambda t: [t.header.__setitem__(t.header.index(n), f"{n}_1") for n in ("vy", "q", "qw")],
-        ["'vy', 'q', 'qw' missing", "correct velocity, rates, qw in [log.columns]"],
-    ),
     "no column map": (
         lambda t: setattr(t, "log", t.log.partition("[log.columns]")[0]),
         ["vehicle.toml: [log.columns]: no time, velocity, rates, rotor_speed, qw", "time = ..."],
@@ -92,10 +86,6 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
     "text in a number": (
         lambda t: t.put(4, "vx", "fast"),
         ["log.csv, line 6, column vx", "'fast' is not a number", "decimal point"],
-    ),
-    "decimal comma": (
-        lambda t: t.put(4, "vx", '"1,5"'),
-        ["line 6, column vx", "'1,5'", "decimal point"],
     ),
     "many samples are NaN": (
         _many("q", "nan"),
@@ -109,10 +99,6 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
         _swap_halves,
         ["60 of 120 samples", "out of time order", "sort by time"],
     ),
-    "time stands still": (
-        lambda t: t.column("time_s", lambda _: 1.0),
-        ["119 of 120", "out of time order"],
-    ),
     "time in ms": (
         lambda t: t.column("time_s", lambda time: 1000.0 * time),
         ["are 20 s apart", "give times in seconds"],
@@ -121,13 +107,8 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
         lambda t: setattr(t, "rows", t.rows[:2]),
         ["has 2 samples, expected at least 10", "several seconds of flight"],
     ),
-    "header only": (lambda t: setattr(t, "rows", []), ["has 0 samples", "several seconds"]),
     "another body frame": (
         _edit('body_frame = "flu"', 'body_frame = "frd"'),
-        ["the rotors point down on average", "check body_frame, world_frame", "vehicle.toml"],
-    ),
-    "another world frame": (
-        _edit('world_frame = "enu"', 'world_frame = "ned"'),
         ["the rotors point down on average", "check body_frame, world_frame", "vehicle.toml"],
     ),
     "both frames confused": (
@@ -142,10 +123,6 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
     "no frame stated": (
         _edit('body_frame = "flu"\n', ""),
         ["vehicle.toml: [log]: no body_frame", 'add body_frame = "flu" or "frd"'],
-    ),
-    "no velocity frame stated": (
-        _edit('velocity_in = "body"\n', ""),
-        ["no velocity_in", 'add velocity_in = "body" or "world"'],
     ),
     "no rotor unit stated": (
         _edit('rotor_unit = "rad/s"\n', ""),
@@ -179,17 +156,3 @@ def test_a_ragged_csv_is_refused(tmp_path: Path) -> None:
     path.write_text(path.read_text(encoding="utf-8") + "1" + ",2" * 40, encoding="utf-8")
     message = message_of(path, vehicle_with(log, tmp_path))
     assert "log.csv: cannot be read" in message and "export the log again" in message
-
-
-def test_a_few_bad_samples_are_dropped_and_counted(tmp_path: Path) -> None:
-    path = tmp_path / "log.csv"
-    log = write_csv(LOG, path)
-    lines = path.read_text(encoding="utf-8").splitlines()
-    lines[10] = lines[9]
-    lines[20] = lines[20].replace(lines[20].split(",")[1], "", 1)
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    read = read_flight_log(path, vehicle_with(log, tmp_path))
-    assert read.source.endswith(
-        "(dropped: 1 samples out of time order, 1 samples not finite)"
-    ) or read.source.endswith("(dropped: 1 samples not finite, 1 samples out of time order)")
-    assert np.all(np.diff(read.time) > 0.0)

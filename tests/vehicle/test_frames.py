@@ -10,16 +10,13 @@ import pytest
 from propmap.vehicle.log import (
     FlightLog,
     Signal,
-    attitude_to_flu_enu,
-    body_to_flu,
     common_clock,
     interpolated,
-    world_to_enu,
 )
 from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import vehicle_with
 
-HALF, C30 = np.sqrt(0.5), np.cos(np.radians(30.0))
+C30 = np.cos(np.radians(30.0))
 COLUMNS = """[log.columns]
 time = "t"
 velocity = ["vx", "vy", "vz"]
@@ -31,11 +28,9 @@ rotor_speed = ["m1", "m2", "m3", "m4"]
 """
 
 
-def read(
-    folder: Path, frames: tuple[str, str, str], angles: list[float], velocity: list[float]
-) -> FlightLog:
+def read(folder: Path, frames: str, angles: list[float], velocity: list[float]) -> FlightLog:
     """A log of one attitude [degrees] and velocity, with rates of 0.1, 0.2, 0.3 rad/s."""
-    body, world, velocity_in = frames
+    body, world, velocity_in = frames.split()
     row = [*velocity, 0.1, 0.2, 0.3, *np.radians(angles).tolist(), 900, 900, 900, 900]
     lines = ["t,vx,vy,vz,p,q,r,roll,pitch,yaw,m1,m2,m3,m4"]
     lines += [",".join(map(str, [k * 0.01, *row])) for k in range(12)]
@@ -48,64 +43,14 @@ def read(
 
 
 CASES = {
-    "frd, ned: nose up": (("frd", "ned", "body"), [0, 30, 0], [0, 0, 0], [0.5, 0, C30], [0, 0, 0]),
-    "frd, ned: right down": (
-        ("frd", "ned", "body"),
-        [30, 0, 0],
-        [0, 0, 0],
-        [0, 0.5, C30],
-        [0, 0, 0],
-    ),
-    "flu, enu: nose down": (
-        ("flu", "enu", "body"),
-        [0, 30, 0],
-        [0, 0, 0],
-        [-0.5, 0, C30],
-        [0, 0, 0],
-    ),
-    "flu, enu: right down": (
-        ("flu", "enu", "body"),
-        [30, 0, 0],
-        [0, 0, 0],
-        [0, 0.5, C30],
-        [0, 0, 0],
-    ),
-    "frd, ned: heading east, moving north and sinking": (
-        ("frd", "ned", "world"),
-        [0, 0, 90],
-        [5, 0, 1],
-        [0, 0, 1],
-        [0, 5, -1],
-    ),
-    "flu, enu: heading north, moving east and climbing": (
-        ("flu", "enu", "world"),
-        [0, 0, 90],
-        [5, 0, 1],
-        [0, 0, 1],
-        [0, -5, 1],
-    ),
-    "frd, ned: body velocity to the right and down": (
-        ("frd", "ned", "body"),
-        [0, 0, 45],
-        [4, 2, 1],
-        [0, 0, 1],
-        [4, -2, -1],
-    ),
+    "nose up": ("frd ned body", [0, 30, 0], [0, 0, 0], [0.5, 0, C30], [0, 0, 0]),
+    "right down": ("flu enu body", [30, 0, 0], [0, 0, 0], [0, 0.5, C30], [0, 0, 0]),
+    "heading east, moving north": ("frd ned world", [0, 0, 90], [5, 0, 1], [0, 0, 1], [0, 5, -1]),
+    "heading north, moving east": ("flu enu world", [0, 0, 90], [5, 0, 1], [0, 0, 1], [0, -5, 1]),
+    "body velocity": ("frd ned body", [0, 0, 45], [4, 2, 1], [0, 0, 1], [4, -2, -1]),
     # FRD in ENU, level and heading east: turned half a turn about east.
-    "frd, enu: level": (
-        ("frd", "enu", "world"),
-        [180, 0, 0],
-        [1, 2, 3],
-        [0, 0, 1],
-        [1, 2, 3],
-    ),
-    "flu, ned: level": (
-        ("flu", "ned", "world"),
-        [180, 0, 0],
-        [1, 2, 3],
-        [0, 0, 1],
-        [1, -2, -3],
-    ),
+    "frd in enu": ("frd enu world", [180, 0, 0], [1, 2, 3], [0, 0, 1], [1, 2, 3]),
+    "flu in ned": ("flu ned world", [180, 0, 0], [1, 2, 3], [0, 0, 1], [1, -2, -3]),
 }
 
 
@@ -115,19 +60,9 @@ def test_attitude_and_velocity(name: str, tmp_path: Path) -> None:
     log = read(tmp_path, frames, angles, velocity)
     np.testing.assert_allclose(log.up[0], up, atol=1e-12)
     np.testing.assert_allclose(log.velocity[0], expected, atol=1e-12)
-    signs = [1, 1, 1] if frames[0] == "flu" else [1, -1, -1]
+    signs = [1, 1, 1] if frames.startswith("flu") else [1, -1, -1]
     np.testing.assert_allclose(log.rates[0], np.array([0.1, 0.2, 0.3]) * signs)
     assert np.isnan(log.specific_force).all()
-
-
-def test_vectors_and_the_level_attitude() -> None:
-    vector = np.array([[1.0, 2.0, 3.0]])
-    np.testing.assert_array_equal(body_to_flu(vector, "frd"), [[1, -2, -3]])
-    np.testing.assert_array_equal(world_to_enu(vector, "ned"), [[2, 1, -3]])
-    # Level and heading north in NED is a quarter turn to the left from east in ENU.
-    turned = attitude_to_flu_enu(np.array([[1.0, 0.0, 0.0, 0.0]]), "frd", "ned")
-    turned = turned.as_quat(scalar_first=True)[0]
-    np.testing.assert_allclose(turned * np.sign(turned[0]), [HALF, 0, 0, HALF], atol=1e-15)
 
 
 def test_the_clock_is_that_of_the_slowest_leading_signal() -> None:

@@ -20,7 +20,6 @@ from propmap.vehicle.wakes import (
     check_apart,
     frame_of,
     glauert_inflow,
-    in_wakes,
     wake_flow,
 )
 
@@ -62,24 +61,13 @@ def test_glauert_s_inflow_solves_equation_10() -> None:
     np.testing.assert_allclose(slope, (more - less) / (2.0 * h), rtol=1e-4)
     hover, _ = glauert_inflow(np.array([2.0]), np.zeros(1), np.zeros(1), DISK)
     assert hover[0] == pytest.approx(np.sqrt(2.0 / (2.0 * DISK)), rel=1e-6)
-
-
-def test_no_inflow_without_thrust_and_a_limit_in_descent() -> None:
     none, slope = glauert_inflow(np.array([0.0, -1.0]), np.zeros(2), np.ones(2), DISK)
-    np.testing.assert_array_equal(none, 0.0)
-    np.testing.assert_array_equal(slope, 0.0)
-    hover = np.sqrt(2.0 / (2.0 * DISK))
-    steep, _ = glauert_inflow(np.array([2.0]), np.array([-10.0 * hover]), np.zeros(1), DISK)
-    assert steep[0] <= 2.0 * hover
+    assert not none.any() and not slope.any()
+    steep, _ = glauert_inflow(np.array([2.0]), -10.0 * hover, np.zeros(1), DISK)
+    assert steep[0] <= 2.0 * hover[0] * (1.0 + 1e-12)
 
 
-def test_nothing_between_rotors_far_apart() -> None:
-    far = square(100.0 * RADIUS)
-    found = wake_flow(far, ONE, flow_of(far, [(8.0, 0.0, 0.0), (0.0, 0.0, 0.0)]), thrusts(far, 2))
-    np.testing.assert_allclose(found.added, 0.0, atol=5e-3)
-
-
-@pytest.mark.parametrize("velocity", [(0.0, 0.0, 0.0), (8.0, 0.0, 0.0), (0.0, 3.0, 4.0)])
+@pytest.mark.parametrize("velocity", [(8.0, 0.0, 0.0), (0.0, 3.0, 4.0)])
 def test_what_is_far_away_fades_as_the_inverse_square(velocity: tuple[float, float, float]) -> None:
     """As a row of dipoles along the wake, which is what a thin cylinder of rings is."""
     side = np.array([0.6, -0.5, 0.62])
@@ -102,44 +90,6 @@ def test_what_is_far_away_fades_as_the_inverse_square(velocity: tuple[float, flo
         assert added == pytest.approx(expected, rel=0.08)
         seen.append(added)
     assert seen[1] == pytest.approx(seen[0] / 4.0, rel=0.06)
-
-
-def test_mirror_images_exchanged_rotors_and_spins() -> None:
-    places = ((0.2, 0.1, 0.0), (-0.15, 0.2, 0.05), (0.0, -0.25, -0.02))
-    velocity, thrust = np.array([6.0, 2.0, 1.0]), np.array([[2.0, 3.0, 1.5]])
-    one = vehicle(*places)
-    here = wake_flow(one, ONE, flow_of(one, velocity), thrust).added[0]
-    mirrored = vehicle(*((x, -y, z) for x, y, z in places))
-    there = wake_flow(mirrored, ONE, flow_of(mirrored, velocity * [1, -1, 1]), thrust).added[0]
-    # The points of the disk that is averaged are not mirrored: some thousandths of the inflow.
-    np.testing.assert_allclose(here, there, atol=0.02)
-    order = [2, 0, 1]
-    exchanged = vehicle(*(places[k] for k in order))
-    swapped = wake_flow(exchanged, ONE, flow_of(exchanged, velocity), thrust[:, order]).added[0]
-    np.testing.assert_allclose(swapped, here[order], rtol=1e-12)
-    spun = replace(one, mounts=tuple(replace(m, spin="cw") for m in one.mounts))
-    np.testing.assert_array_equal(
-        wake_flow(spun, ONE, flow_of(spun, velocity), thrust).added[0], here
-    )
-
-
-@pytest.mark.slow
-def test_any_number_of_rotors_anywhere_is_the_sum_of_its_pairs() -> None:
-    rng = np.random.default_rng(8)
-    tilts = rng.normal(0.0, 0.3, (6, 2))
-    axes = [(x, y, float(np.sqrt(1.0 - x * x - y * y))) for x, y in tilts]
-    places = rng.uniform(-0.5, 0.5, (6, 3))
-    mounts = tuple(Mount(tuple(p), a) for p, a in zip(places, axes, strict=True))
-    six = replace(vehicle((0.0, 0.0, 0.0)), mounts=mounts)
-    velocity, thrust = rng.normal(0.0, 5.0, (4, 3)), rng.uniform(0.5, 4.0, (4, 6))
-    whole = wake_flow(six, ONE, flow_of(six, velocity), thrust).added
-    total = np.zeros_like(whole)
-    for k in range(6):
-        for j in range(k):
-            both = [j, k]
-            pair = replace(six, mounts=tuple(mounts[i] for i in both))
-            total[:, both] += wake_flow(pair, ONE, flow_of(pair, velocity), thrust[:, both]).added
-    np.testing.assert_allclose(whole, total, rtol=1e-10, atol=1e-12)
 
 
 def test_the_table_is_the_cylinder_averaged_over_the_disk() -> None:
@@ -178,55 +128,12 @@ def test_smooth_as_a_wake_sweeps_over_the_other_disks() -> None:
         assert np.max(np.abs(np.diff(slope, axis=0))) < 0.03 * np.max(np.abs(slope))
 
 
-def test_front_rotors_in_upwash_rear_ones_in_downwash() -> None:
-    quad = square(0.15)
-    found = wake_flow(quad, ONE, flow_of(quad, (10.0, 0.0, 1.0)), thrusts(quad, 1)).added[0]
-    assert found[0] < 0.0 and found[2] > 0.0
-    np.testing.assert_allclose(found[[0, 2]], found[[1, 3]], rtol=1e-6)
-
-
-def test_turning_the_flight_by_a_quarter_turns_what_the_rotors_meet() -> None:
-    quad = square(0.15)
-    forward, left = wake_flow(
-        quad, ONE, flow_of(quad, [(9.0, 0.0, 0.5), (0.0, 9.0, 0.5)]), thrusts(quad, 2)
-    ).added
-    # Forward: 0 and 1 are ahead; to the left: 0 and 2.  The disk's seven points are not turned.
-    np.testing.assert_allclose(forward, left[[2, 0, 3, 1]], atol=0.02)
-
-
-def test_gains_multiply_each_its_own_part() -> None:
-    """While they are small: gains of upwash have a limit."""
-    quad, flow = square(0.15), flow_of(square(0.15), [(9.0, 2.0, -1.0)])
-    thrust, small = thrusts(quad, 1), 1e-3
-    parts = [
-        wake_flow(quad, replace(Wakes(0.0, 0.0, 0.0), **{name: small}), flow, thrust).added
-        for name in ("ahead", "beside", "downwash")
-    ]
-    mixed = wake_flow(quad, Wakes(2.0 * small, 3.0 * small, 0.5 * small), flow, thrust).added
-    together = 2.0 * parts[0] + 3.0 * parts[1] + 0.5 * parts[2]
-    np.testing.assert_allclose(mixed, together, rtol=1e-5)
-    assert np.all(parts[0] <= 0.0) and np.all(parts[1] <= 0.0) and np.all(parts[2] >= 0.0)
-
-
-def test_a_wake_lifts_the_air_no_faster_than_its_rotor_draws_it() -> None:
-    """However large the gains: the sum over the other rotors of their inflow."""
-    quad = square(0.15)
-    velocity = np.random.default_rng(3).uniform(-12.0, 12.0, (200, 3))
-    flow, thrust = flow_of(quad, velocity), thrusts(quad, 200)
-    disk = quad.air.density * np.pi * RADIUS**2
-    inflow, _ = glauert_inflow(thrust, flow.axial, flow.inplane, disk)
-    others = inflow.sum(axis=1, keepdims=True) - inflow
-    large = wake_flow(quad, Wakes(20.0, 20.0, 0.0), flow, thrust).added
-    assert np.all(large >= -others * (1.0 + 1e-12)) and np.any(large < -0.5 * others)
-    usual = wake_flow(quad, Wakes(1.0, 1.0, 0.0), flow, thrust).added
-    assert np.all(usual >= large - 1e-9)
-
-
 def test_derivatives_against_differences() -> None:
     quad, rng = square(0.15), np.random.default_rng(3)
     flow = flow_of(quad, rng.normal(0.0, 4.0, (30, 3)) + np.array([0.0, 0.0, 3.0]))
     thrust, wakes, h = rng.uniform(1.0, 4.0, (30, 4)), Wakes(2.0, 0.7, 0.4, 0.8), 1e-5
     found = wake_flow(quad, wakes, flow, thrust)
+    np.testing.assert_array_equal(added_flow(quad, wakes, flow, thrust), found.added)
     size = np.max(np.abs(found.added))
     for name, slope in found.by_gain.items():
         both = [replace(wakes, **{name: getattr(wakes, name) + d}) for d in (h, -h)]
@@ -245,28 +152,6 @@ def test_a_rotor_whose_thrust_is_not_known_leaves_the_others_not_known() -> None
     thrust[0, 3] = np.nan
     found = wake_flow(quad, ONE, flow_of(quad, [(5.0, 0.0, 0.0)] * 2), thrust)
     assert np.isnan(found.added[0, :3]).all() and np.isfinite(found.added[1]).all()
-
-
-def test_the_flow_alone_is_that_of_the_derivatives() -> None:
-    quad_rotor, rng = square(0.15), np.random.default_rng(4)
-    flow = flow_of(quad_rotor, rng.normal(0.0, 5.0, (20, 3)))
-    wakes, thrust = Wakes(3.0, 0.5, 0.7, 0.6), rng.uniform(1.0, 4.0, (20, 4))
-    added = added_flow(quad_rotor, wakes, flow, thrust)
-    np.testing.assert_array_equal(added, wake_flow(quad_rotor, wakes, flow, thrust).added)
-
-
-def test_rotors_meet_the_wakes_of_their_attached_thrust() -> None:
-    quad_rotor = square(0.15)
-    model = propmap.Model(PROPELLER, propmap.airfoil("paper-apc"))
-    flow = flow_of(quad_rotor, [(0.0, 0.0, 0.0), (9.0, 2.0, 1.0)])
-    # Thrust of small angles is some per cent low here, and inflow goes as its root or itself.
-    near = in_wakes(quad_rotor, ONE, model, flow)
-    loads = propmap.Rotor(model).loads_at_velocity(
-        flow.omega, np.stack([flow.inplane, 0.0 * flow.axial, flow.axial], axis=-1)
-    )
-    from_loads = added_flow(quad_rotor, ONE, flow, loads.thrust)
-    np.testing.assert_allclose(near.axial - flow.axial, from_loads, rtol=0.08)
-    np.testing.assert_array_equal(near.inplane, flow.inplane)
 
 
 def test_two_rotors_in_one_place_are_refused() -> None:

@@ -1,4 +1,4 @@
-"""One flight through every file format: read back, all give the same log and points."""
+"""One flight through every file format: all formats give the same log."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.flight.steady import operating_points, steady_segments
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.log_readers import read_flight_log
-from tests.flight.synthetic import NEUROBEM, SPEEDS, flight, vehicle_with
+from tests.flight.synthetic import NEUROBEM, flight, vehicle_with
 
 from .write_dataflash import write_dataflash
-from .write_logs import START, csv_columns, write_bag, write_csv, write_ulog
+from .write_logs import START, csv_columns, write_bag, write_csv
+from .write_px4_log import write_ulog
 
-LOG = flight()
+LOG = flight(rate=50.0).picked(slice(150, 650))
+"""Ten seconds, from hover to 6 m/s."""
+
 VEHICLE = read_vehicle(NEUROBEM).vehicle
-Write = Callable[[Path], str]
 
-FORMATS: dict[str, tuple[str, float, Write]] = {
-    "csv": ("a.csv", 0.0, lambda path: write_csv(LOG, path)),
+FORMATS: dict[str, tuple[str, float, Callable[[Path], str]]] = {
     "csv, frd and ned": (
         "a.csv",
         0.0,
@@ -41,30 +41,19 @@ FORMATS: dict[str, tuple[str, float, Write]] = {
         ),
     ),
     "ulog": ("a.ulg", 1.0, lambda path: write_ulog(LOG, path, VEHICLE)),
-    "ulog, sensor_combined, erpm": (
-        "a.ulg",
-        1.0,
-        lambda path: write_ulog(
-            LOG,
-            path,
-            VEHICLE,
-            pole_pairs=7,
-            leave_out=("vehicle_angular_velocity", "vehicle_acceleration"),
-        ),
-    ),
+    "ulog, erpm": ("a.ulg", 1.0, lambda path: write_ulog(LOG, path, VEHICLE, pole_pairs=7)),
     "dataflash": ("a.bin", 1.0, lambda path: write_dataflash(LOG, path)),
-    "ros 2, sqlite": ("bag", START, lambda path: write_bag(LOG, path, VEHICLE)),
+    "ros 2, sqlite, pose and twist": (
+        "bag",
+        START,
+        lambda path: write_bag(LOG, path, VEHICLE, odometry=False),
+    ),
     "ros 2, mcap, joint states": (
         "bag",
         START,
         lambda path: write_bag(
             LOG, path, VEHICLE, storage="mcap", rotor_type="sensor_msgs/msg/JointState"
         ),
-    ),
-    "ros 2, pose and twist": (
-        "bag",
-        START,
-        lambda path: write_bag(LOG, path, VEHICLE, odometry=False),
     ),
     "ros 1": ("a.bag", START, lambda path: write_bag(LOG, path, VEHICLE, storage="ros1")),
 }
@@ -77,32 +66,30 @@ def test_a_log_is_read_as_it_was_written(name: str, tmp_path: Path) -> None:
     read = read_flight_log(tmp_path / file, vehicle_file)
     assert "dropped" not in read.source
     assert_same(read, LOG, start)
-    points = operating_points(read, steady_segments(read))
-    own = operating_points(LOG, steady_segments(LOG))
-    assert_same(points, own, start)
+    # The file of a ROS 2 bag without its folder.
+    for alone in (tmp_path / file).glob("*.mcap"):
+        assert_same(read_flight_log(alone, vehicle_file), LOG, start)
 
 
 def assert_same(read: FlightLog, wanted: FlightLog, start: float) -> None:
     # ULog holds microseconds, float32 and whole rpm; bags nanoseconds since 1970 in a float64.
     assert read.time.size == wanted.time.size
     np.testing.assert_allclose(read.time - start, wanted.time, rtol=0, atol=2e-6)
-    for name, tolerance in (("velocity", 1e-5), ("rates", 1e-6), ("up", 1e-6)):
+    for name, tolerance in (
+        ("velocity", 1e-5),
+        ("rates", 1e-6),
+        ("up", 1e-6),
+        ("specific_force", 1e-5),
+        ("rotor_speed", 0.06),
+    ):
         np.testing.assert_allclose(
             getattr(read, name), getattr(wanted, name), rtol=0, atol=tolerance, err_msg=name
         )
-    np.testing.assert_allclose(read.specific_force, wanted.specific_force, rtol=0, atol=1e-5)
-    np.testing.assert_allclose(read.rotor_speed, wanted.rotor_speed, rtol=0, atol=0.06)
-
-
-def test_an_mcap_file_is_read_without_its_folder(tmp_path: Path) -> None:
-    vehicle_file = vehicle_with(write_bag(LOG, tmp_path / "bag", VEHICLE, storage="mcap"), tmp_path)
-    (file,) = (tmp_path / "bag").glob("*.mcap")
-    assert_same(read_flight_log(file, vehicle_file), LOG, START)
 
 
 def test_another_message_with_one_array_and_no_imu(tmp_path: Path) -> None:
     """Whole rad/s in a type without a name of its own; rates then come from the odometry."""
-    part = LOG.picked(slice(600, 700))
+    part = LOG.picked(slice(300, 350))
     log = write_bag(part, tmp_path / "bag", VEHICLE, rotor_type="std_msgs/msg/Int32MultiArray")
     vehicle_file = vehicle_with(log.replace('imu = "/imu"\n', ""), tmp_path)
     read = read_flight_log(tmp_path / "bag", vehicle_file)
@@ -120,14 +107,6 @@ def test_parquet(tmp_path: Path) -> None:
     assert_same(read_flight_log(tmp_path / "a.parquet", vehicle_with(table, tmp_path)), LOG, 0.0)
 
 
-def test_each_speed_is_one_operating_point() -> None:
-    points = operating_points(LOG, steady_segments(LOG))
-    # A segment may reach into the change of speed by as much as the band allows.
-    np.testing.assert_allclose(points.speed, SPEEDS, rtol=0, atol=0.15)
-    np.testing.assert_allclose(np.linalg.norm(points.up, axis=1), 1.0, rtol=1e-12)
-    np.testing.assert_allclose(points.climb_rate, 0.0, atol=0.02)
-
-
 def test_rotor_order_says_which_rotor_a_column_is(tmp_path: Path) -> None:
     table = write_csv(LOG, tmp_path / "a.csv")
     table = table.replace("[log]\n", "[log]\nrotor_order = [3, 1, 2, 4]\n")
@@ -136,9 +115,9 @@ def test_rotor_order_says_which_rotor_a_column_is(tmp_path: Path) -> None:
 
 
 def test_wind_is_taken_off_the_velocity(tmp_path: Path) -> None:
+    """The same wind, from the north-west and downwards, in both frames."""
     ned = write_csv(LOG, tmp_path / "a.csv", body_frame="frd", world_frame="ned")
     enu = write_csv(LOG, tmp_path / "b.csv")
-    # The same wind, from the north-west and downwards, in both frames.
     ned = ned.replace("[log]\n", "[log]\nwind = [-3.0, 2.0, 0.5]\n")
     enu = enu.replace("[log]\n", "[log]\nwind = [2.0, -3.0, -0.5]\n")
     first = read_flight_log(tmp_path / "a.csv", vehicle_with(ned, tmp_path))
@@ -149,23 +128,19 @@ def test_wind_is_taken_off_the_velocity(tmp_path: Path) -> None:
     np.testing.assert_allclose(first.climb_rate - LOG.climb_rate, 0.5, atol=1e-9)
 
 
-def test_signals_of_different_rates_meet_on_the_slowest(tmp_path: Path) -> None:
-    """Attitude at 50 Hz with a gap, the rest at 100 Hz: the gap is cut out."""
+def test_a_gap_is_cut_out_and_bad_samples_are_dropped(tmp_path: Path) -> None:
     table = write_csv(LOG, tmp_path / "a.csv")
-    lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
-    header = lines[0].split(",")
-    place = header.index("rotor_1")
-    kept = []
-    for k, line in enumerate(lines[1:]):
-        cells = line.split(",")
-        if k in (500, 507):
-            cells[place] = ""
-        if not 800 <= k < 850:
-            kept.append(",".join(cells))
-    (tmp_path / "a.csv").write_text("\n".join([lines[0], *kept]), encoding="utf-8")
+    header, *rows = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
+    for k in (100, 104):
+        cells = rows[k].split(",")
+        cells[header.split(",").index("rotor_1")] = ""
+        rows[k] = ",".join(cells)
+    del rows[200:230]
+    rows[20] = rows[19]
+    (tmp_path / "a.csv").write_text("\n".join([header, *rows]), encoding="utf-8")
     read = read_flight_log(tmp_path / "a.csv", vehicle_with(table, tmp_path))
-    assert read.source.endswith("(dropped: 2 samples not finite)")
-    assert not np.any((read.time > 8.0) & (read.time < 8.49))
+    assert "2 samples not finite" in read.source and "1 samples out of time order" in read.source
+    assert not np.any((read.time > LOG.time[200]) & (read.time < LOG.time[229]))
     whole = LOG.picked(np.isin(np.round(LOG.time, 6), np.round(read.time, 6)))
     assert_same(read, whole, 0.0)
 

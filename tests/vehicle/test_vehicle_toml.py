@@ -91,12 +91,6 @@ def test_a_vehicle_file(tmp_path: Path) -> None:
     assert log.topics == {"imu": "/imu"}
 
 
-def test_in_flu_nothing_is_turned(tmp_path: Path) -> None:
-    mounts = read(VEHICLE.replace('frame = "frd"\nmass', 'frame = "flu"\nmass'), tmp_path).vehicle
-    assert mounts.mounts[1].position == (-0.1, -0.2, 0.0)
-    assert mounts.mounts[1].axis == (0.6, 0.0, -0.8)
-
-
 def test_what_may_be_left_out(tmp_path: Path) -> None:
     found = read(VEHICLE.partition("[body]")[0].replace("[air]\ndensity = 1.1\n", ""), tmp_path)
     assert found.vehicle.body == Body() and found.vehicle.wing is None
@@ -119,31 +113,15 @@ def test_a_geometry_beside_the_vehicle_file(tmp_path: Path) -> None:
 
 CASES = {
     "mass forgotten": ("mass = 1.5\n", "", "no mass", "add mass = the take-off mass in kg"),
-    "mass as text": ("mass = 1.5", 'mass = "1.5"', "mass is '1.5'", "take-off mass in kg"),
-    "mass of 0": ("mass = 1.5", "mass = 0.0", "mass is 0.0 kg", "take-off mass"),
     "mass in g": ("mass = 1.5", "mass = 1500.0", "mass is 1500.0 kg", "take-off mass in kg"),
     "no frame": ('frame = "frd"\nmass', "mass", "no frame", 'add frame = "flu" or "frd"'),
-    "unknown frame": ('= "frd"\nmass', '= "fru"\nmass', "frame is 'fru'", '"flu" or "frd"'),
-    "unknown key": ("mass = 1.5", "mas = 1.5", "unknown key 'mas'", "did you mean mass?"),
     "key of a newer file": ("schema = 1", "schema = 2", "schema is '2'", "update propmap"),
     "unknown key in a table": ("density", "densty", "[air]", "did you mean density?"),
     "unknown propeller": ("apc-8x6e", "apc-8x6q", "propeller", "apc-8x6e", "propmap props"),
     "no geometry file beside": ("apc-8x6e", "nothing.csv", "/nothing.csv: no such file"),
-    "no geometry file": ("apc-8x6e", "./nothing.csv", "nothing.csv", "no such file", "path"),
     "no propeller": ('propeller = "apc-8x6e"\n', "", "no propeller", "add propeller ="),
     "unit vector wrong": ("0.6, 0.0, -0.8", "0.6, 0.0, -0.9", "rotor 2", "unit vector, such as"),
-    "two numbers": (
-        "[0.1, 0.2, 0.05]",
-        "[0.1, 0.2]",
-        "[[rotors]] 1",
-        "a list of length 3",
-        "position =",
-    ),
     "text in a vector": ("[0.1, 0.2, 0.05]", '[0.1, "x", 0]', "[[rotors]] 1", "'x'", "in m"),
-    "NaN in a vector": ("0.2, 0.05]", "0.2, nan]", "[[rotors]] 1", "expected a finite number"),
-    "spin": ('"ccw"', '"left"', "[[rotors]] 1: spin is 'left'", '"ccw" or "cw"'),
-    "no rotors": ("[[rotors]]", "[[body2]]", "unknown key 'body2'", "known keys"),
-    "rotors is a table": ("[air]", "[wing2]", "unknown key 'wing2'", "did you mean wing?"),
     "negative density": ("density = 1.1", "density = -1.1", "vehicle.toml: [air]", "positive"),
     "negative drag": ("[0.01, 0.01, 0.02]", "[0.01, -1, 0]", "[body]", "areas of 0 or more"),
     "no wing area": ("area = 0.2\n", "", "[wing]: no area", "add area ="),
@@ -154,21 +132,27 @@ CASES = {
         "span is 0.3 m",
         "from tip to tip",
     ),
-    "zero wing area": ("area = 0.2", "area = 0", "[wing]: area is '0'", "remove [wing]"),
     "a gain of upwash below 0": ("ahead = 2.5", "ahead = -1", "[wakes]: ahead is '-1'", "0 to 20"),
-    "a share above 2": ("share = 0.7", "share = 3", "[wakes]: share is '3'", "from 0 to 2"),
-    "unknown gain": ("ahead = 2.5", "upwash = 2", "unknown key 'upwash'", "known keys"),
     "sensor in mm": ("[0.02, 0.03, 0.01]", "[20, 30, 10]", "[sensor]", "in m from the center"),
-    "unknown world": ('"ned"', '"nwu"', "[log]: world_frame is 'nwu'", '"enu" or "ned"'),
-    "unknown unit": ('"erpm"', '"Hz"', "[log]: rotor_unit is 'Hz'", '"rad/s" or "rpm" or "erpm"'),
     "half a pole": ("pole_pairs = 7", "pole_pairs = 7.5", "pole_pairs is '7.5'", "whole number"),
-    "rotor 0": ("[2, 1]", "[1, 0]", "rotor_order is '[1, 0]'", "each number from 1 to 2 once"),
     "three columns": ('["a", "b"]', '["a", "b", "c"]', "lists 3 columns, the vehicle has 2 rotors"),
-    "two velocities": ('["u", "v", "w"]', '["u", "v"]', "[log.columns]", "the names of 3 columns"),
     "column no text": ('time = "t"', "time = 1", "time is '1'", "the name of a column"),
-    "unknown column": ('time = "t"', 'tme = "t"', "unknown key 'tme'", "did you mean time?"),
     "unknown topic": ('imu = "/imu"', 'imo = "/imu"', "[log.topics]", "did you mean imu?"),
     "not TOML": ("mass = 1.5", "mass: 1.5", "not TOML", "correct the syntax"),
+    "two numbers": (
+        "[0.1, 0.2, 0.05]",
+        "[0.1, 0.2]",
+        "[[rotors]] 1",
+        "a list of length 3",
+        "position =",
+    ),
+    "NaN in a vector": ("0.2, 0.05]", "0.2, nan]", "[[rotors]] 1", "expected a finite number"),
+    "spin": ('"ccw"', '"left"', "[[rotors]] 1: spin is 'left'", '"ccw" or "cw"'),
+    "zero wing area": ("area = 0.2", "area = 0", "[wing]: area is '0'", "remove [wing]"),
+    "rotor 0": ("[2, 1]", "[1, 0]", "rotor_order is '[1, 0]'", "each number from 1 to 2 once"),
+    "two velocities": ('["u", "v", "w"]', '["u", "v"]', "[log.columns]", "the names of 3 columns"),
+    "mass as text": ("mass = 1.5", 'mass = "1.5"', "mass is '1.5'", "take-off mass in kg"),
+    "unknown gain": ("ahead = 2.5", "upwash = 2", "unknown key 'upwash'", "known keys"),
 }
 
 
@@ -180,8 +164,7 @@ def test_bad_vehicle_files(name: str, tmp_path: Path) -> None:
         read(VEHICLE.replace(old, new), tmp_path)
     message = str(caught.value)
     assert message.isprintable(), "one line, no control characters"
-    if not name.startswith("no geometry file"):
-        assert "vehicle.toml" in message
+    assert "vehicle.toml" in message or name == "no geometry file beside"
     for part in parts:
         assert part in message
 

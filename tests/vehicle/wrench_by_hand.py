@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 
 import propmap
 from propmap.vehicle.vehicle import Mount, Vehicle
-from propmap.vehicle.wakes import SeenWake
 from propmap.vehicle.wakes import frame_of as own_frame
+from propmap.vehicle.wakes import seen_wake
 
 
 def frame_of(axis: np.ndarray) -> np.ndarray:
@@ -54,7 +54,7 @@ def added_flows(
                 return 2.0 * rho * math.pi * radius**2 * v * math.hypot(at[0], at[1] + v) - t
 
             inflow = brentq(excess, 0.0, 60.0, xtol=1e-13)
-            wake = SeenWake(source, target, radius)
+            wake = seen_wake(source, target, radius)
             towards = own_frame(source.axis) @ (-hub - gains.share * inflow * frame[2])
             seen = float(wake.at(towards[None])[0])
             apart = np.subtract(target.position, source.position)

@@ -7,7 +7,6 @@ from the yaw rate; the log has to be for still air.
 from __future__ import annotations
 
 import csv
-import struct
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -129,98 +128,6 @@ def write_csv(log: FlightLog, path: Path, **options: Any) -> str:
         writer.writerow(columns)
         writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
     return table
-
-
-ULOG_TOPICS = {
-    "vehicle_attitude": ("uint64_t timestamp_sample;float[4] q;", "<QQ4f"),
-    "vehicle_local_position": ("uint64_t timestamp_sample;float vx;float vy;float vz;", "<QQ3f"),
-    "vehicle_angular_velocity": ("uint64_t timestamp_sample;float[3] xyz;", "<QQ3f"),
-    "vehicle_acceleration": ("uint64_t timestamp_sample;float[3] xyz;", "<QQ3f"),
-    "sensor_combined": ("float[3] gyro_rad;float[3] accelerometer_m_s2;", "<Q6f"),
-}
-
-
-def write_ulog(
-    log: FlightLog,
-    path: Path,
-    vehicle: Vehicle,
-    *,
-    pole_pairs: int | None = None,
-    leave_out: tuple[str, ...] = (),
-) -> str:
-    """Write a ULog file as PX4 would, byte for byte by its description.
-
-    pole_pairs : the motor controllers report electrical rpm.  leave_out : topics not logged;
-    sensor_combined is only written where one of those that it replaces is left out.
-    """
-    seen = InFrames(log, "frd", "ned")
-    stamps = np.round(log.time * 1e6).astype(np.int64) + 1_000_000
-    late = np.stack([stamps + 150, stamps], axis=1).tolist()
-    rows: dict[str, list[list[Any]]] = {
-        "vehicle_attitude": _beside(late, seen.quaternion),
-        "vehicle_local_position": _beside(late, seen.world_velocity),
-        "vehicle_angular_velocity": _beside(late, seen.rates),
-        "vehicle_acceleration": _beside(late, seen.specific_force),
-        "sensor_combined": _beside(
-            stamps[:, None].tolist(), np.concatenate([seen.rates, seen.specific_force], axis=1)
-        ),
-    }
-    if not {"vehicle_angular_velocity", "vehicle_acceleration"} & set(leave_out):
-        del rows["sensor_combined"]
-    count = len(vehicle.mounts)
-    speeds = _rotor_values(log, "erpm" if pole_pairs else "rpm", pole_pairs)
-    formats = {
-        name: f"{name}:uint64_t timestamp;{fields}" for name, (fields, _) in ULOG_TOPICS.items()
-    }
-    formats["esc_report"] = "esc_report:uint64_t timestamp;int32_t esc_rpm;uint8_t esc_state;"
-    formats["esc_status"] = (
-        "esc_status:uint64_t timestamp;uint8_t esc_count;uint8_t[7] _padding0;esc_report[8] esc;"
-    )
-    data = {
-        name: [struct.pack(ULOG_TOPICS[name][1], *row) for row in values]
-        for name, values in rows.items()
-    }
-    data["esc_status"] = [
-        struct.pack("<QB7x", stamp, count)
-        + b"".join(
-            struct.pack("<QiB", stamp, round(row[k]) if k < count else 0, 0) for k in range(8)
-        )
-        for stamp, row in zip(stamps.tolist(), speeds.tolist(), strict=True)
-    ]
-    with path.open("wb") as file:
-        file.write(b"ULog\x01\x12\x35\x01" + struct.pack("<Q", int(stamps[0])))
-        for text in formats.values():
-            file.write(_ulog_message("F", text.encode()))
-        for name, value in _geometry(vehicle).items():
-            kind, code = ("float", "<f") if isinstance(value, float) else ("int32_t", "<i")
-            named = f"{kind} {name}".encode()
-            body = struct.pack("<B", len(named)) + named + struct.pack(code, value)
-            file.write(_ulog_message("P", body))
-        for number, (name, messages) in enumerate(data.items()):
-            if name not in leave_out:
-                subscription = struct.pack("<BH", 0, number) + name.encode()
-                file.write(_ulog_message("A", subscription))
-                for message in messages:
-                    file.write(_ulog_message("D", struct.pack("<H", number) + message))
-    return _log_table(pole_pairs, rotor_unit="erpm") if pole_pairs else _log_table()
-
-
-def _geometry(vehicle: Vehicle) -> dict[str, float | int]:
-    """Parameters by which PX4 knows the vehicle's rotors, all of which thrust upwards."""
-    found: dict[str, float | int] = {"CA_ROTOR_COUNT": len(vehicle.mounts)}
-    for k, mount in enumerate(vehicle.mounts):
-        for axis, place in zip("XYZ", FLIP @ np.array(mount.position), strict=True):
-            found[f"CA_ROTOR{k}_P{axis}"] = float(place)
-        found[f"CA_ROTOR{k}_KM"] = 0.05 if mount.spin == "ccw" else -0.05
-    return found
-
-
-def _beside(stamps: list[list[int]], values: Floats) -> list[list[Any]]:
-    return [[*stamp, *row] for stamp, row in zip(stamps, values.tolist(), strict=True)]
-
-
-def _ulog_message(kind: str, body: bytes) -> bytes:
-    return struct.pack("<HB", len(body), ord(kind)) + body
 
 
 def write_bag(

@@ -14,9 +14,10 @@ import numpy as np
 
 from propmap.typing import Floats
 from propmap.vehicle.log import FlightLog
+from propmap.vehicle.vehicle import Vehicle
 from tests.flight.commands import Commands
 
-from .write_logs import RPM, InFrames
+from .write_logs import FLIP, RPM, InFrames
 
 C_TYPES = {
     "u8": "uint64_t",
@@ -213,3 +214,35 @@ def write_px4_log(
                 message("S", bytes([0x2F, 0x73, 0x13, 0x20, 0x25, 0x0C, 0xBB, 0x12]))
                 message("L", struct.pack("<BQ", ord("6"), stamp) + b"[commander] in air")
             message("D", struct.pack("<H", number) + body)
+
+
+def write_ulog(
+    log: FlightLog,
+    path: Path,
+    vehicle: Vehicle,
+    *,
+    pole_pairs: int | None = None,
+    leave_out: tuple[str, ...] = (),
+) -> str:
+    """Write all topics of a log at one rate, with the vehicle's geometry as parameters.
+
+    pole_pairs : the motor controllers report electrical rpm.  leave_out : topics that are not
+    logged.  Return the ``[log]`` table.
+    """
+    tables = topics_of(log, {}, order=tuple(range(1, len(vehicle.mounts) + 1)))
+    reports = tables["esc_status"]["esc"]
+    reports["esc_rpm"] *= pole_pairs or 1
+    reports["actuator_function"] = 0
+    logged = {name: table for name, table in tables.items() if name not in leave_out}
+    write_px4_log(logged, path, _geometry(vehicle))
+    return f'[log]\nrotor_unit = "erpm"\npole_pairs = {pole_pairs}\n' if pole_pairs else "[log]\n"
+
+
+def _geometry(vehicle: Vehicle) -> dict[str, float | int]:
+    """Parameters by which PX4 knows the vehicle's rotors, all of which thrust upwards."""
+    found: dict[str, float | int] = {"CA_ROTOR_COUNT": len(vehicle.mounts)}
+    for k, mount in enumerate(vehicle.mounts):
+        for axis, place in zip("XYZ", FLIP @ np.array(mount.position), strict=True):
+            found[f"CA_ROTOR{k}_P{axis}"] = float(place)
+        found[f"CA_ROTOR{k}_KM"] = 0.05 if mount.spin == "ccw" else -0.05
+    return found

@@ -23,15 +23,19 @@ def made(thrust: np.ndarray, power: np.ndarray) -> MeasuredPropeller:
     return MeasuredPropeller("x", "x", "x", 2, RPM, ADVANCE, thrust, power, RUN)
 
 
+def coefficients(
+    blade: pm.Propeller, law: pm.Airfoil, rpm: np.ndarray, advance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """C_T and C_P by the rotor's own loads, which are evaluated another way than a fit's."""
+    turns, diameter = rpm / 60.0, 2.0 * blade.radius
+    loads = pm.Rotor(pm.Model(blade, law)).loads(2.0 * np.pi * turns, advance * turns * diameter, 0)
+    thrust = loads.thrust / (1.225 * turns**2 * diameter**4)
+    return thrust, 2.0 * np.pi * turns * loads.torque / (1.225 * turns**3 * diameter**5)
+
+
 @pytest.fixture(scope="module")
 def tested() -> MeasuredPropeller:
-    """By the rotor's own loads, which are evaluated another way than a fit's."""
-    rotor = pm.Rotor(pm.Model(BLADE, airfoil_of(TRUTH)))
-    turns, diameter = RPM / 60.0, 2.0 * BLADE.radius
-    loads = rotor.loads(2.0 * np.pi * turns, ADVANCE * turns * diameter, 0.0)
-    thrust = loads.thrust / (1.225 * turns**2 * diameter**4)
-    power = 2.0 * np.pi * turns * loads.torque / (1.225 * turns**3 * diameter**5)
-    return made(np.asarray(thrust), np.asarray(power))
+    return made(*coefficients(BLADE, airfoil_of(TRUTH), RPM, ADVANCE))
 
 
 @pytest.fixture(scope="module")
@@ -61,10 +65,10 @@ def test_without_rows_that_say_anything_the_prior_is_left(tested: MeasuredPropel
 
 def test_derivatives_are_central_differences(tested: MeasuredPropeller) -> None:
     test = AxialTest(BLADE, tested)
-    _, slopes = test.modelled(TRUTH)
+    _, slopes = test.modeled(TRUTH)
     for k in range(len(PARAMETERS)):
         step = 1e-4 * np.abs(TRUTH[k]) * np.eye(TRUTH.size)[k]
-        ends = [test.modelled(TRUTH + sign * step)[0] for sign in (1.0, -1.0)]
+        ends = [test.modeled(TRUTH + sign * step)[0] for sign in (1.0, -1.0)]
         difference = (ends[0] - ends[1]) / (2.0 * step[k])
         size = np.abs(difference).max(axis=1, keepdims=True)
         apart = np.abs(slopes[:, k] - difference) / size

@@ -1,0 +1,181 @@
+"""Without --airfoil a propeller has the constants and the mount that are known or expected for it.
+
+A note says which: identified, of its maker's family, of small propellers, or by its designation.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap import catalogue
+from propmap.catalogue.expected import ExpectedBlade, expected_constants, size_of
+from propmap.catalogue.identified import identified
+from propmap.catalogue.lookup import designated, meant_by
+from propmap.model.corrections import TYPICAL_FACTOR, Installed
+from propmap.units import INCH
+from tests.io import samples
+
+from .conftest import BETA, POINT, ROTOR, RPM, SPEED, Run
+
+AT = (RPM * np.pi / 30.0, SPEED, np.radians(BETA))
+
+
+def thrust_with(prop: str, law: propmap.Airfoil, blades: int = 2) -> float:
+    blade = propmap.propeller(prop, blades=blades)
+    model = propmap.Model(blade, law, corrections=propmap.model_corrections("recommended"))
+    return float(propmap.Rotor(model).loads(*AT).thrust)
+
+
+def predicted(run: Run, prop: object, *more: str) -> tuple[dict[str, float], str]:
+    """The loads, and the one note; another one is of points where bands were not compared."""
+    done = run("predict", prop, *POINT, *more, "--format", "json")
+    first, *others = done.err.splitlines()
+    assert done.code == 0 and all("the bands were not compared" in line for line in others)
+    return json.loads(done.out), first
+
+
+# -------------------------------------------------------------------------------------------------
+# Section constants.
+
+
+@pytest.mark.parametrize("prop", ["APC 8x6E", "kyosho 11x9"])
+def test_identified_constants(run: Run, prop: str) -> None:
+    name = propmap.propeller(prop).name
+    found = identified(name, 2)
+    assert found is not None
+    loads, told = predicted(run, prop)
+    assert told.startswith(f"note: constants identified from {found.rows} rows of ")
+    assert loads["thrust_N"] == pytest.approx(thrust_with(name, found.airfoil), rel=1e-9)
+    assert f"airfoil {name} identified + pitt-peters" in run("predict", prop, *POINT).out
+
+
+def test_constants_of_the_family(run: Run) -> None:
+    size = size_of(meant_by("apc-8x6sf"), propmap.propeller("apc-8x6sf"))
+    assert size == pytest.approx((8 * INCH, 6 * INCH))
+    law = expected_constants("apcsf", size, "maker").airfoil
+    loads, told = predicted(run, "apc-8x6sf")
+    assert "propellers of its family, apcsf" in told
+    assert loads["thrust_N"] == pytest.approx(thrust_with("apc-8x6sf", law), rel=1e-9)
+
+
+def test_constants_of_any_propeller(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "mine.csv"
+    path.write_text("radius_mm,chord_mm,twist_deg\n20,18,35\n50,20,22\n80,16,15\n100,8,12\n")
+    loads, told = predicted(run, path, "--blades", "2")
+    assert "small propellers, none of its family" in told
+    law = expected_constants(size=size_of(None, propmap.propeller(str(path), blades=2))).airfoil
+    assert loads["thrust_N"] == pytest.approx(thrust_with(str(path), law), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("prop", "family", "blades", "said"),
+    [
+        ("5x4.3x3", None, 3, "read as 5 x 4.3 in, 3 blades; no manufacturer is named"),
+        ("APC 12x6.5E", "apce", 2, "read as 12 x 6.5 in, two blades assumed (--blades 3, or x3"),
+    ],
+)
+def test_a_designation(run: Run, prop: str, family: str | None, blades: int, said: str) -> None:
+    loads, told = predicted(run, prop)
+    assert told.startswith(f"note: {said}")
+    blade, meant = propmap.propeller(prop), designated(prop)
+    assert isinstance(meant, ExpectedBlade) and meant.family == family
+    assert blade.blades == blades
+    law = expected_constants(family, size_of(meant, blade), meant.geometry).airfoil
+    assert loads["thrust_N"] == pytest.approx(thrust_with(prop, law, blades), rel=1e-9)
+
+
+def test_a_blade_of_its_maker(run: Run) -> None:
+    entry = meant_by("APC 5x4E-3")
+    assert isinstance(entry, catalogue.Entry) and entry.geometry == "maker"
+    blade = propmap.propeller("APC 5x4E-3")
+    assert blade.blades == entry.blades == 3 and "PE0 file" in blade.source
+    assert "blade of the manufacturer's file" in predicted(run, "APC 5x4E-3")[1]
+
+
+@pytest.mark.parametrize(
+    ("title", "says"),
+    [
+        ("10x7SF", "identified from 117 rows of 'apcsf 10.0x7.0 - 2'"),
+        ("10x7.3SF", "10 propellers of its family, apcsf, for the blade of the manufacturer"),
+        ("0x7E", "none of its family"),
+    ],
+)
+def test_a_file_of_apc_has_the_constants_of_its_series(
+    title: str, says: str, run: Run, tmp_path: Path
+) -> None:
+    blade = catalogue.load("apc-10x7sf")
+    rows = [
+        f"{y / INCH:12.4f}{c / INCH:12.4f}{4.0:12.4f}{0.1:12.4f}{0.1:12.4f}{angle:12.4f}{0.0:12.4f}"
+        for y, c, angle in zip(blade.station, blade.chord, np.degrees(blade.twist), strict=True)
+    ]
+    trailer = re.sub(r"2\.50", f"{blade.radius / INCH:.2f}", samples.PE0_TRAILER)
+    trailer = trailer.replace("0.50", f"{blade.root / INCH:.2f}")
+    header = samples.PE0_HEADER.replace("5x4T ", f"{title} ")
+    (tmp_path / "mine.PE0").write_text(header + "\n".join(rows) + "\n" + trailer)
+    found, told = predicted(run, tmp_path / "mine.PE0")
+    assert says in told
+    if title == "10x7SF":
+        # The very blade of the catalogue, but for the digits of a file.
+        wanted, _ = predicted(run, "apc-10x7sf")
+        assert found["thrust_N"] == pytest.approx(wanted["thrust_N"], rel=2e-3)
+        assert found["thrust_std_N"] == pytest.approx(wanted["thrust_std_N"], rel=0.02)
+
+
+def test_a_file_with_a_number_of_blades_in_its_title(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "blade.csv"
+    rows = "0.01,0.01,30\n0.03,0.013,20\n0.05,0.012,16\n0.0635,0.006,12\n"
+    path.write_text(f"# name: HQ 5x4.3x3\nradius_m,chord_m,twist_deg\n{rows}")
+    point = ["predict", str(path), "--rpm", "9000", "--speed", "0", "--beta", "0"]
+    assert "note: 3 blades, from the title of the file\n" in run(*point).err
+    said = run(*point, "--blades", "2").err
+    assert "note: the title states 3 blades; 2 are used, from --blades\n" in said
+    assert "title" not in run(*point, "--blades", "3").err
+    path.write_text("# blades: 2\n" + path.read_text())
+    done = run(*point)
+    assert "note: the title states 3 blades; 2 are used, from the data of the file\n" in done.err
+    assert "HQ 5x4.3x3, 2 blades" in done.out
+
+
+# -------------------------------------------------------------------------------------------------
+# Rotor drag: installed, unless it is asked for otherwise.
+
+
+def test_drag_is_that_of_the_installed_rotor_or_of_bare_blades(run: Run) -> None:
+    (whole, _), (bare, _) = (predicted(run, "apc 8x6e", *more) for more in ([], ["--bare"]))
+    blades = bare["drag_N"]
+    across, along = SPEED * np.sin(np.radians(BETA)), SPEED * np.cos(np.radians(BETA))
+    rotor = propmap.Rotor(propmap.catalogue_model("apc 8x6e"))
+    inflow = np.asarray(rotor.loads(*AT).mean_inflow)
+    want = Installed().drag(0.1016, 1.225, along, across, inflow, np.asarray(blades))
+    assert whole["drag_N"] == pytest.approx(float(want), rel=1e-6)
+    assert whole["thrust_N"] == bare["thrust_N"] and whole["torque_Nm"] == bare["torque_Nm"]
+    # Nothing else is known of the mount: a factor of about two either way.
+    assert 0.25 < whole["drag_std_N"] / whole["drag_N"] < 0.45
+    assert bare["drag_std_N"] < 0.15 * blades
+    paper, _ = predicted(run, "apc 8x6e", "--model", "paper")
+    assert paper["drag_N"] < 1.2 * blades
+
+
+def test_output_says_which_drag_it_is(run: Run) -> None:
+    stated = ["--correction", "installed:factor=2,area_m2=0.001"]
+    told = [
+        " ".join(run("predict", "apc 8x6e", *POINT, *more).out.split())
+        for more in ([], ["--bare"], stated)
+    ]
+    assert f"of the installed rotor: {TYPICAL_FACTOR[0]:g} (+- " in told[0]
+    assert "that of bare blades" in told[1] and "correction installed" in told[1]
+    assert "2 times the drag of the blades, plus the drag of 10 cm^2" in told[2]
+
+
+def test_a_law_that_is_named_is_used_bare_and_without_a_note(
+    run: Run, rotor: propmap.Rotor
+) -> None:
+    asked = run("predict", *ROTOR, *POINT, "--format", "json")
+    assert asked.err == ""
+    assert json.loads(asked.out)["drag_N"] == pytest.approx(float(rotor.loads(*AT).drag), rel=1e-9)
