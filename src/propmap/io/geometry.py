@@ -419,6 +419,8 @@ def _xrotor(lines: Sequence[str]) -> Written:
     """Read rows of r/R, C/R, Beta0deg, and the radius."""
     tip = _below(lines, r"!\s*Rad\s+Vel", "the radius")[0][1][0]
     (_, counts), *rows = _below(lines, r"!.*(stations|Nblds)", "the stations")
+    if not rows:
+        raise InputError("there are no stations", "give the file as XROTOR writes it")
     return lines[1].strip(), counts[-1], _scaled(rows, counts[0], tip), tip
 
 
