@@ -493,7 +493,7 @@ def _below(lines: Sequence[str], sign: str, what: str) -> Numbered:
 def _scaled(rows: Numbered, count: float, tip: float) -> Numbered:
     """Return ``count`` rows with station and chord, over the radius, multiplied by ``tip`` [m]."""
     table = [(n, [row[0] * tip, row[1] * tip, row[2]]) for n, row in rows if len(row) > 2]
-    if not 0 < count <= len(table):
+    if not 1 <= count <= len(table):
         found = f"found {len(table)} stations, expected {count:g}"
         raise InputError(found, "give the whole file")
     return table[: int(count)]
