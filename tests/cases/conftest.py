@@ -1,4 +1,4 @@
-"""What the cases share with the tests of commands."""
+"""Fixtures shared with the tests of commands."""
 
 from tests.cli.conftest import _workplace, brief, run
 

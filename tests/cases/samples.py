@@ -117,7 +117,7 @@ STAND_NAMES = (
 
 
 def stand(rows: list[tuple[float, float, float]]) -> str:
-    """What a thrust stand writes of rows of rpm, thrust [N] and torque [N m]."""
+    """Return the file of a thrust stand for rows of rpm, thrust [N] and torque [N m]."""
     lines = (
         f"{k},1500,{q!r},{t / 9.80665e-3!r},11.1,5,{rpm!r},0,60,0.1"
         for k, (rpm, t, q) in enumerate(rows)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +12,12 @@ import pytest
 
 from propmap.export import export_table
 from propmap.table import LoadTable
-from tests.cli.conftest import ROTOR, Run
+from tests.cli.conftest import ROTOR, Run, refused
 from tests.cli.fit_inputs import VEHICLE
-from tests.fit.fit_records import fit_text
 from tests.table.conftest import invented_content
 from tests.table.test_table_file import _rewritten
 
 from . import samples
-from .test_files_and_columns import refused
 
 
 @pytest.fixture
@@ -29,22 +26,15 @@ def table() -> Path:
     return Path("map.npz")
 
 
-DAMAGES: dict[str, tuple[Callable[[Any, Any], object], str]] = {
-    "cells out of range": (
-        lambda _, arrays: arrays.update(cells=np.full_like(arrays["cells"], 255)),
-        "a cell has the flags 255",
-    ),
-    "one number changed": (
-        lambda _, arrays: arrays["coefficients"].__setitem__((0, 0, 0, 0), 7.0),
-        "checksum",
-    ),
-    "no checksum": (lambda head, _: head.pop("sha256"), "checksum"),
-}
-
-
-@pytest.mark.parametrize("case", DAMAGES)
-def test_a_damaged_table(run: Run, table: Path, case: str) -> None:
-    change, says = DAMAGES[case]
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda _, a: a.update(cells=np.full_like(a["cells"], 255)), "a cell has the flags 255"),
+        (lambda _, a: a["coefficients"].__setitem__((0, 0, 0, 0), 7.0), "checksum"),
+        (lambda head, _: head.pop("sha256"), "checksum"),
+    ],
+)
+def test_a_damaged_table(run: Run, table: Path, change: Any, says: str) -> None:
     _rewritten(table, change)
     refused(run("show", table), "map.npz", says)
 
@@ -64,10 +54,6 @@ def test_a_table_whose_header_says_to_be_huge(run: Run, table: Path, shape: tupl
     with zipfile.ZipFile(table, "w") as file:
         file.writestr("info.npy", header.getvalue() + bytes(80))
     refused(run("show", table), "map.npz: the file is not a table, or it is damaged")
-
-
-# -------------------------------------------------------------------------------------------------
-# Names.
 
 
 def test_a_long_name_with_a_null_character_in_exports(tmp_path: Path) -> None:
@@ -92,40 +78,6 @@ def test_a_null_character_in_a_vehicle(run: Run) -> None:
     refused(run("trim", "vehicle.toml"), "vehicle.toml")
     Path("vehicle.toml").write_text(VEHICLE.replace("test quadrotor", "/*\\u0000"))
     assert run("trim", "vehicle.toml", "--speed", "5").code == 0
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["predict", "apc-8x6e", "--rpm", "3000", "--airfoil", "deep.toml"],
-        ["trim", "deep.toml"],
-        ["export", "deep.toml", "--to", "c", "-o", "out"],
-    ],
-)
-def test_toml_nested_deep(run: Run, arguments: list[str]) -> None:
-    Path("deep.toml").write_text(f"schema = 1\nx = {'[' * 5000}{']' * 5000}\n")
-    refused(run(*arguments), "deep.toml", "recursion")
-    assert not Path("out").exists()
-
-
-# -------------------------------------------------------------------------------------------------
-# Covariances, and runs beside each other.
-
-
-@pytest.mark.parametrize(
-    ("matrix", "says"),
-    [
-        ([[1.0, 0.5], [0.1, 1.0]], "not symmetric"),
-        ([[1e300, 0.0], [0.0, 1.0]], "a variance is 1e+300"),
-    ],
-)
-def test_covariances_that_are_none(run: Run, matrix: list[list[float]], says: str) -> None:
-    Path("fit.toml").write_text(fit_text(covariance=np.array(matrix)))
-    for arguments in (
-        ["predict", "apc-8x6e", "--rpm", "3000", "--airfoil", "fit.toml"],
-        ["check", "fit.toml", "uiuc-8x6e"],
-    ):
-        refused(run(*arguments), "fit.toml", says)
 
 
 def test_of_runs_beside_each_other_one_writes(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

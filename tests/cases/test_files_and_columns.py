@@ -1,4 +1,4 @@
-"""Files as people have them: read and said how, or one line."""
+"""Files in the layouts that people have: read with a note, or refused in one line."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from propmap.fit.tunnel import TunnelData, measured_loads
 from propmap.io.geometry import read_geometry_file
 from propmap.io.sections import read_section_table
 from propmap.units import GRAVITY
-from tests.cli.conftest import Outcome, Run
+from tests.cli.conftest import Run, refused
 from tests.cli.fit_inputs import STAND, fit_record
 from tests.fit.fit_records import fit_text
 
@@ -29,15 +29,6 @@ ROWS = [
 ]
 
 
-def refused(done: Outcome, *words: str) -> None:
-    assert (done.code, done.out) == (2, "")
-    *_, last = done.err.splitlines()
-    assert last.startswith("propmap: error: ")
-    for word in words:
-        assert word in last
-    assert "Traceback" not in done.err
-
-
 def loads_of(run: Run, *arguments: object) -> tuple[dict[str, Any], str]:
     done = run("predict", *arguments, "--rpm", "5000", "--format", "json", "--no-bands")
     assert done.code == 0, done.err
@@ -49,7 +40,7 @@ def loads_of(run: Run, *arguments: object) -> tuple[dict[str, Any], str]:
 
 
 def read(text: str | bytes) -> tuple[TunnelData, str]:
-    """What is measured, and what is said of the columns."""
+    """Return the measured loads and the remarks on the columns."""
     Path("stand.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
     found = measured_loads(Path("stand.csv"), at_rest=True)(BLADE, propmap.Air())
     return found, "; ".join(found.remarks)
@@ -66,19 +57,13 @@ GRAMS = stand_csv("rpm,thrust_g,torque_Ncm", factors=(1.0, 1e3 / GRAVITY, 1e2))
 STILL = stand_csv("RPM1 - RPM,Thrust - N,Torque - N*m").replace("\n", "\n0,5,0.1\n,5,\n", 1)
 POWER = "".join(f"{rpm},{t},{q * rpm * np.pi / 30.0!r}\n" for rpm, t, q in ROWS)
 STANDS: dict[str, tuple[str | bytes, str]] = {
-    "no UTF-8": (
-        samples.stand(ROWS).encode("latin-1"),
-        "'Torque (N\u00b7m)' is torque in N\u00b7m",
-    ),
+    "no UTF-8": (samples.stand(ROWS).encode("latin-1"), "'Torque (N\u00b7m)' is torque in N"),
     "capitals": (stand_csv("RPM,THRUST_N,Torque_Nm"), "'RPM' is the rotational speed"),
     "symbols": (stand_csv("rpm,T [N],Q_Nm"), "'Q_Nm' is torque in Nm"),
     "g, N cm and decimal commas": (GRAMS.replace(",", ";").replace(".", ","), ""),
     "kg and mN m": (stand_csv("rpm,thrust_kg,torque_mNm", factors=(1.0, 1.0 / GRAVITY, 1e3)), ""),
     "shaft power": ("rpm,thrust_N,power_W\n" + POWER, "power is assumed to be shaft power"),
-    "no unit of power": (
-        stand_csv("rpm,Thrust (N),Torque (N-m),Power (%)", (0, 1, 2, 0)),
-        "not used: 'Power (%)'",
-    ),
+    "power in %": (stand_csv("rpm,T [N],Q_Nm,Power (%)", (0, 1, 2, 0)), "not used: 'Power (%)'"),
     "rows that stand still": (STILL, "2 of 10 rows have no rpm: omitted"),
     "units beneath": (stand_csv("Drehzahl,Thrust,Q_avg\n1/min,N,N m"), "'Q_avg [N m]' is torque"),
     "averages": (stand_csv("RPM_avg,Thrust (N) ,Torque_mean (N-m)"), "'RPM_avg' is the"),
@@ -202,12 +187,6 @@ def test_geometry_of_other_programs(run: Run, name: str) -> None:
         assert found[load] == pytest.approx(want[load], rel=1e-9)
 
 
-def test_blades_that_nothing_tells_are_asked_for(run: Run) -> None:
-    Path("carbon.txt").write_text(samples.UIUC)
-    done = run("predict", "carbon.txt", "--rpm", "5000", "--radius", "0.1")
-    refused(done, "no number of blades; pass --blades")
-
-
 def test_a_tip_that_a_program_leaves_out_is_added(tmp_path: Path) -> None:
     """XROTOR's stations lie between the edges of its elements."""
     path = tmp_path / "short.xrotor"
@@ -252,31 +231,6 @@ def test_computed_loads_are_called_computed(run: Run) -> None:
     want, (later, told) = read(samples.PERFILE)[0], read(samples.PERFILE_OF_2022)
     assert "computed by APC" in told
     assert later.loads["thrust"].tolist() == want.loads["thrust"].tolist()
-
-
-WRONG_PLACES = [
-    (samples.PERFILE, "PERFILE of APC, with computed loads", "propmap fit"),
-    ("J CT CP eta\n0.1 0.1 0.05 0.2\n", "UIUC loads", "propmap check"),
-    (" alpha    CL        CD\n 1 2 3\n", "XFOIL", "--airfoil"),
-    ("solid blade\n facet normal 0 0 1\n", "STL surface", "as CSV"),
-    ("NACA 4412\n 1.0000 0.0013\n 0.95 0.01\n", "coordinates of an airfoil", ""),
-    ("BlSpn BlCrvAC BlSwpAC BlCrvAng BlTwist BlChord BlAFID\n0 0 0 0 0 1 1\n", "AeroDyn blade", ""),
-]
-
-
-@pytest.mark.parametrize(("text", "what", "remedy"), WRONG_PLACES)
-def test_what_is_not_a_blade_is_called_what_it_is(
-    run: Run, text: str, what: str, remedy: str
-) -> None:
-    Path("given.dat").write_text(text)
-    done = run("predict", "./given.dat", "--rpm", "5000")
-    refused(done, "given.dat: this is", what, remedy)
-
-
-def test_a_blade_is_no_polar(run: Run) -> None:
-    Path("blade.xrotor").write_text(samples.XROTOR)
-    done = run("predict", "apc-8x6e", "--rpm", "5000", "--airfoil", "blade.xrotor")
-    refused(done, "this is an XROTOR file, not a section table", "the argument PROP")
 
 
 # -------------------------------------------------------------------------------------------------

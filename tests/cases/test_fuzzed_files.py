@@ -50,18 +50,6 @@ def polar(path: Path) -> np.ndarray:
     return read_section_table(path).lift
 
 
-def law(path: Path) -> float:
-    return read_airfoil(path).c_l1
-
-
-def fit(path: Path) -> float:
-    return read_fit(path).airfoil.c_l1 if is_fit(path) else 0.0
-
-
-def vehicle(path: Path) -> float:
-    return read_vehicle(path).vehicle.mass
-
-
 def level(path: Path) -> np.ndarray:
     other = path.with_name("vehicle.toml")
     other.write_text(VEHICLE)
@@ -70,10 +58,6 @@ def level(path: Path) -> np.ndarray:
         return read_flights([path], file, "level", seconds=2.0, samples=100).log.rotor_speed
     finally:
         other.unlink()
-
-
-def table(path: Path) -> np.ndarray:
-    return LoadTable.load(path).content.coefficients
 
 
 TEXTS: dict[str, tuple[Callable[[Path], Any], str]] = {
@@ -90,10 +74,13 @@ TEXTS: dict[str, tuple[Callable[[Path], Any], str]] = {
     "a.xrotor": (blade, samples.XROTOR),
     "a.bem": (blade, samples.BEM),
     **{f"{k}.dat": (polar, text) for k, text in enumerate(samples.POLARS.values())},
-    "law.toml": (law, parameter_set("paper-apc").to_toml()),
-    "quad.toml": (vehicle, VEHICLE),
+    "law.toml": (lambda path: read_airfoil(path).c_l1, parameter_set("paper-apc").to_toml()),
+    "quad.toml": (lambda path: read_vehicle(path).vehicle.mass, VEHICLE),
     "level.csv": (level, LEVEL),
-    "fit.toml": (fit, fit_text(envelope=ENVELOPE)),
+    "fit.toml": (
+        lambda path: read_fit(path).airfoil.c_l1 if is_fit(path) else 0.0,
+        fit_text(envelope=ENVELOPE),
+    ),
 }
 JUNK = [*'-,;\n"\f#[(\0=!', "1e9", "1e999", "nan", "r/R"]
 EDITS = st.lists(
@@ -140,7 +127,7 @@ def test_tables(tmp_path: Path, edits: Edits) -> None:
     path = tmp_path / "map.npz"
     LoadTable(invented_content()).save(path)
     path.write_bytes(damaged(path.read_bytes(), edits))
-    read_or_refused(table, path)
+    read_or_refused(lambda path: LoadTable.load(path).content.coefficients, path)
 
 
 @settings(max_examples=30, **QUIET)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,7 @@ import propmap
 from propmap.catalogue.lookup import measurement
 from propmap.errors import InputError
 from propmap.fit.tunnel import data_warnings, measured_loads
+from propmap.model.plausibility import blade_warnings
 from propmap.units import GRAVITY, INCH
 
 Columns = dict[str, np.ndarray]
@@ -25,25 +26,24 @@ AIR = propmap.Air()
 BLADE = propmap.propeller("apc-8x6e")
 
 
-def measured(name: str, rows: Callable[[Columns], np.ndarray]) -> Columns:
-    """Some rows of the catalogue's measurement, in the columns of a file."""
+def measured(name: str) -> Columns:
+    """The catalogue's measurement, in the columns of a file."""
     m = measurement(name)
     density = AIR.density / m.air_density
-    found = {
+    return {
         "rpm": m.omega / RPM,
         "speed_mps": m.speed,
         "beta_deg": np.degrees(m.beta),
         "thrust_N": m.loads["thrust"] * density,
         "torque_Nm": m.loads["torque"] * density,
     }
-    chosen = rows(found)
-    return {column: values[chosen] for column, values in found.items()}
 
 
-def one_speed_and_rest(columns: Columns) -> np.ndarray:
+def one_speed_and_rest(columns: Columns) -> Columns:
     flying = np.isclose(columns["rpm"], columns["rpm"][0], rtol=1e-3) & (columns["speed_mps"] > 0.0)
     still = columns["speed_mps"] == 0.0
-    return np.concatenate([np.flatnonzero(flying)[:20], np.flatnonzero(still)[:20]])
+    rows = np.concatenate([np.flatnonzero(flying)[:20], np.flatnonzero(still)[:20]])
+    return {column: values[rows] for column, values in columns.items()}
 
 
 def by_power(columns: Columns) -> Columns:
@@ -51,12 +51,12 @@ def by_power(columns: Columns) -> Columns:
     return {k: v for k, v in columns.items() if k != "torque_Nm"} | {"power_W": power}
 
 
-AXIAL = measured("uiuc-8x6e", one_speed_and_rest)
-OBLIQUE = measured("gill-dandrea-2019-8x6e", lambda c: np.arange(c["rpm"].size))
+AXIAL = one_speed_and_rest(measured("uiuc-8x6e"))
+OBLIQUE = measured("gill-dandrea-2019-8x6e")
 ROTORS, ELECTRICAL = r"the total of about \d rotors", "electrical power"
 PAIRS = "electrical rpm,? of (about )?{} pole pairs"
 
-# By column: what it holds, the factor between that and what it should, and the cause.
+# By column: name of the slip, factor between the written and the right values, named cause.
 FACTORS: dict[str, list[tuple[str, float, str]]] = {
     "rpm": [
         ("rad/s", RPM, "rad/s"),
@@ -107,17 +107,13 @@ FACTORS: dict[str, list[tuple[str, float, str]]] = {
         ("sign", -1.0, "is negative; .*direction is --beta"),
     ],
 }
-ANGLES = {
-    "from the disk": (lambda beta: 90.0 - beta, "measured from the disk plane"),
-    "radians": (np.radians, "looks like radians"),
-}
 
 
-def told_of(columns: Columns, folder: Path) -> str:
+def told_of(columns: Columns, folder: Path, blade: propmap.Propeller = BLADE) -> str:
     path, rows = folder / "stand.csv", zip(*(v.tolist() for v in columns.values()), strict=True)
     path.write_text("\n".join([",".join(columns), *(",".join(map(repr, r)) for r in rows)]) + "\n")
     try:
-        return " ".join(data_warnings(measured_loads(path)(BLADE, AIR), BLADE, AIR))
+        return " ".join(data_warnings(measured_loads(path)(blade, AIR), blade, AIR))
     except InputError as error:
         return str(error)
 
@@ -140,9 +136,30 @@ def test_forty_slips_by_their_causes(tmp_path: Path) -> None:
         right = by_power(AXIAL) if name == "power_W" else AXIAL
         for slip, factor, cause in factors:
             every[f"{name}: {slip}"] = {**right, name: right[name] * factor}, cause
-    for slip, (turn, cause) in ANGLES.items():
-        every[slip] = {**OBLIQUE, "beta_deg": turn(OBLIQUE["beta_deg"])}, cause
+    beta, disk = OBLIQUE["beta_deg"], "measured from the disk plane"
+    every["from the disk"] = {**OBLIQUE, "beta_deg": 90.0 - beta}, disk
+    every["radians"] = {**OBLIQUE, "beta_deg": np.radians(beta)}, "looks like radians"
     assert len(every) == 40
     found = {slip: outcome(told_of(c, tmp_path), cause) for slip, (c, cause) in every.items()}
     assert [slip for slip, how in found.items() if how == "wrong"] == []
     assert Counter(found.values())["named"] >= 36
+
+
+def test_thrust_alone_and_axial_flow(tmp_path: Path) -> None:
+    alone = {name: values for name, values in AXIAL.items() if name != "torque_Nm"}
+    assert told_of(alone, tmp_path) == ""
+    for name, factor, cause in (
+        ("thrust_N", 1e3 / GRAVITY, "thrust looks like grams"),
+        ("rpm", RPM, "rpm in rad/s"),
+        ("speed_mps", 3.6, "km/h"),
+    ):
+        assert cause in told_of({**alone, name: alone[name] * factor}, tmp_path)
+    turned = {**AXIAL, "beta_deg": AXIAL["beta_deg"] + 90.0}
+    assert "measured from the disk plane" in told_of(turned, tmp_path)
+
+
+def test_a_diameter_for_the_radius_shows_in_the_loads(tmp_path: Path) -> None:
+    """A blade in fractions of the radius looks right at any size."""
+    large = replace(BLADE, station=2.0 * BLADE.station, chord=2.0 * BLADE.chord)
+    assert blade_warnings(large) == []
+    assert "a diameter in place of the radius" in told_of(AXIAL, tmp_path, large)

@@ -12,7 +12,7 @@ import pytest
 import propmap
 from propmap.cli import main
 
-from .fit_inputs import QUICK, picked, tunnel_table
+from .fit_inputs import QUICK, tunnel_table
 
 RPM, SPEED, BETA = 4000.0, 14.0, 80.0
 POINT = ["--rpm", "4000", "--speed", "14", "--beta", "80"]
@@ -29,6 +29,15 @@ class Outcome:
 Run = Callable[..., Outcome]
 
 
+def refused(done: Outcome, *words: str) -> None:
+    assert (done.code, done.out) == (2, "")
+    *_, last = done.err.splitlines()
+    assert last.startswith("propmap: error: ")
+    for word in words:
+        assert word in last
+    assert "Traceback" not in done.err
+
+
 @pytest.fixture(autouse=True)
 def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """An empty folder."""
@@ -37,8 +46,8 @@ def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @contextlib.contextmanager
 def brief_commands() -> Iterator[None]:
-    """For what is about commands and not about numbers: fits end after few steps, and none looks
-    for what it leaves out, see ``propmap.fit.comparison``."""
+    """For tests that do not depend on the numbers of a fit: fits end after few steps, and do not
+    search for failing assumptions, see ``propmap.fit.comparison``."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", 8)
         patch.setattr("propmap.fit.comparison.POOR", np.inf)
@@ -47,7 +56,7 @@ def brief_commands() -> Iterator[None]:
 
 @pytest.fixture
 def brief() -> Iterator[None]:
-    """Commands are brief: for all but their numbers."""
+    """Use brief commands in a test."""
     with brief_commands():
         yield
 
@@ -74,7 +83,7 @@ def pictures_as_they_fall() -> Iterator[None]:
 @pytest.fixture(scope="session")
 def tunnel_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("fit") / "tunnel.csv"
-    path.write_text(tunnel_table(picked()))
+    path.write_text(tunnel_table())
     return path
 
 

@@ -19,7 +19,6 @@ FREE = ("c_l1", "zero_lift_angle")
 QUICK = ["--free", ",".join(FREE), "--starts", "1", "--folds", "0"]
 UIUC = measurement("uiuc-8x6e")
 TURNS = UIUC.omega / (2.0 * np.pi)
-DIAMETER = propmap.propeller("apc-8x6e").diameter
 ONE_SPEED = round(float(TURNS[UIUC.speed > 0.0][0]) * 60.0)
 CHECKED = {"rows", "rms", "relative_rms", "bias", "worst", "hover_rms"}
 
@@ -30,31 +29,13 @@ def picked() -> np.ndarray:
     return np.concatenate([flying[:9], np.flatnonzero(UIUC.speed == 0.0)[:5]])
 
 
-def tunnel_table(rows: np.ndarray, columns: tuple[str, ...] = ("thrust_N", "torque_Nm")) -> str:
-    """Rows of the catalogue's measurement as CSV; the air has its own density."""
-    loads = {"thrust_N": UIUC.loads["thrust"], "torque_Nm": UIUC.loads["torque"]}
+def tunnel_table() -> str:
+    """The picked rows of the catalogue's measurement as CSV; the air has its own density."""
     density = propmap.Air().density / UIUC.air_density
-    lines = [",".join(("rpm", "speed_mps", "beta_deg", *columns))]
-    for k in rows:
-        # Whole rpm, as in the name of a UIUC file.
-        values = [TURNS[k] * 60.0, UIUC.speed[k], 0.0, *(loads[c][k] * density for c in columns)]
-        lines.append(",".join(repr(float(v)) for v in values))
-    return "\n".join(lines) + "\n"
-
-
-def uiuc_files(folder: Path) -> list[Path]:
-    """Rows in the layout of the UIUC database."""
-    size = UIUC.air_density * TURNS**2 * DIAMETER**4
-    ct, cp = UIUC.loads["thrust"] / size, UIUC.loads["torque"] * 2.0 * np.pi / (size * DIAMETER)
-    rows = picked()
-    flying, static = rows[UIUC.speed[rows] > 0.0], rows[UIUC.speed[rows] == 0.0]
-    advance = UIUC.speed / (TURNS * DIAMETER)
-    first = ["J CT CP eta", *(f"{advance[k]:.12f} {ct[k]:.12f} {cp[k]:.12f} 0.5" for k in flying)]
-    second = ["RPM CT CP", *(f"{TURNS[k] * 60.0:.9f} {ct[k]:.12f} {cp[k]:.12f}" for k in static)]
-    names = (f"sample_8x6_{ONE_SPEED}.txt", "sample_8x6_static.txt")
-    for name, lines in zip(names, (first, second), strict=True):
-        (folder / name).write_text("\n".join(lines) + "\n")
-    return [folder / name for name in names]
+    loads = (UIUC.loads[name] * density for name in ("thrust", "torque"))
+    columns = (TURNS * 60.0, UIUC.speed, 0.0 * TURNS, *loads)
+    rows = (",".join(repr(float(column[k])) for column in columns) for k in picked())
+    return "\n".join(["rpm,speed_mps,beta_deg,thrust_N,torque_Nm", *rows]) + "\n"
 
 
 VEHICLE = """schema = 1
@@ -82,7 +63,7 @@ def fit_record(path: Path) -> dict[str, Any]:
 
 
 def fitted(run: Run, *arguments: object) -> tuple[dict[str, Any], str]:
-    """What `propmap fit` files in out.toml and what it prints."""
+    """Run `propmap fit`; return the table [fit] of out.toml and the printed text."""
     fit = Path("out.toml")
     done = run("fit", *arguments, "-o", fit)
     assert (done.code, done.err) == (0, f"wrote {fit}\n"), done.err

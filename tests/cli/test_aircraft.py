@@ -19,24 +19,13 @@ from propmap.units import GRAVITY
 from propmap.vehicle.files import read_vehicle
 
 from .conftest import Run
+from .fit_inputs import VEHICLE
 from .invented_tables import invented
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-CORNERS = ((0.16, 0.16), (-0.16, 0.16), (-0.16, -0.16), (0.16, -0.16))
-BARE = """schema = 1
-name = "test quad"
-frame = "flu"
-mass = 1.2
-propeller = "apc-8x6e"
-""" + "".join(
-    f'[[rotors]]\nposition = [{x}, {y}, 0.0]\nspin = "{spin}"\n'
-    for (x, y), spin in zip(CORNERS, ("cw", "ccw", "cw", "ccw"), strict=True)
-)
 POWERED = (
-    BARE
-    + """[body]
-drag_area = [0.015, 0.015, 0.03]
-[motor]
+    (EXAMPLES / "quadrotor.toml").read_text(encoding="utf-8")
+    + """[motor]
 kv_rpm_per_volt = 920
 resistance = 0.12
 no_load_current = 0.6
@@ -56,7 +45,7 @@ TRIM = ["trim", "quad.toml", "--airfoil", "apc-8x6e-2019"]
 @pytest.fixture(autouse=True)
 def _vehicle(_workplace: None) -> None:
     Path("quad.toml").write_text(POWERED)
-    Path("bare.toml").write_text(BARE)
+    Path("bare.toml").write_text(VEHICLE)
     Path("legs.csv").write_text("speed_mps,climb_mps,duration_s\n0,2,20\n10,0,120\n")
 
 
@@ -139,12 +128,8 @@ def test_choosing(run: Run) -> None:
     assert all(row["cruise_power_W"] is None for row in rows)
 
 
-COAXIAL = BARE + "".join(
-    f'[[rotors]]\nposition = [{x}, {y}, -0.08]\nspin = "{spin}"\n'
-    for (x, y), spin in zip(CORNERS, ("ccw", "cw", "ccw", "cw"), strict=True)
-)
-
-
+LOWER = VEHICLE[VEHICLE.index("[[rotors]]") :].replace("0.0]", "-0.08]")
+COAXIAL = VEHICLE + LOWER.replace('"c', '"cc').replace('"ccc', '"c')  # against the upper ones
 MOUNTED = POWERED.replace("[esc]\nefficiency = 0.95\n", "") + "[mount]\narea = 0.0008\n"
 
 
@@ -175,14 +160,15 @@ def test_every_output_lists_the_assumptions(run: Run) -> None:
 
 
 def test_without_a_body_and_a_motor(run: Run) -> None:
-    """All figures that depend on body drag say that there is none; power is that of the shafts."""
+    """Figures that depend on body drag say that there is none; power is that of the shafts."""
     shown = run("trim", "bare.toml", *TRIM[2:], "--speed", "0:16:3", "--no-bands").out
     figures = {line.partition(":")[0]: line for line in shown.splitlines() if ": " in line}
     for name in ("least power, longest time", "best range", "top speed"):
         assert "without body drag" in figures[name]
     assert "without body drag" not in figures["hover"]
-    done = run("trim", "bare.toml", *TRIM[2:], *QUIET, "--format", "csv")
-    assert "shaft power (no [motor])" in done.err
+    done = run("trim", "bare.toml", *QUIET, "--format", "csv")
+    for word in ("shaft power (no [motor])", "installed rotors", "constants: apc-8x6e identified"):
+        assert word in done.err
     (row,) = csv.DictReader(io.StringIO(done.out))
     assert float(row["shaft_power_W"]) > 50.0 and row["electrical_power_W"] == ""
 

@@ -1,7 +1,7 @@
 """Bad recordings and vehicle files for `fit flight` and `check`: the cause and what to do.
 
-Both read their flights by ``read_flights``; what is found needs no model of the rotors but one
-point in hover.
+Both commands read flights by ``read_flights``. The checks compute the rotors only at one point in
+hover.
 """
 
 from __future__ import annotations
@@ -174,7 +174,7 @@ DOUBTS: dict[str, Case] = {
 
 
 def remarks_of(folder: Path, *logs: Columns, edit: tuple[str, str] = ("", "")) -> tuple[str, ...]:
-    """What the commands say of logs that they take; ``InputError`` where they do not."""
+    """Return the remarks on accepted logs; raise ``InputError`` for refused logs."""
     assert edit[0] in agile.vehicle()
     text = agile.vehicle().replace(*edit, 1)
     (folder / "vehicle.toml").write_text(text, encoding="utf-8")
@@ -221,17 +221,13 @@ def test_flights_of_two_vehicles(tmp_path: Path) -> None:
     assert "log_1.csv" in told and "fit the flights one by one" in told
 
 
-@pytest.mark.parametrize("command", ["fit", "check"])
-def test_both_commands_say_it_in_one_line(command: str, run: Run, tmp_path: Path) -> None:
+def test_both_commands_say_it_in_one_line(run: Run, tmp_path: Path) -> None:
     (tmp_path / "vehicle.toml").write_text(agile.vehicle(), encoding="utf-8")
     (tmp_path / "set.toml").write_text(parameter_set("paper-apc").to_toml(), encoding="utf-8")
     agile.write(scaled(W, 57.29578)(GOOD), tmp_path / "log.csv")
-    vehicle = ["--vehicle", "vehicle.toml"]
-    arguments = {
-        "fit": ["fit", "flight", "log.csv", *vehicle, "--method", "balance", "-o", "out.toml"],
-        "check": ["check", "set.toml", "log.csv", *vehicle],
-    }
-    done = run(*arguments[command])
-    assert done.code == 2 and done.out == ""
-    assert done.err.count("\n") == 1 and "are in degrees per second" in done.err
+    log = ["log.csv", "--vehicle", "vehicle.toml"]
+    for command in (["fit", "flight", *log, "-o", "out.toml"], ["check", "set.toml", *log]):
+        done = run(*command)
+        assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
+        assert "are in degrees per second" in done.err
     assert not (tmp_path / "out.toml").exists()

@@ -1,23 +1,27 @@
-"""Whatever is wrong with the input: exit code 2, one line that says so, and no file."""
+"""Bad input to every command: exit code 2, one line with the cause, and no file."""
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from propmap.model.airfoil import parameter_set
+from tests.cases import samples
 from tests.fit.fit_records import fit_text
 
 from .conftest import POINT, ROTOR, Run
-from .fit_inputs import LEVEL, VEHICLE, picked, tunnel_table
+from .fit_inputs import LEVEL, VEHICLE, tunnel_table
 from .invented_tables import invented
-from .test_aircraft import BARE, POWERED
+from .test_aircraft import POWERED
 
 HEADER = "rpm,speed_mps,beta_deg\n"
 LOADS = "rpm,speed_mps,beta_deg,thrust_N\n5000,5,0,1.5\n"
 LEVEL_HEADER = LEVEL.partition("\n")[0] + "\n"
 LAW = parameter_set("paper-apc").to_toml()
+PLATE = "".join(f"{a},1e5,{math.sin(math.radians(2 * a))},1\n" for a in range(-180, 181, 20))
 FILES: dict[str, bytes] = {
     "no_rpm.csv": b"speed_mps,beta_deg\n1,2\n",
     "empty.csv": b"",
@@ -32,7 +36,7 @@ FILES: dict[str, bytes] = {
     "other_rpm.csv": b"rpm,speed_mps,beta_deg,thrust_N\n9000,5,90,1\n",
     "taken.nc": b"precious",
     "degrees.toml": LAW.replace("alpha_0 = 0.", "alpha_0 = 20.").encode(),
-    "good.csv": tunnel_table(picked()).encode(),
+    "good.csv": tunnel_table().encode(),
     "empty_load.csv": LOADS.replace("1.5", "").encode(),
     "two.csv": (LOADS + "5000,5,0,1.5\n").encode(),
     "negative_rpm.csv": (LOADS + "-5000,5,0,1.5\n").encode(),
@@ -57,9 +61,23 @@ FILES: dict[str, bytes] = {
     "whole.toml": fit_text().encode(),
     "flown.toml": fit_text(kind="level flight").encode(),
     "quad.toml": POWERED.encode(),
-    "bare.toml": BARE.encode(),
     "words.csv": b"speed_mps,climb_mps,duration_s\nfast,0,10\n",
     "legs.csv": b"speed_mps,climb_mps,duration_s\n0,2,20\n10,0,120\n",
+    "plate.csv": ("alpha_deg,re,cl,cd\n" + PLATE).encode(),
+    "text.toml": (LAW + 'corrections = "tip-loss"\n').encode(),
+    "foo.toml": (LAW + 'corrections = ["foo"]\n').encode(),
+    "twice.toml": (LAW + 'corrections = ["tip-loss", "tip-loss"]\n').encode(),
+    "deep.toml": f"schema = 1\nx = {'[' * 5000}{']' * 5000}\n".encode(),
+    "skew.toml": fit_text(covariance=np.array([[1.0, 0.5], [0.1, 1.0]])).encode(),
+    "wide.toml": fit_text(covariance=np.diag([1e300, 1.0])).encode(),
+    "carbon.txt": samples.UIUC.encode(),
+    "blade.xrotor": samples.XROTOR.encode(),
+    "PER3.dat": samples.PERFILE.encode(),
+    "loads.dat": b"J CT CP eta\n0.1 0.1 0.05 0.2\n",
+    "xfoil.dat": b" alpha    CL        CD\n 1 2 3\n",
+    "stl.dat": b"solid blade\n facet normal 0 0 1\n",
+    "naca.dat": b"NACA 4412\n 1.0000 0.0013\n 0.95 0.01\n",
+    "aerodyn.dat": b"BlSpn BlCrvAC BlSwpAC BlCrvAng BlTwist BlChord BlAFID\n0 0 0 0 0 1 1\n",
     "bad.npz": b"PK\x03\x04" + bytes(500),
 }
 PREDICT = ["predict", *ROTOR]
@@ -79,6 +97,7 @@ REPORT = ["report", "-o", "out"]
 TRIM = ["trim", "quad.toml", "--airfoil", "apc-8x6e-2019"]
 CHOOSE = ["choose", "quad.toml"]
 SIMULATE = ["simulate", "flight", "--vehicle", "vehicle.toml", "--airfoil", "paper-apc"]
+SECTION = "plate.csv: this is a section table, but the command needs"
 SIMULATE += ["--speeds", "9,11,13", "-o", "flight.csv"]
 
 CASES: list[tuple[list[str], str]] = [
@@ -86,6 +105,23 @@ CASES: list[tuple[list[str], str]] = [
     (["predict", "nowhere.txt", "--airfoil", "paper-apc", *POINT], "no such file"),
     (["predict", "apc-8x6e", "--airfoil", "paper-apx", *POINT], "paper-apc"),
     (["predict", "apc-8x6e", "--airfoil", "degrees.toml", *POINT], "radians"),
+    (["predict", "apc-8x6e", "--airfoil", "text.toml", *POINT], "is 'tip-loss': write a list"),
+    (["predict", "apc-8x6e", "--airfoil", "foo.toml", *POINT], "correction 'foo' is not known"),
+    (["predict", "apc-8x6e", "--airfoil", "twice.toml", *POINT], "tip-loss is given twice"),
+    (["predict", "apc-8x6e", "--airfoil", "deep.toml", *POINT], "recursion"),
+    (["predict", "apc-8x6e", "--airfoil", "skew.toml", *POINT], "not symmetric"),
+    (["predict", "apc-8x6e", "--airfoil", "wide.toml", *POINT], "a variance is 1e+300"),
+    (
+        ["predict", "apc-8x6e", "--airfoil", "blade.xrotor", *POINT],
+        "use it as the argument PROP",
+    ),
+    (["predict", "carbon.txt", "--radius", "0.1", *POINT], "no number of blades; pass --blades"),
+    (["predict", "./PER3.dat", *POINT], "this is a PERFILE of APC, with computed loads"),
+    (["predict", "./loads.dat", *POINT], "UIUC loads"),
+    (["predict", "./xfoil.dat", *POINT], "XFOIL"),
+    (["predict", "./stl.dat", *POINT], "STL surface"),
+    (["predict", "./naca.dat", *POINT], "coordinates of an airfoil"),
+    (["predict", "./aerodyn.dat", *POINT], "AeroDyn blade"),
     (["predict", "--airfoil", "paper-apc", *POINT], "PROP"),
     ([*PREDICT, "--rpm", "fast", "--speed", "1", "--beta", "0"], "'--rpm'"),
     ([*PREDICT, "--rpm", "-4000", "--speed", "1", "--beta", "0"], "rpm is negative"),
@@ -97,7 +133,6 @@ CASES: list[tuple[list[str], str]] = [
     ([*PREDICT, *POINT, "--rho", "1", "--altitude", "100"], "twice"),
     ([*PREDICT, *POINT, "--root-cutout", "0.2"], "root cut-out"),
     ([*PREDICT, *POINT, "--blades", "0"], "blades"),
-    ([*PREDICT, *POINT, "--radius", "0.2"], "radius"),
     ([*PREDICT, *POINT, "--height", "-1"], "height is negative"),
     ([*PREDICT, *POINT, "--height", "0.01"], "less than half the radius"),
     ([*PREDICT, *POINT, "--accuracy", "perfect"], "perfect"),
@@ -138,11 +173,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*GOOD, "--free", "c_l1,mount_area"], "add drag to the loads"),
     ([*GOOD, "--fix", "c_d0"], "--fix 'c_d0' has no '='; write --fix c_l1=6.0"),
     ([*GOOD, "--fix", "c_d0=small"], "--fix c_d0: 'small' is not a number"),
-    ([*GOOD, "--free", "c_l1", "--fix", "c_l1=5"], "c_l1 is both free and fixed"),
-    ([*GOOD, "--fix", "cd0=0.01"], "choose from c_d0"),
     ([*GOOD, "--prior", "c_l2=2.0"], "--prior c_l2 has no standard deviation; write --prior"),
-    ([*GOOD, "--prior", "c_l2=2.0:0"], "the prior of c_l2 has the standard deviation 0"),
-    ([*GOOD, "--free", "c_l1", "--prior", "c_d0=0.01:0.01"], "c_d0 has a prior but is not free"),
     (
         [*TUNNEL, "good.csv", *TO, "--prior-from", "apcfs"],
         "'apcfs' is not a family of identified propellers",
@@ -170,6 +201,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*TUNNEL, "header_5000.txt", *TO, *NO_PRIOR], "no row below the header"),
     ([*TUNNEL, "words_5000.txt", *TO, *NO_PRIOR], "words_5000.txt: line 2"),
     (["check", "nowhere.toml", "good.csv"], "no such file"),
+    (["check", "skew.toml", "good.csv"], "not symmetric"),
     (["check", "damaged.toml", "good.csv"], "the table [fit] cannot be read"),
     (["check", "set.toml", "level.csv", "--vehicle", "vehicle.toml"], "no accelerations"),
     (["check", "set.toml", "good.csv", "--prop", "apc-8x6e", "-o", "nowhere/out.json"], "nowhere"),
@@ -186,15 +218,23 @@ CASES: list[tuple[list[str], str]] = [
     ([*STATIC, "no_unit.csv"], "'Thrust' has no known unit; name it thrust_N"),
     ([*STATIC, "flying.csv"], "fit such data with propmap fit tunnel"),
     ([*STATIC, "grams.csv"], "thrust looks like grams"),
+    ([*GOOD, "--airfoil", "plate.csv"], SECTION),
+    ([*FLIGHT, "level.csv", "--airfoil", "plate.csv"], SECTION),
+    ([*SIMULATE, "--airfoil", "plate.csv"], SECTION),
+    (["airfoils", "show", "plate.csv"], SECTION),
+    (["check", "set.toml", "good.csv"], "the file has no table [fit]; add --prop NAME"),
     # Tables, exports and reports.
     ([*TABLE, "--tolerance", "much"], "not a fraction"),
     ([*TABLE, "--tolerance", "0.001%"], "must be between 0.20% and 10%"),
     ([*TABLE, "--rpm", "4000"], "not a range"),
     ([*TABLE, "--rpm", "5000:4000"], "do not increase"),
-    ([*TABLE, "--beta", "0:270"], "between 0 and pi"),
     ([*TABLE, "-o", "map.csv"], "extension"),
+    ([*TABLE, "-o", "set.toml/map.npz"], "there is no folder 'set.toml"),
+    ([*TABLE, "-o", "set.toml/folder/map.nc"], "there is no folder 'set.toml"),
+    (["export", "map.npz", "--to", "c", "-o", "set.toml/to"], "there is no folder 'set.toml"),
+    ([*EXPORT, "map.npz", "--to", "cpp"], "cpp is not made from a table, but from a propeller"),
+    ([*EXPORT, "quad.toml", "--to", "cpp"], "cpp is not made from a vehicle and a table"),
     ([*TABLE, "-o", "bad.npz"], "--force"),
-    (["show", "absent.npz"], "no such file"),
     (["show", "bad.npz"], "not a table, or it is damaged"),
     (["show", "bad.npz", "--format", "csv"], "use --format json"),
     ([*EXPORT, "map.npz", "--to", "px4"], "--to px4 needs a vehicle file"),
@@ -205,8 +245,8 @@ CASES: list[tuple[list[str], str]] = [
     ([*EXPORT, "map.npz", "--to", "c", "--speed", "3,4"], "--speed does not apply"),
     ([*EXPORT, "map.npz", "--to", "c", "--no-wakes"], "--no-wakes does not apply to --to c"),
     ([*EXPORT, "map.npz", "--to", "mujoco"], "mujoco is not made from a table"),
-    ([*EXPORT, "bad.npz", "--to", "c"], "not a table, or it is damaged"),
     ([*EXPORT, "set.toml", "--to", "c"], "--prop"),
+    ([*EXPORT, "deep.toml", "--to", "c"], "recursion"),
     ([*EXPORT, "map.npz", "--prop", "apc-8x6e", "--to", "c"], "leave it out"),
     ([*REPORT, "absent.npz"], "no such file"),
     ([*REPORT, "level.csv"], "give a fit (.toml) or a table (.npz)"),
@@ -226,6 +266,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*REPORT, "map.npz", "-o", "no/out"], "there is no folder"),
     # Aircraft and simulated flights.
     (["trim", "none.toml"], "none.toml"),
+    (["trim", "deep.toml"], "recursion"),
     ([*TRIM, "--table", "x.npz"], "leave these out"),
     ([*TRIM, "--speed=-1"], "speed is negative"),
     ([*TRIM, "--climb", "fast"], "cannot be read"),
@@ -244,7 +285,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*CHOOSE, "--task", "loiter"], "choose from hover"),
     ([*CHOOSE, "--task", "none.csv"], "none.csv"),
     ([*CHOOSE, "--task", "hover", "--by", "range"], "not ranked by range"),
-    (["choose", "bare.toml", "--task", "hover", "--by", "time"], "no [battery]"),
+    (["choose", "vehicle.toml", "--task", "hover", "--by", "time"], "no [battery]"),
     ([*CHOOSE, "--speed", "9", "--thrust-margin", "0.5"], "thrust must carry the weight"),
     ([*CHOOSE, "--speed", "9", "--airfoil", "paper-apc"], "without --propeller"),
     ([*SIMULATE, "--vehicle", "absent.toml"], "absent.toml: no such file"),
@@ -255,7 +296,6 @@ CASES: list[tuple[list[str], str]] = [
     ([*SIMULATE, "--velocity-noise", "-1"], "--velocity-noise"),
     ([*SIMULATE, "--radius", "0"], "radius of the circle is 0 m"),
     ([*SIMULATE, "--dwell", "0.1"], "each speed lasts 0.1 s"),
-    ([*SIMULATE, "--rate", "1"], "rate is 1"),
     ([*SIMULATE, "--free", "wing_c_l1"], "no wing"),
     ([*SIMULATE, "--speeds", "10,70"], "70 m/s cannot be flown"),
     ([*SIMULATE, "-o", "flight.txt"], "extension"),
@@ -263,10 +303,19 @@ CASES: list[tuple[list[str], str]] = [
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    path = tmp_path_factory.mktemp("files") / "map.npz"
-    invented().save(path)
-    return {**FILES, "map.npz": path.read_bytes()}
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """All files; no command may change them."""
+    folder = tmp_path_factory.mktemp("files")
+    for name, content in FILES.items():
+        (folder / name).write_bytes(content)
+    invented().save(folder / "map.npz")
+    (folder / "folder").mkdir()
+    (folder / "folder" / "mine.txt").write_text("mine")
+    return folder
+
+
+def contents(folder: Path) -> dict[Path, bytes | None]:
+    return {path: path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
 
 
 @pytest.mark.usefixtures("brief")
@@ -274,17 +323,13 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     ("arguments", "says"), CASES, ids=[f"{i}-{case[1]}" for i, case in enumerate(CASES)]
 )
 def test_one_line_and_no_file(
-    run: Run, tmp_path: Path, files: dict[str, bytes], arguments: list[str], says: str
+    run: Run, place: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], says: str
 ) -> None:
-    folder = tmp_path / "folder"
-    folder.mkdir()
-    (folder / "mine.txt").write_text("mine")
-    for name, content in files.items():
-        (tmp_path / name).write_bytes(content)
+    monkeypatch.chdir(place)
+    before = contents(place)
     done = run(*arguments)
     assert (done.code, done.out) == (2, "")
     assert done.err.startswith("propmap: error: ")
     assert done.err.count("\n") == 1 and done.err.endswith("\n")
     assert says in done.err
-    found = {path.name: path.read_bytes() for path in tmp_path.iterdir() if path != folder}
-    assert found == files and [path.name for path in folder.iterdir()] == ["mine.txt"]
+    assert contents(place) == before

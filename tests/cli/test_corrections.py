@@ -17,7 +17,6 @@ from propmap.cli.app import app
 from propmap.model.airfoil import parameter_set
 from propmap.table import LoadTable
 from propmap.tasks import InTurn
-from tests.fit.fit_records import fit_text
 
 from .conftest import POINT, ROTOR, Run
 from .fit_inputs import LEVEL, QUICK, STAND, VEHICLE, fit_record
@@ -32,7 +31,7 @@ FLOWN = ["--vehicle", "vehicle.toml"]
 FLIGHT = [*FLOWN, "--airfoil", "paper-apc", "--speeds", "9,11,13"]
 
 Found = Callable[[str], Any]
-"""What tells one run's loads from another's: from what was printed, or from what was written."""
+"""Returns the loads of a run, from the printed text or from the written file."""
 
 
 def _file(name: str) -> Found:
@@ -183,26 +182,6 @@ def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path) -> None:
     assert tuple(checked["corrections"]) == THREE
 
 
-def test_old_files_have_no_corrections(run: Run) -> None:
-    invented().save("old.npz")
-    assert "corrections: none" in run("show", "old.npz").out
-    Path("old.toml").write_text(fit_text())
-    assert "corrections" not in Path("old.toml").read_text()
-    assert parameter_set("old.toml").corrections is None
-
-
-def test_what_a_parameter_file_says_of_corrections_is_checked(run: Run) -> None:
-    text = parameter_set("paper-apc").to_toml()
-    for line, says in (
-        ('corrections = "tip-loss"', "corrections is 'tip-loss': write a list"),
-        ('corrections = ["foo"]', "correction 'foo' is not known"),
-        ('corrections = ["tip-loss", "tip-loss"]', "correction tip-loss is given twice"),
-    ):
-        Path("bad.toml").write_text(f"{text}{line}\n")
-        done = run("predict", "apc-8x6e", "--airfoil", "bad.toml", *POINT)
-        assert done.code == 2 and says in done.err
-
-
 def test_the_model_is_recommended_unless_it_is_named(run: Run, tunnel_csv: Path) -> None:
     blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
     point = (4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
@@ -225,3 +204,6 @@ def test_the_model_is_recommended_unless_it_is_named(run: Run, tunnel_csv: Path)
     told = "paper was fitted with the paper's model, not with pitt-peters, radial-friction"
     assert told in refused.err
     assert run("predict", *ROTOR, *POINT, "--model", "2017").code == 2
+    # A table from before has none.
+    invented().save("old.npz")
+    assert "corrections: none" in run("show", "old.npz").out

@@ -23,18 +23,7 @@ from propmap.fit.parameters import Choice
 from propmap.model.airfoil import Airfoil, parameter_set
 
 from .conftest import Run
-from .fit_inputs import (
-    CHECKED,
-    FREE,
-    ONE_SPEED,
-    QUICK,
-    STAND,
-    UIUC,
-    fit_record,
-    fitted,
-    picked,
-    uiuc_files,
-)
+from .fit_inputs import CHECKED, FREE, QUICK, STAND, TURNS, UIUC, fit_record, fitted, picked
 
 pytestmark = pytest.mark.usefixtures("brief")
 WHOLE = FINAL_EVALUATIONS  # of a fit that is not brief
@@ -66,6 +55,22 @@ def test_the_file_carries_what_repeats_the_fit(tunnel_fit: Path, tunnel_csv: Pat
     law = parameter_set(tunnel_fit)
     assert law.name == "tunnel_fit"
     assert all(getattr(law, name) == found["parameters"][name]["value"] for name in FREE)
+
+
+def uiuc_files(folder: Path) -> list[Path]:
+    """Rows in the layout of the UIUC database."""
+    diameter = propmap.propeller("apc-8x6e").diameter
+    size = UIUC.air_density * TURNS**2 * diameter**4
+    ct, cp = UIUC.loads["thrust"] / size, UIUC.loads["torque"] * 2.0 * np.pi / (size * diameter)
+    rows = picked()
+    flying, static = rows[UIUC.speed[rows] > 0.0], rows[UIUC.speed[rows] == 0.0]
+    advance = UIUC.speed / (TURNS * diameter)
+    first = ["J CT CP eta", *(f"{advance[k]:.12f} {ct[k]:.12f} {cp[k]:.12f} 0.5" for k in flying)]
+    second = ["RPM CT CP", *(f"{TURNS[k] * 60.0:.9f} {ct[k]:.12f} {cp[k]:.12f}" for k in static)]
+    names = (f"sample_8x6_{TURNS[rows[0]] * 60.0:.0f}.txt", "sample_8x6_static.txt")
+    for name, lines in zip(names, (first, second), strict=True):
+        (folder / name).write_text("\n".join(lines) + "\n")
+    return [folder / name for name in names]
 
 
 def test_uiuc_files_are_the_same_rows(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
@@ -130,7 +135,7 @@ def test_check_in_every_format(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> 
     assert set(found["loads"]) == {"thrust_N", "torque_Nm"}
     for name, load in found["loads"].items():
         assert set(load) == CHECKED | {"by_speed", "by_envelope", "in_band"}
-        # Nothing of its own data is beyond them.
+        # The data of the fit lie inside its envelope.
         assert load["by_envelope"] == {INSIDE: {key: load[key] for key in CHECKED}}
         assert sum(band["rows"] for band in load["by_speed"].values()) == 14
         assert all(set(band) == CHECKED for band in load["by_speed"].values())
@@ -154,7 +159,7 @@ def test_check_tells_errors_beyond_the_training_apart(
     assert known is not None and known.percentiles == (0.0, 100.0)
     assert known.edgewise_ratio == (0.0, 0.0) and known.climb_ratio == known.advance_ratio
     # Twice the speed of the fastest row, with loads that are wrong by far.
-    rpm, speed = ONE_SPEED, 2.0 * float(UIUC.speed[picked()].max())
+    rpm, speed = TURNS[picked()[0]] * 60.0, 2.0 * float(UIUC.speed[picked()].max())
     (tmp_path / "more.csv").write_text(f"{tunnel_csv.read_text()}{rpm},{speed},0,1.0,0.01\n")
     arguments = ["check", tunnel_fit, "more.csv"]
     done = run(*arguments, "--format", "json")
@@ -176,18 +181,14 @@ def test_check_tells_errors_beyond_the_training_apart(
     assert json.loads(old.out)["loads"]["thrust_N"]["by_envelope"] == {}
 
 
-def test_check_of_a_plain_parameter_set(run: Run, tmp_path: Path, tunnel_csv: Path) -> None:
-    (tmp_path / "set.toml").write_text(parameter_set("paper-apc").to_toml())
-    arguments = ["check", "set.toml", tunnel_csv, "--format", "json"]
-    found = json.loads(run(*arguments, "--prop", "apc-8x6e").out)
-    assert found["rows"] == 14
-    refused = run(*arguments)
-    assert (refused.code, refused.out) == (2, "")
-    assert "the file has no table [fit]; add --prop NAME" in refused.err
+def test_check_of_a_plain_parameter_set(run: Run, tunnel_csv: Path) -> None:
+    Path("set.toml").write_text(parameter_set("paper-apc").to_toml())
+    done = run("check", "set.toml", tunnel_csv, "--prop", "apc-8x6e", "--format", "json")
+    assert json.loads(done.out)["rows"] == 14
 
 
 # -------------------------------------------------------------------------------------------------
-# `propmap fit static`: constants, and what flight can be trusted to.
+# `propmap fit static`: constants, and the uncertainty of the loads in flight.
 
 PROP = ["--prop", "apc-8x6e"]
 NARROW = ["--free", "c_l1,zero_lift_angle", "--prior-from", "family"]
@@ -238,7 +239,7 @@ def test_the_battery_s_power_is_pointed_out(run: Run) -> None:
 
 
 # -------------------------------------------------------------------------------------------------
-# What is free, and whose prior is used.
+# Free parameters and their prior.
 
 FIVE = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
 

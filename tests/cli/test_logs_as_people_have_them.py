@@ -16,7 +16,7 @@ from propmap.vehicle.log import FlightLog
 from propmap.vehicle.log_readers import read_flight_log
 from propmap.vehicle.throttle import lagged
 from tests.flight import agile
-from tests.flight.commands import Commands, commands
+from tests.flight.commands import commands
 from tests.flight.synthetic import NEUROBEM, flight, vehicle_text, vehicle_with
 from tests.vehicle.write_dataflash import write_dataflash
 from tests.vehicle.write_logs import InFrames, write_bag
@@ -35,11 +35,10 @@ PROFILE = dict.fromkeys(SLOW, 10) | {"battery_status": 20}
 PROFILE |= dict.fromkeys(
     [f"vehicle_{n}" for n in ("attitude", "angular_velocity", "acceleration")], 5
 )
-"""One of so many samples, as by PX4's default profile: velocities and speeds at 10 Hz."""
+"""Decimation of each topic in PX4's default profile: velocities and rotor speeds at 10 Hz."""
 
 SLOTS = (None, 3, 1, None, 4, 2)
 DRIVEN = commands(LOG, noise=0.01)
-UNTOUCHED: dict[str, Any] = dict.fromkeys(("rotor_acceleration", "throttle", "throttle_by_lag"))
 FROM_THROTTLE = "rotor speeds are computed from throttle by a fitted curve"
 
 
@@ -82,16 +81,12 @@ def betaflight(low: float = 48.0, high: float = 2047.0, more: str = "") -> str:
     return "\n".join(["[log]", how, above, "[log.columns]", *lines, below, ""])
 
 
-def driven_bag(log: FlightLog, driven: Commands) -> str:
+def driven_bag(gap: float = 0.0) -> str:
     """A bag of ROS 2 with commands in percent as a robot's driver has them, without a battery."""
-    table = write_bag(replace(log, rotor_speed=100.0 * driven.share), Path("bag"), VEHICLE)
+    log = replace(LOG, rotor_speed=100.0 * DRIVEN.share)
+    table = write_bag(log.picked(np.abs(log.time - 5.0) >= gap), Path("bag"), VEHICLE)
     table = table.replace("rotor_speed =", "throttle =")
     return table.replace("[log]\n", "[log]\nthrottle_range = [0, 100]\n")
-
-
-def bag_with_a_gap() -> str:
-    kept = np.abs(LOG.time - 5.0) > 0.405
-    return driven_bag(LOG.picked(kept), Commands(DRIVEN.share[kept], DRIVEN.voltage[kept]))
 
 
 def file_of(name: str) -> str:
@@ -101,7 +96,7 @@ def file_of(name: str) -> str:
 READ: dict[str, Callable[[], str]] = {
     "betaflight, motor and voltage": betaflight,
     "betaflight, pulses": lambda: betaflight(1000.0, 2000.0, "throttle_range = [1000, 2000]"),
-    "ros 2, percent and no voltage": lambda: driven_bag(LOG, DRIVEN),
+    "ros 2, percent and no voltage": driven_bag,
 }
 
 
@@ -132,7 +127,7 @@ FITS: dict[str, tuple[Callable[[], str], str, list[str]]] = {
         [FROM_THROTTLE],
     ),
     "ros 2, commands and a gap": (
-        bag_with_a_gap,
+        lambda: driven_bag(gap=0.406),
         "flight",
         [FROM_THROTTLE, "no sample from 4.59 to 5.41 s", "throttle but no battery voltage"],
     ),
@@ -156,23 +151,12 @@ def test_a_log_is_fitted(name: str, run: Run) -> None:
     assert all(note in " ".join(told.split()) for note in notes), told
 
 
-SIX = Commands(np.tile(DRIVEN.share, 2)[:, :6], DRIVEN.voltage)
 MOTORS = [f"motor[{k}]" for k in range(4)]
 REFUSED: dict[str, tuple[Callable[[], str], str, str]] = {
     "px4, electrical rpm": (
         lambda: px4(replace(LOG, rotor_speed=7.0 * LOG.rotor_speed)),
         "they look like electrical rpm of motors with about",
         'write rotor_unit = "erpm"',
-    ),
-    "px4, six motors": (
-        lambda: px4(
-            replace(LOG, rotor_speed=np.tile(LOG.rotor_speed, 2)[:, :6], **UNTOUCHED),
-            "esc_status",
-            driven=SIX,
-            order=(1, 2, 3, 4, 5, 6),
-        ),
-        "the log has 6 motor commands",
-        "give one [[rotors]] table per rotor",
     ),
     "ardupilot, no telemetry": (
         lambda: write_dataflash(LOG, Path("log.bin"), leave_out=("ESC",)),

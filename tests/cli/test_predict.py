@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 
@@ -16,7 +17,6 @@ import propmap
 from propmap.cli.output import json_text
 from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints, csv_text
 from propmap.loads import LOADS
-from propmap.results import Loads
 from tests.fit.fit_records import ENVELOPE, fit_text
 
 from .conftest import BETA, POINT, ROTOR, RPM, SPEED, Run
@@ -88,17 +88,11 @@ def test_points_beyond_the_data_of_a_fit_are_told(run: Run, tmp_path: Path) -> N
     assert "V cos(beta)/(Omega R) down to -0.0926 (data -0.05 to 0.2)" in down
 
 
-def test_what_did_not_converge_is_null_and_empty() -> None:
-    nan, zero = np.array([np.nan]), np.array([0.0])
-    lost = Loads(
-        **dict.fromkeys(LOADS, nan),
-        power=nan,
-        status=np.array(["not_converged"]),
-        roots=np.array([0]),
-        reverse_flow=zero,
-        vortex_ring=zero,
-        mean_inflow=zero,
-    )
+def test_what_did_not_converge_is_null_and_empty(rotor: propmap.Rotor) -> None:
+    zero, nan = np.array([0.0]), np.array([np.nan])
+    unknown = dict.fromkeys([*LOADS, "power"], nan)
+    loads = rotor.loads(zero, zero, zero)
+    lost = replace(loads, status=np.array(["not_converged"]), **unknown)
     rows = OperatingPoints(zero, zero, zero).rows(lost)
     found = json.loads(json_text(rows[0]))
     assert (found["thrust_N"], found["status"]) == (None, "not_converged")
@@ -184,7 +178,7 @@ def test_height_above_ground_is_an_option_and_a_column(
 
 
 def test_the_way_to_the_core_leads_through_few_files(run: Run) -> None:
-    """Functions of at most so many files are called; see docs/architecture.md."""
+    """The call uses functions of at most 25 files, see docs/architecture.md."""
     assert run("predict", "apc-8x6e", *POINT).code == 0  # imports are no part of the way
     root, files = Path(propmap.__file__).parent, set()
 

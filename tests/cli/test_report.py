@@ -31,7 +31,7 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 
 
 def page_of(folder: Path) -> str:
-    """The page without its pictures, which must all lie beside it."""
+    """Return the page without its pictures, which must all be files of the folder."""
     html = (folder / PAGE).read_text(encoding="utf-8")
     inside = {base64.b64decode(t) for t in re.findall(r"svg\+xml;base64,([^\"]+)\"", html)}
     assert inside == {path.read_bytes() for path in folder.glob("*.svg")}
@@ -155,13 +155,21 @@ def test_a_table(run: Run, tmp_path: Path) -> None:
     assert all(abs(float(r["thrust_error_share"])) < 1e-6 for r in hover if r["speed_mps"] == "0")
 
 
-def test_tables_that_are_not_certified_or_do_not_hold(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_other_certificates(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """None, one that does not hold, and one from before the search for the largest errors."""
     without_figures(monkeypatch)
-    invented().save("map.npz")
-    assert run("report", "map.npz", "-o", "out").code == 0
-    assert "Accuracy against the model: unknown" in page_of(tmp_path / "out")
-    certified(holds=False).save("map.npz")
-    assert run("report", "map.npz", "-o", "out").code == 0
-    assert "Accuracy against the model: outside the tolerance." in page_of(tmp_path / "out")
+    old, later = invented().content, ("search_points", "max_omega", "max_speed", "max_beta")
+    told = {k: v for k, v in certificate(unresolved_cells=0).items() if k not in later}
+    before = LoadTable(replace(old, info={**old.info, "certificate": told}))
+    for table, says in (
+        (invented(), "Accuracy against the model: unknown"),
+        (certified(holds=False), "Accuracy against the model: outside the tolerance."),
+        (before, "he tolerance of 0.50% holds on 4096 points"),
+    ):
+        table.save("map.npz")
+        assert run("report", "map.npz", "-o", "out").code == 0
+        assert says in page_of(tmp_path / "out")
+    assert "at_rpm" not in Path("out/table-certificate.csv").read_text()
+    shown = run("show", "map.npz").out
+    assert "tolerance of 0.50% holds on 4096 points" in shown
+    assert "search for" not in shown and "at [" not in shown

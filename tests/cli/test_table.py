@@ -122,23 +122,6 @@ def test_a_fit_brings_its_covariance_which_is_shown_with_the_certificate(
         assert found["thrust"].dims == ("omega", "advance", "beta")
 
 
-def test_a_certificate_from_before_the_search_is_shown(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """It does not say where its largest errors are, nor that they were searched for."""
-    without_figures(monkeypatch)
-    content = invented().content
-    later = ("search_points", "max_omega", "max_speed", "max_beta")
-    told = {k: v for k, v in certificate(unresolved_cells=0).items() if k not in later}
-    LoadTable(replace(content, info={**content.info, "certificate": told})).save("map.npz")
-    done = run("show", "map.npz")
-    assert (done.code, done.err) == (0, "")
-    assert "tolerance of 0.50% holds on 4096 points" in done.out
-    assert "search for" not in done.out and "at [" not in done.out
-    assert run("report", "map.npz", "-o", "out").code == 0
-    assert "at_rpm" not in Path("out/table-certificate.csv").read_text()
-
-
 TABLE = ["table", *ROTOR, *SMALL, "-o", "map.npz"]
 
 

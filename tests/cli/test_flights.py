@@ -1,4 +1,4 @@
-"""`propmap fit flight` and `propmap fit terms`: flights in, a fit or a page out."""
+"""`propmap fit flight`, `fit terms` and `simulate flight`: fits, pages and logs of flights."""
 
 from __future__ import annotations
 
@@ -10,8 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+import propmap
+from propmap.cli.fit_flight import read_flights
+from propmap.errors import InputError
 from propmap.fit.comparison import AxisErrors, FittedStep, RecordedFlight, Step
+from propmap.flight.simulate import trim
+from propmap.flight.steady import operating_points, steady_segments
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log_readers import read_flight_log
+from propmap.vehicle.vehicle import Vehicle, Wakes
 from tests.flight import agile
+from tests.io.samples_csv import rewritten
 
 from .conftest import Run
 from .fit_inputs import CHECKED, FREE, LEVEL, QUICK, VEHICLE, fitted
@@ -66,6 +75,24 @@ def test_without_steady_segments_all_forces_are_fitted(run: Run) -> None:
     assert not Path("no.toml").exists()
 
 
+@pytest.mark.parametrize("dialect", ["tabs", "decimal commas of a spreadsheet"])
+def test_tables_and_logs_of_spreadsheets(dialect: str) -> None:
+    Path("vehicle.toml").write_text(agile.vehicle())
+    file, plain, other = read_vehicle("vehicle.toml"), Path("plain.csv"), Path("other.csv")
+    names = "speed_mps,note,pitch_deg,rpm_1,rpm_2,rpm_3,rpm_4"
+    agile.write(LOG, Path("log.csv"))
+    for text in (f"{names}\n0.5,a,0,9000.5,9100,9200,9300\n", Path("log.csv").read_text()):
+        plain.write_text(text)
+        other.write_bytes(rewritten(plain.read_text(), dialect).encode())
+        want, found = (read_flights([path], file, "auto").log for path in (plain, other))
+        for field in ("velocity", "rates", "up", "specific_force", "rotor_speed"):
+            np.testing.assert_array_equal(getattr(found, field), getattr(want, field))
+    first, second, *rest = plain.read_text().splitlines()
+    plain.write_text("\n".join([first, f"{second},5", *rest]))
+    with pytest.raises(InputError, match=r"line 2: found \d+ fields"):
+        read_flights([plain], file, "auto")
+
+
 # -------------------------------------------------------------------------------------------------
 # `propmap fit terms`; the fits themselves are made up.
 
@@ -88,7 +115,7 @@ def made_up(
 
 @pytest.fixture
 def flown(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Two logs with a prediction beside them, the vehicle, and no fitting."""
+    """Write two logs with columns of a prediction, and the vehicle file; replace the fits."""
     monkeypatch.setattr("propmap.fit.comparison.fit_terms", made_up)
     ASKED.clear()
     Path("vehicle.toml").write_text(agile.vehicle())
@@ -115,10 +142,10 @@ def test_the_page_and_what_was_asked(run: Run, flown: list[str]) -> None:
     assert names[5] - names[4] == {"untwist"}
     assert names[6] - names[5] == {"download_area_x", "download_area_y"}
     assert names[7] - names[6] == {"plate_area"}
-    # What is not free is absent, but with the same shape of the model.
+    # Parameters that are not free are fixed, so that the model keeps its shape.
     for step in steps[1:]:
         assert {"mount_area", "untwist"} <= set(step.choice.free) | set(step.choice.fixed)
-    # Without what is mounted the blades keep their own rotor drag.
+    # Without mounts the rotor drag is that of the blades.
     for step in steps[:3]:
         assert step.choice.fixed["drag_factor"] == 1.0
         assert 0.0 < step.choice.fixed["mount_area"] < 1e-6
@@ -148,3 +175,63 @@ def test_bad_input_in_one_line(run: Run, flown: list[str], more: list[str], said
     told = run("fit", "terms", *flown, "-o", "page", *more)
     assert (told.code, told.err.count("\n")) == (2, 1) and said in told.err
     assert not Path("page").exists() and Path("taken/mine.txt").read_text() == "kept"
+
+
+# -------------------------------------------------------------------------------------------------
+# `propmap simulate flight`.
+
+SIMULATE = ["simulate", "flight", "--vehicle", "vehicle.toml", "--airfoil", "paper-apc"]
+SIMULATE += ["--speeds", "9,11,13", "-o", "flight.csv"]
+
+
+def test_wakes_are_flown_unless_they_are_left_out(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flown = []
+
+    def note(vehicle: Vehicle, *_: object, **__: object) -> None:
+        flown.append(vehicle.wakes)
+        raise InputError("this is enough", "look at what was flown")
+
+    monkeypatch.setattr("propmap.flight.simulate.trim", note)
+    Path("vehicle.toml").write_text(VEHICLE + "[wakes]\ndownwash = 3.0\n")
+    for more in ((), ("--no-wakes",)):
+        assert "this is enough" in run(*SIMULATE, *more).err
+    assert flown == [Wakes(downwash=3.0), None]
+
+
+def test_a_flight_is_written_and_read_back(run: Run) -> None:
+    Path("vehicle.toml").write_text(VEHICLE)
+    done = run(*SIMULATE, "--noise", "0.02", "--seed", "4")
+    assert (done.code, done.err) == (0, "")
+    assert sorted(path.name for path in Path().iterdir()) == ["flight.csv", "vehicle.toml"]
+    for text in ("force error of 2.00%", "c_l1", "alpha_0", "weak", "1/rad", "95 %"):
+        assert text in done.out
+    assert "wrote flight.csv: 3 speeds" in done.out
+    # The table that is printed makes the vehicle file read the log.
+    table = done.out[done.out.index("[log]") :]
+    Path("vehicle.toml").write_text(VEHICLE + table)
+    log = read_flight_log("flight.csv", read_vehicle("vehicle.toml"))
+    found = operating_points(log, steady_segments(log))
+    assert found.speed == pytest.approx([9.0, 11.0, 13.0], abs=0.03)
+    again = run(*SIMULATE, "--noise", "0.02", "--seed", "4", "--force", "--no-expectation")
+    assert again.code == 0
+    assert "vehicle.toml already describes this log" in again.out
+    assert "95 %" not in again.out and "[log]" not in again.out
+    same = read_flight_log("flight.csv", read_vehicle("vehicle.toml"))
+    assert np.array_equal(same.rotor_speed, log.rotor_speed)
+    assert "--force" in run(*SIMULATE).err
+
+
+def test_without_noise_the_log_is_the_trim(run: Run) -> None:
+    Path("vehicle.toml").write_text(VEHICLE)
+    sensors = (f"--{n}-noise=0" for n in ("rotor", "velocity", "attitude", "accelerometer"))
+    done = run(*SIMULATE, "--noise", "0", *sensors, "--no-expectation")
+    Path("vehicle.toml").write_text(VEHICLE + done.out[done.out.index("[log]") :])
+    read = read_vehicle("vehicle.toml")
+    log = read_flight_log("flight.csv", read)
+    law = propmap.airfoil("paper-apc").with_corrections(["pitt-peters", "radial-friction"])
+    points = trim(read.vehicle, law, np.array([9.0, 11.0, 13.0]))
+    # The file has nine digits.
+    assert log.rotor_speed[0] == pytest.approx(points.rotor_speed[0], rel=1e-8)
+    assert log.velocity[-1] == pytest.approx(points.velocity[2], abs=1e-7)

@@ -1,16 +1,17 @@
-"""Without --airfoil a propeller has the constants and the mount that are known or expected for it.
+"""The section law and the mount of a propeller: those known or expected for it, or a table.
 
-A note says which: identified, of its maker's family, of small propellers, or by its designation.
+Without --airfoil a note says which constants: identified, of its maker's family, of small
+propellers, or by its designation.
 """
 
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 
 import propmap
 from propmap import catalogue
@@ -18,15 +19,15 @@ from propmap.catalogue.expected import ExpectedBlade, expected_constants, size_o
 from propmap.catalogue.identified import identified
 from propmap.catalogue.lookup import designated, meant_by
 from propmap.model.corrections import TYPICAL_FACTOR, Installed
-from propmap.units import INCH
 from tests.io import samples
 
 from .conftest import BETA, POINT, ROTOR, RPM, SPEED, Run
+from .invented_tables import invented
 
 AT = (RPM * np.pi / 30.0, SPEED, np.radians(BETA))
 
 
-def thrust_with(prop: str, law: propmap.Airfoil, blades: int = 2) -> float:
+def thrust_with(prop: str, law: propmap.Airfoil | propmap.SectionTable, blades: int = 2) -> float:
     blade = propmap.propeller(prop, blades=blades)
     model = propmap.Model(blade, law, corrections=propmap.model_corrections("recommended"))
     return float(propmap.Rotor(model).loads(*AT).thrust)
@@ -57,7 +58,6 @@ def test_identified_constants(run: Run, prop: str) -> None:
 
 def test_constants_of_the_family(run: Run) -> None:
     size = size_of(meant_by("apc-8x6sf"), propmap.propeller("apc-8x6sf"))
-    assert size == pytest.approx((8 * INCH, 6 * INCH))
     law = expected_constants("apcsf", size, "maker").airfoil
     loads, told = predicted(run, "apc-8x6sf")
     assert "propellers of its family, apcsf" in told
@@ -106,25 +106,15 @@ def test_a_blade_of_its_maker(run: Run) -> None:
         ("0x7E", "none of its family"),
     ],
 )
-def test_a_file_of_apc_has_the_constants_of_its_series(
-    title: str, says: str, run: Run, tmp_path: Path
-) -> None:
-    blade = catalogue.load("apc-10x7sf")
-    rows = [
-        f"{y / INCH:12.4f}{c / INCH:12.4f}{4.0:12.4f}{0.1:12.4f}{0.1:12.4f}{angle:12.4f}{0.0:12.4f}"
-        for y, c, angle in zip(blade.station, blade.chord, np.degrees(blade.twist), strict=True)
-    ]
-    trailer = re.sub(r"2\.50", f"{blade.radius / INCH:.2f}", samples.PE0_TRAILER)
-    trailer = trailer.replace("0.50", f"{blade.root / INCH:.2f}")
-    header = samples.PE0_HEADER.replace("5x4T ", f"{title} ")
-    (tmp_path / "mine.PE0").write_text(header + "\n".join(rows) + "\n" + trailer)
-    found, told = predicted(run, tmp_path / "mine.PE0")
+def test_a_file_of_apc_has_the_constants_of_its_series(title: str, says: str, run: Run) -> None:
+    Path("mine.PE0").write_text(samples.PE0.replace("5x4T ", f"{title} "))
+    loads, told = predicted(run, "./mine.PE0", "--no-bands")
     assert says in told
     if title == "10x7SF":
-        # The very blade of the catalogue, but for the digits of a file.
-        wanted, _ = predicted(run, "apc-10x7sf")
-        assert found["thrust_N"] == pytest.approx(wanted["thrust_N"], rel=2e-3)
-        assert found["thrust_std_N"] == pytest.approx(wanted["thrust_std_N"], rel=0.02)
+        found = identified("apc-10x7sf", 2)
+        assert found is not None
+        own = thrust_with("./mine.PE0", found.airfoil)
+        assert loads["thrust_N"] == pytest.approx(own, rel=1e-9)
 
 
 def test_a_file_with_a_number_of_blades_in_its_title(run: Run, tmp_path: Path) -> None:
@@ -179,3 +169,58 @@ def test_a_law_that_is_named_is_used_bare_and_without_a_note(
     asked = run("predict", *ROTOR, *POINT, "--format", "json")
     assert asked.err == ""
     assert json.loads(asked.out)["drag_N"] == pytest.approx(float(rotor.loads(*AT).drag), rel=1e-9)
+
+
+# -------------------------------------------------------------------------------------------------
+# Tables of section coefficients.
+
+PLATE = ["apc-8x6e", "--airfoil", "plate.csv"]
+NOTE = "the table covers 1e+05 to 6e+05; outside, its nearest row is used"
+
+
+@pytest.fixture
+def plate(tmp_path: Path) -> propmap.SectionTable:
+    text = "alpha_deg,re,cl,cd\n"
+    for re in (1e5, 6e5):
+        for a in np.linspace(-180.0, 180.0, 73):
+            lift, drag = np.sin(2.0 * np.radians(a)), 0.02 + np.sin(np.radians(a)) ** 2
+            text += f"{a},{re},{lift},{drag * (1e5 / re) ** 0.2}\n"
+    (tmp_path / "plate.csv").write_text(text)
+    law = propmap.airfoil(tmp_path / "plate.csv")
+    assert isinstance(law, propmap.SectionTable)
+    return law
+
+
+def test_loads_are_those_of_a_section_table(run: Run, plate: propmap.SectionTable) -> None:
+    done = run("predict", *PLATE, *POINT, "--format", "json")
+    assert done.code == 0 and NOTE in done.err and done.err.count("\n") == 1
+    wanted = pytest.approx(thrust_with("apc-8x6e", plate), rel=1e-9)
+    assert json.loads(done.out)["thrust_N"] == wanted
+    assert "airfoil plate" in run("predict", *PLATE, *POINT).out
+    rows = Path("plate.csv").read_text().splitlines(keepends=True)
+    Path("one.csv").write_text("".join(rows[:74]))
+    one = run("predict", "apc-8x6e", "--airfoil", "one.csv", *POINT)
+    assert "the table has one Reynolds number, which is used everywhere" in one.err
+    # Inside the table's range there is nothing to say.
+    dense = run("predict", *PLATE, *POINT, "--rho", "11")
+    assert (dense.code, dense.err.count("\n")) == (0, 1)
+    assert dense.err.startswith("note: the air density is 11 kg/m^3")
+
+
+def test_sweep_check_and_export_take_a_table(
+    run: Run, tunnel_csv: Path, monkeypatch: pytest.MonkeyPatch, plate: propmap.SectionTable
+) -> None:
+    done = run("sweep", *PLATE, *POINT, "-o", "x.nc")
+    assert done.code == 0 and NOTE in done.err
+    found = xarray.load_dataset("x.nc").attrs
+    assert found["airfoil_name"] == "plate"
+    assert found["corrections"] == "pitt-peters, radial-friction"
+    checked = run("check", "plate.csv", tunnel_csv, "--prop", "apc-8x6e", "--format", "json")
+    assert checked.code == 0 and NOTE in checked.err
+    assert json.loads(checked.out)["rows"] == 14
+    built: list[propmap.Rotor] = []
+    record = "propmap.table.build.build_table"
+    monkeypatch.setattr(record, lambda rotor, **_: built.append(rotor) or invented())
+    done = run("export", "plate.csv", "--prop", "apc-8x6e", "--to", "csv", "-o", "to")
+    assert done.code == 0 and NOTE in done.err
+    assert built[0].model.airfoil == plate.with_corrections(["pitt-peters", "radial-friction"])
