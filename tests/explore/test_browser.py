@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -110,21 +110,6 @@ def test_numbers_commands_and_address(page: Page, address: str) -> None:
     page.wait_for_selector(".view")
     settle(page)
     assert float(page.get_by_label("Rotational speed, as a number").input_value()) == 4321.0
-
-
-def test_a_bad_file_and_a_bad_name_are_told_on_the_page(page: Page, address: str) -> None:
-    open_view(page, f"{address}/disk")
-    bad: Any = {"name": "x.csv", "mimeType": "text/csv", "buffer": b"rpm,thrust_N\n1,x\n"}
-    page.locator("input[type=file]").set_input_files(bad)
-    page.wait_for_function("document.querySelector('#trouble').innerText.includes('x.csv')")
-    assert "line 2" in page.locator("#trouble").inner_text()
-    page.locator("#prop").fill("no-such")
-    page.locator("#prop").press("Enter")
-    page.wait_for_function("document.querySelector('#trouble').innerText.includes('no-such')")
-    page.locator("#prop").fill("apc-9x6e")
-    page.locator("#prop").press("Enter")
-    page.wait_for_function("location.href.includes('prop=apc-9x6e')")
-    settle(page)
 
 
 def test_a_fit_outlives_a_reload_and_a_killed_browser(chromium: Browser, address: str) -> None:

@@ -118,23 +118,20 @@ def test_every_control_changes_something(sessions: dict[str, Session], name: str
         assert shown(changed) != first, control.name
 
 
-def test_numbers_are_those_of_a_rotor() -> None:
+def test_numbers_and_curves_are_those_of_a_rotor() -> None:
+    rotor = pm.Rotor(pm.catalogue_model("apc-8x6e"))
     values, found = _answer(Session(), BY_NAME["loads"], rpm="6000", speed="12", beta="70")
-    loads = pm.Rotor(pm.catalogue_model("apc-8x6e")).loads(6000.0 * RPM, 12.0, np.radians(70.0))
+    loads = rotor.loads(6000.0 * RPM, 12.0, np.radians(70.0))
     told = {row[0]: row[1:] for row in found.tables[0].rows}
     assert values["rpm"] == 6000.0
     for label, name in {"thrust": "thrust", "rolling moment": "roll_moment"}.items():
         assert told[label][0] == f"{float(getattr(loads, name)):.4g}"
         assert told[label][1] == f"± {2.0 * float(getattr(loads.std, name)):.2g}"
-
-
-def test_curves_are_those_of_a_rotor() -> None:
     _, found = _answer(Session(), BY_NAME["loads"], rpm="5000", angles="90", bands="")
     (curve,) = [t for t in found.figures["drag"]["data"] if t["name"] == "β = 90°"]
     drawn = curve["y"]
     if isinstance(drawn, dict):
         drawn = np.frombuffer(base64.b64decode(drawn["bdata"]), np.float64)
-    rotor = pm.Rotor(pm.catalogue_model("apc-8x6e"))
     want = rotor.loads(5000.0 * RPM, np.linspace(0.0, 20.0, 31), np.pi / 2.0).drag
     np.testing.assert_allclose(drawn, want, rtol=1e-12)
 

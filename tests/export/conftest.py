@@ -14,6 +14,7 @@ from propmap.export import export_table
 from propmap.loads import LOADS
 from propmap.table import LoadTable, build_table
 from propmap.table.interpolation import TableContent
+from propmap.vehicle.vehicle import Vehicle
 
 ENVELOPE = {"omega": (400.0, 800.0), "speed": (0.0, 6.0), "beta": (0.0, np.pi / 2)}
 RADIUS = 0.1
@@ -50,10 +51,12 @@ def invented_content(
     speed: float = 0.0,
     beta: tuple[float, float] = (0.0, np.pi),
     gap: bool = False,
+    of: Vehicle | None = None,
 ) -> TableContent:
     """Thrust and torque quadratic, drag and roll moment bilinear in lambda_c and mu.
 
     speed : the envelope's least [m/s].  gap : whether some knots have no value.
+    of : vehicle whose propeller and air these are said to be.
     """
     advance = np.concatenate([np.linspace(0.0, 0.1, 12), np.linspace(0.11, 0.5, 14)])
     angle = np.linspace(*beta, 31)
@@ -70,10 +73,13 @@ def invented_content(
     if gap:
         coefficients[:, :, 15:18, 20:25] = np.nan
         cells[3:6, 12:20], cells[8:10, 2:9] = 1, 2
-    info = {
-        "propeller": {"name": name, "blades": 3, "radius_m": RADIUS, "geometry_sha256": "0"},
-        "air": {"density_kg_m3": 1.2, "viscosity_Pa_s": 1.8e-5},
-    }
+    propeller = {"name": name, "blades": 3, "radius_m": RADIUS, "geometry_sha256": "0"}
+    air = {"density_kg_m3": 1.2, "viscosity_Pa_s": 1.8e-5}
+    if of is not None:
+        blade, radius = of.propeller, float(of.propeller.radius)
+        propeller |= {"name": blade.name, "geometry_sha256": blade.fingerprint()}
+        propeller |= {"blades": blade.blades, "radius_m": radius}
+        air = {"density_kg_m3": of.air.density, "viscosity_Pa_s": of.air.viscosity}
     return TableContent(
         advance=advance,
         beta=angle,
@@ -81,7 +87,7 @@ def invented_content(
         speed=np.array([speed, advance[-1] * 200.0 * RADIUS]),
         coefficients=coefficients.astype(np.float32).astype(np.float64),
         cells=cells,
-        info=info,
+        info={"propeller": propeller, "air": air},
     )
 
 

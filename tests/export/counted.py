@@ -6,6 +6,8 @@ import re
 import subprocess
 from pathlib import Path
 
+import numpy as np
+
 from propmap.export.c_header import vehicle_c_files
 from propmap.export.files import identifier, vehicle_name, write_files
 from propmap.table import LoadTable
@@ -65,8 +67,8 @@ int main(void)
 """
 
 
-def counts(vehicle: Vehicle, table: LoadTable, folder: Path, rows: list[list[float]]) -> list[dict]:
-    """What each call does, by ``KINDS``; rows of omega, velocity, rates, wind."""
+def counts(vehicle: Vehicle, table: LoadTable, folder: Path, rows: np.ndarray) -> np.ndarray:
+    """What each call does (n, 5), by ``KINDS``; rows of omega, velocity, rates, wind."""
     write_files(vehicle_c_files(vehicle, table), folder, replace=True)
     name, k = vehicle_name(vehicle, table), len(vehicle.mounts)
     rotor = folder / f"{identifier(table)}.h"
@@ -75,10 +77,6 @@ def counts(vehicle: Vehicle, table: LoadTable, folder: Path, rows: list[list[flo
     (folder / "count.cpp").write_text(MAIN.format(vehicle=name, width=k + 9, k=k))
     command = [program("g++"), "-w", "count.cpp", "-o", "count"]
     subprocess.run(command, cwd=folder, check=True)
-    asked = "\n".join(" ".join(map(repr, row)) for row in rows)
-    done = subprocess.run(
-        [folder / "count"], input=asked, capture_output=True, text=True, check=True
-    )
-    return [
-        dict(zip(KINDS, map(int, line.split()), strict=True)) for line in done.stdout.splitlines()
-    ]
+    asked = " ".join(map(repr, rows.ravel().tolist()))
+    done = subprocess.run([folder / "count"], input=asked, capture_output=True, text=True)
+    return np.array(done.stdout.split(), int).reshape(-1, len(KINDS))

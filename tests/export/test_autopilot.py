@@ -25,11 +25,12 @@ from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 from tests.aircraft.conftest import POWERTRAIN, aircraft_of, quadcopter
 from tests.oracle.literal_section import drag_coefficient, lift_coefficient
 
-from .conftest import RADIUS, invented_content
+from .conftest import invented_content
 
 G = 9.80665
 AREAS = (0.015, 0.03, 0.03)
 ARM = 0.16
+SPEEDS = np.array([4.0, 8.0])
 PX4_X = ((1, -1, "ccw"), (-1, 1, "ccw"), (1, 1, "cw"), (-1, -1, "cw"))
 """Signs of x and y (to the left) of PX4's rotors, front right first."""
 
@@ -59,6 +60,7 @@ def by_qgroundcontrol(text: str) -> dict[str, float]:
         if line.startswith("#"):
             continue
         vehicle, component, name, value, kind = line.split("\t")
+        assert name not in read and re.fullmatch(r"[A-Z0-9_]{1,16}", name)  # as MAVLink has them
         assert (vehicle, component) == ("1", "1")
         assert kind in ("6", "9") and (kind == "9" or value == str(int(value)))
         read[name] = float(value)
@@ -177,25 +179,6 @@ def test_rotor_drag_is_that_of_blade_theory(target: str, power: float) -> None:
     assert value * (air.density / 1.225) ** power == pytest.approx(momentum, rel=0.01)
 
 
-def test_the_body_turns_with_the_flight() -> None:
-    """Download of flow along y, which the rotors carry as well, is met sideways alone."""
-    heavy, plain = (
-        aircraft_of(in_px4_order(body=Body((0.015, 0.015, 0.03), download_area=(0.0, area))))
-        for area in (0.05, 0.0)
-    )
-    speeds = np.array([6.0, 10.0])
-    forward = [inplane_forces(one, "x", speeds).arm for one in (heavy, plain)]
-    sideways = [inplane_forces(one, "y", speeds).pitch for one in (heavy, plain)]
-    assert forward[0] == pytest.approx(forward[1], rel=1e-9)
-    assert (sideways[0] != pytest.approx(sideways[1], rel=1e-3)) and sideways[0].shape == (2,)
-
-
-def test_a_vehicle_alike_along_x_and_y_has_one_ballistic_coefficient() -> None:
-    craft = aircraft_of(quadcopter())
-    values = autopilot_parameters(craft, "px4", np.array([4.0, 8.0])).sets[0].values
-    assert values["EKF2_BCOEF_X"] == pytest.approx(values["EKF2_BCOEF_Y"], rel=1e-4)
-
-
 def test_rotors_are_where_the_firmware_has_them(aircraft: Aircraft, files: dict[str, str]) -> None:
     """x forward, y right, z down; torque over thrust as the reaction on the vehicle."""
     p = by_qgroundcontrol(files["quadcopter_px4.params"])
@@ -253,8 +236,7 @@ def test_a_stiff_source_has_the_curve_of_a_regulated_speed() -> None:
     """Without resistance the rotor speed is in proportion to the signal: T = s^2."""
     ideal = Powertrain(Motor(920.0 * RPM, 1e-6, (0.0,)), None, Battery(4, 18000.0))
     craft = aircraft_of(in_px4_order(powertrain=ideal))
-    speeds = np.array([4.0, 8.0])
-    px4, ardupilot = (autopilot_parameters(craft, name, speeds) for name in ("px4", "ardupilot"))
+    px4, ardupilot = (autopilot_parameters(craft, name, SPEEDS) for name in ("px4", "ardupilot"))
     assert px4.sets[0].values["THR_MDL_FAC"] == pytest.approx(1.0, abs=0.03)
     # (0.15 + 0.8 x)^2 less its value at x = 0, over that at x = 1, is (0.24 x + 0.64 x^2) / 0.88.
     expo = ardupilot.sets[0].values["MOT_THST_EXPO"]
@@ -264,7 +246,7 @@ def test_a_stiff_source_has_the_curve_of_a_regulated_speed() -> None:
 def test_what_is_not_known_is_left_out_and_said(tmp_path: Path) -> None:
     craft = aircraft_of(in_px4_order(powertrain=Powertrain()))
     for target in ("px4", "ardupilot"):
-        export_autopilot(craft, target, tmp_path, speeds=np.array([4.0, 8.0]))
+        export_autopilot(craft, target, tmp_path, speeds=SPEEDS)
     text = {path.name: path.read_text() for path in tmp_path.iterdir()}
     assert "quadcopter_px4_sih.params" not in text
     px4, ardupilot = text["quadcopter_px4.params"], text["quadcopter_ardupilot.param"]
@@ -296,7 +278,7 @@ def test_the_simulator_leans_as_the_model_does(aircraft: Aircraft, files: dict[s
 def test_the_simulator_s_motors_are_in_its_own_order(aircraft: Aircraft) -> None:
     mounts = aircraft.vehicle.mounts
     other = aircraft_of(in_px4_order(mounts=mounts[::-1]))
-    told = autopilot_parameters(other, "px4", np.array([4.0, 8.0]))
+    told = autopilot_parameters(other, "px4", SPEEDS)
     assert [part.suffix for part in told.sets] == ["px4.params"]
     assert "front right" in told.left_out[-1].why
 
@@ -334,34 +316,15 @@ def test_deviations_follow_from_the_constants() -> None:
 
 def test_a_map_serves_in_place_of_a_rotor() -> None:
     """One that says nothing of its errors and ends below full throttle."""
-    blade = propmap.propeller("apc-8x6e")
-    content = invented_content(speed=0.0)
-    described = {"name": "apc-8x6e", "geometry_sha256": blade.fingerprint(), "radius_m": RADIUS}
-    known = {"propeller": content.info["propeller"] | described}
-    known["air"] = {"density_kg_m3": 1.225, "viscosity_Pa_s": 1.983e-5}
-    table = LoadTable(replace(content, info=content.info | known))
+    table = LoadTable(invented_content(of=in_px4_order()))
     still = table.loads(600.0, 0.0, 0.0)
     vehicle = in_px4_order(mass=4.0 * float(still.thrust) / G)
-    told = autopilot_parameters(Aircraft(vehicle, table), "px4", np.array([4.0, 8.0]))
+    told = autopilot_parameters(Aircraft(vehicle, table), "px4", SPEEDS)
     values = told.sets[0].values
     assert values["CA_ROTOR0_KM"] == pytest.approx(float(still.torque / still.thrust), rel=1e-6)
     assert values["EKF2_MCOEF"] > 0.01
     assert all(kind.std is None for kind in told.sets[0].kinds)
     assert "the table ends at 9549 rpm, and full throttle is" in told.left_out[0].why
-
-
-def test_files_are_those_of_the_ground_stations(files: dict[str, str]) -> None:
-    notes = {"README-px4.md", "README-ardupilot.md"}
-    of_px4 = {"quadcopter_px4.params", "quadcopter_px4_sih.params"}
-    assert set(files) == {*notes, *of_px4, "quadcopter_ardupilot.param"}
-    for name in of_px4:
-        read = by_qgroundcontrol(files[name])
-        assert len(read) == sum(not line.startswith("#") for line in files[name].splitlines())
-        # A parameter's name has up to 16 characters in MAVLink.
-        assert all(re.fullmatch(r"[A-Z0-9_]{1,16}", key) for key in read)
-    read = by_ap_param(files["quadcopter_ardupilot.param"])
-    drag = {f"EK3_DRAG_{name}" for name in ("MCOEF", "BCOEF_X", "BCOEF_Y")}
-    assert set(read) == {*drag, "MOT_THST_EXPO"}
 
 
 def tilted(angle: float, which: slice = slice(None)) -> tuple[Mount, ...]:
@@ -403,9 +366,7 @@ def test_tilts_that_cancel_are_part_of_the_coefficients() -> None:
     """Front and back rotors leaning towards each other, as on many airframes."""
     front, back = tilted(-0.1), tilted(0.1)
     mounts = (front[0], back[1], front[2], back[3])
-    told = autopilot_parameters(
-        aircraft_of(in_px4_order(mounts=mounts)), "px4", np.array([4.0, 8.0])
-    )
+    told = autopilot_parameters(aircraft_of(in_px4_order(mounts=mounts)), "px4", SPEEDS)
     assert any("tilted" in remark for remark in told.remarks)
     values = told.sets[0].values
     assert values["CA_ROTOR0_AX"] == pytest.approx(-np.sin(0.1))
@@ -435,13 +396,11 @@ PUSHER = in_px4_order(
     air=propmap.Air(1.1, 1.8e-5),
     wing=Wing(0.2),
 )
+ANY = (-np.inf, np.inf)
 RANGES = {
-    "SIH_F_CT0": (0.0, np.inf),
-    "SIH_F_CT1": (-np.inf, np.inf),
-    "SIH_F_CT2": (-np.inf, 0.0),
-    "SIH_F_CP0": (0.0, np.inf),
-    "SIH_F_CP1": (-np.inf, np.inf),
-    "SIH_F_CP2": (-np.inf, 0.0),
+    **{f"SIH_F_C{x}0": (0.0, np.inf) for x in "TP"},
+    **{f"SIH_F_C{x}1": ANY for x in "TP"},
+    **{f"SIH_F_C{x}2": (-np.inf, 0.0) for x in "TP"},
     "SIH_F_DIA_INCH": (0.1, np.inf),
     "SIH_F_RPM_MAX": (0.1, np.inf),
     "THR_MDL_FAC": (0.0, 1.0),
@@ -492,25 +451,19 @@ def test_the_simulator_s_propeller_pulls_as_the_rotor_does(
 
 def test_full_throttle_is_that_of_motor_and_battery() -> None:
     """The voltage that is left under load turns the motor as fast as the file says."""
-    told = autopilot_parameters(aircraft_of(PUSHER), "px4").sets[0].values
-    motor, esc, pack = POWERTRAIN.motor, POWERTRAIN.controller, POWERTRAIN.battery
-    assert motor and esc and pack
-    omega = told["SIH_F_RPM_MAX"] * RPM
-    torque = float(aircraft_of(PUSHER).loads.loads(omega, 0.0, 0.0).torque)
+    craft = aircraft_of(PUSHER)
+    omega = autopilot_parameters(craft, "px4").sets[0].values["SIH_F_RPM_MAX"] * RPM
+    torque = float(craft.loads.loads(omega, 0.0, 0.0).torque)
     state = POWERTRAIN.driven(np.array([[torque]]), np.array([[omega]]), 1.0)
     assert state.controller_voltage[0, 0] == pytest.approx(state.battery_voltage[0], rel=1e-3)
 
 
 def of_table(curvature: float) -> tuple[dict[str, float], list[str]]:
     """Constants and what is said of them, of a table whose thrust has ``curvature`` climb^2."""
-    content, blade = invented_content(), PUSHER.propeller
+    content = invented_content(of=PUSHER)
     climb = content.advance[:, None] * np.cos(content.beta)
-    coefficients = content.coefficients.copy()
-    coefficients[:, 0] += (curvature + 0.05) * climb**2
-    described = {"geometry_sha256": blade.fingerprint(), "radius_m": float(blade.radius)}
-    air = {"density_kg_m3": 1.1, "viscosity_Pa_s": 1.8e-5}
-    info = content.info | {"propeller": content.info["propeller"] | described, "air": air}
-    table = LoadTable(replace(content, info=info, coefficients=coefficients))
+    content.coefficients[:, 0] += (curvature + 0.05) * climb**2
+    table = LoadTable(content)
     slow = Powertrain(Motor(400.0 * RPM, 0.1, (0.3,)), None, Battery(4, 18000.0))
     told = autopilot_parameters(Aircraft(replace(PUSHER, powertrain=slow), table), "px4")
     return told.sets[0].values, [kind.holds for kind in told.sets[0].kinds] + told.remarks
@@ -519,12 +472,11 @@ def of_table(curvature: float) -> tuple[dict[str, float], list[str]]:
 def test_a_quadratic_comes_back() -> None:
     """V / (Omega R) is J / pi, and rho pi R^4 Omega^2 is pi^3 / 4 times rho n^2 D^4."""
     values, told = of_table(-0.05)
-    for k, constant in enumerate((0.016, -0.08, -0.05)):
-        expected = constant * np.pi ** (3 - k) / 4.0
-        assert values[f"SIH_F_CT{k}"] == pytest.approx(expected, abs=2e-4)
-    for k, constant in enumerate((0.0025, -0.002, -0.003)):
-        expected = constant * np.pi ** (4 - k) / 4.0
-        assert values[f"SIH_F_CP{k}"] == pytest.approx(expected, abs=2e-4)
+    known = {"CT": (0.016, -0.08, -0.05), "CP": (0.0025, -0.002, -0.003)}
+    for power, (name, constants) in enumerate(known.items(), start=3):
+        for k, constant in enumerate(constants):
+            expected = constant * np.pi ** (power - k) / 4.0
+            assert values[f"SIH_F_{name}{k}"] == pytest.approx(expected, abs=2e-4)
     assert "within 0.0000, 0.0% of the largest C_T" in told[0]
     assert not any("not quadratic" in line or "extrapolated" in line for line in told)
 

@@ -24,7 +24,7 @@ FLAGS = ["-std=c++20", "-Wall", "-Wextra", "-pedantic", "-Werror"]
 """Instructions and contraction are those of an installation from source."""
 FAST = ["-O2", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"]
 QUICKLY_COMPILED = [*FLAGS, "-Og", *FAST[1:]]
-CHECKED = [*FLAGS, "-O1", "-march=native", "-ffp-contract=fast", "-fsanitize=address,undefined"]
+CHECKED = [*FLAGS, "-Og", "-march=native", "-ffp-contract=fast", "-fsanitize=address,undefined"]
 
 
 def points(count: int = 1000) -> np.ndarray:

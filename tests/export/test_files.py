@@ -17,16 +17,13 @@ from propmap.table import LoadTable
 from .conftest import invented_content
 
 
-def test_npz_is_the_table(table: LoadTable, tmp_path: Path) -> None:
+def test_npz_and_netcdf_are_the_table(table: LoadTable, tmp_path: Path) -> None:
     path, note = export_table(table, "npz", tmp_path / "to")
     assert [p.name for p in (path, note)] == ["apc_8x6e.npz", "README-npz.txt"]
     again = LoadTable.load(path)
     np.testing.assert_array_equal(again.content.coefficients, table.content.coefficients)
     assert again.info == table.info
-
-
-def test_netcdf_is_the_table(table: LoadTable, tmp_path: Path) -> None:
-    path, _ = export_table(table, "nc", tmp_path)
+    path, _ = export_table(table, "nc", tmp_path / "to")
     with xarray.open_dataset(path, engine="h5netcdf") as found:
         np.testing.assert_array_equal(found["torque"], table.content.coefficients[:, 2])
 

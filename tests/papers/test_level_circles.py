@@ -43,13 +43,11 @@ def test_where_the_hover_model_fails() -> None:
 
 def test_static_inflow_carries_a_quarter_of_the_weight() -> None:
     case = Case(0.8, 0.0)
-    v = static_inflow(case)
-    vehicle = quadrotor(case)
+    vehicle, v = quadrotor(case), static_inflow(case)
     disk = np.pi * vehicle.propeller.radius**2
     assert 4.0 * 2.0 * vehicle.air.density * disk * v**2 == pytest.approx(0.8 * GRAVITY)
 
 
-@pytest.mark.slow
 def test_blades_at_other_stations_have_the_same_loads() -> None:
     law = propmap.airfoil("paper-stiff").with_parameters(zero_lift_angle=-0.07)
     speed, beta = np.array([0.0, 6.0, 6.0, 14.0]), np.radians([0.0, 30.0, 90.0, 90.0])
@@ -57,18 +55,13 @@ def test_blades_at_other_stations_have_the_same_loads() -> None:
         own = propmap.Rotor(propmap.Model(propmap.propeller(name), law)).loads(600.0, speed, beta)
         other = propmap.Rotor(propmap.Model(blade(name), law)).loads(600.0, speed, beta)
         for load in LOADS:
-            expected = getattr(own, load)
-            assert getattr(other, load) == pytest.approx(
-                expected, abs=1e-3 * np.abs(expected).max()
-            ), (name, load)
-    half = blade("apc-8x4.5mr", 0.05)
+            expected, most = getattr(own, load), 1e-3 * np.abs(getattr(own, load)).max()
+            assert getattr(other, load) == pytest.approx(expected, abs=most), (name, load)
+    half, full = blade("apc-8x4.5mr", 0.05), blade("apc-8x4.5mr")
     assert half.radius == pytest.approx(0.05)
-    assert half.chord.max() / 0.05 == pytest.approx(
-        blade("apc-8x4.5mr").chord.max() / 0.1016, rel=1e-6
-    )
+    assert half.chord.max() / 0.05 == pytest.approx(full.chord.max() / 0.1016, rel=1e-6)
 
 
-@pytest.mark.slow
 def test_circles_balance_weight_and_drag() -> None:
     case = Case(0.5, 0.0)
     found = circles(quadrotor(case), propmap.airfoil("paper-soft"), np.array([0.0, 3.0, 8.0, 14.0]))
@@ -81,8 +74,7 @@ def test_circles_balance_weight_and_drag() -> None:
     # Fresh air carries: at the rotor speeds needed the hover model predicts too little.
     assert (found.rotor_speed[1:] < found.rotor_speed[0]).all()
     assert (found.hover_error[1:] < 0.0).all()
-    dragged = circles(
-        quadrotor(Case(0.5, 0.04)), propmap.airfoil("paper-soft"), np.array([3.0, 8.0, 14.0])
-    )
+    vehicle, law = quadrotor(Case(0.5, 0.04)), propmap.airfoil("paper-soft")
+    dragged = circles(vehicle, law, np.array([3.0, 8.0, 14.0]))
     assert (dragged.pitch > found.pitch[1:]).all()
     assert dragged.hover_error[0] < 0.0 < dragged.hover_error[-1]

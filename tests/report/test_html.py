@@ -12,10 +12,8 @@ from propmap.errors import InputError
 from propmap.report.html import (
     MINUS,
     MISSING,
-    FigureRecord,
     as_svg,
     check_folder,
-    columns_of,
     csv_of_columns,
     csv_of_rows,
     new_figure,
@@ -52,14 +50,6 @@ def test_rows_and_columns_as_csv() -> None:
     first = {"set": "x", "a": np.array([1.5, 2.0])[:, None], "b": np.arange(2)}
     text = csv_of_columns([first, {"set": "y", "a": 3.0, "b": None}])
     assert text == "set,a,b\nx,1.5,0\nx,1.5,1\nx,2,0\nx,2,1\ny,3,\n"
-
-
-def test_a_record_gives_the_picture_and_the_numbers() -> None:
-    columns = columns_of("load rms_N", [("thrust", 0.5), ("drag", float("nan"))])
-    record = FigureRecord("errors", columns, lambda: new_figure(3.0, 2.0))
-    assert record.csv() == "load,rms_N\nthrust,0.5\ndrag,\n"
-    assert record.figure().get_size_inches().tolist() == [3.0, 2.0]
-    assert FigureRecord("none", columns_of("load rms_N", [])).csv() == "load,rms_N\n"
 
 
 # -------------------------------------------------------------------------------------------------

@@ -15,39 +15,16 @@ import pytest
 import propmap
 from propmap import InputError, VehicleForces
 from propmap.sim.mjx import JaxForces, MjxRotors
-from propmap.table import STATUSES, LoadTable
-from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
-from tests.table.conftest import invented_content
+from propmap.table import STATUSES
+from propmap.vehicle.vehicle import Wakes, Wing
+from tests.export.test_vehicle_export import ASKEW, VEHICLES, table_of
 
-BLADE = propmap.Propeller(
-    "plain", 2, np.linspace(0.02, 0.1, 9), np.full(9, 0.015), np.full(9, 0.14)
+LEAN = ASKEW[3].axis
+VEHICLE = replace(
+    VEHICLES["askew, with a wing and lift"], wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25, 0.6)
 )
-LEAN = (np.sin(0.2), 0.0, np.cos(0.2))
-VEHICLE = Vehicle(
-    "leaning",
-    1.2,
-    BLADE,
-    (
-        Mount((0.16, 0.17, 0.02), spin="cw"),
-        Mount((-0.16, 0.15, 0.02), LEAN, "ccw"),
-        Mount((-0.16, -0.17, 0.03), spin="cw"),
-        Mount((0.16, -0.15, 0.02), (0.0, -0.28, 0.96), "ccw"),
-    ),
-    air=propmap.Air(1.2, 1.8e-5),
-    body=Body((0.015, 0.02, 0.03), 0.01, (0.004, 0.006), 0.02),
-    wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25, 0.6),
-)
-
-
-def table() -> LoadTable:
-    """A table with all six loads, said to be of this blade, and of vortex rings in descent."""
-    content = invented_content()
-    known = content.info["propeller"] | {"geometry_sha256": BLADE.fingerprint()}
-    content.cells[:, 20:] = 1
-    return LoadTable(replace(content, info=content.info | {"propeller": known}))
-
-
-TABLE = table()
+TABLE = table_of(VEHICLE)
+TABLE.content.cells[:, 20:] = 1  # vortex rings in descent
 CHEAPLY = {"xla_backend_optimization_level": 0}
 """Most of the time of these tests goes into compiling."""
 
@@ -238,7 +215,8 @@ def test_many_fly_at_once_and_are_differentiated() -> None:
         return data.qvel[2]
 
     commands = jnp.array([480.0, 560.0, 600.0])
-    speeds, slopes = jax.jit(jax.vmap(jax.value_and_grad(climb)))(commands)
+    many = jax.jit(jax.vmap(jax.value_and_grad(climb)), compiler_options=CHEAPLY)
+    speeds, slopes = many(commands)
     # Between two commands the slope is nearly linear.
     by_slopes = 0.5 * (slopes[1:] + slopes[:-1]) * np.diff(commands)
     assert (by_slopes > 1e-3).all()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -131,20 +130,6 @@ def test_propellers_without_blade_are_what_the_command_finds(
         assert apart.max() < 5e-3 and same.propeller == one.propeller  # as above
     again = entries.identify_without_blade(some, measured, populations, bundled, print)
     assert [one.key for one in again] == [one.key for one in found]
-
-
-@with_data
-def test_a_task_is_of_some_propellers(every: list[MeasuredPropeller]) -> None:
-    sizes: list[int] = []
-
-    class Counting(Elsewhere):
-        def results(self, work: Any, common: Any, tasks: Any) -> Any:
-            sizes.extend(len(task) for task in tasks)
-            return super().results(work, common, ())
-
-    with pytest.raises(KeyError):  # nobody has identified them
-        entries.identify_all(refiled(every), {}, print, Counting())
-    assert set(sizes[:-1]) == {entries.TOGETHER} and 1 <= sizes[-1] <= entries.TOGETHER
 
 
 @pytest.mark.slow
