@@ -356,7 +356,7 @@ class CoreRotor {
         }, Variants<Laws>::read(law));
     }
 
-    template <template <class> class LawOf>  // from numbers by name
+    template <template <class> class LawOf>  // the rotor from dictionaries of numbers
     Rotor<double, LawOf> rotor(const LawOf<double>& law, const nb::dict& air, const nb::dict& with) {
         Rotor<double, LawOf> r;
         if (with.contains("blade-to-hub")) *blade_ = continued_to(*blade_, number(with, "blade-to-hub"));
@@ -529,7 +529,7 @@ nb::tuple hub_wrenches(Vectors axes, Vector spins, Vectors downstream,
     return nb::make_tuple(forces, moments);
 }
 
-Airframe airframe(const nb::dict& from) {  // from numbers by name
+Airframe airframe(const nb::dict& from) {  // the airframe from a dictionary of numbers
     Airframe of{number(from, "density")};
     const auto drag = array_of(from["drag_area"]), download = array_of(from["download_area"]);
     std::copy_n(drag.begin(), 3, of.drag_area.begin()), std::copy_n(download.begin(), 2, of.download_area);

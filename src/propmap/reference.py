@@ -89,8 +89,8 @@ def loads(
     Raises
     ------
     InputError
-        For a model outside the reference, invalid points, too few steps, or blades that are too
-        wide.
+        For a model that the reference does not implement, invalid points, too few steps, or blades
+        that are too wide.
 
     References
     ----------
@@ -120,7 +120,8 @@ class Case:
     """A rotor at an operating point, and the steps of its integrals.
 
     As in the formulas of the paper, beta is the angle from the velocity to the axis: 0 in axial
-    climb, pi/2 edgewise, pi in axial descent.  (The prose measures it to the disk plane.)
+    climb, pi/2 edgewise, pi in axial descent.  (The prose of the paper measures beta from the
+    disk plane.)
     """
 
     model: Model
@@ -363,9 +364,9 @@ def radial_friction(case: Case, v_i: Floats) -> tuple[float, float]:
 def pitt_peters(case: Case, v_i: Floats, strength: float) -> Floats:
     """Compute the harmonics that are added to the annulus inflow [m/s], (radii, azimuths).
 
-    They are v_0 + (y/R) (v_s sin(psi) + v_c cos(psi)).  They depend on the loads, and the loads on
-    them; v_0 is proportional to the change of thrust.  In the paper a moment induces no inflow.
-    ``strength`` is 1 outside the vortex ring.
+    They are v_0 + (y/R) (v_s sin(psi) + v_c cos(psi)).  Harmonics and loads depend on each other;
+    v_0 is proportional to the change of thrust that the harmonics cause.  In the paper a moment
+    induces no inflow.  ``strength`` is 1 outside the vortex ring.
     """
     radius = case.model.propeller.radius
     per_radius = (case.y / radius)[:, None]

@@ -11,7 +11,7 @@
 //   other.  At a fold with a shoulder, it varies most steeply along the blade.
 //
 // Three methods find the largest root, the cheapest one first: Newton's method in attached flow, with a proof that no
-// root is larger (`surely_largest`); Newton's method on the branch that humps at neighboring radii predict (`Outlook`
+// root is larger (`surely_largest`); Newton's method on the branch predicted from humps at neighboring radii (`Outlook`
 // in disk.hpp); and a scan of g over all inflows (`scan`).  Each lane of `Lanes` is a radius, or an inflow at a radius.
 #pragma once
 
@@ -295,15 +295,15 @@ Lanes polished_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes low, L
     return open ? broadcast(std::nan("")) : v;
 }
 
-// The hump at one radius.  Where a top becomes a shoulder along the blade, the two coincide: the height is continuous.
+// The hump at one radius.  If a hump changes from a top to a shoulder along the blade, its height stays continuous.
 struct Hump {
     double radius;  // [m]
     double height;  // the residual at the hump [m^3/s^2]
     double inflow;  // v_i at the hump [m/s]
     double past;    // mean angle of attack at the hump minus the stall angle [rad]; nearly constant along the blade
     double slope;   // derivative of the height with respect to the radius
-    double below;   // an angle like `past`, at a v_i below the hump where the residual is positive; NaN if not found
-    bool clear;     // there is no other maximum between the hump and `below`
+    double below;   // `past` at the first sample below the hump with a positive residual [rad]; NaN if there is none
+    bool clear;     // there is no other maximum between the hump and the sample of `below`
     bool falls;     // the residual decreases with v_i at all samples, so (11) has one root
     bool top;       // the hump is a top, not a shoulder
     bool folded;    // (11) has three roots at this radius

@@ -15,14 +15,14 @@ namespace propmap {
 
 inline constexpr int most_nodes = 1100;  // the largest number in `Accuracy` (rotor.hpp), 960, and two more per panel
 inline constexpr int most_edges = 12;  // largest number of folds at which panels meet
-inline constexpr int run = 4;  // consecutive nodes judged together; not `width`, so no result depends on the processor
+inline constexpr int run = 4;  // consecutive nodes marked near stall together; unlike `width`, the same on all processors
 static_assert(width % run == 0);
 
 // Nodes and weights of one panel, relative to its length, and the Legendre polynomials that estimate the error.
 //
-// The nodes are Gauss-Legendre nodes t, mapped so that they are dense near the tip if there is one panel and, less
-// strongly, near both edges of each panel if there are several (`both`).  The reason: inflow near a fold and chord near
-// the tip vary as the square root of the distance.
+// The nodes are Gauss-Legendre nodes t, mapped to be dense near the tip of a single panel or, less strongly, near both
+// edges of each of several panels (`both`).  The reason: inflow near a fold and chord near the tip vary as the square
+// root of the distance.
 struct PanelRule {
     static constexpr int tail = 4;  // number of last Legendre coefficients, whose size indicates the error
     std::vector<double> place, weight;
@@ -152,8 +152,8 @@ template <class S> struct MovingNodes {
     }
 };
 
-// Return whether (11) has more roots below `inflow`, a root in attached flow, in any of these lanes.  If it has, the
-// residual past stall is negative.  To save time, the residual for sin(psi) = 0 alone is tested first.
+// `inflow` is a root of (11) in attached flow.  Return whether any of these lanes has smaller roots: then its residual
+// past stall is negative.  To save time, the residual for sin(psi) = 0 alone is tested first.
 template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes inflow, Mask lanes) {
     if (!any(lanes)) return false;
     const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, 1.0);
@@ -281,7 +281,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     for (int k = 0; k < disk.runs(); ++k)
         if (near_stall[k]) add_run(k);
     look_at_places();
-    // Add neighboring runs, unless the nearest height is positive, large, and over half as large if extrapolated to the run.
+    // Add neighboring runs, unless the nearest height is positive, large, and extrapolates to over half of it at the run.
     for (int k = 0; k < disk.runs(); ++k) {
         const bool within = k > 0 && near_stall[k - 1], without = k + 1 < disk.runs() && near_stall[k + 1];
         if (near_stall[k] || !(within || without)) continue;
@@ -305,7 +305,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             const bool crosses = (a.height < 0.0) != (b.height < 0.0);
             const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
             double place = 0.0;
-            // Two folds may hide at an extreme beyond or near zero, or between small heights at distant radii.
+            // Two folds may hide at an extreme near zero or of opposite sign, or at any between small heights far apart.
             for (int e = cubic.extremes(t) - 1; e >= 0 && place == 0.0; --e) {
                 const double there = cubic.at(t[e]);
                 const bool far = gap < 0.02 * tip || !a.near || !b.near;

@@ -73,7 +73,7 @@ template <class A, class B, class V> auto chain(const A& x, const B& y, const V&
     }
 }
 
-// Subtracting V{} makes a constant as wide as V at no cost; compilers would not drop an addition of zero.
+// Subtracting V{} broadcasts a number to type V at no cost; compilers would not drop an addition of zero.
 template <class A, class B> requires EitherDual<A, B> auto operator+(const A& a, const B& b) {
     constexpr int N = common_directions<A, B>;
     using V = decltype(value(a) + value(b));

@@ -174,7 +174,7 @@ template <class R, class St, class F>
     return sums;
 }
 
-// Loads divided by density, unless units are given.  Times rho, they are in N/m and N for an annulus, in N and N m for a rotor.
+// Loads divided by density, unless a comment states units.  Multiplied by rho: N/m and N (annulus), N and N m (rotor).
 template <class T> struct Loads {
     T thrust{}, drag{}, torque{};  // the other three loads are not in the paper
     T roll_moment{};   // about the in-plane velocity, positive where the advancing side is lifted
@@ -203,8 +203,8 @@ template <class R, class St, class T> auto loads_of(const R& rotor, const St& at
 //
 // In forward flight air also flows along the blade, with U_R = V sin(beta) cos(psi).  Lift and pressure drag do not
 // change (independence principle: Jones, NACA TR 884, 1947).  Friction acts along the whole velocity W: the viscous
-// drag 1/2 rho U C_v c (U_T, U_P) becomes 1/2 rho W C_v c (U_T, U_P, U_R), where C_v is the law's drag at zero lift, at
-// the Reynolds number of U before and of W after.  The axial part, less than a thousandth of the thrust, is omitted.
+// drag 1/2 rho U C_v c (U_T, U_P) becomes 1/2 rho W C_v c (U_T, U_P, U_R).  C_v is the law's drag at zero lift, at the
+// Reynolds number of U or W, respectively.  The axial part, less than a thousandth of the thrust, is omitted.
 template <class R, class St, class F, class V>
 [[gnu::flatten]] auto radial_friction(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
     const auto viscous = [&](const auto& square) {

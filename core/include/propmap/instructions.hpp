@@ -1,4 +1,4 @@
-// The build of the package that suits this processor, by its instructions and the registers that the system saves.
+// Choice of the build for this processor, from its instruction sets and the registers that the operating system saves.
 // (__builtin_cpu_supports finds nothing in code that Zig has compiled.)
 #pragma once
 

@@ -270,7 +270,7 @@ template <template <class> class LawOf> class RotorSolver {
             const auto at_rest = slopes<N>(still, rotor, Flow<S>{flow.omega, zero, zero});
             flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor_.density)), rotor_.tip());
         }
-        // An in-plane velocity makes loads vary over azimuth: the mean of sin^2(psi) needs several azimuths.
+        // Derivatives with respect to in-plane velocity contain the mean of sin^2(psi), which needs several azimuths.
         const Azimuths psi = s.psi.count > 1 ? s.psi : azimuths(8);
         const auto of = annuli(s);
         std::array<S, most_edges + 2> edge;
@@ -576,7 +576,7 @@ template <template <class> class LawOf> class RotorSolver {
         }
     }
 
-    void set_status(Solution& s, bool coarse) const {  // set it and the number of roots
+    void set_status(Solution& s, bool coarse) const {  // set the status and the number of roots
         Result& r = s.result;
         const auto& f = s.flow;
         r.roots = s.disk.several ? 3 : 1;

@@ -61,7 +61,7 @@ template <class S> struct BlendedLaw {
 
     static constexpr double log2_e = 1.44269504088896340736;
 
-    // `reynolds` is that of the rotation alone, without inflow, so the angle is known before the inflow.
+    // `reynolds` is the Reynolds number of the rotation alone, so the angle is known before the inflow.
     template <class R> auto zero_lift_angle_at(const R& reynolds) const {
         if constexpr (!IsDual<S> && !IsDual<R>)
             if (reynolds_camber == 0.0) return zero_lift_angle + 0.0 * reynolds;

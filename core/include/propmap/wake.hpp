@@ -27,11 +27,11 @@ template <class S> TurningPoints<S> turning_points(const S& v_axial, const S& v_
 
 // Eq. (10) made to rise with v_i everywhere, for the windmill branch.
 //
-// Up to the first turning point it is (10) unchanged.  Beyond, the falling part is mirrored upwards.  In axial flow
-// this is the parabola 4 pi y (v_i - first)^2 above the turning point.  Like Buhl's empirical curve (NREL/TP-500-36834,
-// 2005), it reaches C_T = 2 at v_i = |V cos(beta)|.  In oblique flow the mirrored curve is averaged with the
-// parabola, whose weight falls from 1 in axial flow to 0 at 19.5 deg.  Without the parabola the curve would be flat at
-// the second turning point, which would give (11) more roots.
+// Up to the first turning point it is (10) unchanged.  Beyond, the falling part is mirrored upwards.  In axial flow the
+// mirrored curve is a parabola: the value at the turning point plus 4 pi y (v_i - first)^2.  Like Buhl's empirical curve
+// (NREL/TP-500-36834, 2005), it reaches C_T = 2 at v_i = |V cos(beta)|.  In oblique flow the mirrored curve is averaged
+// with the parabola, whose weight falls from 1 in axial flow to 0 at 19.5 deg.  Without the parabola the curve would be
+// flat at the second turning point, which would give (11) more roots.
 template <class Y, class F, class V> auto windmill_thrust(const Y& radius, const F& flow, const V& inflow) {
     const auto [first, second] = turning_points(flow.v_axial, flow.v_inplane);
     const auto here = momentum_thrust(radius, flow, inflow);
