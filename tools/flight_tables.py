@@ -112,11 +112,13 @@ def throttle_without(found: dict[str, Any]) -> str:
 def throttle_twins(found: dict[str, Any]) -> str:
     """State how a fit from throttle differs from a fit from rotor speeds."""
     twins = found["twins"]
+    inside = twins["inside"]  # of the axis with the smallest share [-]
+    share = "all" if inside == 1.0 else f"at least {100.0 * inside:.0f} % of the"
     return (
         "On a held-out flight, the forces of the two fits differ by "
         f"{100.0 * twins['force']:.1f} % of the largest force. The bands of the fit from throttle "
-        f"are {twins['band']:.2f} times as wide. On each axis, at least "
-        f"{100.0 * twins['inside']:.0f} % of the differences are smaller than these bands."
+        f"are {twins['band']:.2f} times as wide. On each axis, {share} differences are smaller "
+        "than these bands."
     )
 
 
