@@ -180,7 +180,7 @@ LITERATURE = (
     ),
     (
         "quadcopter with 15 in rotors in a tunnel",
-        "somewhat less than this theory for four rotors",
+        "somewhat less drag than this theory for four rotors",
         "whole vehicle",
     ),
     ("Crazyflie 2.0 in flight (Förster 2015)", "H/T = 0.74 μ", "whole vehicle"),
@@ -414,7 +414,7 @@ def small_figure(small: list[SmallIncidence]) -> Figure:
         key("this theory", **theory),
         Patch(label="fin analogy, lightly loaded disk", **LIGHT),
         Patch(label="fin analogy, heavily loaded disk", **HEAVY),
-        key("2019 polynomials, with band", **published),
+        key("2019 polynomials; band: difference from the model", **published),
         key("hover model", **HOVER),
     ]
     legend_in_last(axes, handles, "speed V [m/s]")

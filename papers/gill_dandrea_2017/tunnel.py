@@ -115,8 +115,8 @@ FILES_OF_DATA = {
 DIGITISED = 0.025  # uncertainty of the digitized thrust over its largest value, 2-3 %
 PRINTED, STIFF = "paper-apc", "paper-stiff"
 PRINTED_LABEL, HOVER_LABEL = "Table I, APC 8x6", "hover model"
-RECOMMENDED_LABEL = "the same, recommended inflow"
-OTHER_LABEL = "other form of the data"
+RECOMMENDED_LABEL = "with camber, recommended inflow"
+OTHER_LABEL = "blade-element model of the campaign"
 """Label of the 2019 blade-element model among the models of the oblique data.  Its difference from
 the polynomials is the uncertainty of these data."""
 
@@ -401,7 +401,7 @@ def oblique_figure(one: Compared, curves: tuple[Floats, dict[str, dict[str, Floa
     for ax, load in zip(axes[:, 0], measured.values(), strict=True):
         ax.set_ylabel(load.title)
     handles: list[Any] = [*angle_keys(BETAS, markersize=4.5, **MODEL), key(HOVER_LABEL, **HOVER)]
-    handles.append(Patch(label="band to the campaign's model", color="0.4", **BAND))
+    handles.append(Patch(label="difference from the campaign's model", color="0.4", **BAND))
     legend_below(figure, handles)
     return figure
 
