@@ -309,7 +309,7 @@ def guard(server: Flask, names: Iterable[str]) -> None:
         name = host if colon and port.isdigit() and (":" not in host or host[-1] == "]") else ""
         if (name or request.host).lower() in allowed:
             return None
-        return Response("This server does not answer under this name.\n", 403)
+        return Response("This server does not answer requests for this host name.\n", 403)
 
     @server.errorhandler(Exception)
     def _failed(error: Exception) -> Any:

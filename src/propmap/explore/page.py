@@ -117,7 +117,7 @@ def _subject(session: Session | None) -> Any:
         what = f", {given.found.summary}" if kind == "geometry" else ""
         files.append(html.Li([f"{KINDS[kind]}: {given.name}{what} ", remove]))
     laws = [(KNOWN, "best available"), *((name, name) for name in airfoil_names())]
-    physics = [("", "as identified with the constants"), *((name, name) for name in PHYSICS)]
+    physics = [("", "as used to identify the constants"), *((name, name) for name in PHYSICS)]
     prop = [
         html.Label("Propeller", htmlFor="prop"),
         dcc.Input(id="prop", type="text", value=session.name, debounce=True, list="props",

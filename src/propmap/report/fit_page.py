@@ -311,7 +311,7 @@ def warnings(fit: FitRecord) -> list[str]:
     """Return sentences that limit the reliability of a fit."""
     found = []
     if fit.covered.speed[1] - fit.covered.speed[0] < NARROW:
-        found.append("the data are from one airspeed: variation with airspeed is hardly tested")
+        found.append("the data are from one airspeed: they hardly test the variation with airspeed")
     for one in judged(fit):
         found += useless(one.load.name, one.error)
         if not one.error < one.hover:
@@ -332,7 +332,7 @@ def notes(fit: FitRecord) -> list[str]:
     found = list(fit.remarks)
     if fit.minima > 1:
         found.append(
-            f"{len(fit.starts)} starts converged to {fit.minima} minima; the fit is the best one"
+            f"{len(fit.starts)} starts converged to {fit.minima} minima; the fit uses the best one"
         )
     if not any(math.isfinite(one.cross_validated) for one in fit.loads):
         found.append("no cross-validation was done: all errors are on the fitted data")

@@ -124,7 +124,7 @@ def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[html
     named = (name.replace("by the parameters", "std. dev. from constants") for name in errors)
     heads = ["error / reference"]
     heads += [f"{name.replace('95 %', '95th percentile')} [%]" for name in named]
-    heads += [f"location of largest [{unit}]" for unit in PLACE.values() if places]
+    heads += [f"location of largest error [{unit}]" for unit in PLACE.values() if places]
     columns = html.columns_of(" ".join(["load", *slugs, *at]), rows)
     return html.FigureRecord("table-certificate", columns, cells=cells), "|".join(heads)
 
@@ -135,7 +135,7 @@ def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[html
 KINDS = {
     OK: ("certified", "#e8eef2"),
     VORTEX_RING: ("vortex ring: certified, but the theory is not valid", html.COLORS[5]),
-    UNRESOLVED: ("unresolved: the loads jump", html.COLORS[1]),
+    UNRESOLVED: ("unresolved: loads with jumps", html.COLORS[1]),
     NO_VALUE: ("no value", "0.55"),
 }
 

@@ -27,7 +27,7 @@ PANELS = {
     "power": "power [W]",
     "pitch": "pitch, nose down [deg]",
     "rpm": "slowest and fastest rotor [rpm]",
-    "margin": "thrust margin: at first limit / required [-]",
+    "margin": "thrust margin: thrust at the first limit / required thrust [-]",
 }
 
 

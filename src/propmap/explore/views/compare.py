@@ -47,7 +47,7 @@ class CompareView(view.View):
         """Return the controls."""
         other = f"{GIVEN} @ paper-apc" if session.table is None else TABLE
         first = (GIVEN, other, "", "")
-        hint = "this (the propeller above), NAME or NAME @ CONSTANTS"
+        hint = "'this' (the propeller above), NAME, or NAME @ CONSTANTS"
         labels = f"First: {hint}", "Second", "Third", "Fourth"
         items = [
             view.Text(key, label, text)
@@ -116,7 +116,7 @@ def _items(session: Session, values: Values) -> list[Item]:
     """Return the compared items; raise ``InputError`` for an unknown name."""
     texts = [values[key] for key in ITEMS if values[key]]
     if not texts:
-        raise InputError("no propeller is given", f"write {GIVEN} or a name in the first field")
+        raise InputError("no propeller is given", f"write '{GIVEN}' or a name in the first field")
     return [_item(session, text) for text in texts]
 
 

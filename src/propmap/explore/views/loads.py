@@ -42,7 +42,7 @@ class LoadsView(view.View):
             OneOf("x", "Against", against, "speed"),
             *view.point_controls(session),
             Text("angles", "Angles β [deg], one curve each", "0,30,60,90"),
-            Text("speeds", "Airspeeds [m/s], one curve each against β", "0,5,10,20"),
+            Text("speeds", "Airspeeds [m/s] of the curves against β", "0,5,10,20"),
             view.Slider("fastest", "Maximum airspeed", "m/s", 5.0, 60.0, 1.0, 20.0),
             Several("show", "Panels", panels, SHOWN),
             Several("bands", "Uncertainty", (("on", "95 % bands"),), ("on",)),
@@ -269,5 +269,6 @@ def nothing_near(data: TunnelData, values: Values) -> str:
     if values["x"] != "rpm":
         nearest = rpm[np.argmin(np.abs(rpm - values["rpm"]))]
         if abs(nearest - values["rpm"]) > SAME_RPM * values["rpm"]:
-            return f"{data.source}: no row within 1 % of {values['rpm']:g} rpm; set {nearest:.0f}"
+            near = f"{values['rpm']:g} rpm; set {nearest:.0f} rpm"
+            return f"{data.source}: no row within 1 % of {near}"
     return f"{data.source}: no row is on one of these curves"

@@ -32,7 +32,7 @@ class TrustView(view.View):
 
     name, title = "trust", "Trust"
     question = "Where is this table accurate?"
-    downloads = (Download(NAME, "cells that are not certified, as CSV"),)
+    downloads = (Download(NAME, "cells with a status other than ok, as CSV"),)
     places = (
         Graph("cells", "cells over advance ratio and angle", wide=True),
         Graph("errors", "largest and rms errors by load"),
@@ -72,7 +72,7 @@ class TrustView(view.View):
             sample = _sample(session, table, values)
             if sample is None:
                 remarks.append(
-                    "The table was built from another model, so there are no errors at new points."
+                    "The page has no errors at new points, because the table is from another model."
                 )
             else:
                 shown["sample"] = sample
