@@ -44,7 +44,11 @@ def check(
     ],
     vehicle: opt.VehicleOfLogs = None,
     prop: Annotated[
-        str | None, Option(metavar="PROP", help="Propeller; required if FIT.toml has no [fit].")
+        str | None,
+        Option(
+            metavar="PROP",
+            help="Propeller of tunnel data; required if FIT.toml has no table [fit].",
+        ),
     ] = None,
     model: opt.ModelOption = None,
     correction: opt.Corrections = None,
@@ -142,7 +146,7 @@ def _table(
         for band, e in c.bands.items()
     ]
     physics = f", with {in_words(law.corrections or ())}{besides}"
-    heads = "<load|<rows at|rows|rms|relative|bias|worst|hover model's rms|in 95 % band"
+    heads = "<load|<range|rows|rms|relative|bias|worst|hover model's rms|in 95 % band"
     return out.grid(heads, rows, f"Model minus measurement{physics}")
 
 

@@ -73,7 +73,8 @@ Accept = Annotated[
     bool,
     Option(
         "--accept",
-        help="Write the fit even if an rms error exceeds half of the measured rms.",
+        help="Write the fit even if the rms error of thrust or torque exceeds half of the rms of "
+        "its measured values.",
     ),
 ]
 
@@ -288,7 +289,7 @@ def _printed(
     best = sum(end.minimum == 1 for end in ends)
     many = f"{len(ends)} starts, {best} reached the best minimum" if len(ends) > 1 else "1 start"
     yield f"{many}; {fitted.seconds:.1f} s"
-    yield f"fitted with {in_words(corrections)}; commands that use the fit apply the same"
+    yield f"fitted with {in_words(corrections)}; commands that use the fit apply the same model"
     yield from (f"note: {remark}" for remark in remarks)
 
 
@@ -507,6 +508,6 @@ def _show_trust(trust: comparison.ForwardTrust) -> None:
         None,
         out.grid(heads, rows, title),
         "sd: relative standard deviation, from the section constants and from a model error of "
-        f"{comparison.MODEL_ERROR:.0%} of the static load; checked in axial flow only; excludes "
-        "differences between thrust stands (some percent)",
+        f"{comparison.MODEL_ERROR:.0%} of the static load; it was checked in axial flow only and "
+        "excludes differences between thrust stands (some percent)",
     )

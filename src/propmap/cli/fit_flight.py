@@ -347,8 +347,8 @@ def fit_flight(
 ) -> None:
     """Fit section constants to flight logs of a vehicle.
 
-    With --method balance, the fit also estimates a clock offset for each flight. For two or more
-    flights, it estimates a thrust scale for each. It does not estimate wind: state it in the
+    With --method balance, the fit also estimates a clock offset for each flight and, for two or
+    more flights, a thrust scale for each flight. Wind is not estimated; state the wind in the
     vehicle file.
     """
     check_outputs(output, asked.picture, segments_picture)
@@ -465,7 +465,7 @@ def fit_terms_page(
         ),
     ] = None,
 ) -> None:
-    """Write a web page that shows which terms of the model improve a flight fit.
+    """Report which terms of the model improve a flight fit.
 
     The command compares a series of models. The first is the hover model. The second fits
     section constants to the vertical force; each later model adds one term. Each model is fitted
@@ -524,12 +524,12 @@ def steps(
     wakes = tuple(parameters.WAKES) if len(vehicle.mounts) > 1 else ()
     named = {
         "three axes, body drag": (*BLADE, *DRAGS),
-        "accelerometer's place and clock": (*BLADE, *DRAGS, *flight.OFFSET, "clock_offset"),
-        "drag of installed rotors for the body's in x, y": () if own_mounts else blade,
-        "the rotors' wakes": (*blade, *wakes) if wakes else (),
-        "blades that give way": (*blade, *wakes, *parameters.FLEX),
+        "accelerometer position and clock offset": (*BLADE, *DRAGS, *flight.OFFSET, "clock_offset"),
+        "drag of installed rotors instead of body drag in x, y": () if own_mounts else blade,
+        "rotor wakes": (*blade, *wakes) if wakes else (),
+        "blade untwist": (*blade, *wakes, *parameters.FLEX),
         "download of the body": (*blade, *wakes, *parameters.FLEX, *DOWN),
-        "the body as a plate": (*blade, *wakes, *parameters.FLEX, *DOWN, BODY_PLATE),
+        "horizontal parts as a flat plate": (*blade, *wakes, *parameters.FLEX, *DOWN, BODY_PLATE),
     }
 
     at = {name: float(getattr(prior.airfoil, name)) for name in parameters.SECTION}

@@ -90,7 +90,7 @@ def list_props(
     format_: out.FormatOption = None,
     output: out.TextOutput = None,
 ) -> None:
-    """List all propellers, or those whose entry contains every word of TEXT."""
+    """List all propellers, or those that match every word of TEXT."""
     chosen = out.chosen_format(format_, output)
     text = " ".join(words or [])
     entries = search(text)

@@ -120,7 +120,10 @@ FitAirfoilOption = Annotated[
 ]
 AccuracyOption = Annotated[
     AccuracyName,
-    Option("--accuracy", help="Accuracy of the loads: standard 0.1 %, fine 0.01 % (slower)."),
+    Option(
+        "--accuracy",
+        help="Accuracy relative to static loads: standard 0.1 %, fine 0.01 % (slower).",
+    ),
 ]
 
 
@@ -170,7 +173,7 @@ class RotorChoice:
         stated = self.rho is not None or self.mu is not None
         if self.altitude is not None or self.temperature_offset is not None:
             if stated:
-                found = "the air is given twice: by its properties and by the standard atmosphere"
+                found = "both the properties of the air and a standard atmosphere are given"
                 remedy = "give --rho and --mu, or --altitude and --temperature-offset"
                 raise InputError(found, remedy)
             return Air.standard(self.altitude or 0.0, self.temperature_offset or 0.0)

@@ -63,7 +63,7 @@ def predict(
     if count := int(np.count_nonzero(loads.roots > 1)):
         out.note(
             f"multiple_roots in {count} of {omega.size} points: near stall the momentum balance "
-            "has several solutions; propmap uses the largest one, of attached flow"
+            "has several solutions; propmap uses the largest one, which has attached flow"
         )
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
@@ -108,7 +108,7 @@ def _points(
         out.note(*remarks)
         return found
     if rpm is None:
-        raise InputError("--rpm is missing", "give --rpm, --speed and --beta, or --points")
+        raise InputError("--rpm is missing", "give --rpm, or a file with --points")
     return opt.single_point(rpm, speed or 0.0, beta or 0.0, **further)
 
 

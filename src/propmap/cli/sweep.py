@@ -36,9 +36,7 @@ ASK_ABOVE_SECONDS = 3600.0  # larger or longer runs need a confirmation or ``--y
 
 Yes = Annotated[
     bool,
-    Option(
-        "--yes", "-y", help="Start runs of more than 1 GB of output or one hour without asking."
-    ),
+    Option("--yes", "-y", help="Do not ask before runs of more than one hour or 1 GB of output."),
 ]
 
 
@@ -135,8 +133,8 @@ def sweep(
     output: Annotated[
         Path,
         out.output_option(
-            "Output file: NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr). Run "
-            "the command again to complete a Zarr store."
+            "Output file: NetCDF (.nc), CSV (.csv) or, for grids of any size, Zarr (.zarr). "
+            "After an interruption, run the command again to complete the Zarr store."
         ),
     ],
     force: out.Force = False,
@@ -232,8 +230,8 @@ def study(
     output: Annotated[
         Path,
         out.output_option(
-            "Output file: NetCDF (.nc) or, for studies of any size, Zarr (.zarr). Run the "
-            "command again to complete a Zarr store."
+            "Output file: NetCDF (.nc) or, for studies of any size, Zarr (.zarr). After "
+            "an interruption, run the command again to complete the Zarr store."
         ),
     ],
     picture: Annotated[

@@ -45,7 +45,7 @@ def table(
     force: out.Force = False,
     cluster: opt.Cluster = None,
 ) -> None:
-    """Build a look-up table of propeller loads with certified error bounds."""
+    """Build a table of propeller loads with certified error bounds."""
     ranges = [_range(name, text) for name, text in (("rpm", rpm), ("speed", speed), ("beta", beta))]
     share = _share("--tolerance", tolerance)
     out.check_output(output, (".npz", ".nc"), keep_existing=not force)
@@ -140,6 +140,6 @@ def certificate_of(found: LoadTable) -> Iterator[object]:
     for name, title in TITLES.items():
         shares = (f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values())
         rows.append((title, *shares, *(f"{value:.4g}" for value in places.get(name) or ())))
-    yield out.grid("|".join(["<error, share of static", *heads]), rows, "Certificate")
+    yield out.grid("|".join(["<error / static load", *heads]), rows, "Certificate")
     yield from claims(errors)
     yield from parameter_claims(parameters) if parameters else ()

@@ -168,8 +168,8 @@ def _note_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
     if largest.max() > NOTHING * craft.vehicle.mass * craft.vehicle.propeller.radius:
         moments = ", ".join(f"{name} {m:.2g}" for name, m in zip("xyz", largest, strict=True))
         out.note(
-            f"the rotors cannot balance all moments: up to {moments} N m about these axes are left "
-            "to control surfaces (without control surfaces, check position and spin)"
+            "the rotors cannot balance all moments: control surfaces must supply up to "
+            f"{moments} N m about these axes (without control surfaces, check position and spin)"
         )
 
 
@@ -195,11 +195,12 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
         advance = float((2.0 * np.pi * speed / (omega * blade.diameter)).max())
         parts = []
         if rpm > own.rpm_high:
-            parts.append(f"{rpm:.0f} rpm, data up to {own.rpm_high:.0f}")
+            parts.append(f"{rpm:.0f} rpm (data up to {own.rpm_high:.0f})")
         if advance > own.advance_high:
-            parts.append(f"J = V/(n D) up to {advance:.2f}, data up to {own.advance_high:.2f}")
+            parts.append(f"J = V/(n D) up to {advance:.2f} (data up to {own.advance_high:.2f})")
         if parts:
-            warnings = [*warnings, f"beyond the data of the constants: {'; '.join(parts)}"]
+            beyond = f"the data of the section constants exclude {' and '.join(parts)}"
+            warnings = [*warnings, beyond]
     out.note(*(f"{where}{warning}" for warning in warnings))
 
 
@@ -306,7 +307,8 @@ def _named_lines(craft: Aircraft, found: performance.Performance | None) -> list
         if name == "best_range":
             parts.append(f"{state.power / state.ground_speed:.3g} J/m")
         if name == "fastest":
-            parts.append(f"limited by {LIMITS.get(found.limit) or STATUSES[found.limit]}")
+            limit = LIMITS.get(found.limit)
+            parts.append(f"limited by {limit}" if limit else f"limit: {STATUSES[found.limit]}")
         elif math.isfinite(state.endurance):
             time, std = state.endurance / 60.0, state.endurance_std / 60.0
             parts.append(f"{time:.3g}{_give_or_take(std)} min")
