@@ -205,7 +205,7 @@ def _uiuc_blade(
         source += f", measured blade {number + 1} of {of}"
     if len(counts) > 1:
         others = " and ".join(str(n) for n in counts if n != 2)
-        source += f"; also tested with {others} blades"
+        source += f"; tested with 2 blades and with {others} blades"
     if turned:
         source += (
             f"; the tabulated blade stands at 15 deg at 0.75 R and was turned by {turned:g} deg "

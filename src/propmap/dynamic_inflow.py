@@ -23,8 +23,8 @@ class DynamicInflow:
     A state is an array (..., 3) [m/s] in the rotor frame of ``Rotor.wrench``.  It contains the
     mean inflow over the disk, positive against the thrust, and the increases of the inflow from
     hub to tip along x and along y.  The steady state is the static solution that ``rotor.loads``
-    uses.  ``core/include/propmap/dynamic_inflow.hpp`` contains the equations, docs/theory.md their
-    limits.
+    uses.  ``core/include/propmap/dynamic_inflow.hpp`` contains the equations, and docs/theory.md
+    describes their limits.
 
     Parameters
     ----------

@@ -97,9 +97,9 @@ LOADS = {
 
 
 def error_scales(static: Mapping[str, Any], radius: float) -> dict[str, Any]:
-    """Return the reference load of errors, by load.
+    """Return the reference value of the relative error of each load.
 
-    It is the static thrust, the static torque, or the static thrust times R.
+    The reference value is the static thrust, the static torque, or the static thrust times R.
 
     Parameters
     ----------

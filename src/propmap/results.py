@@ -102,8 +102,8 @@ class Loads(LoadValues):
         - "tunnel": difference from another tunnel or from the open air;
         - "installation": unspecified properties of an installed rotor.
 
-        The sources are independent.  The first access computes them, to first order in the
-        parameters, in about twice the time of the loads.
+        The sources are independent.  The first access computes the standard deviations, to first
+        order in the parameters, in about twice the time of the loads.
         """
         return self.deviations() if self.deviations is not None else {}
 

@@ -117,8 +117,8 @@ class Rotor:
         **further
             ``height`` of the disk above level ground [m], R/2 or more; None far from the ground.
             The ground multiplies the thrust by 1/(1 - (R/4h)^2/(1 + (V sin(beta)/v_i)^2))
-            (Cheeseman & Bennett, ARC R&M 3021, 1955), where v_i is the mean inflow.  It does not
-            change the other loads.
+            (Cheeseman & Bennett, ARC R&M 3021, 1955), where v_i is the mean inflow.  The other
+            loads do not change.
 
         Raises
         ------

@@ -144,7 +144,7 @@ def test_bad_tasks() -> None:
     for task, told in (
         (("loiter", 10.0), "choose from hover"),
         (("cruise",), "cruise has no speed"),
-        (("fast", 10.0, None, 1.5, "time"), "not ranked by time"),
+        (("fast", 10.0, None, 1.5, "time"), "cannot be ranked by time"),
         (("cruise", 0.0), "above 0"),
         (("mission", 10.0), "give a mission"),
         (("hover", 10.0, legs), "give a mission"),

@@ -64,7 +64,7 @@ STANDS: dict[str, tuple[str | bytes, str]] = {
     "kg and mN m": (stand_csv("rpm,thrust_kg,torque_mNm", factors=(1.0, 1.0 / GRAVITY, 1e3)), ""),
     "shaft power": ("rpm,thrust_N,power_W\n" + POWER, "power is assumed to be shaft power"),
     "power in %": (stand_csv("rpm,T [N],Q_Nm,Power (%)", (0, 1, 2, 0)), "not used: 'Power (%)'"),
-    "rows that stand still": (STILL, "2 of 10 rows have no rpm: omitted"),
+    "rows that stand still": (STILL, "2 of 10 rows have no rpm and are omitted"),
     "units beneath": (stand_csv("Drehzahl,Thrust,Q_avg\n1/min,N,N m"), "'Q_avg [N m]' is torque"),
     "averages": (stand_csv("RPM_avg,Thrust (N) ,Torque_mean (N-m)"), "'RPM_avg' is the"),
     "a title above": ("T-Motor F80,,\n" + stand_csv("RPM,Thrust (N),Torque (Nm)"), "'RPM' is"),

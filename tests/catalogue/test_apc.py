@@ -126,4 +126,4 @@ def test_measured_loads_without_a_measured_blade_rest_on_it() -> None:
     for name in ("apc-8x4e", "apc-8x8e", "apc-9x7.5sf", "apc-8x6e"):
         found = identified(name, 2)
         assert found is not None and found.geometry == "maker"
-        assert "maker's file" in found.verdict
+        assert "the manufacturer's file" in found.verdict

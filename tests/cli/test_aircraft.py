@@ -117,7 +117,7 @@ def test_choosing(run: Run) -> None:
     rows = list(csv.DictReader(io.StringIO(listed.out)))
     assert rows and all(float(row["energy_J"]) > 0.0 for row in rows)
     assert float(rows[1]["probability_first_beats"]) >= 0.5
-    assert "each propeller as named; air" in listed.err
+    assert "each propeller as listed; air" in listed.err
     longest = run(*chosen[:2], *chosen[4:], "--task", "hover", "--by", "time", "--format", "json")
     told = json.loads(longest.out)
     assert told["assumptions"]["constants"] == "different for each propeller"

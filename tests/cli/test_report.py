@@ -52,7 +52,7 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Pa
     text, told = page_of(folder).replace("&#39;", "'"), fit_record(tunnel_fit)
     for wanted in ("reliability", "Outside the fitted", "extrapolation", "no cross-validation"):
         assert wanted.lower() in text.lower()
-    assert "Data of the fit, which are no independent test: tunnel.csv" in text
+    assert "Fitted data, which do not test the fit independently: tunnel.csv" in text
     # The data have no drag: how the rotor is installed cannot be known.
     assert "The rotor drag is that of bare blades" in text
     assert told["data"][0]["sha256"] in text and told["propmap"] in text
@@ -132,7 +132,7 @@ def test_a_table(run: Run, tmp_path: Path) -> None:
     assert (done.code, done.err) == (0, "")
     assert not (tmp_path / "out" / "fit-check.csv").exists()
     text = page_of(tmp_path / "out")
-    assert "Accuracy against the model: certified, exceptions marked" in text
+    assert "Accuracy against the model: certified, with marked exceptions" in text
     assert "at most 0.21 % of the static loads" in text and "errors reach 3.1 %" in text
     assert "Accuracy against measurements: not in this file" in text
     assert "he tolerance of 0.50% holds on 4096 points" in text

@@ -77,7 +77,7 @@ def test_constants_of_any_propeller(run: Run, tmp_path: Path) -> None:
     ("prop", "family", "blades", "said"),
     [
         ("5x4.3x3", None, 3, "read as 5 x 4.3 in, 3 blades; no manufacturer is named"),
-        ("APC 12x6.5E", "apce", 2, "read as 12 x 6.5 in, two blades assumed (--blades 3, or x3"),
+        ("APC 12x6.5E", "apce", 2, "read as 12 x 6.5 in, two blades assumed (for three, add"),
     ],
 )
 def test_a_designation(run: Run, prop: str, family: str | None, blades: int, said: str) -> None:
@@ -102,7 +102,7 @@ def test_a_blade_of_its_maker(run: Run) -> None:
     ("title", "says"),
     [
         ("10x7SF", "identified from 117 rows of 'apcsf 10.0x7.0 - 2'"),
-        ("10x7.3SF", "10 propellers of its family, apcsf, for the blade of the manufacturer"),
+        ("10x7.3SF", "10 propellers of its family, apcsf, with the blade of the manufacturer"),
         ("0x7E", "none of its family"),
     ],
 )
@@ -160,7 +160,8 @@ def test_output_says_which_drag_it_is(run: Run) -> None:
     ]
     assert f"of the installed rotor: {TYPICAL_FACTOR[0]:g} (+- " in told[0]
     assert "that of bare blades" in told[1] and "correction installed" in told[1]
-    assert "2 times the drag of the blades, plus the drag of 10 cm^2" in told[2]
+    assert "2 times the drag of the blades, plus the drag of parts" in told[2]
+    assert "with a drag area of 10 cm^2 in the slipstream" in told[2]
 
 
 def test_a_law_that_is_named_is_used_bare_and_without_a_note(

@@ -84,6 +84,6 @@ def test_the_share_of_samples_in_the_band() -> None:
 
 def test_a_moment_that_errs_like_none_is_not_to_be_used() -> None:
     (told,) = useless("moment_z", 1.05)
-    assert told.startswith("moment_z: the error is 105 % of the measured moment")
-    assert told.endswith("do not use it")
+    assert told.startswith("the error of moment_z is 105 % of the measured moment")
+    assert told.endswith("do not use the modeled moment")
     assert not useless("moment_z", 0.95) and not useless("force_y", 1.5)

@@ -91,9 +91,12 @@ def test_without_data_that_tell_of_them_constants_stay_where_propellers_are() ->
         assert found.uncertainty.covariance[k, k] ** 0.5 == pytest.approx(deviation, rel=1e-3)
         assert found.uncertainty.left[k] == pytest.approx(1.0, rel=1e-3)
         told = found.uncertainty.verdicts[k]
-        assert told == "weak: held by its prior; 1.00 of the prior's deviation is left"
+        wanted = (
+            "weak: determined mainly by its prior; standard deviation 1.00 times that of the prior"
+        )
+        assert told == wanted
     assert found.uncertainty.left[0] < 0.2
-    assert "of the prior's deviation is left" in found.uncertainty.verdicts[0]
+    assert "times that of the prior" in found.uncertainty.verdicts[0]
     pair = [PARAMETERS.index(name) for name in ("zero_lift_angle", "drag_angle")]
     assert found.uncertainty.correlation[pair[0], pair[1]] < -0.5
 
@@ -161,8 +164,6 @@ def test_a_prior_of_one_s_own_takes_the_place_of_the_propellers() -> None:
 def test_constants_far_from_all_propellers_are_pointed_out() -> None:
     rows = rows_on({"c_l1": np.ones(40)}, np.zeros(40), c_l1=11.0)
     (told,) = unlikely_constants(fit(rows, choice_of("c_l1"), QUICK))
-    assert (
-        told.startswith("c_l1 is 1") and "standard deviations from the mean of propellers" in told
-    )
+    assert "constants: c_l1 is 1" in told and "deviations from the mean over propellers" in told
     near = rows_on({"c_l1": np.ones(40)}, np.zeros(40), c_l1=5.5)
     assert unlikely_constants(fit(near, choice_of("c_l1"), QUICK)) == []

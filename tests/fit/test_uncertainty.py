@@ -138,14 +138,14 @@ def test_held_by_a_bound() -> None:
     model = linear_model(design(40))
     x, sure = judged(noisy(rows_of(model, true_values(model, c_d=-0.5)), NOISE), THREE)
     assert x[2] == 0.0
-    assert sure.verdicts[2] == "weak: held by its bound 0" and not sure.identified[2]
+    assert sure.verdicts[2] == "weak: at its bound 0" and not sure.identified[2]
     # The interval ends at the bound, and the parameter is not taken as known.
     assert sure.low[2] == 0.0 < sure.high[2]
     assert np.all(np.diag(sure.covariance) > 0.0)
     assert sure.identified[:2] == (True, True)
     alone = rows_of(linear_model({"c_d": np.ones(10)}), np.full(10, 11.0))
     high = judged(alone, Choice(("c_d",), start={"c_d": 5.0}))[1]
-    assert high.verdicts == ("weak: held by its bound 10",) and high.covariance[0, 0] > 0.0
+    assert high.verdicts == ("weak: at its bound 10",) and high.covariance[0, 0] > 0.0
 
 
 def test_a_direction_that_the_data_say_nothing_of() -> None:
@@ -153,7 +153,7 @@ def test_a_direction_that_the_data_say_nothing_of() -> None:
     del columns["c_d"]
     model = linear_model(columns)
     _, sure = judged(noisy(rows_of(model, true_values(model)), NOISE), THREE)
-    assert sure.verdicts[2] == "weak: held by its start, the data do not determine c_d"
+    assert sure.verdicts[2] == "weak: the data do not determine c_d; its value depends on its start"
     assert (sure.low[2], sure.high[2]) == (0.0, 10.0)
     assert sure.identified == (True, True, False)
     assert np.isfinite(sure.high[:2]).all()
@@ -167,7 +167,7 @@ def test_two_parameters_seen_only_in_their_sum() -> None:
     x, sure = judged(noisy(rows_of(model, true_values(model)), NOISE), THREE)
     assert sure.identified == (True, False, False)
     # c_l2 + c_d is about 4 and c_d is above zero, so the bounds say something of both.
-    assert all("held by its start, the data allow" in sure.verdicts[k] for k in (1, 2))
+    assert all("weak: the data allow" in sure.verdicts[k] for k in (1, 2))
     np.testing.assert_allclose(sure.low[1:], 0.0)
     np.testing.assert_allclose(sure.high[1:], x[1] + x[2], atol=0.1)
     assert np.isinf(sure.covariance[1, 1]) and np.isinf(sure.covariance[2, 2])
@@ -176,7 +176,7 @@ def test_two_parameters_seen_only_in_their_sum() -> None:
 def test_too_noisy_to_say() -> None:
     rows = noisy(exact(), 200.0 * NOISE)
     _, sure = judged(rows, Choice(("c_l1",), {"c_l2": 2.5, "c_d": 1.5}))
-    assert sure.verdicts[0].startswith("weak: held by its start, the data allow 0.5 to ")
+    assert sure.verdicts[0].startswith("weak: the data allow 0.5 to ")
     assert "propellers differ by about 1" in sure.verdicts[0]
     assert np.isfinite(sure.high[0])
 
@@ -199,7 +199,7 @@ def test_a_prior_has_the_textbook_s_effect(deviation: float) -> None:
     assert np.sqrt(found.uncertainty.covariance[0, 0]) == pytest.approx(expected, rel=0.05)
     by_prior = expected > 0.7 * deviation
     assert found.uncertainty.verdicts[0] == (
-        "weak: held by its prior" if by_prior else "identified"
+        "weak: determined mainly by its prior" if by_prior else "identified"
     )
     assert by_prior == (deviation < 0.01)
 
@@ -211,7 +211,7 @@ def test_a_prior_holds_what_the_data_say_nothing_of() -> None:
     choice = Choice(THREE.free, priors={"c_d": Prior(2.0, 0.3)})
     found = fit(noisy(rows_of(model, true_values(model)), NOISE), choice, QUICK)
     assert found.x[2] == pytest.approx(2.0, abs=1e-6)
-    assert found.uncertainty.verdicts[2] == "weak: held by its prior"
+    assert found.uncertainty.verdicts[2] == "weak: determined mainly by its prior"
     assert found.uncertainty.covariance[2, 2] == pytest.approx(0.3**2, rel=1e-6)
     assert found.uncertainty.identified == (True, True, False)
 

@@ -99,7 +99,7 @@ def test_every_speed_has_its_own_answer() -> None:
 
 def test_what_was_not_fitted_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     text = told(record(), monkeypatch)
-    assert "The fit used no data of rotor drag, torque, rolling moment" in text
+    assert "The fit used no data on rotor drag, torque, rolling moment" in text
     assert "rotor drag of bare blades is accurate to about 20 %" in text
     rest = [load(name, 0.02, 0.3) for name in LOADS if name != "roll_moment"]
     text = told(record(loads=rest), monkeypatch)
@@ -130,9 +130,9 @@ def test_a_moment_no_better_than_none_is_not_to_be_used(monkeypatch: pytest.Monk
         "moment_z_Nm": compared(np.ones(4), -np.ones(4), np.ones(4), np.zeros(4), None),
     }
     text = told(found, monkeypatch, fit_page.GivenData([], given))
-    assert "Moment_z: the error is 110 % of the measured moment" in text
-    assert "Moment_z: the error is 200 % of the measured moment" in text
-    assert text.count("do not use it") == 2 and "Moment_x: the error" not in text
+    assert "The error of moment_z is 110 % of the measured moment" in text
+    assert "The error of moment_z is 200 % of the measured moment" in text
+    assert text.count("do not use the") == 2 and "error of moment_x" not in text
 
 
 def test_angles_without_data_are_extrapolation(monkeypatch: pytest.MonkeyPatch) -> None:

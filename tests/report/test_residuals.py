@@ -53,12 +53,12 @@ def test_the_strongest_is_first_and_told_with_its_slope() -> None:
     assert {trend.variable for trend in TRENDS} == set(candidates(LOG))
     # The climb rate is the velocity along z here, of which descent is a part; nothing else is told.
     first = {"velocity along the body's z axis [m/s]", "climb rate [m/s]"}
-    first |= {"speed of descent along z [m/s]"}
+    first |= {"descent speed along z [m/s]"}
     assert {trend.variable for trend in TRENDS[:3]} == first
     climb = next(trend for trend in TRENDS if trend.variable.startswith("climb"))
     assert climb.sure and climb.slope == pytest.approx(0.05, abs=3.0 * climb.error)
     told = sentences([TRENDS])
-    assert 2 <= len(told) <= 3 and any("grows with climb rate" in text for text in told)
+    assert 2 <= len(told) <= 3 and any("increases with the climb rate" in text for text in told)
     assert "N per m/s" in told[0] and all("force_z" in text for text in told)
 
 

@@ -65,7 +65,7 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
         lambda t: t.header.__setitem__(t.header.index("vy"), "v_y"),
         [
             "log.csv",
-            "columns: 'vy' missing; the",
+            "missing columns: 'vy'; the",
             "time_s, vx, v_y",
             "did you mean 'v_y'",
             "velocity",
@@ -73,7 +73,10 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
     ),
     "a column twice": (
         lambda t: t.header.__setitem__(t.header.index("ax"), "vy"),
-        ["'ax' missing, 'vy' more than once", "correct specific_force, velocity in [log.columns]"],
+        [
+            "missing columns: 'ax'; repeated columns: 'vy'",
+            "correct specific_force, velocity in [log.columns]",
+        ],
     ),
     "no column map": (
         lambda t: setattr(t, "log", t.log.partition("[log.columns]")[0]),

@@ -34,7 +34,7 @@ def test_motors_are_told_by_their_function(outputs: dict[int, int | None], tmp_p
     notes = [note for note in check_recording(read_recording(path, here)) if "left out" in note]
     servos = [k for k, motor in outputs.items() if motor is None]
     assert len(notes) == bool(servos)
-    assert all("ESC has 6 instances" in note and "no motor: 0, 3" in note for note in notes)
+    assert all("ESC has 6 instances" in note and "left out: 0, 3" in note for note in notes)
 
 
 def test_commands_are_read_where_there_are_no_speeds(tmp_path: Path) -> None:

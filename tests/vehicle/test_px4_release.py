@@ -117,7 +117,7 @@ def test_slots_of_other_outputs_are_left_out(tmp_path: Path) -> None:
     recording = read_recording(tmp_path / "a.ulg", vehicle_with("", tmp_path))
     (note,) = [text for text in check_recording(recording) if "esc_status has" in text]
     assert "esc_status has 8 slots; those of motors 1 to 4 are read" in note
-    assert note.endswith("since they belong to no motor: 1, 4, 7, 8")
+    assert note.endswith("slots of no motor are left out: 1, 4, 7, 8")
 
 
 @pytest.mark.parametrize("output", ["UAVCAN_EC_FUNC", "PWM_AUX_FUNC"])

@@ -72,7 +72,7 @@ def identify_all(
             test = AxialTest(replace(catalogue.load(name), blades=tested.blades), tested)
             geometry, remark = catalogue.entry(name).geometry, ""
             if geometry == "maker":
-                remark = "blade by its maker's file; "
+                remark = "blade from the manufacturer's file; "
             elif specimens > 1:
                 remark = f"one of {specimens} blades measured, each tested in some of the runs; "
             wanted.append(_Wanted(name, geometry, test, POPULATION, _key(test), remark))

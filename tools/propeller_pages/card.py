@@ -87,8 +87,8 @@ def verdict(one: Identified) -> str:
 def _errors(one: Identified, found: Comparison) -> str:
     measured = np.stack([found.tested.thrust, found.tested.power])
     rows = [
-        "| | rms error | over measured rms | rms error at rest | share: rows at rest "
-        "| share: run means | share: slope over J | share: scatter |",
+        "| | rms error | rms error / measured rms | rms error at rest | share: rows at rest "
+        "| share: mean error of each run | share: slope of error over J | share: scatter |",
         "|---|---:|---:|---:|---:|---:|---:|---:|",
     ]
     errors = (
@@ -124,9 +124,9 @@ def _constants(one: Identified) -> str:
             *rows,
             "",
             "The last column is the standard deviation of the constant divided by its standard "
-            "deviation in the prior. Both are computed for the logarithm of the constant; for "
-            "`zero_lift_angle` and `reynolds_camber` for the constant itself, and for `drag_angle` "
-            "for `zero_lift_angle` + `drag_angle`. "
+            "deviation in the prior. `zero_lift_angle` and `reynolds_camber` are compared "
+            "directly, `drag_angle` as the sum `zero_lift_angle` + `drag_angle`, all other "
+            "constants as logarithms. "
             "Near 100 % the data do not determine the constant, and the value is that of the "
             "prior. The covariance matrix is in "
             f"`propmap.catalogue.identified.identified({one.propeller!r}, {one.blades})`.",
@@ -157,7 +157,7 @@ def _bands(one: Identified, blade: Propeller) -> str:
             *rows,
             "",
             "The rotor is modeled as installed on a motor. ± is half the width of the 95 % band. "
-            "[Uncertainty of the loads](../how-to/uncertainty.md) explains the band.",
+            "See [Uncertainty of the loads](../how-to/uncertainty.md).",
         ]
     )
 

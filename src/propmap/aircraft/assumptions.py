@@ -52,7 +52,7 @@ def assumptions(
         "body_drag": _body_drag(vehicle),
         "power": _power(vehicle),
         "rotors": _rotors(vehicle, corrections),
-        "propeller": "each propeller as named" if loads is None else vehicle.propeller.summary,
+        "propeller": "each propeller as listed" if loads is None else vehicle.propeller.summary,
         "air": f"{vehicle.air.density:.4g} kg/m^3",
         "constants": constants,
         "wakes": _wakes(vehicle),
@@ -89,7 +89,7 @@ def _rotors(vehicle: Vehicle, corrections: Sequence[str]) -> str:
         return "rotors with the drag of [mount]"
     mounted = [text for text in corrections if text.startswith(INSTALLED)]
     if not mounted:
-        return "bare rotors, with half the drag"
+        return "bare rotors, with half the drag of installed rotors"
     return "installed rotors" + f" ({mounted[0]})" * (mounted[0] != INSTALLED)
 
 

@@ -86,7 +86,8 @@ class Ranking:
     task : Task
         Task of the aircraft.
     corrections : tuple of Correction
-        Corrections of all models.  Constants with their own corrections keep these.
+        Corrections of the models.  A model whose section constants were fitted with known
+        corrections uses the corrections of the fit instead.
     maximum_rotor_speed : float
         Largest rotor speed [rad/s].
     charge : float
@@ -256,7 +257,7 @@ class Ranking:
             if asked[k] and not states.found[k]:
                 status = str(states.status[k])
                 used = states.used.get(status)
-                more = f", {100.0 * used[k]:.0f} % of the limit" if used is not None else ""
+                more = f" ({100.0 * used[k]:.0f} % of the limit)" if used is not None else ""
                 margin = float(states.thrust_margin[k])
                 if math.isfinite(margin):
                     needed = "the needed thrust" if k else "the weight"
@@ -391,14 +392,15 @@ def catalogue_candidates(
             known = SectionCovariance(PARAMETERS, one.covariance)
             found.append(Candidate(name, blade, one.airfoil, known, one.verdict))
     if not found:
-        fault = f"no propeller of the catalogue has {low / INCH:.3g} to {high / INCH:.3g} in"
+        fault = "no propeller of the catalogue has a diameter of "
+        fault += f"{low / INCH:.3g} to {high / INCH:.3g} in"
         fault += f" and {blades} blades" if blades else ""
-        raise InputError(fault, "choose other diameters, see `propmap props`")
+        raise InputError(fault, "choose another diameter or number of blades, see `propmap props`")
     return found
 
 
 def file_candidate(path: str | os.PathLike[str], section: Section | None = None) -> Candidate:
-    """Return a candidate from a file or a name, with its own or with predicted constants.
+    """Return the propeller of a file or a name, with a section law, as a candidate.
 
     Parameters
     ----------
@@ -474,7 +476,7 @@ class Task:
         if self.name not in MEASURES:
             raise InputError(f"the task is {self.name!r}", f"choose from {', '.join(MEASURES)}")
         if self.speed is None and self.name == "cruise":
-            raise InputError("cruise has no speed", "give a speed in m/s, or the task hover")
+            raise InputError("the task cruise has no speed", "give a speed in m/s, or task hover")
         if self.speed is not None and not self.speed > 0.0:
             raise InputError(f"the speed is {self.speed:g} m/s", "give a speed above 0")
         if (self.name == "mission") != (self.mission is not None):
@@ -485,8 +487,8 @@ class Task:
             raise InputError(found, "give 1 or more, because thrust must carry the weight")
         known = MEASURES[self.name]
         if self.measure and self.measure not in known:
-            found = f"the task {self.name} is not ranked by {self.measure}"
-            raise InputError(found, f"choose from {', '.join(known)}")
+            found = f"the task {self.name} cannot be ranked by {self.measure}"
+            raise InputError(found, f"rank it by {' or '.join(known)}")
 
     @property
     def ranked_by(self) -> str:

@@ -83,10 +83,14 @@ def derivatives(
     aircraft, states : Aircraft, SteadyStates
         Aircraft and n of its states.
     names : iterable of str
-        Quantities: "speed" and "climb" [m/s], "mass" [kg], "drag_area_x", "drag_area_y",
-        "drag_area_z" [m^2], section constants such as "c_l1", "chord_scale" [-], a factor on the
-        chord, "twist_offset" [rad], added to the twist, and "diameter_scale" [-], a factor on
-        radius and chord.
+        Quantities:
+
+        - "speed" and "climb" [m/s], "mass" [kg];
+        - "drag_area_x", "drag_area_y", "drag_area_z" [m^2];
+        - section constants such as "c_l1";
+        - "chord_scale" [-], a factor on the chord;
+        - "twist_offset" [rad], added to the twist;
+        - "diameter_scale" [-], a factor on radius and chord.
 
     Returns
     -------
@@ -142,9 +146,10 @@ def power_gradient(
 def spread(aircraft: Aircraft, states: SteadyStates) -> StateChange | None:
     """Return first-order standard deviations of steady states from those of the loads.
 
-    Errors of the loads, see ``propmap.Loads.std_by_source``, are equal at all rotors.  Section
-    constants have their covariance.  Errors of model and tunnel are assumed to be independent
-    between loads, and so are the errors of the loads of a table.
+    Errors of the loads, see ``propmap.Loads.std_by_source``, are assumed to be equal at all rotors.
+    Errors of the section constants are correlated by their covariance matrix.  Errors of model and
+    tunnel are assumed to be independent between loads, and so are the errors of the loads of a
+    table.
 
     Parameters
     ----------

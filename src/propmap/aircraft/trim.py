@@ -73,7 +73,7 @@ class Aircraft:
             fault = f"the largest rotor speed is {maximum_rotor_speed:g} rad/s"
             raise InputError(fault, "give a value above 0")
         if not 0.0 < charge <= 1.0:
-            raise InputError(f"charge is {charge:g}", "give a share, 1 for a full battery")
+            raise InputError(f"charge is {charge:g}", "give a fraction, 1 for a full battery")
         self.maximum_rotor_speed, self.charge = maximum_rotor_speed, charge
         self.rotors = Rotors.of(vehicle, loads)
         self.balance = SteadyBalance(vehicle, self.rotors)
@@ -643,9 +643,9 @@ class HoverLoads:
 
 LIMITS = {
     "rpm_limit": "the largest rotor speed",
-    "tip_speed_limit": f"a tip speed of Mach {FAST_TIP_MACH:g}, the limit of the model",
+    "tip_speed_limit": f"a tip speed of Mach {FAST_TIP_MACH:g} (limit of the model)",
     "motor_current_limit": "the largest motor current",
-    "voltage_limit": "full throttle: the voltage of the battery",
+    "voltage_limit": "full throttle at the battery voltage",
     "battery_limit": "the largest current or power of the battery",
 }
 """Statuses of states beyond a limit, with a description of the limit."""
@@ -659,7 +659,7 @@ VORTEX_RING, COARSE = "vortex_ring", "coarse"
 FLOWN = ("ok", COARSE, VORTEX_RING)  # statuses of states with numbers
 STATUSES = {
     "ok": "found, within all limits",
-    COARSE: f"found, but unbalanced by a jump of the loads of less than {JUMP:.1%} of the weight",
+    COARSE: f"found, but loads with jumps leave an imbalance of less than {JUMP:.1%} of the weight",
     VORTEX_RING: "found, but a rotor is in the vortex ring state, where loads are not reliable",
     **{name: f"beyond {words}" for name, words in LIMITS.items()},
     OUTSIDE_TABLE: "no state inside the envelope of the table balances the aircraft",
@@ -703,11 +703,12 @@ class SteadyStates:
     moment : ndarray, shape (n, 3)
         Moment about the center of mass that control surfaces have to balance [N m].
     residual : ndarray, shape (n,)
-        Largest unbalanced force over weight, or moment over weight times the longest arm [-].
+        Largest component of the unbalanced force and moment [-].  The force is divided by the
+        weight, the moment by the product of weight and longest arm.
     status : ndarray of str, shape (n,)
-        Status of each state, a key of ``propmap.aircraft.trim.STATUSES``: a key of ``used`` for a
-        state beyond this limit, or "ok", "coarse", "vortex_ring", "outside_table", "stall",
-        "no_trim".
+        Status of each state, a key of ``propmap.aircraft.trim.STATUSES``: "ok", "coarse",
+        "vortex_ring", "outside_table", "stall", "no_trim", or the key in ``used`` of an exceeded
+        limit.
     """
 
     speed: Floats

@@ -23,7 +23,7 @@ class Entry:
     Attributes
     ----------
     name, title, family : str
-        Name for ``load``, title by its manufacturer, and code of its series.
+        Name that ``load`` accepts, title from the manufacturer, and code of the series.
     blades : int
         Number of blades.
     diameter_m : float

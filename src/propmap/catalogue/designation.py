@@ -171,7 +171,7 @@ def designation(text: str) -> Designation | None:
         counted += f": {rule.means}"
         maker = whose
     elif count is None:
-        counted = "two blades assumed (--blades 3, or x3 at the end, for three)"
+        counted = "two blades assumed (for three, add --blades 3 or end the name with x3)"
     own = tuple(word for word in words if word not in NO_MAKER)
     size = f"{numbers[0]:g} x {numbers[1]:g} {name}{other}"
     return Designation(own, diameter, pitch, count, maker, size, counted)

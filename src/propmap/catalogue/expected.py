@@ -101,7 +101,7 @@ class ExpectedBlade:
             geometry = f"{self.wanted.reading}; {geometry}"
         multirotor = self.geometry == "multirotor"
         if multirotor and (factor := chord_factor(self.wanted.blades or 2)) != 1.0:
-            geometry += f" with two blades, but {factor:g} times their chord"
+            geometry += f" with two blades, with their chord multiplied by {factor:g}"
         if self.own is not None:
             return geometry
         # Without identified members, the family's constants have the errors of the population.
@@ -113,13 +113,13 @@ class ExpectedBlade:
         half, most = ERRORS[group]
         if multirotor:
             geometry += (
-                "; the held-out errors of static thrust of four five-inch multirotor propellers "
-                f"are below {LEFT_OUT_ERROR:.0%}"
+                "; held-out errors of static thrust: below "
+                f"{LEFT_OUT_ERROR:.0%} for four five-inch multirotor propellers"
             )
         return (
-            f"{geometry}; with predicted section constants, the rms errors of thrust and torque in "
-            f"axial flow are below {half[0]:.0%} and {half[1]:.0%} for half of such propellers, "
-            f"and below {most[0]:.0%} and {most[1]:.0%} for nine in ten"
+            f"{geometry}; rms errors of thrust and torque in axial flow, with predicted section "
+            f"constants: below {half[0]:.0%} and {half[1]:.0%} for half of the tested propellers, "
+            f"below {most[0]:.0%} and {most[1]:.0%} for nine in ten of them"
         )
 
 
@@ -233,12 +233,12 @@ def expected_constants(
         own, of = family, f"{len(members)} propellers of its family, {family}"
     else:
         own, of = "unknown", f"{len(all_identified())} small propellers, none of its family"
-    of += ", for the blade of the manufacturer's file" if geometry == "maker" else ""
+    of += ", with the blade of the manufacturer's file" if geometry == "maker" else ""
     known = members and geometry != "population"
     likely = MEDIAN_ERRORS["family" if known else "population"]
-    summary = f"constants predicted from {of}, because this propeller was not identified: the rms "
-    summary += f"errors of thrust and torque in axial flow are below {likely:.0%} for half of such "
-    summary += "propellers, and below twice this value for nine in ten"
+    summary = f"constants predicted from {of}; no measurements of this propeller were fitted; rms "
+    summary += f"errors of thrust and torque in axial flow: below {likely:.0%} for half of the "
+    summary += "tested propellers, below twice this value for nine in ten of them"
     thrust, power = bundled_population(_population_of(geometry)).errors.tolist()
     measured = None if geometry == "measured" else expected_prior(family, size)
     if measured and geometry == "multirotor":
@@ -389,12 +389,12 @@ class MeanBlade:
     def propeller(self, name: str, diameter: float, pitch: float, blades: int) -> Propeller:
         """Return a propeller of this shape with labeled ``diameter`` and ``pitch`` [m]."""
         radius = 0.5 * diameter
-        of = self.families[0] if len(self.families) == 1 else f"{len(self.families)} series"
+        of = self.families[0] if len(self.families) == 1 else f"{len(self.families)} families"
         source = "not measured: chord over radius, and twist minus the screw angle of the labeled "
         source += f"pitch, are means over {self.propellers} propellers of {of}"
         twist = self.offset + screw_angle(self.share, pitch / diameter)
         blade = self.share * radius, self.chord * radius, twist, None
-        citation = "geometry: that of the propellers of the catalogue"
+        citation = "geometry: propellers of the catalogue"
         return Propeller(name, blades, *blade, source, citation)
 
 

@@ -218,9 +218,9 @@ def catalogue_model(
 ) -> Model:
     """Return the model of a propeller: its blade, and the best known section constants.
 
-    The blade is that of ``propmap.propeller``.  The constants were identified from measured loads
-    of this propeller; if there are none, they are predicted from its family, or from all small
-    propellers.  The constants have a covariance, so the loads have standard deviations.
+    ``propmap.propeller`` provides the blade.  The constants were identified from measured loads of
+    this propeller.  Without measured loads, the constants are predicted from its family, or from
+    all small propellers.  The constants have a covariance, so the loads have standard deviations.
 
     Parameters
     ----------

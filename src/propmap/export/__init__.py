@@ -56,7 +56,8 @@ EXPORTS = (
     Export("rotorpy", "table", "simple_models.rotorpy_files", "rotor parameters of RotorPy",
            "change of thrust with airspeed, four loads linear in the in-plane velocity",
            "change of torque with airspeed"),
-    Export("jsbsim", "table", "simple_models.jsbsim_files", "JSBSim propeller, external reactions",
+    Export("jsbsim", "table", "simple_models.jsbsim_files",
+           "JSBSim propeller with external reactions",
            "thrust and power over the axial advance ratio; four loads as in `multinomial`",
            "change of thrust and power with the in-plane velocity"),
     Export("npz", "table", "simple_models.npz_files", "the table for propmap", "everything"),
@@ -80,10 +81,11 @@ EXPORTS = (
 )  # fmt: skip
 """All exports, in the order of ``propmap export --help``.
 
-A new export needs an entry here, a module with the function, and a template of its note,
-``templates/README-TARGET.txt.j2`` (of a vehicle: ``README-TARGET-vehicle.txt.j2``). A short note
-needs no template: the function passes it to ``propmap.export.files.note`` as ``text``. All
-autopilots share ``README-autopilot.md.j2``.
+A new export needs an entry here, a module with the function, and a template of the note that the
+function writes. The template is ``templates/README-TARGET.txt.j2``, or
+``README-TARGET-vehicle.txt.j2`` for a vehicle. A short note needs no template: the function passes
+the note to ``propmap.export.files.note`` as ``text``. All autopilots share
+``README-autopilot.md.j2``.
 """
 
 

@@ -57,7 +57,7 @@ class SpeedErrors:
         return {"all": self.all, **self.by_envelope, **self.by_speed}
 
 
-INSIDE, OUTSIDE = "inside the training's envelope", "outside"
+INSIDE, OUTSIDE = "within the fitted data", "outside the fitted data"
 
 
 def compare_tunnel(
@@ -229,8 +229,8 @@ def useless(load: str, share: float) -> list[str]:
     if load not in flight.MOMENTS or not share >= 1.0:
         return []
     return [
-        f"{load}: the error is {100.0 * share:.0f} % of the measured moment, no better than "
-        "predicting zero: do not use it"
+        f"the error of {load} is {100.0 * share:.0f} % of the measured moment, so zero is as "
+        "good a prediction: do not use the modeled moment"
     ]
 
 
@@ -244,8 +244,11 @@ def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list
 def compare_flight(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> dict[str, SpeedErrors]:
-    """Return the errors of the ``flight_forces`` of ``vehicle``, ``log``, ``law`` and ``values``
-    relative to the forces and moments of the log, by name with unit."""
+    """Return the errors of the modeled forces and moments on a vehicle, by name with unit.
+
+    ``flight_forces`` models them, with the same ``vehicle``, ``log``, ``law`` and ``values``.  The
+    measured values follow from ``log``.
+    """
     return compare_forces(vehicle, log, flight_forces(vehicle, log, law, values))
 
 
@@ -362,13 +365,14 @@ def unlikely_constants(fitted: Fitted) -> list[str]:
     own = {**fitted.choice.fixed, **fitted.choice.priors}
     far = [
         f"{name} is {fitted.values[name]:.3g}, {away[k]:.1f} standard deviations from the "
-        "mean of propellers"
+        "mean over propellers"
         for k, name in enumerate(PARAMETERS)
         if away[k] > FAR and name not in own
     ]
     if not far:
         return []
-    return [f"{'; '.join(far)}: check the blade's twist, the radius, the units and the density"]
+    causes = "the twist of the blade, the radius, the units and the density"
+    return [f"unusual constants: {'; '.join(far)}; check {causes}"]
 
 
 # -------------------------------------------------------------------------------------------------
@@ -463,14 +467,14 @@ def candidates(log: FlightLog) -> dict[str, Floats]:
         "square of the forward velocity [m^2/s^2]": forward**2,
         "square of the sideways velocity [m^2/s^2]": left**2,
         "climb rate [m/s]": log.climb_rate,
-        "speed of descent along z [m/s]": np.maximum(-up, 0.0),
+        "descent speed along z [m/s]": np.maximum(-up, 0.0),
         "roll rate [rad/s]": roll,
         "pitch rate [rad/s]": pitch,
         "yaw rate [rad/s]": yaw,
         "square of the roll rate [rad^2/s^2]": roll**2,
         "square of the pitch rate [rad^2/s^2]": pitch**2,
         "rotor speed [rad/s]": rotor,
-        "time since the flight's start [s]": log.since_start,
+        "time since the start of the flight [s]": log.since_start,
     }
 
 
@@ -496,10 +500,10 @@ class Trend:
     @property
     def sentence(self) -> str:
         """Sentence on the change of the residual with the variable."""
-        way, per = "grows" if self.slope > 0.0 else "falls", self.variable.partition(" [")
+        way, per = "increases" if self.slope > 0.0 else "decreases", self.variable.partition(" [")
         return (
-            f"the error of {self.load} {way} with {per[0]}: {self.slope:+.2g} {self.unit} per "
-            f"{per[2].rstrip(']')}, {100.0 * self.share:.0f} % of its variance"
+            f"the error of {self.load} {way} with the {per[0]} ({self.slope:+.2g} {self.unit} "
+            f"per {per[2].rstrip(']')}), which explains {100.0 * self.share:.0f} % of its variance"
         )
 
 
@@ -633,7 +637,8 @@ def fit_terms(
             found.append(FittedStep(step.name, left_out, free, off, hover))
             if tell is not None:
                 unseen = found[-1].off[left_out or 0].rms
-                tell(f"{step.name}: {', '.join(f'{x:.3f}' for x in unseen)} N")
+                errors = ", ".join(f"{x:.3f}" for x in unseen)
+                tell(f"{step.name}: rms errors along x, y, z {errors} N")
     return found
 
 

@@ -319,8 +319,8 @@ def range_warnings(rows: Rows) -> list[str]:
     low, high = _ends(speed)
     if high < HOVER_BELOW:
         return [
-            "all data are from hover: they determine only the static loads, not single "
-            "parameters; add data at speed"
+            "all data are from hover: they determine only the static loads, not individual "
+            "parameters; add data at airspeeds above zero"
         ]
     if high - low < NARROW:
         return [

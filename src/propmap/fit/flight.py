@@ -91,10 +91,11 @@ def vertical_rows(model: ForceModel, choice: Choice, *, segment: float = CORRELA
 
 
 def balance_rows(model: ForceModel, choice: Choice, *, segment: float = CORRELATED) -> Rows:
-    """Return the rows of a whole flight: all forces except gravity, against m times specific force.
+    """Return the rows of a whole flight, which compare forces with m times specific force.
 
-    Each sample has three rows.  If the vehicle file contains moments of inertia and the log has
-    time derivatives, three more rows balance the aerodynamic moments with the angular motion.
+    The forces are all forces except gravity.  Each sample has three rows.  If the vehicle file
+    contains moments of inertia and the log has time derivatives, three more rows balance the
+    aerodynamic moments with the angular motion.
 
     Parameters
     ----------

@@ -233,8 +233,8 @@ side forces are a few hundredths of the weight, and segments already count corre
 class SectionPrior:
     """Distribution of section constants over propellers, as the prior of one propeller.
 
-    The constants are correlated.  Propellers have a similar angle of least drag from the chord
-    line, so that ``drag_angle`` falls as ``zero_lift_angle`` rises.
+    The constants are correlated.  The angle of least drag, measured from the chord line, is similar
+    for all propellers.  Therefore ``drag_angle`` falls as ``zero_lift_angle`` rises.
 
     Attributes
     ----------

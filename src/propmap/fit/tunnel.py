@@ -153,7 +153,8 @@ def tunnel_rows(
     Parameters
     ----------
     model : Model
-        Model of the test; its section law provides the constants that no fit varies.
+        Model with the propeller and the air of the test.  Its section law provides the constants
+        that no fit varies.
     data : TunnelData
         Measured loads.
     choice : Choice

@@ -36,8 +36,8 @@ class Uncertainty:
     correlation : ndarray, shape (P, P)
         Correlation of the errors [-].
     singular_values : ndarray, shape (P,)
-        Singular values of the Jacobian of the residuals, with each parameter in units of its
-        typical difference between propellers or vehicles, divided by the largest singular value.
+        Singular values of the Jacobian of the residuals, divided by the largest of them.  The unit
+        of each parameter is its typical difference between propellers or vehicles.
     verdicts : tuple of str
         Sentence on each parameter.
     identified : tuple of bool
@@ -232,17 +232,16 @@ def _verdict(
     known, (low, high) = described(name), ends
     lower, upper, spread = known.lower, known.upper, known.spread
     if held:
-        return f"weak: held by its bound {lower if x - lower < upper - x else upper:g}", False
+        return f"weak: at its bound {lower if x - lower < upper - x else upper:g}", False
     if left > HELD_BY_PRIOR:
-        return "weak: held by its prior", False
+        return "weak: determined mainly by its prior", False
     if high - low <= spread:
         alone = half <= 0.5 * spread
-        return "identified" if alone else "identified, given the bounds of the others", True
+        return "identified" if alone else "identified, given the bounds of other parameters", True
     if low == lower and high == upper:
-        return f"weak: held by its start, the data do not determine {name}", False
+        return f"weak: the data do not determine {name}; its value depends on its start", False
     return (
-        f"weak: held by its start, the data allow {low:.3g} to {high:.3g}; propellers differ by "
-        f"about {spread:g}",
+        f"weak: the data allow {low:.3g} to {high:.3g}; propellers differ by about {spread:g}",
         False,
     )
 
@@ -250,8 +249,8 @@ def _verdict(
 def _beside_prior(verdict: tuple[str, bool], left: float) -> tuple[str, bool]:
     """Return the verdict with the share of the prior's standard deviation that is ``left``."""
     text, good = verdict
-    text = text.replace("held by its start, the data allow", "data and prior allow")
-    return f"{text}; {left:.2f} of the prior's deviation is left", good
+    text = text.replace("the data allow", "data and prior allow")
+    return f"{text}; standard deviation {left:.2f} times that of the prior", good
 
 
 # -------------------------------------------------------------------------------------------------

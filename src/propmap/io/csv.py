@@ -323,8 +323,8 @@ GIVEN = ("rpm", "speed_mps", "beta_deg")  # columns of an operating point
 PREDICT_COLUMNS = (*GIVEN, *(load.column for load in LOADS.values()), "power_W", "status")
 
 REMEDIES = {
-    "rpm": "give revolutions per minute, 0 or more, for both spin directions",
-    "speed": "give 0 or more m/s; the direction is --beta, 180 in descent",
+    "rpm": "give 0 or more revolutions per minute, for both spin directions",
+    "speed": "give 0 or more m/s; beta is the direction, 180 in descent",
     "beta": "give degrees: 0 axial climb, 90 edgewise flight, 180 descent",
     "climb": "give m/s, negative in descent",
     "height": "give the height of the disk above level ground in m, or omit it",
@@ -516,7 +516,7 @@ def _turning(
     """Return the rows of measurements with a turning rotor; add a remark on the omitted rows."""
     kept = [row for row in rows if len(row[1]) > place and row[1][place].strip("0.")]
     if kept and len(kept) < len(rows):
-        remarks.append(f"{len(rows) - len(kept)} of {len(rows)} rows have no rpm: omitted")
+        remarks.append(f"{len(rows) - len(kept)} of {len(rows)} rows have no rpm and are omitted")
     return kept or rows
 
 

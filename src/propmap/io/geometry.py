@@ -26,7 +26,7 @@ RADIUS_TOLERANCE = 1e-3  # allowed difference of two values of the radius, as a 
 
 GIVE_BLADES = "pass --blades 2 (in Python blades=2, in a vehicle file blades = 2 under [propeller])"
 GIVE_RADIUS = (
-    "pass --radius 0.1 in meters (in Python and a vehicle file's [propeller] radius = 0.1)"
+    "pass --radius 0.1, in meters (in Python and in a vehicle file's [propeller]: radius = 0.1)"
 )
 
 
@@ -392,7 +392,9 @@ def read_apc_pe0(
 # Files of QPROP, XROTOR and OpenVSP, without their section laws.
 
 NEAR_TIP = 0.97  # share of the radius from which a blade is extrapolated linearly to its tip
-LAW_NOT_READ = "its section law is not read: constants as for any other blade, or from --airfoil"
+LAW_NOT_READ = (
+    "its section law is not read: constants are chosen as for any other blade, or by --airfoil"
+)
 Numbered = list[tuple[int, list[float]]]  # rows of numbers with their line numbers
 Written = tuple[str, float, Numbered, float | None]  # title, blades, rows and tip, in [m] and [deg]
 

@@ -61,7 +61,7 @@ CONSTANTS = {
         "linear", filed_if_zero=False,
     ),
     "drag_angle": Constant(
-        "rad", "angle of least pressure drag above the zero-lift angle", (-0.5, 0.5),
+        "rad", "angle of least pressure drag, from the zero-lift angle", (-0.5, 0.5),
         (0.0, -0.2, 0.3, 0.03), "linear", filed_if_zero=False,
     ),
 }  # fmt: skip
@@ -105,7 +105,7 @@ class SectionLaw:
         return lift.reshape(at[0].shape), drag.reshape(at[0].shape)
 
     def with_corrections(self, texts: Sequence[str]) -> Self:
-        """Return the law with the corrections ``texts``, which must agree with its own if any."""
+        """Return the law with the corrections ``texts``, which must agree with any that it has."""
         law: Any = self
         return replace(law, corrections=agreed(self.name, self.corrections, texts))
 
@@ -275,7 +275,7 @@ def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
         try:
             table = tomllib.loads(path.read_bytes().decode("utf-8"))
         except FileNotFoundError:
-            raise InputError("no such file", "give a set's name or an existing .toml") from None
+            raise InputError("no such file", "give the path of an existing .toml file") from None
         except OSError as error:
             raise InputError(f"cannot be read ({error.strerror})", "give a .toml file") from None
         except UnicodeDecodeError:

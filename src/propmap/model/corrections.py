@@ -287,9 +287,8 @@ class Installed(Correction):
     """Rotor drag of an installed rotor, on its motor, arm or stand.
 
     The correction changes only the rotor drag, at the hub, and adds no moment; see ``drag``.  On
-    all measured mounts the rotor drag exceeds that of bare blades by two terms.  One is a factor on
-    the drag of the blades, linear in Omega V.  The other is the drag of the parts in the
-    slipstream.
+    all measured mounts the rotor drag exceeds the drag of bare blades.  A factor increases the drag
+    of the blades, which is linear in Omega V.  The drag of the parts in the slipstream is added.
 
     Attributes
     ----------
@@ -386,8 +385,8 @@ class StallDelay(Correction):
     """Stall delay of the inner blade after Snel: rotation keeps the separated flow on the blade.
 
     The lift is C_L + min(k (c/y)^2, 1) w (s a - C_L), with the slope s of the attached lift and
-    the angle a from zero lift.  The weight w is 1 up to 30 degrees on either side and 0 from
-    60 degrees.  The drag does not change.  The rule was made for the slender blades of wind
+    the angle a from zero lift.  The weight w is 1 for abs(a) up to 30 degrees and 0 from 60
+    degrees.  The drag does not change.  The rule was made for the slender blades of wind
     turbines; for large c/y it removes stall completely.
 
     Attributes
@@ -403,7 +402,8 @@ class StallDelay(Correction):
     References
     ----------
     H. Snel, R. Houwink, J. Bosschers, "Sectional Prediction of Lift Coefficients on Rotating Wind
-    Turbine Blades in Stall", ECN-C--93-052, 1994, with the lift of a thin plate instead of s a.
+    Turbine Blades in Stall", ECN-C--93-052, 1994.  The report uses the lift of a thin plate instead
+    of s a.
     """
 
     strength: float = STALL_DELAY_STRENGTH

@@ -28,7 +28,7 @@ MAIN_PART = (1.0, 99.0)  # percentiles for flights, which exclude outliers
 
 @dataclass(frozen=True)
 class Envelope:
-    """Ranges of the data of a fit, for rotors that turn.
+    """Ranges of the data of a fit, without rotors at rest.
 
     Attributes
     ----------
@@ -141,7 +141,7 @@ class Beyond:
             ends = (furthest + (high if furthest > 0.0 else low), low, high)
             reached, *data = (f"{v:.0f} rpm" if name == "rpm" else f"{v:.3g}" for v in ends)
             way = "up" if furthest > 0.0 else "down"
-            share = f", {leaving[name].mean():.1%}" if outside.size > 1 else ""
+            share = f"; {leaving[name].mean():.1%} outside" if outside.size > 1 else ""
             parts.append(f"{QUANTITIES[name]} {way} to {reached} (data {' to '.join(data)}{share})")
         who = f"{outside.mean():.1%} of the {what} lie" if outside.size > 1 else "the point lies"
         return [f"{who} beyond the data of the fit: {'; '.join(parts)}"]

@@ -66,8 +66,8 @@ class Model:
     air : Air
         Density and viscosity; by default those of the paper.
     corrections : tuple
-        Values of ``propmap.correction``, at most one of each kind: terms beyond the physics of the
-        paper.  By default the corrections with which the constants of the airfoil were fitted, if
+        Terms beyond the physics of the paper, from ``propmap.correction``; at most one of each
+        kind.  By default the corrections with which the constants of the airfoil were fitted, if
         known.  ``propmap.model_corrections("recommended")`` returns the default corrections of the
         commands.
 
@@ -135,7 +135,7 @@ class Model:
 
     @property
     def span(self) -> tuple[float, float]:
-        """Radii at which the blade begins and ends [m], with a correction ``BladeToHub`` if any."""
+        """Radii at which the blade, extended by any ``BladeToHub``, begins and ends [m]."""
         to_hub = self.correction_of(BladeToHub)
         blade = self.propeller
         return (blade.root if to_hub is None else to_hub.hub(blade)), blade.radius
@@ -182,8 +182,8 @@ class Model:
         -------
         low, high : float
             Smallest and largest Reynolds number over all points.  At each point the range contains
-            98 % of dynamic pressure times chord.  The induced velocity, which hardly changes Re, is
-            neglected.
+            98 % of the integral of dynamic pressure times chord.  The induced velocity, which
+            hardly changes Re, is neglected.
         """
         w, v, b = (np.ravel(a)[:, None, None] for a in np.broadcast_arrays(omega, speed, beta))
         y = np.linspace(*self.span, 61)[:, None]
@@ -229,5 +229,5 @@ def installation_note(model: Model) -> str:
         area += f" (+- {1e4 * unknown[MOUNT_AREA]:.3g})"
     return (
         f"the rotor drag is that of the installed rotor: {factor} times the drag of the blades, "
-        f"plus the drag of {area} cm^2 in the slipstream"
+        f"plus the drag of parts with a drag area of {area} cm^2 in the slipstream"
     )

@@ -327,7 +327,7 @@ def _wrong_size(ratios: Mapping[str, float], usual: Range, *, by_power: bool) ->
     likely = common_errors([*ratios.values()], LOAD_RATIO, common)
     if len(causes) < len(odd):
         likely = likely or common_errors([*ratios.values()], WIDE_LOAD_RATIO, common)
-    shared = looks_like(_sized(likely, middle))
+    shared = looks_like(_sized(likely, middle), "the measurement")
     # One mistake is more likely than two.  With one measured load, both kinds of errors explain it.
     if shared and (len(odd) > 1 or len(ratios) == 1 or not causes):
         causes = [*causes, shared] if len(ratios) == 1 else [shared]
@@ -396,7 +396,8 @@ def _impossible(
         step = thrust[rows] / (2.0 * air.density * disk * np.maximum(flow, 1e-9))
         induced = 0.5 * (induced + np.minimum(step, 1e6))
     share = float(np.median(thrust[rows] * (along + induced) / power[rows]))
-    return f"the air gets {share:.3g} times the shaft power" if share > ENERGY_MARGIN else ""
+    fault = f"the power of the flow is {share:.3g} times the shaft power"
+    return fault if share > ENERGY_MARGIN else ""
 
 
 def _pulls_too_fast(

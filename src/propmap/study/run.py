@@ -55,7 +55,8 @@ class Study(Evaluation):
     varied : mapping of str to ndarray
         Values of the varied variables: "diameter" and "pitch" [m], "chord_scale", "twist_scale",
         "blades" [-], "rpm" [1/min], "speed_mps" and "beta_deg".  A full factorial uses all values.
-        A Latin hypercube requires the least and the largest value, but all values of ``blades``.
+        A Latin hypercube uses only the least and the largest value of each variable, except
+        "blades", of which it uses all values.
     axes : mapping of str to ndarray
         Values of "rpm", "speed_mps" and "beta_deg" if they are not varied: every design is
         evaluated at all combinations.

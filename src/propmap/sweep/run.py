@@ -257,7 +257,7 @@ def sweep_to_store(
     points_per_task: int = POINTS_PER_TASK,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Compute loads at any number of operating points into a Zarr store for ``xarray.open_zarr``.
+    """Write the loads at any number of operating points to a store for ``xarray.open_zarr``.
 
     If the store exists, only its missing tasks are computed: call the function again to resume a
     run that was killed.  The memory use does not depend on the number of points.

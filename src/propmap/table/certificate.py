@@ -103,7 +103,7 @@ def claims(found: Mapping[str, Any]) -> Iterator[str]:
     if found.get("search_points"):
         yield (
             f"a search for the largest errors used {found['search_points']} more points: in each "
-            "cell of the table, and uphill from the worst points"
+            "cell of the table, and along paths of increasing error from the worst points"
         )
     if cells:
         worst = max(found["unresolved_max_error"].values())
@@ -121,7 +121,7 @@ def claims(found: Mapping[str, Any]) -> Iterator[str]:
 def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
     """Yield sentences on the standard deviations due to the section constants."""
     yield (
-        "section constants: standard deviation of the loads from the fit's covariance of "
+        "section constants: standard deviation of the loads from the covariance of "
         f"{', '.join(found['parameters'])}, at {found['points']} points"
     )
     if found["not_counted"]:

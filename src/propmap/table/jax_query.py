@@ -60,7 +60,7 @@ class JaxTable(NamedTuple):
             Omega [rad/s], V [m/s] and beta [rad] in 0...pi; broadcast.
         clamp : bool
             Whether points outside the envelope have the loads of the nearest point of the envelope
-            instead of NaN, with zero derivatives across its border.
+            instead of NaN.  Their derivatives normal to the boundary of the envelope are zero.
         """
         w, v, b, inside = self._bounded(omega, speed, beta)
         values = _at(self, w, v * jnp.cos(b), v * jnp.sin(b))

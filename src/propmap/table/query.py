@@ -53,7 +53,8 @@ class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
         - "unresolved": the model's loads jump or are very steep, and the table's error may exceed
           its tolerance;
         - "clamped": the point is outside the envelope and has the loads of the nearest point;
-        - "no_value": NaN, since the model found no loads nearby, or they were left out;
+        - "no_value": NaN, since the model found no loads nearby, or since the table excludes loads
+          in the vortex ring state;
         - "outside": NaN, since the point is outside the envelope.
         """
         words = np.asarray(interpolation.STATUSES)[self.code]
@@ -285,8 +286,8 @@ class LoadTable:
         """Return the derivatives of the loads with respect to omega and x, y, z of the velocity.
 
         They are along the last axis, and NaN outside the envelope.  ``omega`` and ``velocity`` are
-        those of ``loads_at_velocity``.  In-plane loads have no direction without in-plane velocity;
-        the derivatives there are one-sided, for an in-plane velocity along x.
+        those of ``loads_at_velocity``.  Without in-plane velocity, in-plane loads have no direction
+        and the derivatives are the one-sided derivatives for an in-plane velocity along x.
         """
         w, x, y, z = arrays_of(omega=omega, **components(velocity))
         across = np.hypot(x, y)

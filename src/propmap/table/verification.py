@@ -118,7 +118,7 @@ def certify(
     """Compare a table with its model at independent points, and search for the largest errors.
 
     Return the certificate, and the points with loads outside unresolved cells.  The tolerance does
-    not apply inside unresolved cells.  Extra points there give the separate error of these cells.
+    not apply inside unresolved cells, whose errors are computed separately at additional points.
 
     Parameters
     ----------

@@ -222,7 +222,7 @@ def _rotor_speed(
                 if left:
                     notes = (
                         f"ESC has {len(instances)} instances; those of motors 1 to {len(slots)} "
-                        f"are read; left out, since they belong to no motor: {', '.join(left)}",
+                        f"are read; instances of no motor are left out: {', '.join(left)}",
                     )
                 instances = [instances[place] for place in slots]
                 break

@@ -34,7 +34,7 @@ def draft_vehicle(path: Path) -> str:
     count = int(stated.get("CA_ROTOR_COUNT", 0))
     if count < 1:
         found = "the log has no rotor parameters: CA_ROTOR_COUNT is missing or 0"
-        remedy = "give a log of PX4 1.14 or later with a geometry, or write the file by hand"
+        remedy = "give a log of PX4 1.14 or later with rotor positions, or write the file by hand"
         raise InputError(found, remedy, str(path))
     mass = float(stated.get(MASS, -1.0))
     rotors = [

@@ -374,11 +374,12 @@ EULER_COLUMNS = ("roll", "pitch", "yaw")
 
 @dataclass(frozen=True)
 class LogMap:
-    """Conventions of a vehicle's logs: the table ``[log]`` of its file; None is "not stated".
+    """Conventions of a vehicle's logs, from the table ``[log]`` of its file.
 
-    Logs of PX4 and ArduPilot are always in FRD and NED; their rotor speeds are in rpm unless "erpm"
-    is stated.  The defaults for bags are FLU and ENU (REP 103), and the body frame for the velocity
-    of an Odometry message.  All other conventions that a log needs must be stated.
+    None means that the file does not state the convention.  Logs of PX4 and ArduPilot are always in
+    FRD and NED; their rotor speeds are in rpm unless "erpm" is stated.  The defaults for bags are
+    FLU and ENU (REP 103), and the body frame for the velocity of an Odometry message.  All other
+    conventions that a log needs must be stated.
 
     Attributes
     ----------

@@ -56,11 +56,11 @@ class FlightLog:
     rotor_acceleration : ndarray, shape (n, rotors)
         Time derivative of ``rotor_speed`` [rad/s^2]; NaN if unknown.
     throttle : ndarray, shape (n, rotors)
-        Drive of the motors from commands [-] or [V]; NaN if rotor speeds were measured.  It is the
-        fraction of full throttle, delayed by the default motor lag.  If the log contains the
-        battery voltage or the hover throttle, the fraction is multiplied by this voltage or divided
-        by this throttle.  If rotor speeds were not measured, ``rotor_speed`` contains the same
-        values until a throttle curve converts them to speeds.
+        Motor commands as fractions of full throttle, delayed by the default motor lag [-]; NaN if
+        rotor speeds were measured.  If the log contains the battery voltage or the hover throttle,
+        the fraction is multiplied by this voltage [V] or divided by this throttle [-].  If rotor
+        speeds were not measured, ``rotor_speed`` contains the same values until a throttle curve
+        converts them to speeds.
     throttle_by_lag : ndarray, shape (n, rotors)
         Derivative of ``throttle`` with respect to the lag [1/s].
     flight : ndarray, shape (n,)

@@ -356,7 +356,7 @@ def _dead_sensors(recording: log.Recording) -> list[str]:
     for signal in recording.signals().values():
         still = np.ptp(signal.values, axis=0) == 0.0
         if still.all():
-            found.append(f"{signal.name} never change: log the measured values")
+            found.append(f"values of {signal.name} never change: log the measured values")
         elif signal is recording.specific_force and still.any():
             axes = " and ".join(AXES[k] for k in np.flatnonzero(still))
             found.append(f"{signal.name} never changes along {axes}: look for a dead axis")

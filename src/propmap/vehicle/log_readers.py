@@ -219,8 +219,8 @@ def _check_columns(
     missing = [name for name in wanted if name not in present]
     twice = [name for name in wanted if present.count(name) > 1]
     found = [
-        f"{', '.join(map(quoted, some))} {what}"
-        for some, what in ((missing, "missing"), (twice, "more than once"))
+        f"{what} columns: {', '.join(map(quoted, some))}"
+        for some, what in ((missing, "missing"), (twice, "repeated"))
         if some
     ]
     if not found:
@@ -229,7 +229,7 @@ def _check_columns(
     meant = ", ".join(map(repr, itertools.chain(*close)))
     keys = ", ".join(dict.fromkeys(wanted[name] for name in (*missing, *twice)))
     raise InputError(
-        f"columns: {', '.join(found)}; the file has {', '.join(present[:MOST_SHOWN])}"
+        f"{'; '.join(found)}; the file has {', '.join(present[:MOST_SHOWN])}"
         f"{', ...' if len(present) > MOST_SHOWN else ''}",
         (f"did you mean {meant}? " if meant else "")
         + f"correct {keys} in [log.columns] of {log.file}",
@@ -412,8 +412,8 @@ def _ulog_rotor_speed(file: Any, factor: float) -> tuple[Signal, tuple[str, ...]
     if slots and len(slots) < count:
         left = ", ".join(str(k + 1) for k in range(count) if k not in slots)
         notes = (
-            f"{ROTORS} has {count} slots; those of motors 1 to {len(slots)} are read; left out, "
-            f"since they belong to no motor: {left}",
+            f"{ROTORS} has {count} slots; those of motors 1 to {len(slots)} are read; slots "
+            f"of no motor are left out: {left}",
         )
     speeds = np.stack(columns, axis=1)[:, slots or [*range(count)]]
     return Signal(f"rotor speed ({ROTORS})", _time(data), speeds * factor), notes

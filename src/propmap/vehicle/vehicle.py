@@ -175,7 +175,8 @@ class Vehicle:
 
     def __post_init__(self) -> None:
         if not 0.001 <= self.mass <= 1000.0:
-            raise InputError(f"mass is {self.mass} kg", "give the take-off mass in kg")
+            fault = f"mass is {self.mass} kg, expected 0.001 to 1000"
+            raise InputError(fault, "give the take-off mass in kg")
         if not self.mounts:
             raise InputError("the vehicle has no rotor", "add a [[rotors]] table per rotor")
         if self.inertia is not None:

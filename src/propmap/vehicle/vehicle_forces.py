@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 class VehicleWrench:
     """Aerodynamic force and moment on a vehicle of k rotors at (...) states, in its frame.
 
-    Weight and gyroscopic moments of the rotors are not included.
+    The weight of the vehicle and the gyroscopic moments of the rotors are not included.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class VehicleWrench:
 
 
 class VehicleForces:
-    """A vehicle and the loads of its rotors: computes the aerodynamic force and moment.
+    """Aerodynamic force and moment on a vehicle, computed from the loads of its rotors.
 
     Parameters
     ----------
@@ -88,8 +88,8 @@ class VehicleForces:
     Raises
     ------
     InputError
-        For loads of another propeller or other air, for a table if a mount has a drag area
-        (table [mount]), and for interacting rotors at the same position.
+        For loads of another propeller or other air, for a ``LoadTable`` if [mount] in the vehicle
+        file has a drag area, and for interacting rotors at the same position.
     """
 
     def __init__(self, vehicle: Vehicle, loads: LoadSource) -> None:
@@ -487,9 +487,9 @@ def check_table(vehicle: Vehicle, table: Any) -> None:
         return
     if described.get("geometry_sha256") != vehicle.propeller.fingerprint():
         raise InputError(
-            f"the table is for {described.get('name')!r}, the vehicle has "
-            f"{vehicle.propeller.name!r}, or the same with another geometry",
-            "build a table for this propeller",
+            f"the table is for {described.get('name')!r}, but the propeller of the vehicle is "
+            f"{vehicle.propeller.name!r} or has another geometry",
+            "build a table for the propeller of the vehicle",
         )
     if abs(table.content.density - vehicle.air.density) > 1e-6 * vehicle.air.density:
         raise InputError(

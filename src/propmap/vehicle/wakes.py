@@ -132,7 +132,7 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
     vehicle : Vehicle
         Vehicle with m rotors.
     wakes : Wakes
-        Gains, and the multiple of the inflow that carries a wake away.
+        Gains, and factor on the inflow in the convection velocity of each wake.
     flow : HubFlow
         Flow of n samples without interaction.
     thrust : ndarray, shape (n, m)
