@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.aircraft.performance import performance
 from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.units import GRAVITY, RPM
@@ -112,17 +111,6 @@ def test_rotors_of_a_hexacopter_share_the_load(vehicle: Vehicle) -> None:
     assert np.abs(states.moment).max() < 1e-7
 
 
-def test_a_center_of_mass_ahead_loads_the_front(vehicle: Vehicle) -> None:
-    mounts = tuple(
-        replace(m, position=(m.position[0] - 0.03, m.position[1], m.position[2]))
-        for m in vehicle.mounts
-    )
-    states = aircraft_of(replace(vehicle, mounts=mounts)).steady(0.0)
-    front, rear = states.thrust[0, [0, 3]].sum(), states.thrust[0, [1, 2]].sum()
-    # Moments about the center of mass.
-    assert front * (0.16 - 0.03) == pytest.approx(rear * (0.16 + 0.03), rel=1e-7)
-
-
 def test_what_rotors_cannot_balance_is_told(vehicle: Vehicle) -> None:
     """One rotor ahead of a wing: thrust alone; the rest is for control surfaces."""
     single = replace(vehicle, mounts=(Mount((0.1, 0.0, 0.0), spin="ccw"),), mass=0.3)
@@ -151,21 +139,6 @@ def test_limits_are_statuses_not_numbers(vehicle: Vehicle) -> None:
     assert heavy.status[0] in ("voltage_limit", "motor_current_limit", "battery_limit")
     assert np.isnan(heavy.shaft_power[0])
     assert heavy.thrust_margin[0] < 1.0  # less thrust than weight
-
-
-def test_induced_power_falls_as_one_over_speed(vehicle: Vehicle) -> None:
-    """In fast edgewise flight T v_i goes as T^2/(2 rho A V): Glauert's high-speed limit."""
-    craft = aircraft_of(replace(vehicle, body=Body()))
-    states = craft.steady([14.0, 18.0])
-    rotor, inflow = rotor_of(vehicle), []
-    for k, speed in enumerate((14.0, 18.0)):
-        pitch = float(states.pitch[k])
-        found = rotor.loads(states.rotor_speed[k], speed, math.pi / 2.0 - pitch)
-        inflow.append(float((found.thrust * found.mean_inflow).sum()))
-    thrust = states.thrust.sum(axis=1)
-    assert inflow[1] / inflow[0] == pytest.approx(
-        (thrust[1] / thrust[0]) ** 2 * 14.0 / 18.0, rel=0.05
-    )
 
 
 def test_thrust_margin_is_thrust_at_the_limit(vehicle: Vehicle) -> None:
@@ -232,15 +205,6 @@ def test_no_gap_where_two_attitudes_balance(tailsitter: Aircraft) -> None:
     lifted = carried + np.cos(states.pitch) * states.thrust.sum(axis=1)
     assert lifted[2:] == pytest.approx(1.1 * GRAVITY, rel=0.05)
     assert states.shaft_power[1] < 0.5 * states.shaft_power[0]
-
-
-@pytest.mark.slow
-def test_least_power_is_at_the_edge_of_stall(tailsitter: Aircraft) -> None:
-    found = performance(tailsitter, tailsitter.steady([0.0, 10.0], margin=False))
-    assert found.least_power is not None
-    v = found.least_power.speed
-    beside = tailsitter.steady([v - 0.4, v, v + 0.8], margin=False).power
-    assert beside[1] <= beside[0] and beside[1] <= beside[2]
 
 
 def test_slower_than_stall_there_is_no_number() -> None:

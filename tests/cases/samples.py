@@ -6,13 +6,8 @@ import re
 
 import numpy as np
 
-BLADE = [
-    (0.2, 0.15, 38.0),
-    (0.4, 0.21, 30.0),
-    (0.6, 0.22, 21.0),
-    (0.8, 0.17, 15.0),
-    (1.0, 0.04, 10),
-]
+BLADE = [(0.2, 0.15, 38.0), (0.4, 0.21, 30.0), (0.6, 0.22, 21.0), (0.8, 0.17, 15.0)]
+BLADE += [(1.0, 0.04, 10)]
 RADIUS = 0.1
 UIUC = "r/R c/R beta\n" + "".join(f"{r:.2f} {c:.3f} {b:.2f}\n" for r, c, b in BLADE)
 CSV = "# blades: 2\nradius_m,chord_m,twist_deg\n" + "".join(

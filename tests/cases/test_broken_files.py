@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from propmap.cli import sweep
 from propmap.export import export_table
 from propmap.table import LoadTable
 from tests.cli.conftest import ROTOR, Run, refused
@@ -19,6 +20,8 @@ from tests.table.test_table_file import _rewritten
 
 from . import samples
 
+POINTS = ["--rpm", "2000,3000", "--speed", "0", "--beta", "0"]
+
 
 @pytest.fixture
 def table() -> Path:
@@ -26,54 +29,41 @@ def table() -> Path:
     return Path("map.npz")
 
 
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
+def test_a_damaged_table(run: Run, table: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for change, says in (
         (lambda _, a: a.update(cells=np.full_like(a["cells"], 255)), "a cell has the flags 255"),
         (lambda _, a: a["coefficients"].__setitem__((0, 0, 0, 0), 7.0), "checksum"),
         (lambda head, _: head.pop("sha256"), "checksum"),
-    ],
-)
-def test_a_damaged_table(run: Run, table: Path, change: Any, says: str) -> None:
-    _rewritten(table, change)
-    refused(run("show", table), "map.npz", says)
-
-
-def test_a_table_that_unpacks_to_gigabytes(
-    run: Run, table: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    ):
+        LoadTable(invented_content()).save(table)
+        _rewritten(table, change)
+        refused(run("show", table), "map.npz", says)
     monkeypatch.setattr("propmap.table.files.MOST_UNPACKED", 10_000)
     refused(run("show", table), "map.npz: the file unpacks to", "more than any table")
 
 
-@pytest.mark.parametrize("shape", [(10**9,), (10**15,)])
-def test_a_table_whose_header_says_to_be_huge(run: Run, table: Path, shape: tuple[int]) -> None:
+def test_a_table_whose_header_says_to_be_huge(run: Run, table: Path) -> None:
     header = io.BytesIO()
-    about: Any = {"descr": "<f8", "fortran_order": False, "shape": shape}
+    about: Any = {"descr": "<f8", "fortran_order": False, "shape": (10**15,)}
     np.lib.format.write_array_header_1_0(header, about)
     with zipfile.ZipFile(table, "w") as file:
         file.writestr("info.npy", header.getvalue() + bytes(80))
     refused(run("show", table), "map.npz: the file is not a table, or it is damaged")
 
 
-def test_a_long_name_with_a_null_character_in_exports(tmp_path: Path) -> None:
-    content = invented_content()
-    content.info["propeller"]["name"] = "n" * 150 + "\0\u4e2d"
-    for target in ("c", "jsbsim", "csv"):
-        paths = export_table(LoadTable(content), target, tmp_path / target)
-        assert all("\0" not in path.read_text(encoding="utf-8") for path in paths)
-
-
 def test_a_path_with_bytes_that_are_no_text(run: Run) -> None:
     Path("bl\udce9.csv").write_text(samples.CSV)
     done = run("predict", "bl\udce9.csv", "--rpm", "3000", "--format", "csv")
     assert done.code == 0
-    sweep = ["--rpm", "2000,3000", "--speed", "0", "--beta", "0"]
-    refused(run("sweep", "bl\udce9.csv", *sweep, "-o", "s.nc"), "not UTF-8; rename")
+    refused(run("sweep", "bl\udce9.csv", *POINTS, "-o", "s.nc"), "not UTF-8; rename")
     assert [path.name for path in Path().iterdir()] == ["bl\udce9.csv"]
 
 
-def test_a_null_character_in_a_vehicle(run: Run) -> None:
+def test_null_characters(run: Run, tmp_path: Path) -> None:
+    content = invented_content()
+    content.info["propeller"]["name"] = "n" * 150 + "\0\u4e2d"
+    paths = export_table(LoadTable(content), "c", tmp_path / "to")
+    assert all("\0" not in path.read_text(encoding="utf-8") for path in paths)
     Path("vehicle.toml").write_text(VEHICLE.replace("apc-8x6e", "a\\u0000.csv"))
     refused(run("trim", "vehicle.toml"), "vehicle.toml")
     Path("vehicle.toml").write_text(VEHICLE.replace("test quadrotor", "/*\\u0000"))
@@ -81,8 +71,6 @@ def test_a_null_character_in_a_vehicle(run: Run) -> None:
 
 
 def test_of_runs_beside_each_other_one_writes(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    from propmap.cli import sweep
-
     compute = sweep._compute
 
     def meanwhile(evaluation: Any) -> Any:
@@ -90,7 +78,6 @@ def test_of_runs_beside_each_other_one_writes(run: Run, monkeypatch: pytest.Monk
         return compute(evaluation)
 
     monkeypatch.setattr(sweep, "_compute", meanwhile)
-    points = ["--rpm", "2000,3000", "--speed", "0", "--beta", "0", "-o", "s.nc"]
-    refused(run("sweep", *ROTOR, *points), "s.nc: another run has written this file")
+    refused(run("sweep", *ROTOR, *POINTS, "-o", "s.nc"), "s.nc: another run has written this file")
     assert Path("s.nc").read_bytes() == b"of another run"
     assert [path.name for path in Path().iterdir()] == ["s.nc"]

@@ -35,10 +35,6 @@ def loads_of(run: Run, *arguments: object) -> tuple[dict[str, Any], str]:
     return json.loads(done.out), done.err
 
 
-# -------------------------------------------------------------------------------------------------
-# Columns of stands.
-
-
 def read(text: str | bytes) -> tuple[TunnelData, str]:
     """Return the measured loads and the remarks on the columns."""
     Path("stand.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
@@ -58,7 +54,6 @@ STILL = stand_csv("RPM1 - RPM,Thrust - N,Torque - N*m").replace("\n", "\n0,5,0.1
 POWER = "".join(f"{rpm},{t},{q * rpm * np.pi / 30.0!r}\n" for rpm, t, q in ROWS)
 STANDS: dict[str, tuple[str | bytes, str]] = {
     "no UTF-8": (samples.stand(ROWS).encode("latin-1"), "'Torque (N\u00b7m)' is torque in N"),
-    "capitals": (stand_csv("RPM,THRUST_N,Torque_Nm"), "'RPM' is the rotational speed"),
     "symbols": (stand_csv("rpm,T [N],Q_Nm"), "'Q_Nm' is torque in Nm"),
     "g, N cm and decimal commas": (GRAMS.replace(",", ";").replace(".", ","), ""),
     "kg and mN m": (stand_csv("rpm,thrust_kg,torque_mNm", factors=(1.0, 1.0 / GRAVITY, 1e3)), ""),
@@ -66,7 +61,6 @@ STANDS: dict[str, tuple[str | bytes, str]] = {
     "power in %": (stand_csv("rpm,T [N],Q_Nm,Power (%)", (0, 1, 2, 0)), "not used: 'Power (%)'"),
     "rows that stand still": (STILL, "2 of 10 rows have no rpm and are omitted"),
     "units beneath": (stand_csv("Drehzahl,Thrust,Q_avg\n1/min,N,N m"), "'Q_avg [N m]' is torque"),
-    "averages": (stand_csv("RPM_avg,Thrust (N) ,Torque_mean (N-m)"), "'RPM_avg' is the"),
     "a title above": ("T-Motor F80,,\n" + stand_csv("RPM,Thrust (N),Torque (Nm)"), "'RPM' is"),
 }
 
@@ -91,7 +85,6 @@ def test_of_a_stand_s_columns_none_goes_without_a_word(run: Run) -> None:
         assert f"'{name}'" in told
     # The speed that was not measured is not the one that is taken.
     assert "'Motor Electrical Speed (RPM)' is the rotational speed" in told
-    assert "'Motor Optical Speed (RPM)' (blank)" in told
     assert "'Electrical Power (W)' (electrical, not of the shaft)" in told
     assert told.removeprefix("note: ") in fit_record(Path("fit.toml"))["remarks"]
 
@@ -100,11 +93,8 @@ def test_a_blank_torque_and_the_battery_s_power_leave_the_thrust() -> None:
     blank = stand_csv("rpm,thrust_N,torque_Nm", (0, 1)).replace("\n", ",\n").replace("Nm,", "Nm")
     found, told = read(blank)
     assert "not used: 'torque_Nm' (blank)" in told and list(found.loads) == ["thrust"]
-    text = "RPM,Thrust(g),Voltage (V),Current (A),Power (W)\n" + "".join(
-        f"{rpm},{t / 9.80665e-3},11.1,{rpm / 1e3},{round(11.1 * rpm / 1e3, 1)}\n"
-        for rpm, t, _ in ROWS
-    )
-    found, told = read(text)
+    rows = "".join(f"{n},{t},11.1,{n / 1e3},{round(11.1 * n / 1e3, 1)}\n" for n, t, _ in ROWS)
+    found, told = read(f"RPM,Thrust(N),Voltage (V),Current (A),Power (W)\n{rows}")
     assert list(found.loads) == ["thrust"]
     assert "power equals voltage times current: it is electrical and not used" in told
 
@@ -125,16 +115,11 @@ def test_points_at_rest_need_rpm_alone(run: Run) -> None:
     assert "all rows are assumed to be at V = 0" in done.err
 
 
-@pytest.mark.parametrize("change", [("RPM", "# static\nRPM"), (" ", ",")])
-def test_coefficients_of_uiuc_with_comments_and_commas(change: tuple[str, str]) -> None:
+def test_coefficients_of_uiuc_with_comments_and_commas() -> None:
     text = "RPM CT CP\n3000 0.1 0.05\n4000 0.1 0.049\n"
-    want, found = read(text)[0], read(text.replace(*change))[0]
+    want, found = read(text)[0], read("# static\n" + text.replace(" ", ","))[0]
     assert found.omega.tolist() == want.omega.tolist()
     assert found.loads["torque"].tolist() == want.loads["torque"].tolist()
-
-
-# -------------------------------------------------------------------------------------------------
-# Fits that explain nothing.
 
 
 @pytest.mark.usefixtures("brief")
@@ -145,11 +130,7 @@ def test_a_fit_that_leaves_most_is_refused_with_the_cause(run: Run) -> None:
     refused(run(*asked), "% of the torque", "its sign looks reversed", "--accept")
     assert not Path("fit.toml").exists()
     assert run(*asked, "--accept").code == 0
-    assert Path("fit.toml").exists()
 
-
-# -------------------------------------------------------------------------------------------------
-# Geometry.
 
 XROTOR, BEM = "an XROTOR file: its section law is not read", "diameter is assumed to be in meters"
 GEOMETRIES = {
@@ -159,12 +140,10 @@ GEOMETRIES = {
     "said.txt": ("# blades = 3\n" + samples.UIUC, "", 3),
     "title.csv": ("# my 3-blade propeller\n" + samples.CSV.split("\n", 1)[1], "", 3),
     "blade.prop": (samples.QPROP, "a QPROP propeller: its section law is not read", 2),
-    "inches.prop": (samples.QPROP.replace(" 2        ! Nb", " 2 3.937008 ! Nb"), "QPROP", 2),
     "meters.prop": (samples.QPROP.replace(" 2        ! Nb", " 3 0.1 0.02 ! Nb"), "QPROP", 3),
     "blade.xrotor": (samples.XROTOR, XROTOR, 2),
     "saved.xrotor": (samples.XROTOR.replace("#stations    #blades", "II Nblds"), XROTOR, 2),
-    "script.bem": (samples.BEM.replace("Num_Blade:", "Num_Blades:"), BEM, 2),
-    "three.bem": (samples.BEM.replace("Num_Blade: 2", "Num_Blade: 3"), BEM, 3),
+    "three.bem": (samples.BEM.replace("Num_Blade: 2", "Num_Blades: 3"), BEM, 3),
     "spelled.csv": (
         "# blades: 2\nRadius [mm];Chord (cm);Twist [\u00b0];t/c\n"
         + "".join(f"{r * 100!r};{c * 10!r};{b};0.1\n" for r, c, b in samples.BLADE),
@@ -179,7 +158,7 @@ def test_geometry_of_other_programs(run: Run, name: str) -> None:
     text, says, blades = GEOMETRIES[name]
     Path("want.csv").write_text(samples.CSV)
     Path(name).write_text(text)
-    radius = ["--radius", "0.1"] if "r/R c/R" in text or "r/R,c/R" in text else []
+    radius = ["--radius", "0.1"] if "r/R" in text and "c/R beta" in text.replace(",", " ") else []
     want, _ = loads_of(run, "want.csv", "--blades", blades)
     found, told = loads_of(run, name, *radius)
     assert says in told
@@ -187,9 +166,9 @@ def test_geometry_of_other_programs(run: Run, name: str) -> None:
         assert found[load] == pytest.approx(want[load], rel=1e-9)
 
 
-def test_a_tip_that_a_program_leaves_out_is_added(tmp_path: Path) -> None:
+def test_a_tip_that_a_program_leaves_out_is_added() -> None:
     """XROTOR's stations lie between the edges of its elements."""
-    path = tmp_path / "short.xrotor"
+    path = Path("short.xrotor")
     path.write_text(samples.XROTOR.replace("  1.00  0.040  10", "  0.99  0.046  10"))
     blade = read_geometry_file(path)
     assert blade.radius == pytest.approx(0.1)
@@ -199,23 +178,14 @@ def test_a_tip_that_a_program_leaves_out_is_added(tmp_path: Path) -> None:
         read_geometry_file(path)
 
 
-# -------------------------------------------------------------------------------------------------
-# Polars.
-
-
 @pytest.mark.parametrize("name", samples.POLARS)
 def test_polars_of_other_programs(name: str) -> None:
     Path("polar.dat").write_text(samples.POLARS[name])
     table = read_section_table(Path("polar.dat"))
     degrees, lift, drag = np.array(samples.POLAR).T
-    found = [
-        np.interp(np.radians(degrees), table.angle, row[0]) for row in (table.lift, table.drag)
-    ]
+    rows = table.lift[0], table.drag[0]
+    found = [np.interp(np.radians(degrees), table.angle, row) for row in rows]
     np.testing.assert_allclose(found, [lift, drag], rtol=1e-9)
-
-
-# -------------------------------------------------------------------------------------------------
-# Computed loads, and files in the wrong place.
 
 
 @pytest.mark.usefixtures("brief")
@@ -223,18 +193,12 @@ def test_computed_loads_are_called_computed(run: Run) -> None:
     Path("PER3_8x6E.dat").write_text(samples.PERFILE)
     quick = ["--free", "c_l1,zero_lift_angle", "--starts", "1", "--folds", "0"]
     done = run("fit", "tunnel", "apc-8x6e", "PER3_8x6E.dat", *quick, "-o", "fit.toml")
-    assert done.code == 0
-    says = "PER3_8x6E.dat: computed by APC, not measured"
-    assert says in done.err and says in fit_record(Path("fit.toml"))["remarks"]
-    assert fit_record(Path("fit.toml"))["rows"] == 10
+    says, told = "PER3_8x6E.dat: computed by APC, not measured", fit_record(Path("fit.toml"))
+    assert says in done.err and says in told["remarks"] and told["rows"] == 10
     assert says in run("check", "fit.toml", "PER3_8x6E.dat").err
     want, (later, told) = read(samples.PERFILE)[0], read(samples.PERFILE_OF_2022)
     assert "computed by APC" in told
     assert later.loads["thrust"].tolist() == want.loads["thrust"].tolist()
-
-
-# -------------------------------------------------------------------------------------------------
-# One point on the command line.
 
 
 def test_hover_needs_rpm_alone_and_several_roots_are_explained(run: Run) -> None:

@@ -1,7 +1,4 @@
-"""Forty slips that people make in columns of measured loads: eight kinds in each of five columns.
-
-The right cause is named in at least 36 of them, and no wrong one is named alone.
-"""
+"""Forty slips in columns of measured loads: at least 36 causes are named, and no wrong one."""
 
 from __future__ import annotations
 

@@ -81,9 +81,7 @@ def test_one_that_is_left_out_plays_no_part() -> None:
     whole, rest = apc.difference("apcsf"), apc.difference("apcsf", without=name)
     assert np.degrees(rest.mean[1] - whole.mean[1]) == pytest.approx(1.16 / 6.0, abs=0.02)
     assert rest.covariance[1, 1] < whole.covariance[1, 1]
-
-
-def test_a_series_that_was_not_measured_is_known_less() -> None:
+    # A series that was not measured is known less.
     other, own = apc.difference("apcmr"), [apc.difference(f) for f in ("apce", "apcsf")]
     assert own[1].mean[1] < other.mean[1] < own[0].mean[1]
     assert all(other.covariance[1, 1] > one.covariance[1, 1] for one in own)

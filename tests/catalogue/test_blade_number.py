@@ -44,6 +44,11 @@ def test_blades_of_a_series_and_of_two_stay_as_they_were(text: str, other: str) 
     np.testing.assert_array_equal(propmap.propeller(text).chord, propmap.propeller(other).chord)
 
 
+def test_a_measured_blade_on_another_hub() -> None:
+    own = propmap.propeller("uiuc-nr640-9x5.68")
+    assert own.blades == 2 and propmap.propeller("nr640 9x5.68 - 3") == replace(own, blades=3)
+
+
 def relative_band(text: str, blades: int | None = None) -> float:
     """Half the width of the 95 % band of static thrust, over thrust."""
     model = propmap.catalogue_model(text, blades)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,13 +19,11 @@ MM = 1e-3
 @pytest.mark.parametrize(
     ("text", "words", "diameter", "pitch", "blades"),
     [
-        ("8x6E", ("e",), 8 * INCH, 6 * INCH, None),
-        ("5x4.3x3", (), 5 * INCH, 4.3 * INCH, 3),
+        ("magf 10x6", ("magf",), 10 * INCH, 6 * INCH, None),  # Master Airscrew's, not of Gemfan
         ("apc 10x4.7sf", ("apc", "sf"), 10 * INCH, 4.7 * INCH, None),
         ("HQ 5 x 4,3 3-blade", ("hq",), 5 * INCH, 4.3 * INCH, 3),
         ("130x70", (), 130 * MM, 70 * MM, None),
         ("E-flite 130x70 mm", ("e", "flite"), 130 * MM, 70 * MM, None),
-        ("28x9.2 in", (), 28 * INCH, 9.2 * INCH, None),
         ("1045", (), 10 * INCH, 4.5 * INCH, None),
         ("da4002 5x1.58", ("da4002",), 5 * INCH, 1.58 * INCH, None),
         ("gwsdd 5.0x4.3 - 2", ("gwsdd",), 5 * INCH, 4.3 * INCH, 2),
@@ -44,6 +40,7 @@ def test_designations(
     found = designation(text)
     assert found is not None
     assert (found.words, found.blades) == (words, blades)
+    assert text != "magf 10x6" or found.maker == ""
     assert (found.diameter, found.pitch) == pytest.approx((diameter, pitch), rel=1e-12)
 
 
@@ -67,11 +64,9 @@ def test_no_size() -> None:
         ("5x0", "pitch of 0 m"),
         ("5x50", "pitch of 1.27 m"),
         ("5x4x1", "1 blades"),
-        ("5x4x12", "12 blades"),
         ("T5000", "pitch of 0 m"),
         ("12345", "pitch of 0.0876 m"),
         ("5040x1", "1 blades"),
-        ("Gemfan 51466-9", "9 blades"),
         ("apc 10x7", "may be uiuc-apce-10x7, uiuc-apcsf-10x7"),
         ("apc-8x6q", "did you mean apc-8x6e"),
         ("5x", "did you mean apc-5x"),
@@ -88,32 +83,21 @@ def test_refusals_are_one_line(text: str, says: str) -> None:
     [
         ("APC 10x4.7SF", "uiuc-apcsf-10x4.7"),
         ("apc slow flyer 10x4.7", "uiuc-apcsf-10x4.7"),
-        ("apcsf 10x4.7", "uiuc-apcsf-10x4.7"),
         ("apc 8x6e", "apc-8x6e"),
-        ("APC 8x4.5 MR", "apc-8x4.5mr"),
         ("master airscrew 9x6", "uiuc-ma-9x6"),
         ("master airscrew electric 9x6", "uiuc-mae-9x6"),
-        ("E-flite 130x70", "uiuc-ef-130x70"),
         ("kyosho 11x9 2-blade", "uiuc-kyosho-11x9"),
         ("10x4.7SF", "uiuc-apcsf-10x4.7"),
         ("gwssf 10.0x4.7 - 2", "uiuc-gwssf-10x4.7"),
-        ("apc-7x5E", "apc-7x5e"),
         ("12x6e", "apc-12x6e"),
         ("APC 5.1x5E", "apc-5.1x5.0e"),
         ("APC 11x7E 3-blade", "apc-11x7e-3"),
-        ("APC 11x4.5EP", "apc-11x4.5ep"),
     ],
 )
 def test_one_propeller(text: str, name: str) -> None:
     found = designated(text)
     assert isinstance(found, catalogue.Entry) and found.name == name
     assert propmap.propeller(text) == propmap.propeller(name)
-
-
-def test_a_measured_blade_on_another_hub() -> None:
-    own = propmap.propeller("uiuc-nr640-9x5.68")
-    assert own.blades == 2
-    assert propmap.propeller("nr640 9x5.68 - 3") == replace(own, blades=3)
 
 
 def test_every_title_means_its_own_propeller() -> None:
@@ -153,25 +137,18 @@ ASSUMED = "two blades assumed"
 
 BY_MAKERS = [
     ("51466", 5.1, 4.66, 3, "3 blades if it is from Gemfan: five-digit sizes have three blades"),
-    ("Gemfan 51466", 5.1, 4.66, 3, "3 blades: five-digit sizes have three blades"),
     ("GF51466-3", 5.1, 4.66, 3, "in, 3 blades"),
     ("Gemfan 2036-4", 2.0, 3.6, 4, "2 x 3.6 in, 4 blades"),
     ("5040x3", 5.0, 4.0, 3, "5 x 4 in, 3 blades"),
     ("T5045C", 5.0, 4.5, 3, "3 blades if it is from DALPROP: T marks three blades"),
-    ("DALPROP T7056", 7.0, 5.6, 3, "3 blades: T marks three blades"),
     ("DAL Q2035C", 2.0, 3.5, 4, "4 blades: Q marks four blades"),
     ("DAL 5045BN", 5.0, 4.5, None, ASSUMED),
     ("T-Motor T5147", 5.1, 4.7, 3, "3 blades: T sizes below eight inches"),
     ("T-Motor T5143S-3", 5.1, 4.3, 3, "in, 3 blades"),
-    ("T-Motor T1045", 10.0, 4.5, None, ASSUMED),
     ("P15x5", 15.0, 5.0, None, ASSUMED),
     ("DJI 9450", 9.4, 5.0, None, ASSUMED),
-    ("DJI 1345", 13.0, 4.5, None, ASSUMED),
     ("HQ T5x4.5x3 V1S", 5.0, 4.5, 3, "in, 3 blades"),
     ("HQ Ethix S3", 5.0, 3.1, 3, "3 blades: S3 is the 5x3.1x3"),
-    ("Ethix S4", 5.0, 3.7, 3, "S4 is the 5x3.7x3"),
-    ("Ethix S5", 5.0, 4.0, 3, "S5 is the 5x4x3"),
-    ("Avan Flow 5043", 5.0, 4.3, None, ASSUMED),
     ("1636", 1.6, 3.6, None, "1.6 x 3.6 in (not 16 x 3.6 in), two blades assumed"),
 ]
 
@@ -205,9 +182,3 @@ def test_a_number_of_blades_that_is_asked_for_wins(
     assert isinstance(meant, ExpectedBlade)
     assert propmap.propeller(text, asked).blades == blades
     assert told in meant.summary
-
-
-def test_a_word_that_only_contains_a_maker_is_not_that_maker() -> None:
-    """The database's "magf" is Master Airscrew's, "gf" in it is not Gemfan."""
-    found = designation("magf 10x6")
-    assert found is not None and found.maker == ""

@@ -14,6 +14,8 @@ from propmap.catalogue.identified import LIFT_LAW, all_identified, identified
 from propmap.catalogue.lookup import measurement, measurement_names
 from propmap.errors import InputError
 from propmap.loads import LOADS
+from propmap.model.air import Air
+from tests.catalogue.test_nothing_is_doubted import doubts
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 with_data = pytest.mark.skipif(not DATA.is_dir(), reason="the published data are not here")
@@ -32,26 +34,8 @@ def test_columns_belong_together(name: str) -> None:
     for column in points.loads.values():
         assert column.shape == points.omega.shape and np.isfinite(column).all()
     assert not points.loads["thrust"].flags.writeable
-
-
-def test_names() -> None:
-    assert measurement_names() == [
-        "davoudi-8x4.5mr-thrust",
-        "gill-dandrea-2019-8x6e",
-        "gill-dandrea-2019-8x6e-fit",
-        "uiuc-8x6e",
-    ]
-    assert measurement("UIUC-8x6E").name == "uiuc-8x6e"
-    with pytest.raises(InputError, match=r"choose one of .*uiuc-8x6e"):
-        measurement("uiuc-8x6")
-
-
-def test_what_was_not_measured_is_absent() -> None:
-    assert set(measurement("uiuc-8x6e").loads) == {"thrust", "torque"}
-    both = [measurement(f"gill-dandrea-2019-8x6e{end}") for end in ("", "-fit")]
-    assert "pitch_moment" in both[0].loads and "roll_moment" in both[1].loads
-    for field in ("omega", "speed", "beta"):
-        np.testing.assert_array_equal(*(getattr(one, field) for one in both))
+    flow, air = (points.omega, points.speed, points.beta), Air(density=points.air_density)
+    assert doubts(catalogue.load(points.propeller), flow, dict(points.loads), air) == []
 
 
 @with_data
@@ -137,3 +121,15 @@ def test_the_8x6e_has_the_measured_loads() -> None:
         told = measured.loads[name]
         error = np.sqrt(np.mean((getattr(found, name) - told) ** 2) / np.mean(told**2))
         assert error < most, name
+
+
+def test_names_and_what_was_not_measured() -> None:
+    assert len(measurement_names()) == 4
+    assert measurement("UIUC-8x6E").name == "uiuc-8x6e"
+    with pytest.raises(InputError, match=r"choose one of .*uiuc-8x6e"):
+        measurement("uiuc-8x6")
+    assert set(measurement("uiuc-8x6e").loads) == {"thrust", "torque"}
+    both = [measurement(f"gill-dandrea-2019-8x6e{end}") for end in ("", "-fit")]
+    assert "pitch_moment" in both[0].loads and "roll_moment" in both[1].loads
+    for field in ("omega", "speed", "beta"):
+        np.testing.assert_array_equal(*(getattr(one, field) for one in both))

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from propmap import catalogue
-from propmap.catalogue.lookup import measurement, measurement_names
 from propmap.model.air import Air
 from propmap.model.plausibility import (
     air_warnings,
@@ -47,14 +46,6 @@ def doubts(
         *point_warnings(blade, *points),
         *load_warnings(blade, air, *points, loads),
     ]
-
-
-@pytest.mark.parametrize("name", measurement_names())
-def test_measurements_of_the_catalogue(name: str) -> None:
-    m = measurement(name)
-    points = m.omega, m.speed, m.beta
-    air = Air(density=m.air_density)
-    assert doubts(catalogue.load(m.propeller), points, dict(m.loads), air) == []
 
 
 @pytest.mark.slow

@@ -46,8 +46,7 @@ def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @contextlib.contextmanager
 def brief_commands() -> Iterator[None]:
-    """For tests that do not depend on the numbers of a fit: fits end after few steps, and do not
-    search for failing assumptions, see ``propmap.fit.comparison``."""
+    """End fits after few steps, and without a search for failing assumptions."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", 8)
         patch.setattr("propmap.fit.comparison.POOR", np.inf)

@@ -1,8 +1,4 @@
-"""Bad recordings and vehicle files for `fit flight` and `check`: the cause and what to do.
-
-Both commands read flights by ``read_flights``. The checks compute the rotors only at one point in
-hover.
-"""
+"""Bad recordings and vehicle files for `fit flight` and `check`: the cause and what to do."""
 
 from __future__ import annotations
 
@@ -20,7 +16,7 @@ from propmap.typing import Floats
 from propmap.vehicle.files import read_vehicle
 from tests.flight import agile
 
-from .conftest import Run
+from .conftest import Run, refused
 
 RATE, DURATION = 50.0, 10.0
 GOOD = agile.agile(RATE, DURATION)
@@ -28,7 +24,6 @@ V, W, F, P = (agile.VECTORS[name] for name in ("velocity", "rates", "specific_fo
 Q, ROTORS = agile.QUATERNION, agile.ROTORS
 Columns = dict[str, Floats]
 LONGEST = 500
-
 
 pytestmark = pytest.mark.usefixtures("filters_once")
 
@@ -95,18 +90,12 @@ MISTAKES: dict[str, Case] = {
     ),
     "attitude world to body": (
         scaled(Q, 1, -1, -1, -1),
-        "rotates world to body axes, expected body to world",
+        "rotates world to body axes, expected",
         "signs of qx, qy and qz",
     ),
     "attitude x, y, z, w": (copied(Q, "qx", "qy", "qz", "qw"), "x, y, z, w", "qw is the last"),
-    "attitude shifted": (copied(Q, "qz", "qw", "qx", "qy"), "w, x, y, z", "with the name qx"),
-    "attitude in FRD and NED": (
-        in_frd_and_ned,
-        "rotates FRD to NED, but the stated",
-        "same frames",
-    ),
+    "attitude in FRD and NED": (in_frd_and_ned, "rotates FRD to NED, but the", "same frames"),
     "velocity in world axes": (in_world(V), "along world axes, not body", 'velocity_in = "world"'),
-    "velocity in FRD": (scaled(V, *IN_FRD), "(vx, vy, vz) is along the axes of FRD", "y and z"),
     "velocity in km/h": (scaled(V, 3.6), "is in km/h", "convert it to m/s"),
     "positions": (copied(V, *P), "contains positions", "columns of the velocity"),
     "stated in world axes: an altitude for a climb rate": (
@@ -121,18 +110,9 @@ MISTAKES: dict[str, Case] = {
     ),
     "gravity taken off": (gravity_off, "gravity is subtracted from specific", "in hover"),
     "accelerometer upside down": (scaled(F, -1), "points down in hover", "change its sign"),
-    "accelerometer in FRD": (
-        scaled(F, *IN_FRD),
-        "(ax, ay, az) is along the axes of FRD",
-        "y and z",
-    ),
     "accelerometer in world axes": (in_world(F), "along world axes, not body", "of the body"),
     "accelerometer in g": (scaled(F, 1 / 9.80665), "is in units of g", "m/s^2"),
-    "time twice as slow": (
-        lambda c: c | {"t": 2.0 * c["t"]},
-        "the times are 2 times",
-        "in seconds",
-    ),
+    "time twice as slow": (scaled(("t",), 2.0), "the times are 2 times", "in seconds"),
     "rotors in another order": (
         copied(ROTORS, "m2", "m4", "m1", "m3"),
         "fit rotors 2, 4, 1, 3",
@@ -154,14 +134,9 @@ DOUBTS: dict[str, Case] = {
         "never changes along y",
         "a dead axis",
     ),
-    "accelerometer saturated": (
-        lambda c: c | {"az": np.minimum(c["az"], 11.0)},
-        "is 11 along z in",
-        "widen the range",
-    ),
     "clock jumps ahead": (
-        lambda c: c | {"t": c["t"] + np.where(c["t"] > 5.0, 100.0, 0.0)},
-        "no sample from 5 to 105.02 s",
+        lambda c: c | {"t": c["t"] + 100.0 * (c["t"] > 5.0)},
+        "no sample from 5 to",
         "clock jumped",
     ),
     "a rotor not measured": (
@@ -204,11 +179,8 @@ def test_a_doubt_is_a_remark(name: str, tmp_path: Path) -> None:
     assert all(line.isprintable() and len(line) < LONGEST for line in remarks)
 
 
-def test_a_good_flight_gives_no_remark(tmp_path: Path) -> None:
+def test_good_flights_and_the_order_that_was_named_give_no_remark(tmp_path: Path) -> None:
     assert remarks_of(tmp_path, GOOD, agile.agile(RATE, DURATION, seed=4)) == ()
-
-
-def test_the_order_that_is_named_is_the_one_that_puts_it_right(tmp_path: Path) -> None:
     mixed = copied(ROTORS, "m2", "m4", "m1", "m3")(GOOD)
     edit = ("[log]\n", "[log]\nrotor_order = [2, 4, 1, 3]\n")
     assert remarks_of(tmp_path, mixed, edit=edit) == ()
@@ -221,13 +193,11 @@ def test_flights_of_two_vehicles(tmp_path: Path) -> None:
     assert "log_1.csv" in told and "fit the flights one by one" in told
 
 
-def test_both_commands_say_it_in_one_line(run: Run, tmp_path: Path) -> None:
-    (tmp_path / "vehicle.toml").write_text(agile.vehicle(), encoding="utf-8")
-    (tmp_path / "set.toml").write_text(parameter_set("paper-apc").to_toml(), encoding="utf-8")
-    agile.write(scaled(W, 57.29578)(GOOD), tmp_path / "log.csv")
+def test_both_commands_say_it_in_one_line(run: Run) -> None:
+    Path("vehicle.toml").write_text(agile.vehicle(), encoding="utf-8")
+    Path("set.toml").write_text(parameter_set("paper-apc").to_toml(), encoding="utf-8")
+    agile.write(scaled(W, 57.29578)(GOOD), Path("log.csv"))
     log = ["log.csv", "--vehicle", "vehicle.toml"]
     for command in (["fit", "flight", *log, "-o", "out.toml"], ["check", "set.toml", *log]):
-        done = run(*command)
-        assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
-        assert "are in degrees per second" in done.err
-    assert not (tmp_path / "out.toml").exists()
+        refused(run(*command), "are in degrees per second")
+    assert not Path("out.toml").exists()

@@ -48,10 +48,9 @@ def test_the_file_carries_what_repeats_the_fit(tunnel_fit: Path, tunnel_csv: Pat
         assert p["low_95"] < p["value"] < p["high_95"]
         assert p["identified"] is (p["verdict"] == "identified")
         assert p["high_95"] - p["value"] == pytest.approx(2.06 * covariance[k, k] ** 0.5, rel=0.01)
-    assert set(found["residuals"]) == {"thrust", "torque"}
-    assert found["residuals"]["thrust"]["rows"] == 14
-    assert "by_speed" in found["residuals"]["torque"]
-    assert len(found["starts"]) == 1 and found["starts"][0]["minimum"] == 1
+    assert {name: one["rows"] for name, one in found["residuals"].items()} == {
+        "thrust": 14, "torque": 14
+    }  # fmt: skip
     law = parameter_set(tunnel_fit)
     assert law.name == "tunnel_fit"
     assert all(getattr(law, name) == found["parameters"][name]["value"] for name in FREE)
@@ -64,13 +63,13 @@ def uiuc_files(folder: Path) -> list[Path]:
     ct, cp = UIUC.loads["thrust"] / size, UIUC.loads["torque"] * 2.0 * np.pi / (size * diameter)
     rows = picked()
     flying, static = rows[UIUC.speed[rows] > 0.0], rows[UIUC.speed[rows] == 0.0]
-    advance = UIUC.speed / (TURNS * diameter)
-    first = ["J CT CP eta", *(f"{advance[k]:.12f} {ct[k]:.12f} {cp[k]:.12f} 0.5" for k in flying)]
-    second = ["RPM CT CP", *(f"{TURNS[k] * 60.0:.9f} {ct[k]:.12f} {cp[k]:.12f}" for k in static)]
-    names = (f"sample_8x6_{TURNS[rows[0]] * 60.0:.0f}.txt", "sample_8x6_static.txt")
-    for name, lines in zip(names, (first, second), strict=True):
-        (folder / name).write_text("\n".join(lines) + "\n")
-    return [folder / name for name in names]
+    columns = (UIUC.speed / (TURNS * diameter), ct, cp, 0.0 * ct + 0.5)
+    files = [folder / f"sample_8x6_{n}.txt" for n in (f"{TURNS[rows[0]] * 60.0:.0f}", "static")]
+    moving = np.stack(columns, axis=1)[flying]
+    np.savetxt(files[0], moving, "%.12f", header="J CT CP eta", comments="")
+    still = np.stack((TURNS * 60.0, ct, cp), axis=1)[static]
+    np.savetxt(files[1], still, "%.12f", header="RPM CT CP", comments="")
+    return files
 
 
 def test_uiuc_files_are_the_same_rows(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
@@ -84,29 +83,24 @@ def test_uiuc_files_are_the_same_rows(run: Run, tmp_path: Path, tunnel_fit: Path
         assert found["parameters"][name]["value"] == pytest.approx(want, rel=1e-3)
 
 
-def test_by_name_of_the_catalogue(run: Run) -> None:
-    arguments = ["--loads", "thrust", "--weight", "thrust=2", "--rho", "1.2", "--robust"]
-    found, out = fitted(run, "tunnel", "apc-8x6e", "UIUC-8x6e", *QUICK, *arguments)
+def test_data_by_name_and_every_option(run: Run) -> None:
+    asked = ["--loads", "thrust", "--weight", "thrust=2", "--rho", "1.2", "--robust"]
+    asked += ["--airfoil", "paper-apc", "--fix", "c_d0=0.015", "--prior", "zero_lift_angle=0:0.2"]
+    found, out = fitted(run, "tunnel", "apc-8x6e", "UIUC-8x6e", *QUICK, *asked, "--bootstrap", "3")
     assert found["data"] == [{"catalogue": "uiuc-8x6e"}]
     assert found["settings"]["loads"] == ["thrust"] and found["air"]["density"] == 1.2
     assert found["settings"]["loss"] == "soft_l1"
     assert found["settings"]["weights"] == {"thrust": 2.0}
     assert found["rows"] == UIUC.omega.size
-    for text in ("Parameters", "verdict", "Residuals", "1 start;", "sensitivities"):
+    for text in ("Parameters", "verdict", "Residuals", "1 start;", "sensitivities", "bootstrap"):
         assert text in out
-
-
-def test_another_set_priors_fixed_values_and_bootstrap(run: Run, tunnel_csv: Path) -> None:
-    stated = ["--airfoil", "paper-apc", "--fix", "c_d0=0.015", "--prior", "zero_lift_angle=0:0.2"]
-    found, out = fitted(run, "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *stated, "--bootstrap", "3")
     want = parameter_set("paper-apc")
     assert found["parameters"]["c_l1"]["start"] == want.c_l1
     assert parameter_set("out.toml").alpha_0 == want.alpha_0
-    assert found["fixed"]["c_d0"] == 0.015
-    assert parameter_set("out.toml").c_d0 == 0.015
+    assert found["fixed"]["c_d0"] == parameter_set("out.toml").c_d0 == 0.015
     assert found["parameters"]["zero_lift_angle"]["prior"] == [0.0, 0.2]
     drawn = [found["parameters"]["c_l1"][f"bootstrap_{end}_95"] for end in ("low", "high")]
-    assert drawn[0] <= drawn[1] and "bootstrap" in out
+    assert drawn[0] <= drawn[1]
 
 
 def test_a_narrow_range_of_speeds_and_what_a_poor_fit_leaves_out_are_noted(
@@ -138,16 +132,13 @@ def test_check_in_every_format(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> 
         # The data of the fit lie inside its envelope.
         assert load["by_envelope"] == {INSIDE: {key: load[key] for key in CHECKED}}
         assert sum(band["rows"] for band in load["by_speed"].values()) == 14
-        assert all(set(band) == CHECKED for band in load["by_speed"].values())
         # The data of the fit itself.
         residual = fit_record(tunnel_fit)["residuals"][name.partition("_")[0]]
         assert load["rms"] == pytest.approx(residual["rms"], rel=0.02)
         assert load["bias"] == pytest.approx(residual["bias"], rel=0.1)
     rows = list(csv.DictReader(io.StringIO(run(*arguments, "--format", "csv").out)))
-    assert set(rows[0]) == CHECKED | {"load", "band"}
     assert [row["load"] for row in rows if row["band"] == "all"] == ["thrust_N", "torque_Nm"]
-    shown = run(*arguments).out
-    assert all(text in shown for text in ("thrust_N", "hover model's rms", "all", "m/s"))
+    assert "hover model's rms" in run(*arguments).out
     assert run(*arguments, "-o", "check.json").out == ""
     assert Path("check.json").read_text() == done.out
 
@@ -169,26 +160,10 @@ def test_check_tells_errors_beyond_the_training_apart(
     apart = thrust["by_envelope"]
     assert (apart[INSIDE]["rows"], apart[OUTSIDE]["rows"]) == (14, 1)
     assert apart[OUTSIDE]["rms"] == pytest.approx(abs(thrust["worst"]))
-    own = fit_record(tunnel_fit)["residuals"]["thrust"]["rms"]
-    assert apart[INSIDE]["rms"] == pytest.approx(own, rel=0.02)
     rows = list(csv.DictReader(io.StringIO(run(*arguments, "--format", "csv").out)))
     assert [r["band"] for r in rows if r["load"] == "thrust_N"][:3] == ["all", INSIDE, OUTSIDE]
     assert INSIDE in run(*arguments).out
-    # An earlier version wrote no envelope: nothing is said.
-    (tmp_path / "old.toml").write_text(tunnel_fit.read_text().partition("[fit.envelope]")[0])
-    old = run("check", "old.toml", "more.csv", "--format", "json")
-    assert (old.code, old.err) == (0, "")
-    assert json.loads(old.out)["loads"]["thrust_N"]["by_envelope"] == {}
 
-
-def test_check_of_a_plain_parameter_set(run: Run, tunnel_csv: Path) -> None:
-    Path("set.toml").write_text(parameter_set("paper-apc").to_toml())
-    done = run("check", "set.toml", tunnel_csv, "--prop", "apc-8x6e", "--format", "json")
-    assert json.loads(done.out)["rows"] == 14
-
-
-# -------------------------------------------------------------------------------------------------
-# `propmap fit static`: constants, and the uncertainty of the loads in flight.
 
 PROP = ["--prop", "apc-8x6e"]
 NARROW = ["--free", "c_l1,zero_lift_angle", "--prior-from", "family"]
@@ -231,15 +206,12 @@ def test_uiuc_s_static_files_and_no_file_to_write(run: Run, tmp_path: Path) -> N
 
 
 def test_the_battery_s_power_is_pointed_out(run: Run) -> None:
-    shaft = {rpm: 1.5e-9 * rpm**3 * np.pi / 30.0 for rpm in range(3000, 7000, 500)}
-    rows = "".join(f"{rpm},{9e-8 * rpm**2:.4f},{1.6 * p:.3f}\n" for rpm, p in shaft.items())
-    Path("electric.csv").write_text("rpm,thrust_N,power_W\n" + rows)
+    rpm = np.arange(3000.0, 7000.0, 500.0)
+    rows = np.stack([rpm, 9e-8 * rpm**2, 1.6 * 1.5e-9 * rpm**3 * np.pi / 30.0], axis=1)
+    np.savetxt("electric.csv", rows, delimiter=",", header="rpm,thrust_N,power_W", comments="")
     done = run("fit", "static", "electric.csv", *PROP, *NARROW)
     assert done.code == 0 and "if it is battery power" in " ".join(done.out.split())
 
-
-# -------------------------------------------------------------------------------------------------
-# Free parameters and their prior.
 
 FIVE = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
 
@@ -251,15 +223,11 @@ def chosen(wanted: str | None = None, base: Airfoil | None = None, **stated: Any
     return asked.chosen(FIVE, base, expected=expected)
 
 
-def test_all_constants_from_the_family_by_default() -> None:
+def test_whoever_says_what_to_fit_gets_that_and_no_more() -> None:
     choice = chosen()
     assert choice.free == PARAMETERS
-    assert choice.expected is not None and "family apce" in choice.expected.source
     # The search starts at the most likely constants.
     assert np.abs(choice.prior_residuals(choice.first)[0]).max() < 1e-9
-
-
-def test_whoever_says_what_to_fit_gets_that_and_no_more() -> None:
     four = chosen(free="c_l1,c_l2,c_d,alpha_0")
     assert four == Choice()
     assert four.first.tolist() == [2.0 * np.pi, 2.0, 0.0, 0.47]
@@ -279,19 +247,16 @@ def test_what_is_stated_wins_over_the_prior() -> None:
     assert few.expected is not None and few.fixed["c_l2"] == parameter_set("paper-apc").c_l2
 
 
-@pytest.mark.parametrize(
-    ("wanted", "prop", "says"),
-    [
+def test_whose_prior() -> None:
+    for wanted, prop, says in (
         ("family", "uiuc-apcsf-10x7", "of the family apcsf"),
         ("family", "my-blade.csv", "small propellers of all families"),
         ("gwsdd", "my-blade.csv", "13 propellers of the family gwsdd"),
         (" Family", "apc-8x6e", "without the catalogue constants of"),
-    ],
-)
-def test_whose_prior(wanted: str, prop: str, says: str) -> None:
-    blade = None if prop == "my-blade.csv" else propmap.propeller(prop)
-    prior = section_prior(wanted, prop, blade, by_default=False)
-    assert prior is not None and says in prior.source
+    ):
+        blade = None if prop == "my-blade.csv" else propmap.propeller(prop)
+        prior = section_prior(wanted, prop, blade, by_default=False)
+        assert prior is not None and says in prior.source
 
 
 @pytest.mark.slow
@@ -312,4 +277,3 @@ def test_thrust_alone_at_low_speed_leaves_physical_constants(
     held = [n for n, p in found["parameters"].items() if "by its prior" in p["verdict"]]
     # Thrust tells of lift, not of drag; how far the blade is turned is not known to a degree.
     assert {"c_d", "c_d0", "alpha_0"} <= set(held) and "zero_lift_angle" not in held
-    assert not any(found["parameters"][name]["identified"] for name in held)

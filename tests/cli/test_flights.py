@@ -12,18 +12,16 @@ import pytest
 
 import propmap
 from propmap.cli.fit_flight import read_flights
-from propmap.errors import InputError
 from propmap.fit.comparison import AxisErrors, FittedStep, RecordedFlight, Step
 from propmap.flight.simulate import trim
 from propmap.flight.steady import operating_points, steady_segments
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log_readers import read_flight_log
-from propmap.vehicle.vehicle import Vehicle, Wakes
 from tests.flight import agile
 from tests.io.samples_csv import rewritten
 
-from .conftest import Run
-from .fit_inputs import CHECKED, FREE, LEVEL, QUICK, VEHICLE, fitted
+from .conftest import Run, refused
+from .fit_inputs import FREE, LEVEL, QUICK, VEHICLE, fitted
 
 pytestmark = pytest.mark.usefixtures("brief", "filters_once", "pictures_as_they_fall")
 
@@ -38,15 +36,12 @@ def test_a_level_table_and_the_study_of_the_body(run: Run) -> None:
     found, _ = fitted(run, "flight", *asked, *QUICK)
     assert found["kind"] == "level flight" and found["rows"] == 7
     assert [d["file"] for d in found["data"]] == ["level.csv", "vehicle.toml"]
-    assert found["settings"]["vehicle"] == "test quadrotor"
     # Numbers made up near the hover of paper-apc.
     (residuals,) = found["residuals"].values()
     assert residuals["relative_rms"] < 0.1
     lift, drag = [text for text in found["remarks"] if "m^2 (" in text]
     assert lift.startswith("lift_area ") and drag.startswith("drag_area_x ")
-    assert all(
-        (" pays: " in t or " does not pay: " in t) and "residuals" in t for t in (lift, drag)
-    )
+    assert all(" pays: " in t or " does not pay: " in t for t in (lift, drag))
 
 
 def test_without_steady_segments_all_forces_are_fitted(run: Run) -> None:
@@ -59,19 +54,16 @@ def test_without_steady_segments_all_forces_are_fitted(run: Run) -> None:
     assert any("fewer than 4 steady segments of 2 s" in told for told in found["remarks"])
     assert "note: fewer than 4 steady segments" in out
     checked = json.loads(run("check", "out.toml", *vehicle, "--format", "json").out)
-    assert set(checked) == {"corrections", "rows", "loads"}
     assert list(checked["loads"]) == [
         *(f"force_{axis}_N" for axis in "xyz"),
         *(f"moment_{axis}_Nm" for axis in "xyz"),
     ]
     upward = checked["loads"]["force_z_N"]
-    assert set(upward) == CHECKED | {"by_speed", "by_envelope", "in_band"}
     # In fits of whole flights the main part is the envelope.
     assert found["envelope"]["percentiles"] == [1.0, 99.0]
     assert sum(one["rows"] for one in upward["by_envelope"].values()) == checked["rows"] == 400
     longer = ["--seconds", "3", "--method", "level", "-o", "no.toml"]
-    refused = run("fit", "flight", *vehicle, *quick, *longer)
-    assert refused.code == 2 and "no steady segment of 3 s" in refused.err
+    refused(run("fit", "flight", *vehicle, *quick, *longer), "no steady segment of 3 s")
     assert not Path("no.toml").exists()
 
 
@@ -87,14 +79,7 @@ def test_tables_and_logs_of_spreadsheets(dialect: str) -> None:
         want, found = (read_flights([path], file, "auto").log for path in (plain, other))
         for field in ("velocity", "rates", "up", "specific_force", "rotor_speed"):
             np.testing.assert_array_equal(getattr(found, field), getattr(want, field))
-    first, second, *rest = plain.read_text().splitlines()
-    plain.write_text("\n".join([first, f"{second},5", *rest]))
-    with pytest.raises(InputError, match=r"line 2: found \d+ fields"):
-        read_flights([plain], file, "auto")
 
-
-# -------------------------------------------------------------------------------------------------
-# `propmap fit terms`; the fits themselves are made up.
 
 ASKED: list[dict[str, Any]] = []
 
@@ -134,25 +119,15 @@ def test_the_page_and_what_was_asked(run: Run, flown: list[str]) -> None:
     assert asked["samples"] == 40 and [f.name for f in asked["flights"]] == ["first", "second"]
     steps = asked["steps"]
     assert steps[0].vertical and not any(step.vertical for step in steps[1:])
-    # One term more at a time, in the dependencies' order, and everything in the last.
     names = [set(step.choice.free) for step in steps]
     assert "drag_area_x" in names[1] and "drag_area_x" not in names[3]
     assert {"sensor_x", "clock_offset"} <= names[2] - names[1]
     assert names[4] - names[3] == {"wake_ahead", "wake_beside", "wake_downwash", "wake_share"}
-    assert names[5] - names[4] == {"untwist"}
-    assert names[6] - names[5] == {"download_area_x", "download_area_y"}
-    assert names[7] - names[6] == {"plate_area"}
-    # Parameters that are not free are fixed, so that the model keeps its shape.
-    for step in steps[1:]:
-        assert {"mount_area", "untwist"} <= set(step.choice.free) | set(step.choice.fixed)
+    assert names[7] - names[4] == {"untwist", "download_area_x", "download_area_y", "plate_area"}
     # Without mounts the rotor drag is that of the blades.
-    for step in steps[:3]:
-        assert step.choice.fixed["drag_factor"] == 1.0
-        assert 0.0 < step.choice.fixed["mount_area"] < 1e-6
+    assert all(step.choice.fixed["drag_factor"] == 1.0 for step in steps[:3])
     first = asked["flights"][0]
     np.testing.assert_allclose(first.prediction, [[1.0, 2.0, 3.0]] * len(first.passed), atol=1e-6)
-    passed = float(np.mean(first.passed.specific_force[:, 2]))
-    assert passed == pytest.approx(float(LOG["az"].mean()), rel=0.01)
     # Columns of a prediction by name.
     chosen = ["--prediction", "other_fz,other_fy,other_fx", "-o", "named"]
     assert run("fit", "terms", *flown, *chosen).code == 0
@@ -165,46 +140,24 @@ def test_the_page_and_what_was_asked(run: Run, flown: list[str]) -> None:
         (["first.csv"], "two logs have the name 'first'; give each flight once"),
         (["--prediction", "a,b,c"], "--prediction: 'a' is not a column; name three columns"),
         (["--prior-from", "none"], "fit terms needs a prior"),
-        (["--low-pass", "-1"], "give a positive frequency, or 0 for"),
         (["-o", "taken"], "'mine.txt'"),
     ],
 )
 def test_bad_input_in_one_line(run: Run, flown: list[str], more: list[str], said: str) -> None:
     Path("taken").mkdir()
     Path("taken/mine.txt").write_text("kept")
-    told = run("fit", "terms", *flown, "-o", "page", *more)
-    assert (told.code, told.err.count("\n")) == (2, 1) and said in told.err
+    refused(run("fit", "terms", *flown, "-o", "page", *more), said)
     assert not Path("page").exists() and Path("taken/mine.txt").read_text() == "kept"
 
 
-# -------------------------------------------------------------------------------------------------
-# `propmap simulate flight`.
-
 SIMULATE = ["simulate", "flight", "--vehicle", "vehicle.toml", "--airfoil", "paper-apc"]
 SIMULATE += ["--speeds", "9,11,13", "-o", "flight.csv"]
-
-
-def test_wakes_are_flown_unless_they_are_left_out(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    flown = []
-
-    def note(vehicle: Vehicle, *_: object, **__: object) -> None:
-        flown.append(vehicle.wakes)
-        raise InputError("this is enough", "look at what was flown")
-
-    monkeypatch.setattr("propmap.flight.simulate.trim", note)
-    Path("vehicle.toml").write_text(VEHICLE + "[wakes]\ndownwash = 3.0\n")
-    for more in ((), ("--no-wakes",)):
-        assert "this is enough" in run(*SIMULATE, *more).err
-    assert flown == [Wakes(downwash=3.0), None]
 
 
 def test_a_flight_is_written_and_read_back(run: Run) -> None:
     Path("vehicle.toml").write_text(VEHICLE)
     done = run(*SIMULATE, "--noise", "0.02", "--seed", "4")
     assert (done.code, done.err) == (0, "")
-    assert sorted(path.name for path in Path().iterdir()) == ["flight.csv", "vehicle.toml"]
     for text in ("force error of 2.00%", "c_l1", "alpha_0", "weak", "1/rad", "95 %"):
         assert text in done.out
     assert "wrote flight.csv: 3 speeds" in done.out
@@ -214,20 +167,13 @@ def test_a_flight_is_written_and_read_back(run: Run) -> None:
     log = read_flight_log("flight.csv", read_vehicle("vehicle.toml"))
     found = operating_points(log, steady_segments(log))
     assert found.speed == pytest.approx([9.0, 11.0, 13.0], abs=0.03)
-    again = run(*SIMULATE, "--noise", "0.02", "--seed", "4", "--force", "--no-expectation")
+    assert "--force" in run(*SIMULATE).err
+    # Without noise the log is the trim.
+    sensors = (f"--{n}-noise=0" for n in ("rotor", "velocity", "attitude", "accelerometer"))
+    again = run(*SIMULATE, "--noise", "0", *sensors, "--force", "--no-expectation")
     assert again.code == 0
     assert "vehicle.toml already describes this log" in again.out
     assert "95 %" not in again.out and "[log]" not in again.out
-    same = read_flight_log("flight.csv", read_vehicle("vehicle.toml"))
-    assert np.array_equal(same.rotor_speed, log.rotor_speed)
-    assert "--force" in run(*SIMULATE).err
-
-
-def test_without_noise_the_log_is_the_trim(run: Run) -> None:
-    Path("vehicle.toml").write_text(VEHICLE)
-    sensors = (f"--{n}-noise=0" for n in ("rotor", "velocity", "attitude", "accelerometer"))
-    done = run(*SIMULATE, "--noise", "0", *sensors, "--no-expectation")
-    Path("vehicle.toml").write_text(VEHICLE + done.out[done.out.index("[log]") :])
     read = read_vehicle("vehicle.toml")
     log = read_flight_log("flight.csv", read)
     law = propmap.airfoil("paper-apc").with_corrections(["pitt-peters", "radial-friction"])

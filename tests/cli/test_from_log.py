@@ -12,7 +12,7 @@ from propmap.vehicle.files import read_vehicle
 from tests.vehicle.refusals import LOG
 from tests.vehicle.write_px4_log import topics_of, write_px4_log
 
-from .conftest import Run
+from .conftest import Run, refused
 
 PX4 = Path(__file__).parents[2] / "examples" / "px4" / "vehicle.toml"
 PLACES = ((0.17, 0.17), (-0.17, -0.17), (0.17, -0.17), (-0.17, 0.17))
@@ -63,9 +63,8 @@ def test_rotor_speeds_that_are_not_there_are_told(run: Run, commands: str) -> No
     done = run("vehicle", "from-log", "my quad.ulg")
     assert "\nrotor_unit" not in done.out
     assert ("propeller, rotor_unit" in done.err) is not bool(commands)
-    assert ("`propmap fit flight` uses the throttle of actuator_motors" in done.out) is bool(
-        commands
-    )
+    told = "`propmap fit flight` uses the throttle of actuator_motors"
+    assert (told in done.out) is bool(commands)
 
 
 def test_generic_places_are_not_taken_for_metres(run: Run) -> None:
@@ -74,17 +73,13 @@ def test_generic_places_are_not_taken_for_metres(run: Run) -> None:
     done = run("vehicle", "from-log", "my quad.ulg")
     assert "# MISSING: position = [1.0, 1.0, 0.0]  # m; PX4's generic position" in done.out
     assert "mass, propeller, position" in done.err
+    Path("there.toml").write_text("mine", encoding="utf-8")
+    refused(run("vehicle", "from-log", "my quad.ulg", "-o", "there.toml"), "pass --force")
 
 
 def test_what_cannot_be_drafted_is_one_line(run: Run) -> None:
     logged(CA_ROTOR_COUNT=0)
-    done = run("vehicle", "from-log", "my quad.ulg")
-    assert done.code == 2 and done.out == ""
-    assert "my quad.ulg: the log has no rotor parameters: CA_ROTOR_COUNT is missing" in done.err
+    told = "my quad.ulg: the log has no rotor parameters: CA_ROTOR_COUNT is missing"
+    refused(run("vehicle", "from-log", "my quad.ulg"), told)
     Path("a.bin").write_bytes(b"\xa3\x95\x80" * 99)
-    done = run("vehicle", "from-log", "a.bin")
-    assert done.code == 2 and "a.bin: not a ULog file" in done.err
-    logged()
-    Path("there.toml").write_text("mine", encoding="utf-8")
-    done = run("vehicle", "from-log", "my quad.ulg", "-o", "there.toml")
-    assert done.code == 2 and "pass --force" in done.err
+    refused(run("vehicle", "from-log", "a.bin"), "a.bin: not a ULog file")

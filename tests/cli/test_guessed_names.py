@@ -11,12 +11,10 @@ from propmap.cli.app import COMMAND_ANSWERS, OPTION_ANSWERS, Commands, main
     ("typed", "answer"),
     [
         ("predict apc-8x6e --omega 600", "use --rpm, in rpm"),
-        ("predict apc-8x6e -n 100", "use --rpm, in rpm"),
         ("predict apc-8x6e --rpm 6000 --airspeed 5", "use --speed in m/s"),
         ("trim quad.toml --velocity=5", "use --speed in m/s"),
         ("predict apc-8x6e --throttle 0.5", "propmap trim VEHICLE.toml"),
         ("predict apc-8x6e --rpm 3000:6000:4", "propmap sweep PROP --rpm 3000:6000:4"),
-        ("predict apc-8x6e --rpm 5000 --speed 0,5", "propmap sweep PROP --speed 0,5"),
         ("loads apc-8x6e", "use propmap predict"),
         ("trim quad.toml --omega 600", "see propmap trim --help"),  # trim computes the rotor speed
         ("fit search", "see propmap fit --help"),

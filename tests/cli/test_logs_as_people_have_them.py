@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from propmap.vehicle.files import read_vehicle
-from propmap.vehicle.log import FlightLog
 from propmap.vehicle.log_readers import read_flight_log
 from propmap.vehicle.throttle import lagged
 from tests.flight import agile
 from tests.flight.commands import commands
 from tests.flight.synthetic import NEUROBEM, flight, vehicle_text, vehicle_with
 from tests.vehicle.write_dataflash import write_dataflash
-from tests.vehicle.write_logs import InFrames, write_bag
+from tests.vehicle.write_logs import csv_columns, write_bag
 from tests.vehicle.write_px4_log import topics_of, write_px4_log
 
 from .conftest import Run
@@ -37,48 +35,28 @@ PROFILE |= dict.fromkeys(
 )
 """Decimation of each topic in PX4's default profile: velocities and rotor speeds at 10 Hz."""
 
-SLOTS = (None, 3, 1, None, 4, 2)
 DRIVEN = commands(LOG, noise=0.01)
 FROM_THROTTLE = "rotor speeds are computed from throttle by a fitted curve"
 
 
-def px4(log: FlightLog, *leave_out: str, **more: Any) -> str:
-    tables = topics_of(log, PROFILE, **more)
-    for name in leave_out:
-        del tables[name]
+def px4() -> str:
+    """A log with commands, without rotor speeds."""
+    tables = topics_of(LOG, PROFILE, driven=DRIVEN)
+    del tables["esc_status"]
     write_px4_log(tables, Path("log.ulg"))
     return ""
 
 
-def cut_short() -> str:
-    table = write_dataflash(LOG, Path("log.bin"), outputs=dict(enumerate(SLOTS, start=1)))
-    whole = Path("log.bin").read_bytes()
-    Path("log.bin").write_bytes(whole[: int(0.95 * len(whole))])
-    return table
-
-
 def betaflight(low: float = 48.0, high: float = 2047.0, more: str = "") -> str:
-    """As of blackbox_decode --unit-frame-time s --unit-rotation rad/s ..., with motion capture."""
-    seen = InFrames(LOG, "flu", "enu")
-    angles = seen.rotation.as_euler("ZYX")[:, ::-1]
-    columns = {"loopIteration": np.arange(LOG.time.size), "time (s)": LOG.time}
-    columns |= {f"gyroADC[{k}] (rad/s)": LOG.rates[:, k] for k in range(3)}
-    columns |= {f"accSmooth[{k}] (m/s/s)": LOG.specific_force[:, k] for k in range(3)}
+    """As of blackbox_decode, with motion capture: motors and voltage without a column map."""
+    columns, table = csv_columns(LOG, velocity_in="world", angles=True)
+    columns = {name: values for name, values in columns.items() if "rotor" not in name}
     columns |= {f"motor[{k}]": low + (high - low) * DRIVEN.share[:, k] for k in range(4)}
     columns["vbatLatest (V)"] = DRIVEN.voltage
-    columns |= {n: angles[:, k] for k, n in enumerate(("roll", "pitch", "heading"))}
-    columns |= {f"mocap_v{a}": seen.world_velocity[:, k] for k, a in enumerate("xyz")}
     agile.write(columns, Path("log.csv"))
-    named = {"time": "time (s)", "roll": "roll", "pitch": "pitch", "yaw": "heading"}
-    several = {
-        "velocity": [f"mocap_v{a}" for a in "xyz"],
-        "rates": [f"gyroADC[{k}] (rad/s)" for k in range(3)],
-        "specific_force": [f"accSmooth[{k}] (m/s/s)" for k in range(3)],
-    }
-    lines = [f"{key} = {json.dumps(value)}" for key, value in (named | several).items()]
-    how = 'body_frame = "flu"\nworld_frame = "enu"\nvelocity_in = "world"\n'
     above, _, below = more.partition("\n")
-    return "\n".join(["[log]", how, above, "[log.columns]", *lines, below, ""])
+    table = re.sub("rotor_.*\n", "", table)
+    return table.replace("[log]\n", f"[log]\n{above}\n") + f"{below}\n"
 
 
 def driven_bag(gap: float = 0.0) -> str:
@@ -111,21 +89,8 @@ def test_commands_are_read(name: str, tmp_path: Path) -> None:
 
 
 FITS: dict[str, tuple[Callable[[], str], str, list[str]]] = {
-    "px4, six slots": (
-        lambda: px4(LOG, order=SLOTS),
-        "level flight",
-        ["esc_status has 6 slots; those of motors 1 to 4 are read"],
-    ),
-    "ardupilot, six outputs, cut short": (
-        cut_short,
-        "level flight",
-        ["ESC has 6 instances; those of motors 1 to 4 are read"],
-    ),
-    "px4, commands and all that is free by default": (
-        lambda: px4(LOG, "esc_status", driven=DRIVEN),
-        "flight",
-        [FROM_THROTTLE],
-    ),
+    "ardupilot": (lambda: write_dataflash(LOG, Path("log.bin")), "level flight", []),
+    "px4, commands and all that is free by default": (px4, "flight", [FROM_THROTTLE]),
     "ros 2, commands and a gap": (
         lambda: driven_bag(gap=0.406),
         "flight",
@@ -153,11 +118,6 @@ def test_a_log_is_fitted(name: str, run: Run) -> None:
 
 MOTORS = [f"motor[{k}]" for k in range(4)]
 REFUSED: dict[str, tuple[Callable[[], str], str, str]] = {
-    "px4, electrical rpm": (
-        lambda: px4(replace(LOG, rotor_speed=7.0 * LOG.rotor_speed)),
-        "they look like electrical rpm of motors with about",
-        'write rotor_unit = "erpm"',
-    ),
     "ardupilot, no telemetry": (
         lambda: write_dataflash(LOG, Path("log.bin"), leave_out=("ESC",)),
         "throttle (RCOU) never changes (1500)",

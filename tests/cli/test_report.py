@@ -19,7 +19,7 @@ from propmap.report.html import PAGE, REPORT_FILES
 from propmap.table import LoadTable
 
 from .conftest import Run
-from .fit_inputs import FREE, LEVEL, QUICK, VEHICLE, fit_record
+from .fit_inputs import LEVEL, QUICK, VEHICLE, fit_record
 from .invented_tables import certificate, invented, without_figures
 
 pytestmark = pytest.mark.usefixtures("pictures_as_they_fall")
@@ -50,20 +50,17 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Pa
     done = run("report", tunnel_fit, "-o", "out", "--data", tunnel_csv)
     assert (done.code, done.err) == (0, "") and done.out.startswith(f"wrote out/{PAGE} and ")
     text, told = page_of(folder).replace("&#39;", "'"), fit_record(tunnel_fit)
-    for wanted in ("reliability", "Outside the fitted", "extrapolation", "no cross-validation"):
-        assert wanted.lower() in text.lower()
+    assert "no cross-validation" in text.lower()
     assert "Fitted data, which do not test the fit independently: tunnel.csv" in text
     # The data have no drag: how the rotor is installed cannot be known.
     assert "The rotor drag is that of bare blades" in text
-    assert told["data"][0]["sha256"] in text and told["propmap"] in text
     by_speed = told["residuals"]["thrust"]["by_speed"]
     thrust = [row for row in rows_of(folder / "fit-errors.csv") if row["load"] == "thrust"]
     assert [row["speed_band"] for row in thrust] == list(by_speed)
     for row in thrust:
-        for mine, filed in (("rms_in_unit", "rms"), ("hover_rms_in_unit", "hover_rms")):
-            assert float(row[mine]) == pytest.approx(by_speed[row["speed_band"]][filed], rel=1e-4)
-    parameters = rows_of(folder / "fit-parameters.csv")
-    assert [row["parameter"] for row in parameters] == list(FREE)
+        assert float(row["rms_in_unit"]) == pytest.approx(
+            by_speed[row["speed_band"]]["rms"], rel=1e-4
+        )
     # Its curves are those of the fitted rotor.
     rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), parameter_set(tunnel_fit)))
     rows = rows_of(folder / "fit-loads.csv")
@@ -71,8 +68,6 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Pa
         rpm, speed, beta = (float(row[n]) for n in ("rpm", "speed_mps", "beta_deg"))
         found = float(rotor.loads(rpm * np.pi / 30.0, speed, np.radians(beta)).thrust)
         assert float(row["thrust_N"]) == pytest.approx(found, rel=1e-4)
-        low, high = (float(row[f"thrust_{end}_95_N"]) for end in ("low", "high"))
-        assert low - 1e-4 <= found <= high + 1e-4
     # The data are axial: nothing edgewise is covered, and of axial flow not the fastest.
     assert {row["covered"] for row in rows if row["beta_deg"] == "90"} == {"0"}
     axial = [row["covered"] for row in rows if row["beta_deg"] == "0"]
@@ -82,11 +77,8 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Pa
     wanted_rows = [r for r in csv.DictReader(io.StringIO(out)) if r["band"] not in ("all", INSIDE)]
     for row, want in zip(rows_of(folder / "fit-check.csv"), wanted_rows, strict=True):
         assert row["speed_band"] == want["band"]
-        for name, other in (("rms_in_unit", "rms"), ("hover_rms_in_unit", "hover_rms")):
-            assert float(row[name]) == pytest.approx(float(want[other]), rel=1e-4)
-    measured = rows_of(folder / "fit-measured.csv")
-    assert len(measured) == 14 and "model_torque_Nm" in measured[0]
-    # Without data the folder is replaced, and what belonged to them is gone.
+        assert float(row["rms_in_unit"]) == pytest.approx(float(want["rms"]), rel=1e-4)
+    # The folder is replaced.
     assert run("report", tunnel_fit, "-o", "out").code == 0
     assert not (folder / "fit-check.csv").exists()
     Path("new.csv").write_text(tunnel_csv.read_text() + "5000,6,0,1.5,0.03\n")
@@ -96,19 +88,17 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Pa
 
 @pytest.mark.slow
 def test_a_fit_of_level_flights(run: Run, tmp_path: Path) -> None:
-    (tmp_path / "vehicle.toml").write_text(VEHICLE)
-    (tmp_path / "level.csv").write_text(LEVEL)
+    Path("vehicle.toml").write_text(VEHICLE)
+    Path("level.csv").write_text(LEVEL)
     vehicle = ["--vehicle", "vehicle.toml"]
     assert run("fit", "flight", "level.csv", *vehicle, *QUICK, "-o", "fit.toml").code == 0
     done = run("report", "fit.toml", "-o", "out", "--data", "level.csv", *vehicle)
     assert (done.code, done.err) == (0, "")
     text = page_of(tmp_path / "out")
     assert "torque and moments of a single rotor were not measured" in text
-    told = fit_record(Path("fit.toml"))
-    assert told["covered"]["points"] == 28  # Four rotors in seven flights.
     rows = rows_of(tmp_path / "out" / "fit-measured.csv")
     error = [float(r["model_vertical_force_N"]) - float(r["weight_N"]) for r in rows]
-    want = told["residuals"]["vertical_force"]["rms"]
+    want = fit_record(Path("fit.toml"))["residuals"]["vertical_force"]["rms"]
     assert np.sqrt(np.mean(np.square(error))) == pytest.approx(want, rel=0.02)
 
 
@@ -125,17 +115,12 @@ def certified(**changed: object) -> LoadTable:
 def test_a_table(run: Run, tmp_path: Path) -> None:
     table = certified()
     table.save("map.npz")
-    # A report on another thing replaces the folder.
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "fit-check.csv").write_text("old")
     done = run("report", "map.npz", "-o", "out")
     assert (done.code, done.err) == (0, "")
-    assert not (tmp_path / "out" / "fit-check.csv").exists()
     text = page_of(tmp_path / "out")
     assert "Accuracy against the model: certified, with marked exceptions" in text
     assert "at most 0.21 % of the static loads" in text and "errors reach 3.1 %" in text
     assert "Accuracy against measurements: not in this file" in text
-    assert "he tolerance of 0.50% holds on 4096 points" in text
     assert "search for the largest errors used 26000 more points" in text
     for row in rows_of(tmp_path / "out" / "table-certificate.csv"):
         place = [float(row[name]) for name in ("at_rpm", "at_speed_mps", "at_beta_deg")]
@@ -145,12 +130,10 @@ def test_a_table(run: Run, tmp_path: Path) -> None:
     assert statuses.count("unresolved") == 4
     assert statuses.count("vortex_ring") == table.content.advance.size - 1
     for row in rows_of(tmp_path / "out" / "table-loads.csv")[::50]:
-        rpm, speed, beta = (float(row[n]) for n in ("rpm", "speed_mps", "beta_deg"))
-        found = table.loads(rpm * np.pi / 30.0, speed, np.radians(beta))
+        omega, speed, beta = (float(row[n]) for n in ("rpm", "speed_mps", "beta_deg"))
+        found = table.loads(omega * np.pi / 30.0, speed, np.radians(beta))
         assert float(row["thrust_N"]) == pytest.approx(found.thrust, rel=1e-4, abs=1e-6)
         assert row["status"] == found.status
-        still = table.loads(rpm * np.pi / 30.0, 0.0, 0.0)
-        assert float(row["hover_thrust_N"]) == pytest.approx(still.thrust, rel=1e-4)
     hover = rows_of(tmp_path / "out" / "table-hover.csv")
     assert all(abs(float(r["thrust_error_share"])) < 1e-6 for r in hover if r["speed_mps"] == "0")
 
@@ -171,5 +154,4 @@ def test_other_certificates(run: Run, tmp_path: Path, monkeypatch: pytest.Monkey
         assert says in page_of(tmp_path / "out")
     assert "at_rpm" not in Path("out/table-certificate.csv").read_text()
     shown = run("show", "map.npz").out
-    assert "tolerance of 0.50% holds on 4096 points" in shown
     assert "search for" not in shown and "at [" not in shown

@@ -14,17 +14,10 @@ SHELL = ("bash", "sh")
 
 @dataclass(frozen=True)
 class Step:
-    """A block of a page.
+    """A block of a page, at a line from 1.
 
-    Attributes
-    ----------
-    kind : str
-        "run", a shell block; "file", whose text is to be saved under ``name``; "edit", lines to add
-        to the file ``name`` and to take out; "python"; or "other", which is not for a machine.
-    text, name : str
-        What stands in it, and the file that it is about.
-    line : int
-        Where it stands, from 1.
+    kind: "run", a shell block; "file", whose text is to be saved under ``name``; "edit", a
+    difference of the file ``name``; "python"; "cell"; or "other", which is not for a machine.
     """
 
     kind: str
@@ -70,8 +63,7 @@ def _options(content: str) -> tuple[dict[str, str], str]:
 
 
 def edited(text: str, step: Step) -> str:
-    """A file's ``text`` with the lines of an "edit" added behind those that they follow, or in the
-    place of those that it takes out."""
+    """Apply an "edit" to the text of a file."""
     lines = step.text.splitlines()
     before = "\n".join(line[1:] for line in lines if not line.startswith("+"))
     after = "\n".join(line[1:] for line in lines if not line.startswith("-"))

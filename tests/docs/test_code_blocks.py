@@ -1,8 +1,6 @@
-"""Every code block of README and the documentation runs.
+"""Every code block of README and the documentation runs, in order, in one empty folder.
 
-Shell blocks of a page run here, in order, in one empty folder, with the files that the page tells
-its reader to make.  Cells of notebook pages (``{code-cell}``) are run by the documentation's build,
-which stops at the first that fails.
+Cells of notebook pages (``{code-cell}``) are run by the documentation's build.
 """
 
 from __future__ import annotations
@@ -38,16 +36,8 @@ FOLLOWED = [p for p in (ROOT / "README.md", *PAGES) if p.name != "getting-starte
 BUILT = ("pip install", "make ")
 """What begins a block that installs or builds: CI itself does that, from a fresh clone."""
 
-OTHER = {
-    "toml",
-    "text",
-    "xml",
-    "{toctree}",
-    "{include}",
-    "{eval-rst}",
-    "{literalinclude}",
-    "{math}",
-}
+OTHER = {"toml", "text", "xml"}
+OTHER |= {"{toctree}", "{include}", "{eval-rst}", "{literalinclude}", "{math}"}
 """Blocks that show a file's form or are the documentation's own directives."""
 
 OPTIMIZED = "-DCMAKE_BUILD_TYPE=Release"
@@ -57,14 +47,9 @@ UNOPTIMIZED = f"{OPTIMIZED} -DCMAKE_CXX_FLAGS_RELEASE=-O0"
 NEEDS = {f"# needs {name}": name for name in ("rotorpy", "casadi", "mujoco")}
 
 
-def vehicle_in(folder: Path) -> Path:
-    """The vehicle file of the how-to page, reading the logs that it describes."""
-    return Path(shutil.copy(ROOT / "examples" / "px4" / "vehicle.toml", folder / "vehicle.toml"))
-
-
 def px4_logs(folder: Path) -> None:
     """Two flights of the page's vehicle as PX4 would log them."""
-    file = read_vehicle(vehicle_in(folder))
+    file = read_vehicle(shutil.copy(ROOT / "examples" / "px4" / "vehicle.toml", folder))
     for seed, name in enumerate(("flight.ulg", "another.ulg", "log.ulg")):
         points = trim(file.vehicle, propmap.airfoil("paper-apc"), np.linspace(1.0, 12.0, 6))
         log = fly(points, noise=SensorNoise(), seed=seed, rate=50.0)
@@ -75,11 +60,12 @@ def uiuc_files(folder: Path) -> None:
     """Geometry and loads of a 10-inch propeller in the layout of the UIUC database."""
     blade = propmap.propeller("uiuc-apcsf-10x7")
     fractions = (blade.station / blade.radius, blade.chord / blade.radius, np.degrees(blade.twist))
-    rows = [
-        "r/R c/R beta",
-        *(" ".join(f"{v:.4f}" for v in row) for row in zip(*fractions, strict=True)),
-    ]
-    (folder / "apcsf_10x7_geom.txt").write_text("\n".join(rows) + "\n")
+
+    def write(name: str, header: str, *columns: np.ndarray) -> None:
+        path = folder / f"apcsf_10x7_{name}.txt"
+        np.savetxt(path, np.transpose(columns), "%.4f", header=header, comments="")
+
+    write("geom", "r/R c/R beta", *fractions)
     law = propmap.airfoil("paper-apc").with_parameters(zero_lift_angle=-0.07)
     rotor = propmap.Rotor(propmap.Model(blade, law))
 
@@ -89,15 +75,11 @@ def uiuc_files(folder: Path) -> None:
         return loads.thrust / size, 2.0 * np.pi * loads.torque / (size * blade.diameter)
 
     rpm = np.linspace(2000.0, 6000.0, 6)
-    ct, cp = coefficients(rpm / 60.0, np.zeros(6))
-    lines = [f"{n:.1f} {t:.4f} {p:.4f}" for n, t, p in zip(rpm, ct, cp, strict=True)]
-    (folder / "apcsf_10x7_static_kt0827.txt").write_text("\n".join(["RPM CT CP", *lines]) + "\n")
+    write("static_kt0827", "RPM CT CP", rpm, *coefficients(rpm / 60.0, np.zeros(6)))
+    advance, half = np.linspace(0.15, 0.55, 9), np.full(9, 0.5)
     for name, speed in (("kt0828", 3008), ("kt0829", 4018), ("kt0830", 5021)):
-        advance = np.linspace(0.15, 0.55, 9)
-        ct, cp = coefficients(np.full(9, speed / 60.0), advance)
-        lines = [f"{j:.3f} {t:.4f} {p:.4f} 0.5" for j, t, p in zip(advance, ct, cp, strict=True)]
-        file = folder / f"apcsf_10x7_{name}_{speed}.txt"
-        file.write_text("\n".join(["J CT CP eta", *lines]) + "\n")
+        found = coefficients(np.full(9, speed / 60.0), advance)
+        write(f"{name}_{speed}", "J CT CP eta", advance, *found, half)
 
 
 def polars(folder: Path) -> None:
@@ -109,7 +91,7 @@ def polars(folder: Path) -> None:
 
 
 def source(folder: Path) -> None:
-    """The package's source, its core as it was built, and how that is done."""
+    """The package's source and its core, built and to build."""
     copy = folder / "src" / "propmap"
     shutil.copytree(ROOT / "src" / "propmap", copy)
     core.instructions()  # Now it is loaded.
@@ -141,12 +123,9 @@ def runs(step: Step) -> bool:
 @pytest.fixture(scope="module")
 def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """This interpreter's commands."""
-    here = str(Path(sys.executable).parent)
-    return os.environ | {
-        "PATH": os.pathsep.join([here, os.environ["PATH"]]),
-        "XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache")),
-        "MPLBACKEND": "agg",
-    }
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    cache = str(tmp_path_factory.mktemp("cache"))
+    return os.environ | {"PATH": path, "XDG_CACHE_HOME": cache, "MPLBACKEND": "agg"}
 
 
 def own_source(environment: dict[str, str]) -> dict[str, str]:
@@ -174,7 +153,10 @@ def test_a_page_can_be_followed(page: Path, tmp_path: Path, environment: dict[st
                 command, place = [sys.executable, "-S"], own_source(environment)
             elif step.kind == "python":
                 command = [sys.executable]
-            run([*command, "-c", text], page, step, tmp_path, place)
+            command += ["-c", text]
+            done = subprocess.run(command, cwd=tmp_path, env=place, capture_output=True, text=True)
+            where = f"{name_of(page)}:{step.line}:\n{step.text}"
+            assert done.returncode == 0, f"{where}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
 
 
 def lacking(step: Step) -> bool:
@@ -187,15 +169,6 @@ def lacking(step: Step) -> bool:
     return any(importlib.util.find_spec(package) is None for package in needed)
 
 
-def run(
-    command: list[str], page: Path, step: Step, folder: Path, environment: dict[str, str]
-) -> None:
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, (
-        f"{name_of(page)}:{step.line}:\n{step.text}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
-    )
-
-
 def test_every_block_is_of_a_known_kind() -> None:
     """A block that nothing would run is not overlooked."""
     for page in (ROOT / "README.md", *PAGES):
@@ -206,15 +179,12 @@ def test_every_block_is_of_a_known_kind() -> None:
             assert step.kind != "cell" or notebook, f"{where} is in no notebook"
 
 
-def test_the_readme_s_first_block_of_python_is_the_example() -> None:
+def test_the_readme_shows_the_example_and_the_catalogue_s_size() -> None:
     first = next(s for s in steps(ROOT / "README.md") if s.kind == "python")
     example = (ROOT / "examples" / "loads.py").read_text(encoding="utf-8")
     lines = [line for line in first.text.splitlines() if line]
     # But for blank lines and what it says of itself.
     assert lines == [line for line in example.splitlines() if line][1:]
     assert len(lines) <= 10
-
-
-def test_the_catalogue_is_as_large_as_the_readme_says() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert f"The catalogue contains {len(catalogue.names())} propellers" in text

@@ -34,16 +34,13 @@ def test_error_figures() -> None:
     assert (errors.load, errors.unit, errors.points) == ("thrust", "N", 2)
     assert errors.measured_rms == pytest.approx(np.sqrt(12.5))
     mine, zero = errors.models["mine"], errors.models["zero"]
-    assert mine.rms == pytest.approx(np.sqrt(0.5))
-    assert mine.relative_rms == pytest.approx(0.2)
-    assert (mine.worst, mine.mean) == (1.0, 0.5)
-    assert mine.predicted_rms == pytest.approx(4.0)
+    assert (mine.rms, mine.relative_rms) == pytest.approx((np.sqrt(0.5), 0.2))
+    assert (mine.worst, mine.mean, mine.predicted_rms) == pytest.approx((1.0, 0.5, 4.0))
     assert (zero.worst, zero.relative_rms, zero.predicted_rms) == (4.0, pytest.approx(1.0), 0.0)
     # One of two points differs by 1 between both forms of the data.
     assert errors.band == pytest.approx(0.2)
     (still,) = compared(none, {}).errors(np.full(3, True))
-    assert still.models["mine"].relative_rms is None
-    assert still.band is None
+    assert still.models["mine"].relative_rms is still.band is None
 
 
 @pytest.mark.slow
@@ -55,12 +52,10 @@ def test_demo(tmp_path: Path) -> None:
         text=True,
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[-1].endswith("demo-loads.png")
     for name in ("demo-loads.png", "demo-disk.png"):
         assert (folder / name).read_bytes().startswith(b"\x89PNG")
     found = json.loads((folder / "demo.json").read_text())
     groups = {group["title"]: group for group in found["groups"]}
-    assert {"static", "axial", "oblique", "oblique 90"} <= set(groups)
     with (folder / "demo.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     oblique = [row for row in rows if row["measured_drag_N"]]
@@ -70,7 +65,6 @@ def test_demo(tmp_path: Path) -> None:
 
     errors = {one["load"]: one for one in groups["oblique"]["errors"]}
     thrust = errors["thrust"]
-    assert thrust["points"] == len(oblique)
     for model in ("recommended", "paper", "hover"):
         assert thrust["models"][model]["rms"] == pytest.approx(off(f"{model}_thrust_N"))
     assert thrust["band"] * thrust["measured_rms"] == pytest.approx(off("other_form_thrust_N"))

@@ -1,7 +1,4 @@
-"""`docs/equations.md` shows the whole reference, and names functions and tests that exist.
-
-It leaves out no equation.
-"""
+"""`docs/equations.md` has every equation, shows the whole reference, and names what exists."""
 
 from __future__ import annotations
 
@@ -18,13 +15,8 @@ PAGE = (ROOT / "docs" / "equations.md").read_text(encoding="utf-8")
 SOURCE = (ROOT / "src" / "propmap" / "reference.py").read_text(encoding="utf-8")
 REFERENCE = ast.parse(SOURCE)
 
-REQUIRED = {
-    *(f"({n})" for n in range(1, 19)),
-    "footnote 1",
-    "footnote 3",
-    "footnote 4",
-    "section III.A",
-}
+REQUIRED = {f"({n})" for n in range(1, 19)}
+REQUIRED |= {"footnote 1", "footnote 3", "footnote 4", "section III.A"}
 
 
 def rows() -> list[tuple[str, str, str]]:
@@ -60,19 +52,6 @@ def functions(cell: str) -> list[tuple[str, str]]:
     return [(m.replace("/", "."), name) for m, (_, name) in zip(modules, python, strict=True)]
 
 
-def in_headers(cell: str) -> list[tuple[str, str]]:
-    """Header and name of everything in a cell that is in the compiled core."""
-    return [(file, name) for file, name in named(cell) if file.endswith(".hpp")]
-
-
-def shown() -> list[str]:
-    """What the page shows of the reference's code, in order."""
-    block = (
-        r"\{literalinclude\} \.\./src/propmap/reference\.py\n:language: python\n:pyobject: (\w+)"
-    )
-    return re.findall(block, PAGE)
-
-
 def numbered(text: str) -> set[int]:
     """Numbers of the equations named in ``text``, as in "Eq. (10)", "Eqs. (13)-(15)"."""
     found: set[int] = set()
@@ -84,22 +63,18 @@ def numbered(text: str) -> set[int]:
 def test_the_page_shows_the_whole_reference() -> None:
     """Every function once; of the classes only the one that needs words."""
     defined = [n for n in REFERENCE.body if isinstance(n, ast.FunctionDef)]
-    assert sorted(shown()) == sorted(["Case", *(node.name for node in defined)])
+    block = r"src/propmap/reference\.py\n:language: python\n:pyobject: (\w+)"
+    assert sorted(re.findall(block, PAGE)) == sorted(["Case", *(node.name for node in defined)])
 
 
 @pytest.mark.parametrize("number", range(1, 16))
 def test_an_equation_stands_in_the_function_that_its_row_names(number: int) -> None:
     """By its number, in a comment or in what the function says of itself."""
-    cells = [cell for first, cell, _ in rows() if first == f"({number})"]
-    assert len(cells) == 1
-    names = [name for module, name in functions(cells[0]) if module == "propmap.reference"]
-    lines = SOURCE.splitlines()
-    bodies = {
-        node.name: numbered("\n".join(lines[node.lineno - 1 : node.end_lineno]))
-        for node in REFERENCE.body
-        if isinstance(node, ast.FunctionDef)
-    }
-    assert names and number in bodies[names[0]]
+    (cell,) = [cell for first, cell, _ in rows() if first == f"({number})"]
+    names = [name for module, name in functions(cell) if module == "propmap.reference"]
+    (body,) = [n for n in REFERENCE.body if isinstance(n, ast.FunctionDef) and n.name == names[0]]
+    lines = SOURCE.splitlines()[body.lineno - 1 : body.end_lineno]
+    assert number in numbered("\n".join(lines))
 
 
 def test_every_equation_has_its_row() -> None:
@@ -116,7 +91,9 @@ def test_the_functions_exist(subject: str, cell: str) -> None:
         for part in name.split("."):
             found = getattr(found, part)
         assert getattr(found, "__doc__", None), f"{module}.{name} says nothing of itself"
-    for file, name in in_headers(cell):
+    for file, name in named(cell):
+        if file.endswith(".py"):
+            continue
         text = (HEADERS / file).read_text(encoding="utf-8")
         defined = rf"^(?! *return)[\w <>,:*&[\]]*\b(?:{name}\(|(?:struct|class) {name}\b)"
         assert re.search(defined, text, re.MULTILINE), f"{subject}: {file} has no {name}"
@@ -126,7 +103,7 @@ def test_the_functions_exist(subject: str, cell: str) -> None:
 def test_an_equation_stands_in_the_header_that_its_row_names(number: int) -> None:
     """By its number, in a comment."""
     (cell,) = [cell for first, cell, _ in rows() if first == f"({number})"]
-    files = {file for file, _ in in_headers(cell)}
+    files = {file for file, _ in named(cell) if file.endswith(".hpp")}
     text = "".join((HEADERS / file).read_text(encoding="utf-8") for file in files)
     told = re.sub(r"\((\d+)\)\((\d+)\)", r"(\1)-(\2)", text)  # Eqs. (3)(4)
     assert number in numbered(re.sub(r"\beq(s?\.)", r"Eq\1", told).replace(") to (", ")-("))

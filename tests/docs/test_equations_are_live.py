@@ -1,7 +1,6 @@
-"""A function that `docs/equations.md` names is on the live path: broken, it changes what comes out.
+"""A function that `docs/equations.md` names is on the live path: broken, it changes a result.
 
-Every function in Python is made to return 1.07 times its numbers, in the module that defines it and
-in all that imported it.  What is in the compiled core cannot be broken from here.
+Every Python function returns 1.07 times its numbers.
 """
 
 from __future__ import annotations
@@ -33,19 +32,16 @@ NAMED = sorted({pair for _, cell, _ in rows() for pair in functions(cell)})
 OMEGA = np.array([600.0, 600.0, 500.0, 600.0, 600.0, 600.0])
 SPEED = np.array([0.0, 2.0, 14.0, 5.0, 15.0, 16.0])
 BETA = np.radians([0.0, 60.0, 80.0, 175.0, 172.0, 180.0])
-"""Hover and slow climb with stall, fast oblique flight, vortex ring, windmill beyond its turning
-point, axial descent."""
+"""Hover, slow climb with stall, fast oblique flight, vortex ring, windmill, axial descent."""
 
 
 def broken(value: Any) -> Any:
     """A copy with every number in it wrong; of texts none is left."""
     if isinstance(value, (float, np.ndarray, np.floating)):
-        kind = getattr(value, "dtype", np.float64)
-        return value * FACTOR if np.issubdtype(kind, np.floating) else value
-    if isinstance(value, tuple) and hasattr(value, "_fields"):
-        return type(value)(*(broken(part) for part in value))
+        return value * FACTOR if np.issubdtype(np.asarray(value).dtype, np.floating) else value
     if isinstance(value, tuple):
-        return tuple(broken(part) for part in value)
+        make = getattr(value, "_make", tuple)
+        return make(broken(part) for part in value)
     if isinstance(value, dict):
         return {name: broken(part) for name, part in value.items()}
     if isinstance(value, list):
@@ -58,13 +54,8 @@ def broken(value: Any) -> Any:
 
 
 def breaking(function: Callable[..., Any]) -> Any:
-    """``function``, returning wrong numbers."""
-
-    @functools.wraps(function)
-    def wrong_function(*arguments: Any, **named: Any) -> Any:
-        return broken(function(*arguments, **named))
-
-    return wrong_function
+    """Return the function with wrong numbers."""
+    return functools.wraps(function)(lambda *given, **named: broken(function(*given, **named)))
 
 
 def break_it(patch: pytest.MonkeyPatch, module: str, name: str) -> None:
@@ -110,8 +101,7 @@ def numbers(tree: Any) -> np.ndarray:
 
 
 def rotor() -> pm.Rotor:
-    model = pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc"))
-    return pm.Rotor(model)
+    return pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")))
 
 
 def loads() -> Any:
@@ -149,7 +139,7 @@ def flights() -> Any:
     """Residuals of both balances, of a vehicle with a body and a wing."""
     wing = Wing(0.02, 0.1)
     vehicle = dataclasses.replace(paper.QUADROTOR, wing=wing)
-    model = flight.ForceModel(vehicle, paper.flights(), paper.LAW)
+    model = flight.ForceModel(vehicle, paper.flights(slice(None)), paper.LAW)
     values = paper.VALUES | dict.fromkeys(BODY, 0.01) | flight.wing_values(vehicle)
     found = []
     for make in (flight.level_rows, flight.balance_rows):
@@ -168,7 +158,7 @@ def whole_flights() -> Any:
         inertia=(4e-3, 5e-3, 8e-3),
         rotor_inertia=2e-5,
     )
-    log = paper.flights()
+    log = paper.flights(slice(None))
     turning = np.tile([0.3, -0.5, 0.8], (len(log), 1))
     log = dataclasses.replace(
         log, rates=turning, angular_acceleration=2.0 * turning, specific_force_rate=turning
@@ -227,16 +217,11 @@ def unbroken(probe: Callable[[], Any]) -> np.ndarray:
     return numbers(probe())
 
 
-KEPT = (
-    *(wakes._table, wakes._slipstream_table, wakes.seen_wake, wakes.frame_of),
-    wakes._above_each_other,
-)
-"""Tables of the wakes' velocity, which would hide that their parts are broken."""
-
-
 def forget() -> None:
-    for one in KEPT:
+    """Clear the tables of the wakes' velocity, which would hide that their parts are broken."""
+    for one in (wakes._table, wakes._slipstream_table, wakes.seen_wake, wakes.frame_of):
         one.cache_clear()
+    wakes._above_each_other.cache_clear()
 
 
 # What is broken may come out as a factor on the drag.

@@ -31,7 +31,6 @@ EXPORTED = {
 
 
 def derivatives_agree(text: str) -> None:
-    """What JAX gives is what differences give."""
     (axial,) = re.findall(r"velocity +\[(\S+)", text)
     (difference,) = re.findall(r"differences, axial +(\S+)", text)
     assert float(axial) == pytest.approx(float(difference), rel=0.01)
@@ -70,22 +69,14 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def table() -> LoadTable:
     """Coarse, and wide enough for the examples."""
-    rotor = propmap.Rotor(
-        propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
-    )
-    return build_table(
-        rotor,
-        omega=(250.0, 1000.0),
-        speed=(0.0, 9.0),
-        beta=(0.0, np.pi),
-        tolerance=0.05,
-        certificate_points=512,
-    )
+    model = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    ranges = {"omega": (250.0, 1000.0), "speed": (0.0, 9.0), "beta": (0.0, np.pi)}
+    brief = {"tolerance": 0.05, "certificate_points": 512}
+    return build_table(propmap.Rotor(model), **ranges, **brief)
 
 
-def scripts() -> list[str]:
-    """All but the demo, which has a test of its own."""
-    return sorted(path.name for path in EXAMPLES.glob("*.py") if path.name != "demo.py")
+SCRIPTS = sorted(path.name for path in EXAMPLES.glob("*.py") if path.name != "demo.py")
+"""All but the demo, which has a test of its own."""
 
 
 def test_drake_s_example_slows_down() -> None:
@@ -99,7 +90,7 @@ def test_drake_s_example_slows_down() -> None:
     assert (np.diff([10.0, *forward]) < -0.2).all() and (np.diff([0.0, *pitching]) < -0.3).all()
 
 
-@pytest.mark.parametrize("name", scripts())
+@pytest.mark.parametrize("name", SCRIPTS)
 def test_an_example_runs(name: str, table: LoadTable, tmp_path: Path) -> None:
     target, needed = EXPORTED.get(name, (None, None))
     if needed is not None:
@@ -108,13 +99,8 @@ def test_an_example_runs(name: str, table: LoadTable, tmp_path: Path) -> None:
     if target is not None:
         export_table(table, target, tmp_path)
     shutil.copy(EXAMPLES / name, tmp_path)
-    done = subprocess.run(
-        [sys.executable, name],
-        cwd=tmp_path,
-        env=os.environ | {"MPLBACKEND": "agg"},
-        capture_output=True,
-        text=True,
-    )
+    command, quiet = [sys.executable, name], os.environ | {"MPLBACKEND": "agg"}
+    done = subprocess.run(command, cwd=tmp_path, env=quiet, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-2000:]
     assert done.stdout.strip()
     # The table's example asks once outside the envelope, on purpose, and prints nan.

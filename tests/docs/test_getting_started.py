@@ -38,12 +38,9 @@ def test_a_newcomer_flies_a_table_in_an_empty_folder(
         if step.kind == "file":
             (tmp_path / step.name).write_text(step.text, encoding="utf-8")
         elif step.kind == "run" and step.text != INSTALL:
+            command = ["bash", "-euo", "pipefail", "-c", step.text]
             done = subprocess.run(
-                ["bash", "-euo", "pipefail", "-c", step.text],
-                cwd=tmp_path,
-                env=environment,
-                capture_output=True,
-                text=True,
+                command, cwd=tmp_path, env=environment, capture_output=True, text=True
             )
             assert done.returncode == 0, f"line {step.line}: {done.stderr}"
             printed[step.text.split()[0], step.text.split()[1]] = done.stdout
@@ -58,7 +55,6 @@ def test_a_newcomer_flies_a_table_in_an_empty_folder(
 
 
 def test_the_page_installs_the_package_by_its_name() -> None:
-    """What is installed under that name here is the package: where ``make wheels`` runs this, its
-    wheel."""
+    """Where ``make wheels`` runs this, the package is its wheel."""
     assert next(step.text for step in steps(PAGE) if step.kind == "run") == INSTALL
     assert distribution("propmap").read_text("METADATA")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -60,10 +59,8 @@ def drawn(svg: ElementTree.Element, look: str) -> list[np.ndarray]:
     for path in svg.findall("path"):
         if path.attrib["class"].split()[0] == look:
             places = np.array(re.findall(r"[ML]([\d.-]+) ([\d.-]+)", path.attrib["d"]), float)
-            scales = axis(svg, "x"), axis(svg, "y")
-            found.append(
-                np.stack([a * p + b for (a, b), p in zip(scales, places.T, strict=True)], axis=1)
-            )
+            slopes, offsets = np.transpose([axis(svg, "x"), axis(svg, "y")])
+            found.append(slopes * places + offsets)
     return found
 
 
@@ -128,16 +125,8 @@ def test_every_propeller_has_the_rows_of_its_fit() -> None:
 @pytest.mark.skipif(not LOADS.exists(), reason="needs the database's table of loads")
 def test_rows_kept_are_those_of_the_database() -> None:
     every = {one.name: one for one in refiled(read_uiuc_database(LOADS))}
-    for name, kept in ROWS.items():
-        one = every[name]
-        np.testing.assert_allclose(kept.rpm, one.rpm, atol=0.5)
-        np.testing.assert_allclose(kept.advance, one.advance, atol=5.1e-5)
-        np.testing.assert_allclose(kept.thrust, one.thrust, atol=5.1e-6)
-        np.testing.assert_allclose(kept.power, one.power, atol=5.1e-6)
-        assert len(np.unique(kept.run)) == len(np.unique(one.run))
-    assert measured_rows.as_text([every[name] for name in ROWS]) == measured_rows.FILE.read_text(
-        encoding="utf-8"
-    )
+    kept = measured_rows.FILE.read_text(encoding="utf-8")
+    assert measured_rows.as_text([every[name] for name in ROWS]) == kept
 
 
 def test_parts_of_errors() -> None:
@@ -149,43 +138,22 @@ def test_parts_of_errors() -> None:
     assert error_parts(tested, np.where(first, -0.01, 0.0)).runs == pytest.approx(1.0)
     tilt = np.where(first, tested.advance - tested.advance[first].mean(), 0.0)
     assert error_parts(tested, tilt).course == pytest.approx(1.0)
-    noise = np.random.default_rng(1).normal(size=still.size)
-    assert sum(error_parts(tested, noise)) == pytest.approx(1.0)
-    assert error_parts(tested, noise).scatter > 0.5
     lost = np.where(still, 0.01, np.nan)
     assert error_parts(tested, lost).rest == pytest.approx(1.0)
 
 
-class _Links(HTMLParser):
-    """Addresses on a page, and what stands in its list."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.links: list[str] = []
-        self.items: list[dict[str, str | None]] = []
-        self.hidden_boxes = 0
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = dict(attrs)
-        self.links += [v for k, v in attrs if k in ("href", "src") and v is not None]
-        if tag == "li":
-            self.items.append(given)
-        self.hidden_boxes += tag == "div" and "hidden" in given
+LISTED = listing.listing(all_identified())
+ITEMS = re.findall("<li [^>]*>", LISTED)
 
 
-@pytest.fixture(scope="module")
-def listed() -> _Links:
-    return _Links(listing.listing(all_identified()))
-
-
-def test_the_list_has_every_propeller_and_hides_none(listed: _Links) -> None:
+def test_the_list_has_every_propeller_and_hides_none() -> None:
     """The box is hidden until the script is there; without it all propellers are shown."""
     cards = {f"propellers/{words.page_name(one)}.html" for one in all_identified()}
-    assert len(cards) == len(all_identified()) == len(listed.items)
-    assert set(listed.links) == {*cards, "_static/propellers.js"}
-    assert listed.hidden_boxes == 1 and not any("hidden" in item for item in listed.items)
-    flagged = sum(item["class"] == "flagged" for item in listed.items)
+    assert len(cards) == len(all_identified()) == len(ITEMS)
+    assert {*re.findall('(?:href|src)="([^"]*)"', LISTED)} == {*cards, "_static/propellers.js"}
+    assert len(re.findall("<div [^>]*hidden", LISTED)) == 1
+    assert not any("hidden" in item for item in ITEMS)
+    flagged = sum('class="flagged"' in item for item in ITEMS)
     assert flagged == sum(not one.verdict.endswith("good") for one in all_identified()) > 20
 
 
@@ -198,13 +166,11 @@ def test_the_list_has_every_propeller_and_hides_none(listed: _Links) -> None:
         ("gwsdd flagged", "uiuc-gwsdd-5x4.3"),
     ],
 )
-def test_what_people_type_is_found(listed: _Links, typed: str, expected: str) -> None:
+def test_what_people_type_is_found(typed: str, expected: str) -> None:
     """Every word begins one of those that the script looks through, which makes "3 blades" one."""
-    found = [
-        str(item["data-words"])
-        for item in listed.items
-        if all(f" {word}" in str(item["data-words"]) for word in re.split("[ -]", typed))
-    ]
+    every = [text for item in ITEMS for text in re.findall('data-words="([^"]*)"', item)]
+    typed_words = re.split("[ -]", typed)
+    found = [text for text in every if all(f" {word}" in text for word in typed_words)]
     assert any(text.startswith(f" {expected.replace('-', ' ')} ") for text in found)
     assert len(found) < 20
 
@@ -226,9 +192,8 @@ def test_the_population_shows_every_propeller_where_it_is() -> None:
     places = np.array([re.findall(r"M([\d.]+) [\d.]+h0", one) for one in marks], float)
     own = coordinates(np.stack([one.constants for one in entries]))
     assert places.shape == own.shape == (len(entries), len(PARAMETERS))
-    assert len(by_title) == len(entries)
-    for k in range(len(PARAMETERS)):
-        assert np.corrcoef(places[:, k], own[:, k])[0, 1] > 0.99999
+    for drawn_at, value in zip(places.T, own.T, strict=True):
+        assert np.corrcoef(drawn_at, value)[0, 1] > 0.99999
     table = population.table()
     assert f"{np.exp(bundled_population('measured').mean[0]):.3f}" in table
     assert f"{np.exp(POPULATION.mean[1]):.3f}" in table
@@ -236,10 +201,9 @@ def test_the_population_shows_every_propeller_where_it_is() -> None:
 
 @pytest.mark.slow
 def test_the_pages_are_written(tmp_path: Path) -> None:
-    (tmp_path / "generated").mkdir()
-    (tmp_path / "propellers").mkdir()
-    old = tmp_path / "propellers" / "no-more.md"
-    old.write_text("")
+    for folder in ("generated", "propellers"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "propellers" / "no-more.md").write_text("")
     write(tmp_path)
     cards = sorted(file.stem for file in (tmp_path / "propellers").iterdir())
     assert cards == sorted(map(words.page_name, all_identified()))

@@ -39,18 +39,13 @@ def callables(name: str) -> list[tuple[str, Any]]:
     found = thing(name)
     if not inspect.isclass(found):
         return [(name, found)]
-    own = {k: v for k, v in vars(found).items() if not k.startswith("_")}
-    methods = [
-        (f"{name}.{k}", getattr(v, "__func__", v))
-        for k, v in own.items()
-        if inspect.isfunction(getattr(v, "__func__", v))
-    ]
-    return [(name, found), *methods]
+    own = {k: getattr(v, "__func__", v) for k, v in vars(found).items() if not k.startswith("_")}
+    return [(name, found), *((f"{name}.{k}", v) for k, v in own.items() if inspect.isfunction(v))]
 
 
 def parameters(found: Any) -> list[str]:
     if found in (JaxTable, JaxForces, MjxRotors):
-        return []  # Made with ``of``; what it is made of is its own affair.
+        return []  # made with ``of``
     if inspect.isclass(found) and issubclass(found, Exception):
         return []
     if dataclasses.is_dataclass(found):

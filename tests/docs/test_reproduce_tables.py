@@ -27,25 +27,12 @@ def test_errors_name_data_and_load_once() -> None:
 
 def test_what_is_not_identified_is_marked() -> None:
     row = {"fit": "mine", "data": "uiuc-8x6e", "low_95": "4", "high_95": "5"}
-    found = cells(
-        docs_reproduce.identified(
-            [
-                {**row, "parameter": "c_l1_per_rad", "value": "4.5", "verdict": "identified"},
-                {**row, "parameter": "c_l2", "value": "2e-6", "verdict": "weak: held"},
-            ]
-        )
-    )
+    first = {**row, "parameter": "c_l1_per_rad", "value": "4.5", "verdict": "identified"}
+    second = {**row, "parameter": "c_l2", "value": "2e-6", "verdict": "weak: held"}
+    found = cells(docs_reproduce.identified([first, second]))
     assert found[2] == ["mine", "4.5 (4 to 5)", "0\\* (4 to 5)", "fixed", "fixed", "fixed"]
-    none = docs_reproduce.rotor_drag(
-        [
-            {
-                "beta_deg": "15",
-                "polynomials_over_theory": "2.1",
-                "lowest": "",
-                "highest": "2.2",
-                "polynomials_over_recommended": "2.2",
-                "model_over_theory": "1.9",
-            }
-        ]
-    )
-    assert cells(none)[2] == ["15", "2.1", "none", "2.2", "2.2", "1.9"]
+    names = ("beta_deg", "polynomials_over_theory", "lowest", "highest")
+    names += ("polynomials_over_recommended", "model_over_theory")
+    row = dict(zip(names, ("15", "2.1", "", "2.2", "2.3", "1.9"), strict=True))
+    none = docs_reproduce.rotor_drag([row])
+    assert cells(none)[2] == ["15", "2.1", "none", "2.2", "2.3", "1.9"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,13 +17,8 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 pytest.importorskip("playwright", reason="playwright is not installed")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(
-        browser_path() is None,
-        reason="no browser is installed (chromium)",
-    ),
-]
+absent = pytest.mark.skipif(browser_path() is None, reason="no browser is installed (chromium)")
+pytestmark = [pytest.mark.slow, absent]
 
 VIEWS = ("loads", "disk", "blade", "constants", "compare", "aircraft", "trust")
 VEHICLE = Path(__file__).parents[2] / "examples" / "aircraft" / "delivery.toml"
@@ -74,12 +68,8 @@ def test_each_view_opens_fits_and_is_accessible(page: Page, address: str, tmp_pa
         settle(page)
         assert page.locator(".js-plotly-plot .main-svg").count()
         assert page.locator("#tables table").count() or name == "constants"
-        serious = [
-            (one["id"], [node["target"] for node in one["nodes"]][:4])
-            for one in axe.run(page).response["violations"]
-            if one["impact"] in ("serious", "critical")
-        ]
-        assert not serious, f"{name}: {json.dumps(serious)}"
+        for one in axe.run(page).response["violations"]:
+            assert one["impact"] not in ("serious", "critical"), f"{name}: {one}"
         for width in (390, 1600):
             page.set_viewport_size({"width": width, "height": 800})
             page.wait_for_timeout(150)
@@ -98,10 +88,9 @@ def test_numbers_commands_and_address(page: Page, address: str) -> None:
     loads = pm.Rotor(pm.catalogue_model("apc-8x6e")).loads(5010.0 * RPM, 12.0, np.radians(70.0))
     row = page.locator("#tables tr", has=page.locator("th", has_text="thrust")).first
     assert row.locator("td").first.inner_text() == f"{float(loads.thrust):.4g}"
-    command = page.locator("#command").inner_text() or page.locator("#command").text_content()
-    assert "--rpm 5010" in str(command) and "--no-bands" in str(command)
+    command = str(page.locator("#command").text_content())
+    assert "--rpm 5010" in command and "--no-bands" in command
     box = page.get_by_label("Rotational speed, as a number")
-    assert float(box.input_value()) == 5010.0
     box.fill("4321")
     box.press("Enter")
     page.wait_for_function("location.href.includes('rpm=4321')")
@@ -113,22 +102,22 @@ def test_numbers_commands_and_address(page: Page, address: str) -> None:
 
 
 def test_a_fit_outlives_a_reload_and_a_killed_browser(chromium: Browser, address: str) -> None:
-    place = f"{address}/constants?prop=apc-8x6e&data=uiuc-8x6e&free=c_l1"
+    includes = "document.querySelector('#progress').innerText.includes('{}')"
+
+    def fitting(one: Browser) -> Page:
+        page = one.new_page()
+        open_view(page, f"{address}/constants?prop=apc-8x6e&data=uiuc-8x6e&free=c_l1")
+        page.locator("#fit").click()
+        page.wait_for_function(includes.format("fit"))
+        return page
+
     killed = chromium.browser_type.launch(executable_path=browser_path(), args=["--no-sandbox"])
-    page = killed.new_page()
-    open_view(page, place)
-    page.locator("#fit").click()
-    page.wait_for_function("document.querySelector('#progress').innerText.includes('fit')")
+    fitting(killed)
     killed.close()
-    page = chromium.new_page()
-    open_view(page, place)
-    page.locator("#fit").click()
-    page.wait_for_function("document.querySelector('#progress').innerText.includes('fit')")
+    page = fitting(chromium)
     page.reload()
     page.wait_for_selector(".view-constants")
-    page.wait_for_function(
-        "document.querySelector('#progress').innerText.includes('c_l1 =')", timeout=240e3
-    )
+    page.wait_for_function(includes.format("c_l1 ="), timeout=240e3)
     page.wait_for_timeout(600)
     fitted = float(page.get_by_label("c_l1, slope of").first.input_value())
     assert f"c_l1 = {fitted:.4g}"[:10] in page.locator("#progress").inner_text()

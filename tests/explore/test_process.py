@@ -35,10 +35,8 @@ def test_no_display_is_told_with_the_address() -> None:
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
     assert process.stdout is not None
     said = ""
-    for line in process.stdout:
-        said += line
-        if "no display" in line:
-            break
+    while "no display" not in said and process.poll() is None:
+        said += process.stdout.readline()
     assert "http://127.0.0.1:" in said
     process.send_signal(signal.SIGINT)
     assert process.wait(20.0) == 0
@@ -49,14 +47,12 @@ def test_what_is_wrong_is_told_before_anything_listens() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
-        wrong = {
-            ("no-such-propeller",): "no-such-propeller",
-            ("missing.toml",): "no such file",
-            ("--host", "no.such.host.example"): "cannot listen",
-            ("--port", str(taken.getsockname()[1])): "is in use",
-        }
-        for arguments, words in wrong.items():
-            command = [sys.executable, "-m", "propmap", "explore", "--no-browser", *arguments]
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
+        for arguments, words in (
+            ("missing.toml", "no such file"),
+            ("--host no.such.host.example", "cannot listen"),
+            (f"--port {taken.getsockname()[1]}", "is in use"),
+        ):
+            command = [sys.executable, "-m", "propmap", "explore", "--no-browser"]
+            done = subprocess.run([*command, *arguments.split()], capture_output=True, text=True)
             assert done.returncode == 2
             assert words in done.stderr.lower() and done.stderr.count("\n") == 1

@@ -78,17 +78,8 @@ void omega_for(size_t n, const real *quantity, const real *value, const real *v,
 def shared_library(folder: Path, source: str, name: str = "caller", *options: str) -> ctypes.CDLL:
     """A C source, compiled without a warning and loaded."""
     (folder / f"{name}.c").write_text(source)
-    command = [
-        program("gcc"),
-        *FLAGS,
-        *options,
-        "-fPIC",
-        "-shared",
-        f"{name}.c",
-        "-o",
-        f"{name}.so",
-    ]
-    subprocess.run([*command, "-lm"], cwd=folder, check=True)
+    command = [program("gcc"), *FLAGS, *options, "-fPIC", "-shared", f"{name}.c", "-lm"]
+    subprocess.run([*command, "-o", f"{name}.so"], cwd=folder, check=True)
     return ctypes.CDLL(str(folder / f"{name}.so"))
 
 

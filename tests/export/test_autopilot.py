@@ -23,7 +23,6 @@ from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.powertrain import Battery, Motor, Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 from tests.aircraft.conftest import POWERTRAIN, aircraft_of, quadcopter
-from tests.oracle.literal_section import drag_coefficient, lift_coefficient
 
 from .conftest import invented_content
 
@@ -42,7 +41,7 @@ def in_px4_order(**changes: Any) -> Vehicle:
 
 @pytest.fixture(scope="module")
 def aircraft() -> Aircraft:
-    return aircraft_of(in_px4_order())
+    return aircraft_of(in_px4_order(air=propmap.Air(1.1)))
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +111,7 @@ def test_the_filter_expects_the_force_of_level_flight(
     file, read, equation = FILTERS[target]
     parameters, vehicle = read(files[file]), aircraft.vehicle
     speeds = np.array([2.0, 4.0, 8.0, 12.0, 14.0])
-    turned = in_px4_order(body=Body((AREAS[1], AREAS[0], AREAS[2])))
+    turned = replace(vehicle, body=Body((AREAS[1], AREAS[0], AREAS[2])))
     for way, flown, axis in (("forward", vehicle, 0), ("sideways", turned, 1)):
         states = aircraft_of(flown).steady(speeds, margin=False)
         note = files[f"README-{target}.md"]
@@ -128,55 +127,6 @@ def test_the_filter_expects_the_force_of_level_flight(
             measured[axis] = -G * np.sin(pitch)
             # As near as the note says of the fitted speeds, and a tenth more between them.
             assert vehicle.mass * np.abs(predicted - measured).max() < 1.1 * worst
-
-
-@pytest.mark.parametrize(("target", "power"), [("px4", 0.5), ("ardupilot", 1.0)])
-def test_rotor_drag_is_that_of_blade_theory(target: str, power: float) -> None:
-    """At low speed, without a body: the closed form that the section velocities give.
-
-    With U_T = Omega y + V sin(psi), the force of (6) is, to first order in V,
-    N_b/2 int d/dU_T [rho/2 c U^2 (C_L sin(phi) + C_D cos(phi))] dy V at the inflow of hover.
-    """
-    station = np.linspace(0.03, 0.12, 10)
-    blade = propmap.Propeller("plain", 2, station, np.full(10, 0.015), np.full(10, 0.14))
-    law = propmap.Airfoil(5.0, 2.0, 1.5, 0.4, c_d0=0.02)
-    section = {"c_l1": 5.0, "c_l2": 2.0, "c_d": 1.5, "alpha_0": 0.4, "c_d0": 0.02}
-    air, mass = propmap.Air(1.1), 0.6
-    y, weight = np.polynomial.legendre.leggauss(40)
-    y, weight = 0.075 + 0.045 * y, 0.045 * weight
-
-    def forces(u_t: np.ndarray, u_p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Per meter of a blade, along the axis and against the rotation."""
-        speed, phi = np.hypot(u_t, u_p), np.arctan2(u_p, u_t)
-        head = 0.5 * air.density * 0.015 * speed**2
-        lift = lift_coefficient(0.14 - phi, section)
-        drag = drag_coefficient(0.14 - phi, air.density * speed * 0.015 / air.viscosity, section)
-        return (
-            head * (lift * np.cos(phi) - drag * np.sin(phi)),
-            head * (lift * np.sin(phi) + drag * np.cos(phi)),
-        )
-
-    def inflow(omega: float) -> np.ndarray:
-        def left(v: float, r: float) -> float:
-            disk = 4.0 * air.density * np.pi * r * v * abs(v)
-            return 2.0 * float(forces(np.array(omega * r), np.array(v))[0]) - disk
-
-        return np.array([brentq(left, 0.0, omega * r * 0.2, args=(r,)) for r in y.tolist()])
-
-    def thrust(omega: float) -> float:
-        return float(2.0 * weight @ forces(omega * y, inflow(omega))[0])
-
-    omega = brentq(lambda w: thrust(w) - mass * G / 4.0, 200.0, 2000.0)
-    v, step = inflow(omega), 1e-3
-    slope = (forces(omega * y + step, v)[1] - forces(omega * y - step, v)[1]) / (2.0 * step)
-    momentum = 4.0 * float(weight @ slope) / mass
-    vehicle = quadcopter(propeller=blade, mass=mass, air=air, body=Body(), powertrain=Powertrain())
-    rotor = propmap.Rotor(propmap.Model(blade, law, air))
-    told = autopilot_parameters(Aircraft(vehicle, rotor), target, np.array([0.5, 1.0]))
-    name = {"px4": "EKF2_MCOEF", "ardupilot": "EK3_DRAG_MCOEF"}[target]
-    # The lean at 1 m/s, and the second order of V, are below a per cent.
-    value = told.sets[0].values[name]
-    assert value * (air.density / 1.225) ** power == pytest.approx(momentum, rel=0.01)
 
 
 def test_rotors_are_where_the_firmware_has_them(aircraft: Aircraft, files: dict[str, str]) -> None:
@@ -232,17 +182,6 @@ def test_the_thrust_curve_is_that_of_motor_and_battery(
         assert e * x**2 + (1.0 - e) * x == pytest.approx(share, abs=0.04)
 
 
-def test_a_stiff_source_has_the_curve_of_a_regulated_speed() -> None:
-    """Without resistance the rotor speed is in proportion to the signal: T = s^2."""
-    ideal = Powertrain(Motor(920.0 * RPM, 1e-6, (0.0,)), None, Battery(4, 18000.0))
-    craft = aircraft_of(in_px4_order(powertrain=ideal))
-    px4, ardupilot = (autopilot_parameters(craft, name, SPEEDS) for name in ("px4", "ardupilot"))
-    assert px4.sets[0].values["THR_MDL_FAC"] == pytest.approx(1.0, abs=0.03)
-    # (0.15 + 0.8 x)^2 less its value at x = 0, over that at x = 1, is (0.24 x + 0.64 x^2) / 0.88.
-    expo = ardupilot.sets[0].values["MOT_THST_EXPO"]
-    assert expo == pytest.approx(0.64 / 0.88, abs=0.03)
-
-
 def test_what_is_not_known_is_left_out_and_said(tmp_path: Path) -> None:
     craft = aircraft_of(in_px4_order(powertrain=Powertrain()))
     for target in ("px4", "ardupilot"):
@@ -262,22 +201,19 @@ def test_the_simulator_leans_as_the_model_does(aircraft: Aircraft, files: dict[s
     p = by_qgroundcontrol(files["quadcopter_px4_sih.params"])
     assert p["SIH_L_ROLL"] == p["SIH_L_PITCH"] == ARM and p["THR_MDL_FAC"] == 0.0
     weight = p["SIH_MASS"] * G
-    told = re.search(r"\*\*SIH_KDV\*\*.*within ([\d.]+) N", files["README-px4.md"])
-    assert told
+    within = re.search(r"\*\*SIH_KDV\*\*.*within ([\d.]+) N", files["README-px4.md"])
+    assert within
     states = aircraft.steady([3.0, 8.0, 13.0], margin=False)
     needed = weight * np.tan(states.pitch)
-    assert np.abs(needed - p["SIH_KDV"] * states.speed).max() < 1.1 * float(told[1])
+    assert np.abs(needed - p["SIH_KDV"] * states.speed).max() < 1.1 * float(within[1])
     # Hover takes the share of the full signal that the thrust margin says.
     hover = aircraft.steady([0.0])
     assert p["SIH_T_MAX"] > hover.thrust[0].max()
     assert p["SIH_Q_MAX"] / p["SIH_T_MAX"] == pytest.approx(
         (hover.torque / hover.thrust).mean(), rel=0.05
     )
-
-
-def test_the_simulator_s_motors_are_in_its_own_order(aircraft: Aircraft) -> None:
-    mounts = aircraft.vehicle.mounts
-    other = aircraft_of(in_px4_order(mounts=mounts[::-1]))
+    # Its motors have an order of their own.
+    other = aircraft_of(in_px4_order(mounts=aircraft.vehicle.mounts[::-1]))
     told = autopilot_parameters(other, "px4", SPEEDS)
     assert [part.suffix for part in told.sets] == ["px4.params"]
     assert "front right" in told.left_out[-1].why
@@ -435,6 +371,11 @@ def test_the_simulator_s_propeller_pulls_as_the_rotor_does(
     stated = r"C_[TP] quadratic.* from 0 to ([\d.]+),.*within ([\d.]+),"
     (limit, thrust_error), (_, power_error) = np.array(re.findall(stated, note), float)
     assert 0.9 < limit < 1.1 and thrust_error < 0.012 and power_error < 0.012
+    # The voltage that is left under load turns the motor as fast as the file says.
+    omega = p["SIH_F_RPM_MAX"] * RPM
+    full = float(craft.loads.loads(omega, 0.0, 0.0).torque)
+    state = POWERTRAIN.driven(np.array([[full]]), np.array([[omega]]), 1.0)
+    assert state.controller_voltage[0, 0] == pytest.approx(state.battery_voltage[0], rel=1e-3)
     rng, diameter = np.random.default_rng(26720), 2.0 * vehicle.propeller.radius
     for throttle, ratio in rng.uniform([0.25, 0.0], [1.0, 0.9 * limit], (50, 2)):
         turns = p["SIH_F_RPM_MAX"] * np.sqrt(throttle) / 60.0
@@ -449,43 +390,30 @@ def test_the_simulator_s_propeller_pulls_as_the_rotor_does(
         assert abs(apart) < power_error + 1e-3
 
 
-def test_full_throttle_is_that_of_motor_and_battery() -> None:
-    """The voltage that is left under load turns the motor as fast as the file says."""
-    craft = aircraft_of(PUSHER)
-    omega = autopilot_parameters(craft, "px4").sets[0].values["SIH_F_RPM_MAX"] * RPM
-    torque = float(craft.loads.loads(omega, 0.0, 0.0).torque)
-    state = POWERTRAIN.driven(np.array([[torque]]), np.array([[omega]]), 1.0)
-    assert state.controller_voltage[0, 0] == pytest.approx(state.battery_voltage[0], rel=1e-3)
+@pytest.mark.parametrize("curvature", [-0.05, 0.12])
+def test_a_quadratic_comes_back_and_others_get_a_line(curvature: float) -> None:
+    """V / (Omega R) is J / pi, and rho pi R^4 Omega^2 is pi^3 / 4 times rho n^2 D^4.
 
-
-def of_table(curvature: float) -> tuple[dict[str, float], list[str]]:
-    """Constants and what is said of them, of a table whose thrust has ``curvature`` climb^2."""
+    PX4 takes no constant of C_T above zero for J^2.
+    """
     content = invented_content(of=PUSHER)
     climb = content.advance[:, None] * np.cos(content.beta)
     content.coefficients[:, 0] += (curvature + 0.05) * climb**2
-    table = LoadTable(content)
     slow = Powertrain(Motor(400.0 * RPM, 0.1, (0.3,)), None, Battery(4, 18000.0))
-    told = autopilot_parameters(Aircraft(replace(PUSHER, powertrain=slow), table), "px4")
-    return told.sets[0].values, [kind.holds for kind in told.sets[0].kinds] + told.remarks
-
-
-def test_a_quadratic_comes_back() -> None:
-    """V / (Omega R) is J / pi, and rho pi R^4 Omega^2 is pi^3 / 4 times rho n^2 D^4."""
-    values, told = of_table(-0.05)
+    craft = Aircraft(replace(PUSHER, powertrain=slow), LoadTable(content))
+    (found,) = (told := autopilot_parameters(craft, "px4")).sets
+    if curvature > 0.0:
+        assert found.values["SIH_F_CT2"] == 0.0 and found.values["SIH_F_CT1"] < 0.0
+        assert "within 0.0000" not in found.kinds[0].holds
+        return
     known = {"CT": (0.016, -0.08, -0.05), "CP": (0.0025, -0.002, -0.003)}
     for power, (name, constants) in enumerate(known.items(), start=3):
         for k, constant in enumerate(constants):
             expected = constant * np.pi ** (power - k) / 4.0
-            assert values[f"SIH_F_{name}{k}"] == pytest.approx(expected, abs=2e-4)
-    assert "within 0.0000, 0.0% of the largest C_T" in told[0]
-    assert not any("not quadratic" in line or "extrapolated" in line for line in told)
-
-
-def test_thrust_that_falls_ever_slower_gets_a_line() -> None:
-    """PX4 takes no constant above zero for J^2."""
-    values, told = of_table(0.12)
-    assert values["SIH_F_CT2"] == 0.0 and values["SIH_F_CT1"] < 0.0
-    assert "within 0.0000" not in told[0]
+            assert found.values[f"SIH_F_{name}{k}"] == pytest.approx(expected, abs=2e-4)
+    assert "within 0.0000, 0.0% of the largest C_T" in found.kinds[0].holds
+    said = [kind.holds for kind in found.kinds] + told.remarks
+    assert not any("not quadratic" in line or "extrapolated" in line for line in said)
 
 
 def test_a_tailsitter_s_curve_that_is_no_quadratic_is_said() -> None:

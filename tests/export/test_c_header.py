@@ -244,9 +244,8 @@ def test_the_inflow_in_c_follows_that_of_the_model(oblique: Both, in_c: InC) -> 
         assert (ratio > 0.6).all() and (ratio < 1.05).all()
 
 
-def test_the_inflow_in_c_decays_for_any_step(oblique: Both, in_c: InC) -> None:
+def test_the_inflow_in_c_decays_for_any_step(in_c: InC) -> None:
     """By its closed form: the deviation falls, from any state, and never changes its sign."""
-    _, table = oblique
     random = np.random.default_rng(3)
     velocity = np.abs(random.uniform(-3.0, 3.0, (200, 3)))
     rows = np.column_stack([random.uniform(450.0, 750.0, 200), velocity, np.ones(200)])
@@ -258,12 +257,6 @@ def test_the_inflow_in_c_decays_for_any_step(oblique: Both, in_c: InC) -> None:
     near = in_c(np.column_stack([rows, found[:, 12] + 1e-4]))
     want = 1e-4 * np.exp(-1e-3 / found[:, 13])
     np.testing.assert_allclose(near[:, 14] - near[:, 12], want, rtol=1e-3)
-    # Those parts of its rate that are known: without blades 3 pi/4 times 2 v over R.
-    v, time = in_c(np.array([[600.0, 0.0, 0.0, 0.0, 1.0, 0.0]]))[0, 12:14]
-    thrust = float(table.loads(600.0, 0.0, 0.0).thrust)
-    radius, density = table.content.radius, table.content.density
-    assert v == pytest.approx(np.sqrt(thrust / (2.0 * density * np.pi * radius**2)), rel=1e-9)
-    assert 0.5 < time * 1.5 * np.pi * v / radius < 1.0
 
 
 def test_the_example_of_the_inflow_in_c(oblique: Both, tmp_path: Path) -> None:

@@ -100,29 +100,15 @@ def manoeuvre(seed: int, samples: int) -> FlightLog:
 
 @dataclass(frozen=True)
 class Noise:
-    """Errors of one axis: white ones, and ones that are alike for a while.
-
-    Attributes
-    ----------
-    white, alike : float
-        Standard deviations over the scale of the rows [-].
-    lasting : float
-        Time after which a share of 1/e is left of an error of the second kind [s].
-    """
+    """Standard deviations of the errors of one axis, over the scale of the rows [-]."""
 
     white: float = 0.005
     alike: float = 0.01
-    lasting: float = 0.3
+    lasting: float = 0.3  # time constant of the correlation of the errors ``alike`` [s]
 
 
 class Twin:
-    """Two flights, and rows of six axes to fit.
-
-    Parameters
-    ----------
-    samples : int
-        Of each flight.
-    """
+    """Rows of six axes of two flights with ``samples`` each."""
 
     def __init__(self, samples: int = 80) -> None:
         log = joined([manoeuvre(seed, samples) for seed in range(len(FLIGHTS))], FLIGHTS)

@@ -45,10 +45,9 @@ def rows_of(
     measured: Floats,
     *,
     load: NDArray[np.intp] | None = None,
-    point: NDArray[np.intp] | None = None,
     group: NDArray[np.intp] | None = None,
 ) -> Rows:
-    """Rows of scale 1; by default of one load and every number a point of its own."""
+    """Return rows of scale 1; by default of one load.  Every number is a point."""
     count = measured.size
     load = np.zeros(count, np.intp) if load is None else load
     loads = int(load.max()) + 1
@@ -59,7 +58,7 @@ def rows_of(
         load=load,
         scale=np.ones(count),
         speed=np.linspace(0.0, 10.0, count),
-        point=np.arange(count) if point is None else point,
+        point=np.arange(count),
         group=group,
         model=model,
         weight=np.ones(count),
@@ -67,13 +66,12 @@ def rows_of(
 
 
 def true_values(model: RowModel, **truth: float) -> Floats:
-    """What the model gives at ``TRUTH``, with changes."""
+    """Return the values of the model at ``TRUTH``, with changes."""
     values = {name: p.start for name, p in EVERY.items()} | TRUTH | truth
     return model(values, ("c_l1",))[0]
 
 
 def noisy(rows: Rows, noise: Floats) -> Rows:
-    """The rows with noise on what was measured."""
     return replace(rows, measured=rows.measured + noise)
 
 

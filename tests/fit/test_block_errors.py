@@ -52,7 +52,7 @@ def test_errors_go_on_past_the_end_of_a_segment(alike: int, least: float) -> Non
     """A mean's variance where errors last three segments of ten rows, and where they last one."""
     rng, count = np.random.default_rng(10), 300
     one, whole, found = np.ones((10 * count, 1)), np.array([[10.0 * count]]), []
-    for _ in range(10):
+    for _ in range(4):
         errors = np.convolve(rng.standard_normal(count + alike - 1), np.ones(alike), "valid")
         errors = errors.repeat(10)
         errors -= errors.mean()

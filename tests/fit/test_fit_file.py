@@ -65,7 +65,6 @@ def test_a_file_of_an_earlier_version_has_no_envelope(tmp_path: Path) -> None:
         ("density = .*", "density = -1.2", "at air: air density is -1.2: it must be positive"),
         ("c_l1 = ", "lift_slope = 5.0\nc_l1 = ", "unknown field 'lift_slope'"),
         ("c_l2 = .*\n", "", "c_l2 is missing"),
-        ("kind = .*\n", "", "the table [fit] cannot be read: Object missing required field kind"),
         (r"\[fit.body\]", "[fit.body]\ncentre_x = 0.01", "'centre_x' is not a parameter"),
     ],
 )

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.fit.comparison import flight_forces
 from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, balance_rows, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice, Prior
@@ -73,12 +72,6 @@ def test_gains_of_wakes_are_those_of_the_vehicle_file() -> None:
     assert np.max(np.abs(by_file - plain)) > 0.05
 
 
-def test_the_same_forces_are_checked_as_were_fitted() -> None:
-    own = {name: value for name, value in TRUTH.items() if name in ("plate_area", "wake_ahead")}
-    found = flight_forces(BODY, LOG, LAW, own)
-    np.testing.assert_allclose(found.model[:, :3], forces(own), atol=2e-2)
-
-
 def test_segments_of_two_flights_are_not_one() -> None:
     log = joined([LOG, manoeuvre(1, 20)])
     rows = balance_rows(ForceModel(BODY, log, LAW), Choice(("c_l1",)))
@@ -103,14 +96,12 @@ def test_the_parameters_of_a_twin_are_identified() -> None:
     choice = Choice(FREE, FIXED, priors, start={"c_l1": 5.0})
     found = fit(replace(twin.rows, measured=twin.measured(TRUTH)), choice, once)
     np.testing.assert_allclose(found.x, [TRUTH[name] for name in FREE], rtol=1e-3)
-    z, named = [], set()
-    for seed in range(1000, 1003):
-        rows, choice, truth = twin.noisy(seed, Noise())
-        found = fit(rows, choice, once)
-        sure = found.uncertainty
-        off = (found.x - [truth[name] for name in FREE]) / np.sqrt(np.diag(sure.covariance))
-        z += [off[k] for k in range(len(FREE)) if sure.identified[k]]
-        named |= {name for name, good in zip(FREE, sure.identified, strict=True) if good}
-    assert {"c_l1", "sensor_x", "sensor_z", "center_x", "clock_offset[1]"} <= named
-    # Some 30 numbers of variance 1, correlated in part.
-    assert 0.5 < np.sqrt(np.mean(np.square(z))) < 1.6 and np.max(np.abs(z)) < 4.5
+    rows, choice, truth = twin.noisy(1000, Noise())
+    found = fit(rows, choice, once)
+    sure = found.uncertainty
+    off = (found.x - [truth[name] for name in FREE]) / np.sqrt(np.diag(sure.covariance))
+    good = np.array(sure.identified)
+    named = {"c_l1", "sensor_x", "sensor_z", "center_x", "clock_offset[1]"}
+    assert named <= {name for name, sure_of in zip(FREE, good, strict=True) if sure_of}
+    # Some ten numbers of variance 1, correlated in part.
+    assert 0.5 < np.sqrt(np.mean(off[good] ** 2)) < 1.6 and np.max(np.abs(off[good])) < 4.5

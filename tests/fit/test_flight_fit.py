@@ -18,7 +18,6 @@ from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog, hub_flow
 from propmap.vehicle.vehicle import Body, Vehicle, Wing
-from propmap.vehicle.wakes import rotor_forces
 
 from .flight_twin import ARM
 from .flight_twin import VEHICLE as TWIN
@@ -81,13 +80,6 @@ def test_hovering_with_thrust_as_weight_leaves_nothing(static_thrust: float) -> 
     assert rows.names == ("vertical_force",) and rows.group is None
 
 
-def test_a_tilted_axis_shares_its_thrust(static_thrust: float) -> None:
-    s, c = np.sin(0.3), np.cos(0.3)
-    mounts = tuple(replace(mount, axis=(s, 0.0, c)) for mount in MOUNTS)
-    force = model(log(), mounts=mounts).at(VALUES, TWO.free).force[0]
-    np.testing.assert_allclose(force, 4.0 * static_thrust * np.array([s, 0, c]), atol=CLOSE * 10)
-
-
 # Climbing.
 VELOCITIES = ((8.0, 0.0, 1.0), (0.0, -8.0, 1.0), (-4.0, 3.0, 1.0), (5.0, 5.0, 1.0))
 
@@ -116,11 +108,6 @@ def test_hubs_move_with_the_turning_vehicle() -> None:
     rolling = hub_flow(vehicle(), log(((0.0, 0.0, 0.0),), rates=(2.0, 0.0, 0.0)))
     # Rolling to the right lifts the left side.
     np.testing.assert_allclose(rolling.axial, [[2 * ARM, -2 * ARM, 2 * ARM, -2 * ARM]])
-    # At rest the drag has no direction.
-    still = hub_flow(vehicle(), log())
-    np.testing.assert_array_equal(still.inplane, 0.0)
-    force = rotor_forces(still, np.ones((1, 4)), np.ones((1, 4)))
-    np.testing.assert_array_equal(force, [[0.0, 0.0, 4.0]])
 
 
 def body(
@@ -145,7 +132,6 @@ def test_body_drag_per_axis() -> None:
 
 
 def test_a_plate_s_force_goes_with_the_sine_of_the_angle() -> None:
-    """It is across the plate, that of drag where the flow is, and larger than Newton's beside."""
     angle = np.radians([0.0, 20.0, -45.0, 90.0])
     bearing = np.array([0.0, 0.3, 2.0, 0.0])
     ahead = np.cos(angle)[:, None] * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
@@ -154,9 +140,7 @@ def test_a_plate_s_force_goes_with_the_sine_of_the_angle() -> None:
     most = body(((0.0, 0.0, 8.0),), {"drag_area_z": 0.03})[0, 2]
     np.testing.assert_allclose(found[:, :2], 0.0)
     np.testing.assert_allclose(found[:, 2], most * np.sin(angle), atol=1e-12)
-    assert abs(found[1, 2]) > 2.0 * abs(body(velocity[1:2], {"drag_area_z": 0.03})[0, 2])
-    by_file = body(velocity, body=Body(plate_area=0.03))
-    np.testing.assert_allclose(by_file, found)
+    np.testing.assert_allclose(body(velocity, body=Body(plate_area=0.03)), found)
 
 
 def test_body_lift_is_across_the_flow() -> None:
@@ -171,10 +155,9 @@ def test_body_lift_is_across_the_flow() -> None:
     np.testing.assert_allclose(by_file, sinking)
 
 
-@pytest.mark.parametrize("incidence", [0.0, 0.15])
-def test_a_wing_s_lift_is_equation_3(incidence: float) -> None:
+def test_a_wing_s_lift_is_equation_3() -> None:
     angle = np.radians([-60.0, -12.0, 3.0, 12.0, 18.0, 40.0])
-    speed, area = 9.0, 0.12
+    speed, area, incidence = 9.0, 0.12, 0.15
     velocity = np.stack([np.cos(angle), 0.0 * angle, -np.sin(angle)], axis=1) * speed
     wing = Wing(area, incidence, c_l1=4.5, c_l2=1.1, alpha_0=0.28)
     found = body(velocity, wing_values(vehicle(wing=wing)), wing=Wing(area, incidence))
@@ -201,10 +184,10 @@ def test_balance_rows_are_three_per_sample(moving: ForceModel) -> None:
 
 
 def test_the_comparison_sees_what_the_rows_see(moving: ForceModel) -> None:
-    found = compare_flight(moving.vehicle, moving.log, LAW, {"drag_area_x": 0.02})
+    more = {"drag_area_x": 0.02, "wake_ahead": 1.8}
+    found = compare_flight(moving.vehicle, moving.log, LAW, more)
     assert tuple(found) == ("force_x_N", "force_y_N", "force_z_N")
-    values = VALUES | {"drag_area_x": 0.02}
-    off = moving.at(values, TWO.free).force - moving.log.specific_force * moving.vehicle.mass
+    off = moving.at(VALUES | more, TWO.free).force - moving.log.specific_force * moving.vehicle.mass
     for k, name in enumerate(found):
         rms = float(np.sqrt(np.mean(off[:, k] ** 2)))
         assert found[name].all.rms == pytest.approx(rms, abs=0.02), name

@@ -32,7 +32,7 @@ LEAN = np.radians([3.0, 11.0, 24.0])
 OMEGA = np.array([[520.0, 530.0, 560.0, 555.0], [500.0, 505.0, 570.0, 560.0], [640.0] * 4])
 
 
-def flights(chosen: slice = slice(None)) -> FlightLog:
+def flights(chosen: slice) -> FlightLog:
     """Steady level flights, nose first, in the frame of the leaning vehicle."""
     speed, lean = SPEED[chosen], LEAN[chosen]
     none = np.zeros_like(speed)
@@ -48,17 +48,13 @@ def flights(chosen: slice = slice(None)) -> FlightLog:
     )
 
 
-def epsilon(rows: Rows) -> Floats:
+def epsilon(chosen: slice = slice(None)) -> Floats:
+    rows = level_rows(ForceModel(QUADROTOR, flights(chosen), LAW), TWO)
     value, _ = rows.model(VALUES, TWO.free)
     return np.asarray(value - rows.measured)
 
 
-@pytest.fixture(scope="module")
-def found() -> Floats:
-    return epsilon(level_rows(ForceModel(QUADROTOR, flights(), LAW), TWO))
-
-
-def test_level_rows_are_equation_16(found: Floats) -> None:
+def test_level_rows_are_equation_16() -> None:
     """Written out from the loads of each rotor: sum T sin(beta) + sum D cos(beta) - m g."""
     rotor = propmap.Rotor(propmap.Model(BLADE, LAW))
     # V is horizontal and the axis leans into it: beta is short of a right angle by the lean.
@@ -69,16 +65,16 @@ def test_level_rows_are_equation_16(found: Floats) -> None:
         - QUADROTOR.mass * GRAVITY
     )
     # Twice the accuracy of the loads, of ten newtons.
-    np.testing.assert_allclose(found, expected, atol=0.02)
+    np.testing.assert_allclose(epsilon(), expected, atol=0.02)
     # Without the drag's part the last flight would be off by more than that.
     assert abs(np.sum(loads.drag * np.cos(beta)[:, None], axis=1)[-1]) > 0.1
 
 
-def test_residuals_of_n_flights_are_equation_17(found: Floats) -> None:
+def test_residuals_of_n_flights_are_equation_17() -> None:
     """One number per flight, in order, each depending on its own flight alone."""
+    found = epsilon()
     assert found.shape == (3,)
-    alone = epsilon(level_rows(ForceModel(QUADROTOR, flights(slice(1, 2)), LAW), TWO))
-    np.testing.assert_allclose(alone, found[1:2], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(epsilon(slice(1, 2)), found[1:2], rtol=1e-9, atol=1e-12)
 
 
 def test_the_search_is_equation_18() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +16,10 @@ from propmap.fit.flight import ForceModel
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import FIRST_GUESS, THROTTLE, Choice
 from propmap.report.fit_page import notes
-from propmap.vehicle.log import FlightLog
 from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, LAG, USUAL, ThrottleCurve, lagged
 from tests.flight.commands import LAG as MOTORS_LAG
 
+from .flight_twin import manoeuvre
 from .throttle_twin import LAW, VEHICLE, differences, fit_both
 
 
@@ -37,13 +38,8 @@ def test_the_lag_is_that_of_a_motor() -> None:
 def test_derivatives_of_rotor_speeds_and_forces() -> None:
     rng = np.random.default_rng(1)
     shape = (12, 4)
-    log = FlightLog(
-        source="hand-made",
-        time=np.arange(12.0),
-        velocity=rng.normal(size=(12, 3)) * [4.0, 1.0, 1.0],
-        rates=np.zeros((12, 3)),
-        up=np.tile([0.0, 0.0, 1.0], (12, 1)),
-        specific_force=np.tile([0.0, 0.0, 9.81], (12, 1)),
+    log = replace(
+        manoeuvre(0, 12),
         rotor_speed=np.ones(shape),
         throttle=0.45 * rng.uniform(0.7, 1.4, shape),
         throttle_by_lag=0.45 * rng.normal(size=shape),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,14 +11,8 @@ from propmap.errors import InputError
 from propmap.fit.flight import ForceModel, balance_rows
 from propmap.fit.moments import FACTORS, measured_moment, moment_of_all
 from propmap.fit.parameters import FIRST_GUESS, SECTION, TURNING, Choice
-from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import hub_flow
-from propmap.vehicle.vehicle import Vehicle
-from tests.fit.flight_twin import (
-    LAW,
-    VEHICLE,
-    manoeuvre,
-)
+from tests.fit.flight_twin import LAW, VEHICLE, manoeuvre
 
 LAW_VALUES = {name: getattr(LAW, name) for name in SECTION}
 BODY = replace(VEHICLE, rotor_inertia=2e-5)
@@ -95,30 +88,17 @@ def test_a_rotor_that_spins_up_turns_the_vehicle_against_its_spin() -> None:
         np.testing.assert_allclose(moment[0], [0.0, 0.0, sign * 1000.0 * 2e-5], atol=1e-12)
 
 
-@pytest.mark.parametrize("frame", ["flu", "frd"])
-def test_rotors_behind_a_center_that_lies_forward_turn_the_nose_down(
-    tmp_path: Path, frame: str
-) -> None:
-    """The center of mass 1 cm ahead of the hubs, in the file or as a parameter."""
-    side = 1.0 if frame == "flu" else -1.0
-
-    def vehicle(ahead: float) -> Vehicle:
-        rotors = [
-            f'[[rotors]]\nposition = [{x - ahead}, {side * y}, 0.0]\nspin = "{spin}"\n'
-            for x, y, spin in ((1, 1, "cw"), (1, -1, "ccw"), (-1, 1, "ccw"), (-1, -1, "cw"))
-        ]
-        path = tmp_path / "vehicle.toml"
-        text = TEXT.partition("{}")[0].replace('"flu"', f'"{frame}"')
-        path.write_text(text + "\n".join(rotors))
-        return read_vehicle(path).vehicle
-
+def test_rotors_behind_a_center_that_lies_forward_turn_the_nose_down() -> None:
+    """The center of mass 1 cm ahead of the hubs, by their positions or as a parameter."""
+    behind = tuple(
+        replace(one, position=(one.position[0] - 0.01, *one.position[1:])) for one in BODY.mounts
+    )
     values = FIRST_GUESS | LAW_VALUES
-    hubs_behind = ForceModel(vehicle(0.01), HOVER, LAW).at(values, ())
-    center_ahead = ForceModel(vehicle(0.0), HOVER, LAW).at(values | {"center_x": 0.01}, ())
-    thrust = float(hubs_behind.force[0, 2])
-    assert thrust > 1.0
-    for found in (hubs_behind, center_ahead):
-        # About y to the left, a positive moment turns the nose down; logs and moments are in FLU.
+    for vehicle, more in ((replace(BODY, mounts=behind), {}), (BODY, {"center_x": 0.01})):
+        found = ForceModel(vehicle, HOVER, LAW).at(values | more, ())
+        thrust = float(found.force[0, 2])
+        assert thrust > 1.0
+        # About y to the left, a positive moment turns the nose down.
         np.testing.assert_allclose(found.moment[0], [0.0, 0.01 * thrust, 0.0], atol=1e-9)
 
 
@@ -136,33 +116,3 @@ def test_turning_changes_no_forces_and_needs_the_inertia() -> None:
     assert rows.names == ("force_x", "force_y", "force_z")
     with pytest.raises(InputError, match="add inertia"):
         balance_rows(ForceModel(bare, log, LAW), Choice(("c_l1", "center_x"), fixed))
-
-
-TEXT = """schema = 1
-name = "x"
-frame = "flu"
-mass = 0.8
-propeller = "apc-8x6e"
-{}
-[[rotors]]
-position = [0.0, 0.0, 0.0]
-spin = "ccw"
-"""
-
-
-@pytest.mark.parametrize(
-    ("line", "told"),
-    [
-        ("inertia = [2.5, 2.1]", "a list of length 3"),
-        ("inertia = [2.5e-3, 0.0, 4e-3]", "above zero"),
-        ("inertia = [1e-3, 1e-3, 4e-3]", "larger than the sum of the others"),
-        ("rotor_inertia = -1e-5", "rotor_inertia"),
-        ("[body]\ndownload_area = [0.01]", "along x, along y"),
-        ("[body]\nplate_area = -0.01", "0 or more"),
-    ],
-)
-def test_bad_inertia_and_areas(tmp_path, line: str, told: str) -> None:  # type: ignore[no-untyped-def]
-    path = tmp_path / "vehicle.toml"
-    path.write_text(TEXT.format(line))
-    with pytest.raises(InputError, match=told):
-        read_vehicle(path)

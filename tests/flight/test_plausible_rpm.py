@@ -51,26 +51,20 @@ def test_a_wrong_unit_is_an_error(
 
 
 @pytest.mark.parametrize(
-    ("values", "unit", "mass", "parts"),
+    ("values", "part"),
     [
         # Hover takes about 10800 rpm, 1130 rad/s.
-        ((1650.0, 1750.0), "rpm", 0.772, ["they look like PWM in us; log measured speeds"]),
-        ((1050.0, 1150.0), "rpm", 0.772, ["like rad/s read as rpm, or like PWM in us"]),
-        ((0.45, 0.55), "rpm", 0.772, ["no common error of units", "throttle are commands"]),
+        ((1650.0, 1750.0), "they look like PWM in us; log measured speeds"),
+        ((1050.0, 1150.0), "like rad/s read as rpm, or like PWM in us"),
+        ((0.45, 0.55), "no common error of units.*throttle are commands"),
     ],
 )
-def test_commands_are_an_error(
-    rotor: Rotor, values: tuple[float, float], unit: str, mass: float, parts: list[str]
-) -> None:
+def test_commands_are_an_error(rotor: Rotor, values: tuple[float, float], part: str) -> None:
     """PWM and throttle read as speeds, which a fit would take minutes to make nothing of."""
     span = (LOG.rotor_speed - LOG.rotor_speed.min()) / np.ptp(LOG.rotor_speed)
-    commands = (values[0] + (values[1] - values[0]) * span) * (RPM if unit == "rpm" else 1.0)
-    with pytest.raises(InputError) as caught:
-        check_rotor_speed(
-            replace(LOG, rotor_speed=commands), rotor, replace(VEHICLE, mass=mass), unit
-        )
-    for part in parts:
-        assert part in str(caught.value)
+    commands = (values[0] + (values[1] - values[0]) * span) * RPM
+    with pytest.raises(InputError, match=part):
+        check_rotor_speed(replace(LOG, rotor_speed=commands), rotor, VEHICLE, "rpm")
 
 
 def test_without_slow_flight_the_slowest_samples_serve(rotor: Rotor) -> None:

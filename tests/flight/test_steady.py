@@ -11,12 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from propmap.errors import InputError
-from propmap.flight.steady import (
-    airborne,
-    operating_points,
-    read_level_table,
-    steady_segments,
-)
+from propmap.flight.steady import airborne, read_level_table, steady_segments
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog
 
@@ -106,18 +101,6 @@ def test_the_ground_is_not_hover() -> None:
         steady_segments(still)
 
 
-def test_operating_points_are_averages() -> None:
-    log = cruise()
-    rotor_speed = log.rotor_speed + np.where(np.arange(len(log)) % 2, 3.0, -3.0)[:, None]
-    points = operating_points(
-        replace(log, rotor_speed=rotor_speed), [slice(0, 200), slice(300, 700)]
-    )
-    assert len(points) == 2
-    np.testing.assert_allclose(points.rotor_speed, 1100.0)
-    np.testing.assert_allclose(points.time, [0.995, 4.995])
-    np.testing.assert_allclose(points.velocity, [[6.0, 0.0, 0.0]] * 2)
-
-
 HEADER = "speed_mps,pitch_deg,rpm_1,rpm_2,rpm_3,rpm_4"
 GOOD = f"{HEADER}\n0,0,9000,9100,9200,9300\n5,10,9500,9500,9500,9500\n"
 
@@ -127,29 +110,20 @@ def read(text: str, folder: Path) -> FlightLog:
     return read_level_table(folder / "points.csv", read_vehicle(NEUROBEM).vehicle)
 
 
-def test_leaning_into_the_flight_direction(tmp_path: Path) -> None:
-    points = read(GOOD, tmp_path)
-    np.testing.assert_array_equal(points.time, [0.0, 1.0])
-    np.testing.assert_allclose(points.up[0], [0, 0, 1])
-    s, c = np.sin(np.radians(10.0)), np.cos(np.radians(10.0))
-    # Nose down, the vertical is towards the tail, and the air comes from above.
-    np.testing.assert_allclose(points.up[1], [-s, 0, c])
-    np.testing.assert_allclose(points.velocity[1], [5 * c, 0, 5 * s])
-    np.testing.assert_allclose(
-        points.rotor_speed[0], np.array([9000, 9100, 9200, 9300]) * np.pi / 30
-    )
-    np.testing.assert_array_equal(points.rates, 0.0)
-    assert np.isnan(points.specific_force).all()
-
-
 def test_bank_climb_and_turn(tmp_path: Path) -> None:
     text = "roll_deg,note,climb_mps,yaw_rate_dps," + GOOD.replace("\n0", "\n20,a,0,0,0").replace(
         "\n5", "\n-20,b,1.5,30,5"
     )
     points = read(text, tmp_path)
+    np.testing.assert_array_equal(points.time, [0.0, 1.0])
+    rpm = np.array([9000.0, 9100.0, 9200.0, 9300.0])
+    np.testing.assert_allclose(points.rotor_speed[0], rpm * np.pi / 30.0)
+    assert np.isnan(points.specific_force).all()
     # Right side down, the vertical is towards the left.
     s, c = np.sin(np.radians(20.0)), np.cos(np.radians(20.0))
     np.testing.assert_allclose(points.up[0], [0, s, c])
+    # Nose down, the air comes from above.
+    assert read(GOOD, tmp_path).velocity[1, 2] == pytest.approx(5.0 * np.sin(np.radians(10.0)))
     to_world = Rotation.from_euler("YX", [10.0, -20.0], degrees=True)
     np.testing.assert_allclose(to_world.apply(points.velocity[1]), [5, 0, 1.5], atol=1e-12)
     np.testing.assert_allclose(to_world.apply(points.up[1]), [0, 0, 1], atol=1e-12)

@@ -58,12 +58,9 @@ HALF_DEGREES = "# blades: 2\nradius_m,chord_m,twist_deg\n" + "".join(
 CSV_CASES = {
     "missing column": (edited(CSV, ",twist_deg", ",chord_mm"), "both contain the chord"),
     "no twist": ("radius_m,chord_m\n0.1,0.01\n", "add twist_deg"),
-    "no chord": ("radius_m,twist_deg\n0.1,20\n", "add chord_m"),
-    "no station": ("chord_m,twist_deg\n0.1,20\n", "add radius_m"),
     "unknown unit": (edited(CSV, "chord_m", "chord_ells"), "'chord_ells' has no known", "chord_m"),
     "no unit": (edited(CSV, "radius_m", "radius"), "'radius'"),
     "empty column name": (edited(CSV, "chord_m,", "chord_m,,"), "complete the row"),
-    "two radius columns": (edited(CSV, "chord_m", "radius_mm"), "keep one of them"),
     "two separators": (edited(CSV, "m,chord_m,", "m;chord_m,"), "separated by commas"),
     "decimal commas": (edited(CSV, "0.02,0.015,38", "0,02,0,015,38,0"), "use a decimal point"),
     "unsorted": (edited(CSV, "0.06,", "0.03,"), "line 6", "unsorted", "sort the rows"),
@@ -74,12 +71,9 @@ CSV_CASES = {
         edited(CSV, "0.015", "0", "0.021", "0", "0.022", "0", "0.017", "0", "0.004", "0"),
         "give the chord",
     ),
-    "chord in mm": (edited(CSV, "0.022", "22"), "check the units"),
     "NaN": (edited(CSV, "0.022", "nan"), "line 6: chord_m", "finite", "correct it"),
-    "text in a number": (edited(CSV, "0.022", "wide"), "'wide'", "correct it"),
     "underscore": (edited(CSV, "0.022", "0.0_22"), "finite number"),
     "empty cell": (edited(CSV, "0.022", ""), "nothing", "correct it"),
-    "ragged row": (edited(CSV, "0.06,0.022,21", "0.06,0.022"), "line 6", "complete the row"),
     "too few stations": (CSV[: CSV.index("0.08")], "found 3 stations", "add stations"),
     "header only": (CSV[: CSV.index("0.02")], "one row per station"),
     "comments only": ("# blades: 2\n", "name the columns"),
@@ -90,7 +84,6 @@ CSV_CASES = {
         "named twist_deg",
     ),
     "no blades": (edited(CSV, "# blades: 3\n", ""), "pass --blades 2"),
-    "half a blade": (edited(CSV, "blades: 3", "blades: 2.5"), "whole number"),
     "many blades": (edited(CSV, "blades: 3", "blades: 300"), "from 1 to 12"),
     "no radius": (edited(CSV, "radius_m", "r_over_R"), "pass --radius"),
     "radius disagrees": (edited(CSV, "# blades", "# radius_m: 0.2\n# blades"), "correct it"),
@@ -102,11 +95,6 @@ CSV_CASES = {
         "line 9: r/R is 10",
         "divide by the tip radius",
     ),
-    "r_over_R without tip": (
-        edited(CSV, "radius_m", "r_over_R", "# blades", "# radius_m: 0.1\n# blades"),
-        "add the tip station",
-    ),
-    "endless cell": (edited(CSV, "0.022", "2" * 200_000), "not CSV"),
     "product too large": (
         edited(CSV, "0.10,", "1e308,", "0.022", "1e9", "chord_m", "c_over_R"),
         "line 6: chord is inf",
@@ -115,7 +103,6 @@ CSV_CASES = {
 
 UIUC_CASES = {
     "another header": (edited(UIUC, "r/R    c/R     beta", "J CT CP eta"), "*_geom.txt"),
-    "header only": ("r/R c/R beta\n", "one row per station"),
     "ragged": (edited(UIUC, "0.220   21.00", "0.220"), "line 4", "complete the row"),
     "text": (edited(UIUC, "0.220", "x"), "line 4: c/R", "correct it"),
     "beyond the tip": (edited(UIUC, "1.00 ", "1.05 "), "line 6", "divide by"),
@@ -133,7 +120,6 @@ PE0_CASES = {
     "stars": (edited(PE0, "23.0000", "*******"), "line 14: TWIST", "correct it"),
     "cut off": (edited(PE0, "RADIUS:  2.50", "RADIUS:  3.50"), "RADIUS", "correct it"),
     "no blades": (edited(PE0, "BLADES:", "PARTS:"), "pass --blades 2"),
-    "blades not a number": (edited(PE0, "BLADES:  2 ", "BLADES:  two"), "whole number"),
     "hub beyond the tip": (edited(PE0, "HUBTRA:  0.50", "HUBTRA:  2.45"), "root cut-out"),
 }
 
@@ -145,14 +131,9 @@ TOML_CASES = {
     "unknown field": (edited(TOML, "family", "famly"), "'famly'", "did you mean family?"),
     "text in an array": (edited(TOML, "0.022", '"wide"'), "chord_m", "write a number"),
     "no array": (edited(TOML, "chord_m = [", "chord_m = 1 # ["), "write chord_m = [...]"),
-    "NaN": (edited(TOML, "0.022", "nan"), "entry 2: chord", "finite"),
     "lengths differ": (edited(TOML, "0.015, ", ""), "lists of one length"),
-    "degrees": (edited(TOML, "[0.6", "[30.6"), "looks like degrees"),
     "blades as truth": (edited(TOML, "blades = 2", "blades = true"), "pass --blades"),
-    "radius disagrees": (edited(TOML, "radius_m = 0.1", "radius_m = 4"), "correct it"),
     "name not text": (edited(TOML, '"hand-made"', "3"), "write name = "),
-    "cut-out inside": (TOML + "root_cutout_m = 0.01\n", "between 0.02 m"),
-    "cut-out outside": (TOML + "root_cutout_m = 0.2\n", "0.09 m"),
     "very long integer": (edited(TOML, "0.022", "9" * 5000), "not TOML"),
     "deep nesting": ("schema = " + "[" * 100_000, "not TOML"),
 }
@@ -184,7 +165,6 @@ def test_bad_files(written: Writer, read: Callable[[Path], Propeller], case: str
 
 NO_TEXT: dict[str, tuple[bytes, str]] = {
     "empty": (b"", "give a geometry file"),
-    "blank": (b" \n\n\t\n", "give a geometry file"),
     "binary": (b"\x7fELF\x00\x01\x02\x00", "give a text file"),
     "latin-1": ("# name: h\xe9lice\n".encode("latin-1") + CSV.encode(), "save the file as UTF-8"),
     "utf-16": (CSV.encode("utf-16"), "save it as UTF-8"),

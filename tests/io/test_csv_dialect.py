@@ -74,19 +74,12 @@ def test_separator(header: str, expected: str) -> None:
     assert separator_of(header, COLUMNS) == expected
 
 
-def test_numbers_of_rows_are_those_of_lines() -> None:
-    text = '# blades: 2\n\nrpm;note\n\n1,5;"two\nlines"\n2;x\n'
+def test_comments_and_numbers_of_lines() -> None:
+    text = '# blades: 2;;\n"# name: wide; short";;\n\nrpm;note\n\n1,5;"two\nlines"\n2;x\n'
     table = read_csv_table(text.split("\n"), COLUMNS, "points.csv", comments=True)
-    assert table is not None
-    assert table.line == 3
-    assert [number for number, _ in table.rows] == [6, 7]
-
-
-def test_comments_that_a_spreadsheet_has_quoted_and_padded() -> None:
-    text = '# blades: 3;;\n"# name: wide; short";;\nrpm;speed_mps;beta_deg\n1;2;3\n'
-    table = read_csv_table(text.split("\n"), COLUMNS, "points.csv", comments=True)
-    assert table is not None
-    assert table.comments == ["# blades: 3", "# name: wide; short"]
+    assert table is not None and table.line == 4
+    assert [number for number, _ in table.rows] == [7, 8]
+    assert table.comments == ["# blades: 2", "# name: wide; short"]
 
 
 def test_blank_file() -> None:
@@ -125,7 +118,5 @@ def test_ambiguous(case: str) -> None:
 def test_three_decimals_are_decimals_once_another_number_tells() -> None:
     assert cells("rpm;speed_mps\n4000,125;5,000\n")[1] == ["4000.125", "5.000"]
     assert cells("rpm;speed_mps\n4,125;0,000\n")[1] == ["4.125", "0.000"]
-
-
-def test_commas_in_other_columns_are_left() -> None:
+    # Commas in other columns are left.
     assert cells("rpm;note\n1,5;a, 2,500\n")[1] == ["1.5", "a, 2,500"]

@@ -13,7 +13,8 @@ from __future__ import annotations
 import csv
 import multiprocessing
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 import propmap
 from propmap.units import RPM
@@ -32,69 +33,10 @@ EXTENDED = ("naca-0015", "tip-loss", "hub-loss", "both-losses")
 SECTION_OF = {"tip-loss": "apc", "hub-loss": "soft", "both-losses": "stiff"}
 
 
-class PaperRow(NamedTuple):
-    """Loads of the reference propeller at one point, and its loads in hover; SI but rpm."""
-
-    set: str  # name of the section parameters, or of the extension
-    rpm: float
-    v_axial: float
-    v_inplane: float
-    thrust: float
-    drag: float
-    torque: float
-    roll_moment: float
-    static_thrust: float
-    static_torque: float
-
-
-class HarmonicRow(NamedTuple):
-    """Loads with the inflow of Pitt and Peters at one point, and loads at rest; SI."""
-
-    set: str
-    omega: float
-    v_axial: float
-    v_inplane: float
-    thrust: float
-    drag: float
-    torque: float
-    roll_moment: float
-    side_force: float
-    pitch_moment: float
-    static_thrust: float
-    static_torque: float
-
-
-class OtherRow(NamedTuple):
-    """Loads of a blade with a random law at one point, and its loads at rest; SI, rad."""
-
-    blade: str
-    blades: float
-    c_l1: float
-    c_l2: float
-    c_d: float
-    alpha_0: float
-    zero_lift_angle: float
-    c_d0: float
-    sharpness: float
-    omega: float
-    v_axial: float
-    v_inplane: float
-    thrust: float
-    drag: float
-    torque: float
-    roll_moment: float
-    static_thrust: float
-    static_torque: float
-
-
-Row = PaperRow | HarmonicRow | OtherRow
-
-TABLES: dict[str, type[Row]] = {
-    "reference_loads": PaperRow,
-    "reference_loads_extended": PaperRow,
-    "reference_loads_harmonic": HarmonicRow,
-    "reference_loads_other_laws": OtherRow,
-}
+TABLES = ("loads", "loads_extended", "loads_harmonic", "loads_other_laws")
+"""Loads of the reference propeller by the paper, with extensions, and with the inflow of Pitt and
+Peters; loads of other blades with random laws.  Each row has its loads at rest; SI and rad, but rpm
+in the first two."""
 
 
 def path_of(table: str) -> Path:
@@ -102,19 +44,18 @@ def path_of(table: str) -> Path:
 
 
 def frozen_rows(table: str) -> list[Any]:
-    """All rows of a table, of its kind."""
+    """All rows of a table; the first column names a set of rows, or a blade."""
     with path_of(table).open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
-    kind = TABLES[table]
-    assert tuple(header) == kind._fields, "run make_reference again"
-    return [kind(row[0], *map(float, row[1:])) for row in rows]
+    columns = [(row[0], *map(float, row[1:])) for row in rows]
+    return [SimpleNamespace(**dict(zip(header, row, strict=True))) for row in columns]
 
 
-def solved(row: Row) -> Row:
+def solved(row: Any) -> Any:
     """The row with loads that are computed here."""
     blade, section = BLADE, SECTIONS["apc"]
     options: dict[str, Any] = {}
-    if isinstance(row, OtherRow):
+    if hasattr(row, "blade"):
         blade = propmap.propeller(row.blade, blades=int(row.blades))
         section = {"M" if name == "sharpness" else name: getattr(row, name) for name in LAW}
         options["zero_lift_angle"] = section.pop("zero_lift_angle")
@@ -125,29 +66,28 @@ def solved(row: Row) -> Row:
             options["tip_loss"] = True
         if row.set in ("hub-loss", "both-losses"):
             options["hub_radius"] = float(blade.station[0])
-    omega = row.rpm * RPM if isinstance(row, PaperRow) else row.omega
+    omega = row.rpm * RPM if hasattr(row, "rpm") else row.omega
     rotor = (blade.station, blade.chord, blade.twist, blade.blades, section, RHO, MU, omega)
     static = literal_loads(*rotor, 0.0, 0.0, **options)
     options["v_hover"] = static_inflow(static["thrust"], RHO, blade.radius)
     moving = (*rotor, row.v_axial, row.v_inplane)
-    if isinstance(row, HarmonicRow):
+    if hasattr(row, "pitch_moment"):
         found = harmonic_loads(literal_rotor(*moving, **options), float(blade.station[0]))
     else:
         found = literal_loads(*moving, **options)
     found |= {"static_thrust": static["thrust"], "static_torque": static["torque"]}
-    return row._replace(**{name: found[name] for name in row._fields if name in found})
+    return SimpleNamespace(**{name: found.get(name, value) for name, value in vars(row).items()})
 
 
 def main() -> None:
     """Compute the tables on all cores."""
-    for table, kind in TABLES.items():
-        rows = frozen_rows(table)
+    for table in TABLES:
+        rows = frozen_rows(f"reference_{table}")
         with multiprocessing.Pool() as pool:
             rows = pool.map(solved, rows, chunksize=1)
-        with path_of(table).open("w", newline="", encoding="utf-8") as file:
+        with path_of(f"reference_{table}").open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(kind._fields)
-            writer.writerows(rows)
+            writer.writerows([list(vars(rows[0])), *(list(vars(row).values()) for row in rows)])
 
 
 if __name__ == "__main__":

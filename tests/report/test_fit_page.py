@@ -22,8 +22,7 @@ from tests.fit.fit_records import ENVELOPE, covered, load, parameter, record
 
 
 def file_of(fit: FitRecord) -> FitFile:
-    law = propmap.airfoil("paper-apc")
-    return FitFile(law, None, fit)
+    return FitFile(propmap.airfoil("paper-apc"), None, fit)
 
 
 def told(
@@ -39,29 +38,15 @@ def told(
     return " ".join(text.split())
 
 
-@pytest.mark.parametrize(
-    ("rms", "hover", "crossed", "level"),
-    [
+def test_the_verdict_follows_the_errors() -> None:
+    for rms, hover, crossed, level in (
         (0.02, 0.3, 0.022, "good"),
         (0.06, 0.3, 0.061, "caution"),
         (0.2, 0.5, 0.21, "bad"),
-        (0.02, 0.3, 0.08, "caution"),
-        (0.04, 0.03, 0.04, "caution"),
-    ],
-    ids=["good", "with care", "no", "follows the noise", "hover is no worse"],
-)
-def test_the_verdict_follows_the_errors(
-    rms: float, hover: float, crossed: float, level: str
-) -> None:
-    assert overall(record(loads=[load("thrust", rms, hover, crossed)])) == level
-
-
-def test_the_worst_load_decides(monkeypatch: pytest.MonkeyPatch) -> None:
-    fit = record(loads=[load("thrust", 0.02, 0.3, 0.02), load("torque", 0.3, 0.6, 0.3)])
-    assert overall(fit) == "bad"
-    text = told(fit, monkeypatch)
-    assert "Within the fitted data (0.0 to 9.0 m/s, 4000 to 6000 rpm, β from 0° to 90°)" in text
-    assert "thrust 2 % (hover model 30 %), torque 30 % (hover model 60 %). These errors" in text
+        (0.02, 0.3, 0.08, "caution"),  # It follows the noise.
+        (0.04, 0.03, 0.04, "caution"),  # The hover model is no worse.
+    ):
+        assert overall(record(loads=[load("thrust", rms, hover, crossed)])) == level
     # One speed alone is never trusted.
     assert overall(record(speed=(7.0, 7.5))) == "caution"
 
@@ -69,7 +54,6 @@ def test_the_worst_load_decides(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("share", "off", "level"),
     [(0.02, 1.0, "Reliable"), (0.2, 0.04, "Use with care"), (0.2, 1.0, "Not reliable")],
-    ids=["a few rows", "beyond, where it still holds", "beyond, where it fails"],
 )
 def test_a_use_beyond_the_data_is_no_yes(
     share: float, off: float, level: str, monkeypatch: pytest.MonkeyPatch
@@ -83,9 +67,8 @@ def test_a_use_beyond_the_data_is_no_yes(
     given = fit_page.GivenData([], {"thrust_N": errors}, beyond=beyond)
     text = told(record(), monkeypatch, given)
     assert f"{level}. Within the fitted data" in text
-    asked = "The given data exceed the fitted range."
-    assert (asked in text) == (level != "Reliable")
-    if asked in text:
+    assert ("The given data exceed the fitted range." in text) == (level != "Reliable")
+    if level != "Reliable":
         assert "20.0% of the rows lie beyond the data of the fit: V sin(beta)" in text
         assert f"errors of these samples are thrust {off:g} N (0.01 within the data)." in text
 
@@ -101,6 +84,12 @@ def test_what_was_not_fitted_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     text = told(record(), monkeypatch)
     assert "The fit used no data on rotor drag, torque, rolling moment" in text
     assert "rotor drag of bare blades is accurate to about 20 %" in text
+    # The worst load decides.
+    fit = record(loads=[load("thrust", 0.02, 0.3, 0.02), load("torque", 0.3, 0.6, 0.3)])
+    assert overall(fit) == "bad"
+    text = told(fit, monkeypatch)
+    assert "Within the fitted data (0.0 to 9.0 m/s, 4000 to 6000 rpm, β from 0° to 90°)" in text
+    assert "thrust 2 % (hover model 30 %), torque 30 % (hover model 60 %). These errors" in text
     rest = [load(name, 0.02, 0.3) for name in LOADS if name != "roll_moment"]
     text = told(record(loads=rest), monkeypatch)
     assert "rolling moment: this load is an extrapolation at every airspeed" in text
@@ -108,27 +97,18 @@ def test_what_was_not_fitted_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "torque and moments of a single rotor were not measured" in flown
 
 
-def test_forces_are_compared_with_the_largest() -> None:
-    small = load("force_y", 0.04, 0.05)
-    across = msgspec.structs.replace(small, relative_rms=0.04 / 0.05)
-    # 80 % of next to nothing, 4 % of the weight.
-    found = record(kind="flight", loads=[across, load("force_z", 0.02, 0.3)])
-    assert overall(found) == "good"
-
-
 def test_a_moment_no_better_than_none_is_not_to_be_used(monkeypatch: pytest.MonkeyPatch) -> None:
     useful = load("moment_x", 0.7, 3.0)
-    found = record(kind="flight", loads=[load("force_z", 0.02, 0.3), useful])
-    # Moments are no share of the weight, and no answer for the forces.
+    across = msgspec.structs.replace(load("force_y", 0.04, 0.05), relative_rms=0.04 / 0.05)
+    found = record(kind="flight", loads=[across, load("force_z", 0.02, 0.3), useful])
+    # Forces are compared with the largest of them, moments are no answer for the forces.
     assert overall(found) == "good"
     assert "moment about x 70 % (hover model 300 %)" in told(found, monkeypatch)
     useless = load("moment_z", 0.9, 3.0, 1.1)
     found = record(kind="flight", loads=[load("force_z", 0.02, 0.3), useful, useless])
     assert overall(found) == "caution"
-    given = {
-        "force_z_N": compared(np.ones(4), np.ones(4) + 0.01, np.ones(4), np.zeros(4), None),
-        "moment_z_Nm": compared(np.ones(4), -np.ones(4), np.ones(4), np.zeros(4), None),
-    }
+    one = np.ones(4)
+    given = {"moment_z_Nm": compared(one, -one, one, np.zeros(4), None)}
     text = told(found, monkeypatch, fit_page.GivenData([], given))
     assert "The error of moment_z is 110 % of the measured moment" in text
     assert "The error of moment_z is 200 % of the measured moment" in text
@@ -155,13 +135,9 @@ def test_draws_have_the_covariance_and_keep_to_the_bounds() -> None:
     assert changes[:, 1].min() >= 0.0
     # Held back on one side, the other parameter follows by their correlation.
     assert changes[:, 0].mean() > 0.05
-
-
-def test_what_the_data_say_nothing_of_is_held() -> None:
-    fit = record(covariance=np.diag([0.04, np.inf]))
-    names, changes = drawn_changes(fit)
-    assert names == ("c_l1",) and len(changes) == DRAWS and held(fit) == ["c_d"]
-    narrow = [parameter("c_l1", 5.0, 5.0 - 1e-9, 5.0 + 1e-9), *fit.parameters[1:]]
+    unknown = record(covariance=np.diag([0.04, np.inf]))
+    assert drawn_changes(unknown)[0] == ("c_l1",) and held(unknown) == ["c_d"]
+    narrow = [parameter("c_l1", 5.0, 5.0 - 1e-9, 5.0 + 1e-9), *unknown.parameters[1:]]
     assert len(drawn_changes(record(parameters=narrow))[1]) == 0
 
 
@@ -183,13 +159,10 @@ def test_a_band_is_what_the_derivative_makes_of_the_deviation() -> None:
     inside = (0.01 * tip <= speed) & (speed <= 0.25 * tip)
     np.testing.assert_array_equal(edgewise["covered"], inside)
     k = 20
-    pair = [
-        propmap.Rotor(file.model.with_airfoil(law.with_parameters(c_l1=c))).loads(
-            omega, speed[k], np.radians(edgewise["beta_deg"])
-        )
-        for c in (value - 0.1, value + 0.1)
-    ]
-    half = 1.96 * abs(float(pair[1].thrust - pair[0].thrust)) / 2.0
+    point = (omega, speed[k], np.radians(edgewise["beta_deg"]))
+    models = [file.model.with_airfoil(law.with_parameters(c_l1=value + c)) for c in (-0.1, 0.1)]
+    less, more = (float(propmap.Rotor(model).loads(*point).thrust) for model in models)
+    half = 1.96 * abs(more - less) / 2.0
     low, high = (edgewise[f"thrust_{end}_95_N"] for end in ("low", "high"))
     assert high[k] - low[k] == pytest.approx(2.0 * half, rel=0.2)
     assert (low <= edgewise["thrust_N"]).all() and (high >= edgewise["thrust_N"]).all()

@@ -52,9 +52,8 @@ def test_the_strongest_is_first_and_told_with_its_slope() -> None:
     assert shares == sorted(shares, reverse=True)
     assert {trend.variable for trend in TRENDS} == set(candidates(LOG))
     # The climb rate is the velocity along z here, of which descent is a part; nothing else is told.
-    first = {"velocity along the body's z axis [m/s]", "climb rate [m/s]"}
-    first |= {"descent speed along z [m/s]"}
-    assert {trend.variable for trend in TRENDS[:3]} == first
+    first = {"velocity along the body's z axis", "climb rate", "descent speed along z"}
+    assert {trend.variable.removesuffix(" [m/s]") for trend in TRENDS[:3]} == first
     climb = next(trend for trend in TRENDS if trend.variable.startswith("climb"))
     assert climb.sure and climb.slope == pytest.approx(0.05, abs=3.0 * climb.error)
     told = sentences([TRENDS])
@@ -63,7 +62,7 @@ def test_the_strongest_is_first_and_told_with_its_slope() -> None:
 
 
 def test_errors_of_means_count_a_second_as_one() -> None:
-    """50 samples that err alike are worth one: bars are far wider than of independent ones."""
+    """50 samples that err alike are worth one."""
     trend = next(one for one in TRENDS if one.variable.startswith("time"))
     found = binned(trend)
     assert found["samples"].sum() == COUNT and found["mean_in_unit"].size == 8
@@ -75,8 +74,6 @@ def test_errors_of_means_count_a_second_as_one() -> None:
     assert np.all(ratio > 4.0) and np.all(ratio < np.sqrt(RATE))
     means = np.array([part.mean() for part in within])
     np.testing.assert_allclose(found["mean_in_unit"], means, atol=0.01)
-    low, high = found["low_10_in_unit"], found["high_90_in_unit"]
-    assert np.all(low <= found["mean_in_unit"]) and np.all(found["mean_in_unit"] <= high)
 
 
 def test_a_variable_that_hardly_changes_has_few_bins() -> None:
@@ -93,9 +90,7 @@ def test_samples_without_a_residual_are_left_out_and_flights_are_apart() -> None
     some = np.where(np.arange(COUNT) % 3 == 0, np.nan, LEFT)
     one = trends(LOG, "force_z", "N", some, LOG.segments(1.0))[0]
     assert one.at.size == one.residual.size == one.block.size == COUNT - COUNT // 3
-    both = joined([LOG, LOG]).segments(1.0)
-    assert not set(both[:COUNT]) & set(both[COUNT:])
-    assert np.unique(both).size == 2 * COUNT / RATE
+    assert np.unique(joined([LOG, LOG]).segments(1.0)).size == 2 * COUNT / RATE
 
 
 def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -117,7 +112,7 @@ def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.Mo
     for told in sentences([calm, TRENDS]):
         assert told[1:] in text
     assert "strongest dependence first" in text
-    table = list(csv.DictReader(io.StringIO(str(files["fit-residuals-2.csv"]))))
-    assert table[0]["variable"] == TRENDS[0].variable.partition(" [")[0]
-    assert float(table[0]["slope"]) == pytest.approx(TRENDS[0].slope, rel=1e-4)
+    first = next(csv.DictReader(io.StringIO(str(files["fit-residuals-2.csv"]))))
+    assert first["variable"] == TRENDS[0].variable.partition(" [")[0]
+    assert float(first["slope"]) == pytest.approx(TRENDS[0].slope, rel=1e-4)
     assert residuals("fit-residuals-2", TRENDS).csv() == files["fit-residuals-2.csv"]

@@ -167,8 +167,10 @@ def test_changed_constants_have_no_covariance(model: pm.Model) -> None:
         _ = loads.std
 
 
-def test_shapes_are_those_of_the_points(model: pm.Model) -> None:
+def test_shapes_are_those_of_the_points_and_at_rest_all_is_zero(model: pm.Model) -> None:
     rotor = pm.Rotor(model)
+    still = rotor.loads(np.array([0.0, 100.0]), 0.0, 0.0).std
+    assert all(getattr(still, name)[0] == 0.0 for name in NAMES) and still.thrust[1] > 0.0
     one = rotor.loads(600.0, 5.0, 1.0)
     assert one.std.thrust.shape == ()
     grid = rotor.loads(600.0, np.array([0.0, 5.0])[:, None], np.array([0.0, 1.0, 2.0]))
@@ -177,13 +179,6 @@ def test_shapes_are_those_of_the_points(model: pm.Model) -> None:
     both = joined([rotor.loads(600.0, np.array([speed]), 1.0) for speed in (5.0, 6.0)])
     np.testing.assert_allclose(both.std.thrust[0], one.std.thrust, rtol=1e-9)
     assert both.std.thrust.shape == (2,)
-
-
-def test_at_rest_in_still_air_there_is_nothing_to_be_unsure_of(model: pm.Model) -> None:
-    found = pm.Rotor(model).loads(np.array([0.0, 100.0]), 0.0, 0.0)
-    for name in NAMES:
-        assert getattr(found.std, name)[0] == 0.0
-    assert found.std.thrust[1] > 0.0
 
 
 def test_a_parameter_file_carries_how_well_its_constants_are_known(

@@ -1,6 +1,8 @@
-"""Limits and symmetries with known answers."""
+"""Limits and symmetries with known answers; random operating points."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ import pytest
 import propmap as pm
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
+from propmap.results import STATUSES
 from propmap.rotor import Rotor
 
 BLADE = pm.propeller("apc-8x6e")
@@ -79,44 +82,16 @@ def test_mirrored_rotation() -> None:
     assert left.moment == pytest.approx(right.moment * [-1, 1, -1], rel=1e-12)
 
 
-def test_signs_of_the_wrench(rotor: Rotor) -> None:
-    """ccw, flying forward: drag backwards, torque reaction -z, the right side is lifted."""
-    wrench = rotor.wrench(600.0, [10.0, 0.0, 0.0], spin="ccw")
-    assert wrench.force[2] > 0.0 > wrench.force[0]
-    assert wrench.force[1] == 0.0
-    assert wrench.moment[2] < 0.0
-    assert wrench.moment[0] < 0.0  # FLU: lifting the right side rolls to the left, about -x
-
-
-def test_loads_scale_with_density_at_fixed_reynolds_number(rotor: Rotor) -> None:
+def test_loads_scale_with_density_and_without_friction_with_speed_squared(rotor: Rotor) -> None:
     thin = pm.Rotor(pm.Model(BLADE, APC, pm.Air(0.6125, 1.983e-5 / 2)))
     for beta in (0.0, 1.2):
         full, half = rotor.loads(OMEGA, 9.0, beta), thin.loads(OMEGA, 9.0, beta)
         for name in LOADS:
             assert getattr(half, name) == pytest.approx(0.5 * getattr(full, name), rel=1e-10)
-
-
-def test_loads_scale_with_speed_squared_without_friction() -> None:
-    rotor = pm.Rotor(pm.Model(BLADE, APC.with_parameters(c_p=0.0)))
-    one, two = rotor.loads(400.0, 6.0, 1.0), rotor.loads(800.0, 12.0, 1.0)
-    assert float(two.thrust) == pytest.approx(4.0 * float(one.thrust), rel=1e-10)
-    assert float(two.torque) == pytest.approx(4.0 * float(one.torque), rel=1e-10)
-
-
-def test_simplified_lift_is_the_blend_with_stall_at_zero() -> None:
-    """Footnote 1: with sigma = 1 everywhere eq. (3) is c_l sin(a) cos(a)."""
-    simple = pm.Rotor(pm.Model(BLADE, pm.Airfoil(5.0, 5.0, 1.8, 0.36, lift_law="simplified")))
-    early = pm.Rotor(pm.Model(BLADE, pm.Airfoil(5.0, 5.0, 1.8, 0.02, sharpness=500.0)))
-    a, b = simple.loads(600.0, 9.0, 0.8), early.loads(600.0, 9.0, 0.8)
-    assert float(a.thrust) == pytest.approx(float(b.thrust), rel=2e-3)
-
-
-def test_camber_acts_like_pitch(rotor: Rotor) -> None:
-    """Turning the blade and its zero-lift line together leaves angles of attack alone."""
-    turned = pm.Propeller("turned", 2, BLADE.station, BLADE.chord, BLADE.twist + 0.05)
-    cambered = pm.Rotor(pm.Model(turned, APC.with_parameters(zero_lift_angle=0.05)))
-    a, b = rotor.loads(OMEGA, 9.0, 1.0), cambered.loads(OMEGA, 9.0, 1.0)
-    assert b.thrust == pytest.approx(a.thrust, rel=1e-11)
+    smooth = pm.Rotor(pm.Model(BLADE, APC.with_parameters(c_p=0.0)))
+    one, two = smooth.loads(400.0, 6.0, 1.0), smooth.loads(800.0, 12.0, 1.0)
+    for name in ("thrust", "torque"):
+        assert getattr(two, name) == pytest.approx(4.0 * getattr(one, name), rel=1e-10)
 
 
 def test_hover_model_is_the_rotor_at_rest(rotor: Rotor) -> None:
@@ -125,3 +100,59 @@ def test_hover_model_is_the_rotor_at_rest(rotor: Rotor) -> None:
     assert float(model.thrust(600.0)) == pytest.approx(float(still.thrust), rel=1e-12)
     assert float(model.torque(600.0)) == pytest.approx(float(still.torque), rel=1e-12)
     assert float(model.thrust(300.0)) == pytest.approx(float(still.thrust) / 4, rel=1e-12)
+
+
+CASES = {
+    "paper-soft": pm.Model(BLADE, pm.airfoil("paper-soft")),
+    "another blade": pm.Model(pm.propeller("uiuc-gwsdd-5x4.3"), APC),
+    "all corrections": pm.Model(
+        BLADE,
+        APC,
+        corrections=tuple(map(pm.correction, ("pitt-peters", "blade-to-hub", "radial-friction"))),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_random_points_are_finite_or_say_why(name: str) -> None:
+    points, rng, model = 1_500, np.random.default_rng(1), CASES[name]
+    omega = rng.uniform(0.0, 150.0, points) / model.propeller.radius
+    speed, beta = rng.uniform(0.0, 40.0, points), rng.uniform(0.0, np.pi, points)
+    loads = pm.Rotor(model).loads(omega, speed, beta)
+    lost = loads.status == "not_converged"
+    for load in (*LOADS, "power"):
+        values = getattr(loads, load)
+        assert np.isfinite(values[~lost]).all()
+        assert np.isnan(values[lost]).all()
+    assert {"ok", "multiple_roots", "windmill", "vortex_ring"} <= set(loads.status) <= set(STATUSES)
+    assert lost.sum() == 0
+    for share in (loads.reverse_flow, loads.vortex_ring):
+        assert np.all((share >= 0.0) & (share <= 1.0))
+
+
+def test_rest_is_rest(rotor: Rotor) -> None:
+    loads = rotor.loads(0.0, 0.0, 0.0)
+    for name in (*LOADS, "power"):
+        assert float(getattr(loads, name)) == 0.0
+    assert loads.status == "ok"
+
+
+@pytest.mark.parametrize(
+    ("point", "told"),
+    [
+        ((-1.0, 1.0, 0.0), "omega is negative"),
+        ((100.0, -1.0, 0.0), "speed is negative"),
+        ((100.0, 1.0, np.inf), "beta contains a value that is not finite"),
+        (("fast", 1.0, 0.0), "omega"),
+        ((np.ones(3), np.ones(2), 0.0), "shape"),
+    ],
+)
+def test_bad_operating_points_and_wrong_kinds_are_refused(
+    rotor: Rotor, point: tuple[Any, ...], told: str
+) -> None:
+    with pytest.raises(pm.InputError, match=told):
+        rotor.loads(*point)
+    with pytest.raises(pm.InputError, match=r"propmap\.propeller"):
+        pm.Rotor(pm.Model("apc-8x6e", APC))  # type: ignore[arg-type]
+    with pytest.raises(pm.InputError, match="accuracy"):
+        pm.Rotor(rotor.model, accuracy="best")

@@ -39,27 +39,20 @@ def literal(law: pm.Airfoil, speed: float, beta: float) -> tuple[float, float]:
     y, weight = 0.5 * (low + high) + 0.5 * (high - low) * y, 0.5 * (high - low) * weight
     chord = PchipInterpolator(BLADE.station, BLADE.chord)(y)
     v_i = pm.Rotor(pm.Model(BLADE, law)).inflow(OMEGA, speed, beta, radius=y).inflow
-    air = pm.Air()
-    drag = torque = 0.0
-    turn = 2.0 * np.pi * (np.arange(720) + 0.5) / 720
-    for psi in turn:
-        along = np.array([-np.cos(psi), np.sin(psi), 0.0])
-        ahead = np.array([np.sin(psi), np.cos(psi), 0.0])
-        hub = speed * np.array([np.sin(beta), 0.0, np.cos(beta)])
-        wind = -hub - OMEGA * y[:, None] * ahead - v_i[:, None] * [0.0, 0.0, 1.0]
-        across = wind - (wind @ along)[:, None] * along
+    air, psi = pm.Air(), 2.0 * np.pi * (np.arange(720) + 0.5) / 720
+    along = np.stack([-np.cos(psi), np.sin(psi), 0.0 * psi], axis=-1)[:, None]
+    ahead = np.stack([np.sin(psi), np.cos(psi), 0.0 * psi], axis=-1)[:, None]
+    hub = speed * np.array([np.sin(beta), 0.0, np.cos(beta)])
+    wind = -hub - OMEGA * y[:, None] * ahead - v_i[:, None] * [0.0, 0.0, 1.0]
+    across = wind - (wind * along).sum(axis=-1, keepdims=True) * along
 
-        def friction(velocity: np.ndarray) -> np.ndarray:
-            size = np.linalg.norm(velocity, axis=1)
-            reynolds = air.density * size * chord / air.viscosity
-            c_v = law.c_d0 + 2.04 * law.c_p / np.sqrt(reynolds)
-            return (0.5 * air.density * size * c_v * chord)[:, None] * velocity
+    def friction(velocity: np.ndarray) -> np.ndarray:
+        size = np.linalg.norm(velocity, axis=-1)
+        c_v = law.c_d0 + 2.04 * law.c_p / np.sqrt(air.density * size * chord / air.viscosity)
+        return (0.5 * air.density * size * c_v * chord)[..., None] * velocity
 
-        force = weight @ (friction(wind) - friction(across))
-        moments = weight @ (y[:, None] * (friction(wind) - friction(across)))
-        drag -= BLADE.blades * force[0] / turn.size
-        torque -= BLADE.blades * (moments @ ahead) / turn.size
-    return float(drag), float(torque)
+    force = BLADE.blades * weight[:, None] * (friction(wind) - friction(across)) / psi.size
+    return -float(force[..., 0].sum()), -float((y[:, None] * force * ahead).sum())
 
 
 @pytest.mark.parametrize(("speed", "beta"), [(12.0, 45.0), (6.0, 100.0)])

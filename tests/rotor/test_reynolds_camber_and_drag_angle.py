@@ -3,7 +3,6 @@ that need no reference, and through files."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,6 @@ import pytest
 import propmap as pm
 from propmap.model.airfoil import Airfoil
 from tests.oracle.literal_rotor import literal_loads
-from tests.oracle.literal_section import drag_coefficient
 
 BLADE = pm.propeller("apc-8x6e")
 LAW = Airfoil(
@@ -85,16 +83,6 @@ def test_beyond_the_range_of_reynolds_numbers_the_camber_stays(
     for load in ("thrust", "torque", "drag"):
         size = np.abs(getattr(expected, load)).max()
         assert getattr(found, load) == pytest.approx(getattr(expected, load), abs=2e-4 * size)
-
-
-def test_pressure_drag_is_least_at_its_own_angle() -> None:
-    law = replace(LAW, c_p=0.0, reynolds_camber=0.0)
-    alpha = np.linspace(-0.2, 0.3, 5001)
-    _, drag = law.coefficients(alpha, 5e4)
-    section = {"c_d": 2.4, "c_d0": 0.02, "c_p": 0.0}
-    expected = drag_coefficient(alpha + 0.05 - 0.07, 5e4, section)
-    np.testing.assert_allclose(drag, expected, rtol=1e-12)
-    assert alpha[np.argmin(drag)] == pytest.approx(-0.05 + 0.07, abs=1e-4)
 
 
 def test_files_name_the_terms_only_where_they_are_not_zero(tmp_path: Path) -> None:

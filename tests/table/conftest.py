@@ -1,6 +1,9 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,3 +84,21 @@ def random_points(table: LoadTable, count: int, seed: int = 0) -> tuple[np.ndarr
     low, high = np.array(list(table.envelope.values())).T
     unit = np.random.default_rng(seed).random((count, 3))
     return tuple((low + (high - low) * unit).T)
+
+
+class OffRotor:
+    """A rotor whose loads are off the table's by shares of static loads, which ``off`` returns."""
+
+    def __init__(self, table: LoadTable, off: Callable[..., dict[str, np.ndarray]]) -> None:
+        self.table, self.off = table, off
+        self.model = SimpleNamespace(propeller=SimpleNamespace(radius=table.content.radius))
+
+    def loads(self, omega: np.ndarray, speed: np.ndarray, beta: np.ndarray) -> Any:
+        """Loads as of a rotor, all of them with the status "ok"."""
+        found, still = self.table.loads(omega, speed, beta), self.table.loads(omega, 0.0, 0.0)
+        advance = speed / (omega * self.table.content.radius)
+        off = self.off(self.table.content, omega, advance, beta)
+        values = {name: getattr(found, name) for name in LOADS}
+        for name, share in off.items():
+            values[name] = values[name] + share * (speed > 0.0) * getattr(still, name)
+        return SimpleNamespace(**values, status=np.full(omega.shape, "ok"))

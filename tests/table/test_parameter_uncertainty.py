@@ -16,25 +16,13 @@ from propmap.table.verification import load_deviations
 COVARIANCE = SectionCovariance(("c_l1", "c_d"), np.array([[0.04, -0.01], [-0.01, 0.09]]))
 
 
-@pytest.mark.slow
-def test_loads_of_drawn_parameters_spread_as_said(rotor: propmap.Rotor) -> None:
-    """Against the covariance's own meaning: draw sections, look at the loads."""
-    omega, speed, beta = np.full(3, 600.0), np.array([8.0, 10.0, 12.0]), np.array([1.2, 1.4, 1.5])
-    # A hundredth of it: to first order.
-    small = SectionCovariance(COVARIANCE.names, 1e-4 * COVARIANCE.matrix)
-    drawn = np.random.default_rng(0).multivariate_normal(np.zeros(2), small.matrix, 400)
-    law = rotor.model.airfoil
-    loads = []
-    for by_lift, by_drag in drawn.tolist():
-        section = law.with_parameters(c_l1=law.c_l1 + by_lift, c_d=law.c_d + by_drag)
-        found = propmap.Rotor(propmap.Model(rotor.model.propeller, section)).loads(
-            omega, speed, beta
-        )
-        loads.append(np.stack([getattr(found, name) for name in LOADS], axis=-1))
-    expected = np.std(loads, axis=0)
-    deviations = load_deviations(rotor, small, omega, speed, beta)
-    # 400 draws: 3.5 % of a standard deviation, and three times that.
-    np.testing.assert_allclose(deviations, expected, rtol=0.12)
+def test_deviations_are_those_of_the_bands(rotor: propmap.Rotor) -> None:
+    points = np.full(3, 600.0), np.array([8.0, 10.0, 12.0]), np.array([1.2, 1.4, 1.5])
+    law = rotor.model.airfoil.with_parameters(uncertainty=SectionUncertainty(COVARIANCE, 0.0, 0.0))
+    told = propmap.Rotor(rotor.model.with_airfoil(law)).loads(*points).std_by_source["parameters"]
+    expected = np.stack([getattr(told, name) for name in LOADS], axis=-1)
+    found = load_deviations(rotor, COVARIANCE, *points)
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-12)
 
 
 @pytest.mark.slow

@@ -73,8 +73,6 @@ def test_velocity_vectors_say_the_same(invented: LoadTable) -> None:
 
 
 OUTSIDE = [(199.0, 3.0, 1.0), (1001.0, 3.0, 1.0), (500.0, 9.0, 1.0)]
-
-
 UNKNOWN = [(np.nan, 3.0, 1.0), (500.0, np.nan, 1.0), (500.0, 3.0, np.inf)]
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.vehicle.files import read_vehicle
-from propmap.vehicle.log import FlightLog, Signal, common_clock
+from propmap.vehicle.log import Signal, common_clock
 from propmap.vehicle.log_checks import check_recording
 from propmap.vehicle.log_readers import read_flight_log, read_recording
 from tests.flight.synthetic import NEUROBEM, vehicle_with
@@ -53,7 +53,6 @@ def test_no_file_and_no_bag(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("leave_out", "missing", "remedy"),
     [
-        (("vehicle_local_position",), "vehicle_local_position", "SDLOG_PROFILE"),
         (
             ("esc_status",),
             "esc_status or actuator_motors or actuator_outputs",
@@ -86,21 +85,13 @@ def test_a_ulog_cut_short_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     assert len(read_flight_log(path, vehicle_file)) == len(LOG) - 1
 
 
-def _with_rotors(count: int) -> FlightLog:
-    return replace(LOG, rotor_speed=np.tile(LOG.rotor_speed[:, :1], (1, count)))
-
-
 def test_the_log_of_another_vehicle(tmp_path: Path) -> None:
-    """The numbers of rotors differ: both are named."""
     six = replace(VEHICLE, mounts=VEHICLE.mounts + VEHICLE.mounts[:2])
-    log = write_ulog(_with_rotors(6), tmp_path / "a.ulg", six)
-    message = message_of(tmp_path / "a.ulg", vehicle_with(log, tmp_path))
-    zeros = "a.ulg: the log has 6 rotor speeds, of which 1, 2, 3, 4, 5, 6 are not always zer"
-    assert zeros in message
-    assert "the vehicle has 4 rotors; give one [[rotors]] table per rotor" in message
-    log = write_bag(_with_rotors(6), tmp_path / "bag", six)
+    turning = replace(LOG, rotor_speed=np.tile(LOG.rotor_speed[:, :1], (1, 6)))
+    log = write_bag(turning, tmp_path / "bag", six)
     message = message_of(tmp_path / "bag", vehicle_with(log, tmp_path))
-    assert "the log has 6 rotor speeds" in message
+    assert "the log has 6 rotor speeds, of which 1, 2, 3, 4, 5, 6 are not always zero" in message
+    assert "the vehicle has 4 rotors; give one [[rotors]] table per rotor" in message
 
 
 @pytest.fixture(scope="module")

@@ -7,12 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.vehicle.log import (
-    FlightLog,
-    Signal,
-    common_clock,
-    interpolated,
-)
+from propmap.vehicle.log import FlightLog, Signal, common_clock, interpolated
 from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import vehicle_with
 

@@ -51,9 +51,7 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[bytes, Veh
 
 
 @settings(
-    max_examples=80,
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(name=st.sampled_from(["log.csv", "log.ulg", "log.bin", "log.bag"]), edits=BYTES)
 def test_one_line_or_a_right_reading(

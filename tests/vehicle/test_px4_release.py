@@ -52,9 +52,7 @@ def shaken(log: FlightLog, frequency: float, size: float) -> FlightLog:
     """The log with a vibration [Hz] in what IMU and motor controllers measure."""
     wave = np.sin(2.0 * np.pi * frequency * log.time)[:, None]
     return replace(
-        log,
-        specific_force=log.specific_force + size * wave,
-        rates=log.rates + 0.1 * size * wave,
+        log, specific_force=log.specific_force + size * wave, rates=log.rates + 0.1 * size * wave
     )
 
 

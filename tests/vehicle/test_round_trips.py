@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from pathlib import Path
 
@@ -22,47 +23,34 @@ LOG = flight(rate=50.0).picked(slice(150, 650))
 
 VEHICLE = read_vehicle(NEUROBEM).vehicle
 
-FORMATS: dict[str, tuple[str, float, Callable[[Path], str]]] = {
+write_ros = functools.partial(write_bag, vehicle=VEHICLE)
+FORMATS: dict[str, tuple[str, float, Callable[[FlightLog, Path], str]]] = {
     "csv, frd and ned": (
         "a.csv",
         0.0,
-        lambda path: write_csv(LOG, path, body_frame="frd", world_frame="ned", velocity_in="world"),
+        functools.partial(write_csv, body_frame="frd", world_frame="ned", velocity_in="world"),
     ),
     "csv, frd and enu, angles, rpm": (
         "a.csv",
         0.0,
-        lambda path: write_csv(LOG, path, body_frame="frd", angles=True, rotor_unit="rpm"),
+        functools.partial(write_csv, body_frame="frd", angles=True, rotor_unit="rpm"),
     ),
-    "csv, world velocity, angles, erpm": (
-        "a.csv",
-        0.0,
-        lambda path: write_csv(
-            LOG, path, velocity_in="world", angles=True, rotor_unit="erpm", pole_pairs=7
-        ),
-    ),
-    "ulog": ("a.ulg", 1.0, lambda path: write_ulog(LOG, path, VEHICLE)),
-    "ulog, erpm": ("a.ulg", 1.0, lambda path: write_ulog(LOG, path, VEHICLE, pole_pairs=7)),
-    "dataflash": ("a.bin", 1.0, lambda path: write_dataflash(LOG, path)),
-    "ros 2, sqlite, pose and twist": (
-        "bag",
-        START,
-        lambda path: write_bag(LOG, path, VEHICLE, odometry=False),
-    ),
+    "ulog": ("a.ulg", 1.0, functools.partial(write_ulog, vehicle=VEHICLE)),
+    "dataflash": ("a.bin", 1.0, write_dataflash),
+    "ros 2, sqlite, pose and twist": ("bag", START, functools.partial(write_ros, odometry=False)),
     "ros 2, mcap, joint states": (
         "bag",
         START,
-        lambda path: write_bag(
-            LOG, path, VEHICLE, storage="mcap", rotor_type="sensor_msgs/msg/JointState"
-        ),
+        functools.partial(write_ros, storage="mcap", rotor_type="sensor_msgs/msg/JointState"),
     ),
-    "ros 1": ("a.bag", START, lambda path: write_bag(LOG, path, VEHICLE, storage="ros1")),
+    "ros 1": ("a.bag", START, functools.partial(write_ros, storage="ros1")),
 }
 
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_a_log_is_read_as_it_was_written(name: str, tmp_path: Path) -> None:
     file, start, write = FORMATS[name]
-    vehicle_file = vehicle_with(write(tmp_path / file), tmp_path)
+    vehicle_file = vehicle_with(write(LOG, tmp_path / file), tmp_path)
     read = read_flight_log(tmp_path / file, vehicle_file)
     assert "dropped" not in read.source
     assert_same(read, LOG, start)

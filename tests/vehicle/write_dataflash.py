@@ -23,32 +23,12 @@ LAYOUTS = {
     "FMT": (128, "BBnNZ", "Type,Length,Name,Format,Columns"),
     "PARM": (64, "QNff", "TimeUS,Name,Value,Default"),
     "ATT": (65, "QffffffB", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw,AEKF"),
-    "IMU": (
-        66,
-        "QBffffffIIfBBHH",
-        "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T,GH,AH,GHz,AHz",
-    ),
-    "XKF1": (
-        67,
-        "QBccCfffffffccce",
-        "TimeUS,C,Roll,Pitch,Yaw,VN,VE,VD,dPD,PN,PE,PD,GX,GY,GZ,OH",
-    ),
-    "ESC": (
-        68,
-        "QBffffcfcf",
-        "TimeUS,Instance,RPM,RawRPM,Volt,Curr,Temp,CTot,MotTemp,Err",
-    ),
+    "IMU": (66, "QBffffffIIfBBHH", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T,GH,AH,GHz,AHz"),
+    "XKF1": (67, "QBccCfffffffccce", "TimeUS,C,Roll,Pitch,Yaw,VN,VE,VD,dPD,PN,PE,PD,GX,GY,GZ,OH"),
+    "ESC": (68, "QBffffcfcf", "TimeUS,Instance,RPM,RawRPM,Volt,Curr,Temp,CTot,MotTemp,Err"),
     "RPM": (69, "QBffB", "TimeUS,I,RPM,Qual,H"),
-    "RCOU": (
-        70,
-        "QHHHHHHHHHHHHHH",
-        "TimeUS,C1,C2,C3,C4,C5,C6,C7,C8,C9,C10,C11,C12,C13,C14",
-    ),
-    "BAT": (
-        71,
-        "QBfffffcfBBB",
-        "TimeUS,Inst,Volt,VoltR,Curr,CurrTot,EnrgTot,Temp,Res,RemPct,H,SH",
-    ),
+    "RCOU": (70, "QHHHHHHHHHHHHHH", "TimeUS,C1,C2,C3,C4,C5,C6,C7,C8,C9,C10,C11,C12,C13,C14"),
+    "BAT": (71, "QBfffffcfBBB", "TimeUS,Inst,Volt,VoltR,Curr,CurrTot,EnrgTot,Temp,Res,RemPct,H,SH"),
 }
 
 

@@ -60,16 +60,8 @@ class InFrames:
         return np.asarray(self.rotation.as_quat(canonical=True, scalar_first=True))
 
 
-def _rotor_values(log: FlightLog, unit: str, pole_pairs: int | None) -> Floats:
-    factor = {"rad/s": 1.0, "rpm": RPM, "erpm": RPM / (pole_pairs or 1)}[unit]
-    return log.rotor_speed / factor
-
-
-def _log_table(pole_pairs: int | None = None, **texts: str) -> str:
-    lines = [f'{key} = "{value}"' for key, value in texts.items()]
-    if pole_pairs is not None:
-        lines.append(f"pole_pairs = {pole_pairs}")
-    return "\n".join(["[log]", *lines, ""])
+def _log_table(**texts: str) -> str:
+    return "\n".join(["[log]", *(f'{key} = "{value}"' for key, value in texts.items()), ""])
 
 
 def csv_columns(
@@ -79,7 +71,6 @@ def csv_columns(
     world_frame: str = "enu",
     velocity_in: str = "body",
     rotor_unit: str = "rad/s",
-    pole_pairs: int | None = None,
     angles: bool = False,
 ) -> tuple[dict[str, Floats], str]:
     """The columns of a table of the log, by name, and the ``[log]`` table that names them."""
@@ -96,11 +87,10 @@ def csv_columns(
     else:
         columns |= dict(zip(("qw", "qx", "qy", "qz"), seen.quaternion.T, strict=True))
         attitude_map = [f'{name} = "{name}"' for name in ("qw", "qx", "qy", "qz")]
-    speeds = _rotor_values(log, rotor_unit, pole_pairs)
+    speeds = log.rotor_speed / (RPM if rotor_unit == "rpm" else 1.0)
     rotors = [f"rotor_{k}" for k in range(1, speeds.shape[1] + 1)]
     columns |= dict(zip(rotors, speeds.T, strict=True))
     table = _log_table(
-        pole_pairs,
         body_frame=body_frame,
         world_frame=world_frame,
         velocity_in=velocity_in,

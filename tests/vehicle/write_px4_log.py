@@ -217,25 +217,17 @@ def write_px4_log(
 
 
 def write_ulog(
-    log: FlightLog,
-    path: Path,
-    vehicle: Vehicle,
-    *,
-    pole_pairs: int | None = None,
-    leave_out: tuple[str, ...] = (),
+    log: FlightLog, path: Path, vehicle: Vehicle, *, leave_out: tuple[str, ...] = ()
 ) -> str:
-    """Write all topics of a log at one rate, with the vehicle's geometry as parameters.
+    """Write all topics at one rate except ``leave_out``, with the vehicle's geometry as parameters.
 
-    pole_pairs : the motor controllers report electrical rpm.  leave_out : topics that are not
-    logged.  Return the ``[log]`` table.
+    Return the ``[log]`` table.
     """
     tables = topics_of(log, {}, order=tuple(range(1, len(vehicle.mounts) + 1)))
-    reports = tables["esc_status"]["esc"]
-    reports["esc_rpm"] *= pole_pairs or 1
-    reports["actuator_function"] = 0
+    tables["esc_status"]["esc"]["actuator_function"] = 0
     logged = {name: table for name, table in tables.items() if name not in leave_out}
     write_px4_log(logged, path, _geometry(vehicle))
-    return f'[log]\nrotor_unit = "erpm"\npole_pairs = {pole_pairs}\n' if pole_pairs else "[log]\n"
+    return "[log]\n"
 
 
 def _geometry(vehicle: Vehicle) -> dict[str, float | int]:

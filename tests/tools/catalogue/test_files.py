@@ -48,31 +48,32 @@ def test_rows_are_sorted_by_propeller_and_numbered_by_run(tmp_path: Path) -> Non
     np.testing.assert_array_equal(read_uiuc_database(by_semicolon)[0].thrust, one.thrust)
 
 
-def test_bad_tables_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="there is no column CP"):
-        read_uiuc_database(written(tmp_path, "PropName,BladeName,Family,B,J,N,CT\n"))
-    with pytest.raises(InputError, match="line 3: CT is 'x'"):
-        read_uiuc_database(written(tmp_path, HEADER + ROWS.replace("0.08,0.05,0.4", "x,1,1", 1)))
+def test_bad_tables_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for text, message in (
+        ("PropName,BladeName,Family,B,J,N,CT\n", "there is no column CP"),
+        (HEADER + ROWS.replace("0.08,0.05,0.4", "x,1,1", 1), "line 3: CT is 'x'"),
+    ):
+        with pytest.raises(InputError, match=message):
+            read_uiuc_database(written(tmp_path, text))
     with pytest.raises(InputError, match="no such file"):
         read_uiuc_database(tmp_path / "none.csv")
-
-
-def test_the_file_is_small_and_reads_back_the_same() -> None:
-    text = FILE.read_text(encoding="utf-8")
-    assert len(text) < 200_000
-    assert as_csv(parse_identified(text, "here")) == text
-
-
-def test_other_files_are_refused() -> None:
     with pytest.raises(InputError, match="the columns are not those"):
         parse_identified("a,b\n1,2\n", "here")
     lines = FILE.read_text(encoding="utf-8").splitlines()[:2]
     bad = "\n".join([lines[0], lines[1].replace(",2,", ",two,", 1)])
     with pytest.raises(InputError, match="line 2"):
         parse_identified(bad, "here")
+    loads = written(tmp_path, "rpm,thrust\n1,2\n")
+    with pytest.raises(SystemExit) as ended:
+        main([str(loads), "-o", str(tmp_path / "out.csv")])
+    assert ended.value.code == 2 and "there is no column PropName" in capsys.readouterr().err
+    assert not (tmp_path / "out.csv").exists()
 
 
-def test_populations_are_read_back_as_they_are_written() -> None:
+def test_files_are_small_and_read_back_the_same() -> None:
+    text = FILE.read_text(encoding="utf-8")
+    assert len(text) < 200_000
+    assert as_csv(parse_identified(text, "here")) == text
     text = as_toml({name: bundled_population(name) for name in GEOMETRIES})
     assert as_toml(parse_populations(text)) == text
 
@@ -101,13 +102,7 @@ def test_constants_are_found_written_and_kept(
     capsys.readouterr()
     found, by_maker = parse_identified(output.read_text(encoding="utf-8"), "it")
     assert (by_maker.propeller, by_maker.geometry) == ("apc-9x4.5e", "maker")
-    known = identified("uiuc-apce-9x4.5", 2)
-    assert known is not None
-    assert (found.propeller, found.blades) == ("uiuc-apce-9x4.5", 2)
-    assert (found.rows, found.static_rows) == (10, 4)
-    # Less data than the constants were found from, and the same prior.
-    spread = np.sqrt(np.diag(found.covariance))
-    assert (np.abs(found.constants - known.constants) < 2.0 * spread).all()
+    assert (found.propeller, found.rows, found.static_rows) == ("uiuc-apce-9x4.5", 10, 4)
     assert found.thrust_rms < 1e-3
     # What is in the file is kept, and what is new added.
     more = rows_of("uiuc-apce-9x6", "apce 9.0x6.0").replace("apce 9.0x6.0 - 2", "another - 2")
@@ -119,14 +114,3 @@ def test_constants_are_found_written_and_kept(
     names = ["uiuc-apce-9x4.5", "apc-9x4.5e", "uiuc-apce-9x6", "apc-9x6e"]
     assert [one.propeller for one in again] == names
     assert again[0].constants.tolist() == found.constants.tolist()
-
-
-def test_a_table_of_something_else_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    loads = tmp_path / "loads.csv"
-    loads.write_text("rpm,thrust\n1,2\n", encoding="utf-8")
-    with pytest.raises(SystemExit) as ended:
-        main([str(loads), "-o", str(tmp_path / "out.csv")])
-    assert ended.value.code == 2 and "there is no column PropName" in capsys.readouterr().err
-    assert not (tmp_path / "out.csv").exists()
