@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import contextlib
 import functools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -44,20 +43,19 @@ def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@contextlib.contextmanager
-def brief_commands() -> Iterator[None]:
+def shorten_fits(patch: pytest.MonkeyPatch) -> None:
     """End fits after few steps, and without a search for failing assumptions."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", 8)
-        patch.setattr("propmap.fit.comparison.POOR", np.inf)
-        yield
+    patch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", 8)
+    patch.setattr("propmap.fit.comparison.POOR", np.inf)
 
 
 @pytest.fixture
-def brief() -> Iterator[None]:
-    """Use brief commands in a test."""
-    with brief_commands():
-        yield
+def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Shorten fits in a test.
+
+    Tests that patch the same names use the same ``monkeypatch``, which restores them in order.
+    """
+    shorten_fits(monkeypatch)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +87,8 @@ def tunnel_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def tunnel_fit(tunnel_csv: Path) -> Path:
     fit = tunnel_csv.with_name("tunnel_fit.toml")
-    with brief_commands():
+    with pytest.MonkeyPatch.context() as patch:
+        shorten_fits(patch)
         assert main(["fit", "tunnel", "apc-8x6e", str(tunnel_csv), *QUICK, "-o", str(fit)]) == 0
     return fit
 
