@@ -281,7 +281,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     for (int k = 0; k < disk.runs(); ++k)
         if (near_stall[k]) add_run(k);
     look_at_places();
-    // Add neighboring runs, unless the nearest height is positive, large, and extrapolates to over half of it at the run.
+    // Add a neighboring run, unless the nearest height is large and positive and stays above half of it up to the run.
     for (int k = 0; k < disk.runs(); ++k) {
         const bool within = k > 0 && near_stall[k - 1], without = k + 1 < disk.runs() && near_stall[k + 1];
         if (near_stall[k] || !(within || without)) continue;
@@ -305,7 +305,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             const bool crosses = (a.height < 0.0) != (b.height < 0.0);
             const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
             double place = 0.0;
-            // Two folds may hide at an extreme near zero or of opposite sign, or at any between small heights far apart.
+            // Two folds may hide at an extreme of opposite sign or near zero.  Between small heights far apart, any may hide two.
             for (int e = cubic.extremes(t) - 1; e >= 0 && place == 0.0; --e) {
                 const double there = cubic.at(t[e]);
                 const bool far = gap < 0.02 * tip || !a.near || !b.near;
