@@ -80,7 +80,7 @@ def _side_by_side(pictures: Sequence[str]) -> str:
 def verdict(one: Identified) -> str:
     """Return the verdict in a box whose color depends on ``flagged``."""
     kind = "flagged" if flagged(one) else "good"
-    head = "Take care" if kind == "flagged" else "Verdict"
+    head = "Limits of this fit" if kind == "flagged" else "Fit"
     return raw(f'<p class="verdict {kind}"><strong>{head}:</strong> {escape(one.verdict)}</p>')
 
 

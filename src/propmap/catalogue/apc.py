@@ -41,7 +41,7 @@ class ApcBlade(NamedTuple):
     def source(self) -> str:
         """Source of the geometry."""
         return (
-            f"APC PE0 file {self.title}: chord and twist of the line from leading to trailing edge"
+            f"APC PE0 file {self.title}: chord and twist of the chord line"
         )
 
     def propeller(self) -> Propeller:

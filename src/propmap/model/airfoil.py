@@ -45,11 +45,11 @@ class Constant(NamedTuple):
 
 CONSTANTS = {
     "c_l1": Constant(
-        "1/rad", "slope of the attached lift", (0.0, 20.0), (math.tau, 0.5, 12.0, 1.0), "log"
+        "1/rad", "lift slope in attached flow", (0.0, 20.0), (math.tau, 0.5, 12.0, 1.0), "log"
     ),
     "c_l2": Constant("-", "lift after stall", (0.0, 10.0), (2.0, 0.0, 6.0, 0.5), "log"),
     "c_d": Constant("-", "pressure drag", (0.0, 20.0), (0.0, 0.0, 10.0, 1.0), "log"),
-    "alpha_0": Constant("rad", "angle of stall", (0.02, 1.5), (0.47, 0.1, 0.9, 0.06), "log"),
+    "alpha_0": Constant("rad", "stall angle", (0.02, 1.5), (0.47, 0.1, 0.9, 0.06), "log"),
     "zero_lift_angle": Constant(
         "rad", "zero-lift angle", (-0.5, 0.5), (0.0, -0.25, 0.15, 0.03), "linear"
     ),
