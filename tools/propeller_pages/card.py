@@ -37,7 +37,8 @@ def card(one: Identified, tested: MeasuredPropeller | None) -> str:
         verdict(one),
         "## Blade",
         raw(_side_by_side(blade_picture.pictures(blade))),
-        "Outline about mid-chord, rotor axis at the left. Dotted: start of the loaded part.",
+        "Outline of the blade with a straight mid-chord line; the rotor axis is at the left. "
+        "Dotted: start of the loaded part.",
         "## Fit",
     ]
     if tested is None:
