@@ -414,7 +414,7 @@ def small_figure(small: list[SmallIncidence]) -> Figure:
         key("this theory", **theory),
         Patch(label="fin analogy, lightly loaded disk", **LIGHT),
         Patch(label="fin analogy, heavily loaded disk", **HEAVY),
-        key("2019 polynomials; band: difference from the model", **published),
+        key("2019 polynomials; band: to the 2019 model", **published),
         key("hover model", **HOVER),
     ]
     legend_in_last(axes, handles, "speed V [m/s]")

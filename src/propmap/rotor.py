@@ -352,7 +352,7 @@ class Rotor:
         if points.height is not FAR and (points.height < least).any():
             raise InputError(
                 f"height is {points.height.min():g} m, less than half the radius, {least:g} m",
-                "give a larger height of the disk [m], or none if the ground is far away",
+                "give a larger height of the disk [m]; omit it if the ground is far away",
             )
         return points
 

@@ -103,7 +103,7 @@ def test_choosing(run: Run) -> None:
     chosen = ["choose", "quad.toml", "--speed", "10", "--diameter", "9:9", "--blades", "3"]
     done = run(*chosen, "--propeller", "apc-8x6e", "--picture", "front.png", "--top", "4")
     assert done.code == 0 and Path("front.png").exists()
-    assert "1 beats it" in done.out and "top speeds are limited by" in done.out
+    assert "1 beats it" in done.out and "limit of the top speed" in done.out
     assert "ranked by" in done.out and "apc-8x6e" in done.out
     listed = run(*chosen, "--format", "csv", "--task", "legs.csv", "--top", "2")
     _, second, *_ = csv.DictReader(io.StringIO(listed.out))

@@ -154,7 +154,7 @@ def test_check_tells_errors_beyond_the_training_apart(
     (tmp_path / "more.csv").write_text(f"{tunnel_csv.read_text()}{rpm},{speed},0,1.0,0.01\n")
     arguments = ["check", tunnel_fit, "more.csv"]
     done = run(*arguments, "--format", "json")
-    assert done.err.startswith("note: 6.7% of the rows lie beyond the data of the fit: V")
+    assert done.err.startswith("note: 6.7% of the rows are outside the fitted data: V")
     assert "rotor speed" not in done.err and "V cos(beta)/(Omega R) up to" in done.err
     thrust = json.loads(done.out)["loads"]["thrust_N"]
     apart = thrust["by_envelope"]

@@ -50,7 +50,7 @@ def test_json_of_one_point_is_the_rotor_s_loads(run: Run, rotor: propmap.Rotor) 
         column: getattr(loads, field)[0] for column, field in FIELDS.items()
     }
     shown = run("predict", *ROTOR, *POINT).out
-    for text in ("thrust", "hover model", "reverse flow", "roots of (11)", "rolling moment"):
+    for text in ("thrust", "hover model", "reverse flow", "inflow solutions", "rolling moment"):
         assert text in shown
 
 
@@ -79,7 +79,7 @@ def test_points_beyond_the_data_of_a_fit_are_told(run: Run, tmp_path: Path) -> N
     law = ["predict", "apc-8x6e", "--airfoil", "fit.toml", "--rpm", "5000", "--format", "json"]
     assert run(*law, "--speed", "5", "--beta", "60").err == ""
     beyond = run(*law, "--speed", "18", "--beta", "60").err
-    assert beyond.startswith("note: the point lies beyond the data of the fit: V sin(beta)")
+    assert beyond.startswith("note: the point is outside the fitted data: V sin(beta)")
     assert "(data 0 to 0.25)" in beyond
     down = run(*law, "--speed", "5", "--beta", "170").err
     assert "V cos(beta)/(Omega R) down to -0.0926 (data -0.05 to 0.2)" in down

@@ -99,7 +99,7 @@ def test_a_fit_brings_its_covariance_which_is_shown_with_the_certificate(
         "largest errors used 26000 more points",
         "unresolved: 12 cells, 0.98% of the envelope",
         "errors at 1020 points in these cells reach 3.10%",
-        "300 are in the vortex ring state and 0 have no loads",
+        "300 are in the vortex ring state; points without loads: 0",
     ):
         assert text in done.out and text in shown
     assert len(re.findall(r"│ +6000 │ +7\.25 │ +45 │", shown)) == len(LOADS)

@@ -55,7 +55,7 @@ def test_a_sample_is_beyond_where_one_rotor_is_and_its_excess_is_told() -> None:
     assert beyond.samples.tolist() == [False, False, False, True]
     assert beyond.excess["edgewise_ratio"][3, 1] == pytest.approx(0.1)
     (told,) = beyond.sentences("samples")
-    assert told.startswith("25.0% of the samples lie beyond the data of the fit: V sin(beta)")
+    assert told.startswith("25.0% of the samples are outside the fitted data: V sin(beta)")
     assert "up to 0.2 (data 0 to 0.1; 25.0% outside)" in told
 
 

@@ -156,7 +156,7 @@ def test_too_noisy_to_say() -> None:
     rows = noisy(exact(), 200.0 * NOISE)
     _, sure = judged(rows, Choice(("c_l1",), {"c_l2": 2.5, "c_d": 1.5}))
     assert sure.verdicts[0].startswith("weak: the data allow 0.5 to ")
-    assert "propellers differ by about 1" in sure.verdicts[0]
+    assert "difference between propellers, 1" in sure.verdicts[0]
     assert np.isfinite(sure.high[0])
 
 

@@ -69,7 +69,7 @@ def test_a_use_beyond_the_data_is_no_yes(
     assert f"{level}. Within the fitted data" in text
     assert ("The given data exceed the fitted range." in text) == (level != "Reliable")
     if level != "Reliable":
-        assert "20.0% of the rows lie beyond the data of the fit: V sin(beta)" in text
+        assert "20.0% of the rows are outside the fitted data: V sin(beta)" in text
         assert f"errors of these samples are thrust {off:g} N (0.01 within the data)." in text
 
 

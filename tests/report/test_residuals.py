@@ -52,7 +52,11 @@ def test_the_strongest_is_first_and_told_with_its_slope() -> None:
     assert shares == sorted(shares, reverse=True)
     assert {trend.variable for trend in TRENDS} == set(candidates(LOG))
     # The climb rate is the velocity along z here, of which descent is a part; nothing else is told.
-    first = {"velocity along the body's z axis", "climb rate", "descent speed along z"}
+    first = {
+        "velocity along the body's z axis",
+        "climb rate",
+        "descent speed along the body's z axis",
+    }
     assert {trend.variable.removesuffix(" [m/s]") for trend in TRENDS[:3]} == first
     climb = next(trend for trend in TRENDS if trend.variable.startswith("climb"))
     assert climb.sure and climb.slope == pytest.approx(0.05, abs=3.0 * climb.error)

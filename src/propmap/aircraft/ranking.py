@@ -428,9 +428,9 @@ def file_candidate(path: str | os.PathLike[str], section: Section | None = None)
 MEASURES = {
     "hover": {"energy": "power in hover", "time": "time in hover on one battery"},
     "cruise": {
-        "energy": "energy per distance at the speed",
-        "time": "time at the speed on one battery",
-        "range": "distance at the speed on one battery",
+        "energy": "energy per distance at the given airspeed",
+        "time": "time at the given airspeed on one battery",
+        "range": "distance at the given airspeed on one battery",
     },
     "fast": {"speed": "top speed"},
     "mission": {"energy": "energy of the mission"},

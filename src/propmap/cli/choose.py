@@ -225,7 +225,7 @@ def _remarks(judged: list[ranking.Judged], top: int, *, all_: bool) -> list[Any]
     limits = Counter(one.limit for one in fit[:top] if one.limit in STATUSES)
     if limits:
         words = (f"{STATUSES[name].removeprefix('beyond ')} ({n})" for name, n in limits.items())
-        remarks.append(f"top speeds are limited by {', '.join(words)}")
+        remarks.append(f"limit of the top speed (number of propellers): {', '.join(words)}")
     if len(fit) > top and not all_:
         remarks.append(f"{len(fit) - top} more are suitable: see --all or --format csv")
     if not fit:

@@ -156,7 +156,7 @@ class FitChoice:
             mean, colon, deviation = text.partition(":")
             if not colon:
                 fault = f"--prior {name} has no standard deviation"
-                raise InputError(fault, "write --prior c_l2=2.0:0.3")
+                raise InputError(fault, f"write --prior {name}=MEAN:DEVIATION")
             beliefs[name] = Prior(*(_number(v, f"--prior {name}") for v in (mean, deviation)))
         start = {n: v for n, v in values.items() if n in wanted}
         return Choice(wanted, fixed, beliefs, start, expected)
@@ -302,10 +302,10 @@ def _refuse_poor(fitted: Fitted, warnings: Sequence[str], *, accept: bool) -> No
     for k, name in enumerate(fitted.rows.names):
         left = errors(*fitted.compared(k)).relative_rms
         if name in ("thrust", "torque") and left > MOST_LEFT and not accept:
-            found = f"the fit leaves {left:.0%} of the {name} (rms) unexplained and is not written"
+            found = f"the rms error is {left:.0%} of the {name} (rms), so no file was written"
             odd = [text for text in warnings if ": columns: " not in text]
             doubts = "; ".join(odd) or "units and signs of the data look plausible"
-            remedy = "correct the data or the propeller, or write the fit anyway with --accept"
+            remedy = "correct the data or the propeller, or add --accept to write the fit"
             raise InputError(f"{found}; {doubts}", remedy)
 
 
@@ -508,6 +508,6 @@ def _show_trust(trust: comparison.ForwardTrust) -> None:
         None,
         out.grid(heads, rows, title),
         "sd: relative standard deviation, from the section constants and from a model error of "
-        f"{comparison.MODEL_ERROR:.0%} of the static load; it was checked in axial flow only and "
-        "excludes differences between thrust stands (some percent)",
+        f"{comparison.MODEL_ERROR:.0%} of the static load; this model error was checked in axial "
+        "flow only; sd excludes differences between thrust stands (a few percent)",
     )

@@ -469,7 +469,7 @@ def fit_terms_page(
 
     The command compares a series of models. The first is the hover model. The second fits
     section constants to the vertical force; each later model adds one term. Each model is fitted
-    to all flights except one and checked on the held-out flight. The report also shows the errors of
+    to all flights except one and checked on the held-out flight. The report shows the errors of
     another model, if the logs contain its predictions.
     """
     from propmap.report.html import PAGE, TERMS_FILES, check_folder, write_folder

@@ -223,7 +223,7 @@ def section_law(
     found = lookup.own_constants(meant, blade.blades) or lookup.predicted_constants(meant, blade)
     if not (isinstance(meant, ExpectedBlade) and meant.own is None):
         # Otherwise the note on the blade already states the source of the constants.
-        note(f"{found.summary}; --airfoil selects another law")
+        note(f"{found.summary}. --airfoil selects another law")
     return found.airfoil
 
 

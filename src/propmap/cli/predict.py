@@ -129,7 +129,7 @@ def _one_point(
     rows += [
         ("mean inflow", _digits(loads.mean_inflow[0]), *none, "", "m/s"),
         ("reverse flow", _digits(100.0 * loads.reverse_flow[0]), *none, "", "% of the disk"),
-        ("roots of (11)", str(loads.roots[0]), *none, "", ""),
+        ("inflow solutions", str(loads.roots[0]), *none, "", ""),
         ("status", str(loads.status[0]), *none, "", ""),
     ]
     title = f"{where.rpm[0]:g} rpm, {where.speed_mps[0]:g} m/s, beta {where.beta_deg[0]:g} deg"

@@ -166,10 +166,10 @@ def _note_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
         return
     largest = np.nanmax(left, axis=0)
     if largest.max() > NOTHING * craft.vehicle.mass * craft.vehicle.propeller.radius:
-        moments = ", ".join(f"{name} {m:.2g}" for name, m in zip("xyz", largest, strict=True))
+        moments = ", ".join(f"{moment:.2g}" for moment in largest)
         out.note(
             "the rotors cannot balance all moments: control surfaces must supply up to "
-            f"{moments} N m about these axes (without control surfaces, check position and spin)"
+            f"{moments} N m about x, y, z (without control surfaces, check position and spin)"
         )
 
 
@@ -197,9 +197,9 @@ def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "
         if rpm > own.rpm_high:
             parts.append(f"{rpm:.0f} rpm (data up to {own.rpm_high:.0f})")
         if advance > own.advance_high:
-            parts.append(f"J = V/(n D) up to {advance:.2f} (data up to {own.advance_high:.2f})")
+            parts.append(f"J = V/(n D) of {advance:.2f} (data up to {own.advance_high:.2f})")
         if parts:
-            beyond = f"the data of the section constants exclude {' and '.join(parts)}"
+            beyond = f"the section constants are extrapolated to {' and '.join(parts)}"
             warnings = [*warnings, beyond]
     out.note(*(f"{where}{warning}" for warning in warnings))
 

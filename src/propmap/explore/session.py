@@ -291,7 +291,7 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
         named = fields.get("propeller", "")
         named = named.get("geometry", "") if isinstance(named, dict) else named
         if not trusted and isinstance(named, str) and looks_like_path(named):
-            found = f"propeller names another file, {quoted(named)}"
+            found = f"the key 'propeller' refers to another file, {quoted(named)}"
             remedy = "give a catalogue name, or open the vehicle with `propmap explore FILE`"
             raise InputError(found, remedy, str(path))
         return "vehicle", read_vehicle(path).vehicle

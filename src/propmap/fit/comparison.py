@@ -229,8 +229,8 @@ def useless(load: str, share: float) -> list[str]:
     if load not in flight.MOMENTS or not share >= 1.0:
         return []
     return [
-        f"the error of {load} is {100.0 * share:.0f} % of the measured moment, so zero is as "
-        "good a prediction: do not use the modeled moment"
+        f"the error of {load} is {100.0 * share:.0f} % of the measured moment, more than "
+        "the error of a prediction of zero: do not use the modeled moment"
     ]
 
 
@@ -467,7 +467,7 @@ def candidates(log: FlightLog) -> dict[str, Floats]:
         "square of the forward velocity [m^2/s^2]": forward**2,
         "square of the sideways velocity [m^2/s^2]": left**2,
         "climb rate [m/s]": log.climb_rate,
-        "descent speed along z [m/s]": np.maximum(-up, 0.0),
+        "descent speed along the body's z axis [m/s]": np.maximum(-up, 0.0),
         "roll rate [rad/s]": roll,
         "pitch rate [rad/s]": pitch,
         "yaw rate [rad/s]": yaw,

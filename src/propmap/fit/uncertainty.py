@@ -241,7 +241,8 @@ def _verdict(
     if low == lower and high == upper:
         return f"weak: the data do not determine {name}; its value depends on its start", False
     return (
-        f"weak: the data allow {low:.3g} to {high:.3g}; propellers differ by about {spread:g}",
+        f"weak: the data allow {low:.3g} to {high:.3g}, wider than the typical difference "
+        f"between propellers, {spread:g}",
         False,
     )
 

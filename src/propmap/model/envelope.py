@@ -143,8 +143,8 @@ class Beyond:
             way = "up" if furthest > 0.0 else "down"
             share = f"; {leaving[name].mean():.1%} outside" if outside.size > 1 else ""
             parts.append(f"{QUANTITIES[name]} {way} to {reached} (data {' to '.join(data)}{share})")
-        who = f"{outside.mean():.1%} of the {what} lie" if outside.size > 1 else "the point lies"
-        return [f"{who} beyond the data of the fit: {'; '.join(parts)}"]
+        who = f"{outside.mean():.1%} of the {what} are" if outside.size > 1 else "the point is"
+        return [f"{who} outside the fitted data: {'; '.join(parts)}"]
 
 
 def _quantities(omega: Floats, axial: Floats, inplane: Floats, radius: float) -> dict[str, Floats]:

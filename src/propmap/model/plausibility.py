@@ -248,7 +248,8 @@ def load_warnings(
     impossible = _impossible(propeller, air, w, v, b, known)
     if impossible:
         found = found or _wrong_size(ratios, WRONG_LOAD_RATIO, by_power=by_power)
-        raise InputError("; ".join([impossible, *found]), "convert columns with a wrong unit")
+        remedy = "correct wrong units, or divide totals by the number of rotors"
+        raise InputError("; ".join([impossible, *found]), remedy)
     return found
 
 
@@ -396,7 +397,7 @@ def _impossible(
         step = thrust[rows] / (2.0 * air.density * disk * np.maximum(flow, 1e-9))
         induced = 0.5 * (induced + np.minimum(step, 1e6))
     share = float(np.median(thrust[rows] * (along + induced) / power[rows]))
-    fault = f"the power of the flow is {share:.3g} times the shaft power"
+    fault = f"the ideal power is {share:.3g} times the shaft power, which is impossible"
     return fault if share > ENERGY_MARGIN else ""
 
 

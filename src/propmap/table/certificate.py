@@ -113,8 +113,8 @@ def claims(found: Mapping[str, Any]) -> Iterator[str]:
             f"points in these cells reach {worst:.2%}"
         )
     yield (
-        f"of the {found['points']} points, {found['vortex_ring']} are in the vortex ring state and "
-        f"{found['no_value']} have no loads"
+        f"of the {found['points']} points, {found['vortex_ring']} are in the vortex ring state; "
+        f"points without loads: {found['no_value']}"
     )
 
 

@@ -61,10 +61,11 @@ class TrustView(view.View):
         remarks = []
         if certificate:
             shown["errors"] = _by_load(certificate)
-            holds = "holds" if certificate.get("holds") else "does NOT hold"
+            holds = certificate.get("holds")
             remarks.append(
-                f"The tolerance of {100.0 * certificate['tolerance']:g} % of static loads {holds} "
-                f"at {certificate['points']} points outside unresolved cells."
+                f"At {'all' if holds else 'some'} of the {certificate['points']} points outside "
+                f"unresolved cells, the error {'is within' if holds else 'EXCEEDS'} the tolerance "
+                f"of {100.0 * certificate['tolerance']:g} % of static loads."
             )
         else:
             remarks.append("This table has no certificate: rebuild it with `propmap table`.")
@@ -72,7 +73,7 @@ class TrustView(view.View):
             sample = _sample(session, table, values)
             if sample is None:
                 remarks.append(
-                    "The page has no errors at new points, because the table is from another model."
+                    "Errors at new points are not shown: the table was built with another model."
                 )
             else:
                 shown["sample"] = sample
