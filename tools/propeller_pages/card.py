@@ -82,7 +82,11 @@ def verdict(one: Identified) -> str:
     """Return the verdict in a box whose color depends on ``flagged``."""
     kind = "flagged" if flagged(one) else "good"
     head = "Limits of this fit" if kind == "flagged" else "Fit"
-    return raw(f'<p class="verdict {kind}"><strong>{head}:</strong> {escape(one.verdict)}</p>')
+    parts = sorted(one.verdict.split("; "), key=lambda part: part != "good")
+    text = "; ".join(parts).replace(
+        "from the prior", "from the prior, the data do not determine it"
+    )
+    return raw(f'<p class="verdict {kind}"><strong>{head}:</strong> {escape(text)}.</p>')
 
 
 def _errors(one: Identified, found: Comparison) -> str:
