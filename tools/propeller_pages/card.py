@@ -49,9 +49,9 @@ def card(one: Identified, tested: MeasuredPropeller | None) -> str:
         compared = compare(one, tested)
         parts += [
             raw(fit_pictures.keys(compared), _side_by_side(fit_pictures.pictures(compared))),
-            "Points: measured. Lines: the model with the constants below, over J at the mean rotor "
-            "speed of the runs. Shaded: rms error of all rows. The last four columns of the table "
-            "are shares of the sum of squared errors.",
+            "Points: measured. Lines: the model with the constants below. A line over J is computed "
+            "at the mean rotor speed of its points. Shaded: rms error of all rows. The last four "
+            "columns of the table are shares of the sum of squared errors.",
             _errors(one, compared),
         ]
     parts += [
@@ -83,9 +83,7 @@ def verdict(one: Identified) -> str:
     kind = "flagged" if flagged(one) else "good"
     head = "Limits of this fit" if kind == "flagged" else "Fit"
     parts = sorted(one.verdict.split("; "), key=lambda part: part != "good")
-    text = "; ".join(parts).replace(
-        "from the prior", "from the prior, the data do not determine it"
-    )
+    text = "; ".join(parts).replace("the prior", "the prior (not determined by the data)")
     return raw(f'<p class="verdict {kind}"><strong>{head}:</strong> {escape(text)}.</p>')
 
 
