@@ -204,8 +204,8 @@ def _uiuc_blade(
     if of > 1:
         source += f", measured blade {number + 1} of {of}"
     if len(counts) > 1:
-        others = " and ".join(str(n) for n in counts if n != 2)
-        source += f"; tested with 2 blades and with {others} blades"
+        *fewer, most = sorted(counts)
+        source += f"; tested with {', '.join(map(str, fewer))} and {most} blades"
     if turned:
         source += (
             f"; the tabulated blade stands at 15 deg at 0.75 R and was turned by {turned:g} deg "

@@ -49,9 +49,9 @@ def card(one: Identified, tested: MeasuredPropeller | None) -> str:
         compared = compare(one, tested)
         parts += [
             raw(fit_pictures.keys(compared), _side_by_side(fit_pictures.pictures(compared))),
-            "Points: measured. Lines: the model with the constants below. A line over J is computed "
-            "at the mean rotor speed of its points. Shaded: rms error of all rows. The last four "
-            "columns of the table are shares of the sum of squared errors.",
+            "Points: measured. Lines: the model with the constants below. A line over J is "
+            "computed at the mean rotor speed of its points. Shaded: rms error of all measured "
+            "points. The last four columns of the table are shares of the sum of squared errors.",
             _errors(one, compared),
         ]
     parts += [
@@ -127,9 +127,9 @@ def _constants(one: Identified) -> str:
             *rows,
             "",
             "The last column is the standard deviation of the constant divided by its standard "
-            "deviation in the prior. `zero_lift_angle` and `reynolds_camber` are compared "
-            "directly, `drag_angle` as the sum `zero_lift_angle` + `drag_angle`, all other "
-            "constants as logarithms. "
+            "deviation in the prior. Both deviations are those of the constant for "
+            "`zero_lift_angle` and `reynolds_camber`, of `zero_lift_angle` + `drag_angle` for "
+            "`drag_angle`, and of the logarithm for all other constants. "
             "Near 100 % the data do not determine the constant, and the value is that of the "
             "prior. The covariance matrix is in "
             f"`propmap.catalogue.identified.identified({one.propeller!r}, {one.blades})`.",
