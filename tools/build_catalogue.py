@@ -107,7 +107,7 @@ def _apc(folder: Path) -> Iterable[dict[str, Any]]:
             "family": family,
             "blades": blade.blades,
             "radius_m": blade.radius,
-            "source": f"{blade.source}: chord and twist of the chord line",
+            "source": f"{blade.source}: chord, and twist of the chord line",
             "citation": APC_CITATION,
             "station_m": list(blade.station),
             "chord_m": list(blade.chord),

@@ -127,9 +127,10 @@ def _constants(one: Identified) -> str:
             *rows,
             "",
             "The last column is the standard deviation of the constant divided by its standard "
-            "deviation in the prior. Both deviations are those of the constant for "
-            "`zero_lift_angle` and `reynolds_camber`, of `zero_lift_angle` + `drag_angle` for "
-            "`drag_angle`, and of the logarithm for all other constants. "
+            "deviation in the prior. For `zero_lift_angle` and `reynolds_camber`, "
+            "both refer to the constant itself. For `drag_angle`, they refer to the sum "
+            "`zero_lift_angle` + `drag_angle`. For all other constants, they refer to the "
+            "logarithm of the constant. "
             "Near 100 % the data do not determine the constant, and the value is that of the "
             "prior. The covariance matrix is in "
             f"`propmap.catalogue.identified.identified({one.propeller!r}, {one.blades})`.",

@@ -40,7 +40,7 @@ class ApcBlade(NamedTuple):
     @property
     def source(self) -> str:
         """Source of the geometry."""
-        return f"APC PE0 file {self.title}: chord and twist of the chord line"
+        return f"APC PE0 file {self.title}: chord, and twist of the chord line"
 
     def propeller(self) -> Propeller:
         """Return the propeller."""
