@@ -76,7 +76,7 @@ def table() -> LoadTable:
 
 
 SCRIPTS = sorted(path.name for path in EXAMPLES.glob("*.py") if path.name != "demo.py")
-"""All but the demo, which has a test of its own."""
+"""Examples except the demo, which test_demo.py runs."""
 
 
 def test_drake_s_example_slows_down() -> None:

@@ -350,7 +350,7 @@ def test_the_wrench_in_jsbsim(
     wrench = rotor.wrench(omega, velocity, spin)
     error = share(found, np.concatenate([wrench.force, wrench.moment]))
     assert error[[0, 1, 3, 4]].max() < 0.004
-    assert error[2] < (0.01 if axial else 0.1) and error[5] < 0.03  # of axial flow
+    assert error[2] < (0.01 if axial else 0.1) and error[5] < 0.03
     assert np.sign(found[5]) == -SPINS[spin]
     if axial:
         assert max(axial_error(table)) < 0.05
