@@ -119,7 +119,7 @@ def test_a_fit_outlives_a_reload_and_a_killed_browser(chromium: Browser, address
     page.wait_for_selector(".view-constants")
     page.wait_for_function(includes.format("c_l1 ="), timeout=240e3)
     page.wait_for_timeout(600)
-    fitted = float(page.get_by_label("c_l1, slope of").first.input_value())
+    fitted = float(page.get_by_label("c_l1, lift slope").first.input_value())
     assert f"c_l1 = {fitted:.4g}"[:10] in page.locator("#progress").inner_text()
     page.close()
 
