@@ -51,6 +51,9 @@ def core_corrections(model: Model) -> dict[str, Any]:
 
 
 class Rotor:
+LOWEST = 0.3  # smallest height of the disk above the ground, over the radius
+
+
     """Rotor that computes the loads of a model at any operating point.
 
     Parameters
@@ -115,15 +118,16 @@ class Rotor:
             Angle between velocity and rotor axis [rad]: 0 axial climb, pi/2 edgewise flight, pi
             axial descent.  beta and 2 pi - beta are mirror images with the same loads.
         **further
-            ``height`` of the disk above level ground [m], R/2 or more; None far from the ground.
-            The ground multiplies the thrust by 1/(1 - (R/4h)^2/(1 + (V sin(beta)/v_i)^2))
-            (Cheeseman & Bennett, ARC R&M 3021, 1955), where v_i is the mean inflow.  The other
-            loads do not change.
+            ``height`` of the disk above level ground [m], 0.3 R or more; None far from the ground.
+            The ground multiplies the thrust by
+            1 + 0.31 exp(-(h/0.97R)^2)/(1 + (V sin(beta)/v_i)^2), where v_i is the mean inflow
+            (fitted to static thrust, docs/theory.md).  The other loads do not change.
 
         Raises
         ------
         InputError
-            For negative or non-finite values, shapes that do not broadcast, and heights below R/2.
+            For negative or non-finite values, shapes that do not broadcast, and heights below
+            0.3 R.
         """
         return self._loads(self._allowed(resolved(omega, speed, beta, **further)))
 
@@ -347,11 +351,11 @@ class Rotor:
         )
 
     def _allowed(self, points: FlowPoints) -> FlowPoints:
-        """Return ``points``; raise ``InputError`` for heights below R/2."""
-        least = 0.5 * self.model.span[1]
+        """Return ``points``; raise ``InputError`` for heights below 0.3 R."""
+        least = LOWEST * self.model.span[1]
         if points.height is not FAR and (points.height < least).any():
             raise InputError(
-                f"height is {points.height.min():g} m, less than half the radius, {least:g} m",
+                f"height is {points.height.min():g} m, less than 0.3 radii, {least:g} m",
                 "give a larger height of the disk [m]; omit it if the ground is far away",
             )
         return points

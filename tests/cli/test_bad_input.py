@@ -115,7 +115,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*PREDICT, *POINT, "--rho", "1", "--altitude", "100"], "a standard atmosphere are given"),
     ([*PREDICT, *POINT, "--root-cutout", "0.2"], "root cut-out"),
     ([*PREDICT, *POINT, "--height", "-1"], "height is negative"),
-    ([*PREDICT, *POINT, "--height", "0.01"], "less than half the radius"),
+    ([*PREDICT, *POINT, "--height", "0.01"], "less than 0.3 radii"),
     ([*PREDICT, *POINT, "--accuracy", "perfect"], "perfect"),
     ([*PREDICT, *POINT, "--color", "red"], "--color"),
     ([*PREDICT, *POINT, "-o", "nowhere/out.json"], "nowhere"),
