@@ -190,7 +190,8 @@ Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) 
                 return angle_from(each_lane([&](int j) { return std::remainder((from - angle)[j], 2.0 * pi); }));
             };
             const SectionFlow flow{turn(law.zero_lift_angle_at(re) + Lanes{}), turn(law.least_drag_angle_at(re) + Lanes{}),
-                                   Lanes{}, re, 1.0 / square_root(re)};
+                                   Lanes{}, re, 1.0 / square_root(re),
+                                   law.lift_growth_at(re) + Lanes{}, law.drag_growth_at(re) + Lanes{}};
             const auto c = law.coefficients(flow);
             for (int j = 0; j < width && k + j < n; ++j) found[k + j] = c.lift[j], found[n + k + j] = c.drag[j];
         }

@@ -11,7 +11,7 @@ using namespace propmap;
 
 namespace {
 
-using Blades = Rotor<double, BlendedLaw>;
+using Blades = Rotor<double, GrowingLaw>;
 
 // Fineness of the solution.
 struct Look {
@@ -23,11 +23,12 @@ struct Look {
 };
 
 // The largest |C_L| at any angle of attack.
-double largest_lift(const BlendedLaw<double>& law) {
+double largest_lift(const GrowingLaw<double>& law) {
+    const Lanes growth = maximum(law.lift_growth_at(broadcast(0.0)), law.lift_growth_at(broadcast(1e9)));
     double most = 0.0;
     for (int k = -2000; k <= 2000; ++k) {
         const auto angle = angle_from(broadcast(k * pi / 2000.0));
-        const SectionFlow flow{angle, angle, broadcast(0.0), broadcast(1e5), broadcast(0.0)};
+        const SectionFlow flow{angle, angle, broadcast(0.0), broadcast(1e5), broadcast(0.0), growth, growth};
         most = std::max(most, std::fabs(law.coefficients(flow).lift[0]));
     }
     return most;

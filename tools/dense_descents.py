@@ -132,14 +132,15 @@ def dense_loads(model: pm.Model, look: Look, motion: Floats) -> Floats:
     """Compute the loads (N, 6) [N], [N m] at N rows of omega, v_axial and v_inplane."""
     blade, law, with_ = model.propeller, model.airfoil.core_law(), core_corrections(model)
     known = {"inflow", "radial-friction", "installed", "mount-area", "mount-wake"}
-    if law["kind"] != "blended" or not known.issuperset(with_):
+    if law["kind"] == "tabulated" or not known.issuperset(with_):
         raise SystemExit(f"{blade.name}: {law['kind']} section, {sorted(set(with_) - known)}")
     numbers = [blade.blades, blade.root, model.air.density, model.air.viscosity]
     numbers += ["inflow" in with_, "radial-friction" in with_, "installed" in with_]
     numbers += [with_.get("installed", 1.0), with_.get("mount-area", 0.0)]
     numbers += [with_.get("mount-wake", 1.0), law["attached"], law["plate"]]
     order = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "c_p", "sharpness")
-    numbers += [law[name] for name in (*order, "reynolds_camber", "drag_angle")]
+    further = ("reynolds_camber", "drag_angle", "reynolds_lift", "reynolds_drag")
+    numbers += [law[name] for name in (*order, *further)]
     arrays = [np.asarray(a, np.float64) for a in (numbers, blade.station, blade.chord, blade.twist)]
     looks = np.asarray([look.strips, *look.azimuths], np.int64)
     rows, found = np.ascontiguousarray(motion, np.float64), np.empty((len(motion), len(NAMES)))

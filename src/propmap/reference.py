@@ -167,26 +167,36 @@ def make_case(
     return Case(model, model.airfoil, omega, v_axial, v_inplane, y, dy, psi, chord, twist)
 
 
-def lift_coefficient(alpha: Floats, airfoil: Airfoil) -> Floats:
-    """Compute C_L at angles of attack from zero lift [rad]."""
+def separated_share(alpha: Floats, airfoil: Airfoil) -> Floats:
+    """Compute sigma, the share of separated flow, at angles of attack from zero lift [rad]."""
+    # The paper's sigma is (1 + A + B) / ((1 + A)(1 + B)) with A = exp(-M (alpha - alpha_0)) and
+    # B = exp(M (alpha + alpha_0)).  In this form it overflows, in single precision near 1.4 rad.
+    # It equals 1 - A/(1 + A) B/(1 + B), where exp(z)/(1 + exp(z)) is the logistic function of z.
+    m, alpha_0 = airfoil.sharpness, airfoil.alpha_0
+    return 1.0 - expit(-m * (alpha - alpha_0)) * expit(m * (alpha + alpha_0))
+
+
+def lift_coefficient(alpha: Floats, airfoil: Airfoil, growth: Any = 1.0) -> Floats:
+    """Compute C_L at angles of attack from zero lift [rad]; ``growth`` multiplies c_l1."""
     separated = airfoil.c_l2 * np.sin(alpha) * np.cos(alpha)
     if airfoil.lift_law == "plate":  # Not in the paper
         separated = separated / (0.56 + 0.44 * np.abs(np.sin(alpha)))
     if airfoil.lift_law == "simplified":
         return separated  # Footnote 1
-    # The paper's sigma is (1 + A + B) / ((1 + A)(1 + B)) with A = exp(-M (alpha - alpha_0)) and
-    # B = exp(M (alpha + alpha_0)).  In this form it overflows, in single precision near 1.4 rad.
-    # It equals 1 - A/(1 + A) B/(1 + B), where exp(z)/(1 + exp(z)) is the logistic function of z.
-    m, alpha_0 = airfoil.sharpness, airfoil.alpha_0
-    sigma = 1.0 - expit(-m * (alpha - alpha_0)) * expit(m * (alpha + alpha_0))
-    return (1.0 - sigma) * airfoil.c_l1 * alpha + sigma * separated  # Eq. (3)
+    sigma = separated_share(alpha, airfoil)
+    return (1.0 - sigma) * growth * airfoil.c_l1 * alpha + sigma * separated  # Eq. (3)
 
 
-def drag_coefficient(alpha: Floats, reynolds: Floats, airfoil: Airfoil) -> Floats:
-    """Compute C_D; ``alpha`` is measured from the angle of least pressure drag [rad]."""
+def drag_coefficient(
+    alpha: Floats, reynolds: Floats, airfoil: Airfoil, growth: Any = 1.0
+) -> Floats:
+    """Compute C_D; ``alpha`` is measured from the angle of least pressure drag [rad].
+
+    ``growth`` multiplies the drag except friction.
+    """
     # At Re = 0 the velocity and the drag are zero, so that any finite C_D is correct.
     friction = 2.0 * 1.02 * airfoil.c_p / np.sqrt(np.maximum(reynolds, 1e-12))
-    return airfoil.c_d * np.sin(alpha) ** 2 + friction + airfoil.c_d0  # Eq. (4)
+    return growth * (airfoil.c_d * np.sin(alpha) ** 2 + airfoil.c_d0) + friction  # Eq. (4)
 
 
 def wrapped(angle: Floats) -> Floats:
@@ -194,15 +204,27 @@ def wrapped(angle: Floats) -> Floats:
     return angle - 2.0 * np.pi * np.ceil(angle / (2.0 * np.pi) - 0.5)
 
 
+def reynolds_ratio(case: Case, y: Any) -> Any:
+    """Compute the Reynolds number of the rotation alone, limited to 1e4 to 1.2e5, over 5e4."""
+    air = case.model.air
+    reynolds = air.density * case.omega * y * case.chord(y) / air.viscosity
+    return np.clip(reynolds, 1e4, 1.2e5) / 5e4
+
+
 def zero_lift_angle(case: Case, y: Any) -> Any:
     """Compute the angle of attack of zero lift [rad], which is 0 in the paper.
 
-    It grows with the Reynolds number of the rotation alone, limited to 1e4 to 1.2e5.
+    It grows with the logarithm of the Reynolds number.
     """
-    air = case.model.air
-    reynolds = air.density * case.omega * y * case.chord(y) / air.viscosity
-    growth = np.log(np.clip(reynolds, 1e4, 1.2e5) / 5e4)
+    growth = np.log(reynolds_ratio(case, y))
     return case.airfoil.zero_lift_angle + case.airfoil.reynolds_camber * growth
+
+
+def drag_growth(case: Case, y: Any, alpha: Floats) -> Any:
+    """Compute the factor on pressure drag and constant drag, which is 1 in separated flow."""
+    attached = 1.0 - separated_share(alpha, case.airfoil)
+    attached = attached * (case.airfoil.lift_law != "simplified")
+    return 1.0 + attached * (reynolds_ratio(case, y) ** case.airfoil.reynolds_drag - 1.0)
 
 
 def blade_element(case: Case, y: Any, v_i: Any) -> tuple[Floats, Floats]:
@@ -221,9 +243,9 @@ def blade_element(case: Case, y: Any, v_i: Any) -> tuple[Floats, Floats]:
     reynolds = air.density * u * chord / air.viscosity
     # alpha = theta - phi, wrapped, since (3) has a term linear in alpha.
     alpha = wrapped(theta - phi - zero_lift_angle(case, y))
-    c_l = lift_coefficient(alpha, airfoil)
+    c_l = lift_coefficient(alpha, airfoil, reynolds_ratio(case, y) ** airfoil.reynolds_lift)
     from_least_drag = theta - phi - airfoil.zero_lift_angle - airfoil.drag_angle
-    c_d = drag_coefficient(from_least_drag, reynolds, airfoil)
+    c_d = drag_coefficient(from_least_drag, reynolds, airfoil, drag_growth(case, y, alpha))
     pressure = 0.5 * air.density * u**2 * chord
     lift, drag = pressure * c_l, pressure * c_d  # dL/dy and dD/dy, before Eq. (5)
     normal = lift * np.cos(phi) - drag * np.sin(phi)
@@ -350,10 +372,13 @@ def radial_friction(case: Case, v_i: Floats) -> tuple[float, float]:
     chord, sine = case.chord(y), np.sin(case.psi)
     u_t, u_r = case.omega * y + case.v_inplane * sine, case.v_inplane * np.cos(case.psi)
     u = np.hypot(u_t, case.v_axial + v_i)
+    none = 0.0 * u
+    growth = drag_growth(case, y, none)
 
     def per_speed(speed: Floats) -> Floats:
         reynolds = air.density * speed * chord / air.viscosity
-        return 0.5 * air.viscosity * reynolds * drag_coefficient(0.0 * u, reynolds, case.airfoil)
+        friction = drag_coefficient(none, reynolds, case.airfoil, growth)
+        return 0.5 * air.viscosity * reynolds * friction
 
     turning = (per_speed(np.hypot(u, u_r)) - per_speed(u)) * u_t
     along = turning * sine + per_speed(np.hypot(u, u_r)) * u_r * np.cos(case.psi)

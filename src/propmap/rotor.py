@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from propmap import bands, results
 from propmap.errors import InputError
 from propmap.loads import DRAG_FACTOR, GEOMETRY, LOADS, MOUNT_AREA
+from propmap.model.airfoil import GROWING, GROWTHS
 from propmap.model.corrections import Installed, name_of
 from propmap.model.model import Model
 from propmap.operating_points import (
@@ -50,10 +51,10 @@ def core_corrections(model: Model) -> dict[str, Any]:
     return found
 
 
-class Rotor:
 LOWEST = 0.3  # smallest height of the disk above the ground, over the radius
 
 
+class Rotor:
     """Rotor that computes the loads of a model at any operating point.
 
     Parameters
@@ -94,6 +95,14 @@ LOWEST = 0.3  # smallest height of the disk above the ground, over the radius
     @functools.cached_property
     def _core(self) -> CoreRotor:
         """Rotor of the compiled core for this model."""
+        return self._core_of(self.model.airfoil.core_law())
+
+    @functools.cached_property
+    def _core_of_growth(self) -> CoreRotor:
+        """Rotor of the core whose loads have derivatives with respect to the powers of Re at 0."""
+        return self._core_of({**self.model.airfoil.core_law(), "kind": GROWING})
+
+    def _core_of(self, law: dict[str, Any]) -> CoreRotor:
         from propmap import core
 
         p, air = self.model.propeller, self.model.air
@@ -101,7 +110,6 @@ LOWEST = 0.3  # smallest height of the disk above the ground, over the radius
         for name in ("station", "chord", "twist"):
             blade[name] = np.ascontiguousarray(getattr(p, name), np.float64)
         medium = {"density": float(air.density), "viscosity": float(air.viscosity)}
-        law = self.model.airfoil.core_law()
         fine = self.accuracy == "fine"
         return core.Rotor(blade, law, medium, core_corrections(self.model), fine)
 
@@ -232,7 +240,8 @@ LOWEST = 0.3  # smallest height of the disk above the ground, over the radius
             raise InputError(found, f"give names from {', '.join(self.parameters)}")
         points = self._allowed(points)
         shape = points.omega.shape
-        loads, slopes = self._core.gradients(wanted, points.rows, cores())
+        core = self._core if GROWTHS.isdisjoint(wanted) else self._core_of_growth
+        loads, slopes = core.gradients(wanted, points.rows, cores())
         return results.LoadGradients(
             loads.reshape(len(LOADS), *shape), slopes.reshape(len(LOADS), len(wanted), *shape)
         )

@@ -113,6 +113,7 @@ def plain_reference() -> Any:
     """Few steps of the plain reference: in climb, the vortex ring and windmill descent."""
     law = pm.airfoil("paper-apc")
     terms = {"zero_lift_angle": -0.05, "reynolds_camber": -0.02, "drag_angle": 0.07}
+    terms |= {"reynolds_lift": 0.12, "reynolds_drag": -0.35}
     both = law.with_parameters(**terms), law.with_parameters(lift_law="simplified")
     corrections = pm.model_corrections("recommended")
     models = [pm.Model(pm.propeller("apc-8x6e"), one, corrections=corrections) for one in both]

@@ -26,6 +26,8 @@ from tests.oracle.literal_section import (
     coefficients,
     drag_coefficient,
     largest_lift,
+    lift_coefficient,
+    stall_blend,
     wrap,
 )
 from tests.oracle.literal_wake import WINDMILL_BELOW, LiteralWake, static_inflow, vortex_ring
@@ -97,18 +99,28 @@ class LiteralRotor:
         alpha = wrap(from_nominal - self.reynolds_camber(y, c))
         reynolds = self.rho * np.sqrt(u_squared) * c / self.mu
         pressure = 0.5 * self.rho * u_squared * c
-        c_lift, c_drag = coefficients(alpha, reynolds, self.section)
         if isinstance(self.section, dict):
-            least = self.section.get("drag_angle", 0.0)
-            c_drag = drag_coefficient(wrap(from_nominal - least), reynolds, self.section)
+            ratio, own = self.reynolds_ratio(y, c), self.section
+            slope = own.get("c_l1", 0.0) * ratio ** own.get("reynolds_lift", 0.0)
+            c_lift = lift_coefficient(alpha, {**own, "c_l1": slope})
+            attached = 1.0 - stall_blend(alpha, own.get("alpha_0", 0.0), own.get("M", 50.0))
+            attached = attached * own.get("attached", 1.0)
+            growth = 1.0 + attached * (ratio ** own.get("reynolds_drag", 0.0) - 1.0)
+            least = wrap(from_nominal - own.get("drag_angle", 0.0))
+            c_drag = drag_coefficient(least, reynolds, own, growth)
+        else:
+            c_lift, c_drag = coefficients(alpha, reynolds, self.section)
         return phi, pressure * c_lift, pressure * c_drag
 
     def reynolds_camber(self, y: float, c: float) -> float:
         """How much larger the zero-lift angle [rad] is at y [m] and chord c [m] than at Re 5e4."""
         if not isinstance(self.section, dict):
             return 0.0
-        turning = min(max(self.rho * self.omega * y * c / self.mu, 1e4), 1.2e5)
-        return self.section.get("reynolds_camber", 0.0) * float(np.log(turning / 5e4))
+        return self.section.get("reynolds_camber", 0.0) * float(np.log(self.reynolds_ratio(y, c)))
+
+    def reynolds_ratio(self, y: float, c: float) -> float:
+        """Reynolds number of the rotation at y [m] and chord c [m], limited, over 5e4."""
+        return min(max(self.rho * self.omega * y * c / self.mu, 1e4), 1.2e5) / 5e4
 
     def blade_thrust(self, y: float, v_i: Array, azimuth: tuple[Array, Array]) -> Array:
         """dT/dy [N/m] by eq. (5) for each v_i [m/s]."""

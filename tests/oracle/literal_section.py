@@ -2,7 +2,7 @@
 
 `section` holds c_l1, c_l2, c_d, alpha_0 [rad] and, if they differ from the paper's, M, c_p, c_d0.
 Extensions: attached = 0 is the lift of footnote 1, plate = 0.44 that of a plate past stall; the
-rotor applies reynolds_camber and drag_angle [rad].
+rotor applies reynolds_camber, drag_angle [rad], reynolds_lift and reynolds_drag [-].
 """
 
 from __future__ import annotations
@@ -40,13 +40,21 @@ def lift_coefficient(alpha: ArrayLike, section: dict[str, float]) -> Array:
     return blended
 
 
-def drag_coefficient(alpha: ArrayLike, reynolds: ArrayLike, section: dict[str, float]) -> Array:
-    """C_D of eq. (4) at alpha [rad] and chord Reynolds number."""
+def drag_coefficient(
+    alpha: ArrayLike,
+    reynolds: ArrayLike,
+    section: dict[str, float],
+    growth: ArrayLike = 1.0,
+) -> Array:
+    """C_D of eq. (4) at alpha [rad] and chord Reynolds number.
+
+    `growth` is a factor on the drag except friction.
+    """
     # Re = 0 only where U = 0 or c = 0, and there the force is zero whatever C_D is.
     re = np.maximum(np.asarray(reynolds, dtype=float), 1e-12)
     friction = 2.0 * 1.02 * section.get("c_p", 1.328) / np.sqrt(re)
-    whole: Array = section["c_d"] * np.sin(alpha) ** 2 + friction + section.get("c_d0", 0.01)
-    return whole
+    whole: Array = growth * (section["c_d"] * np.sin(alpha) ** 2 + section.get("c_d0", 0.01))
+    return whole + friction
 
 
 def wrap(angle: Array) -> Array:

@@ -26,7 +26,7 @@ def test_near_the_loads_of_the_full_theory_in_climb() -> None:
     assert np.sqrt(np.mean((found - exact) ** 2)) < 0.05 * np.sqrt(np.mean(exact**2))
 
 
-@pytest.mark.parametrize("name", ["c_l1", "zero_lift_angle", "reynolds_camber"])
+@pytest.mark.parametrize("name", ["c_l1", "zero_lift_angle", "reynolds_camber", "reynolds_lift"])
 def test_differences_of_other_constants(name: str) -> None:
     law = MODEL.airfoil
     assert isinstance(law, propmap.Airfoil)

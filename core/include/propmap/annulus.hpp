@@ -64,11 +64,12 @@ inline Lanes angle_at(const Station<Lanes>& at, Lanes u_t, Lanes u_p) {
 }
 
 // First guess of the inflow [m/s], for attached flow without drag: v W = k (U_T^2 theta - U_T U_P), where W is the
-// square root in (10) and k = N_b c_l1 c/(8 pi y).  Four Newton steps start above the solution.
+// square root in (10) and k = N_b c_l1 c/(8 pi y), with the growth of c_l1.  Four Newton steps start above the solution.
 template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes>& at) {
     const auto& f = of.flow;
     const Lanes speed = of.rms_speed(at);
-    const Lanes k = (of.rotor.blade->blades * value(of.rotor.law.attached_slope()) / (8.0 * pi)) * at.chord / at.radius;
+    const double slope = of.rotor.blade->blades * value(of.rotor.law.attached_slope()) / (8.0 * pi);
+    const Lanes k = slope * at.lift_growth * at.chord / at.radius;
     const Lanes lift = k * speed * speed * at.line.sine, loss = k * f.omega * at.radius * at.line.cosine;
     Lanes v = square_root(maximum(lift, 0.0)) + 1.5 * std::max(-f.v_axial, 0.0);
     for (int step = 0; step < 4; ++step) {
@@ -422,7 +423,7 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, int radii, d
     const Station<Dual<Lanes, 1>> moving = station_at(of.rotor, of.flow.omega, moved);
     const Station<Lanes> at = {radius, moving.chord.v, {moving.line.sine, moving.line.cosine, {}},
                                {moving.drag_line.sine, moving.drag_line.cosine, {}}, moving.reynolds_per_speed.v,
-                               moving.inverse_root.v};
+                               moving.inverse_root.v, moving.lift_growth.v, moving.drag_growth.v};
     const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side), unknown = broadcast(std::nan(""));
     const Mask asked = each_lane([](int k) { return k; }) < double(radii);
     LaneSamples s;

@@ -101,6 +101,8 @@ template <class T> struct Station {
     Angle<T> drag_line;    // angle of the line of least drag to the disk plane
     T reynolds_per_speed;  // rho c / mu [s/m]
     T inverse_root;        // (rho c / mu)^(-1/2)
+    T lift_growth;         // factors on attached lift and drag, see section.hpp
+    T drag_growth;
 };
 
 }  // namespace propmap

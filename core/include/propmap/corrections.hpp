@@ -59,7 +59,8 @@ template <class R, class W, class T> [[gnu::flatten]] auto station_at(const R& r
     using A = decltype(lift_line + drag_line + wide + radius);
     const A none{};
     return Station<A>{radius + none,    wide + none, angle_from(lift_line + none), angle_from(drag_line + none),
-                      per_speed + none, per_root + none};
+                      per_speed + none, per_root + none,
+                      rotor.law.lift_growth_at(reynolds) + none, rotor.law.drag_growth_at(reynolds) + none};
 }
 
 }  // namespace propmap

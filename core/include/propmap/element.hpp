@@ -33,7 +33,7 @@ auto element_flow(const St& at, const F& flow, const V& inflow, const A& sine_ps
     const auto alpha = at.line - phi, drag_alpha = at.drag_line - phi;
     const auto reynolds = at.reynolds_per_speed * u;
     const auto root_re = at.inverse_root * chain(u, per_root, -0.5 * per_root * per_u);
-    const SectionFlow section{alpha, drag_alpha, u, reynolds, root_re};
+    const SectionFlow section{alpha, drag_alpha, u, reynolds, root_re, at.lift_growth, at.drag_growth};
     return ElementFlow<std::remove_const_t<decltype(u_t)>, std::remove_const_t<decltype(u_p)>, std::remove_const_t<decltype(section)>>{u_t, u_p, section};
 }
 
@@ -213,7 +213,7 @@ template <class R, class St, class F, class V>
         const auto root_re = at.inverse_root * inverse_fourth_root(square);
         const auto none = 0.0 * speed;
         const Angle<std::remove_const_t<decltype(none)>> zero{value(none), value(none) + 1.0, none};
-        const SectionFlow section{zero, zero, speed, reynolds, root_re};
+        const SectionFlow section{zero, zero, speed, reynolds, root_re, at.lift_growth, at.drag_growth};
         return speed * rotor.law.coefficients(section).drag;
     };
     const auto term = [&](int k, auto& turning, auto& along) {

@@ -6,6 +6,6 @@
 namespace propmap {
 
 template <template <class> class... LawOf> struct LawList {};
-using Laws = LawList<BlendedLaw, TabulatedLaw>;
+using Laws = LawList<BlendedLaw, GrowingLaw, TabulatedLaw>;
 
 }  // namespace propmap

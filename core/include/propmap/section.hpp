@@ -1,6 +1,6 @@
 // Lift and drag of a blade section, eqs. (3) and (4), at any angle of attack and Reynolds number.
 //
-// A section law is a struct of numbers.  `coefficients`, `zero_lift_angle_at` and `least_drag_angle_at` are its
+// A section law is a struct of numbers.  `coefficients` and the functions whose names end in `_at` are its
 // aerodynamics.  `stall_angle`, `stall_width`, `attached_slope` and `plain_stall` describe its stall to the search for
 // the inflow.  `kind` is its name.  `each_number` visits the numbers with respect to which loads can be differentiated.
 // `read_fixed` and `copy_fixed` then set all other members.  To add a law, write such a struct and list it in laws.hpp.
@@ -16,12 +16,14 @@
 namespace propmap {
 
 // The flow at a section.
-template <class A, class B, class C, class D> struct SectionFlow {
+template <class A, class B, class C, class D, class E> struct SectionFlow {
     Angle<A> alpha;           // angle of attack from zero lift
     Angle<A> drag_alpha;      // angle of attack from least drag
     B speed;                  // U [m/s]
     C reynolds;               // rho U c / mu [-]
     D inverse_root_reynolds;  // Re^(-1/2) [-]
+    E lift_growth;            // factors on attached lift and drag, from the Reynolds number of the rotation [-]
+    E drag_growth;
 };
 
 template <class L, class D> struct Coefficients {
@@ -65,11 +67,16 @@ template <class S> struct BlendedLaw {
     template <class R> auto zero_lift_angle_at(const R& reynolds) const {
         if constexpr (!IsDual<S> && !IsDual<R>)
             if (reynolds_camber == 0.0) return zero_lift_angle + 0.0 * reynolds;
-        const auto within = minimum(maximum(reynolds, broadcast_like(value(reynolds), 1e4)),
-                                    broadcast_like(value(reynolds), 1.2e5));
-        return zero_lift_angle + reynolds_camber * logarithm(within * (1.0 / 5e4));
+        return zero_lift_angle + reynolds_camber * log_reynolds(reynolds);
     }
     template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle + drag_angle; }
+    template <class R> double lift_growth_at(const R&) const { return 1.0; }
+    template <class R> double drag_growth_at(const R&) const { return 1.0; }
+    template <class R> static auto log_reynolds(const R& reynolds) {  // constant beyond the identified propellers
+        const auto within = minimum(maximum(reynolds, broadcast_like(value(reynolds), 1e4)),
+                                    broadcast_like(value(reynolds), 1.2e5));
+        return logarithm(within * (1.0 / 5e4));
+    }
 
     template <class F> auto coefficients(const F& flow) const {
         const auto angle = radians(flow.alpha);
@@ -106,6 +113,38 @@ template <class S> struct BlendedLaw {
     S stall_angle(double, double side) const { return side * alpha_0; }
     double stall_width() const { return 1.0 / value(sharpness); }
     auto attached_slope() const { return attached * c_l1; }
+};
+
+// The law above, with powers of the Reynolds number on attached lift and drag.  It is a law of its own because the
+// compiler would round the paper's terms differently with factors of 1 on them.
+template <class S> struct GrowingLaw : BlendedLaw<S> {
+    S reynolds_lift;  // power of Re in the slope of attached lift [-]
+    S reynolds_drag;  // power of Re in the pressure drag and constant drag of attached flow [-]
+
+    static constexpr const char* kind = "growing";
+    template <class Visit> void each_number(Visit visit) {
+        BlendedLaw<S>::each_number(visit);
+        visit("reynolds_lift", reynolds_lift), visit("reynolds_drag", reynolds_drag);
+    }
+
+    // Factors on attached lift and drag, from the Reynolds number of the rotation.
+    template <class R> auto lift_growth_at(const R& reynolds) const { return growth(reynolds_lift, reynolds); }
+    template <class R> auto drag_growth_at(const R& reynolds) const { return growth(reynolds_drag, reynolds); }
+    template <class R> static auto growth(const S& power, const R& reynolds) {
+        return power_of_two(BlendedLaw<S>::log2_e * power * BlendedLaw<S>::log_reynolds(reynolds));
+    }
+
+    template <class F> auto coefficients(const F& flow) const {
+        const auto angle = radians(flow.alpha);
+        const auto& [sine, cosine, change] = flow.alpha;
+        const auto separated = this->c_l2 * this->separated_share(change, sine, cosine);
+        const auto share = this->attached_share(angle);
+        const auto lift = separated + share * (this->c_l1 * flow.lift_growth * angle - separated);  // Eq. (3)
+        const auto growth = 1.0 + share * (flow.drag_growth - 1.0);
+        const auto drag = growth * (this->c_d * square(propmap::sine(flow.drag_alpha)) + this->c_d0) +
+                          (2.0 * 1.02) * this->c_p * flow.inverse_root_reynolds;  // Eq. (4)
+        return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
+    }
 };
 
 // The numbers of a tabulated law.  Each interval of angles has, at each Reynolds number, four cubics, lowest power
@@ -237,6 +276,8 @@ template <class S> struct TabulatedLaw {
 
     template <class R> auto zero_lift_angle_at(const R&) const { return zero_lift_angle; }
     template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle; }
+    template <class R> double lift_growth_at(const R&) const { return 1.0; }
+    template <class R> double drag_growth_at(const R&) const { return 1.0; }
 
     // C_L (which = 0) or C_D (which = 8) at the angle `along` [rad] past the start of interval k of angles, and at the
     // fraction t of interval r of ln(Re).
@@ -330,7 +371,7 @@ template <class Law> struct CorrectedLaw : Law, LiftCorrections {
     auto corrected(const F& flow, const R& radius, const C& chord) const {
         auto c = Law::coefficients(flow);
         using Lift = decltype(c.lift + this->attached_slope() * radians(flow.alpha) * chord / radius *
-                                           flow.speed);
+                                           flow.speed * flow.lift_growth);
         Coefficients<Lift, decltype(c.drag)> r{c.lift - Lift{}, c.drag};
         if (stall_delay > 0.0) r.lift = delayed(r.lift, flow, radius, chord);
         if (speed_of_sound > 0.0) r.lift = r.lift * mach_factor(flow.speed * (1.0 / speed_of_sound));
@@ -350,7 +391,7 @@ template <class Law> struct CorrectedLaw : Law, LiftCorrections {
         const auto ratio = chord / radius;
         const auto wanted = stall_delay * ratio * ratio;
         const auto share = minimum(wanted, 0.0 * wanted + 1.0);
-        return lift + share * weight * (this->attached_slope() * angle - lift);
+        return lift + share * weight * (this->attached_slope() * flow.lift_growth * angle - lift);
     }
 
     // Prandtl-Glauert factor 1/sqrt(1 - M^2) (Glauert, Proc. R. Soc. A 118, 1928).  Above M = 0.6, M^2 levels off

@@ -73,7 +73,7 @@ struct Airframe {
         const Lanes angle = broadcast(std::remainder(std::atan2(-v[2], v[0]) + incidence, 2.0 * pi));
         const auto alpha = angle_from(angle);
         const Lanes one = broadcast(1.0);
-        const double lift = wing_area * wing.coefficients(SectionFlow{alpha, alpha, one, one, one}).lift[0];
+        const double lift = wing_area * wing.coefficients(SectionFlow{alpha, alpha, one, one, one, one, one}).lift[0];
         // Prandtl's induced drag D = L^2/(pi q b^2), of an elliptic distribution of lift.
         const double induced = span > 0.0 ? lift * lift / (pi * span * span) : 0.0;
         const double scale = 0.5 * density * std::hypot(v[0], v[2]);

@@ -10,6 +10,7 @@ import numpy as np
 
 import propmap
 from propmap.export.files import Files, filled
+from propmap.model.airfoil import GROWING, GROWTHS
 from propmap.rotor import Rotor, core_corrections
 
 FIELDS = {
@@ -63,8 +64,10 @@ def _law(numbers: dict[str, Any]) -> tuple[str, list[str]]:
         made = f"std::make_shared<propmap::SectionTable>(propmap::make_section_table({figures}))"
         angle = "rotor.law.zero_lift_angle = rotor.law.table->zero_lift_angle"
         return "TabulatedLaw", [f"rotor.law.table = {made}", angle]
+    if kind != GROWING:
+        numbers = {key: value for key, value in numbers.items() if key not in GROWTHS}
     given = [f"rotor.law.{key} = {float(value)!r}" for key, value in numbers.items()]
-    return "BlendedLaw", [*given, "rotor.law.complete()"]
+    return f"{kind.capitalize()}Law", [*given, "rotor.law.complete()"]
 
 
 def _list(values: Iterable[float]) -> str:

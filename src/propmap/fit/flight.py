@@ -200,7 +200,7 @@ def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Fl
 # -------------------------------------------------------------------------------------------------
 # Forces and moments on a flying vehicle at the samples of a log, and their derivatives.
 
-LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "untwist")
+LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "reynolds_lift", "untwist")
 """Parameters that change the attached lift, and therefore the wakes of the rotors."""
 
 LIFT_STEP = 1e-4

@@ -60,6 +60,14 @@ CONSTANTS = {
         "rad", "change of the zero-lift angle with ln Re", (-0.2, 0.2), (0.0, -0.1, 0.1, 0.02),
         "linear", filed_if_zero=False,
     ),
+    "reynolds_lift": Constant(
+        "-", "power of Re in the slope of the attached lift", (-1.0, 1.0), (0.0, -0.3, 0.6, 0.1),
+        "linear", filed_if_zero=False,
+    ),
+    "reynolds_drag": Constant(
+        "-", "power of Re in the pressure drag of attached flow", (-1.5, 1.0),
+        (0.0, -1.2, 0.4, 0.2), "linear", filed_if_zero=False,
+    ),
     "drag_angle": Constant(
         "rad", "angle of least pressure drag, from the zero-lift angle", (-0.5, 0.5),
         (0.0, -0.2, 0.3, 0.03), "linear", filed_if_zero=False,
@@ -67,6 +75,8 @@ CONSTANTS = {
 }  # fmt: skip
 """The constants of ``Airfoil`` by name, in the order of its fields."""
 
+GROWING = "growing"  # the core's law with the two powers of Re, for rotors whose powers are not 0
+GROWTHS = frozenset(("reynolds_lift", "reynolds_drag"))
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")  # the constants that (18) identifies
 
 
@@ -134,6 +144,9 @@ class Airfoil(SectionLaw):
         Change of the zero-lift angle per unit of ln(Re / 5e4) [rad], about -0.02 for small
         propellers, 0 in the paper.  Re = rho Omega y c / mu is the Reynolds number of the rotation,
         limited to 1e4 to 1.2e5.
+    reynolds_lift, reynolds_drag : float
+        Powers [-] of Re / 5e4, of the same Re, that multiply c_l1, and c_d and c_d0 in attached
+        flow.  About 0.12 and -0.35 for small propellers, 0 in the paper.
     drag_angle : float
         Angle of least pressure drag above zero_lift_angle [rad]: c_d sin^2(alpha -
         zero_lift_angle - drag_angle) in (4).  About 0.07 for small propellers, 0 in the paper.
@@ -164,6 +177,8 @@ class Airfoil(SectionLaw):
     c_p: float = 1.328
     sharpness: float = 50.0
     reynolds_camber: float = 0.0
+    reynolds_lift: float = 0.0
+    reynolds_drag: float = 0.0
     drag_angle: float = 0.0
     lift_law: str = "blended"
     name: str = "unnamed"
@@ -202,7 +217,8 @@ class Airfoil(SectionLaw):
         attached = 0.0 if self.lift_law == "simplified" else 1.0
         plate = 0.0 if self.lift_law != "plate" else PLATE
         numbers = {name: getattr(self, name) for name in self.parameters}
-        return {"kind": "blended", "attached": attached, "plate": plate, **numbers}
+        kind = GROWING if any(numbers[name] for name in GROWTHS) else "blended"
+        return {"kind": kind, "attached": attached, "plate": plate, **numbers}
 
     def with_parameters(self, **changes: Any) -> Airfoil:
         """Return a copy with ``changes`` by name.  The covariance, no longer valid, is left out."""
