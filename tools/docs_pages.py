@@ -319,8 +319,9 @@ def left_out(found: dict[str, Any]) -> str:
     """Return the errors of propellers that are predicted from the other propellers."""
     rows = [
         "| predicted from | propellers | C_T: median, 90th percentile | C_P: median, 90th "
-        "percentile | inside the 95 % band at rest: C_T, C_P | moving: C_T, C_P |",
-        "|---|---:|---:|---:|---:|---:|",
+        "percentile | inside the 95 % band at rest: C_T, C_P | moving: C_T, C_P | half width: C_T, "
+        "C_P | score: C_T, C_P |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for name, told in LEFT_OUT.items():
         one = found[name]
@@ -332,6 +333,8 @@ def left_out(found: dict[str, Any]) -> str:
             "-" if None in one[key] else ", ".join(f"{100.0 * share:.1f} %" for share in one[key])
             for key in ("at_rest", "moving")
         ]
+        cells.append(", ".join(f"{100.0 * half:.0f} %" for half in one["half_width"]))
+        cells.append(", ".join(f"{score:.2f}" for score in one["score"]))
         rows.append(f"| {told} | {one['propellers']} | {' | '.join(cells)} |")
     return "\n".join(rows)
 

@@ -142,7 +142,7 @@ BY_MAKERS = [
     ("5040x3", 5.0, 4.0, 3, "5 x 4 in, 3 blades"),
     ("T5045C", 5.0, 4.5, 3, "3 blades if it is from DALPROP: T marks three blades"),
     ("DAL Q2035C", 2.0, 3.5, 4, "4 blades: Q marks four blades"),
-    ("DAL 5045BN", 5.0, 4.5, None, ASSUMED),
+    ("DAL 5045BN", 5.0, 4.5, 3, "three blades assumed, as for most of this size by DALPROP"),
     ("T-Motor T5147", 5.1, 4.7, 3, "3 blades: T sizes below eight inches"),
     ("T-Motor T5143S-3", 5.1, 4.3, 3, "in, 3 blades"),
     ("P15x5", 15.0, 5.0, None, ASSUMED),

@@ -78,7 +78,7 @@ def test_a_designation(run: Run, prop: str, family: str | None, blades: int, sai
     assert told.startswith(f"note: {said}")
     blade, meant = propmap.propeller(prop), designated(prop)
     assert isinstance(meant, ExpectedBlade) and (meant.family, blade.blades) == (family, blades)
-    law = expected_constants(family, size_of(meant, blade), meant.geometry).airfoil
+    law = expected_constants(family, size_of(meant, blade), meant.geometry, blades).airfoil
     assert loads["thrust_N"] == pytest.approx(thrust_with(prop, law, blades), rel=1e-9)
 
 

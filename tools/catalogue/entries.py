@@ -21,7 +21,7 @@ from propmap.catalogue.expected import (
     family_prior,
 )
 from propmap.catalogue.identified import LIFT_LAW, PARAMETERS, Identified, one_of_each
-from propmap.fit.least_squares import INDEPENDENT
+from propmap.fit.least_squares import INDEPENDENT, INDEPENDENT_AT_REST
 from propmap.tasks import InTurn, Workers
 from tools.catalogue import identification
 from tools.catalogue.database import (
@@ -167,6 +167,7 @@ def _key(test: AxialTest, before: Sequence[str] = ()) -> str:
         LIFT_LAW,
         *PARAMETERS,
         INDEPENDENT,
+        INDEPENDENT_AT_REST,
         identification.FIRST_ERRORS,
         identification.LEAST_ERRORS,
         identification.MOST_ERRORS,

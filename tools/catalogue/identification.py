@@ -18,7 +18,7 @@ from propmap.catalogue.expected import (
     slopes_of,
 )
 from propmap.catalogue.identified import LIFT_LAW, PARAMETERS
-from propmap.fit.least_squares import INDEPENDENT
+from propmap.fit.least_squares import INDEPENDENT, INDEPENDENT_AT_REST
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
@@ -26,10 +26,6 @@ from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from tools.catalogue.database import MeasuredPropeller
-
-AT_REST = 2.0
-"""Independent rows of each load that rows at rest count as: level and slope of one curve over the
-rotational speed."""
 
 FIRST_ERRORS = (0.003, 0.002)
 """Errors of C_T and C_P [-] that a first fit assumes; the second takes those that it left."""
@@ -39,10 +35,21 @@ LEAST_ERRORS, MOST_ERRORS = (0.0015, 0.001), (0.004, 0.003)
 make it fail the more.  The covariance is with all errors that were left."""
 
 LOWER = np.array(
-    [np.log(2.0), np.log(0.8), np.log(0.2), np.log(0.12), -0.2, np.log(0.002), -0.09, -0.2]
+    [
+        np.log(2.0),
+        np.log(0.8),
+        np.log(0.2),
+        np.log(0.12),
+        -0.2,
+        np.log(0.002),
+        -0.09,
+        -0.3,
+        -1.2,
+        -0.2,
+    ]
 )
 UPPER = np.array(
-    [np.log(12.0), np.log(4.0), np.log(9.0), np.log(0.8), 0.1, np.log(0.2), 0.09, 0.25]
+    [np.log(12.0), np.log(4.0), np.log(9.0), np.log(0.8), 0.1, np.log(0.2), 0.09, 0.6, 0.4, 0.25]
 )
 """Bounds of the coordinates."""
 
@@ -103,14 +110,17 @@ def whitening(prior: PopulationPrior) -> Floats:
 class _Penalised:
     """The penalised sum of squares of a test; the model is evaluated once at each place."""
 
-    def __init__(self, test: AxialTest, prior: PopulationPrior, independent: float) -> None:
+    def __init__(self, test: AxialTest, prior: PopulationPrior) -> None:
         self.test, self.prior, self.whitening = test, prior, whitening(prior)
-        self.weight = np.sqrt(min(independent / test.tested.rpm.size, 1.0))
+        still = test.tested.advance == 0.0
+        counts = np.where(still, INDEPENDENT_AT_REST, INDEPENDENT)
+        rows = np.where(still, still.sum(), (~still).sum())
+        self.weight = np.sqrt(np.minimum(counts / rows, 1.0))
         self._found: dict[bytes, tuple[Floats, Floats]] = {}
 
     def weigh(self, errors: Floats) -> None:
         """Take ``errors`` (2,) of C_T and C_P [-] from here on."""
-        self.scale = (self.weight / errors)[:, None]
+        self.scale = self.weight / errors[:, None]
 
     def errors(self, place: Floats) -> tuple[Floats, Floats]:
         """Errors (2, n) [-] at coordinates (P,) and their derivatives by these, (2, n, P).
@@ -163,7 +173,7 @@ class _Penalised:
 
 def identify(test: AxialTest, prior: PopulationPrior = POPULATION) -> Identification:
     """Find the constants of a propeller by a penalised least-squares fit to C_T and C_P."""
-    penalised = _Penalised(test, prior, INDEPENDENT)
+    penalised = _Penalised(test, prior)
     penalised.weigh(np.array(FIRST_ERRORS))
     place = penalised.minimum(prior.mean, EVALUATIONS[0])
     left = np.sqrt(np.nanmean(penalised.errors(place)[0] ** 2, axis=1))
@@ -197,7 +207,7 @@ def updated(at_rest: AxialTest, prior: PopulationPrior, errors: Floats) -> Popul
     ``errors`` (2,) are standard deviations of C_T and C_P [-] about the model, such as
     ``Population.errors``: those that rows at rest leave say nothing of flight.
     """
-    penalised = _Penalised(at_rest, prior, AT_REST)
+    penalised = _Penalised(at_rest, prior)
     penalised.weigh(errors)
     place = penalised.minimum(prior.mean, EVALUATIONS[0])
     return PopulationPrior.of(place, penalised.covariance(place))

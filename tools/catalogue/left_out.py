@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap import catalogue
+from propmap.bands import TUNNEL_GAIN
 from propmap.catalogue.expected import (
     MeanBlade,
     Member,
@@ -74,6 +75,13 @@ RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left
 BAND = 1.959964
 """Standard deviations on either side that hold 95 % of a normal distribution."""
 
+
+def interval_score(error: Floats, deviation: Floats) -> Floats:
+    """Return the interval score of the 95 % bands: width, and 40 times the distance outside."""
+    half = BAND * deviation
+    return np.asarray(2.0 * half + 40.0 * np.maximum(np.abs(error) - half, 0.0))
+
+
 STEPS = 8
 """Steps of the search for a population without one propeller, from that with it."""
 
@@ -111,6 +119,8 @@ class Prediction(NamedTuple):
     errors: Floats  # rms over rms of what was measured [-]
     at_rest: Floats  # share of the rows inside the band; NaN where there are none
     moving: Floats
+    half_width: Floats  # median of half the width of the 95 % band, over the rms [-]
+    score: Floats  # mean interval score of the 95 % band, over the rms [-]
 
 
 class LeftOut(NamedTuple):
@@ -134,7 +144,8 @@ def predicted(
     variance = np.einsum("lpn,pq,lqn->ln", by_place, prior.covariance, by_place)
     error = value - test.measured
     # Where no inflow was found the band holds nothing.
-    inside = np.abs(error) <= BAND * np.sqrt(variance + np.square(errors)[:, None])
+    deviation = np.sqrt(variance + np.square(errors)[:, None] + np.square(TUNNEL_GAIN * value))
+    inside = np.abs(error) <= BAND * deviation
     moving = test.tested.advance > 0.0
     counted = moving if moving_only else np.ones_like(moving)
     squares = np.nanmean(error[:, counted] ** 2, axis=1)
@@ -142,10 +153,13 @@ def predicted(
     def share(which: NDArray[np.bool_]) -> Floats:
         return inside[:, which].mean(axis=1) if which.any() else np.full(2, np.nan)
 
+    size = np.sqrt(np.mean(test.measured[:, counted] ** 2, axis=1))
     return Prediction(
-        errors=np.sqrt(squares / np.mean(test.measured[:, counted] ** 2, axis=1)),
+        errors=np.sqrt(squares) / size,
         at_rest=share(~moving),
         moving=share(moving),
+        half_width=np.nanmedian(BAND * deviation[:, counted], axis=1) / size,
+        score=np.nanmean(interval_score(error, deviation)[:, counted], axis=1) / size,
     )
 
 
@@ -404,6 +418,8 @@ def _summary(some: list[Prediction]) -> dict[str, Any]:
         "propellers": len(some),
         "median": np.round(half, 5).tolist(),
         "nine_in_ten": np.round(most, 5).tolist(),
+        "half_width": np.round(np.median([one.half_width for one in some], axis=0), 4).tolist(),
+        "score": np.round(np.mean([one.score for one in some], axis=0), 4).tolist(),
         **held,
     }
 

@@ -127,8 +127,8 @@ def _constants(one: Identified) -> str:
             *rows,
             "",
             "The last column is the standard deviation of the constant divided by its standard "
-            "deviation in the prior. For `zero_lift_angle` and `reynolds_camber`, "
-            "both refer to the constant itself. For `drag_angle`, they refer to the sum "
+            "deviation in the prior. For `zero_lift_angle` and the three terms of the Reynolds "
+            "number, both refer to the constant itself. For `drag_angle`, they refer to the sum "
             "`zero_lift_angle` + `drag_angle`. For all other constants, they refer to the "
             "logarithm of the constant. "
             "Near 100 % the data do not determine the constant, and the value is that of the "

@@ -30,10 +30,10 @@ FILTER = """\
 SCRIPT = '<script src="_static/propellers.js"></script>'
 
 REASONS = {
-    "da4022 5.0x3.75 - 4": "At rest the measured C_P falls by a seventh from the slowest to the "
-    "fastest rows, the modeled C_P by half as much.",
     "gwsdd 5.0x4.3 - 2": "The runs are from three specimens, whose loads differ by a third. The "
     "database does not identify the specimen of a run, so the constants are a compromise.",
+    "kpf 96.0x70.0 - 2": "At J = 0.73, C_T falls by a third from the slowest to the fastest run, "
+    "while at rest it grows by 3 %. No term of the model has opposite signs at rest and in flight.",
     "mi 3.2x2.2 - 2": "Low Reynolds numbers: C_T at rest grows by a fifth with the rotor speed. "
     "Along J the errors grow in fast runs and fall in slow runs. One shift of the zero-lift "
     "angle cannot do both.",
@@ -49,8 +49,6 @@ REASONS = {
     "hardly at all. The two slowest rows cause half of the squared errors.",
     "pl 57.0x20.0 - 2": "At rest C_P grows by a third with the rotor speed, while C_T is nearly "
     "constant. Friction would reduce C_P. The torque of the slowest rows is below 0.1 N mm.",
-    "da4002 9.0x8.95 - 2": "The pitch equals the diameter: at rest the inner half of the blade is "
-    "stalled, at J = 0.3 no part is. A single stall angle for all radii fits such a blade worst.",
     "da4022 5.0x3.75 - 3": "At rest neither coefficient is monotonic in the rotor speed: C_T has "
     "a minimum in the middle of the range, as with sections in transition.",
 }

@@ -51,6 +51,8 @@ AXES = (
     Axis("zero_lift_angle", "rad", False, (-0.1, 0.0)),
     Axis("c_d0", "-", True, (0.01, 0.03, 0.1)),
     Axis("reynolds_camber", "rad", False, (-0.05, 0.0, 0.05)),
+    Axis("reynolds_lift", "-", False, (0.0, 0.1, 0.2)),
+    Axis("reynolds_drag", "-", False, (-0.6, -0.4, -0.2, 0.0)),
     Axis("least drag", "rad", False, (-0.05, 0.0, 0.05, 0.1)),
 )
 """Axes in the order of ``PARAMETERS``.  The last is ``zero_lift_angle`` + ``drag_angle``, the angle

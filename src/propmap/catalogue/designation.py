@@ -29,6 +29,8 @@ class Maker(NamedTuple):
     name: str
     words: str  # pattern of the names of manufacturer and series, in lower case
     rules: tuple[Rule, ...] = ()
+    racing: bool = False  # whether most propellers of about five inches have three blades
+    carbon: bool = False  # whether large propellers are of carbon fiber
 
 
 def _rule(row: dict[str, Any]) -> Rule:
@@ -37,7 +39,7 @@ def _rule(row: dict[str, Any]) -> Rule:
 
 _KNOWN = tomllib.loads(Path(__file__).with_name("makers.toml").read_text(encoding="utf-8"))
 MAKERS = tuple(
-    Maker(maker["name"], maker["words"], tuple(map(_rule, maker.get("rules", ()))))
+    Maker(**{**maker, "rules": tuple(map(_rule, maker.get("rules", ())))})
     for maker in _KNOWN["makers"]
 )  # manufacturers and their rules, as stated by pages of shops and manufacturers alike
 
@@ -73,6 +75,16 @@ LARGEST_INCHES = 40.0  # a larger diameter without a unit is in millimeters
 LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # limits of supported propellers [m]
 STEEPEST = 2.5  # largest ratio of pitch to diameter
 MOST_BLADES = 8
+
+RACING = (4.5 * INCH, 6.2 * INCH)
+"""Diameters [m] for which manufacturers of racing propellers mean three blades, if a designation
+contains no number."""
+
+FIVE_INCH_DOUBT, OTHER_DOUBT = 0.1, 0.5
+"""Probabilities that a propeller of these manufacturers has another number of blades than assumed.
+The first is for these diameters: on stands, 2 of 21 had two blades.  The second is for the other
+diameters to 11.5 in: 9 of 12 had three, but names without a number often mean two."""
+
 SAME = 0.006  # relative difference of equal lengths, because manufacturers round to 1/20 in
 NO_MAKER = ("mm", "in", "inch", "uiuc")  # words of designations that name no manufacturer
 
@@ -106,6 +118,7 @@ class Designation:
     maker: str = ""  # name of one of ``MAKERS``
     size: str = ""  # diameter and pitch as read, for messages
     counted: str = ""  # number of blades and its origin, for messages
+    doubt: float = 0.0  # probability that it has three blades, not two, or two, not three
 
     @property
     def reading(self) -> str:
@@ -114,10 +127,10 @@ class Designation:
 
     def with_blades(self, asked: int | None) -> Designation:
         """Return the designation with the number of blades ``asked``, if given."""
-        if asked in (None, self.blades):
+        if asked is None or (asked == self.blades and not self.doubt):
             return self
-        other = f", not {self.blades}" if self.blades else ""
-        return replace(self, blades=asked, counted=f"{asked} blades as requested{other}")
+        other = f", not {self.blades}" if self.blades not in (None, asked) else ""
+        return replace(self, blades=asked, counted=f"{asked} blades as requested{other}", doubt=0.0)
 
 
 @lru_cache(maxsize=1024)
@@ -162,7 +175,8 @@ def designation(text: str) -> Designation | None:
         raise InputError(f"{quoted(text)} has a pitch of {pitch:.3g} m", remedy)
     if count is not None and not 2 <= count <= MOST_BLADES:
         raise InputError(f"{quoted(text)} has {count} blades", f"give 2 to {MOST_BLADES} blades")
-    maker = next((maker.name for maker, name in _NAMES.items() if re.search(name, rest)), "")
+    whose_own = next((maker for maker, name in _NAMES.items() if re.search(name, rest)), None)
+    maker, doubt = whose_own.name if whose_own else "", 0.0
     counted = f"{count} blades"
     if count is None and by_rule is not None:
         whose, rule = by_rule
@@ -170,11 +184,18 @@ def designation(text: str) -> Designation | None:
         counted = f"{count} blades" + ("" if maker else f" if it is from {whose}")
         counted += f": {rule.means}"
         maker = whose
+    elif count is None and whose_own and whose_own.racing and RACING[0] < diameter < RACING[1]:
+        count, doubt = 3, FIVE_INCH_DOUBT
+        counted = (
+            f"three blades assumed, as for most of this size by {maker} (for two, add --blades 2)"
+        )
     elif count is None:
+        if whose_own and whose_own.racing and diameter < 11.5 * INCH:
+            doubt = OTHER_DOUBT
         counted = "two blades assumed (for three, add --blades 3 or end the name with x3)"
     own = tuple(word for word in words if word not in NO_MAKER)
     size = f"{numbers[0]:g} x {numbers[1]:g} {name}{other}"
-    return Designation(own, diameter, pitch, count, maker, size, counted)
+    return Designation(own, diameter, pitch, count, maker, size, counted, doubt)
 
 
 def _from_figures(first: str, second: str) -> tuple[list[float], str]:

@@ -13,8 +13,15 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from propmap import catalogue
+from propmap.bands import TUNNEL_GAIN
 from propmap.catalogue import apc
-from propmap.catalogue.designation import Designation, designation, same_size, series_named
+from propmap.catalogue.designation import (
+    MAKERS,
+    Designation,
+    designation,
+    same_size,
+    series_named,
+)
 from propmap.catalogue.identified import (
     LIFT_LAW,
     PARAMETERS,
@@ -23,14 +30,18 @@ from propmap.catalogue.identified import (
     identified_without_blade,
     one_of_each,
 )
+from propmap.loads import LOADS
 from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, SectionUncertainty
+from propmap.model.corrections import model_corrections
+from propmap.model.model import Model
 from propmap.model.propeller import Propeller
+from propmap.rotor import Rotor
 from propmap.typing import Floats
 
 ERRORS = {
-    "family_blade": ((0.08, 0.08), (0.22, 0.21)),
-    "siblings_label": ((0.085, 0.10), (0.18, 0.22)),
-    "population_blade": ((0.19, 0.18), (0.39, 0.41)),
+    "family_blade": ((0.085, 0.09), (0.21, 0.195)),
+    "siblings_label": ((0.085, 0.10), (0.18, 0.225)),
+    "population_blade": ((0.19, 0.185), (0.41, 0.42)),
 }
 """Errors of C_T and C_P of propellers whose blade and constants were both held out, as rms over
 rms, by group of ``tools.catalogue.left_out``: medians, then 90th percentiles."""
@@ -55,8 +66,10 @@ class ExpectedBlade:
 
     @property
     def geometry(self) -> str:
-        """Origin of the blade for ``expected_constants``: "family", "population" or
-        "multirotor"."""
+        """Origin of the blade for ``expected_constants``: "family", "population", "multirotor" or
+        "carbon"."""
+        if not self.families and self.wanted.maker in CARBON and self.wanted.diameter >= LARGE:
+            return "carbon"
         if not self.families and (self.wanted.maker or self.wanted.blades):
             return "multirotor"
         return "family" if self.shape.families == self.families[:1] else "population"
@@ -66,13 +79,7 @@ class ExpectedBlade:
         """The propeller, with two blades if their number is not known."""
         size, count = self.wanted, self.wanted.blades or 2
         name = "".join(c for c in " ".join(self.text.split()) if c.isprintable())
-        blade = self.shape.propeller(name, size.diameter, size.pitch, count)
-        factor = chord_factor(count) if self.geometry == "multirotor" else 1.0
-        if factor == 1.0:
-            return blade
-        source = f"{blade.source}, the chord times {factor:g} for more than two blades"
-        citation = f"{blade.citation}; static thrust with more blades: {STAND}"
-        return replace(blade, chord=factor * blade.chord, source=source, citation=citation)
+        return self.shape.propeller(name, size.diameter, size.pitch, count)
 
     def with_blades(self, asked: int | None) -> ExpectedBlade:
         """Return the prediction for the number of blades ``asked``, if given."""
@@ -99,9 +106,6 @@ class ExpectedBlade:
         geometry = f"{reason}: the geometry is {some} of {of}"
         if self.wanted.size:
             geometry = f"{self.wanted.reading}; {geometry}"
-        multirotor = self.geometry == "multirotor"
-        if multirotor and (factor := chord_factor(self.wanted.blades or 2)) != 1.0:
-            geometry += f" with two blades, with their chord multiplied by {factor:g}"
         if self.own is not None:
             return geometry
         # Without identified members, the family's constants have the errors of the population.
@@ -111,10 +115,10 @@ class ExpectedBlade:
         if self.family not in {one.family for one in identified}:
             group = "population_blade"
         half, most = ERRORS[group]
-        if multirotor:
+        if self.geometry in MULTIROTOR:
             geometry += (
-                "; held-out errors of static thrust: below "
-                f"{LEFT_OUT_ERROR:.0%} for four five-inch multirotor propellers"
+                "; static thrust and torque: mean and scatter of "
+                f"{STANDS} multirotor propellers on stands"
             )
         return (
             f"{geometry}; rms errors of thrust and torque in axial flow, with predicted section "
@@ -155,53 +159,84 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 
 
 # -------------------------------------------------------------------------------------------------
-# Correction of the chord for propellers with more than two blades, from static thrust.
+# Static loads of multirotor propellers.
 #
-# Nearly all measured propellers have two blades. On a stand, five-inch multirotor propellers with
-# three and four blades have less thrust than propellers with as many of these blades. Their blades
-# are narrower, and the interference between many blades is stronger than in the theory. The factor
-# on the chord describes both effects. The data are four propellers, each on 12 or 13 motors. The
-# air density was not recorded (assumed: 1.20 kg/m^3), and the rotational speed follows from the
-# frequency of the motor current. Further data are propellers of the UIUC Propeller Database with
-# one blade on hubs for two, three and four. ``python -m tools.chord_by_blades`` computes the
-# numbers below.
+# Multirotor propellers were not measured in the UIUC wind tunnel.  On stands, their thrust and
+# torque are smaller than those of the mean blade with the constants of all series, by the same
+# share for two, three and four blades and for all sizes.  The prior of the constants is shifted and
+# narrowed, so that the static loads have the distribution of the loads on stands.  ``python -m
+# tools.stands`` computes the numbers below.
 
-STAND = "P. Cao, J. Strawson, github StrawsonDesign/motor_propeller_testing @7031418 (MIT)"
+STANDS = 76  # number of propellers
 
-CHORD_OF_MORE = 0.711
-"""Chord of a propeller with more than two blades over the chord of the mean blade.  The standard
-deviation of its logarithm is 0.03; three and four blades have the same factor."""
+STAND_SHIFT = np.array([-0.132, -0.159])
+"""Median logarithm of static thrust and torque on stands over the prediction for all series."""
 
-LEFT_OUT_ERROR = 0.10  # upper bound of the held-out errors of static thrust on the stand
+MULTIROTOR = ("multirotor", "carbon")  # origins of blades whose prior is from stands
 
-STAND_DEVIATION = 0.099
-"""Standard deviation of the logarithm of static thrust about the prediction with this chord: rms of
-the held-out errors, widened by Student's t, because there are only four propellers."""
+LARGE = 0.2921  # smallest diameter [m] of a large propeller, 11.5 in
 
-AT_REST = np.array([0.39, 0.55, -0.02, 0.41, -1.39, 0.0, 1.34, 0.18])
-"""Derivatives of the logarithm of static thrust with respect to the coordinates of
-``PopulationPrior``, averaged over the propellers of the stand."""
+CARBON = tuple(maker.name for maker in MAKERS if maker.carbon)  # of which ``LARGE`` ones are alike
 
+STAND_DEVIATIONS = {
+    "two blades": (0.216, 0.283),
+    "three blades and more": (0.166, 0.178),
+    "carbon": (0.069, 0.110),
+}
+"""Standard deviations of these logarithms by kind: those with the smallest interval score of the
+95 % bands.  They include differences between stands."""
 
-def chord_factor(blades: int) -> float:
-    """Return the chord of a propeller with this number of blades over that of the mean blade."""
-    return 1.0 if blades <= 2 else CHORD_OF_MORE
+STAND_CORRELATION = 0.54  # of the deviations of thrust and torque
 
-
-def left_at_rest(covariance: Floats, deviation: float = STAND_DEVIATION) -> float:
-    """Return the variance of the logarithm of static thrust with this ``deviation``, over that from
-    the ``covariance`` (P, P) of the coordinates."""
-    return float(deviation**2 / (AT_REST @ covariance @ AT_REST))
+STAND_TIP_SPEED = 100.0  # tip speed [m/s] at which the static loads have this distribution
 
 
-def known_at_rest(covariance: Floats, left: float) -> Floats:
-    """Return the ``covariance`` (P, P) of the coordinates after a measurement of static thrust.
+def static_loads(place: Floats, size: Size, blades: int) -> tuple[Floats, Floats]:
+    """Return the logarithms (2,) of static thrust and torque, and their derivatives (2, P).
 
-    The variance of static thrust is multiplied by ``left``.  Changes of the coordinates without
-    effect on static thrust keep their variance.
+    The derivatives are with respect to the coordinates ``place`` (P,) of ``PopulationPrior``.  The
+    blade is the mean of all series with this ``size`` and number of ``blades``.
     """
-    along = covariance @ AT_REST
-    return covariance - (1.0 - left) * np.outer(along, along) / (AT_REST @ along)
+    blade = bundled_mean().propeller("mean", *size, blades)
+    law = airfoil_at(place, "all series", "")
+    rotor = Rotor(Model(blade, law, corrections=model_corrections("recommended")))
+    found = rotor.gradients(PARAMETERS, STAND_TIP_SPEED / blade.radius, 0.0, 0.0)
+    which = [list(LOADS).index(name) for name in ("thrust", "torque")]
+    slopes = found.slopes[which] @ slopes_of(place) / found.loads[which, None]
+    return np.log(found.loads[which]), slopes
+
+
+def stand_kind(carbon: bool, blades: int) -> str:
+    """Return the kind of a multirotor propeller in ``STAND_DEVIATIONS``."""
+    return "carbon" if carbon else "three blades and more" if blades > 2 else "two blades"
+
+
+@lru_cache(maxsize=64)
+def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> PopulationPrior:
+    """Return the prior of a multirotor propeller, from that of all series on their mean blade.
+
+    ``kind`` is a key of ``STAND_DEVIATIONS``, and ``doubt`` the probability that the propeller has
+    three blades instead of two, or two instead of three.
+
+    The static thrust and torque have the distribution found on stands, in which the differences
+    between tunnels of ``propmap.bands`` are a part.  Changes of the coordinates without effect on
+    static loads keep their variance.
+    """
+    prior = family_prior([], bundled_population("population"), size)
+    place, target = prior.mean, static_loads(prior.mean, size, blades)[0] + STAND_SHIFT
+    for _ in range(3):  # steps of Gauss and Newton; two change the loads by less than 1e-3
+        loads, slopes = static_loads(place, size, blades)
+        before = slopes @ prior.covariance @ slopes.T
+        gain = prior.covariance @ slopes.T @ np.linalg.inv(before)
+        place = prior.mean + gain @ (target - loads + slopes @ (place - prior.mean))
+    deviation = STAND_DEVIATIONS[kind]
+    wanted = np.outer(deviation, deviation) * [[1.0, STAND_CORRELATION], [STAND_CORRELATION, 1.0]]
+    wanted -= TUNNEL_GAIN**2 * np.eye(2)
+    if doubt > 0.0:
+        change = static_loads(place, size, 3 if blades == 2 else 2)[0] - target
+        wanted += doubt * np.outer(change, change)
+    covariance = prior.covariance - gain @ (before - wanted) @ gain.T
+    return PopulationPrior.of(place, covariance)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -220,15 +255,21 @@ class ExpectedConstants(NamedTuple):
 
 
 def expected_constants(
-    family: str | None = None, size: Size | None = None, geometry: str = "measured"
+    family: str | None = None,
+    size: Size | None = None,
+    geometry: str = "measured",
+    blades: int = 2,
+    doubt: float = 0.0,
 ) -> ExpectedConstants:
     """Return the most likely constants of a small propeller of a ``family`` and ``size``.
 
     The defaults are any family and a medium size.  ``geometry`` is the origin of the blade:
     "measured", the file of its "maker", the mean of its "family", the mean of the "population", or
-    this mean for a "multirotor".
+    this mean for a "multirotor" or a large "carbon" propeller with this number of ``blades``, and
+    this ``doubt`` about the number, as in ``Designation``.
     """
-    prior, members = expected_prior(family, size, geometry), _members(family, geometry)
+    prior = expected_prior(family, size, geometry, blades, doubt)
+    members = _members(family, geometry)
     if members and family is not None:
         own, of = family, f"{len(members)} propellers of its family, {family}"
     else:
@@ -241,11 +282,9 @@ def expected_constants(
     summary += "tested propellers, below twice this value for nine in ten of them"
     thrust, power = bundled_population(_population_of(geometry)).errors.tolist()
     measured = None if geometry == "measured" else expected_prior(family, size)
-    if measured and geometry == "multirotor":
-        # The stand gives no error of the blade alone, so use the ratio of the population.
-        left = left_at_rest(expected_prior(family, size, "population").covariance)
-        narrowed = known_at_rest(measured.covariance, left)
-        measured = PopulationPrior.of(measured.mean, narrowed)
+    if geometry in MULTIROTOR:
+        # Stands do not separate the errors of blade, constants and theory.
+        measured, thrust, power = None, 0.0, 0.0
     own_part = _of_constants(measured) if measured else None
     known_to = SectionUncertainty(_of_constants(prior), thrust, power, with_blade=own_part)
     name = f"{family} expected" if members else "small propeller expected"
@@ -264,18 +303,24 @@ def expected_prior(
     family: str | None = None,
     size: Size | None = None,
     geometry: str = "measured",
+    blades: int = 2,
+    doubt: float = 0.0,
     without: str | None = None,
 ) -> PopulationPrior:
     """Return the distribution for ``expected_constants``, excluding the propeller ``without``."""
+    if geometry in MULTIROTOR:
+        kind = stand_kind(geometry == "carbon", blades)
+        return after_stands(size or MEDIUM, kind, blades, doubt)
     members = [one for one in _members(family, geometry) if one.tested != without]
     population = bundled_population(_population_of(geometry))
-    prior = family_prior(members, population, size or (MIDDLE[0], MIDDLE[0] * MIDDLE[1]))
+    prior = family_prior(members, population, size or MEDIUM)
     return on_makers_blade(prior, family) if geometry == "maker" else prior
 
 
 def _population_of(geometry: str) -> str:
     """Return the population, one of ``GEOMETRIES``, of the constants for a ``geometry``."""
-    return "measured" if geometry == "maker" else geometry
+    others = dict.fromkeys(MULTIROTOR, "population")
+    return {"maker": "measured", **others}.get(geometry, geometry)
 
 
 def siblings(family: str | None, without: str | None = None) -> int:
@@ -530,9 +575,9 @@ class PopulationPrior:
         return np.outer(self.deviation, self.deviation) * self.correlation
 
 
-_MEAN = np.array([5.31, 2.4, 2.45, 0.226, -0.045, 0.024, -0.019, 0.025])
-_BETWEEN = np.array([0.16, 0.12, 0.38, 0.10, 0.024, 0.43, 0.014, 0.019])
-_WITHIN = np.array([0.09, 0.12, 0.17, 0.10, 0.014, 0.16, 0.007, 0.012])
+_MEAN = np.array([5.31, 2.4, 2.45, 0.226, -0.045, 0.024, -0.023, 0.13, -0.4, 0.025])
+_BETWEEN = np.array([0.16, 0.12, 0.38, 0.10, 0.024, 0.43, 0.014, 0.04, 0.1, 0.019])
+_WITHIN = np.array([0.09, 0.12, 0.17, 0.10, 0.014, 0.16, 0.007, 0.03, 0.07, 0.012])
 _CENTER = np.where(LOGARITHMIC, np.log(np.where(LOGARITHMIC, _MEAN, 1.0)), _MEAN)
 POPULATION = PopulationPrior(_CENTER, np.hypot(_BETWEEN, _WITHIN))
 """Small propellers: means over 129 propellers, and their spread between and within families, from a
@@ -596,7 +641,9 @@ def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:
     values, vectors = np.linalg.eigh(both - before)
     # Rounding may cause small negative eigenvalues in directions that the data do not determine.
     precision = (vectors * np.maximum(values, 0.0)) @ vectors.T
-    return Member(one.family, one.tested, one.size, precision, both @ place - before @ prior.mean)
+    # Centered at the constants, not at those of the data alone: where the model fails, the latter
+    # are far outside the range in which the loads are linear.
+    return Member(one.family, one.tested, one.size, precision, precision @ place)
 
 
 def family_prior(members: Sequence[Member], population: Population, size: Size) -> PopulationPrior:
@@ -638,6 +685,7 @@ OWN_SHARE = 0.25  # share of the variance within families that differs between e
 
 GEOMETRIES = ("measured", "family", "population")  # origins of blades, see ``Identified.geometry``
 Size = tuple[float, float]  # labeled diameter and pitch [m]
+MEDIUM = (MIDDLE[0], MIDDLE[0] * MIDDLE[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -672,12 +720,7 @@ def likeness(sizes: Sequence[Size]) -> Floats:
 
 @lru_cache(maxsize=4)
 def bundled_population(geometry: str = "measured") -> Population:
-    """Return the bundled population of one of ``GEOMETRIES``, or of a "multirotor"."""
-    if geometry == "multirotor":
-        of_all = bundled_population("population")
-        whole = of_all.between + of_all.within
-        narrowed = known_at_rest(whole, left_at_rest(whole))
-        return replace(of_all, between=narrowed, within=np.zeros_like(whole))
+    """Return the bundled population of one of ``GEOMETRIES``."""
     file = Path(__file__).parent / "identified" / "population.toml"
     return parse_populations(file.read_text(encoding="utf-8"))[geometry]
 

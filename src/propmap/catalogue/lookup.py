@@ -258,9 +258,17 @@ def own_constants(meant: expected.Meant, blades: int) -> identified.Identified |
 def predicted_constants(meant: expected.Meant, blade: Propeller) -> expected.ExpectedConstants:
     """Return predicted constants of a propeller without identified ones; ``meant`` may be None."""
     family = meant.family if meant is not None else None
+    size, geometry = expected.size_of(meant, blade), geometry_of(meant, blade)
     return expected.expected_constants(
-        family, expected.size_of(meant, blade), geometry_of(meant, blade)
+        family, size, geometry, blade.blades, doubt_of(meant, blade.blades)
     )
+
+
+def doubt_of(meant: expected.Meant, blades: int) -> float:
+    """Return the probability that a designation does not mean this number of ``blades``."""
+    if not isinstance(meant, expected.ExpectedBlade) or blades != meant.propeller.blades:
+        return 0.0
+    return meant.wanted.doubt
 
 
 def geometry_of(meant: expected.Meant, blade: Propeller) -> str:

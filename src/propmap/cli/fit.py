@@ -15,7 +15,7 @@ from typer import Argument, Option, echo
 
 from propmap.catalogue.expected import airfoil_at, expected_prior, siblings, size_of
 from propmap.catalogue.identified import PARAMETERS, all_identified
-from propmap.catalogue.lookup import geometry_of, meant_by, own_constants
+from propmap.catalogue.lookup import doubt_of, geometry_of, meant_by, own_constants
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.cli.app import LazyGroup
@@ -205,7 +205,9 @@ def section_prior(
     own = found.tested if found is not None else None
     size = None if blade is None else size_of(meant, blade)
     geometry = "measured" if blade is None else geometry_of(meant, blade)
-    distribution = expected_prior(family, size, geometry, without=own)
+    count = 2 if blade is None else blade.blades
+    doubt = doubt_of(meant, count)
+    distribution = expected_prior(family, size, geometry, count, doubt, without=own)
     members = siblings(family, without=own)
     few = "one propeller" if members == 1 else f"{members} propellers"
     others = f"{few} of the family {family}" if members else "small propellers of all families"

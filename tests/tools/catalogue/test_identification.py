@@ -13,7 +13,7 @@ from tools.catalogue.identification import AxialTest, Identification, airfoil_of
 from tools.catalogue.verdict import conflict, verdict
 
 BLADE = pm.propeller("uiuc-apce-10x5")
-TRUTH = np.array([5.9, 2.2, 1.8, 0.26, -0.06, 0.018, -0.026, 0.08])
+TRUTH = np.array([5.9, 2.2, 1.8, 0.26, -0.06, 0.018, -0.026, 0.15, -0.3, 0.08])
 RPM = np.concatenate([np.linspace(2500.0, 6500.0, 9), np.full(12, 4000.0), np.full(12, 6500.0)])
 ADVANCE = np.concatenate([np.zeros(9), *2 * [np.linspace(0.1, 0.65, 12)]])
 RUN = np.repeat([0, 1, 2], [9, 12, 12])

@@ -12,6 +12,7 @@ from propmap.catalogue.expected import (
     Population,
     Size,
     bundled_population,
+    coordinate_covariance,
     coordinates,
     family_prior,
     likeness,
@@ -113,11 +114,12 @@ def test_the_trend_ends_with_the_data() -> None:
 
 def test_a_member_is_its_posterior_without_its_prior() -> None:
     one = all_identified()[0]
-    found = member(one)
+    found, place = member(one), coordinates(one.constants)
     both = found.precision + np.linalg.inv(POPULATION.covariance)
-    pull = found.pull + np.linalg.inv(POPULATION.covariance) @ POPULATION.mean
-    place = np.linalg.solve(both, pull)
-    np.testing.assert_allclose(place, coordinates(one.constants), rtol=1e-6)
+    own = coordinate_covariance(one.constants, one.covariance)
+    np.testing.assert_allclose(np.linalg.inv(both), own, rtol=1e-6, atol=1e-9)
+    # It is centered at the constants, although the prior drew them towards its mean.
+    np.testing.assert_allclose(found.pull, found.precision @ place)
     assert np.linalg.eigvalsh(found.precision).min() > -1e-9 * found.precision.max()
 
 

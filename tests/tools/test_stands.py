@@ -1,0 +1,89 @@
+"""Static loads of multirotor propellers on stands, and the prior that they give."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import propmap as pm
+from propmap.catalogue import expected
+from propmap.catalogue.lookup import meant_by
+from tools.stands import Measured, best_deviation, main, read_stands, shift_of
+
+STANDS = Path(__file__).resolve().parents[3] / "shared" / "data" / "static" / "stands.csv"
+needs_data = pytest.mark.skipif(not STANDS.exists(), reason="needs the reference data")
+
+
+def test_normal_errors_have_their_own_deviation() -> None:
+    errors = np.random.default_rng(1).normal(0.0, 0.2, 20_000)
+    assert best_deviation(errors) == pytest.approx(0.2, rel=0.02)
+
+
+def test_shift_and_deviations_are_found_again() -> None:
+    dice = np.random.default_rng(2)
+    scatter = dice.multivariate_normal([0.0, 0.0], [[1.0, 0.7], [0.7, 1.0]], 6000)
+    of_kind = [("kde", 2, 0.1), ("hq", 2, 0.3), ("kde", 3, 0.1), ("hq", 3, 0.2)]
+    every = []
+    for k, one in enumerate(scatter):
+        maker, blades, deviation = of_kind[k % 4]
+        torque = np.nan if k % 3 == 0 else -0.2 + deviation * one[1]
+        errors = np.array([-0.1 + deviation * one[0], torque])
+        every.append(Measured((maker, 0.4, 0.1, blades), errors))
+    found = shift_of(every)
+    assert found.mean == pytest.approx([-0.1, -0.2], abs=0.01)
+    wanted = {"carbon": 0.1, "two blades": 0.3, "three blades and more": 0.2}
+    for kind, deviation in wanted.items():
+        assert found.deviations[kind] == pytest.approx(deviation, rel=0.06)
+    assert found.correlation == pytest.approx(0.7, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("HQ 5x4.3x3", "three blades and more"),
+        ("DJI 9.4x5x2", "two blades"),
+        ("T-Motor 18x6.1", "carbon"),
+    ],
+)
+def test_static_loads_by_name_have_the_distribution_of_the_stands(name: str, kind: str) -> None:
+    model = pm.catalogue_model(name)
+    size = expected.size_of(meant_by(name), model.propeller)
+    mean = expected.expected_prior(None, size, "population").mean
+    before, _ = expected.static_loads(mean, size, model.propeller.blades)
+    rotor = pm.Rotor(model)
+    loads = rotor.loads(expected.STAND_TIP_SPEED / model.propeller.radius, 0.0, 0.0)
+    for k, load in enumerate(("thrust", "torque")):
+        value = getattr(loads, load)
+        assert np.log(value) - before[k] == pytest.approx(expected.STAND_SHIFT[k], abs=2e-3)
+        spread = getattr(loads.std, load) / value
+        assert spread == pytest.approx(expected.STAND_DEVIATIONS[kind][k], rel=0.03)
+
+
+@needs_data
+def test_the_numbers_are_those_that_the_tool_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    main(STANDS)
+    lines = capsys.readouterr().out.splitlines()
+    printed = {
+        name: json.loads(value)
+        for name, _, value in (line.partition(" = ") for line in lines if " = " in line)
+    }
+    assert printed["STANDS"] == expected.STANDS
+    assert printed["STAND_SHIFT"] == pytest.approx(expected.STAND_SHIFT.tolist(), abs=1e-3)
+    assert printed["STAND_CORRELATION"] == pytest.approx(expected.STAND_CORRELATION, abs=0.01)
+    for kind, deviations in expected.STAND_DEVIATIONS.items():
+        assert printed["STAND_DEVIATIONS"][kind] == pytest.approx(deviations, abs=1e-3)
+
+
+@needs_data
+def test_held_out_propellers_are_inside_their_bands() -> None:
+    every = read_stands(STANDS)
+    scores: dict[str, list[float]] = {}
+    for k, one in enumerate(every):
+        without = shift_of([*every[:k], *every[k + 1 :]])
+        score = (one.errors[0] - without.mean[0]) / without.deviations[one.kind][0]
+        scores.setdefault(one.kind, []).append(abs(float(score)))
+    for kind, some in scores.items():
+        assert len(some) > 15 and np.mean(np.array(some) < 1.96) >= 0.9, kind
