@@ -1,12 +1,21 @@
-"""Print the coverage of the bands by measurements, and the numbers for ``propmap.bands``.
+"""Print coverage, width and score of the bands, and the numbers for ``propmap.bands``.
 
 Usage: python -m tools.coverage DATA
 
-DATA is the folder of reference data.  Axial flow: each propeller of the UIUC database with a
-measured blade; the middle and the fastest run, each held out of the identification.  Oblique flow:
-catalogue predictions of the APC 8x6E and of the in-plane force of 20 propellers (2019 campaign),
-and of a 10x4.7 Slow Flyer (second tunnel).  Rows with "held out" use the shares of the other
-campaign alone.  In the second tunnel the axes of the moments are inferred and tares are included.
+DATA is the folder of reference data.  The score is the interval score of a 95 % band: its width
+plus 40 times the distance of a measurement outside it (Gneiting, Raftery, J. Am. Stat. Assoc. 102,
+2007).  Width and score are divided by the rms of the measurements.
+
+Axial flow: each propeller of the UIUC database with a measured blade; the middle and the fastest
+run, each held out of the identification.  ``tools.catalogue.left_out`` has the bands of propellers
+whose constants are predicted, and ``tools.stands`` those of multirotor propellers.
+
+Oblique flow: catalogue predictions of the APC 8x6E and of the in-plane force of 20 propellers (2019
+campaign), and of a 10x4.7 Slow Flyer (second tunnel).  First the errors of each campaign are
+removed, as far as its own rows show them, see ``CampaignErrors``.  What remains is an error of the
+theory, and its shares are those with the smallest score that also hold 90 % of the rows of each
+campaign.  Rows with "held out" use the shares of the other campaign alone.  In the second tunnel
+the axes of the moments are inferred.
 """
 
 from __future__ import annotations
@@ -17,11 +26,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any, NamedTuple
 from unittest import mock
 
 import numpy as np
-from scipy.optimize import brentq
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 import propmap
 from propmap import bands, catalogue
@@ -37,9 +48,12 @@ from propmap.typing import Floats
 from propmap.units import RPM
 from tools.catalogue.database import read_uiuc_database, refiled, with_rows
 from tools.catalogue.identification import AxialTest, airfoil_of, identify
+from tools.catalogue.left_out import BAND, interval_score
 
 SHARES = (0.50, 0.80, 0.95)
 LOADS = ("thrust", "torque", "drag", "roll_moment", "side_force", "pitch_moment")
+LEAST_INSIDE = 0.90  # share of the rows of each campaign inside the 95 % bands
+
 NEAR_REST = 0.02
 """Minimum advance ratio of a row in oblique flow."""
 
@@ -49,22 +63,107 @@ ADVANCE = np.linspace(0.05, 0.25, 5)
 TIP_SPEED = 84.0  # [m/s], about the middle of the 2019 campaign
 
 
+class CampaignErrors(NamedTuple):
+    """Errors of a campaign, estimated from its rows in axial flow, the rows at rest among them.
+
+    Thrust and torque are ``scale`` times those of UIUC's tunnel, plus ``by_speed`` times the square
+    of the axial speed, which the drag of a stand would be.  The other loads are zero in axial flow,
+    so what is measured there is ``tare`` plus ``interaction`` times the thrust.
+    """
+
+    scale: Mapping[str, float]
+    by_speed: Mapping[str, float]  # [N s^2/m^2], [N m s^2/m^2]
+    tare: Mapping[str, float]  # [N], [N m]
+    interaction: Mapping[str, float]  # [-], [m]
+
+
 class Campaign(NamedTuple):
-    """Measured loads and catalogue prediction of one propeller at n points in oblique flow."""
+    """Measured loads and catalogue prediction of one propeller at n points."""
 
     name: str
     model: Model
     flow: tuple[Floats, Floats, Floats]  # omega [rad/s], speed [m/s], beta [rad]
     measured: Mapping[str, Floats]  # (n,) each [N], [N m]
 
-    def loads(self) -> Loads:
-        """Compute the loads with the current shares of ``propmap.bands``."""
-        return Rotor(self.model).loads(*self.flow)
+    @property
+    def advance(self) -> Floats:
+        """V sin(beta) over the tip speed (n,)."""
+        omega, speed, beta = self.flow
+        return speed * np.sin(beta) / (omega * self.model.propeller.radius)
 
-    def z_scores(self, name: str) -> Floats:
-        """Return the errors of a load over their standard deviations (n,)."""
-        found = self.loads()
-        return (getattr(found, name) - self.measured[name]) / getattr(found.std, name)
+    def rows(self, which: NDArray[np.bool_]) -> Campaign:
+        """Return the campaign with the chosen rows."""
+        measured = {name: values[which] for name, values in self.measured.items()}
+        omega, speed, beta = (values[which] for values in self.flow)
+        return self._replace(flow=(omega, speed, beta), measured=measured)
+
+    def errors(self) -> CampaignErrors:
+        """Estimate the errors of the campaign from its axial rows, by least squares."""
+        axial = self.rows(self.flow[2] == 0.0)
+        omega, speed, _ = axial.flow
+        loads = Rotor(self.model).loads(*axial.flow)
+        weight = 1.0 / omega**2  # so that all rotational speeds have equal relative errors
+        scale, by_speed, tare, interaction = {}, {}, {}, {}
+        for name, values in axial.measured.items():
+            if name in bands.OBLIQUE:
+                terms = np.stack([getattr(loads, name), speed**2], axis=1)
+                found = np.linalg.lstsq(terms * weight[:, None], values * weight)[0]
+                scale[name], by_speed[name] = map(float, found)
+            else:
+                terms = np.stack([np.ones_like(values), axial.measured["thrust"]], axis=1)
+                tare[name], interaction[name] = map(float, np.linalg.lstsq(terms, values)[0])
+        return CampaignErrors(scale, by_speed, tare, interaction)
+
+    def corrected(self) -> Campaign:
+        """Return the rows in oblique flow, without the errors of the campaign."""
+        found = self.errors()
+        _, speed, beta = self.flow
+        axial = speed * np.cos(beta)
+        measured = {}
+        for name, values in self.measured.items():
+            if name in found.scale:
+                own = values - found.by_speed[name] * axial * np.abs(axial)
+                measured[name] = own / found.scale[name]
+            else:
+                own = found.tare[name] + found.interaction[name] * self.measured["thrust"]
+                measured[name] = values - own
+        return self._replace(measured=measured).oblique()
+
+    def oblique(self) -> Campaign:
+        """Return the rows in oblique flow."""
+        return self.rows(self.advance > NEAR_REST)
+
+    def bands(self, name: str) -> Bands:
+        """Return the errors of a load and its bands with the current shares."""
+        loads = Rotor(self.model).loads(*self.flow)
+        deviation = np.array(getattr(loads.std, name))
+        return Bands(getattr(loads, name) - self.measured[name], deviation, self.measured[name])
+
+
+class Bands(NamedTuple):
+    """Errors of predicted loads (n,), their standard deviations, and the measured loads."""
+
+    error: Floats
+    deviation: Floats
+    measured: Floats
+
+    @property
+    def size(self) -> float:
+        """The rms of the measured loads."""
+        return float(np.sqrt(np.nanmean(self.measured**2)))
+
+    def inside(self, share: float = 0.95) -> float:
+        """Return the fraction of rows inside the band of this ``share``."""
+        wide = NormalDist().inv_cdf(0.5 + 0.5 * share)
+        return float(np.mean(np.abs(self.error) <= wide * self.deviation))
+
+    def half_width(self) -> float:
+        """Return the median of half the width of the 95 % band, over the rms."""
+        return float(np.nanmedian(BAND * self.deviation)) / self.size
+
+    def score(self) -> float:
+        """Return the mean interval score of the 95 % band, over the rms."""
+        return float(np.nanmean(interval_score(self.error, self.deviation))) / self.size
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
@@ -78,16 +177,12 @@ def campaign(name: str, propeller: str, path: Path, columns: Mapping[str, str]) 
     rows = rows_of(path)
 
     def column(text: str) -> Floats:
-        return np.array([float(row[text.lstrip("-")]) for row in rows])
+        sign = -1.0 if text.startswith("-") else 1.0
+        return sign * np.array([float(row[text.lstrip("-")]) for row in rows])
 
-    omega, speed, beta = column("rpm") * RPM, column("speed_mps"), np.radians(column("beta_deg"))
-    model = propmap.catalogue_model(propeller, air=Air())
-    oblique = speed * np.sin(beta) > NEAR_REST * omega * model.propeller.radius
-    measured = {
-        load: (-1.0 if text.startswith("-") else 1.0) * column(text)[oblique]
-        for load, text in columns.items()
-    }
-    return Campaign(name, model, (omega[oblique], speed[oblique], beta[oblique]), measured)
+    flow = column("rpm") * RPM, column("speed_mps"), np.radians(column("beta_deg"))
+    measured = {load: column(text) for load, text in columns.items()}
+    return Campaign(name, propmap.catalogue_model(propeller, air=Air()), flow, measured)
 
 
 def campaigns(data: Path) -> list[Campaign]:
@@ -111,10 +206,23 @@ def campaigns(data: Path) -> list[Campaign]:
 # Axial flow.
 
 
-def axial_z_scores(data: Path) -> dict[str, Floats]:
-    """Return errors over standard deviations (n,) of all rows of the held-out runs."""
+class HeldOut(NamedTuple):
+    """Coefficients of one run that was held out of the identification of a propeller, (n,)."""
+
+    load: str
+    predicted: Floats
+    measured: Floats
+    own: Floats  # standard deviation without that between specimens or runs
+
+    def bands(self, gain: float) -> Bands:
+        """Return the bands with a standard deviation ``gain`` between specimens or runs."""
+        deviation = np.hypot(self.own, gain * self.predicted)
+        return Bands(self.predicted - self.measured, deviation, self.measured)
+
+
+def held_out_runs(data: Path) -> Iterator[HeldOut]:
+    """Predict the middle and the fastest run of each propeller from its other rows."""
     rows = {one.name: one for one in refiled(read_uiuc_database(data / "uiuc" / "loads.csv"))}
-    found: dict[str, list[Floats]] = {"thrust": [], "torque": []}
     for one in one_of_each([one for one in all_identified() if one.tested in rows]):
         tested = rows[one.tested]
         blade = replace(catalogue.load(one.propeller), blades=one.blades)
@@ -128,6 +236,7 @@ def axial_z_scores(data: Path) -> dict[str, Floats]:
                 SectionCovariance(PARAMETERS, result.covariance),
                 result.thrust_rms,
                 result.power_rms,
+                another_tunnel=False,
             )
             law = airfoil_of(result.constants).with_parameters(uncertainty=known)
             turns, diameter = tested.rpm[left] / 60.0, blade.diameter
@@ -135,27 +244,33 @@ def axial_z_scores(data: Path) -> dict[str, Floats]:
                 2.0 * np.pi * turns, tested.advance[left] * turns * diameter, 0.0
             )
             force = Air().density * turns**2 * diameter**4
-            wanted = {
-                "thrust": tested.thrust[left] * force,
-                "torque": tested.power[left] * force * diameter / (2.0 * np.pi),
-            }
+            per = {"thrust": force, "torque": force * diameter / (2.0 * np.pi)}
+            wanted = {"thrust": tested.thrust[left], "torque": tested.power[left]}
             for name, value in wanted.items():
-                found[name].append((getattr(loads, name) - value) / getattr(loads.std, name))
-    return {name: np.concatenate(parts) for name, parts in found.items()}
+                parts = (
+                    getattr(loads, name) / per[name],
+                    value,
+                    getattr(loads.std, name) / per[name],
+                )
+                yield HeldOut(name, *parts)
+
+
+def over_runs(runs: Sequence[HeldOut], gain: float) -> tuple[float, float, float]:
+    """Return coverage, half width and score of the 95 % bands, as means over ``runs``."""
+    found = [one.bands(gain) for one in runs]
+    each = [(one.inside(), one.half_width(), one.score()) for one in found]
+    inside, half, score = np.mean(each, axis=0).tolist()
+    return inside, half, score
+
+
+def gain_of(runs: Sequence[HeldOut]) -> float:
+    """Return the standard deviation between specimens or runs with the smallest mean score."""
+    found = minimize_scalar(lambda g: over_runs(runs, g)[2], bounds=(0.0, 0.1), method="bounded")
+    return float(found.x)
 
 
 # -------------------------------------------------------------------------------------------------
 # The shares of oblique flow that the campaigns imply.
-
-
-def share_that_fits(one: Campaign, name: str) -> float:
-    """Find the share at which the rms error of a load over its standard deviation is one."""
-
-    def excess(share: float) -> float:
-        with with_shares({name: share}):
-            return float(np.mean(one.z_scores(name) ** 2)) - 1.0
-
-    return 0.0 if excess(1e-6) < 0.0 else float(brentq(excess, 1e-6, 100.0, xtol=1e-4))
 
 
 def with_shares(shares: Mapping[str, float]) -> ExitStack:
@@ -168,13 +283,30 @@ def with_shares(shares: Mapping[str, float]) -> ExitStack:
 
 
 def shares_of(every: Sequence[Campaign]) -> dict[str, float]:
-    """Return the larger share of the campaigns, since two are too few for a scatter."""
+    """Return the shares with the smallest sum of the scores, large enough for ``LEAST_INSIDE``."""
     found = {}
     for name in (*bands.OBLIQUE, *bands.INPLANE):
-        each = [share_that_fits(one, name) for one in every if name in one.measured]
-        if each:
-            found[name] = max(each)
+        some = [one for one in every if name in one.measured]
+        if some:
+            found[name] = _share_of(some, name)
     return found
+
+
+def _share_of(some: Sequence[Campaign], name: str) -> float:
+    def at(share: float) -> list[Bands]:
+        with with_shares({name: share}):
+            return [one.bands(name) for one in some]
+
+    best = minimize_scalar(
+        lambda share: sum(one.score() for one in at(share)),
+        bounds=(0.0, 2.0),
+        method="bounded",
+        options={"xatol": 1e-3},
+    )
+    share = float(best.x)
+    while min(one.inside() for one in at(share)) < LEAST_INSIDE:
+        share += 0.01
+    return share
 
 
 class InPlane(NamedTuple):
@@ -242,59 +374,77 @@ def vehicles() -> Iterator[tuple[str, str, float, float, float]]:
 # The command.
 
 
-def line_of(name: str, scores: Floats) -> str:
-    """Return a line with the coverage and the rms of errors over standard deviations."""
-    from statistics import NormalDist
+HEADER = f"  {'':<28}rows   inside 50, 80, 95 % bands   half width   score"
 
-    known = scores[np.isfinite(scores)]
-    wide = [NormalDist().inv_cdf(0.5 + 0.5 * share) for share in SHARES]
-    held = "  ".join(f"{np.mean(np.abs(known) <= w):6.1%}" for w in wide)
-    return f"  {name:<28}{known.size:>6}  {held}   {np.sqrt(np.mean(known**2)):5.2f}"
+
+def line_of(name: str, of: Bands) -> str:
+    """Return a line with the coverage, the half width and the score."""
+    held = "  ".join(f"{of.inside(share):6.1%}" for share in SHARES)
+    return (
+        f"  {name:<28}{of.error.size:>4}   {held}     {of.half_width():6.1%}    {of.score():6.3f}"
+    )
+
+
+def at_advance(of: Bands, advance: Floats) -> float:
+    """Return the median of half the width of the 95 % band over the load, at mu = 0.2."""
+    near = np.abs(advance - 0.2) < 0.03
+    return float(np.median(BAND * of.deviation[near] / np.abs(of.measured[near])))
 
 
 def main(data: Path) -> None:
     """Print the tables."""
-    print("points inside 50, 80, 95 % bands, rms of z-scores    rows")
-    print("axial flow, held-out runs")
-    for name, scores in axial_z_scores(data).items():
-        print(line_of(name, scores))
+    runs = list(held_out_runs(data))
+    print("axial flow, held-out runs: means over runs of coverage, half width and score")
+    for name in ("thrust", "torque"):
+        own = [one for one in runs if one.load == name]
+        inside, half, score = over_runs(own, bands.TUNNEL_GAIN)
+        rows = sum(one.measured.size for one in own)
+        print(f"  {name:<28}{rows:>4}   {inside:6.1%}  {half:6.1%}  {score:6.3f}", end="")
+        print(f"   smallest score at a gain of {gain_of(own):.3f}")
+    print(f"  TUNNEL_GAIN = {gain_of(runs):.3f}")
     every = campaigns(data)
-    alone = {one.name: shares_of([one]) for one in every}
     for one in every:
-        others = shares_of([other for other in every if other is not one])
-        print(f"{one.name}, {one.model.propeller.name}: catalogue; its shares held out")
+        print(f"{one.name}, {one.model.propeller.name}: errors of the campaign")
+        found = one.errors()
+        for name, scale in found.scale.items():
+            print(f"  {name:<14}{scale:.3f} times, {1e4 * found.by_speed[name]:+.2f}e-4 V^2")
+        for name, tare in found.tare.items():
+            if tare or found.interaction[name]:
+                print(f"  {name:<14}{tare:+.4f} {found.interaction[name]:+.4f} T")
+    corrected = [one.corrected() for one in every]
+    alone = {one.name: shares_of([one]) for one in corrected}
+    for raw, one in zip(every, corrected, strict=True):
+        others = shares_of([other for other in corrected if other is not one])
+        print(f"{one.name}: as measured; without the errors of the campaign; shares held out")
+        print(HEADER)
         for name in LOADS:
             if name not in one.measured:
                 continue
-            print(line_of(name, one.z_scores(name)))
+            print(line_of(f"{name}, as measured", raw.oblique().bands(name)))
+            of = one.bands(name)
+            print(line_of(name, of), f"  at mu 0.2 {at_advance(of, one.advance):.0%} of the load")
             if name in others:
                 with with_shares(others):
-                    print(line_of(f"{name}, held out", one.z_scores(name)))
-        relative = {
-            name: np.sqrt(np.mean((getattr(one.loads(), name) / one.measured[name] - 1.0) ** 2))
-            for name in ("thrust", "torque", "drag")
-        }
-        print("  rms errors:", ", ".join(f"{name} {error:.1%}" for name, error in relative.items()))
-    found = list(in_plane(data))
-    scores = np.stack(
-        [(one.installed.drag - one.measured) / one.installed.std.drag for one in found]
-    )
-    rms = [np.sqrt(np.mean((one.installed.drag / one.measured - 1.0) ** 2)) for one in found]
-    print(f"in-plane force of {len(found)} propellers, 2019, mu {ADVANCE[0]:g} to {ADVANCE[-1]:g}")
-    print(line_of("drag", scores.ravel()))
+                    print(line_of(f"{name}, held out", one.bands(name)))
+    found_forces = list(in_plane(data))
+    errors = np.stack([one.installed.drag - one.measured for one in found_forces])
+    std = np.stack([one.installed.std.drag for one in found_forces])
+    force = np.stack([one.measured for one in found_forces])
+    rms = np.sqrt(np.mean((errors / force) ** 2, axis=1))
+    print(f"in-plane force of {len(rms)} propellers, 2019, mu {ADVANCE[0]:g} to {ADVANCE[-1]:g}")
+    print(line_of("drag", Bands(errors.ravel(), std.ravel(), force.ravel())))
     print(f"  rms errors: median {np.median(rms):.1%}, maximum {np.max(rms):.1%}")
-    factors = np.array([one.factor for one in found])
-    second = every[1]
-    own = _factor(second.model, second.flow, second.measured["drag"])
+    factors = np.array([one.factor for one in found_forces])
+    second = _factor(corrected[1].model, corrected[1].flow, corrected[1].measured["drag"])
     print(
         f"  factor on the drag of the blades, with area {corrections.TYPICAL_AREA[0]:g} R^2: mean "
-        f"{factors.mean():.2f}, deviation {factors.std(ddof=1):.2f}; second tunnel {own:.2f}"
+        f"{factors.mean():.2f}, deviation {factors.std(ddof=1):.2f}; second tunnel {second:.2f}"
     )
     print("H/(T mu) of whole vehicles: published; bare blades; installed, 95 % band")
     for name, published, bare, installed, half in vehicles():
         print(f"  {name:<32}{published:<14}{bare:5.2f}   {installed:.2f} +- {half:.2f}")
-    print("shares per advance ratio: each campaign, and the larger")
-    together = shares_of(every)
+    print("shares per advance ratio: each campaign alone, and together")
+    together = shares_of(corrected)
     for name in together:
         each = "  ".join(f"{alone[one.name].get(name, np.nan):5.2f}" for one in every)
         print(f"  {name:<14}{each}   {together[name]:5.2f}")

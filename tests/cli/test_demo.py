@@ -19,7 +19,8 @@ def test_demo_says_how_good_a_name_is_and_what_to_do_next(run: Run) -> None:
     assert [*shares] == ["thrust", "drag", "torque", "roll moment", "pitch moment"]
     # The hover model has no other loads than thrust and torque, and is worse at these.
     for load, (mine, inside, hover) in shares.items():
-        assert mine < hover and inside >= 90, load
+        # The bands exclude the differences between tunnels in thrust and torque.
+        assert mine < hover and inside >= {"thrust": 50, "torque": 80}.get(load, 95), load
     assert all(shares[load][2] == 100 for load in ("drag", "roll moment", "pitch moment"))
     commands = re.findall(r"propmap (.+)", done.out)
     assert run(*shlex.split(commands[0])).code == 0

@@ -130,7 +130,7 @@ def test_standard_deviations_of_the_loads_of_a_propeller_by_name(
     parts = [found[f"thrust_std_{name}_N"] for name in ("parameters", "discrepancy", "tunnel")]
     assert found["thrust_std_N"] == pytest.approx(np.sqrt(np.sum(np.square(parts))))
     assert "thrust_std_geometry_N" not in found  # it was measured
-    guessed = run("predict", "5x4.3x3", *NAMED[1:], "--std-by-source", "--format", "json")
+    guessed = run("predict", "APC 12x6.5E", *NAMED[1:], "--std-by-source", "--format", "json")
     assert json.loads(guessed.out)["thrust_std_geometry_N"] > 0.0
     (row,) = csv.DictReader(io.StringIO(run("predict", *NAMED, "--format", "csv").out))
     assert tuple(row) == (*PREDICT_COLUMNS, *STD)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap.bands import INPLANE, OBLIQUE, TUNNEL_GAIN
+from propmap.bands import INPLANE, NEAR_GROUND, OBLIQUE, RING, TUNNEL_GAIN
 from propmap.catalogue.expected import ExpectedBlade, expected_constants, size_of
 from propmap.catalogue.identified import identified
 from propmap.catalogue.lookup import meant_by
@@ -17,8 +17,10 @@ from propmap.loads import LOADS
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.model.corrections import TYPICAL_AREA, TYPICAL_FACTOR, Installed
 from propmap.results import LoadValues, joined
+from tools.descent import descents
 
 POINTS = (np.array([500.0, 600.0, 700.0]), np.array([6.0, 10.0, 14.0]), np.array([0.4, 1.2, 1.5]))
+DESCENTS = Path(__file__).resolve().parents[3] / "shared/data/static/descent_shetty_selig.csv"
 NAMES = tuple(each.name for each in fields(LoadValues))
 
 
@@ -194,3 +196,27 @@ def test_a_parameter_file_carries_how_well_its_constants_are_known(
     path.write_text(path.read_text().replace("another_tunnel", "other"))
     with pytest.raises(pm.InputError, match=r"constants.toml: the table \[uncertainty\]"):
         pm.airfoil(path)
+
+
+@pytest.mark.skipif(not DESCENTS.exists(), reason="needs the reference data")
+def test_bands_hold_measured_thrust_in_descent() -> None:
+    rows = list(descents(DESCENTS))
+    assert sum(one.inside for one in rows) >= 12 and len(rows) == 13
+    ring = [one.predicted / one.measured - 1.0 for one in rows if one.ring > 0.0]
+    assert np.sqrt(np.mean(np.square(ring))) == pytest.approx(RING, abs=0.005)
+
+
+def test_bands_are_wider_in_the_vortex_ring_and_on_the_ground() -> None:
+    rotor = pm.Rotor(pm.catalogue_model("APC 8x6E"))
+    hover = rotor.loads(600.0, 0.0, 0.0)
+    radius, inflow = (
+        rotor.model.propeller.radius,
+        np.sqrt(hover.thrust / (2.0 * 1.225 * np.pi * rotor.model.propeller.radius**2)),
+    )
+    share = hover.std_by_source["discrepancy"].thrust / hover.thrust
+    ring = rotor.loads(600.0, inflow, np.pi)
+    wide = ring.std_by_source["discrepancy"].thrust / ring.thrust
+    assert wide == pytest.approx(np.hypot(share, RING), rel=0.03)
+    near = rotor.loads(600.0, 0.0, 0.0, height=0.97 * radius)
+    wide = near.std_by_source["discrepancy"].thrust / near.thrust
+    assert wide**2 - NEAR_GROUND**2 * np.exp(-2.0) == pytest.approx((share / 1.114) ** 2, rel=0.02)

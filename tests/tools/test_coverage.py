@@ -11,6 +11,7 @@ import pytest
 
 import propmap as pm
 from propmap import bands
+from propmap.cli.demo import TUNNELS
 from propmap.errors import InputError
 from propmap.fit.fit import Settings, fit
 from propmap.fit.least_squares import Rows
@@ -18,40 +19,89 @@ from propmap.fit.parameters import Choice
 from propmap.model.corrections import TYPICAL_FACTOR
 from tests.fit.synthetic_rows import decay_model, rows_of, true_values, truth_of
 from tests.workers_elsewhere import Elsewhere
-from tools.coverage import axial_z_scores, campaigns, in_plane, shares_of, vehicles
+from tools.catalogue.left_out import BAND, interval_score
+from tools.coverage import (
+    LEAST_INSIDE,
+    Campaign,
+    at_advance,
+    campaigns,
+    gain_of,
+    held_out_runs,
+    in_plane,
+    over_runs,
+    shares_of,
+    vehicles,
+)
 from tools.drag_effects import ADDED, drag_effects
 from tools.interval_coverage import noisy_intervals
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 needs_data = pytest.mark.skipif(not DATA.exists(), reason="needs the reference data")
-BAND = 1.959964
 
 
 @needs_data
 @pytest.mark.slow
 def test_axial_bands_hold_runs_that_were_left_out() -> None:
-    for name, scores in axial_z_scores(DATA).items():
-        assert scores.size > 4000
-        assert 0.92 <= np.mean(np.abs(scores) <= BAND) <= 0.98, name
-        assert 0.7 <= np.sqrt(np.mean(scores**2)) <= 1.3, name
+    runs = list(held_out_runs(DATA))
+    for name in ("thrust", "torque"):
+        own = [one for one in runs if one.load == name]
+        inside, half, _ = over_runs(own, bands.TUNNEL_GAIN)
+        assert len(own) > 200 and 0.94 <= inside <= 0.97 and half < 0.12, name
+    # The smallest score of thrust is at a smaller gain, that of torque at this one.
+    assert gain_of(runs) <= bands.TUNNEL_GAIN <= gain_of(own) + 0.002
 
 
 @needs_data
 def test_oblique_bands_hold_two_tunnels() -> None:
-    least = {"thrust": 0.88, "torque": 0.88, "drag": 0.88}
-    least |= {"roll_moment": 0.84, "side_force": 0.80, "pitch_moment": 0.80}
-    first, second = campaigns(DATA)
-    for one in (first, second):
-        for name in one.measured:
-            held = np.mean(np.abs(one.z_scores(name)) <= BAND)
-            assert held >= least[name], (one.name, name, held)
-    assert (np.abs(second.z_scores("torque")) <= BAND).all()
+    for one in campaigns(DATA):
+        own = one.corrected()
+        for name in own.measured:
+            assert own.bands(name).inside() >= LEAST_INSIDE, (one.name, name)
+        for name, most in (("thrust", 0.2), ("torque", 0.3)):
+            assert at_advance(own.bands(name), own.advance) < most
+
+
+@needs_data
+def test_errors_of_the_first_campaign_are_those_that_the_demo_states() -> None:
+    first, _ = campaigns(DATA)
+    found, own = first.errors(), first.corrected()
+    assert f"{found.scale['thrust'] - 1.0:.0%}".replace("%", " %") in TUNNELS
+    area = -found.by_speed["thrust"] / (0.5 * first.model.air.density)
+    assert f"a stand of {1e4 * area:.0f} cm^2" in TUNNELS
+    for name, load in (("thrust", "thrusts"), ("torque", "torques")):
+        assert f"{own.bands(name).inside():.0%} of the {load}".replace("%", " %") in TUNNELS
+
+
+def test_errors_of_a_campaign_are_found_again() -> None:
+    """Loads of the model itself, with a scale, the drag of a stand, and an interaction."""
+    model = pm.catalogue_model("APC 8x6E")
+    omega, speed, beta = np.array([(500.0, v, b) for v in (0.0, 4.0, 8.0) for b in (0.0, 1.2)]).T
+    loads = pm.Rotor(model).loads(omega, speed, beta)
+    along = speed * np.cos(beta)
+    thrust = 1.1 * loads.thrust - 3e-3 * along**2
+    drag = loads.drag + 0.02 - 0.03 * thrust
+    one = Campaign("made", model, (omega, speed, beta), {"thrust": thrust, "drag": drag})
+    found = one.errors()
+    assert found.scale["thrust"] == pytest.approx(1.1)
+    assert found.by_speed["thrust"] == pytest.approx(-3e-3)
+    assert (found.tare["drag"], found.interaction["drag"]) == pytest.approx((0.02, -0.03))
+    for name in ("thrust", "drag"):
+        error = one.corrected().bands(name).error
+        assert error.size == 2 and np.abs(error).max() < 1e-9
+
+
+def test_the_score_is_smallest_for_the_true_deviation() -> None:
+    error = np.random.default_rng(3).normal(0.0, 0.3, 20_000)
+    score = [float(np.mean(interval_score(error, np.full(20_000, d)))) for d in (0.25, 0.3, 0.36)]
+    assert score[1] == min(score)
+    # Of a normal distribution: the width, and 40 times the mean distance outside.
+    assert score[1] == pytest.approx(2.0 * BAND * 0.3 + 40.0 * 0.3 * 2.0 * 0.009445, rel=0.02)
 
 
 @needs_data
 @pytest.mark.slow
 def test_shares_are_those_that_the_campaigns_give() -> None:
-    for name, share in shares_of(campaigns(DATA)).items():
+    for name, share in shares_of([one.corrected() for one in campaigns(DATA)]).items():
         table = bands.OBLIQUE if name in bands.OBLIQUE else bands.INPLANE
         assert table[name] == pytest.approx(share, abs=0.02), name
 
@@ -59,16 +109,16 @@ def test_shares_are_those_that_the_campaigns_give() -> None:
 @needs_data
 def test_installed_drag_by_name() -> None:
     first, _ = campaigns(DATA)
-    drag = first.loads().drag
-    assert np.sqrt(np.mean((drag / first.measured["drag"] - 1.0) ** 2)) <= 0.10
+    drag = first.oblique().bands("drag")
+    assert np.sqrt(np.mean((drag.error / drag.measured) ** 2)) <= 0.10
     found = list(in_plane(DATA))
     assert len(found) == 20
     errors = np.array([one.installed.drag / one.measured - 1.0 for one in found])
-    assert np.median(np.sqrt(np.mean(errors**2, axis=1))) <= 0.20
+    assert np.median(np.sqrt(np.mean(errors**2, axis=1))) <= 0.22
     # The factor lies between the two tunnels'.
     factors = [one.factor for one in found]
     assert np.mean(factors) < TYPICAL_FACTOR[0] < 2.8
-    assert np.std(factors, ddof=1) < TYPICAL_FACTOR[1]
+    assert np.std(factors, ddof=1) < 1.2 * TYPICAL_FACTOR[1]
 
 
 def test_whole_vehicles_have_more_than_bare_blades() -> None:

@@ -17,6 +17,13 @@ one operating point:  propmap predict "{NAME}" --rpm 6000 --speed 10 --beta 60
 other propellers:     propmap props
 a table of loads:     propmap table "{NAME}" --rpm 4000:8000 --speed 0:20 --tolerance 2% -o a.npz"""
 
+TUNNELS = (
+    "The two tunnels differ in axial flow: in this one, the static thrust is 8 % larger, and "
+    "thrust falls with speed as by the drag of a stand of 47 cm^2. The bands exclude such errors "
+    "of a measurement. Without them, 91 % of the thrusts and 99 % of the torques in oblique flow "
+    "are inside (docs/validation.md, python -m tools.coverage)."
+)
+
 
 def demo() -> None:
     """Compare a catalogue prediction with measured propeller loads."""
@@ -39,5 +46,6 @@ def demo() -> None:
         "edgewise flight. Measured: polynomials of a wind-tunnel campaign (Gill & D'Andrea 2019). "
         "The prediction uses section constants from axial loads in another tunnel (UIUC).",
         out.grid("<load|measured, rms|error, rms|in the 95 % band|error of k Omega^2", rows),
+        TUNNELS,
         NEXT,
     )

@@ -69,8 +69,6 @@ def predict(
     if spread:
         opt.note_not_counted(rotor.model)
         opt.note_untested_bands(rotor.model, omega, speeds, angles)
-        if where.further:
-            out.note("the standard deviations exclude the error of the ground effect")
     if chosen != "table":
         rows = where.rows(loads, spread)
         whole = None if points else rows[0]
