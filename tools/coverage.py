@@ -36,7 +36,12 @@ from scipy.optimize import minimize_scalar
 
 import propmap
 from propmap import bands, catalogue
-from propmap.catalogue.identified import PARAMETERS, all_identified, one_of_each
+from propmap.catalogue.identified import (
+    PARAMETERS,
+    all_identified,
+    identified_without_blade,
+    one_of_each,
+)
 from propmap.model import corrections
 from propmap.model.air import Air
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
@@ -270,6 +275,51 @@ def gain_of(runs: Sequence[HeldOut]) -> float:
 
 
 # -------------------------------------------------------------------------------------------------
+# Growth of the static coefficients with the rotational speed.
+
+LEAST_RANGE = 2.0  # ratio of the highest to the lowest rotational speed
+
+
+class Exponents(NamedTuple):
+    """Exponents of C_T and C_P over the rotational speed at rest, (2,) each."""
+
+    family: str
+    measured: Floats
+    predicted: Floats
+
+
+def static_exponents(data: Path) -> Iterator[Exponents]:
+    """Fit the exponents of all two-blade propellers with measured constants."""
+    rows = {one.name: one for one in refiled(read_uiuc_database(data / "uiuc" / "loads.csv"))}
+    entries = [*one_of_each(all_identified()), *identified_without_blade()]
+    for one in entries:
+        tested = rows.get(one.tested)
+        if one.blades != 2 or tested is None or not (tested.advance == 0.0).any():
+            continue
+        still = with_rows(tested, tested.advance == 0.0)
+        if still.rpm.max() < LEAST_RANGE * still.rpm.min():
+            continue
+        blade = propmap.propeller(one.propeller, blades=2)
+        loads = Rotor(Model(blade, one.airfoil)).loads(still.rpm * RPM, 0.0, 0.0)
+        log_speed = np.log(still.rpm)
+        squares = np.stack([loads.thrust, loads.torque]) / still.rpm**2
+        fits = (np.stack([still.thrust, still.power]), squares)
+        yield Exponents(one.family, *(np.polyfit(log_speed, np.log(each).T, 1)[0] for each in fits))
+
+
+def print_exponents(found: Sequence[Exponents]) -> None:
+    """Print the medians of the exponents by family, and of the excess over all propellers."""
+    print("at rest, exponents over rpm, two blades: C_T measured, predicted; C_P; propellers")
+    for family in sorted({one.family for one in found}):
+        some = [one for one in found if one.family == family]
+        pairs = np.median([(one.measured, one.predicted) for one in some], axis=0).T
+        shown = "  ".join(f"{a:+.3f} {b:+.3f}" for a, b in pairs)
+        print(f"  {family:<14}{shown}   {len(some):>3}")
+    excess = np.median([one.measured - one.predicted for one in found], axis=0)
+    print(f"  excess, median of all: C_T {excess[0]:+.3f}, C_P {excess[1]:+.3f}, {len(found)}")
+
+
+# -------------------------------------------------------------------------------------------------
 # The shares of oblique flow that the campaigns imply.
 
 
@@ -402,6 +452,7 @@ def main(data: Path) -> None:
         print(f"  {name:<28}{rows:>4}   {inside:6.1%}  {half:6.1%}  {score:6.3f}", end="")
         print(f"   smallest score at a gain of {gain_of(own):.3f}")
     print(f"  TUNNEL_GAIN = {gain_of(runs):.3f}")
+    print_exponents(list(static_exponents(data)))
     every = campaigns(data)
     for one in every:
         print(f"{one.name}, {one.model.propeller.name}: errors of the campaign")

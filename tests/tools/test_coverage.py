@@ -30,6 +30,7 @@ from tools.coverage import (
     in_plane,
     over_runs,
     shares_of,
+    static_exponents,
     vehicles,
 )
 from tools.drag_effects import ADDED, drag_effects
@@ -49,6 +50,15 @@ def test_axial_bands_hold_runs_that_were_left_out() -> None:
         assert len(own) > 200 and 0.94 <= inside <= 0.97 and half < 0.12, name
     # The smallest score of thrust is at a smaller gain, that of torque at this one.
     assert gain_of(runs) <= bands.TUNNEL_GAIN <= gain_of(own) + 0.002
+
+
+@needs_data
+@pytest.mark.slow
+def test_static_coefficients_grow_with_the_rotor_speed_as_measured() -> None:
+    found = list(static_exponents(DATA))
+    assert len(found) > 200 and np.median([one.measured[0] for one in found]) > 0.1
+    excess = np.median([one.measured - one.predicted for one in found], axis=0)
+    assert (np.abs(excess) < 0.01).all()
 
 
 @needs_data
