@@ -6,16 +6,16 @@ DATA is the folder of reference data.  The score is the interval score of a 95 %
 plus 40 times the distance of a measurement outside it (Gneiting, Raftery, J. Am. Stat. Assoc. 102,
 2007).  Width and score are divided by the rms of the measurements.
 
-Axial flow: each propeller of the UIUC database with a measured blade; the middle and the fastest
-run, each held out of the identification.  ``tools.catalogue.left_out`` has the bands of propellers
-whose constants are predicted, and ``tools.stands`` those of multirotor propellers.
+Axial flow: for each propeller of the UIUC database with a measured blade, the middle and the
+fastest run are held out in turn.  ``tools.catalogue.left_out`` evaluates the bands of predicted
+constants, and ``tools.stands`` those of multirotor propellers.
 
-Oblique flow: catalogue predictions of the APC 8x6E and of the in-plane force of 20 propellers (2019
-campaign), and of a 10x4.7 Slow Flyer (second tunnel).  First the errors of each campaign are
-removed, as far as its own rows show them, see ``CampaignErrors``.  What remains is an error of the
-theory, and its shares are those with the smallest score that also hold 90 % of the rows of each
-campaign.  Rows with "held out" use the shares of the other campaign alone.  In the second tunnel
-the axes of the moments are inferred.
+Oblique flow: catalogue predictions are compared with the loads of the APC 8x6E and the in-plane
+force of 20 propellers (2019 campaign), and with the loads of a 10x4.7 Slow Flyer (second tunnel).
+First, the tool removes the errors of each campaign that its axial rows reveal, see
+``CampaignErrors``.  The remaining error is attributed to the theory.  Its shares minimize the
+score, with at least 90 % of the rows of each campaign inside the bands.  Lines with "held out" use
+the shares of the other campaign alone.  In the second tunnel the axes of the moments are inferred.
 """
 
 from __future__ import annotations
@@ -69,11 +69,12 @@ TIP_SPEED = 84.0  # [m/s], about the middle of the 2019 campaign
 
 
 class CampaignErrors(NamedTuple):
-    """Errors of a campaign, estimated from its rows in axial flow, the rows at rest among them.
+    """Errors of a campaign, estimated from its rows in axial flow, including those at rest.
 
-    Thrust and torque are ``scale`` times those of UIUC's tunnel, plus ``by_speed`` times the square
-    of the axial speed, which the drag of a stand would be.  The other loads are zero in axial flow,
-    so what is measured there is ``tare`` plus ``interaction`` times the thrust.
+    Thrust and torque equal ``scale`` times the UIUC values plus ``by_speed`` times the squared
+    axial speed.  The second term has the form of the drag of a stand.  The other loads are zero in
+    axial flow.  Their measured values are modeled as ``tare`` plus ``interaction`` times the
+    thrust.
     """
 
     scale: Mapping[str, float]
@@ -158,7 +159,7 @@ class Bands(NamedTuple):
         return float(np.sqrt(np.nanmean(self.measured**2)))
 
     def inside(self, share: float = 0.95) -> float:
-        """Return the fraction of rows inside the band of this ``share``."""
+        """Return the fraction of rows inside the band of nominal coverage ``share``."""
         wide = NormalDist().inv_cdf(0.5 + 0.5 * share)
         return float(np.mean(np.abs(self.error) <= wide * self.deviation))
 
@@ -217,7 +218,7 @@ class HeldOut(NamedTuple):
     load: str
     predicted: Floats
     measured: Floats
-    own: Floats  # standard deviation without that between specimens or runs
+    own: Floats  # standard deviation without the tunnel term
 
     def bands(self, gain: float) -> Bands:
         """Return the bands with a standard deviation ``gain`` between specimens or runs."""
@@ -320,7 +321,7 @@ def print_exponents(found: Sequence[Exponents]) -> None:
 
 
 # -------------------------------------------------------------------------------------------------
-# The shares of oblique flow that the campaigns imply.
+# Shares of oblique flow, estimated from the campaigns.
 
 
 def with_shares(shares: Mapping[str, float]) -> ExitStack:
@@ -333,7 +334,7 @@ def with_shares(shares: Mapping[str, float]) -> ExitStack:
 
 
 def shares_of(every: Sequence[Campaign]) -> dict[str, float]:
-    """Return the shares with the smallest sum of the scores, large enough for ``LEAST_INSIDE``."""
+    """Return the shares that minimize the sum of the scores and reach ``LEAST_INSIDE``."""
     found = {}
     for name in (*bands.OBLIQUE, *bands.INPLANE):
         some = [one for one in every if name in one.measured]
@@ -436,7 +437,7 @@ def line_of(name: str, of: Bands) -> str:
 
 
 def at_advance(of: Bands, advance: Floats) -> float:
-    """Return the median of half the width of the 95 % band over the load, at mu = 0.2."""
+    """Return the median ratio of the half width of the 95 % band to the load, near mu = 0.2."""
     near = np.abs(advance - 0.2) < 0.03
     return float(np.median(BAND * of.deviation[near] / np.abs(of.measured[near])))
 
@@ -458,7 +459,7 @@ def main(data: Path) -> None:
         print(f"{one.name}, {one.model.propeller.name}: errors of the campaign")
         found = one.errors()
         for name, scale in found.scale.items():
-            print(f"  {name:<14}{scale:.3f} times, {1e4 * found.by_speed[name]:+.2f}e-4 V^2")
+            print(f"  {name:<14}{scale:.3f} times UIUC, {1e4 * found.by_speed[name]:+.2f}e-4 V^2")
         for name, tare in found.tare.items():
             if tare or found.interaction[name]:
                 print(f"  {name:<14}{tare:+.4f} {found.interaction[name]:+.4f} T")
@@ -466,14 +467,17 @@ def main(data: Path) -> None:
     alone = {one.name: shares_of([one]) for one in corrected}
     for raw, one in zip(every, corrected, strict=True):
         others = shares_of([other for other in corrected if other is not one])
-        print(f"{one.name}: as measured; without the errors of the campaign; shares held out")
+        print(f"{one.name}: as measured; campaign errors removed; with the other campaign's shares")
         print(HEADER)
         for name in LOADS:
             if name not in one.measured:
                 continue
             print(line_of(f"{name}, as measured", raw.oblique().bands(name)))
             of = one.bands(name)
-            print(line_of(name, of), f"  at mu 0.2 {at_advance(of, one.advance):.0%} of the load")
+            print(
+                line_of(name, of),
+                f"  half width at mu 0.2: {at_advance(of, one.advance):.0%} of the load",
+            )
             if name in others:
                 with with_shares(others):
                     print(line_of(f"{name}, held out", one.bands(name)))

@@ -1,9 +1,9 @@
-"""Print thrust in axial descent: measured, predicted by name, and the 95 % bands.
+"""Print measured thrust, catalogue prediction and 95 % bands in axial descent.
 
 Usage: python -m tools.descent ROWS
 
 ROWS is the file descent_shetty_selig.csv of the reference data: mean thrust coefficients of three
-propellers (Shetty, Selig, AIAA 2011-1254), digitized second hand.
+propellers (Shetty, Selig, AIAA 2011-1254), digitized from a secondary source.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Descent(NamedTuple):
 
 
 def descents(path: Path) -> Iterator[Descent]:
-    """Predict all rows by the names of the propellers."""
+    """Compute the catalogue prediction of each row."""
     lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] != "#"]
     for row in csv.DictReader(lines):
         model = propmap.catalogue_model(f"APC {row['prop'].split()[-1]}E")

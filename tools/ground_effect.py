@@ -1,12 +1,11 @@
-"""Print the thrust near the ground that was measured, the factor of propmap, and its constants.
+"""Print the measured thrust ratio near the ground, the factor of propmap and its constants.
 
 Usage: python -m tools.ground_effect ROWS
 
-ROWS is the file ground_ceiling_wall.csv of the reference data: thrust of propellers of 10 and 12 in
-at one throttle, by height.  Thrust is divided by that far from the ground, and by the square of the
-ratio of the rotational speeds.  The constants fit the medians over the throttles by least squares,
-and the deviation is the rms of all rows to ``HIGHEST`` radii about the factor, divided by the
-factor minus one at ``NEAR``.
+ROWS is the file ground_ceiling_wall.csv of the reference data: thrust of 10-inch and 12-inch
+propellers by throttle and height.  Each thrust is divided by that at the largest height and the
+same throttle, and by the squared ratio of the rotational speeds.  The constants are fitted to the
+medians over the throttles by least squares.
 """
 
 from __future__ import annotations
@@ -19,8 +18,6 @@ import numpy as np
 from scipy.optimize import curve_fit
 
 from propmap.typing import Floats
-
-HIGHEST = 3.0  # radii; the rows farther away are the reference
 
 
 def read_rows(path: Path, effect: str = "ground") -> dict[tuple[float, float], Floats]:
@@ -44,7 +41,7 @@ def read_rows(path: Path, effect: str = "ground") -> dict[tuple[float, float], F
 
 
 def factor(height: Floats, gain: float, reach: float) -> Floats:
-    """Return the factor on the thrust at heights over the radius (n,)."""
+    """Return the factor on the thrust at n heights in radii."""
     return np.asarray(1.0 + gain * np.exp(-((height / reach) ** 2)))
 
 

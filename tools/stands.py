@@ -1,18 +1,18 @@
-"""Print how far catalogue predictions are from static loads of multirotor propellers on stands.
+"""Print the errors of catalogue predictions of static loads of multirotor propellers on stands.
 
 Usage: python -m tools.stands STANDS
 
 STANDS is the file stands.csv of the reference data: static thrust and torque of some 150 propellers
-from nine sources.  Rows that its notes mark as suspect, unverified or excluded are not used, nor
-are rows below ``SLOW`` of the highest rotor speed.  ``DENSITY`` is assumed where none was recorded.
+from nine sources.  The tool skips rows whose notes mark them as suspect, unverified or excluded,
+rows below the fraction ``SLOW`` of the highest rotor speed, and manufacturers whose series the UIUC
+database contains.  76 propellers remain.  ``DENSITY`` is assumed if none was recorded.
 
-A measurement is the median over its rows of the logarithm of measured over predicted load, with the
-mean blade and constants of all series of the UIUC database.  Several measurements of one propeller
-are replaced by their median.  Propellers of manufacturers whose series the UIUC database contains
-are not used.  The medians over the others are the shift of ``propmap.catalogue.expected``, and the
-standard deviation by kind is that with the smallest mean interval score of the 95 % bands
-(Gneiting, Raftery, J. Am. Stat. Assoc. 102, 2007), for a t distribution with as many degrees of
-freedom as propellers.  The deviation includes differences between stands.
+For each measurement, the tool computes the median of log(measured / predicted load) over its rows.
+The prediction uses the mean blade and the constants of all series of the UIUC database.  Several
+measurements of one propeller are replaced by their median.  The medians over the propellers are the
+shift of ``propmap.catalogue.expected``.  The standard deviation of each kind minimizes the mean
+interval score of the 95 % bands (Gneiting, Raftery, J. Am. Stat. Assoc. 102, 2007).  It is then
+widened by the t distribution, and includes differences between stands.
 
 Each propeller is then predicted without its own measurements.  The tool prints, by kind, the median
 error of thrust and torque, half the width of the 95 % bands, and the share of propellers inside.
@@ -49,9 +49,12 @@ from propmap.units import INCH, RPM
 from tools.catalogue.left_out import BAND
 
 DENSITY = 1.20  # [kg/m^3], where none was recorded
-SLOW = 0.35  # share of the highest rotor speed
-SCATTER = 0.25  # largest standard deviation of the logarithm within a measurement; more is an error
-FAR = 0.7  # largest logarithm of measured over predicted thrust; more is an error of rotor speed
+SLOW = 0.35  # smallest rotor speed, as a fraction of the highest
+
+SCATTER, FAR = 0.25, 0.7
+"""Largest standard deviation of log(measured / predicted thrust) within a measurement, and largest
+median.  Measurements above have a wrong rotor speed and are discarded."""
+
 DOUBTFUL = ("SUSPECT", "UNVERIFIED", "EXCLUDE")
 IN_DATABASE = ("apc", "graupner", "aeronaut")  # manufacturers of series of the UIUC database
 
@@ -123,8 +126,11 @@ def _measured(rows: Sequence[dict[str, str]]) -> Measured | None:
 
 
 def best_deviation(errors: Floats) -> float:
-    """Return the standard deviation whose 95 % bands have the smallest mean interval score, widened
-    from the t distribution with the number of ``errors`` minus one as degrees of freedom."""
+    """Return the standard deviation that minimizes the mean interval score of the 95 % bands.
+
+    The result is widened by the quantile of the t distribution, with one degree of freedom less
+    than the number of ``errors``.
+    """
 
     def score(deviation: float) -> float:
         outside = np.maximum(np.abs(errors) - BAND * deviation, 0.0)
@@ -153,7 +159,7 @@ def shift_of(every: Sequence[Measured]) -> Shift:
         kind: np.array([best_deviation(left[(kinds == kind) & known[:, k], k]) for k in range(2)])
         for kind in STAND_DEVIATIONS
     }
-    signs = np.sign(left[known.all(axis=1)])  # robust: sin(pi/2 tau) of the sign correlation
+    signs = np.sign(left[known.all(axis=1)])  # robust: quadrant correlation about the medians
     return Shift(mean, deviations, float(np.sin(0.5 * np.pi * np.mean(signs.prod(axis=1)))))
 
 

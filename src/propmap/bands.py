@@ -1,10 +1,10 @@
 """Standard deviations of the loads of a model, by source of the error.
 
-The sources are independent.  The difference between specimens or runs is estimated from runs of
-UIUC's tunnel that were held out, and the error of the theory in oblique flow from campaigns in two
-other tunnels.  The bands are those of the loads, and exclude the errors of a balance: at rest,
-thrust on other stands differs from UIUC's by some 10 %.  ``python -m tools.coverage`` computes the
-numbers below, and coverage, width and score of the bands.
+The sources are independent.  The difference between specimens or runs is estimated from held-out
+runs of UIUC's tunnel.  The error of the theory in oblique flow is estimated from campaigns in two
+other tunnels.  The bands exclude balance errors; the static thrust on other stands differs from
+UIUC's by about 10 %.  ``python -m tools.coverage`` computes the numbers below, and coverage, width
+and score of the bands.
 """
 
 from __future__ import annotations
@@ -28,20 +28,23 @@ TUNNEL_GAIN = 0.015  # standard deviation of thrust and torque between specimens
 
 OBLIQUE = {"thrust": 0.47, "torque": 0.81}
 """Standard deviation of the error of the theory in oblique flow, divided by the load and by the
-advance ratio V sin(beta)/(Omega R) [-].  It has the smallest interval score over two campaigns,
-whose own errors are removed."""
+advance ratio V sin(beta)/(Omega R) [-].  The values minimize the interval score over two campaigns
+after removal of the campaign errors."""
 
 INPLANE = {"roll_moment": 0.35, "side_force": 0.28, "pitch_moment": 0.70}
 """Standard deviation of the loads that vanish in axial tests, divided by thrust times advance
 ratio, and moments also by R [-]."""
 
 RING = 0.11
-"""Standard deviation of thrust in the vortex ring state, as a share: the rms error in axial descent
-of three propellers (Shetty & Selig, AIAA 2011-1254; ``tools.descent``)."""
+"""Standard deviation of thrust in the vortex ring state, as a fraction of the thrust.
+
+It equals the rms error of three propellers in axial descent (Shetty & Selig, AIAA 2011-1254;
+``tools.descent``)."""
 
 NEAR_GROUND = 0.05
-"""Standard deviation of thrust on the ground, as a share.  It falls with height like the effect of
-the ground."""
+"""Standard deviation of thrust on the ground, as a fraction of the thrust.
+
+It decreases with height in proportion to the ground effect."""
 
 BLADE_DRAG_SHARE = 0.10
 """Standard deviation of the drag of bare blades, as a share.  The drag is within about 20 % of a
@@ -128,8 +131,10 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
 
 
 def _ring(model: Model, at: FlowPoints, thrust: Floats) -> Floats:
-    """Return a weight (N,) of the vortex ring state, 1 for axial descent at 0.5 to 1.4 times the
-    inflow in hover, 0 from 2 times upward."""
+    """Return a weight (N,) of the vortex ring state.
+
+    In axial descent, it is 1 at 0.5 to 1.4 times the hover inflow, and 0 at twice this inflow.
+    """
     hover = np.sqrt(np.abs(thrust) / (2.0 * model.air.density * np.pi * model.propeller.radius**2))
     hover = np.maximum(hover, 1e-9)
     descent = -at.v_axial / hover

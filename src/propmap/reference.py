@@ -205,7 +205,7 @@ def wrapped(angle: Floats) -> Floats:
 
 
 def reynolds_ratio(case: Case, y: Any) -> Any:
-    """Compute the Reynolds number of the rotation alone, limited to 1e4 to 1.2e5, over 5e4."""
+    """Compute Re / 5e4, with Re of the rotation alone, limited to 1e4 to 1.2e5."""
     air = case.model.air
     reynolds = air.density * case.omega * y * case.chord(y) / air.viscosity
     return np.clip(reynolds, 1e4, 1.2e5) / 5e4

@@ -99,7 +99,7 @@ class Rotor:
 
     @functools.cached_property
     def _core_of_growth(self) -> CoreRotor:
-        """Rotor of the core whose loads have derivatives with respect to the powers of Re at 0."""
+        """Rotor of the core with derivatives with respect to the exponents of Re, also at 0."""
         return self._core_of({**self.model.airfoil.core_law(), "kind": GROWING})
 
     def _core_of(self, law: dict[str, Any]) -> CoreRotor:

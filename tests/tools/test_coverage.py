@@ -77,9 +77,9 @@ def test_errors_of_the_first_campaign_are_those_that_the_demo_states() -> None:
     found, own = first.errors(), first.corrected()
     assert f"{found.scale['thrust'] - 1.0:.0%}".replace("%", " %") in TUNNELS
     area = -found.by_speed["thrust"] / (0.5 * first.model.air.density)
-    assert f"a stand of {1e4 * area:.0f} cm^2" in TUNNELS
-    for name, load in (("thrust", "thrusts"), ("torque", "torques")):
-        assert f"{own.bands(name).inside():.0%} of the {load}".replace("%", " %") in TUNNELS
+    assert f"a drag area of {1e4 * area:.0f} cm^2" in TUNNELS
+    for name in ("thrust", "torque"):
+        assert f"{own.bands(name).inside():.0%} of the {name} values".replace("%", " %") in TUNNELS
 
 
 def test_errors_of_a_campaign_are_found_again() -> None:

@@ -77,7 +77,7 @@ BAND = 1.959964
 
 
 def interval_score(error: Floats, deviation: Floats) -> Floats:
-    """Return the interval score of the 95 % bands: width, and 40 times the distance outside."""
+    """Return the interval score of 95 % bands: width plus 40 times the distance outside."""
     half = BAND * deviation
     return np.asarray(2.0 * half + 40.0 * np.maximum(np.abs(error) - half, 0.0))
 

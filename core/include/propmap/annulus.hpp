@@ -64,7 +64,7 @@ inline Lanes angle_at(const Station<Lanes>& at, Lanes u_t, Lanes u_p) {
 }
 
 // First guess of the inflow [m/s], for attached flow without drag: v W = k (U_T^2 theta - U_T U_P), where W is the
-// square root in (10) and k = N_b c_l1 c/(8 pi y), with the growth of c_l1.  Four Newton steps start above the solution.
+// square root in (10) and k = N_b c_l1 c/(8 pi y), with the Reynolds factor on c_l1.  Four Newton steps start above the solution.
 template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes>& at) {
     const auto& f = of.flow;
     const Lanes speed = of.rms_speed(at);

@@ -22,7 +22,7 @@ template <class A, class B, class C, class D, class E> struct SectionFlow {
     B speed;                  // U [m/s]
     C reynolds;               // rho U c / mu [-]
     D inverse_root_reynolds;  // Re^(-1/2) [-]
-    E lift_growth;            // factors on attached lift and drag, from the Reynolds number of the rotation [-]
+    E lift_growth;            // factors on attached lift and drag, from the Reynolds number of the rotation alone [-]
     E drag_growth;
 };
 
@@ -72,7 +72,7 @@ template <class S> struct BlendedLaw {
     template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle + drag_angle; }
     template <class R> double lift_growth_at(const R&) const { return 1.0; }
     template <class R> double drag_growth_at(const R&) const { return 1.0; }
-    template <class R> static auto log_reynolds(const R& reynolds) {  // constant beyond the identified propellers
+    template <class R> static auto log_reynolds(const R& reynolds) {  // constant outside the range of the identified propellers
         const auto within = minimum(maximum(reynolds, broadcast_like(value(reynolds), 1e4)),
                                     broadcast_like(value(reynolds), 1.2e5));
         return logarithm(within * (1.0 / 5e4));
@@ -115,8 +115,8 @@ template <class S> struct BlendedLaw {
     auto attached_slope() const { return attached * c_l1; }
 };
 
-// The law above, with powers of the Reynolds number on attached lift and drag.  It is a law of its own because the
-// compiler would round the paper's terms differently with factors of 1 on them.
+// The law above, with powers of the Reynolds number as factors on attached lift and drag.  It is a separate law because
+// factors of 1 would change how the compiler rounds the terms of the paper.
 template <class S> struct GrowingLaw : BlendedLaw<S> {
     S reynolds_lift;  // power of Re in the slope of attached lift [-]
     S reynolds_drag;  // power of Re in the pressure drag and constant drag of attached flow [-]
@@ -127,7 +127,7 @@ template <class S> struct GrowingLaw : BlendedLaw<S> {
         visit("reynolds_lift", reynolds_lift), visit("reynolds_drag", reynolds_drag);
     }
 
-    // Factors on attached lift and drag, from the Reynolds number of the rotation.
+    // Factors on attached lift and drag, from the Reynolds number of the rotation alone.
     template <class R> auto lift_growth_at(const R& reynolds) const { return growth(reynolds_lift, reynolds); }
     template <class R> auto drag_growth_at(const R& reynolds) const { return growth(reynolds_drag, reynolds); }
     template <class R> static auto growth(const S& power, const R& reynolds) {

@@ -77,13 +77,15 @@ STEEPEST = 2.5  # largest ratio of pitch to diameter
 MOST_BLADES = 8
 
 RACING = (4.5 * INCH, 6.2 * INCH)
-"""Diameters [m] for which manufacturers of racing propellers mean three blades, if a designation
-contains no number."""
+"""Diameters [m] at which racing propellers are assumed to have three blades, if the designation
+contains no number of blades."""
 
 FIVE_INCH_DOUBT, OTHER_DOUBT = 0.1, 0.5
-"""Probabilities that a propeller of these manufacturers has another number of blades than assumed.
-The first is for these diameters: on stands, 2 of 21 had two blades.  The second is for the other
-diameters to 11.5 in: 9 of 12 had three, but names without a number often mean two."""
+"""Probabilities that the number of blades assumed for these manufacturers is wrong.
+
+The first is for diameters within ``RACING``, where 2 of 21 propellers on stands had two blades.
+The second is for the other diameters up to 11.5 in.  There, 9 of 12 propellers had three blades,
+but names without a number of blades often denote two-blade propellers."""
 
 SAME = 0.006  # relative difference of equal lengths, because manufacturers round to 1/20 in
 NO_MAKER = ("mm", "in", "inch", "uiuc")  # words of designations that name no manufacturer
@@ -118,7 +120,9 @@ class Designation:
     maker: str = ""  # name of one of ``MAKERS``
     size: str = ""  # diameter and pitch as read, for messages
     counted: str = ""  # number of blades and its origin, for messages
-    doubt: float = 0.0  # probability that it has three blades, not two, or two, not three
+    doubt: float = (
+        0.0  # probability that it has three blades instead of two, or two instead of three
+    )
 
     @property
     def reading(self) -> str:
@@ -186,9 +190,8 @@ def designation(text: str) -> Designation | None:
         maker = whose
     elif count is None and whose_own and whose_own.racing and RACING[0] < diameter < RACING[1]:
         count, doubt = 3, FIVE_INCH_DOUBT
-        counted = (
-            f"three blades assumed, as for most of this size by {maker} (for two, add --blades 2)"
-        )
+        counted = f"three blades assumed, as for most {maker} propellers of this size "
+        counted += "(for two, add --blades 2)"
     elif count is None:
         if whose_own and whose_own.racing and diameter < 11.5 * INCH:
             doubt = OTHER_DOUBT

@@ -162,33 +162,35 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 # Static loads of multirotor propellers.
 #
 # Multirotor propellers were not measured in the UIUC wind tunnel.  On stands, their thrust and
-# torque are smaller than those of the mean blade with the constants of all series, by the same
-# share for two, three and four blades and for all sizes.  The prior of the constants is shifted and
-# narrowed, so that the static loads have the distribution of the loads on stands.  ``python -m
-# tools.stands`` computes the numbers below.
+# torque are smaller than predicted with the mean blade and the constants of all series.  The ratio
+# is the same for two, three and four blades and for all sizes.  The prior of the constants is
+# shifted and narrowed, so that the static loads have the distribution of the loads on stands.
+# ``python -m tools.stands`` computes the numbers below.
 
 STANDS = 76  # number of propellers
 
 STAND_SHIFT = np.array([-0.132, -0.159])
-"""Median logarithm of static thrust and torque on stands over the prediction for all series."""
+"""Medians of log(measured / predicted) static loads, predicted with the constants of all series."""
 
 MULTIROTOR = ("multirotor", "carbon")  # origins of blades whose prior is from stands
 
 LARGE = 0.2921  # smallest diameter [m] of a large propeller, 11.5 in
 
-CARBON = tuple(maker.name for maker in MAKERS if maker.carbon)  # of which ``LARGE`` ones are alike
+CARBON = tuple(
+    maker.name for maker in MAKERS if maker.carbon
+)  # manufacturers whose ``LARGE`` propellers have similar loads
 
 STAND_DEVIATIONS = {
     "two blades": (0.216, 0.283),
     "three blades and more": (0.166, 0.178),
     "carbon": (0.069, 0.110),
 }
-"""Standard deviations of these logarithms by kind: those with the smallest interval score of the
-95 % bands.  They include differences between stands."""
+"""Standard deviations of these logarithms by kind.  They minimize the interval score of the 95 %
+bands, and include differences between stands."""
 
-STAND_CORRELATION = 0.54  # of the deviations of thrust and torque
+STAND_CORRELATION = 0.54  # between the logarithms of thrust and torque
 
-STAND_TIP_SPEED = 100.0  # tip speed [m/s] at which the static loads have this distribution
+STAND_TIP_SPEED = 100.0  # tip speed [m/s] at which the static loads get this distribution
 
 
 def static_loads(place: Floats, size: Size, blades: int) -> tuple[Floats, Floats]:
@@ -213,18 +215,18 @@ def stand_kind(carbon: bool, blades: int) -> str:
 
 @lru_cache(maxsize=64)
 def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> PopulationPrior:
-    """Return the prior of a multirotor propeller, from that of all series on their mean blade.
+    """Return the prior of a multirotor propeller, derived from that of all series.
 
-    ``kind`` is a key of ``STAND_DEVIATIONS``, and ``doubt`` the probability that the propeller has
+    ``kind`` is a key of ``STAND_DEVIATIONS``.  ``doubt`` is the probability that the propeller has
     three blades instead of two, or two instead of three.
 
-    The static thrust and torque have the distribution found on stands, in which the differences
-    between tunnels of ``propmap.bands`` are a part.  Changes of the coordinates without effect on
-    static loads keep their variance.
+    Static thrust and torque then follow the distribution measured on stands, which includes the
+    tunnel term of ``propmap.bands``.  The variance does not change in directions of the coordinates
+    that do not affect the static loads.
     """
     prior = family_prior([], bundled_population("population"), size)
     place, target = prior.mean, static_loads(prior.mean, size, blades)[0] + STAND_SHIFT
-    for _ in range(3):  # steps of Gauss and Newton; two change the loads by less than 1e-3
+    for _ in range(3):  # Gauss-Newton steps; the third changes the loads by less than 1e-3
         loads, slopes = static_loads(place, size, blades)
         before = slopes @ prior.covariance @ slopes.T
         gain = prior.covariance @ slopes.T @ np.linalg.inv(before)
@@ -641,8 +643,8 @@ def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:
     values, vectors = np.linalg.eigh(both - before)
     # Rounding may cause small negative eigenvalues in directions that the data do not determine.
     precision = (vectors * np.maximum(values, 0.0)) @ vectors.T
-    # Centered at the constants, not at those of the data alone: where the model fails, the latter
-    # are far outside the range in which the loads are linear.
+    # Centered at the constants of the fit, which the prior affected.  Constants fitted to the data
+    # alone can be far outside the range in which the loads are linear.
     return Member(one.family, one.tested, one.size, precision, precision @ place)
 
 

@@ -18,10 +18,11 @@ other propellers:     propmap props
 a table of loads:     propmap table "{NAME}" --rpm 4000:8000 --speed 0:20 --tolerance 2% -o a.npz"""
 
 TUNNELS = (
-    "The two tunnels differ in axial flow: in this one, the static thrust is 8 % larger, and "
-    "thrust falls with speed as by the drag of a stand of 47 cm^2. The bands exclude such errors "
-    "of a measurement. Without them, 91 % of the thrusts and 99 % of the torques in oblique flow "
-    "are inside (docs/validation.md, python -m tools.coverage)."
+    "The two tunnels differ in axial flow. In the 2019 tunnel, the static thrust is 8 % larger, "
+    "and thrust decreases with speed as by a stand with a drag area of 47 cm^2. The bands exclude "
+    "these measurement errors. After their removal, the bands contain 91 % of the thrust values "
+    "and 99 % of the torque values in oblique flow (docs/how-to/uncertainty.md, "
+    "python -m tools.coverage)."
 )
 
 

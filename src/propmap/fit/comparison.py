@@ -141,10 +141,11 @@ PER_FLIGHT_DEVIATION = {
     flight.CLOCK: flight.CLOCK_DEVIATION,
     **dict.fromkeys(flight.TILT, 0.03),  # [rad], trim of attitudes, and errors of marker frames
 }
-"""Prior standard deviations of parameters that differ from flight to flight.  In wind of 0, 4.2 and
-8.5 m/s, the mean tilts of two controllers of one vehicle differ by 0.01, 0.005 and 0.06 rad
-(Neural-Fly, ``tools.throttle_flights``).  This is 0.025 rad for one flight, and 0.03 rad is used
-because three pairs are few."""
+"""Prior standard deviations of parameters that differ from flight to flight.
+
+The mean tilts of one vehicle flown with two controllers differ by 0.01, 0.005 and 0.06 rad in wind
+of 0, 4.2 and 8.5 m/s (Neural-Fly, ``tools.throttle_flights``).  This corresponds to 0.025 rad per
+flight.  The value is rounded up because three pairs are few."""
 
 BAND = 1.96  # half width of a 95 % band, in standard deviations
 

@@ -145,8 +145,9 @@ class Airfoil(SectionLaw):
         propellers, 0 in the paper.  Re = rho Omega y c / mu is the Reynolds number of the rotation,
         limited to 1e4 to 1.2e5.
     reynolds_lift, reynolds_drag : float
-        Powers [-] of Re / 5e4, of the same Re, that multiply c_l1, and c_d and c_d0 in attached
-        flow.  About 0.12 and -0.35 for small propellers, 0 in the paper.
+        Exponents [-] of Re / 5e4, with the same Re.  The power with ``reynolds_lift`` multiplies
+        c_l1.  The power with ``reynolds_drag`` multiplies c_d and c_d0 in attached flow.  The
+        exponents are about 0.12 and -0.35 for small propellers, and 0 in the paper.
     drag_angle : float
         Angle of least pressure drag above zero_lift_angle [rad]: c_d sin^2(alpha -
         zero_lift_angle - drag_angle) in (4).  About 0.07 for small propellers, 0 in the paper.
