@@ -1,9 +1,9 @@
-"""Print the measured thrust ratio near the ground, the factor of propmap and its constants.
+"""Print measured thrust ratios near the ground and a ceiling, and the factors of propmap.
 
 Usage: python -m tools.ground_effect ROWS
 
 ROWS is the file ground_ceiling_wall.csv of the reference data: thrust of 10-inch and 12-inch
-propellers by throttle and height.  Each thrust is divided by that at the largest height and the
+propellers by throttle and distance.  Each thrust is divided by that at the largest distance and the
 same throttle, and by the squared ratio of the rotational speeds.  The constants are fitted to the
 medians over the throttles by least squares.
 """
@@ -20,8 +20,8 @@ from scipy.optimize import curve_fit
 from propmap.typing import Floats
 
 
-def read_rows(path: Path, effect: str = "ground") -> dict[tuple[float, float], Floats]:
-    """Return the thrust ratios by diameter [in] and height over radius."""
+def read_rows(path: Path, effect: str) -> dict[tuple[float, float], Floats]:
+    """Return the thrust ratios of an effect by diameter [in] and distance over radius."""
     lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] != "#"]
     rows = [row for row in csv.DictReader(lines) if row["effect"] == effect]
     speed = {(r["prop_in"], r["distance_over_radius"], r["pwm"]): float(r["rpm"]) for r in rows}
@@ -40,31 +40,38 @@ def read_rows(path: Path, effect: str = "ground") -> dict[tuple[float, float], F
     return {key: np.array(values) for key, values in found.items()}
 
 
-def factor(height: Floats, gain: float, reach: float) -> Floats:
+def ground(distance: Floats, gain: float, reach: float) -> Floats:
     """Return the factor on the thrust at n heights in radii."""
-    return np.asarray(1.0 + gain * np.exp(-((height / reach) ** 2)))
+    return np.asarray(1.0 + gain * np.exp(-((distance / reach) ** 2)))
 
 
-def constants(ratios: dict[tuple[float, float], Floats]) -> tuple[float, float]:
-    """Fit gain and reach of ``factor`` to the medians."""
-    height = np.array([height for _, height in ratios])
+def ceiling(distance: Floats, gain: float, reach: float) -> Floats:
+    """Return the factor on the thrust at n distances of a ceiling in radii."""
+    return np.asarray(1.0 + gain * np.exp(-distance / reach))
+
+
+EFFECTS = {"ground": ground, "ceiling": ceiling}
+
+
+def constants(effect: str, ratios: dict[tuple[float, float], Floats]) -> tuple[float, float]:
+    """Fit gain and reach of an effect to the medians."""
+    distance = np.array([distance for _, distance in ratios])
     medians = np.array([np.median(values) for values in ratios.values()])
-    gain, reach = curve_fit(factor, height, medians, (0.3, 1.0))[0]
+    gain, reach = curve_fit(EFFECTS[effect], distance, medians, (0.2, 1.0))[0]
     return float(gain), float(reach)
 
 
 def main(path: Path) -> None:
-    """Print the table and the constants."""
-    ratios = read_rows(path)
-    gain, reach = constants(ratios)
-    print("diameter, in   h/R   measured: median, lowest, highest   factor")
-    for (size, height), values in ratios.items():
-        own = float(factor(np.array(height), gain, reach))
-        print(
-            f"{size:>8.0f}  {height:8.2f}      {np.median(values):.3f}  {values.min():.3f}", end=""
-        )
-        print(f"  {values.max():.3f}        {own:.3f}")
-    print(f"GROUND_GAIN = {gain:.3f}, GROUND_REACH = {reach:.3f} R")
+    """Print the tables and the constants."""
+    for effect, factor in EFFECTS.items():
+        ratios = read_rows(path, effect)
+        gain, reach = constants(effect, ratios)
+        print(f"{effect}: diameter, in   distance/R   median, lowest, highest   factor")
+        for (size, distance), values in ratios.items():
+            own = float(factor(np.array(distance), gain, reach))
+            print(f"{size:>18.0f}  {distance:12.2f}      {np.median(values):.3f}", end="")
+            print(f"  {values.min():.3f}  {values.max():.3f}      {own:.3f}")
+        print(f"  gain {gain:.3f}, reach {reach:.3f} R")
 
 
 if __name__ == "__main__":

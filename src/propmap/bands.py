@@ -42,9 +42,9 @@ It equals the rms error of three propellers in axial descent (Shetty & Selig, AI
 ``tools.descent``)."""
 
 NEAR_GROUND = 0.05
-"""Standard deviation of thrust on the ground, as a fraction of the thrust.
+"""Standard deviation of thrust on the ground or at a ceiling, as a fraction of the thrust.
 
-It decreases with height in proportion to the ground effect."""
+It decreases with the distance in proportion to the effect."""
 
 BLADE_DRAG_SHARE = 0.10
 """Standard deviation of the drag of bare blades, as a share.  The drag is within about 20 % of a
@@ -125,6 +125,7 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
         share = OBLIQUE[name] * float(known.another_tunnel) * advance
         found[name] = np.hypot(own, share * np.abs(by_name[name]))
     ground = NEAR_GROUND * np.exp(-((at.height / (0.97 * blade.radius)) ** 2))
+    ground = np.hypot(ground, NEAR_GROUND * np.exp(-at.ceiling / (1.39 * blade.radius)))
     share = np.hypot(ground, RING * _ring(model, at, by_name["thrust"]))
     found["thrust"] = np.hypot(found["thrust"], share * np.abs(by_name["thrust"]))
     return np.stack([found[name] for name in LOADS])

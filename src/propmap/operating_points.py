@@ -14,13 +14,14 @@ from propmap.typing import Floats
 SPIN_REMEDY = "give a value of 0 or more [rad/s]; the spin, ccw or cw, sets the direction"
 """Remedy for a negative omega."""
 
-FAR = np.array(np.inf)  # height of a rotor far from the ground [m]
+FAR = np.array(np.inf)  # distance of a rotor far from the ground or a ceiling [m]
 
 
 class Further(TypedDict, total=False):
     """Optional quantities of an operating point; None if not given."""
 
     height: ArrayLike | None  # of the disk above level ground [m]
+    ceiling: ArrayLike | None  # distance of a level ceiling above the disk [m]
 
 
 class FlowPoints(NamedTuple):
@@ -30,6 +31,7 @@ class FlowPoints(NamedTuple):
     v_axial: Floats  # V cos(beta) [m/s], positive in climb
     v_inplane: Floats  # V sin(beta) [m/s], >= 0
     height: Floats = FAR  # of the disk above the ground [m], > 0
+    ceiling: Floats = FAR  # distance of a ceiling above the disk [m], > 0
 
     @property
     def rows(self) -> Floats:

@@ -51,7 +51,7 @@ def core_corrections(model: Model) -> dict[str, Any]:
     return found
 
 
-LOWEST = 0.3  # smallest height of the disk above the ground, over the radius
+NEAREST = 0.3  # smallest distance of the ground or a ceiling from the disk, over the radius
 
 
 class Rotor:
@@ -126,16 +126,17 @@ class Rotor:
             Angle between velocity and rotor axis [rad]: 0 axial climb, pi/2 edgewise flight, pi
             axial descent.  beta and 2 pi - beta are mirror images with the same loads.
         **further
-            ``height`` of the disk above level ground [m], 0.3 R or more; None far from the ground.
-            The ground multiplies the thrust by
-            1 + 0.31 exp(-(h/0.97R)^2)/(1 + (V sin(beta)/v_i)^2), where v_i is the mean inflow
-            (fitted to static thrust, docs/theory.md).  The other loads do not change.
+            ``height`` of the disk above level ground, and distance of a level ``ceiling`` above the
+            disk [m], 0.3 R or more; None far away.  The ground multiplies the thrust by
+            1 + 0.31 exp(-(h/0.97R)^2)/(1 + (V sin(beta)/v_i)^2), where v_i is the mean inflow, and
+            the ceiling by 1 + 0.185 exp(-c/1.39R)/(1 + (V sin(beta)/v_i)^2) (fitted to static
+            thrust, docs/theory.md).  The other loads do not change.
 
         Raises
         ------
         InputError
-            For negative or non-finite values, shapes that do not broadcast, and heights below
-            0.3 R.
+            For negative or non-finite values, shapes that do not broadcast, and distances
+            below 0.3 R.
         """
         return self._loads(self._allowed(resolved(omega, speed, beta, **further)))
 
@@ -152,7 +153,7 @@ class Rotor:
             Velocity of the hub through the air, z along the thrust [m/s].  The leading axes
             broadcast with ``omega``.
         **further
-            ``height``, as in ``loads``.
+            ``height`` and ``ceiling``, as in ``loads``.
         """
         points, _ = split_velocity(omega, velocity, **further)
         return self._loads(self._allowed(points))
@@ -171,7 +172,7 @@ class Rotor:
         spin : str
             Direction of rotation, "ccw" or "cw", seen from above with the thrust up.
         **further
-            ``height``, as in ``loads``.
+            ``height`` and ``ceiling``, as in ``loads``.
         """
         sign = results.spin_sign(spin)
         points, direction = split_velocity(omega, velocity, **further)
@@ -187,7 +188,7 @@ class Rotor:
         - "chord_scale" [-], a relative change of the chord at all stations;
         - "twist_offset" [rad], a change of the twist at all stations;
         - "untwist" [rad], the decrease of the tip twist at a tip speed of 100 m/s;
-        - "omega" [rad/s], "v_axial" and "v_inplane" [m/s], and "height" [m].
+        - "omega" [rad/s], "v_axial" and "v_inplane" [m/s], "height" and "ceiling" [m].
         """
         law = self.model.airfoil.parameters
         no_mount = self.model.correction_of(Installed) is None
@@ -216,7 +217,7 @@ class Rotor:
             Rotational speed [rad/s], >= 0, V cos(beta) [m/s] and V sin(beta) [m/s], >= 0; the
             three arrays broadcast.
         **further
-            ``height``, as in ``loads``.
+            ``height`` and ``ceiling``, as in ``loads``.
 
         Returns
         -------
@@ -360,13 +361,14 @@ class Rotor:
         )
 
     def _allowed(self, points: FlowPoints) -> FlowPoints:
-        """Return ``points``; raise ``InputError`` for heights below 0.3 R."""
-        least = LOWEST * self.model.span[1]
-        if points.height is not FAR and (points.height < least).any():
-            raise InputError(
-                f"height is {points.height.min():g} m, less than 0.3 radii, {least:g} m",
-                "give a larger height of the disk [m]; omit it if the ground is far away",
-            )
+        """Return ``points``; raise ``InputError`` for distances below 0.3 R."""
+        least = NEAREST * self.model.span[1]
+        for name, values in (("height", points.height), ("ceiling", points.ceiling)):
+            if values is not FAR and (values < least).any():
+                raise InputError(
+                    f"{name} is {values.min():g} m, less than 0.3 radii, {least:g} m",
+                    "give a larger distance from the disk [m]; omit it if it is large",
+                )
         return points
 
     def _loads(self, points: FlowPoints) -> results.Loads:

@@ -160,6 +160,11 @@ def test_height_above_ground_is_an_option_and_a_column(
     assert found["height_m"] == 0.08
     near = rotor.loads(RPM * OMEGA, SPEED, np.radians(BETA), height=0.08)
     assert found["thrust_N"] == pytest.approx(float(near.thrust), rel=1e-14)
+    below = json.loads(run("predict", *ROTOR, *POINT, "--ceiling", 0.08, "--format", "json").out)
+    assert (
+        below["ceiling_m"] == 0.08
+        and below["thrust_N"] > rotor.loads(RPM * OMEGA, SPEED, np.radians(BETA)).thrust.item()
+    )
     file = tmp_path / "points.csv"
     file.write_text(f"height_m,rpm,speed_mps,beta_deg\n0.08,{RPM},{SPEED},{BETA}\n0.5,6000,0,0\n")
     done = run("predict", *ROTOR, "--points", file, "--format", "csv")

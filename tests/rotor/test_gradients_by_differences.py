@@ -141,11 +141,21 @@ def unlike(name: str) -> set[str]:
     """Names that no difference of models stands for; test_ground_effect.py has the height."""
     law, texts = CASES[name]
     if not isinstance(law, pm.Airfoil):
-        return {"height", "zero_lift_angle"}
+        return {"height", "ceiling", "zero_lift_angle"}
     if law.lift_law == "simplified":
-        return {"height", "c_l1", "alpha_0", "sharpness", "reynolds_lift", "reynolds_drag"}
+        return {
+            "height",
+            "ceiling",
+            "c_l1",
+            "alpha_0",
+            "sharpness",
+            "reynolds_lift",
+            "reynolds_drag",
+        }
     # An offset of the measured twist is another one of the part that is continued to the hub.
-    return {"height", "twist_offset"} if "blade-to-hub" in texts else {"height"}
+    return (
+        {"height", "ceiling", "twist_offset"} if "blade-to-hub" in texts else {"height", "ceiling"}
+    )
 
 
 @pytest.mark.parametrize("name", cases())

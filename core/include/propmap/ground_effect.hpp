@@ -1,4 +1,4 @@
-// The ground below a rotor: a factor on its thrust.
+// The ground below a rotor and the ceiling above it: factors on its thrust.
 #pragma once
 
 #include "velocities.hpp"
@@ -15,6 +15,15 @@ template <class S> S ground_effect(double tip, const Flow<S>& flow, const S& mea
     const S inflow = square(mean_inflow), away = square(flow.v_inplane) + speed_floor * speed_floor;
     const S near = power_of_two(-1.44269504088896340736 * square(S(flow.height / (0.97 * tip))));
     return 1.0 + 0.31 * near * (inflow / (inflow + away));
+}
+
+// Thrust at the distance c below a ceiling divided by thrust far from it: 1 + 0.185 exp(-c/1.39 R)/(1 + (V/v_i)^2), with
+// constants from the same measurements.  The dependence on V is assumed to be that near the ground.
+template <class S> S ceiling_effect(double tip, const Flow<S>& flow, const S& mean_inflow) {
+    if (value(flow.ceiling) > 60.0 * tip) return S{} + 1.0;  // the exponential is below rounding
+    const S inflow = square(mean_inflow), away = square(flow.v_inplane) + speed_floor * speed_floor;
+    const S near = power_of_two(S(-1.44269504088896340736 / (1.39 * tip) * flow.ceiling));
+    return 1.0 + 0.185 * near * (inflow / (inflow + away));
 }
 
 }  // namespace propmap

@@ -84,10 +84,11 @@ template <int N> Dual<double, N> sum(const Dual<Lanes, N>& x) {
     return total;
 }
 
-// Convert the blades' loads per density to the rotor's loads [N], [N m]: apply mount, ground effect and density.
+// Convert the blades' loads per density to the rotor's loads [N], [N m]: apply mount, ground, ceiling and density.
 template <class R, class S> void complete_loads(const R& rotor, const Flow<S>& flow, const S& mean_inflow, Loads<S>& loads) {
     if (rotor.installed) loads.drag = rotor.drag_factor * loads.drag + mount_drag(rotor, flow, mean_inflow);
     loads.thrust = loads.thrust * ground_effect(rotor.tip(), flow, mean_inflow);
+    loads.thrust = loads.thrust * ceiling_effect(rotor.tip(), flow, mean_inflow);
     for (int k = 0; k < Loads<S>::count; ++k) loads.begin()[k] = loads.begin()[k] * rotor.density;
 }
 

@@ -11,12 +11,14 @@ template <class S> struct Flow {
     S v_axial;    // V cos(beta) [m/s], positive in climb
     S v_inplane;  // V sin(beta) [m/s], >= 0
     S v_hover{};  // static inflow (12) at the same Omega [m/s]; used if v_axial < 0
-    S height = S{} + INFINITY;  // of the disk above the ground [m]
+    S height = S{} + INFINITY;   // of the disk above the ground [m]
+    S ceiling = S{} + INFINITY;  // distance of a ceiling above the disk [m]
 
     // The variables that users set, with names, in the order of the rows of the array of operating points (`Points`, bind.cpp).
-    static constexpr int variables = 4;
+    static constexpr int variables = 5;
     template <class Visit> void each_variable(Visit visit) {
         visit("omega", omega), visit("v_axial", v_axial), visit("v_inplane", v_inplane), visit("height", height);
+        visit("ceiling", ceiling);
     }
 };
 

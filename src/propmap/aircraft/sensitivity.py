@@ -235,7 +235,7 @@ def _errors_of(source: Any) -> ChangesAt:
     """Return errors of one standard deviation of the loads from a source, one load at a time."""
 
     def at(points: FlowPoints) -> Floats:
-        omega, along, across, _ = points
+        omega, along, across, *_ = points
         if isinstance(source, Rotor):
             rows, _ = load_rows(source, omega, along, across)
             found = list(errors_of_loads(source.model, points, rows).values())

@@ -40,12 +40,16 @@ def predict(
         float | None,
         Option(help="Height of the disk above level ground in m (default: no ground effect)."),
     ] = None,
+    ceiling: Annotated[
+        float | None,
+        Option(help="Distance of a level ceiling above the disk in m (default: no ceiling)."),
+    ] = None,
     points: Annotated[
         Path | None,
         Option(
             metavar="FILE.csv",
-            help="Operating points: columns rpm, speed_mps, beta_deg and, for ground effect, "
-            "height_m.",
+            help="Operating points: columns rpm, speed_mps, beta_deg, and optionally height_m and "
+            "ceiling_m.",
         ),
     ] = None,
     format_: out.FormatOption = None,
@@ -54,7 +58,7 @@ def predict(
     std_by_source: opt.StdBySource = False,
 ) -> None:
     """Predict the loads and power of a propeller at operating points."""
-    where = _points(rpm, speed, beta, points, height=height)
+    where = _points(rpm, speed, beta, points, height=height, ceiling=ceiling)
     chosen = out.chosen_format(format_, output)
     rotor = choice.rotor()
     omega, speeds, angles = where.si

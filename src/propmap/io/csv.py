@@ -328,9 +328,10 @@ REMEDIES = {
     "beta": "give degrees: 0 axial climb, 90 edgewise flight, 180 descent",
     "climb": "give m/s, negative in descent",
     "height": "give the height of the disk above level ground in m, or omit it",
+    "ceiling": "give the distance of a level ceiling above the disk in m, or omit it",
 }
 
-FURTHER = {"height": "height_m"}
+FURTHER = {"height": "height_m", "ceiling": "ceiling_m"}
 """Columns of the optional quantities of an operating point, see ``operating_points.Further``."""
 
 SIGNED = ("beta", "climb")  # quantities that may be negative
