@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 import propmap
 from propmap.catalogue.lookup import Measurement, measurement, propeller
+from propmap.cli.demo import TUNNELS
 from propmap.cli.output import grid, json_text, show, write_text
 from propmap.fit.least_squares import errors, rms
 from propmap.fit.tunnel import TunnelData
@@ -433,7 +434,7 @@ def notes(results: Results) -> list[str]:
             f"{one.inside:.0%} for {LOADS[one.load].label} (rms error {one.relative_rms:.0%})"
             for one in results.by_name
         )
-        + ". The errors of all points in a tunnel are correlated.",
+        + f". {TUNNELS}",
         "Pitching moment: the recommended model predicts the measured sign. The magnitude is "
         f"{pitch[first]:.1f} times the measured one at {first:g} degrees and {pitch[last]:.1f} "
         f"times at {last:g} degrees. The measured moment is linear in the advance ratio. The "

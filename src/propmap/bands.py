@@ -124,6 +124,7 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
         # Constants fitted to the tunnel or flight of interest already include this error.
         share = OBLIQUE[name] * float(known.another_tunnel) * advance
         found[name] = np.hypot(own, share * np.abs(by_name[name]))
+    # The lengths of the effects are those of ground_effect.hpp.
     ground = NEAR_GROUND * np.exp(-((at.height / (0.97 * blade.radius)) ** 2))
     ground = np.hypot(ground, NEAR_GROUND * np.exp(-at.ceiling / (1.39 * blade.radius)))
     share = np.hypot(ground, RING * _ring(model, at, by_name["thrust"]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -66,6 +67,10 @@ def test_static_loads_by_name_have_the_distribution_of_the_stands(name: str, kin
 def test_the_numbers_are_those_that_the_tool_prints(capsys: pytest.CaptureFixture[str]) -> None:
     main(STANDS)
     lines = capsys.readouterr().out.splitlines()
+    for kind, errors in expected.STAND_ERRORS.items():
+        (line,) = [one for one in lines if one.startswith(kind)]
+        shown = [float(one) for one in re.findall(r"([\d.]+)%", line)[:2]]
+        assert shown == pytest.approx([100.0 * error for error in errors], abs=0.06)
     printed = {
         name: json.loads(value)
         for name, _, value in (line.partition(" = ") for line in lines if " = " in line)

@@ -1,14 +1,14 @@
-"""Print how well each propeller is predicted from the others, without its own rows.
+"""Print the errors and bands of each propeller that is predicted without its own rows.
 
 Usage: python -m tools.catalogue.left_out LOADS FILES
 
-LOADS is the UIUC database's loads.csv, FILES a folder with APC's PE0 files; the constants are the
-bundled ones.  Errors are root mean squares over those of what was measured, over the rows of a
-propeller; bands are those of 95 %, and what they hold is the mean over propellers of the share of
-rows.  Nothing of the bands is fitted to what they hold: their width is that of the distribution
-over the other propellers, and of the errors that own constants leave.  APC's series follow:
-propellers predicted with constants of the family and its mean blade, or that of the maker's file.
-The figures go into benchmarks/results/left_out.json as well.
+LOADS is the loads.csv of the UIUC database.  FILES is a folder with APC's PE0 files.  The section
+constants are those of the catalogue.  Errors are rms errors over the rows of a propeller, divided
+by the rms of the measured values.  Coverage is the fraction of rows inside the 95 % band, as a mean
+over propellers.  Half width and interval score of the bands are divided by the rms of the measured
+values.  The bands were not tuned to their coverage.  A second table compares mean blades with
+blades from manufacturers' files for APC's series.  The results go into
+benchmarks/results/left_out.json.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ from tools.catalogue.population import (
 RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"
 
 BAND = 1.959964
-"""Standard deviations on either side that hold 95 % of a normal distribution."""
+"""Half width of the 95 % interval of a normal distribution, in standard deviations."""
 
 
 def interval_score(error: Floats, deviation: Floats) -> Floats:
@@ -83,7 +83,7 @@ def interval_score(error: Floats, deviation: Floats) -> Floats:
 
 
 STEPS = 8
-"""Steps of the search for a population without one propeller, from that with it."""
+"""Search steps for the population without one propeller, from that of all propellers."""
 
 GROUPS = {
     "own": "own",
@@ -114,9 +114,9 @@ whose loads play no part in any population; "siblings" are of the same family an
 
 
 class Prediction(NamedTuple):
-    """How far C_T and C_P are off, and what their bands of 95 % hold; (2,) each."""
+    """Errors of C_T and C_P and properties of their 95 % bands, (2,) each."""
 
-    errors: Floats  # rms over rms of what was measured [-]
+    errors: Floats  # rms errors over the rms of the measured values [-]
     at_rest: Floats  # share of the rows inside the band; NaN where there are none
     moving: Floats
     half_width: Floats  # median of half the width of the 95 % band, over the rms [-]
@@ -134,7 +134,7 @@ class LeftOut(NamedTuple):
 def predicted(
     test: AxialTest, prior: PopulationPrior, errors: Floats, moving_only: bool = False
 ) -> Prediction:
-    """What the mean of ``prior`` and its covariance say of the rows of ``test``.
+    """Predict the rows of ``test`` with the mean and the covariance of ``prior``.
 
     ``errors`` (2,) are standard deviations of C_T and C_P [-] about the model with the best
     constants; with ``moving_only``, rows at rest are not counted.
@@ -341,7 +341,7 @@ def _on_mean(
 
 
 # -------------------------------------------------------------------------------------------------
-# The command: medians and 90th percentiles over propellers, and what bands hold.
+# The command: medians and 90th percentiles over propellers, and coverage of the bands.
 
 
 def main(loads: Path, folder: Path) -> None:

@@ -9,7 +9,7 @@ namespace propmap {
 // speed in the disk plane and v_i the mean inflow far from the ground.
 // The constants were fitted to static thrust at equal rotational speed, at 0.33 R and more (tools/ground_effect.py).
 // The image model of Cheeseman & Bennett (ARC R&M 3021, 1955), 1/(1 - (R/4h)^2), predicts 1.7 at 0.39 R; the measured
-// factor is 1.27.  The dependence on V is taken from them.  Callers reject heights below 0.3 R.
+// factor is 1.27.  The dependence on V is that of Cheeseman & Bennett.  Callers reject heights below 0.3 R.
 template <class S> S ground_effect(double tip, const Flow<S>& flow, const S& mean_inflow) {
     if (value(flow.height) > 8.0 * tip) return S{} + 1.0;  // the exponential underflows
     const S inflow = square(mean_inflow), away = square(flow.v_inplane) + speed_floor * speed_floor;
