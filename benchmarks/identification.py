@@ -31,7 +31,7 @@ from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import Choice
-from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
+from propmap.fit.tunnel import TunnelData, first_guess, model_with, tunnel_rows
 from propmap.flight.simulate import trim
 from propmap.model.airfoil import PAPER_FOUR, parameter_set
 from propmap.model.model import Model
@@ -219,7 +219,7 @@ def published() -> list[dict[str, Any]]:
     for data, free, loads in cases:
         choice = Choice(free)
         fitted = fit(tunnel_rows(model, data, choice, loads=loads), choice)
-        found_model = model.with_airfoil(section_with(model.airfoil, fitted.values))
+        found_model = model_with(model, fitted.values)
         checks = {
             other.source: {
                 load: {"relative_rms": c.all.relative_rms, "hover": c.all.hover_rms / c.all.rms}

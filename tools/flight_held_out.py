@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import csd
 
-from propmap.cli.fit_flight import read_flights
+from propmap.cli.fit_flight import BODY_PLATE, read_flights
 from propmap.fit.files import read_fit
 from propmap.fit.flight import HoverScale
 from propmap.fit.least_squares import rms
@@ -40,13 +40,17 @@ def main(vehicle: str, *flights: str) -> None:
     file, rows, factors = read_vehicle(vehicle), [], []
     for seen, unseen in (flights, flights[::-1]):
         with tempfile.TemporaryDirectory() as folder:
-            fit = str(Path(folder) / "fit.toml")
-            told("fit", "flight", seen, "--vehicle", vehicle, "-o", fit)
-            text = told("check", fit, unseen, "--vehicle", vehicle, "--format", "json")
-            known = read_fit(Path(fit)).values
+            fit = Path(folder) / "fit.toml"
+            loads = fit_and_check(vehicle, seen, unseen, fit)
+            found = read_fit(fit)
+            # The same fit with a body force proportional to |v_z| v_z instead of V v_z.
+            free = ",".join(found.record.free).replace(BODY_PLATE, "drag_area_z")
+            given = ("--free", free, "--prior-from", "population")
+            quadratic = fit_and_check(vehicle, seen, unseen, fit, *given)
+        known = found.values
         factors.append({"fitted": Path(seen).stem} | {name: known[name] for name in FACTORS})
         linear = linear_errors(file, low_passed(seen, file), low_passed(unseen, file))
-        for name, one in json.loads(text)["loads"].items():
+        for name, one in loads.items():
             load, _, unit = name.rpartition("_")
             rows.append(
                 {
@@ -58,6 +62,7 @@ def main(vehicle: str, *flights: str) -> None:
                     "propmap": one["rms"],
                     "hover_model": one["hover_rms"],
                     "linear": linear.get(load),
+                    "quadratic_along_z": quadratic[name]["rms"],
                     "in_band": one["in_band"],
                 }
             )
@@ -66,6 +71,13 @@ def main(vehicle: str, *flights: str) -> None:
         found = {"rows": rows, "factors": factors, "responses": turned}
         place.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     print(RESULTS)
+
+
+def fit_and_check(vehicle: str, seen: str, unseen: str, fit: Path, *options: str) -> dict[str, Any]:
+    """Fit one flight, and return the errors of the loads on the other flight."""
+    told("fit", "flight", seen, "--vehicle", vehicle, "-o", str(fit), *options)
+    text = told("check", str(fit), unseen, "--vehicle", vehicle, "--format", "json")
+    return dict(json.loads(text)["loads"])
 
 
 def told(*command: str) -> str:

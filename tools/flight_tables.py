@@ -59,13 +59,14 @@ def unseen_moments(found: dict[str, Any]) -> str:
 def unseen_forces(found: dict[str, Any]) -> str:
     """Tabulate errors of the forces on held-out flights, and the share in the 95 % band."""
     lines = [
-        "| fitted, held-out | axis | measured | propmap | in the band |",
-        "|---|---|---:|---:|---:|",
+        "| fitted, held-out | axis | measured | propmap | in the band | quadratic in v_z |",
+        "|---|---|---:|---:|---:|---:|",
     ]
     for row in (one for one in found["rows"] if one["linear"] is None):
         lines.append(
             f"| {_short(row['fitted'])}, {_short(row['unseen'])} | {row['load'][-1]} | "
-            f"{row['measured']:.2f} | {row['propmap']:.3f} | {100.0 * row['in_band']:.0f} % |"
+            f"{row['measured']:.2f} | {row['propmap']:.3f} | {100.0 * row['in_band']:.0f} % | "
+            f"{row['quadratic_along_z']:.3f} |"
         )
     return "\n".join(lines)
 
