@@ -19,6 +19,7 @@ LEFT_TO_RIGHT = (
     "model",
     "reference",
     "operating_points",
+    "backward",
     "bands",
     "rotor",
     "jax",

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
 from propmap.model.corrections import PittPeters
-from propmap.operating_points import FlowPoints, broadcast, split_velocity
+from propmap.operating_points import FlowPoints, broadcast, forward, split_velocity
 from propmap.results import Loads, Wrench, hub_wrench, spin_sign
 from propmap.rotor import Rotor
 from propmap.tasks import cores
@@ -213,6 +213,7 @@ class _StatePoints:
                 "gradients"
             )
         flow, direction = split_velocity(omega, velocity)
+        forward(flow)
         # Simulators pass one number, for which `broadcast` would double the time of this function.
         good = isinstance(dt, float) and 0.0 <= dt < np.inf
         (time,) = (np.array(dt),) if good else broadcast(dt=dt)

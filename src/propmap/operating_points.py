@@ -12,7 +12,7 @@ from propmap.errors import InputError, quoted
 from propmap.typing import Floats
 
 SPIN_REMEDY = "give a value of 0 or more [rad/s]; the spin, ccw or cw, sets the direction"
-"""Remedy for a negative omega."""
+"""Remedy for a negative omega where propellers cannot turn backward."""
 
 FAR = np.array(np.inf)  # distance of a rotor far from the ground or a ceiling [m]
 
@@ -27,7 +27,7 @@ class Further(TypedDict, total=False):
 class FlowPoints(NamedTuple):
     """Operating points for the compiled core: arrays of one shape, or ``FAR``."""
 
-    omega: Floats  # rotational speed [rad/s], >= 0
+    omega: Floats  # rotational speed [rad/s]; negative for a propeller that turns backward
     v_axial: Floats  # V cos(beta) [m/s], positive in climb
     v_inplane: Floats  # V sin(beta) [m/s], >= 0
     height: Floats = FAR  # of the disk above the ground [m], > 0
@@ -100,7 +100,6 @@ def resolved(
     w, v, b, *rest = broadcast(omega=omega, speed=speed, beta=beta, **more)
     if one and w.ndim:
         raise InputError("only one operating point is allowed: give scalars")
-    _refuse_negative("omega", w, SPIN_REMEDY)
     _refuse_negative("speed", v, "give a value of 0 or more [m/s], and beta = pi for descent")
     cosine, sine = np.cos(b), np.abs(np.sin(b))
     rounding = 4e-16 * np.maximum(1.0, np.abs(b))
@@ -115,7 +114,7 @@ def _resolved_alone(omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Flow
     number = float | int
     if not (isinstance(w, number) and isinstance(v, number) and isinstance(b, number)):
         return None
-    if not (math.isfinite(w) and math.isfinite(v) and math.isfinite(b) and w >= 0.0 and v >= 0.0):
+    if not (math.isfinite(w) and math.isfinite(v) and math.isfinite(b) and v >= 0.0):
         return None
     # NumPy's functions return the same bits as for an array of points.
     cosine, sine = float(np.cos(float(b))), abs(float(np.sin(float(b))))
@@ -148,7 +147,6 @@ def split_velocity(
     across = np.hypot(x, y)
     unit = np.where(across > 0.0, across, 1.0)
     direction = np.stack([np.where(across > 0.0, x / unit, 1.0), y / unit, np.zeros_like(x)], -1)
-    _refuse_negative("omega", w, SPIN_REMEDY)
     return FlowPoints(w, z, across, **dict(zip(more, rest, strict=True))), direction
 
 
@@ -163,11 +161,15 @@ def _split_alone(omega: ArrayLike, velocity: ArrayLike) -> tuple[FlowPoints, Flo
     for one in (omega, x, y, z):
         if not (isinstance(one, float | int) and math.isfinite(one)):
             return None
-    if omega < 0.0:
-        return None
     across = float(np.hypot(x, y))
     direction = np.array([x / across, y / across, 0.0] if across > 0.0 else [1.0, float(y), 0.0])
     return FlowPoints(np.array(float(omega)), np.array(float(z)), np.array(across)), direction
+
+
+def forward(points: FlowPoints) -> FlowPoints:
+    """Return ``points``; raise ``InputError`` for a negative omega."""
+    _refuse_negative("omega", points.omega, SPIN_REMEDY)
+    return points
 
 
 def _given(further: Further) -> dict[str, Any]:

@@ -13,7 +13,15 @@ from numpy.typing import NDArray
 from propmap.errors import InputError
 from propmap.typing import Floats
 
-STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
+STATUSES = (
+    "ok",
+    "multiple_roots",
+    "windmill",
+    "coarse",
+    "reversed",
+    "vortex_ring",
+    "not_converged",
+)
 """Statuses of a point, from harmless to fatal; if several apply, the last is reported."""
 
 
@@ -68,6 +76,8 @@ class Loads(LoadValues):
         - "multiple_roots": near stall the inflow has several solutions; the largest is used.
         - "windmill": the descent is so fast that the wake is above the disk.
         - "coarse": loads vary sharply along the blade, so that their error may exceed the accuracy.
+        - "reversed": the propeller turns backward, see ``propmap.backward``; no measurement
+          confirms these loads.
         - "vortex_ring": momentum theory is not valid; a measured inflow is blended in.  The loads
           are not reliable.
         - "not_converged": the loads are NaN.

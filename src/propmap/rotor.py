@@ -10,7 +10,7 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap import bands, results
+from propmap import backward, bands, results
 from propmap.errors import InputError
 from propmap.loads import DRAG_FACTOR, GEOMETRY, LOADS, MOUNT_AREA
 from propmap.model.airfoil import GROWING, GROWTHS
@@ -22,6 +22,7 @@ from propmap.operating_points import (
     Further,
     along_and_across,
     broadcast,
+    forward,
     rates_of,
     resolved,
     split_velocity,
@@ -102,13 +103,21 @@ class Rotor:
         """Rotor of the core with derivatives with respect to the exponents of Re, also at 0."""
         return self._core_of({**self.model.airfoil.core_law(), "kind": GROWING})
 
-    def _core_of(self, law: dict[str, Any]) -> CoreRotor:
+    @functools.cached_property
+    def _backward(self) -> tuple[CoreRotor, CoreRotor]:
+        """Rotors of the core for negative omega, see ``backward``."""
+        law = self.model.airfoil.core_law()
+        with_camber, without = backward.more_twist(self.model)
+        return self._core_of(law, with_camber), self._core_of(law, without)
+
+    def _core_of(self, law: dict[str, Any], more_twist: float = 0.0) -> CoreRotor:
         from propmap import core
 
         p, air = self.model.propeller, self.model.air
         blade: dict[str, Any] = {"blades": int(p.blades), "root": float(p.root)}
         for name in ("station", "chord", "twist"):
             blade[name] = np.ascontiguousarray(getattr(p, name), np.float64)
+        blade["twist"] = blade["twist"] + more_twist
         medium = {"density": float(air.density), "viscosity": float(air.viscosity)}
         fine = self.accuracy == "fine"
         return core.Rotor(blade, law, medium, core_corrections(self.model), fine)
@@ -121,7 +130,8 @@ class Rotor:
         Parameters
         ----------
         omega, speed : array_like
-            Rotational speed [rad/s] and airspeed V [m/s], >= 0; broadcast with ``beta``.
+            Rotational speed [rad/s] and airspeed V >= 0 [m/s]; broadcast with ``beta``.  A negative
+            omega is a propeller that turns backward, not one of the other spin; see ``backward``.
         beta : array_like
             Angle between velocity and rotor axis [rad]: 0 axial climb, pi/2 edgewise flight, pi
             axial descent.  beta and 2 pi - beta are mirror images with the same loads.
@@ -135,8 +145,8 @@ class Rotor:
         Raises
         ------
         InputError
-            For negative or non-finite values, shapes that do not broadcast, and distances
-            below 0.3 R.
+            For a negative airspeed, non-finite values, shapes that do not broadcast, and
+            distances below 0.3 R.
         """
         return self._loads(self._allowed(resolved(omega, speed, beta, **further)))
 
@@ -148,7 +158,7 @@ class Rotor:
         Parameters
         ----------
         omega : array_like, shape (...)
-            Rotational speed [rad/s], >= 0.
+            Rotational speed [rad/s], as in ``loads``.
         velocity : array_like, shape (..., 3)
             Velocity of the hub through the air, z along the thrust [m/s].  The leading axes
             broadcast with ``omega``.
@@ -176,7 +186,7 @@ class Rotor:
         """
         sign = results.spin_sign(spin)
         points, direction = split_velocity(omega, velocity, **further)
-        loads, _ = self._core.loads(self._allowed(points).rows, cores())
+        loads, _, _ = self._solved(self._allowed(points).rows)
         return results.hub_wrench(loads, direction, sign)
 
     @property
@@ -316,7 +326,7 @@ class Rotor:
         azimuth : array_like, optional
             Azimuth psi [rad]; by default every 5 degrees of a full turn.
         """
-        rows = resolved(omega, speed, beta, one=True).rows
+        rows = forward(resolved(omega, speed, beta, one=True)).rows
         root, tip = self.model.span
         y = broadcast(radius=np.linspace(root, tip, 60) if radius is None else radius)[0].ravel()
         turn = np.linspace(0.0, 2.0 * np.pi, 73)
@@ -349,7 +359,7 @@ class Rotor:
         InputError
             For arrays, and for values that ``loads`` refuses.
         """
-        found = self._core.solution(resolved(omega, speed, beta, one=True).rows)
+        found = self._core.solution(forward(resolved(omega, speed, beta, one=True)).rows)
         return results.SearchReport(
             radius=found["radius"],
             inflow=found["inflow"],
@@ -373,30 +383,50 @@ class Rotor:
 
     def _loads(self, points: FlowPoints) -> results.Loads:
         shape, rows = points.omega.shape, points.rows
-        loads, found = self._core.loads(rows, cores())
+        loads, found, deviations = self._solved(rows)
         if not self._has_deviations:
             return self._as_loads(loads, found, rows[0], shape)
-        at = functools.partial(self._deviations, FlowPoints(*rows), loads, shape)
+        at = functools.partial(self._deviations, FlowPoints(*rows), loads, shape, deviations)
         return self._as_loads(loads, found, rows[0], shape, at)
+
+    def _solved(self, rows: Floats) -> tuple[Floats, Floats, Floats | None]:
+        """Return loads (L, N), the other results of the core (5, N), and additional standard
+        deviations (L, N) of points with negative omega, if there are any."""
+        turns_back = rows[0] < 0.0
+        if not turns_back.any():
+            return *self._core.loads(rows, cores()), None
+        tip = self.model.span[1]
+        back = backward.solve(self._backward, tip, rows[:, turns_back])
+        loads, found = self._core.loads(np.where(turns_back, 0.0, rows), cores())
+        deviations = np.zeros_like(loads)
+        loads[:, turns_back], found[:, turns_back] = back.loads, back.found
+        deviations[:, turns_back] = back.deviations
+        return loads, found, deviations
 
     @functools.cached_property
     def _has_deviations(self) -> bool:
         return self.model.uncertainty is not None
 
     def _deviations(
-        self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
+        self, at: FlowPoints, loads: Floats, shape: tuple[int, ...], backward: Floats | None
     ) -> dict[str, results.LoadValues]:
         """Return ``Loads.std_by_source`` of loads (L, N) at N points, in arrays of ``shape``; NaN
-        where loads or their derivatives were not found."""
+        where loads or their derivatives were not found.  ``backward`` (L, N) contains additional
+        standard deviations of points with negative omega."""
+        # A rotor that turns backward has the derivatives of the upside-down rotor, approximately.
+        turned = np.where(at.omega < 0.0, -1.0, 1.0)
+        turned_at = at._replace(omega=turned * at.omega, v_axial=turned * at.v_axial)
         found = bands.deviations(
-            self.model, at, loads, lambda names: self.gradients_at(names, at).slopes
+            self.model, turned_at, loads, lambda names: self.gradients_at(names, turned_at).slopes
         )
+        if backward is not None:
+            found["discrepancy"] = np.hypot(found["discrepancy"], backward)
         values = {}
         for source, rows in found.items():
             lost = np.where(np.isnan(loads), np.nan, rows)
             by_name = dict(zip(LOADS, (row.reshape(shape) for row in lost), strict=True))
             values[source] = results.LoadValues(
-                **by_name, power=by_name["torque"] * at.omega.reshape(shape)
+                **by_name, power=by_name["torque"] * np.abs(at.omega).reshape(shape)
             )
         return values
 

@@ -140,7 +140,6 @@ def test_rest_is_rest(rotor: Rotor) -> None:
 @pytest.mark.parametrize(
     ("point", "told"),
     [
-        ((-1.0, 1.0, 0.0), "omega is negative"),
         ((100.0, -1.0, 0.0), "speed is negative"),
         ((100.0, 1.0, np.inf), "beta contains a value that is not finite"),
         (("fast", 1.0, 0.0), "omega"),

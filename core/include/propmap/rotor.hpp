@@ -56,8 +56,8 @@ inline constexpr double follow_below = 0.24, follow_descent_below = 0.45, revers
 // Above this speed [m/s], loads are NaN, because rounding of squared speeds removes all smaller terms.
 inline constexpr double fastest_flow = 1e6;
 
-// In order of severity: if several apply, the last one is returned.
-enum class Status : unsigned char { ok, multiple_roots, windmill, coarse, vortex_ring, not_converged };
+// In order of severity: if several apply, the last one is returned.  The Python package sets `reversed`.
+enum class Status : unsigned char { ok, multiple_roots, windmill, coarse, reversed, vortex_ring, not_converged };
 
 struct Result {  // at an operating point
     Loads<double> loads;  // [N], [N m]

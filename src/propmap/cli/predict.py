@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -27,7 +28,13 @@ if TYPE_CHECKING:
 @opt.takes_choices
 def predict(
     choice: opt.RotorChoice,
-    rpm: Annotated[float | None, Option(help="Rotational speed in rpm.")] = None,
+    rpm: Annotated[
+        float | None,
+        Option(
+            help="Rotational speed in rpm; negative for a propeller that turns backward, with the "
+            "trailing edges first."
+        ),
+    ] = None,
     speed: Annotated[float | None, Option(help="Airspeed in m/s (default: 0).")] = None,
     beta: Annotated[
         float | None,
@@ -62,7 +69,7 @@ def predict(
     chosen = out.chosen_format(format_, output)
     rotor = choice.rotor()
     omega, speeds, angles = where.si
-    opt.note_points(rotor.model, omega, speeds, angles)
+    opt.note_points(rotor.model, np.abs(omega), speeds, angles)
     loads = rotor.loads(omega, speeds, angles, **where.further)
     if count := int(np.count_nonzero(loads.roots > 1)):
         out.note(
@@ -72,7 +79,7 @@ def predict(
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
         opt.note_not_counted(rotor.model)
-        opt.note_untested_bands(rotor.model, omega, speeds, angles)
+        opt.note_untested_bands(rotor.model, np.abs(omega), speeds, angles)
     if chosen != "table":
         rows = where.rows(loads, spread)
         whole = None if points else rows[0]
@@ -81,7 +88,7 @@ def predict(
 
     from propmap.hover import HoverModel
 
-    hover = HoverModel.from_rotor(rotor).loads(omega)
+    hover = HoverModel.from_rotor(rotor).loads(np.where(omega < 0.0, np.nan, omega))
     hover["power"] = hover["torque"] * omega
     blade = rotor.model.propeller
     out.show(
@@ -111,7 +118,13 @@ def _points(
         return found
     if rpm is None:
         raise InputError("--rpm is missing", "give --rpm, or a file with --points")
-    return opt.single_point(rpm, speed or 0.0, beta or 0.0, **further)
+    found = opt.single_point(abs(rpm), speed or 0.0, beta or 0.0, **further)
+    if rpm < 0.0:
+        out.note(
+            "negative rpm: the propeller turns backward and pulls in the other direction; no "
+            "measurement confirms these loads; for either spin, give a positive rpm"
+        )
+    return replace(found, rpm=np.copysign(found.rpm, rpm))
 
 
 def _one_point(

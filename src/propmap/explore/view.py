@@ -241,6 +241,7 @@ STATUS_MARKS = {
     "multiple_roots": ("circle-open", COLORS[4]),
     "windmill": ("triangle-up", COLORS[2]),
     "coarse": ("diamond", COLORS[3]),
+    "reversed": ("triangle-down", COLORS[3]),
     "vortex_ring": ("square", COLORS[1]),
     "not_converged": ("x", "#CC0000"),
     "unresolved": ("diamond", COLORS[1]),
