@@ -105,7 +105,8 @@ GROUPS = {
 """Groups of predictions, with their labels in the printed table.
 
 The groups differ in the data from which the constants of a propeller are predicted, and in its
-blade.  By default the blade is measured, and all rows of the propeller are held out.
+blade.  Unless stated otherwise, the blade is that of the catalogue, and all rows of the propeller
+are held out.
 
 - ``own``: constants identified from all rows of the propeller.
 - ``own_run``, ``own_fastest``: constants identified without one run, at the middle or the highest
