@@ -1,11 +1,13 @@
-"""Times of trim and of a ranking, and power beside a measurement: `make bench ONLY=aircraft`.
+"""Times of trims and of a ranking, and errors of predicted power: `make bench ONLY=aircraft`.
 
-Writes results/aircraft.json, with a study of the delivery quadcopter with some propellers and of
-the tailsitter through its transition, which the documentation shows.  Power: electrical power of an
-8 in propeller in TU Delft's open-jet tunnel (arXiv 2507.03456, CC BY 4.0), whose shaft power is
-about 0.874 of it.  Section constants are identified on every second steady state, the others are
-predicted; then motor and controller, as three constants, are fitted to the same half.  Left out
-where the data are not at hand.
+Writes results/aircraft.json.  It also contains two studies that the documentation shows: the
+delivery quadcopter with several propellers, and the transition of the tailsitter.
+
+Measured power: electrical power of an 8 in propeller in TU Delft's open-jet tunnel (arXiv
+2507.03456, CC BY 4.0).  Its shaft power is about 0.874 times the electrical power.  Section
+constants are identified from every second steady state; the other half is predicted.  Three
+constants of motor and controller are then fitted to the first half.  This part is omitted without
+the data.
 """
 
 from __future__ import annotations
@@ -44,21 +46,25 @@ PROPELLERS = ("uiuc-apcsf-11x4.7", "uiuc-gwsdd-11x7", "uiuc-apce-11x5.5", "uiuc-
 NAMED = ("hover", "least_power", "best_range", "fastest")
 HEADWIND = 5.0
 TRANSITION = np.arange(0.0, 21.0, 2.0)
-"""[m/s] of a tailsitter."""
+"""Speeds of the tailsitter in its transition [m/s]."""
 
 TABLE_TOLERANCE = 0.05
-"""Tolerance of the table that is timed: queries take as long at any tolerance, builds do not."""
+"""Tolerance of the timed table.  It affects the time of the build, but not the time of a query."""
 
 SHAFT_SHARE = 0.874
 RADIUS = 0.1016
 LEAST_POWER, MOST_ADVANCE, LEAST_SAMPLES = 12.0, 0.95, 30
-"""[W], J, and samples of what counts: below, the motor's own losses are most of the power."""
+"""Minimum power [W], maximum advance ratio J and minimum number of samples of a steady state.  At
+lower power, most of it is lost in the motor."""
 
 FREE = ("c_l1", "zero_lift_angle", "c_d0")
 
 
 def least(action: Callable[[], object]) -> tuple[float, float]:
-    """Least wall and processor time [s] of some repeats, after one that compiles."""
+    """Return the shortest wall and processor time [s] of ``REPEATS`` calls of ``action``.
+
+    A first call, which compiles, is not timed.
+    """
     action()
     times = []
     for _ in range(REPEATS):
@@ -69,7 +75,7 @@ def least(action: Callable[[], object]) -> tuple[float, float]:
 
 
 def trims(vehicle: Vehicle) -> dict[str, Any]:
-    """Times of 30 trims on the rotor and on a table."""
+    """Measure the times of 30 trims with the rotor and with a table."""
     law, _ = expected_constants(None)
     corrections = propmap.model_corrections("recommended")
     model = propmap.Model(vehicle.propeller, law, vehicle.air, corrections)
@@ -97,7 +103,7 @@ def trims(vehicle: Vehicle) -> dict[str, Any]:
 
 
 def ranked(vehicle: Vehicle) -> dict[str, Any]:
-    """Times of a ranking of the whole catalogue, programs compiled before."""
+    """Measure the time of a ranking of the whole catalogue, without compilation."""
     candidates = catalogue_candidates()
     ranking = Ranking(vehicle, Task("cruise", 12.0), propmap.model_corrections("recommended"))
     ranking.judged(candidates[::10])
@@ -113,14 +119,17 @@ def ranked(vehicle: Vehicle) -> dict[str, Any]:
 
 
 def aircraft_with(name: str, vehicle: Vehicle) -> Aircraft:
-    """The vehicle with a propeller of the catalogue and what is known of its constants."""
+    """Return the vehicle with a catalogue propeller and its constants."""
     model = propmap.catalogue_model(name, air=vehicle.air)
     flown = replace(vehicle, propeller=model.propeller)
     return Aircraft(flown, propmap.Rotor(model))
 
 
 def study(vehicle: Vehicle) -> list[dict[str, Any]]:
-    """Named states of the delivery quadcopter with some propellers, in still air and in wind."""
+    """Return named states of the delivery quadcopter with several propellers.
+
+    They are computed in still air, and the best range also against wind.
+    """
     found = []
     for name in PROPELLERS:
         craft = aircraft_with(name, vehicle)
@@ -137,7 +146,7 @@ def study(vehicle: Vehicle) -> list[dict[str, Any]]:
 
 
 def transition(vehicle: Vehicle) -> list[dict[str, Any]]:
-    """A tailsitter from hover to cruise: the flow's angle to its rotors, power, the wing's part."""
+    """Return states of a tailsitter from hover to cruise, with the share of lift on the wing."""
     craft = aircraft_with(vehicle.propeller.name, vehicle)
     states = craft.steady(TRANSITION, margin=False)
     sure = spread(craft, states)
@@ -163,7 +172,7 @@ def transition(vehicle: Vehicle) -> list[dict[str, Any]]:
 
 
 def steady_rows() -> dict[str, np.ndarray]:
-    """Means over segments at one airspeed and rotor speed: omega, speed, electrical power."""
+    """Return omega, speed and electrical power, as means over samples of equal speeds."""
     with (DATA / "wt_10Hz.csv").open(encoding="utf-8") as file:
         rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
     groups: dict[tuple[float, float], list[dict[str, float]]] = {}
@@ -181,7 +190,7 @@ def steady_rows() -> dict[str, np.ndarray]:
 
 
 def measured_power() -> dict[str, Any]:
-    """Errors of predicted power on the half that was not fitted, both ways round."""
+    """Return the errors of predicted power on the held-out half, with each half held out once."""
     with (DATA / "propeller_geometry.csv").open(encoding="utf-8") as file:
         blade = [[float(v) for v in row.values()] for row in csv.DictReader(file)]
     station, chord, twist = np.array(blade).T
@@ -236,7 +245,7 @@ def measured_power() -> dict[str, Any]:
 
 
 def errors(predicted: np.ndarray, measured: np.ndarray) -> dict[str, float]:
-    """Root mean squares of the error over that of the power, and of the relative error."""
+    """Return the rms error over the rms power, and the rms of the relative error."""
     off = predicted - measured
     return {
         "rms_of_rms": round(float(np.sqrt(np.mean(off**2) / np.mean(measured**2))), 4),
@@ -245,7 +254,7 @@ def errors(predicted: np.ndarray, measured: np.ndarray) -> dict[str, float]:
 
 
 def main() -> None:
-    """Measure, print, and write the results."""
+    """Measure times and errors, print and write the results."""
     vehicle = read_vehicle(EXAMPLE).vehicle
     found: dict[str, Any] = {
         "machine": machine(),

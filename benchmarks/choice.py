@@ -1,10 +1,10 @@
-"""What each way to a rotor's loads costs and how far it is off: `make bench ONLY=choice`.
+"""Computing time and error of four methods to compute a rotor's loads: `make bench ONLY=choice`.
 
-Hover model, closed form, table and full model of one rotor: the APC 8x6E with constants fitted
-to thrust and torque of ``DATA`` (results/identification.json), compared with the model over the
-range of these data, as shares of static loads, and with the data themselves.  Beside it what
-constants fitted to UIUC's axial rows make of the same data, which that fit has not seen.  Writes
-results/choice.json.
+The methods are hover model, closed form, table and full model.  The rotor is the APC 8x6E with
+constants fitted to thrust and torque of ``DATA`` (results/identification.json).  Loads are compared
+with the full model over the range of these data, relative to static loads, and with the data.
+Hover model and full model with constants fitted to UIUC's axial rows are also compared with the
+data, which this fit does not contain.  Writes results/choice.json.
 """
 
 from __future__ import annotations
@@ -36,27 +36,30 @@ RPM = np.pi / 30.0
 OMEGA, SPEED, BETA = (3700.0 * RPM, 8000.0 * RPM), (0.0, 14.0), (0.0, 0.5 * np.pi)
 TOLERANCE = 0.01
 DATA = "gill-dandrea-2019-8x6e-fit"
-"""The closed-form blade-element model of the oblique campaign of 2019: no measurements."""
+"""The closed-form blade-element model of the oblique campaign of 2019, not its measurements."""
 POINTS, SEED = 4096, 2017
 SINGLE = 200
 
 
 @dataclass(frozen=True)
 class Way:
-    """A way to loads."""
+    """A method to compute loads."""
 
     name: str
     loads: Callable[[Floats, Floats, Floats], Floats]  # from omega, speed, beta (n,) to (4, n)
     one: Callable[[float, float, float], Any]
-    """Time of a single point, called as a simulation would."""
+    """Function of one operating point, called as in a simulation."""
 
 
 COMPARED = ("thrust", "drag", "torque", "roll_moment")
-"""Loads that all four ways give."""
+"""Loads that all four methods compute."""
 
 
 def fitted_rotor(data: str) -> Rotor:
-    """With the four constants and the zero-lift angle fitted to thrust and torque of ``data``."""
+    """Return the rotor with four constants and zero-lift angle fitted to thrust and torque.
+
+    ``data`` names the measurement.
+    """
     found = json.loads((RESULTS / "identification.json").read_text(encoding="utf-8"))
     (case,) = (
         c
@@ -70,7 +73,7 @@ def fitted_rotor(data: str) -> Rotor:
 
 
 def ends(rotor: Rotor) -> tuple[Way, Way]:
-    """The cheapest way and the dearest: hover model and full model."""
+    """Return the fastest and the slowest method: hover model and full model."""
     hover = HoverModel.from_rotor(rotor)
 
     def hover_loads(w: Floats, _: Floats, __: Floats) -> Floats:
@@ -86,7 +89,7 @@ def ends(rotor: Rotor) -> tuple[Way, Way]:
 
 
 def between(table: LoadTable) -> tuple[Way, Way]:
-    """What is made from a table: the closed form, and the table itself."""
+    """Return the methods based on a table: the closed form, and the table itself."""
     closed = _multinomial(table)
 
     def closed_loads(w: Floats, v: Floats, b: Floats) -> Floats:
@@ -107,7 +110,7 @@ def between(table: LoadTable) -> tuple[Way, Way]:
 
 
 def _multinomial(table: LoadTable) -> Any:
-    """The module that ``propmap export --to multinomial`` writes."""
+    """Import the module that ``propmap export --to multinomial`` writes."""
     with TemporaryDirectory() as folder:
         (path,) = (p for p in export_table(table, "multinomial", folder) if p.suffix == ".py")
         module = types.ModuleType("multinomial")
@@ -120,7 +123,10 @@ def _stacked(found: Any) -> Floats:
 
 
 def seconds(call: Callable[[], Any], repeats: int) -> float:
-    """Least time of ``call``, after one that does not count: others' work only adds to it."""
+    """Return the shortest time of ``call`` [s], because other processes only lengthen it.
+
+    A first call is not timed.
+    """
     call()
     taken = []
     for _ in range(repeats):
@@ -131,7 +137,7 @@ def seconds(call: Callable[[], Any], repeats: int) -> float:
 
 
 def measured_errors(way: Way) -> dict[str, float]:
-    """Root mean square of the error over that of the measured load, by load."""
+    """Return the rms error over the rms of the measured load, by load."""
     data = measurement(DATA)
     found = way.loads(data.omega, data.speed, data.beta)
     scale = data.air_density / propmap.Air().density
@@ -144,7 +150,7 @@ def measured_errors(way: Way) -> dict[str, float]:
 
 
 def measure() -> dict[str, Any]:
-    """All figures."""
+    """Measure times and errors of all methods."""
     place = machine()
     rotor = fitted_rotor(DATA)
     begin = time.perf_counter()

@@ -1,11 +1,11 @@
-"""A coaxial pair in hover beside a stand: `make bench ONLY=coaxial`.
+"""Loads of a coaxial pair in hover, compared with a test stand: `make bench ONLY=coaxial`.
 
-Writes results/coaxial.json: thrust and shaft power of both rotors at the measured speeds.  Nothing
-is fitted to the pair: the section constants are those that `propmap fit tunnel` finds from 30
-measurements of one such rotor alone.  Beside them, the ideal power of two coaxial rotors.
+Writes results/coaxial.json: thrust and shaft power of both rotors at the measured rotor speeds, and
+the ideal power of two coaxial rotors.  No constants are fitted to the pair.  `propmap fit tunnel`
+identified the section constants from 30 measurements of one isolated rotor.
 
-Figures: T-Motor 28 in, examples of pyBEMT (K. E. T. Giljarhus, J. Open Source Software 5, 2020,
-doi 10.21105/joss.02480; MIT License): geometry, and measured loads of a pair 0.115 m apart.
+Geometry, and measured loads of a pair 0.115 m apart: T-Motor 28 in, examples of pyBEMT (K. E. T.
+Giljarhus, J. Open Source Software 5, 2020, doi 10.21105/joss.02480; MIT License).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ CONSTANTS = Airfoil(
     drag_angle=0.0530997,
     corrections=("pitt-peters",),
 )
-APART = 0.115  # [m]
+APART = 0.115  # distance of the measured rotors [m]
 MEASURED = np.array(
     [
         (1037, 5.44, 22.38, 1024, 3.51, 19.31),
@@ -66,19 +66,19 @@ MEASURED = np.array(
         (3102, 56.7, 644.1, 3125, 37.4, 562.7),
     ]
 )
-"""Speed [1/min], thrust [N] and shaft power [W] of the upper rotor, and of the lower one."""
+"""Columns: speed [1/min], thrust [N] and shaft power [W] of the upper rotor, then of the lower."""
 
-HEIGHTS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0)
+HEIGHTS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0)  # distances for the ideal power [radii]
 
 
 def pair(height: float) -> Vehicle:
-    """Two of the rotors on one axis, ``height`` [m] apart, the upper one first."""
+    """Return two rotors on one axis, ``height`` [m] apart, the upper rotor first."""
     mounts = (Mount((0.0, 0.0, height)), Mount((0.0, 0.0, 0.0), spin="cw"))
     return Vehicle("pair", 4.0, PROPELLER, mounts, wakes=SLIPSTREAMS)
 
 
 def computed(vehicle: Vehicle) -> tuple[Floats, Floats]:
-    """Thrust [N] and shaft power [W] of both rotors at the measured speeds, (n, 2)."""
+    """Return thrust [N] and shaft power [W] of both rotors at the measured speeds, (n, 2) each."""
     omega = MEASURED[:, [0, 3]] * RPM
     rotor = Rotor(Model(PROPELLER, CONSTANTS, vehicle.air))
     found = VehicleForces(vehicle, rotor).wrench(omega, (0.0, 0.0, 0.0))
@@ -86,7 +86,10 @@ def computed(vehicle: Vehicle) -> tuple[Floats, Floats]:
 
 
 def ideal_power(height: float) -> float:
-    """Induced power of two equal thrusts in hover over that of two apart; ``height`` in radii."""
+    """Return the induced power of a pair in hover, divided by that of two isolated rotors.
+
+    Both rotors have equal thrust and are ``height`` radii apart.
+    """
     vehicle = pair(height * PROPELLER.radius)
     still, none, thrust = np.zeros((1, 2)), np.zeros((1, 3)), np.ones((1, 2))
     added = added_flow(vehicle, SLIPSTREAMS, hub_flow_at(vehicle, still, none, none), thrust)
@@ -96,7 +99,7 @@ def ideal_power(height: float) -> float:
 
 
 def main() -> None:
-    """Compare, and write what was found."""
+    """Compute the loads, print them and write the results."""
     thrust, power = computed(pair(APART))
     rows: list[dict[str, Any]] = []
     for k, measured in enumerate(MEASURED.tolist()):

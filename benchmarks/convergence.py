@@ -1,13 +1,16 @@
-"""How accurate numerically: `make bench ONLY=convergence`.  Writes results/convergence.json.
+"""Numerical errors of the loads: `make bench ONLY=convergence`.  Writes results/convergence.json.
 
-Three comparisons.  Both settings against the frozen loads of the independent, literal reference in
-tests/oracle, for the three parameter sets of Table I on the APC 8x6E; there ``standard`` against
-``fine`` at random points from climb to descent; and the same for random section laws on ten blades,
-from climb to edgewise flight, where points with the status "coarse" are counted apart.
+There are three comparisons:
 
-Errors are shares of the static thrust (T, D), torque (tau) or thrust times radius (rolling moment)
-at the same rotational speed, as in a table's certificate; where the blade is stalled at rest, of
-rho A (Omega R)^2 / 2 times the solidity in place of thrust.
+- Both accuracy settings with the stored loads of the independent reference in tests/oracle, for the
+  three parameter sets of Table I on the APC 8x6E.
+- ``standard`` with ``fine`` for the same parameter sets, at random points from climb to descent.
+- ``standard`` with ``fine`` for random section laws on ten blades, from climb to edgewise flight.
+  Points with the status "coarse" are counted separately.
+
+Errors are relative to the static loads at the same rotational speed, as in the certificate of a
+table: thrust (for T and D), torque (for tau), thrust times radius (for the rolling moment).  For a
+blade that is stalled at rest, rho A (Omega R)^2 / 2 times the solidity replaces the thrust.
 """
 
 from __future__ import annotations
@@ -33,7 +36,7 @@ SEED = 2017
 POINTS = 3000
 RPM = np.pi / 30.0
 ROTORS, POINTS_EACH = 60, 50
-"""Random section laws, and points of each."""
+"""Number of random section laws, and of points for each law."""
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")
 BANDS = (0.0, 0.1, 0.2, 0.3, 0.5, 1.0, np.inf)
@@ -43,7 +46,10 @@ REFERENCE = Path(__file__).parents[1] / "tests" / "oracle" / "reference_loads.cs
 
 
 def random_flow() -> tuple[Floats, Floats, Floats]:
-    """omega [rad/s], v_axial, v_inplane [m/s], (POINTS,): 2000-10000 rpm, 0-20 m/s, 0-180 deg."""
+    """Return random omega [rad/s], v_axial and v_inplane [m/s], (POINTS,) each.
+
+    The ranges are 2000 to 10000 rpm, 0 to 20 m/s and beta of 0 to 180 deg.
+    """
     rng = np.random.default_rng(SEED)
     rpm, speed = rng.uniform(2000.0, 10000.0, POINTS), rng.uniform(0.0, 20.0, POINTS)
     beta = np.radians(rng.uniform(0.0, 180.0, POINTS))
@@ -51,23 +57,26 @@ def random_flow() -> tuple[Floats, Floats, Floats]:
 
 
 def at_flow(rotor: Rotor, omega: Floats, axial: Floats, inplane: Floats) -> Loads:
-    """Loads (N,) at components of the velocity."""
+    """Return the loads (N,) at axial and in-plane components of the velocity."""
     return rotor.loads(omega, np.hypot(axial, inplane), np.arctan2(inplane, axial))
 
 
 def by_name(found: Loads) -> dict[str, Floats]:
-    """The loads (N,) each."""
+    """Return the loads by name, (N,) each."""
     return {name: np.asarray(getattr(found, name)) for name in LOADS}
 
 
 def shares(found: Loads, truth: dict[str, Floats], scales: dict[str, Floats]) -> Floats:
-    """Errors (loads, N) [-] against a ``truth``, as shares of ``scales``, (N,) each."""
+    """Return the errors (loads, N) [-]: differences from ``truth`` divided by ``scales``."""
     loads = by_name(found)
     return np.array([np.abs((loads[k] - truth[k]) / scales[k]) for k in LOADS])
 
 
 def summary(errors: Floats, advance: Floats) -> list[dict[str, Any]]:
-    """Largest error and 95th percentile by band, all points last; errors (loads, N)."""
+    """Return largest error and 95th percentile by band of advance ratio, then for all points.
+
+    ``errors`` are (loads, N).
+    """
     rows = []
     for low, high in [*itertools.pairwise(BANDS), (BANDS[0], BANDS[-1])]:
         mine = (advance >= low) & (advance < high)
@@ -87,7 +96,7 @@ def summary(errors: Floats, advance: Floats) -> list[dict[str, Any]]:
 
 
 def against_fine(models: dict[str, Model]) -> dict[str, Any]:
-    """``standard`` against ``fine`` at random points, all sets together."""
+    """Compare ``standard`` with ``fine`` at random points of all parameter sets."""
     flow = random_flow()
     omega, _, inplane = flow
     errors, advance = [], []
@@ -100,7 +109,7 @@ def against_fine(models: dict[str, Model]) -> dict[str, Any]:
 
 
 def against_reference(models: dict[str, Model]) -> dict[str, Any]:
-    """Each setting against the frozen loads of the literal reference."""
+    """Compare each setting with the stored loads of the reference."""
     with REFERENCE.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     found: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
@@ -108,7 +117,7 @@ def against_reference(models: dict[str, Model]) -> dict[str, Any]:
     for name, model in models.items():
         mine = [row for row in rows if row["set"] == name.removeprefix("paper-")]
         column = {k: np.array([float(row[k]) for row in mine]) for k in rows[0] if k != "set"}
-        # Inflow that is the same all around gives neither side force nor pitching moment.
+        # Inflow that is uniform over azimuth causes neither side force nor pitching moment.
         truth = dict.fromkeys(LOADS, np.zeros(len(mine))) | column
         static = {load: column[f"static_{load}"] for load in ("thrust", "torque")}
         scales = error_scales(static, model.propeller.radius)
@@ -122,7 +131,10 @@ def against_reference(models: dict[str, Model]) -> dict[str, Any]:
 
 
 def other_laws() -> dict[str, Any]:
-    """``standard`` against ``fine`` for random section laws; "coarse" points count apart."""
+    """Compare ``standard`` with ``fine`` for random section laws.
+
+    Points with the status "coarse" are counted and excluded from the errors.
+    """
     errors, advance, coarse = [], [], dict.fromkeys(ACCURACIES, 0)
     for k, one in enumerate(other_rotors(ROTORS, SEED)):
         model, flow = Model(one.propeller(), one.airfoil), other_flow(POINTS_EACH, SEED + k)
@@ -142,7 +154,7 @@ def other_laws() -> dict[str, Any]:
 
 
 def table(title: str, found: dict[str, Any]) -> None:
-    """Print errors in per cent of the static load."""
+    """Print errors in percent of the static load."""
     print(title)
     print(f"{'setting':9} {'advance ratio':>13} {'points':>6}", end="")
     print("".join(f"{load + ' 95 %':>17}{'largest':>10}" for load in LOADS))
@@ -160,7 +172,7 @@ def table(title: str, found: dict[str, Any]) -> None:
 
 
 def main() -> None:
-    """Compare, print, and write the results."""
+    """Make the comparisons, print and write the results."""
     start = time.perf_counter()
     blade = propmap.propeller("apc-8x6e")
     models = {name: Model(blade, propmap.airfoil(name)) for name in SETS}

@@ -1,10 +1,10 @@
-"""How well whole flights of six axes are identified: `make bench ONLY=flight_twins`.
+"""Twin experiments of fits of all forces and moments: `make bench ONLY=flight_twins`.
 
-Two flights of half a minute each are computed with known constants, place of the accelerometer,
-gains of wakes and thrust scales, and identified again: once without noise, and a hundred times
-with noise that is alike for a while, to count how often the stated 95 % intervals hold the truth;
-searches start at the truth there.  Beside it stands how often they would if every number erred by
-itself.  Writes results/flight_twins.json.
+Two flights of half a minute each are simulated with known parameters: section constants, position
+of the accelerometer, gains of wakes, thrust scales.  These parameters are identified once without
+noise and a hundred times with correlated noise.  The noisy fits start at the truth.  The benchmark
+counts how often the 95 % intervals contain the truth.  For comparison, it also counts this for
+intervals that assume independent rows.  Writes results/flight_twins.json.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ ONCE = Settings(starts=1, folds=0)
 
 
 def noise_free(twin: Twin) -> dict[str, Any]:
-    """What is found without noise, from a start that is off."""
+    """Identify the parameters without noise, from a start with a wrong lift slope."""
     priors = {name: Prior(TRUTH[name], deviation) for name, deviation in BEFOREHAND.items()}
     choice = Choice(FREE, FIXED, priors, start={"c_l1": 5.0})
     exact = replace(twin.rows, measured=twin.measured(TRUTH))
@@ -48,7 +48,7 @@ def noise_free(twin: Twin) -> dict[str, Any]:
 
 
 def as_if_independent(found: Fitted) -> tuple[Floats, Floats]:
-    """Ends of the 95 % intervals if every row erred by itself."""
+    """Return the ends of the 95 % intervals under the assumption of independent rows."""
     slopes, residual = found.minimum.slopes, found.minimum.residual
     variance = float(residual @ residual) / (residual.size - found.x.size)
     by_prior = np.sqrt(variance) * found.choice.prior_residuals(found.x)[1]
@@ -59,7 +59,7 @@ def as_if_independent(found: Fitted) -> tuple[Floats, Floats]:
 
 
 def coverage(twin: Twin, noise: Noise) -> Iterator[dict[str, Any]]:
-    """Share of noisy twins whose intervals hold the truth, by parameter, after each of them."""
+    """Fit the noisy twins; after each fit, yield the coverage of the intervals by parameter."""
     shape = REPETITIONS, len(FREE)
     inside, alone, good = np.zeros((3, *shape), bool)
     width, off = np.zeros((2, *shape))
@@ -82,7 +82,10 @@ def coverage(twin: Twin, noise: Noise) -> Iterator[dict[str, Any]]:
 
 
 def told(inside: Bools, alone: Bools, good: Bools, width: Floats, off: Floats) -> dict[str, Any]:
-    """By parameter, from what came out of each twin; all (twins, parameters)."""
+    """Return coverage, width and spread by parameter.
+
+    The arguments have one row per twin and one column per parameter.
+    """
     return {
         name: {
             "called_identified": int(good[:, k].sum()),
@@ -100,7 +103,7 @@ def told(inside: Bools, alone: Bools, good: Bools, width: Floats, off: Floats) -
 
 
 def main() -> None:
-    """Make the twin, fit, print and write; with an argument, without the noisy ones."""
+    """Fit the twins, print and write the results; any argument skips the noisy twins."""
     begin = time.process_time()
     twin, noise = Twin(), Noise()
     found: dict[str, Any] = {"machine": machine()}
@@ -114,7 +117,7 @@ def main() -> None:
     for count, found["coverage"] in enumerate(coverage(twin, noise), start=1):
         found["repetitions"] = count
         found["processor_s"] = round(time.process_time() - begin, 1)
-        # After each, since all of them take some ten minutes.
+        # Results are written after each twin, because all twins take about ten minutes.
         write_results("flight_twins.json", found)
     print(json.dumps(found["coverage"], indent=1))
 

@@ -57,13 +57,13 @@ from tools.catalogue.left_out import BAND, interval_score
 
 SHARES = (0.50, 0.80, 0.95)
 LOADS = ("thrust", "torque", "drag", "roll_moment", "side_force", "pitch_moment")
-LEAST_INSIDE = 0.90  # share of the rows of each campaign inside the 95 % bands
+LEAST_INSIDE = 0.90  # minimum share of the rows of each campaign inside the 95 % bands
 
 NEAR_REST = 0.02
 """Minimum advance ratio of a row in oblique flow."""
 
 ADVANCE = np.linspace(0.05, 0.25, 5)
-"""Advance ratios of the compared in-plane forces, from the 2019 campaign."""
+"""Advance ratios at which in-plane forces of the 2019 campaign are compared."""
 
 TIP_SPEED = 84.0  # [m/s], about the middle of the 2019 campaign
 
@@ -270,7 +270,7 @@ def over_runs(runs: Sequence[HeldOut], gain: float) -> tuple[float, float, float
 
 
 def gain_of(runs: Sequence[HeldOut]) -> float:
-    """Return the standard deviation between specimens or runs with the smallest mean score."""
+    """Return the standard deviation between specimens or runs that minimizes the mean score."""
     found = minimize_scalar(lambda g: over_runs(runs, g)[2], bounds=(0.0, 0.1), method="bounded")
     return float(found.x)
 
@@ -282,7 +282,7 @@ LEAST_RANGE = 2.0  # ratio of the highest to the lowest rotational speed
 
 
 class Exponents(NamedTuple):
-    """Exponents of C_T and C_P over the rotational speed at rest, (2,) each."""
+    """Exponents of static C_T and C_P as powers of the rotational speed, (2,) each."""
 
     family: str
     measured: Floats
@@ -290,7 +290,7 @@ class Exponents(NamedTuple):
 
 
 def static_exponents(data: Path) -> Iterator[Exponents]:
-    """Fit the exponents of all two-blade propellers with measured constants."""
+    """Fit the exponents of all two-blade propellers with identified constants."""
     rows = {one.name: one for one in refiled(read_uiuc_database(data / "uiuc" / "loads.csv"))}
     entries = [*one_of_each(all_identified()), *identified_without_blade()]
     for one in entries:
@@ -309,7 +309,7 @@ def static_exponents(data: Path) -> Iterator[Exponents]:
 
 
 def print_exponents(found: Sequence[Exponents]) -> None:
-    """Print the medians of the exponents by family, and of the excess over all propellers."""
+    """Print median exponents by family, and the median of measured minus predicted exponents."""
     print("at rest, exponents over rpm, two blades: C_T measured, predicted; C_P; propellers")
     for family in sorted({one.family for one in found}):
         some = [one for one in found if one.family == family]
@@ -325,7 +325,10 @@ def print_exponents(found: Sequence[Exponents]) -> None:
 
 
 def with_shares(shares: Mapping[str, float]) -> ExitStack:
-    """Set the shares of oblique flow by load, until the returned context ends."""
+    """Replace the shares of oblique flow in ``propmap.bands`` until the returned context ends.
+
+    ``shares`` are by load.
+    """
     stack = ExitStack()
     for table in (bands.OBLIQUE, bands.INPLANE):
         own = {name: share for name, share in shares.items() if name in table}
@@ -366,7 +369,7 @@ class InPlane(NamedTuple):
     name: str
     measured: Floats
     installed: Loads
-    factor: float  # best fit of the factor on the drag of the blades, with the typical area
+    factor: float  # fitted factor on the drag of the blades, with the typical mount area
 
 
 def in_plane(data: Path) -> Iterator[InPlane]:
@@ -390,7 +393,7 @@ def _named(name: str) -> str:
 
 
 def _factor(model: Model, flow: tuple[Any, Any, Any], measured: Floats) -> float:
-    """Fit the factor on the drag of the blades to ``measured`` forces, with the typical area."""
+    """Fit the factor on the drag of the blades to ``measured``, with the typical mount area."""
     plain, mount = (
         Rotor(model.with_mount(Installed(factor))).loads(*flow).drag for factor in (1.0, 0.0)
     )
@@ -404,13 +407,15 @@ VEHICLES = [
     ("X500, PX4 and RotorS default", "APC 11x4.7SF", 2, 60.0, "1.32"),
     ("S500, tuned by hand to a log", "10x4.5", 2, 60.0, "3.84"),
 ]
-"""Name, its propeller or a similar one, blades, tip speed in hover [m/s], and published H/(T mu) of
-the whole vehicle."""
+"""Name, propeller of the vehicle or a similar one, number of blades, tip speed in hover [m/s], and
+published H/(T mu) of the whole vehicle."""
 
 
 def vehicles() -> Iterator[tuple[str, str, float, float, float]]:
-    """Yield name, then H/(T mu): published, of bare blades, of the installed rotor, and half its
-    95 % band, at an advance ratio of 0.1."""
+    """Yield the name of each vehicle and its H/(T mu) at an advance ratio of 0.1.
+
+    The values are: published, bare blades, installed rotor, half width of its 95 % band.
+    """
     for name, propeller, blades, tip, published in VEHICLES:
         model = propmap.catalogue_model(propeller, blades)
         flow = (tip / model.propeller.radius, 0.1 * tip, 0.5 * np.pi)

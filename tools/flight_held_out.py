@@ -1,10 +1,11 @@
-"""File how well flights are predicted that a fit has not seen: forces, moments and their bands.
+"""Compute errors of predicted forces and moments on held-out flights, and coverage of the bands.
 
 Usage: python -m tools.flight_held_out VEHICLE.toml FLIGHT.csv FLIGHT.csv
 
-Fits each flight by `propmap fit flight` and checks the other by `propmap check`, with a linear
-model of the moments beside it; and says by frequency how a difference of the rotors' thrusts turns
-the vehicle.  Writes benchmarks/results/flight_held_out.json.
+The tool fits each flight with `propmap fit flight` and checks the fit on the other flight with
+`propmap check`.  For comparison, it fits a linear model of the moments.  It also computes the
+frequency response of the measured moments to differences of the rotor thrusts.  It writes
+benchmarks/results/flight_held_out.json.
 """
 
 from __future__ import annotations
@@ -32,11 +33,11 @@ from propmap.vehicle.files import VehicleFile, read_vehicle
 from propmap.vehicle.log import DERIVATIVE_CUTOFF, FlightLog, hub_flow
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "flight_held_out.json"
-EDGES = (0.0, 0.5, 1.0, 3.0, 14.0)  # of bands of frequency [Hz]
+EDGES = (0.0, 0.5, 1.0, 3.0, 14.0)  # edges of the frequency bands [Hz]
 
 
 def main(vehicle: str, *flights: str) -> None:
-    """Fit and check both ways, and write what came out."""
+    """Fit each flight, check the fit on the other flight, and write the results."""
     file, rows, factors = read_vehicle(vehicle), [], []
     for seen, unseen in (flights, flights[::-1]):
         with tempfile.TemporaryDirectory() as folder:
@@ -81,21 +82,22 @@ def fit_and_check(vehicle: str, seen: str, unseen: str, fit: Path, *options: str
 
 
 def told(*command: str) -> str:
-    """What a command of propmap prints."""
+    """Run a propmap command in a process and return its printed output."""
     every = [sys.executable, "-m", "propmap", *command]
     return subprocess.run(every, check=True, capture_output=True, text=True).stdout
 
 
 def low_passed(path: str, file: VehicleFile, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
-    """The samples in flight, as fits and checks have them."""
+    """Return the samples in flight, filtered as in fits and checks."""
     return read_flights([Path(path)], file, "balance", low_pass=cutoff).log
 
 
 def responses(path: str, file: VehicleFile) -> Iterator[dict[str, Any]]:
-    """What turns a vehicle about x and y over the rotors' thrusts times arms, by frequency.
+    """Yield the response of the measured moments about x and y to rotor thrusts times arms.
 
-    Thrusts are as the squares of the rotor speeds in hover; the coherence is 1 where these explain
-    all.
+    Gain, phase lag and coherence are by frequency band.  The thrusts are those of the hover model,
+    proportional to the squared rotor speeds.  The coherence is 1 if the thrusts explain the moment
+    completely.
     """
     log, vehicle = low_passed(path, file, 0.0), file.vehicle
     flow, per_square = hub_flow(vehicle, log), HoverScale.of(vehicle, log).reference
@@ -120,7 +122,7 @@ def responses(path: str, file: VehicleFile) -> Iterator[dict[str, Any]]:
 
 
 def linear_errors(file: VehicleFile, seen: FlightLog, unseen: FlightLog) -> dict[str, float]:
-    """Rms errors [N m] on one flight of a linear model of moments by another."""
+    """Fit a linear model of the moments to ``seen``; return its rms errors [N m] on ``unseen``."""
     known, wanted = (measured_moment(file.vehicle, log) for log in (seen, unseen))
     found = {}
     for k, axis in enumerate("xyz"):
@@ -130,8 +132,11 @@ def linear_errors(file: VehicleFile, seen: FlightLog, unseen: FlightLog) -> dict
 
 
 def terms(file: VehicleFile, log: FlightLog) -> Floats:
-    """What each moment is linear in, (3, n, 5): squared speeds by arm, or by spin about z; their
-    sum; and the sum of the speeds times the velocity."""
+    """Return the regressors of the linear model for the moments about x, y and z, (3, n, 5).
+
+    They are the squared rotor speeds times arms (about z, times spins), the sum of the squared
+    rotor speeds, and the sum of the rotor speeds times each velocity component.
+    """
     flow = hub_flow(file.vehicle, log)
     squares = np.square(flow.omega)
     arms = np.cross(flow.position, flow.axis) - flow.spin[:, None] * flow.axis

@@ -1,11 +1,11 @@
-"""Print measured thrust ratios near the ground and a ceiling, and the factors of propmap.
+"""Fit the factors on thrust near the ground and a ceiling to measured thrust ratios.
 
 Usage: python -m tools.ground_effect ROWS
 
 ROWS is the file ground_ceiling_wall.csv of the reference data: thrust of 10-inch and 12-inch
-propellers by throttle and distance.  Each thrust is divided by that at the largest distance and the
-same throttle, and by the squared ratio of the rotational speeds.  The constants are fitted to the
-medians over the throttles by least squares.
+propellers by throttle and distance.  A thrust ratio is the thrust over the thrust at the largest
+distance and the same throttle.  It is divided by the squared ratio of the two rotational speeds.
+The constants are fitted by least squares to the medians over the throttles.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def ground(distance: Floats, gain: float, reach: float) -> Floats:
 
 
 def ceiling(distance: Floats, gain: float, reach: float) -> Floats:
-    """Return the factor on the thrust at n distances of a ceiling in radii."""
+    """Return the factor on the thrust at n distances below a ceiling in radii."""
     return np.asarray(1.0 + gain * np.exp(-distance / reach))
 
 
@@ -54,7 +54,7 @@ EFFECTS = {"ground": ground, "ceiling": ceiling}
 
 
 def constants(effect: str, ratios: dict[tuple[float, float], Floats]) -> tuple[float, float]:
-    """Fit gain and reach of an effect to the medians."""
+    """Fit gain [-] and reach [radii] of an effect to the medians of the ``ratios``."""
     distance = np.array([distance for _, distance in ratios])
     medians = np.array([np.median(values) for values in ratios.values()])
     gain, reach = curve_fit(EFFECTS[effect], distance, medians, (0.2, 1.0))[0]

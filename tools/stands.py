@@ -9,10 +9,11 @@ database contains.  76 propellers remain.  ``DENSITY`` is assumed if none was re
 
 For each measurement, the tool computes the median of log(measured / predicted load) over its rows.
 The prediction uses the mean blade and the constants of all series of the UIUC database.  Several
-measurements of one propeller are replaced by their median.  The medians over the propellers are the
-shift of ``propmap.catalogue.expected``.  The standard deviation of each kind minimizes the mean
-interval score of the 95 % bands (Gneiting, Raftery, J. Am. Stat. Assoc. 102, 2007).  It is then
-widened by the t distribution, and includes differences between stands.
+measurements of one propeller are replaced by their median.  ``STAND_SHIFT`` of
+``propmap.catalogue.expected`` is the median over the propellers.  ``STAND_DEVIATIONS`` has one
+standard deviation per kind of propeller.  It minimizes the mean interval score of the 95 % bands
+(Gneiting, Raftery, J. Am. Stat. Assoc. 102, 2007) and is then widened by the t distribution.  It
+includes differences between stands.
 
 Each propeller is then predicted without its own measurements.  The tool prints, by kind, the median
 error of thrust and torque, half the width of the 95 % bands, and the share of propellers inside.
@@ -52,8 +53,8 @@ DENSITY = 1.20  # [kg/m^3], where none was recorded
 SLOW = 0.35  # smallest rotor speed, as a fraction of the highest
 
 SCATTER, FAR = 0.25, 0.7
-"""Largest standard deviation of log(measured / predicted thrust) within a measurement, and largest
-median.  Measurements above have a wrong rotor speed and are discarded."""
+"""Limits of log(measured / predicted thrust) over the rows of a measurement: standard deviation,
+and magnitude of the median.  Beyond them, the rotor speeds are wrong and the rows are discarded."""
 
 DOUBTFUL = ("SUSPECT", "UNVERIFIED", "EXCLUDE")
 IN_DATABASE = ("apc", "graupner", "aeronaut")  # manufacturers of series of the UIUC database
@@ -95,7 +96,7 @@ def read_stands(path: Path) -> list[Measured]:
 
 
 def _measured(rows: Sequence[dict[str, str]]) -> Measured | None:
-    """Return one measurement; None if too few rows are left, or if they disagree."""
+    """Return one measurement; None with fewer than three valid rows, or beyond a limit above."""
 
     def column(name: str, missing: float) -> Floats:
         return np.array([float(row[name] or missing) for row in rows])
@@ -128,8 +129,8 @@ def _measured(rows: Sequence[dict[str, str]]) -> Measured | None:
 def best_deviation(errors: Floats) -> float:
     """Return the standard deviation that minimizes the mean interval score of the 95 % bands.
 
-    The result is widened by the quantile of the t distribution, with one degree of freedom less
-    than the number of ``errors``.
+    The result is multiplied by the ratio of the 97.5 % quantiles of the t distribution and the
+    normal distribution.  The degrees of freedom are the number of ``errors`` minus one.
     """
 
     def score(deviation: float) -> float:

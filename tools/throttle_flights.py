@@ -1,10 +1,11 @@
-"""What fits from throttle predict, for the documentation: real flights, and twins with speeds.
+"""Compute errors of fits from throttle, on measured flights and on a simulated flight.
 
 Usage: python -m tools.throttle_flights FOLDER
 
-Reads the flights neuralfly_CONTROLLER_WIND.csv of the folder (O'Connell et al., Neural-Fly, Science
-Robotics 2022, as one CSV file each), fits those in slow wind, checks all with that fit, and writes
-benchmarks/results/throttle.json.
+FOLDER contains the flights neuralfly_CONTROLLER_WIND.csv (O'Connell et al., Neural-Fly, Science
+Robotics 2022), each as one CSV file.  The tool fits the flights in slow wind and checks the fit on
+all flights.  It also fits a simulated flight from throttle and from rotor speeds, and compares the
+two fits.  It writes benchmarks/results/throttle.json.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ SEEN, UNSEEN, CONTROLLERS = ("nowind", "35wind"), ("70wind",), ("NF", "baseline"
 
 
 def main(folder: str) -> None:
-    """Fit and check, and write what came out."""
+    """Fit the flights, check the fits, and write the results."""
     with tempfile.TemporaryDirectory() as place:
         logs = {
             (one, wind): str(Path(folder) / f"neuralfly_{one}_{wind}.csv")
@@ -56,13 +57,13 @@ Logs = dict[tuple[str, str], str]
 
 
 def fitted(logs: Logs, fit: Path, vehicle: str, *options: str) -> None:
-    """Fit the flights in slow wind."""
+    """Fit the flights in slow wind and write the file ``fit``."""
     slow = [path for (_, wind), path in logs.items() if wind in SEEN]
     output("fit", "flight", *slow, "--vehicle", vehicle, "-o", str(fit), *options)
 
 
 def without(logs: Logs, place: Path) -> dict[str, list[float]]:
-    """Cross-validated errors along x, y and z [N] of fits that lack something."""
+    """Return cross-validated errors along x, y and z [N], with parts of the model omitted."""
     bare = place / "without_hover_throttle.toml"
     lines = Path(VEHICLE).read_text(encoding="utf-8").splitlines()
     kept = (line for line in lines if not line.startswith("hover_throttle"))
@@ -77,7 +78,7 @@ def without(logs: Logs, place: Path) -> dict[str, list[float]]:
 
 
 def flights(logs: Logs, place: Path) -> list[dict[str, Any]]:
-    """Errors along x, y and z [N] of each flight, and the shares of its samples in the bands."""
+    """Return the errors along x, y and z [N] of each flight, and the coverage of the bands."""
     fit = str(place / "fit_0.toml")
     rows = []
     for (one, wind), path in logs.items():
@@ -92,14 +93,14 @@ def flights(logs: Logs, place: Path) -> list[dict[str, Any]]:
 
 
 def twins(place: Path) -> dict[str, float]:
-    """How forces and bands differ between a fit from throttle and one from rotor speeds."""
+    """Return the differences of forces and bands between fits from throttle and rotor speeds."""
     with contextlib.redirect_stdout(io.StringIO()):
         fit_both(place)
     return {name: round(value, 4) for name, value in differences(place).items()}
 
 
 def output(*arguments: str) -> str:
-    """What a command prints."""
+    """Run a propmap command and return its printed output."""
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
         if propmap(list(arguments)):

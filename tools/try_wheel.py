@@ -1,10 +1,11 @@
-"""Install a wheel where there is no checkout, and say what that takes and what works there.
+"""Install a wheel outside the checkout; print sizes and times, and test the installation.
 
 Usage: python tools/try_wheel.py DIST
 
-DIST has one wheel and one sdist.  A new environment in a temporary folder gets the wheel alone: the
-commands that need no more are run, some that do, and the page on getting started.  Then it gets
-what tests need, for the fast ones of the sdist.  All is deleted in the end.
+DIST contains one wheel and one sdist.  The script installs the wheel without extras into a new
+environment in a temporary folder.  There it runs commands that need no extra, commands that need
+one, and the getting-started page.  Then it installs the extras for the tests and runs the fast
+tests of the sdist.  Finally it deletes the folder.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import time
 import venv
 from pathlib import Path
 
-LARGEST = 300.0  # environment with the base alone [MB]
+LARGEST = 300.0  # maximum size of the environment without extras [MB]
 TESTS = "pytest hypothesis"
 FOR_TESTS = "figures,logs,netcdf"
 BASE_TESTS = "tests/docs/test_getting_started.py"
@@ -39,17 +40,17 @@ COMMANDS = {
     "vehicle from-log a.ulg -o a.toml": 2,
     "explore apc-8x6e": 2,
 }
-"""Commands and their exit codes where no extra is installed."""
+"""Commands and their exit codes without extras."""
 
 
 def size(folder: Path) -> float:
-    """What the files of a folder take on the disk [MB]."""
+    """Return the disk space of the files of a folder [MB]."""
     found = [path.stat() for path in folder.rglob("*") if not path.is_symlink()]
     return sum(512 * file.st_blocks for file in found) / 1e6
 
 
 def main(dist: Path) -> None:
-    """Try the wheel and the tests of the sdist in ``dist``; ends with an error where one fails."""
+    """Test the wheel and the sdist in ``dist``; the first failure ends the script with an error."""
     (wheel,), (sdist,) = (list(dist.resolve().glob(kind)) for kind in ("*.whl", "*.tar.gz"))
     with tempfile.TemporaryDirectory(prefix="propmap-wheel-") as name:
         folder = Path(name)
@@ -87,7 +88,7 @@ def main(dist: Path) -> None:
         base = size(place)
         print(f"    the environment takes {base:.0f} MB, {before:.0f} before")
         if base > LARGEST:
-            sys.exit(f"expected {LARGEST:.0f} MB at most; move what was added to an extra")
+            sys.exit(f"expected {LARGEST:.0f} MB at most; move new dependencies to an extra")
         for command, code in COMMANDS.items():
             run(f"propmap {command}", work, code)
         where = run("python -c 'import propmap; print(propmap.__file__)'", work)

@@ -104,9 +104,9 @@ def _by_parameters(known: SectionUncertainty, derivatives: Derivatives) -> dict[
 
 
 def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads: Floats) -> Floats:
-    """Return the standard deviations (L, N) of the model with the best constants."""
+    """Return the standard deviations (L, N) of the errors of the model with the best constants."""
     blade, air = model.propeller, model.air
-    # The wind, not the rotation, scales the loads of a slow rotor in a wind.
+    # The loads of a slow rotor in wind scale with the wind instead of the rotation.
     square = at.omega**2 + (at.v_axial**2 + at.v_inplane**2) / blade.radius**2
     force = air.density * square / (2.0 * np.pi) ** 2 * blade.diameter**4
     advance = _advance(model, at)
@@ -145,7 +145,7 @@ def _ring(model: Model, at: FlowPoints, thrust: Floats) -> Floats:
 
 
 def _tunnel(loads: Floats) -> Floats:
-    """Return the standard deviations (L, N) between tunnels, or between tunnel and open air."""
+    """Return the standard deviations (L, N) between specimens or runs."""
     gain = [[TUNNEL_GAIN * (name in ("thrust", "torque"))] for name in LOADS]
     return np.asarray(gain * np.abs(loads))
 
@@ -168,7 +168,7 @@ def _installation(model: Model, mount: Installed, at: FlowPoints, loads: Floats)
 
 
 def _advance(model: Model, at: FlowPoints) -> Floats:
-    """Return V sin(beta) over the tip speed, rotation and wind together [-] (N,), at most 1."""
+    """Return V sin(beta) over the resultant of tip speed and V sin(beta) [-] (N,)."""
     tip = np.hypot(at.omega * model.propeller.radius, at.v_inplane)
     return np.divide(at.v_inplane, tip, out=np.zeros_like(tip), where=tip > 0.0)
 

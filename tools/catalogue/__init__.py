@@ -1,5 +1,5 @@
-"""Section constants of all propellers of the UIUC database, and how they are spread over them.
+"""Section constants of all propellers of the UIUC database, and their distribution.
 
-``python -m tools.catalogue`` finds them, ``python -m tools.catalogue.left_out`` says how well they
-predict propellers that were left out.
+``python -m tools.catalogue`` identifies the constants.  ``python -m tools.catalogue.left_out``
+predicts each propeller from the others and prints the errors.
 """

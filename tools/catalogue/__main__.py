@@ -1,9 +1,10 @@
 """Identify the section constants of every propeller of the UIUC database, with a prior.
 
-Those whose blade is in the catalogue come first; from them, the spread over propellers goes into
-population.toml beside FILE. It is the prior of the others, which are fitted with the mean blade of
-their family or of all. Each takes some tenths of a second. FILE is written after every four:
-started again, the command goes on where it was.
+The command first identifies the propellers whose blade is in the catalogue. It writes their
+distribution to population.toml in the folder of FILE. This distribution is the prior of the other
+propellers, which are fitted with the mean blade of their family or of all propellers. A fit takes
+a few tenths of a second. The command writes FILE after every four propellers and resumes after an
+interruption.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from tools.catalogue.population import populations_of
 from tools.catalogue.verdict import summary
 
 LEAST_FAMILIES = 8
-"""Below this number there is no saying how constants are spread over propellers."""
+"""Minimum number of families for an estimate of the distribution over propellers."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -36,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("loads", type=Path, help="the database's loads.csv, all propellers")
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="FILE",
-        help="CSV of constants; results in it of the same data are kept",
+        help="CSV of constants; its results from the same data are kept",
     )  # fmt: skip
     parser.add_argument("--cluster", help="a Dask cluster, as for propmap sweep")
     given = parser.parse_args(arguments)
@@ -47,7 +48,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def identify_database(loads: Path, output: Path, cluster: str | None) -> None:
-    """Identify, write ``output`` and population.toml beside it, and say how well all fit."""
+    """Identify all propellers, write both files, and print the errors of the fits.
+
+    The files are ``output`` and population.toml in the same folder.
+    """
     check_output(output, (".csv",))
     every = refiled(read_uiuc_database(loads))
     known = {}
@@ -69,7 +73,7 @@ def identify_database(loads: Path, output: Path, cluster: str | None) -> None:
         write_text(as_csv([*so_far, *kept]), output)
 
     with workers_of(cluster) as workers:
-        # What follows is made from the digits that the files keep, and so a second time the same.
+        # Later steps use constants rounded as in the file, so a resumed run gives the same results.
         measured = parse_identified(as_csv(identify_all(every, known, done, workers)), str(output))
         if len({one.family for one in measured}) < LEAST_FAMILIES:
             write_text(as_csv(measured), output)

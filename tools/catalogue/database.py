@@ -1,9 +1,10 @@
-"""The propellers of the UIUC database: which blade each has, and what is filed wrongly.
+"""Propellers of the UIUC database: their rows, blades, and corrections of wrong labels.
 
-Eight runs of the NR640 name three or four blades and have the loads of others: those of two blades
-(one of them, of four) to within the scatter of repeated runs, where the number they name is off by
-a third to all of the thrust and power.  In each the number named is the first digit of the run's
-rotational speed.  Runs at one rotational speed that disagreed by a quarter then agree.
+Eight runs of the NR640 are filed under a wrong number of blades, three or four.  Within the scatter
+of repeated runs, seven have the loads of two blades, and one has the loads of four.  Thrust and
+power for the filed number of blades differ from these loads by a third to all of their value.  Each
+wrong number is the first digit of the rotational speed of the run.  With the filed numbers, runs at
+the same rotational speed differ by a quarter; with the corrected numbers, they agree.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from propmap.io.geometry import parse_blades, parse_number
 from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 
-MISFILED = {  # number of blades by the propeller's name in the database and the speed [1/min]
+MISFILED = {  # correct number of blades by name in the database and rotational speed [1/min]
     ("nr640 5x3.16 - 4", 4031.0): 2,
     ("nr640 5x4.29 - 4", 4027.0): 2,
     ("nr640 9x5.68 - 3", 3023.0): 2,
@@ -35,40 +36,41 @@ MISFILED = {  # number of blades by the propeller's name in the database and the
     ("nr640 9x7.72 - 4", 4051.0): 2,
     ("nr640 9x7.72 - 4", 4058.0): 2,
 }
-LOST_POINTS = {  # blades whose labels have lost a decimal point
+LOST_POINTS = {  # correct labels of blades whose labels lack a decimal point
     "ancf 12.0x65.0": "ancf 12.0x6.5",
     "ancf 13.0x65.0": "ancf 13.0x6.5",
     "ancf 125.0x6.0": "ancf 12.5x6.0",
     "ancf 125.0x75.0": "ancf 12.5x7.5",
     "ancf 125.0x9.0": "ancf 12.5x9.0",
 }
-SPECIMENS = ("", "-b", "-c")  # endings of the names of a blade of which several were measured
+SPECIMENS = ("", "-b", "-c")  # endings of catalogue names if several specimens were measured
 MAKERS_FILES = {"apce": "apc-{}e", "apcsf": "apc-{}sf", "apcsp": "apc-{}"}
-"""Names of blades by their maker's own files."""
+"""Catalogue names of blades from manufacturers' files, by family."""
 
 
 COLUMNS = ("PropName", "BladeName", "Family", "B", "J", "N", "CT", "CP")
 
 
 class MeasuredPropeller(NamedTuple):
-    """One propeller of the database; n rows."""
+    """The n rows of one propeller of the database."""
 
-    name: str  # as the database has it, and the next two
-    blade: str
-    family: str  # of its maker's series
+    name: str  # PropName in the database
+    blade: str  # BladeName in the database
+    family: str  # code of the manufacturer's series, Family in the database
     blades: int
     rpm: Floats  # (n,) [1/min]
     advance: Floats  # (n,): J = V/(n D) [-], 0 at rest
     thrust: Floats  # (n,): C_T = T/(rho n^2 D^4) [-]
     power: Floats  # (n,): C_P = P/(rho n^3 D^5) [-]
-    run: NDArray[np.intp]  # (n,): number of the run: rows in turn at one speed, or at rest
+    run: NDArray[np.intp]  # (n,): number of the run: consecutive rows at one rpm, or at rest
 
 
 def read_uiuc_database(path: Path) -> list[MeasuredPropeller]:
     """Read the propellers of the database's table of loads, in the order of the file.
 
-    It is a CSV file with the columns ``COLUMNS``, in any dialect of ``propmap.io.csv``; raises
-    ``InputError`` for a missing file or column, and naming the line for what is not a number.
+    The table is a CSV file with the columns ``COLUMNS``, in any dialect of ``propmap.io.csv``.
+    Raises ``InputError`` for a missing file or column.  For a cell that is not a number, the error
+    names the line.
     """
     where = str(path)
     file = read_csv_table(read_lines(path, "table of loads"), COLUMNS[3:], where)
@@ -97,7 +99,7 @@ def _propeller(
 
     _, first = rows[0]
     rpm, advance = column("N"), column("J")
-    # At rest every row has its own rotational speed; together they are one test.
+    # Static rows differ in rotational speed but form one test.
     speed = np.where(advance == 0.0, 0.0, rpm)
     run = list(itertools.accumulate(speed[1:] != speed[:-1], initial=0))
     return MeasuredPropeller(
@@ -111,9 +113,9 @@ def _propeller(
 
 
 def refiled(every: Sequence[MeasuredPropeller]) -> list[MeasuredPropeller]:
-    """Put each run under its blade's size and the number of blades of its loads.
+    """Return the propellers with corrected labels: ``LOST_POINTS`` and ``MISFILED``.
 
-    A propeller of which no run is left is left out.
+    Propellers whose runs all move to another propeller are omitted.
     """
     labeled = []
     for one in every:
@@ -158,13 +160,13 @@ def _joined(
 
 
 def with_rows(tested: MeasuredPropeller, which: NDArray[np.bool_]) -> MeasuredPropeller:
-    """Keep the rows ``which`` (n,) of what was measured."""
+    """Return the propeller with the rows ``which`` (n,) only."""
     fields = ("rpm", "advance", "thrust", "power", "run")
     return tested._replace(**{name: getattr(tested, name)[which] for name in fields})
 
 
 def blade_names(tested: MeasuredPropeller) -> list[str]:
-    """Name the blades of the catalogue that a propeller may have, measured ones first."""
+    """Return the names of the catalogue blades that fit a propeller, measured blades first."""
     family, size = family_and_size(tested)
     possible = [f"uiuc-{family}-{size}{end}" for end in SPECIMENS]
     known = catalogue.names()
@@ -172,26 +174,29 @@ def blade_names(tested: MeasuredPropeller) -> list[str]:
 
 
 def makers_name(tested: MeasuredPropeller) -> str:
-    """Name the blade that a file of its maker would have; "" where he has none."""
+    """Return the catalogue name of the manufacturer's file; "" for families without files.
+
+    The catalogue may lack the file.
+    """
     family, size = family_and_size(tested)
     return MAKERS_FILES.get(family, "").format(size)
 
 
 def mean_propeller(tested: MeasuredPropeller, shape: MeanBlade) -> Propeller:
-    """Give what was ``tested`` a blade of this ``shape``."""
+    """Return the propeller that was ``tested``, with a mean blade of this ``shape``."""
     label = label_of(tested)
     return shape.propeller(tested.name, label.diameter, label.pitch, tested.blades)
 
 
 def label_of(tested: MeasuredPropeller) -> Designation:
-    """Read the size off the name of a propeller's blade."""
+    """Return diameter and pitch from the name of a propeller's blade."""
     found = designation(" ".join(family_and_size(tested)))
     assert found is not None  # `family_and_size` has read the numbers
     return found
 
 
 def family_and_size(tested: MeasuredPropeller) -> tuple[str, str]:
-    """Family and size as the catalogue's names have them, such as "apce" and "8x6"."""
+    """Return family and size in the spelling of catalogue names, such as "apce" and "8x6"."""
     family, _, size = tested.blade.partition(" ")
     try:
         return family, "x".join(f"{float(part):g}" for part in size.split("x"))

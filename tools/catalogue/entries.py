@@ -1,4 +1,4 @@
-"""The catalogue's entries: constants of every propeller of the UIUC database, by tasks."""
+"""Identified constants of every propeller of the UIUC database, computed in tasks."""
 
 from __future__ import annotations
 
@@ -36,21 +36,21 @@ from tools.catalogue.population import members_on
 from tools.catalogue.verdict import verdict
 
 TOGETHER = 4
-"""Propellers of a task: half a second, long beside what it costs to hand out a task."""
+"""Propellers per task.  A task takes half a second; to assign it to a worker takes far less."""
 
 Done = Callable[[list[Identified], list[Identified]], None]
-"""Called after each task with all results before it and with its own."""
+"""Callback after each task.  The arguments are all earlier results and the results of the task."""
 
 
 class _Wanted(NamedTuple):
-    """An identification to be made."""
+    """An identification that the caller needs."""
 
     name: str  # of the propeller in the catalogue
-    geometry: str  # as ``Identified.geometry``
+    geometry: str  # see ``Identified.geometry``
     test: AxialTest
     prior: PopulationPrior
     key: str
-    remark: str = ""  # goes before the verdict
+    remark: str = ""  # precedes the verdict
 
 
 def identify_all(
@@ -59,10 +59,9 @@ def identify_all(
     done: Done,
     workers: Workers | None = None,
 ) -> list[Identified]:
-    """Identify all propellers with a blade in the catalogue, in the order given.
+    """Identify all propellers with a blade in the catalogue, in the given order.
 
-    Results of an earlier, perhaps interrupted run, ``known`` by their ``key``, are taken as they
-    are.
+    ``known`` contains results of an earlier run by ``key``; these are not computed again.
     """
     wanted = []
     for tested in every:
@@ -87,11 +86,11 @@ def identify_without_blade(
     done: Done,
     workers: Workers | None = None,
 ) -> list[Identified]:
-    """Identify the propellers whose blades are not known, with their family's mean blade.
+    """Identify the propellers without a blade in the catalogue, with a mean blade.
 
-    Where none of the family was measured it is the mean of all.  Their prior is that of their
-    family, and wider by what is not known of the blade: from ``measured``, what ``identify_all``
-    found, and the ``populations`` of it.
+    The blade is the mean of the family, or of all families if no blade of the family was measured.
+    The prior is the distribution over the family, widened by the uncertainty of the blade.  It is
+    computed from ``measured``, the results of ``identify_all``, and their ``populations``.
     """
     wanted = []
     before = [one.key for one in one_of_each(measured)]
@@ -159,9 +158,10 @@ def _entry(one: _Wanted) -> Identified:
 
 
 def _key(test: AxialTest, before: Sequence[str] = ()) -> str:
-    """A short digest of all that a result depends on but the program itself.
+    """Return a short digest of the inputs and settings of an identification.
 
-    ``before`` are keys of the results that its prior is made of.
+    The digest does not cover the program itself.  ``before`` are the keys of the results from which
+    the prior is computed.
     """
     settings = (
         LIFT_LAW,

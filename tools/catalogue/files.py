@@ -1,4 +1,4 @@
-"""The catalogue's files of identified constants and of populations, written and read again."""
+"""Files of the catalogue: identified constants and populations."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ HEADER = [*TEXTS, *COUNTS, *RANGES, *PARAMETERS, *(pair_name(i, j) for i, j in P
 
 
 def as_csv(entries: Sequence[Identified]) -> str:
-    """Write the text of a file that ``parse_identified`` reads."""
+    """Return the text of a file of identified constants, for ``parse_identified``."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(HEADER)
@@ -43,7 +43,10 @@ def as_csv(entries: Sequence[Identified]) -> str:
 
 
 def parse_identified(text: str, where: str) -> list[Identified]:
-    """Read the entries of a file's ``text``; ``InputError`` for what ``as_csv`` has not written."""
+    """Return the entries in the ``text`` of a file written by ``as_csv``.
+
+    ``where`` names the file in errors.  Raises ``InputError`` for other columns or invalid cells.
+    """
     reader = csv.DictReader(io.StringIO(text))
     if reader.fieldnames != HEADER:
         found = "the columns are not those of identified constants"
@@ -58,7 +61,7 @@ def parse_identified(text: str, where: str) -> list[Identified]:
 
 
 def as_toml(populations: Mapping[str, Population]) -> str:
-    """Write the text of a file that ``propmap.catalogue.expected.parse_populations`` reads."""
+    """Return the text of a file for ``propmap.catalogue.expected.parse_populations``."""
     lines = ["# Written by `python -m tools.catalogue`; see propmap.catalogue.expected."]
     for name, one in populations.items():
         lines += ["", f"[{name}]"]

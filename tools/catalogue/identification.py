@@ -1,7 +1,7 @@
-"""Section constants of one propeller: penalised least squares, of its rows and of the prior.
+"""Section constants of one propeller, by least squares over its rows with a prior.
 
-Coordinates are those of ``propmap.catalogue.expected``: the P constants, some of them by their
-logarithm.
+The coordinates are those of ``propmap.catalogue.expected.PopulationPrior``: the P constants, some
+as logarithms.
 """
 
 from __future__ import annotations
@@ -28,11 +28,12 @@ from propmap.typing import Floats
 from tools.catalogue.database import MeasuredPropeller
 
 FIRST_ERRORS = (0.003, 0.002)
-"""Errors of C_T and C_P [-] that a first fit assumes; the second takes those that it left."""
+"""Errors of C_T and C_P [-] that the first fit assumes.  The second fit assumes the residuals of
+the first."""
 
 LEAST_ERRORS, MOST_ERRORS = (0.0015, 0.001), (0.004, 0.003)
-"""Least and largest errors that the second fit assumes: where the model fails, its prior should not
-make it fail the more.  The covariance is with all errors that were left."""
+"""Limits of the errors that the second fit assumes.  If the model fits badly, the upper limit keeps
+the prior from making the fit worse.  The covariance uses the residuals without the upper limit."""
 
 LOWER = np.array(
     [
@@ -54,30 +55,31 @@ UPPER = np.array(
 """Bounds of the coordinates."""
 
 EVALUATIONS = (16, 10)
-"""Evaluations of the model by the first fit and by the second, at most."""
+"""Maximum numbers of model evaluations of the first and of the second fit."""
 
 
 def airfoil_of(constants: Floats) -> Airfoil:
-    """Make the section law of ``constants`` (P,) in the order of ``PARAMETERS``."""
+    """Return the section law with ``constants`` (P,) in the order of ``PARAMETERS``."""
     values: Any = dict(zip(PARAMETERS, map(float, constants), strict=True))
     return Airfoil(**values, lift_law=LIFT_LAW)
 
 
 class AxialTest(NamedTuple):
-    """A propeller, and the n rows measured of it at rest and in axial flow."""
+    """A propeller and its n measured rows, at rest and in axial flow."""
 
     propeller: Propeller
     tested: MeasuredPropeller
 
     @property
     def measured(self) -> Floats:
-        """C_T and C_P [-], (2, n)."""
+        """Measured C_T and C_P [-], (2, n)."""
         return np.stack([self.tested.thrust, self.tested.power])
 
     def modeled(self, constants: Floats) -> tuple[Floats, Floats]:
-        """C_T and C_P [-], (2, n), and their derivatives by ``constants`` (P,), (2, P, n).
+        """Return computed C_T and C_P [-], (2, n), and their derivatives (2, P, n).
 
-        NaN where no inflow was found.
+        The derivatives are with respect to ``constants`` (P,).  Rows without a solution for the
+        inflow are NaN.
         """
         model = Model(self.propeller, airfoil_of(constants))
         turns, diameter = self.tested.rpm / 60.0, 2.0 * self.propeller.radius
@@ -93,22 +95,25 @@ class Identification(NamedTuple):
     """The constants of one propeller, (P,) in the order of ``PARAMETERS``."""
 
     constants: Floats
-    covariance: Floats  # (P, P), by the curvature of the penalised sum of squares
-    held: Floats  # (P,): posterior over prior deviation of a coordinate; near 1 data say nothing
+    covariance: Floats  # (P, P), from the curvature of the sum of squares
+    held: Floats  # (P,): posterior over prior deviation of a coordinate; 1 if data do not affect it
     thrust_rms: float  # of the errors of C_T over all rows [-]
-    power_rms: float
-    static_thrust_rms: float  # NaN without rows at rest
+    power_rms: float  # of the errors of C_P over all rows [-]
+    static_thrust_rms: float  # NaN without static rows
     static_power_rms: float
-    residual: Floats  # (2, n): model minus measurement [-]; NaN where no inflow was found
+    residual: Floats  # (2, n): model minus measurement [-]; NaN without a solution for the inflow
 
 
 def whitening(prior: PopulationPrior) -> Floats:
-    """W (P, P), with which W (place - mean) of a ``prior`` has independent parts of variance 1."""
+    """Return the matrix W (P, P) that standardizes a ``prior``.
+
+    The components of W (place - mean) are independent with variance 1.
+    """
     return np.linalg.inv(np.linalg.cholesky(prior.correlation)) / prior.deviation
 
 
 class _Penalised:
-    """The penalised sum of squares of a test; the model is evaluated once at each place."""
+    """Sum of squares of a test and its prior.  The model is evaluated once per place."""
 
     def __init__(self, test: AxialTest, prior: PopulationPrior) -> None:
         self.test, self.prior, self.whitening = test, prior, whitening(prior)
@@ -119,13 +124,13 @@ class _Penalised:
         self._found: dict[bytes, tuple[Floats, Floats]] = {}
 
     def weigh(self, errors: Floats) -> None:
-        """Take ``errors`` (2,) of C_T and C_P [-] from here on."""
+        """Set the assumed ``errors`` (2,) of C_T and C_P [-]."""
         self.scale = self.weight / errors[:, None]
 
     def errors(self, place: Floats) -> tuple[Floats, Floats]:
-        """Errors (2, n) [-] at coordinates (P,) and their derivatives by these, (2, n, P).
+        """Return errors (2, n) [-] at coordinates ``place`` (P,), and derivatives (2, n, P).
 
-        NaN and 0 where no inflow was found.
+        Rows without a solution for the inflow have the error NaN and derivatives 0.
         """
         key = place.tobytes()
         if key not in self._found:
@@ -137,26 +142,26 @@ class _Penalised:
         return self._found[key]
 
     def residuals(self, place: Floats) -> Floats:
-        """Weighed residuals of rows and prior at coordinates (P,), (2 n + P,)."""
+        """Return the weighted residuals (2 n + P,) of rows and prior at coordinates (P,)."""
         rows = self.scale * np.nan_to_num(self.errors(place)[0])
         return np.concatenate([np.ravel(rows), self.whitening @ (place - self.prior.mean)])
 
     def slopes(self, place: Floats) -> Floats:
-        """Derivatives of ``residuals`` by the coordinates, (2 n + P, P)."""
+        """Return the derivatives (2 n + P, P) of ``residuals``."""
         rows = self.scale[..., None] * self.errors(place)[1]
         return np.concatenate([np.reshape(rows, (-1, place.size)), self.whitening])
 
     def covariance(self, place: Floats) -> Floats:
-        """Covariance (P, P) of the coordinates, by the curvature at ``place`` (P,)."""
+        """Return the covariance (P, P) of the coordinates from the curvature at ``place`` (P,)."""
         slopes = self.slopes(place)
         return np.asarray(np.linalg.inv(slopes.T @ slopes), float)
 
     def minimum(self, start: Floats, evaluations: int) -> Floats:
-        """Coordinates (P,) of the least sum of squares, searched from ``start`` (P,)."""
+        """Return the coordinates (P,) of the minimum found from ``start`` (P,)."""
         from scipy.optimize import least_squares
 
         with warnings.catch_warnings():
-            # At a bound SciPy divides by a zero distance and goes on.
+            # At a bound, SciPy divides by a distance of zero, without harm to the result.
             warnings.simplefilter("ignore", RuntimeWarning)
             found = least_squares(
                 self.residuals,
@@ -172,7 +177,7 @@ class _Penalised:
 
 
 def identify(test: AxialTest, prior: PopulationPrior = POPULATION) -> Identification:
-    """Find the constants of a propeller by a penalised least-squares fit to C_T and C_P."""
+    """Identify the constants of a propeller by two least-squares fits to C_T, C_P and prior."""
     penalised = _Penalised(test, prior)
     penalised.weigh(np.array(FIRST_ERRORS))
     place = penalised.minimum(prior.mean, EVALUATIONS[0])
@@ -202,10 +207,10 @@ def identify(test: AxialTest, prior: PopulationPrior = POPULATION) -> Identifica
 
 
 def updated(at_rest: AxialTest, prior: PopulationPrior, errors: Floats) -> PopulationPrior:
-    """Update a prior by rows at rest alone, for loads in flight.
+    """Return the prior updated by static rows, to predict the loads in axial flow.
 
     ``errors`` (2,) are standard deviations of C_T and C_P [-] about the model, such as
-    ``Population.errors``: those that rows at rest leave say nothing of flight.
+    ``Population.errors``.  The residuals of static rows are no measure of the errors in axial flow.
     """
     penalised = _Penalised(at_rest, prior)
     penalised.weigh(errors)

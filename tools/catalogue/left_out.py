@@ -1,4 +1,4 @@
-"""Print the errors and bands of each propeller that is predicted without its own rows.
+"""Predict propellers of the UIUC database from the other propellers; print errors and bands.
 
 Usage: python -m tools.catalogue.left_out LOADS FILES
 
@@ -7,7 +7,7 @@ constants are those of the catalogue.  Errors are rms errors over the rows of a 
 by the rms of the measured values.  Coverage is the fraction of rows inside the 95 % band, as a mean
 over propellers.  Half width and interval score of the bands are divided by the rms of the measured
 values.  The bands were not tuned to their coverage.  A second table compares mean blades with
-blades from manufacturers' files for APC's series.  The results go into
+blades from manufacturers' files for APC's series.  The tool writes
 benchmarks/results/left_out.json.
 """
 
@@ -83,33 +83,46 @@ def interval_score(error: Floats, deviation: Floats) -> Floats:
 
 
 STEPS = 8
-"""Search steps for the population without one propeller, from that of all propellers."""
+"""Steps of expectation and maximization for the population without one propeller.  They start from
+the population of all propellers."""
 
 GROUPS = {
-    "own": "own",
-    "own_run": "own, one run left out",
-    "own_fastest": "own, fastest run left out",
+    "own": "own rows",
+    "own_run": "own rows, middle run held out",
+    "own_fastest": "own rows, fastest run held out",
     "family": "family",
-    "other_blade_of_family": "family, same blade left out too",
-    "population": "population",
-    "maker": "family, blade of its maker",
-    "family_blade": "family, blade too",
-    "population_blade": "population, blade too",
-    "family_static": "family, after a static test",
-    "population_static": "population, after a static test",
-    "family_label": "family, never measured",
-    "siblings_label": "siblings, family never measured",
-    "population_label": "population, never measured",
+    "other_blade_of_family": "family, other blades only",
+    "population": "all propellers",
+    "maker": "family, manufacturer's blade",
+    "family_blade": "family, mean blade",
+    "population_blade": "all, mean blade",
+    "family_static": "family and own static rows",
+    "population_static": "all and own static rows",
+    "family_label": "family, blade unknown",
+    "siblings_label": "family, all its blades unknown",
+    "population_label": "all, blades of family unknown",
 }
-"""What propellers are predicted from, and what that is called.
+"""Groups of predictions, with their labels in the printed table.
 
-"Own" are a propeller's own constants, and with a run left out, those found without the run at the
-middle one of its rotational speeds or at the highest, of which errors and bands are; all others
-leave its rows out.  "Blade of its maker" is that of his file, as if no other had been measured.
-"Blade too" is with the mean blade of the others in place of its own.  "After a static test", its
-rows at rest, and they alone, have updated what the others say, and errors and bands are those of
-its moving rows.  "Never measured" are propellers without geometry in the database or the catalogue,
-whose loads play no part in any population; "siblings" are of the same family and no more measured.
+The groups differ in the data from which the constants of a propeller are predicted, and in its
+blade.  Unless stated otherwise, the blade is that of the catalogue, and all rows of the propeller
+are held out.
+
+- ``own``: constants identified from all rows of the propeller.
+- ``own_run``, ``own_fastest``: constants identified without one run, at the middle or the highest
+  rotational speed.  Errors and bands are those of this run.
+- ``family``, ``population``: constants from the other propellers of the family, or from all others.
+- ``other_blade_of_family``: like ``family``, but without propellers that have the same blade and
+  another number of blades.
+- ``maker``: like ``family``, with the blade of the manufacturer's file.  The measured blade of the
+  propeller is not used.
+- ``family_blade``, ``population_blade``: with the mean blade of the other propellers.
+- ``family_static``, ``population_static``: the propeller's own static rows update the prediction.
+  Errors and bands are those of its other rows.
+- ``family_label``: propellers without geometry in the database and in the catalogue, with the mean
+  blade and the constants of their family.  Their loads do not enter any population.
+- ``siblings_label``, ``population_label``: like ``family_label`` for families without a measured
+  blade, with the mean blade of all propellers.  The constants are from the family, or from all.
 """
 
 
@@ -117,17 +130,17 @@ class Prediction(NamedTuple):
     """Errors of C_T and C_P and properties of their 95 % bands, (2,) each."""
 
     errors: Floats  # rms errors over the rms of the measured values [-]
-    at_rest: Floats  # share of the rows inside the band; NaN where there are none
-    moving: Floats
+    at_rest: Floats  # fraction of the static rows inside the band; NaN without static rows
+    moving: Floats  # the same for all other rows
     half_width: Floats  # median of half the width of the 95 % band, over the rms [-]
     score: Floats  # mean interval score of the 95 % band, over the rms [-]
 
 
 class LeftOut(NamedTuple):
-    """One propeller, by its name in the database, predicted in one way of ``GROUPS``."""
+    """Prediction of one propeller."""
 
-    group: str
-    tested: str
+    group: str  # key of ``GROUPS``
+    tested: str  # name of the propeller in the database
     found: Prediction
 
 
@@ -137,13 +150,13 @@ def predicted(
     """Predict the rows of ``test`` with the mean and the covariance of ``prior``.
 
     ``errors`` (2,) are standard deviations of C_T and C_P [-] about the model with the best
-    constants; with ``moving_only``, rows at rest are not counted.
+    constants.  With ``moving_only``, errors, width and score exclude static rows.
     """
     value, slope = test.modeled(constants_of(prior.mean))
     by_place = np.einsum("lcn,cp->lpn", slope, slopes_of(prior.mean))
     variance = np.einsum("lpn,pq,lqn->ln", by_place, prior.covariance, by_place)
     error = value - test.measured
-    # Where no inflow was found the band holds nothing.
+    # Without a solution for the inflow, the deviation is NaN and the row counts as outside.
     deviation = np.sqrt(variance + np.square(errors)[:, None] + np.square(TUNNEL_GAIN * value))
     inside = np.abs(error) <= BAND * deviation
     moving = test.tested.advance > 0.0
@@ -164,7 +177,10 @@ def predicted(
 
 
 def posterior(constants: Floats, covariance: Floats) -> PopulationPrior:
-    """The distribution of constants (P,) with a ``covariance`` (P, P), in coordinates."""
+    """Return the distribution of the coordinates from ``constants`` (P,) and their ``covariance``.
+
+    The shape of the covariance is (P, P).
+    """
     place = coordinates(constants)
     back = np.linalg.inv(slopes_of(place))
     return PopulationPrior.of(place, back @ covariance @ back.T)
@@ -175,10 +191,11 @@ def left_out(
     every: Sequence[MeasuredPropeller],
     files: Mapping[str, Propeller],
 ) -> Iterator[LeftOut]:
-    """Predict each of ``entries``, of known blades, from the others, blade known or left out.
+    """Predict each propeller of ``entries`` from the others, in all groups except ``*_label``.
 
-    ``every`` has the refiled rows of those that are to be left out in turn, ``files`` the blades of
-    their makers' files by name.
+    ``entries`` are the identified constants of propellers with known blades.  ``every`` contains
+    the refiled rows of the propellers to hold out in turn.  ``files`` contains the blades of
+    manufacturers' files by catalogue name.
     """
     rows = {tested.name: tested for tested in every}
     chosen = one_of_each(entries)
@@ -267,7 +284,10 @@ def _makers_blade(
     tested: MeasuredPropeller,
     files: Mapping[str, Propeller],
 ) -> Iterator[LeftOut]:
-    """Predict with the blade of the maker's file; ``members`` are on measured blades."""
+    """Predict ``one`` with the blade of the manufacturer's file, if there is one.
+
+    ``members`` have the constants for measured blades.
+    """
     name = makers_name(tested)
     if name in files:
         siblings = [m for m in members if m.family == one.family and m.tested != one.tested]
@@ -299,10 +319,11 @@ def never_measured(
     populations: Mapping[str, Population],
     files: Mapping[str, Propeller],
 ) -> Iterator[LeftOut]:
-    """Predict propellers ``without_blade`` from ``entries``, those with known blades.
+    """Predict the propellers ``without_blade`` in the groups ``*_label`` and ``maker``.
 
-    ``every`` has the refiled rows of the former, ``populations`` are those of the latter; ``files``
-    as for ``left_out``.
+    ``entries`` are the identified constants of propellers with known blades, and ``populations``
+    are derived from them.  ``every`` contains the refiled rows of the propellers ``without_blade``.
+    ``files`` contains the blades of manufacturers' files by catalogue name.
     """
     rows = {tested.name: tested for tested in every}
     chosen = one_of_each(entries)
@@ -341,11 +362,11 @@ def _on_mean(
 
 
 # -------------------------------------------------------------------------------------------------
-# The command: medians and 90th percentiles over propellers, and coverage of the bands.
+# The command prints medians and 90th percentiles over propellers, and coverage of the bands.
 
 
 def main(loads: Path, folder: Path) -> None:
-    """Print the figures and write them."""
+    """Print the tables and write the results."""
     blades = [read_apc_pe0(path) for path in folder.glob("*.PE0")]
     files = {blade.name: blade for blade in blades}
     every = refiled(read_uiuc_database(loads))
@@ -359,7 +380,7 @@ def main(loads: Path, folder: Path) -> None:
     for each in all_found:
         found[each.group].append(each.found)
     results = {name: _summary(some) for name, some in found.items()}
-    print(f"{'':<37}errors, median (90 %)           bands hold, C_T and C_P")
+    print(f"{'':<37}errors, median (90 %)           inside bands, C_T and C_P")
     print(f"{'constants from':<34}n  C_T            C_P            at rest      moving")
     for name, words in GROUPS.items():
         one = results[name]
@@ -385,9 +406,10 @@ def main(loads: Path, folder: Path) -> None:
 
 
 def by_series(found: Sequence[LeftOut], entries: Sequence[Identified]) -> dict[str, Any]:
-    """Compare mean blades with those of the makers' files by series, over propellers with both.
+    """Return errors with mean blades and with blades of manufacturers' files, by series.
 
-    Those without a measured blade, all but the ``entries`` of one, are told by themselves too.
+    Of the predictions ``found``, only those of propellers with both blades count.  An additional
+    row of a series covers its propellers without a measured blade in ``entries``.
     """
     errors: dict[str, dict[str, Floats]] = {}
     for one in found:
@@ -429,7 +451,10 @@ def _percent(share: float | None) -> str:
 
 
 def _mean(shares: list[Floats]) -> list[float | None]:
-    """Mean over propellers that have such rows; None where none has."""
+    """Return the means of C_T and C_P over propellers; None if no propeller has such rows.
+
+    A share is NaN for a propeller without such rows.
+    """
     known = [share for share in shares if np.isfinite(share).all()]
     if not known:
         return [None, None]

@@ -1,10 +1,10 @@
-"""Print how well two lifts past stall, the paper's and a plate's, fit blades that stall at rest.
+"""Print the errors of fits with two laws of lift past stall: the paper's and that of a plate.
 
 Usage: python -m tools.catalogue.past_stall LOADS
 
-LOADS is the UIUC database's loads.csv.  Every propeller with a measured blade is identified with
-each law; errors are root mean squares over the rows of a propeller: medians over those of a steep
-pitch, and nine in ten of all are below.
+LOADS is the loads.csv of the UIUC database.  Every propeller with a measured blade is identified
+with each law.  Errors are rms errors over the rows of a propeller.  The tool prints their median
+over propellers of steep pitch, which stall at rest, and their 90th percentile over all propellers.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from tools.catalogue import identification
 from tools.catalogue.database import MeasuredPropeller, read_uiuc_database, refiled
 
 STEEP = 0.75
-"""Pitch over diameter from which blades stall at rest."""
+"""Pitch over diameter above which blades stall at rest."""
 
 
 def errors(
     entries: Sequence[Identified], rows: dict[str, MeasuredPropeller], law: str
 ) -> np.ndarray:
-    """Root mean squares (n, 2) of the errors of C_T and C_P [-] of n propellers."""
+    """Return the rms errors (n, 2) of C_T and C_P [-] of n propellers with a lift ``law``."""
     found = []
     with mock.patch.object(identification, "LIFT_LAW", law):
         for one in entries:
@@ -45,7 +45,7 @@ def main(loads: Path) -> None:
     rows = {one.name: one for one in refiled(read_uiuc_database(loads))}
     entries = [one for one in one_of_each(all_identified()) if one.tested in rows]
     steep = np.array([one.pitch_m > STEEP * one.diameter_m for one in entries])
-    print(f"median of {steep.sum()} with a steep pitch, and nine in ten of all {steep.size}")
+    print(f"median of {steep.sum()} steep propellers; 90th percentile of all {steep.size}")
     print("lift law   C_T     C_P      C_T     C_P")
     for law in ("blended", "plate"):
         found = errors(entries, rows, law)

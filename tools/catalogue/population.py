@@ -1,7 +1,7 @@
-"""How section constants are spread over propellers, by expectation and maximization.
+"""Distribution of section constants over propellers, by expectation maximization.
 
-There are three populations, by ``GEOMETRIES``: on propellers' own blades, and on mean blades of
-their family or of all.
+There are three populations, one for each of ``GEOMETRIES``.  They contain the constants for the
+measured blades, for mean blades of the family, and for mean blades of all families.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats
 
 STEPS = 100
-"""Steps of the search from afar; ten are enough from close by."""
+"""Steps from the default start; from a similar population, ten are enough."""
 
 
 def populations_of(
     entries: Sequence[Identified], workers: Workers | None = None
 ) -> dict[str, Population]:
-    """Find the populations that ``entries`` of measured blades, of two families at least, make."""
+    """Estimate the populations from ``entries`` with measured blades, of at least two families."""
     members = all_members(entries)
     tasks = list(members.values())
     found = in_order((workers or InTurn()).results(_population, errors_of(entries), tasks))
@@ -52,10 +52,11 @@ def _population(errors: Floats, members: Sequence[Member]) -> Population:
 
 
 def all_members(entries: Sequence[Identified]) -> dict[str, list[Member]]:
-    """What is known of all propellers, on the blade of each of ``GEOMETRIES``.
+    """Return all members of each population, by ``GEOMETRIES``.
 
-    Mean blades are those of the others: so the spread over propellers holds what a mean blade
-    misses.  Those without measured siblings have none of their family.
+    The mean blade of a propeller excludes its own blade, so the spread over propellers includes the
+    error of a mean blade.  Without another measured blade of its family, a propeller is not in the
+    population "family".
     """
     found: dict[str, list[Member]] = {name: [] for name in GEOMETRIES}
     for one in _counted(entries):
@@ -68,26 +69,28 @@ def all_members(entries: Sequence[Identified]) -> dict[str, list[Member]]:
 
 
 def shapes_without(entry: catalogue.Entry) -> list[MeasuredShape]:
-    """Leave the propeller of which ``entry`` is a blade out of ``measured_shapes``."""
+    """Return ``measured_shapes`` without the propeller with the blade ``entry``."""
     label = designation(entry.title)
     own = label and (entry.family, label_size(label))
     return [one for one in measured_shapes() if (one.family, one.size) != own]
 
 
 def members_on(entries: Sequence[Identified], family: str, shape: MeanBlade) -> list[Member]:
-    """What the data of a family's propellers say of constants with a blade of this ``shape``."""
+    """Return the members of a ``family``, with constants for a blade of this ``shape``."""
     return [on_mean_blade(one, shape) for one in one_of_each(entries) if one.family == family]
 
 
 def errors_of(entries: Sequence[Identified]) -> Floats:
-    """Root mean squares over propellers of the errors of C_T and C_P that are left [-], (2,)."""
+    """Return the rms over propellers of the residual errors of C_T and C_P [-], (2,)."""
     each = [one.discrepancy for one in _counted(entries)]
     return np.sqrt(np.mean(np.square(each), axis=0))
 
 
 def _counted(entries: Sequence[Identified]) -> list[Identified]:
-    """Keep those that mean blades are made of, too, all but those of APC's table: how far its
-    blades are off is no spread of constants."""
+    """Return one entry per propeller, without blades from APC's files.
+
+    The errors of these blades are no spread of section constants.
+    """
     return [one for one in one_of_each(entries) if one.propeller not in apc_blades()]
 
 
@@ -98,12 +101,12 @@ class _Family(NamedTuple):
 
 
 class _Expected(NamedTuple):
-    """Expectations over one family of n members, given the population."""
+    """Expectations of one family of n members, given the population."""
 
-    mean: Floats  # of the family, (P,)
-    squares: Floats  # covariance of that, (P, P)
-    own: Floats  # parts of the members, (n, 7)
-    own_squares: Floats  # sum of their squares, (P, P)
+    mean: Floats  # mean of the family, (P,)
+    squares: Floats  # covariance of this mean, (P, P)
+    own: Floats  # deviations of the members from this mean and the trend, (n, P)
+    own_squares: Floats  # sum of their squares, weighted by the inverse likeness, (P, P)
     evidence: float
 
 
@@ -113,13 +116,13 @@ def population_of(
     start: Population | None = None,
     steps: int = STEPS,
 ) -> tuple[Population, float]:
-    """Find the population under which the data of ``members`` are most likely.
+    """Return the maximum-likelihood population of ``members``, and its log likelihood.
 
-    Each member's coordinates are taken to be normal given its data.  A step of expectation and
-    maximization puts each member where its data and its siblings let expect it, and takes mean,
-    trend and covariances from there (Dempster, Laird, Rubin, J. R. Stat. Soc. B 39, 1977).
-    Also gives the logarithm of the likelihood before the last step, but for what the data alone
-    determine.  ``errors`` (2,) of C_T and C_P [-] are kept with the rest.
+    The data of each member determine its coordinates with normal errors.  Each step first computes
+    the expected coordinates of the members from their data, their family and the population.  Then
+    it estimates mean, trend and covariances from these expectations (Dempster, Laird, Rubin,
+    J. R. Stat. Soc. B 39, 1977).  The log likelihood is that before the last step, without terms
+    that depend only on the data.  ``errors`` (2,) of C_T and C_P [-] are stored in the population.
     """
     where = np.stack([covariates(one.size) for one in members])
     spread = np.diag(POPULATION.deviation**2)
@@ -150,7 +153,7 @@ def population_of(
         squares = [
             one.squares + np.outer(one.mean - found.mean, one.mean - found.mean) for one in expected
         ]
-        # Siblings that are alike say less of the trend.
+        # The weights account for correlation: members of similar size carry less information.
         back = [np.linalg.inv(family.alike) for family in families]
         by = sum(f.where.T @ b @ f.where for f, b in zip(families, back, strict=True))
         towards = sum(
@@ -170,7 +173,7 @@ def population_of(
 
 
 def _expected(population: Population, family: _Family) -> _Expected:
-    """The family's mean and its members' own parts, jointly normal."""
+    """Return the joint expectation of the mean of a ``family`` and its members' deviations."""
     k, n = population.mean.size, len(family.members)
     between, alike = np.linalg.inv(population.between), np.linalg.inv(family.alike)
     precision = np.zeros(((n + 1) * k, (n + 1) * k))

@@ -1,4 +1,4 @@
-"""What the reader of identified constants has to know: a sentence on each, and errors of all."""
+"""Verdicts on identified constants: a sentence on each propeller, and a summary of errors."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from tools.catalogue.database import MeasuredPropeller
 from tools.catalogue.identification import Identification
 
 SAME_RPM = 0.02
-"""Share by which the rotational speeds of repeated runs differ at most."""
+"""Largest relative difference of rotational speed between repeated runs."""
 
 CONFLICT = 0.05
-"""Difference of repeated runs, as a share of the coefficient at the least J, worth saying."""
+"""Smallest difference of repeated runs that a verdict reports, as a share of the largest value."""
 
 SAYS_LITTLE = 0.8
-"""Posterior over prior standard deviation from which a constant is the prior's."""
+"""Posterior over prior standard deviation above which a constant counts as from the prior."""
 
 WORST = 10
-"""How many propellers are named as the worst."""
+"""Number of propellers with the largest errors in a summary."""
 
 
 def conflict(tested: MeasuredPropeller) -> tuple[float, float]:
-    """The largest rms difference of C_T and of C_P between two runs at nearly one rpm.
+    """Return the largest rms differences of C_T and C_P between two runs at nearly equal rpm.
 
-    Each is over where the runs overlap, as a share of its largest value in them; 0 where no run was
-    repeated.
+    A difference covers the advance ratios that both runs contain, divided by the largest value of
+    the coefficient in both.  Without repeated runs, it is 0.
     """
     moving = [tested.run == k for k in np.unique(tested.run[tested.advance > 0.0])]
     worst = [0.0, 0.0]
@@ -56,7 +56,7 @@ def _difference(advance: Floats, measured: Floats, one: Floats, other: Floats) -
 
 
 def verdict(tested: MeasuredPropeller, found: Identification) -> str:
-    """Say what is wrong with the constants or the data; "good" where nothing is."""
+    """Return the problems of the constants or the data as a text; "good" without problems."""
     said = []
     differs = [
         f"{100.0 * share:.0f} % in {name}"
@@ -85,14 +85,14 @@ def verdict(tested: MeasuredPropeller, found: Identification) -> str:
 class Summary(NamedTuple):
     """Errors of C_T and C_P over propellers with a measured blade."""
 
-    propellers: int  # of a propeller of which several blades were measured, the best counts
+    propellers: int  # of several measured specimens of a propeller, the best fit counts
     thrust: tuple[float, float]  # median and 90th percentile of the rms of C_T [-]
     power: tuple[float, float]
-    worst: list[Identified]  # those farthest beyond the errors of nine in ten
+    worst: list[Identified]  # largest errors relative to their 90th percentiles
 
 
 def summary(entries: Sequence[Identified]) -> Summary:
-    """Say how well identified constants fit as a whole."""
+    """Return the errors of all identified constants."""
     chosen = [one for one in one_of_each(entries) if one.geometry == "measured"]
     thrust, power = (
         tuple(np.quantile([getattr(one, name) for one in chosen], (0.5, 0.9)).tolist())

@@ -1,9 +1,10 @@
 // Lift and drag of a blade section, eqs. (3) and (4), at any angle of attack and Reynolds number.
 //
 // A section law is a struct of numbers.  `coefficients` and the functions whose names end in `_at` are its
-// aerodynamics.  `stall_angle`, `stall_width`, `attached_slope` and `plain_stall` describe its stall to the search for
-// the inflow.  `kind` is its name.  `each_number` visits the numbers with respect to which loads can be differentiated.
-// `read_fixed` and `copy_fixed` then set all other members.  To add a law, write such a struct and list it in laws.hpp.
+// aerodynamics.  The search for the inflow uses `stall_angle`, `stall_width` (range of angles over which lift drops, in
+// rad), `attached_slope` and `plain_stall`.  `kind` is the name of the law.  `each_number` visits the numbers with
+// respect to which loads can be differentiated.  `read_fixed` and `copy_fixed` then set all other members.  To add a
+// law, write such a struct and list it in laws.hpp.
 #pragma once
 
 #include <algorithm>
@@ -157,7 +158,8 @@ struct SectionTable {
     std::vector<double> stall_up, stall_down;  // stall angles at each Reynolds number [rad]
     double zero_lift_angle;                    // at the middle Reynolds number [rad]
     double attached_slope;                     // of lift over angle [1/rad]
-    double stall_width = 0.014;                // assumed [rad]; a sharper stall lowers the limit of the error estimate, rotor.hpp
+    // Assumed for every table [rad].  A smaller value means more azimuths and a stricter limit on the error, rotor.hpp.
+    double stall_width = 0.014;
 };
 
 // Make a table from C_L and C_D (R, K) at K angles of attack from the chord line, -pi to pi, and R Reynolds numbers.

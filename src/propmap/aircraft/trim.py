@@ -339,7 +339,7 @@ class SteadyBalance:
     """Force and moment balances of a vehicle with given rotors.
 
     The unknowns are pitch, roll and the amplitudes of ``controls``.  Gyroscopic moments of a steady
-    turn are neglected; they are some per cent of thrust times arm of a rotor.
+    turn are neglected; they are a few percent of thrust times arm of a rotor.
     """
 
     def __init__(self, vehicle: Vehicle, rotors: Rotors) -> None:

@@ -43,8 +43,8 @@ ERRORS = {
     "siblings_label": ((0.085, 0.10), (0.18, 0.225)),
     "population_blade": ((0.19, 0.185), (0.41, 0.42)),
 }
-"""Errors of C_T and C_P of propellers whose blade and constants were both held out, as rms over
-rms, by group of ``tools.catalogue.left_out``: medians, then 90th percentiles."""
+"""Medians, then 90th percentiles, of the errors of C_T and C_P of propellers with predicted blade
+and constants.  Errors are rms over rms; keys are groups of ``tools.catalogue.left_out``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,8 +166,8 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 #
 # Multirotor propellers were not measured in the UIUC wind tunnel.  On stands, their thrust and
 # torque are smaller than predicted with the mean blade and the constants of all series.  The ratio
-# is the same for two, three and four blades and for all sizes.  The prior of the constants is
-# shifted and narrowed, so that the static loads have the distribution of the loads on stands.
+# of measured to predicted loads hardly depends on the size and the number of blades.  The prior of
+# the constants is shifted and narrowed to give static loads the distribution measured on stands.
 # ``python -m tools.stands`` computes the numbers below.
 
 STANDS = 76  # number of propellers
@@ -175,21 +175,21 @@ STANDS = 76  # number of propellers
 STAND_SHIFT = np.array([-0.132, -0.159])
 """Medians of log(measured / predicted) static loads, predicted with the constants of all series."""
 
-MULTIROTOR = ("multirotor", "carbon")  # origins of blades whose prior is from stands
+MULTIROTOR = ("multirotor", "carbon")  # values of ``geometry`` with a prior from stands
 
 LARGE = 0.2921  # smallest diameter [m] of a large propeller, 11.5 in
 
 CARBON = tuple(
     maker.name for maker in MAKERS if maker.carbon
-)  # manufacturers whose ``LARGE`` propellers have similar loads
+)  # manufacturers whose ``LARGE`` propellers are of the kind "carbon"
 
 STAND_DEVIATIONS = {
     "two blades": (0.216, 0.283),
     "three blades and more": (0.166, 0.178),
     "carbon": (0.069, 0.110),
 }
-"""Standard deviations of these logarithms by kind.  They minimize the interval score of the 95 %
-bands, and include differences between stands."""
+"""Standard deviations of log(measured / predicted static thrust and torque) by kind.  They minimize
+the interval score of the 95 % bands, and include differences between stands."""
 
 STAND_ERRORS = {
     "two blades": (0.174, 0.199),
@@ -200,7 +200,7 @@ STAND_ERRORS = {
 
 STAND_CORRELATION = 0.54  # between the logarithms of thrust and torque
 
-STAND_TIP_SPEED = 100.0  # tip speed [m/s] at which the static loads get this distribution
+STAND_TIP_SPEED = 100.0  # tip speed [m/s] at which the prior is matched to the loads on stands
 
 
 def static_loads(place: Floats, size: Size, blades: int) -> tuple[Floats, Floats]:
@@ -255,8 +255,8 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
 # Predicted section constants of a propeller, from its family or from all propellers.
 
 MEDIAN_ERRORS = {"family": 0.08, "population": 0.12}
-"""Medians of the held-out errors of C_T and C_P, rms over rms, by ``tools.catalogue.left_out``;
-equal for measured blades and blades from manufacturers' files."""
+"""Median errors of C_T and C_P of held-out propellers, rms over rms, by origin of the constants
+(``tools.catalogue.left_out``).  They apply to measured blades and to manufacturers' files."""
 
 
 class ExpectedConstants(NamedTuple):
@@ -275,10 +275,10 @@ def expected_constants(
 ) -> ExpectedConstants:
     """Return the most likely constants of a small propeller of a ``family`` and ``size``.
 
-    The defaults are any family and a medium size.  ``geometry`` is the origin of the blade:
-    "measured", the file of its "maker", the mean of its "family", the mean of the "population", or
-    this mean for a "multirotor" or a large "carbon" propeller with this number of ``blades``, and
-    this ``doubt`` about the number, as in ``Designation``.
+    By default, the family is unknown and the size is ``MEDIUM``.  ``geometry`` is the origin of the
+    blade: "measured"; "maker", the manufacturer's file; "family" or "population", the mean blade of
+    the family or of all families.  "multirotor" and "carbon" also mean the latter, with a prior
+    from stands for this number of ``blades`` and this ``doubt``, as in ``Designation``.
     """
     prior = expected_prior(family, size, geometry, blades, doubt)
     members = _members(family, geometry)
@@ -330,7 +330,7 @@ def expected_prior(
 
 
 def _population_of(geometry: str) -> str:
-    """Return the population, one of ``GEOMETRIES``, of the constants for a ``geometry``."""
+    """Return which population of ``GEOMETRIES`` applies to a blade of this ``geometry``."""
     others = dict.fromkeys(MULTIROTOR, "population")
     return {"maker": "measured", **others}.get(geometry, geometry)
 
@@ -371,7 +371,10 @@ def _members(family: str | None, geometry: str) -> list[Member]:
 
 
 def on_measured_blade(one: Identified) -> Member:
-    """Return the member for ``one``, shifted from a manufacturer's blade to a measured blade."""
+    """Return the member for ``one``, with constants for a measured blade.
+
+    Constants identified with the blade of a manufacturer's file are shifted.
+    """
     own = member(one)
     if one.geometry != "maker":
         return own
@@ -382,16 +385,16 @@ def on_measured_blade(one: Identified) -> Member:
 def on_makers_blade(
     prior: PopulationPrior, family: str | None, without: str = ""
 ) -> PopulationPrior:
-    """Return the distribution for manufacturers' blades, from that for measured blades.
+    """Return the distribution of constants for blades of files, from that for measured blades.
 
-    The propeller with the catalogue name ``without`` is excluded from the difference.
+    The mean difference of the two blades excludes the propeller with the name ``without``.
     """
     shift, spread = _by_difference(apc.difference(family, without))
     return PopulationPrior.of(prior.mean + shift, prior.covariance + spread)
 
 
 def _by_difference(of: apc.Difference) -> tuple[Floats, Floats]:
-    """Return mean (P,) and covariance of the change of coordinates to manufacturers' blades."""
+    """Return mean (P,) and covariance of the change of coordinates from measured to file blades."""
     by = np.stack([_FORCES, -_ANGLES], axis=1)
     return by @ of.mean, by @ of.covariance @ by.T
 
@@ -462,7 +465,7 @@ def screw_angle(share: Floats, pitch_ratio: float) -> Floats:
 
 @lru_cache(maxsize=1)
 def measured_shapes() -> tuple[MeasuredShape, ...]:
-    """Return mean blades by series and size, without those of the table of APC's files."""
+    """Return the mean of measured specimens by series and size, without blades of APC's files."""
     blades_of: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
     for entry in catalogue.entries():
         if entry.name in apc.apc_blades():
@@ -689,11 +692,11 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
 MIDDLE = (0.2286, 0.6)  # reference size of a family's mean: diameter [m], pitch over diameter
 
 LIKENESS_WIDTH = (0.4, 0.3)
-"""Standard deviations of the Gaussian correlation of deviations in a family, in the logarithm of
-the diameter and in pitch over diameter.  Together with ``OWN_SHARE`` they have the largest
-likelihood on a grid, over all three populations."""
+"""Widths of the Gaussian correlation of deviations within a family, in the logarithm of diameter
+and in pitch over diameter.  They and ``OWN_SHARE`` maximize the likelihood of all three populations
+on a grid."""
 
-OWN_SHARE = 0.25  # share of the variance within families that differs between equal sizes
+OWN_SHARE = 0.25  # share of the variance within families that members of equal size do not share
 
 GEOMETRIES = ("measured", "family", "population")  # origins of blades, see ``Identified.geometry``
 Size = tuple[float, float]  # labeled diameter and pitch [m]
@@ -710,7 +713,7 @@ class Population:
     within: Floats  # (P, P) covariance of propellers about the mean of their family
     low: Floats  # (2,) range of the covariates in the data; the trend is constant outside
     high: Floats
-    errors: Floats  # (2,) standard deviations of C_T and C_P [-] with the best constants
+    errors: Floats  # (2,) residual standard deviations of C_T and C_P [-], with the best constants
 
     def shift(self, size: Size) -> Floats:
         """Return the contribution (P,) of the trend at a ``size``."""

@@ -83,7 +83,7 @@ class Evaluator:
 
     def difference_quotients(self, x: Floats) -> Floats:
         """Return difference quotients (M + K, P) of ``computed``; they differ from ``jacobian`` by
-        some per cent for a steeply rising inflow, see "Known limits" in docs/theory.md."""
+        a few percent for a steeply rising inflow, see "Known limits" in docs/theory.md."""
         from scipy.optimize import approx_fprime
 
         step = DIFFERENCE * self.choice.column("spread")
