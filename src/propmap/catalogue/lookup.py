@@ -133,7 +133,7 @@ def designated(text: str) -> catalogue.Entry | expected.ExpectedBlade:
     """
     wanted = designation.designation(text)
     if wanted is None:
-        raise catalogue.unknown_name(text)
+        raise designation.without_size(text)
     found, series = designation.candidates(wanted), designation.series_named(wanted.words)[0]
     meant = [
         one
