@@ -96,11 +96,13 @@ _SIZE = re.compile(
 )
 # Digits without an x, as in 51466-3, with an optional letter in front, as in T5045C.
 _FIGURES = re.compile(
-    r"(?<![\w.])[tqpr]?([1-9]\d)(\d\d\d?)(?:[cs](?![a-z]))?(?:\s*x\s*(\d+)|-(\d))?"
+    r"(?<![\w.])[tqprf]?([1-9]\d)(\d\d\d?)(?:[cs](?![a-z]))?(?:\s*x\s*(\d+)|-(\d))?"
     r"(?!\.?\d|\s*x\s*\d)"
 )
-# The UIUC database writes "gwsdd 5.0x4.3 - 2", APC "5x4E-3".
-_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$|(?<=\de)-(\d)\b")
+# The UIUC database writes "gwsdd 5.0x4.3 - 2", APC "5x4E-3" and "10x7-3".
+_BLADES = re.compile(
+    r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$|(?<=x\d)-(\d)\b|(?<=\d[\de])-(\d)\b"
+)
 _WORD = re.compile(r"[a-z]+\d*[a-z]*")
 _LENGTH = re.compile(r"\d\s*(?:(?:mm|cm|m|in|inch)(?![a-wyz])|''|[\"\u2033\u201d])")
 
@@ -157,7 +159,7 @@ def designation(text: str) -> Designation | None:
     units = " ".join(part for part in found.groups() if part and part.isalpha()) if found else ""
     around = f"{rest[: found.start()]} {units} {rest[found.end() :]}" if found else rest
     if blades:
-        said = blades[1] or blades[2] or blades[3]
+        said = next(filter(None, blades.groups()))
     count = int(said) if said else None
     if score == -np.inf:
         remedy = (

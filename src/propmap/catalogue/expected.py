@@ -37,6 +37,7 @@ from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.units import INCH
 
 ERRORS = {
     "family_blade": ((0.085, 0.09), (0.21, 0.195)),
@@ -108,8 +109,10 @@ class ExpectedBlade:
             geometry = f"{self.wanted.reading}; {geometry}"
         if self.own is not None:
             return geometry
+        size, blades = (self.wanted.diameter, self.wanted.pitch), self.wanted.blades or 2
+        geometry += size_note(self.geometry, size, blades)
         if self.geometry in MULTIROTOR:
-            kind = stand_kind(self.geometry == "carbon", self.wanted.blades or 2)
+            kind = stand_kind(self.geometry == "carbon", blades)
             thrust, torque = STAND_ERRORS[kind]
             return (
                 f"{geometry}; the constants agree with the static loads of {STANDS} multirotor "
@@ -168,12 +171,18 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 # torque are smaller than predicted with the mean blade and the constants of all series.  The ratio
 # is the same for two, three and four blades and for all sizes.  The prior of the constants is
 # shifted and narrowed, so that the static loads have the distribution of the loads on stands.
-# ``python -m tools.stands`` computes the numbers below.
+# ``python -m tools.stands`` computes the numbers of stands.toml, which also explains them.
 
-STANDS = 76  # number of propellers
-
-STAND_SHIFT = np.array([-0.132, -0.159])
-"""Medians of log(measured / predicted) static loads, predicted with the constants of all series."""
+_STANDS: dict[str, Any] = tomllib.loads(
+    Path(__file__).with_name("stands.toml").read_text(encoding="utf-8")
+)
+STANDS: int = _STANDS["propellers"]
+STAND_SHIFT, STAND_CORRELATION = np.array(_STANDS["shift"]), _STANDS["correlation"]
+STAND_DEVIATIONS, STAND_ERRORS, STAND_SIZES = (
+    {kind: tuple(row[key]) for kind, row in _STANDS["kinds"].items()}
+    for key in ("deviations", "errors", "diameters")
+)
+STAND_TIP_SPEED = 100.0  # tip speed [m/s] at which the static loads get this distribution
 
 MULTIROTOR = ("multirotor", "carbon")  # origins of blades whose prior is from stands
 
@@ -182,25 +191,6 @@ LARGE = 0.2921  # smallest diameter [m] of a large propeller, 11.5 in
 CARBON = tuple(
     maker.name for maker in MAKERS if maker.carbon
 )  # manufacturers whose ``LARGE`` propellers have similar loads
-
-STAND_DEVIATIONS = {
-    "two blades": (0.216, 0.283),
-    "three blades and more": (0.166, 0.178),
-    "carbon": (0.069, 0.110),
-}
-"""Standard deviations of these logarithms by kind.  They minimize the interval score of the 95 %
-bands, and include differences between stands."""
-
-STAND_ERRORS = {
-    "two blades": (0.174, 0.199),
-    "three blades and more": (0.096, 0.081),
-    "carbon": (0.027, 0.020),
-}
-"""Medians of the errors of static thrust and torque of held-out propellers, by kind."""
-
-STAND_CORRELATION = 0.54  # between the logarithms of thrust and torque
-
-STAND_TIP_SPEED = 100.0  # tip speed [m/s] at which the static loads get this distribution
 
 
 def static_loads(place: Floats, size: Size, blades: int) -> tuple[Floats, Floats]:
@@ -232,7 +222,8 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
 
     Static thrust and torque then follow the distribution measured on stands, which includes the
     tunnel term of ``propmap.bands``.  The variance does not change in directions of the coordinates
-    that do not affect the static loads.
+    that do not affect the static loads.  Outside the diameters on stands, it grows with the
+    logarithm of the diameter.
     """
     prior = family_prior([], bundled_population("population"), size)
     place, target = prior.mean, static_loads(prior.mean, size, blades)[0] + STAND_SHIFT
@@ -241,7 +232,9 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
         before = slopes @ prior.covariance @ slopes.T
         gain = prior.covariance @ slopes.T @ np.linalg.inv(before)
         place = prior.mean + gain @ (target - loads + slopes @ (place - prior.mean))
-    deviation = STAND_DEVIATIONS[kind]
+    low, high = np.array(STAND_SIZES[kind]) * INCH
+    beyond = np.log(max(low / size[0], size[0] / high, 1.0))
+    deviation = np.hypot(STAND_DEVIATIONS[kind], _STANDS["size_trend"] * beyond)
     wanted = np.outer(deviation, deviation) * [[1.0, STAND_CORRELATION], [STAND_CORRELATION, 1.0]]
     wanted -= TUNNEL_GAIN**2 * np.eye(2)
     if doubt > 0.0:
@@ -292,6 +285,7 @@ def expected_constants(
     summary = f"constants predicted from {of}; no measurements of this propeller were fitted; rms "
     summary += f"errors of thrust and torque in axial flow: below {likely:.0%} for half of the "
     summary += "tested propellers, below twice this value for nine in ten of them"
+    summary += size_note(geometry, size or MEDIUM, blades)
     thrust, power = bundled_population(_population_of(geometry)).errors.tolist()
     measured = None if geometry == "measured" else expected_prior(family, size)
     if geometry in MULTIROTOR:
@@ -302,6 +296,21 @@ def expected_constants(
     name = f"{family} expected" if members else "small propeller expected"
     law = airfoil_at(prior.mean, name, f"prior over propellers by propmap, family {own}")
     return ExpectedConstants(law.with_parameters(uncertainty=known_to), summary)
+
+
+def size_note(geometry: str, size: Size, blades: int) -> str:
+    """Return a remark if the diameter is outside the range of the measured propellers."""
+    if geometry in MULTIROTOR:
+        low, high = STAND_SIZES[stand_kind(geometry == "carbon", blades)]
+    else:
+        population = bundled_population(_population_of(geometry))
+        low, high = np.exp([population.low[0], population.high[0]]) * MIDDLE[0] / INCH
+    if low <= size[0] / INCH <= high:
+        return ""
+    return (
+        f"; the bands are wider because the propellers that were measured have diameters of "
+        f"{low:.3g} to {high:.3g} in"
+    )
 
 
 def airfoil_at(place: Floats, name: str, source: str) -> Airfoil:
@@ -664,6 +673,8 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
     own = population.mean + population.shift(size)
     related = likeness([*(one.size for one in members), size])
     joint = np.kron(np.ones_like(related), population.between) + np.kron(related, population.within)
+    beyond = np.concatenate([population.beyond(one) for one in (*(m.size for m in members), size)])
+    joint += np.outer(beyond, beyond)
     if not members:
         return PopulationPrior.of(own, joint)
     known = own.size * len(members)
@@ -715,6 +726,13 @@ class Population:
     def shift(self, size: Size) -> Floats:
         """Return the contribution (P,) of the trend at a ``size``."""
         return self.trend @ np.clip(covariates(size), self.low, self.high)
+
+    def beyond(self, size: Size) -> Floats:
+        """Return the change (P,) from the range of the data to a ``size`` if the trend went on.
+
+        The trend may also end there, so this change is a standard deviation.
+        """
+        return self.trend @ covariates(size) - self.shift(size)
 
 
 def covariates(size: Size) -> Floats:
