@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 import tomllib
 from dataclasses import dataclass, replace
@@ -50,24 +49,7 @@ MAKERS = msgspec.convert(_KNOWN["makers"], tuple[Maker, ...])
 ANY_MAKER = Maker("", "", (1.0, 80.0), multirotor=False)
 
 _NAMES = {maker: rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS}
-
-
-def spaced(text: str) -> str:
-    """Insert a blank between a manufacturer and a number, as in "gf51466"; ``text`` in lower
-    case."""
-    for name in _NAMES.values():
-        text = re.sub(rf"({name})(?=\d)", r"\1 ", text)
-    return text
-
-
-def _ruled(text: str, own: Maker) -> tuple[Maker, Rule] | None:
-    """Return manufacturer and rule of a designation in lower case, or None.
-
-    Without a named manufacturer, rules of all manufacturers apply, except names of sizes.
-    """
-    every = ((maker, rule) for maker in ([own] if own.name else MAKERS) for rule in maker.rules)
-    valid = (pair for pair in every if own.name or pair[1].size is None)
-    return next((it for it in valid if re.search(rf"(?<![\w.]){it[1].form}(?!\d)", text)), None)
+_NAME_AND_NUMBER = re.compile(rf"({'|'.join(_NAMES.values())})(?=\d)")  # as in gf51466
 
 
 # -------------------------------------------------------------------------------------------------
@@ -118,9 +100,7 @@ class Designation:
     maker: str = ""  # name of one of ``MAKERS``
     size: str = ""  # diameter and pitch as read, for messages
     counted: str = ""  # number of blades and its origin, for messages
-    doubt: float = (
-        0.0  # probability that it has three blades instead of two, or two instead of three
-    )
+    doubt: float = 0.0  # probability of three blades instead of two, or two instead of three
 
     @property
     def reading(self) -> str:
@@ -144,11 +124,16 @@ def designation(text: str) -> Designation | None:
     contains further rules.  Raise ``InputError`` for an impossible size or number of blades.
     """
     lower = re.sub("[\u00d7*]", "x", text.strip().lower().replace(",", "."))
-    lower = spaced(re.sub(r"(?<![a-z])inch(?:es)?|''|[\"\u2033\u201d]", " in ", lower))
+    lower = re.sub(r"(?<![a-z])inch(?:es)?|''|[\"\u2033\u201d]", " in ", lower)
+    lower = _NAME_AND_NUMBER.sub(r"\1 ", lower)
     blades = _BLADES.search(lower)
     rest = lower[: blades.start()] + " " + lower[blades.end() :] if blades else lower
     own = next((maker for maker, name in _NAMES.items() if re.search(name, rest)), ANY_MAKER)
-    found, by_rule = _SIZE.search(rest) or _FIGURES.search(rest), _ruled(rest, own)
+    # Without a manufacturer, all rules apply, except names of sizes.
+    rules = ((maker, rule) for maker in ([own] if own.name else MAKERS) for rule in maker.rules)
+    valid = (pair for pair in rules if own.name or pair[1].size is None)
+    by_rule = next((it for it in valid if re.search(rf"(?<![\w.]){it[1].form}(?!\d)", rest)), None)
+    found = _SIZE.search(rest) or _FIGURES.search(rest)
     readings, said = _readings(own, found) if found else ([], None)
     if found is None and by_rule is not None and by_rule[1].size is not None:
         readings = [Reading(*by_rule[1].size)]
@@ -163,9 +148,9 @@ def designation(text: str) -> Designation | None:
     count = int(said) if said else None
     if score == -np.inf:
         remedy = (
-            f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with a unit, and "
+            f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m and a pitch of up to {STEEPEST:g} "
         )
-        remedy += f"a pitch of up to {STEEPEST:g} diameters; {catalogue.close_names(text)}"
+        remedy += f"diameters, in inches or with a unit; {catalogue.close_names(text)}"
         wrong = f"a diameter of {diameter:.3g} m and a pitch of {pitch:.3g} m"
         raise InputError(f"{quoted(text)} has {wrong}", remedy)
     if count is not None and not 2 <= count <= MOST_BLADES:
@@ -173,11 +158,9 @@ def designation(text: str) -> Designation | None:
     maker, doubt = own.name if own.multirotor else "", 0.0
     counted = f"{count} blades"
     if count is None and by_rule is not None and by_rule[0].makes(diameter):
-        whose, rule = by_rule[0].name, by_rule[1]
-        count = rule.blades
-        counted = f"{count} blades" + ("" if maker else f" if it is from {whose}")
-        counted += f": {rule.means}"
-        maker = whose
+        whose, rule = by_rule
+        count, origin = rule.blades, "" if maker else f" if it is from {whose.name}"
+        counted, maker = f"{count} blades{origin}: {rule.means}", whose.name
     elif count is None and own.racing and RACING[0] < diameter < RACING[1]:
         count, doubt = 3, FIVE_INCH_DOUBT
         counted = f"three blades assumed, as for most {maker} propellers of this size "
@@ -192,14 +175,15 @@ def designation(text: str) -> Designation | None:
 
 def without_size(text: str) -> InputError:
     """Return the error for a ``text`` that is neither a name nor contains a size."""
-    if re.search(r"\bedf\b|duct", text.lower()):
+    lower = text.lower()
+    if re.search(r"\bedf\b|duct", lower):
         remedy = "propmap models propellers without a duct; give an open propeller"
         return InputError(f"{quoted(text)} is a ducted fan", remedy)
-    if not _LENGTH.search(text.lower()):
+    if not _LENGTH.search(lower):
         return catalogue.unknown_name(text)
-    found = f"{quoted(text)} is neither a propeller of the catalogue nor a file: it has no pitch"
-    remedy = "give diameter x pitch, then the unit and the blades: 31x20mm 4-blade, 12x6in"
-    return InputError(found, remedy)
+    found = f"{quoted(text)} is neither a propeller of the catalogue nor a file, and not a size: "
+    found += "the pitch, or the unit after the pitch, is missing"
+    return InputError(found, "give diameter x pitch and the unit, as in 31x20mm 4-blade or 12x6in")
 
 
 # -------------------------------------------------------------------------------------------------
@@ -228,8 +212,10 @@ class Reading(NamedTuple):
     def score(self, maker: Maker) -> float:
         """Return the logarithm of the probability density, except for a constant."""
         diameter, pitch = self.lengths
-        supported = LEAST_DIAMETER <= diameter <= LARGEST_DIAMETER
-        if not supported or not 0.0 < pitch <= STEEPEST * diameter:
+        if (
+            not LEAST_DIAMETER <= diameter <= LARGEST_DIAMETER
+            or not 0.0 < pitch <= STEEPEST * diameter
+        ):
             return -np.inf
         if pitch < PRIOR["flattest"] * diameter or not maker.makes(diameter):
             return self.style + PRIOR["unusual"]
@@ -246,9 +232,8 @@ def _readings(maker: Maker, found: re.Match[str]) -> tuple[list[Reading], str | 
     The list is empty for a size such as "31mm x 4", which may mean four blades.
     """
     if found.re is _FIGURES:
-        diameter, pitch = float(found[1]), float(found[2])
-        styles = PRIOR["digits"][len(found[2]) - 2]
-        sizes = [Reading(diameter / k, pitch / j, style=style) for k, j, style in styles]
+        diameter, pitch, rows = float(found[1]), float(found[2]), PRIOR["digits"][len(found[2]) - 2]
+        sizes = [Reading(diameter / k, pitch / j, "in", style) for k, j, style in rows]
         return sizes, found[3] or found[4]
     first, unit, second, after, blades, last = found.groups()
     diameter, pitch, after = float(first), float(second), after or last
@@ -258,13 +243,13 @@ def _readings(maker: Maker, found: re.Match[str]) -> tuple[list[Reading], str | 
     if (unit or after) and (after != "m" or diameter <= LARGEST_DIAMETER):
         one, other = unit or after, after or unit
         return [Reading(diameter, pitch * UNITS[other] / UNITS[one], one)], blades
-    sizes = []
-    points = (range(len(number)) if number.isdigit() else [0] for number in (first, second))
-    for k, j in itertools.product(*points):
-        # Nobody writes 130 for 13.0, but 51x50 may be 5.1x5.0.
-        if not (first if k else second if j else "").endswith("0"):
-            style = PRIOR["no_point"] if k or j else 0.0
-            sizes.append(Reading(diameter / 10.0**k, pitch / 10.0**j, style=style))
+    usual = diameter <= PRIOR["inches"] and pitch <= STEEPEST * diameter
+    # Nobody writes 130 for 13.0, but 51x50 may be 5.1x5.0.
+    sizes = [
+        Reading(diameter / k, pitch / j, "in", style)
+        for k, j, style in PRIOR["numbers"][: 1 if usual else None]
+        if (k == 1.0 or diameter % 10.0) and (k > 1.0 or j == 1.0 or pitch % 10.0)
+    ]
     metric = PRIOR["no_unit"] + (PRIOR["unusual"] if maker.name else 0.0)
     return [*sizes, Reading(diameter, pitch, "mm", metric)], blades
 
@@ -273,9 +258,8 @@ def _likeliest(readings: list[Reading], maker: Maker) -> tuple[Reading, float, s
     """Return the most probable reading, its score, and a text with the other probable ones."""
     scores = {one: one.score(maker) for one in readings}
     best, highest = max(scores.items(), key=lambda pair: pair[1])
-    # The usual style is listed, unless it is impossible.
-    least = dict.fromkeys(readings, highest - PRIOR["close"]) | {readings[0]: -np.inf}
-    others = [str(one) for one, score in scores.items() if one != best and score > least[one]]
+    close = highest - PRIOR["close"]
+    others = [str(one) for one, score in scores.items() if one != best and score > close]
     text = f"{best} (not {' or '.join(others)})" if others else str(best)
     if highest <= PRIOR["unusual"]:
         text += f", an unusual size{f' for {maker.name}' if maker.name else ''}"
@@ -297,11 +281,9 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
 
     for entry in catalogue.entries():
         own = designation(entry.title)
-        if own is None or not same_size((wanted.diameter, wanted.pitch), (own.diameter, own.pitch)):
-            continue
-        if wanted.words and entry.family not in named:
-            continue
-        if not wanted.words and wanted.blades not in (None, entry.blades):
+        fits = entry.family in named if wanted.words else wanted.blades in (None, entry.blades)
+        size = wanted.diameter, wanted.pitch
+        if own is None or not fits or not same_size(size, (own.diameter, own.pitch)):
             continue
         family = entry.family
         if family not in found or place(entry) > place(found[family]):

@@ -39,13 +39,10 @@ from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import INCH
 
-ERRORS = {
-    "family_blade": ((0.085, 0.09), (0.21, 0.195)),
-    "siblings_label": ((0.085, 0.10), (0.18, 0.225)),
-    "population_blade": ((0.19, 0.185), (0.41, 0.42)),
-}
-"""Errors of C_T and C_P of propellers whose blade and constants were both held out, as rms over
-rms, by group of ``tools.catalogue.left_out``: medians, then 90th percentiles."""
+_HELD_OUT: dict[str, Any] = tomllib.loads(
+    Path(__file__).with_name("held_out.toml").read_text(encoding="utf-8")
+)
+ERRORS, MEDIAN_ERRORS = _HELD_OUT["errors"], _HELD_OUT["median_errors"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,11 +168,9 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 # torque are smaller than predicted with the mean blade and the constants of all series.  The ratio
 # is the same for two, three and four blades and for all sizes.  The prior of the constants is
 # shifted and narrowed, so that the static loads have the distribution of the loads on stands.
-# ``python -m tools.stands`` computes the numbers of stands.toml, which also explains them.
+# held_out.toml explains the numbers, which ``python -m tools.stands`` computes.
 
-_STANDS: dict[str, Any] = tomllib.loads(
-    Path(__file__).with_name("stands.toml").read_text(encoding="utf-8")
-)
+_STANDS = _HELD_OUT["stands"]
 STANDS: int = _STANDS["propellers"]
 STAND_SHIFT, STAND_CORRELATION = np.array(_STANDS["shift"]), _STANDS["correlation"]
 STAND_DEVIATIONS, STAND_ERRORS, STAND_SIZES = (
@@ -188,9 +183,8 @@ MULTIROTOR = ("multirotor", "carbon")  # origins of blades whose prior is from s
 
 LARGE = 0.2921  # smallest diameter [m] of a large propeller, 11.5 in
 
-CARBON = tuple(
-    maker.name for maker in MAKERS if maker.carbon
-)  # manufacturers whose ``LARGE`` propellers have similar loads
+CARBON = tuple(maker.name for maker in MAKERS if maker.carbon)
+"""Manufacturers whose ``LARGE`` propellers have similar loads."""
 
 
 def static_loads(place: Floats, size: Size, blades: int) -> tuple[Floats, Floats]:
@@ -247,10 +241,6 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
 # -------------------------------------------------------------------------------------------------
 # Predicted section constants of a propeller, from its family or from all propellers.
 
-MEDIAN_ERRORS = {"family": 0.08, "population": 0.12}
-"""Medians of the held-out errors of C_T and C_P, rms over rms, by ``tools.catalogue.left_out``;
-equal for measured blades and blades from manufacturers' files."""
-
 
 class ExpectedConstants(NamedTuple):
     """Predicted constants of a propeller, and a line of text on origin and errors."""
@@ -305,12 +295,8 @@ def size_note(geometry: str, size: Size, blades: int) -> str:
     else:
         population = bundled_population(_population_of(geometry))
         low, high = np.exp([population.low[0], population.high[0]]) * MIDDLE[0] / INCH
-    if low <= size[0] / INCH <= high:
-        return ""
-    return (
-        f"; the bands are wider because the propellers that were measured have diameters of "
-        f"{low:.3g} to {high:.3g} in"
-    )
+    note = f"; the bands are wider because the measured propellers have {low:.3g} to {high:.3g} in"
+    return "" if low <= size[0] / INCH <= high else note
 
 
 def airfoil_at(place: Floats, name: str, source: str) -> Airfoil:
@@ -673,8 +659,9 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
     own = population.mean + population.shift(size)
     related = likeness([*(one.size for one in members), size])
     joint = np.kron(np.ones_like(related), population.between) + np.kron(related, population.within)
-    beyond = np.concatenate([population.beyond(one) for one in (*(m.size for m in members), size)])
-    joint += np.outer(beyond, beyond)
+    # Outside the range of the data, the trend may end or continue: one standard deviation.
+    beyond = population.trend @ covariates(size) - population.shift(size)
+    joint[-own.size :, -own.size :] += np.outer(beyond, beyond)
     if not members:
         return PopulationPrior.of(own, joint)
     known = own.size * len(members)
@@ -726,13 +713,6 @@ class Population:
     def shift(self, size: Size) -> Floats:
         """Return the contribution (P,) of the trend at a ``size``."""
         return self.trend @ np.clip(covariates(size), self.low, self.high)
-
-    def beyond(self, size: Size) -> Floats:
-        """Return the change (P,) from the range of the data to a ``size`` if the trend went on.
-
-        The trend may also end there, so this change is a standard deviation.
-        """
-        return self.trend @ covariates(size) - self.shift(size)
 
 
 def covariates(size: Size) -> Floats:

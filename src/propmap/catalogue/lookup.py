@@ -178,7 +178,7 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
 def search(text: str) -> list[catalogue.Entry]:
     """Return entries as ``catalogue.search``, including propellers without a measured blade."""
     others = map(_without_blade, identified.identified_without_blade())
-    return catalogue.matching(text, [*catalogue.entries(), *others])
+    return catalogue.search(text, [*catalogue.entries(), *others])
 
 
 def _without_blade(one: identified.Identified) -> catalogue.Entry:
