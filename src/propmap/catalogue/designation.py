@@ -47,7 +47,6 @@ MAKERS = msgspec.convert(_KNOWN["makers"], tuple[Maker, ...])
 """Manufacturers and their rules, as stated by pages of shops and manufacturers alike."""
 
 ANY_MAKER = Maker("", "", (1.0, 80.0), multirotor=False)
-
 _NAMES = {maker: rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS}
 _NAME_AND_NUMBER = re.compile(rf"({'|'.join(_NAMES.values())})(?=\d)")  # as in gf51466
 
@@ -59,8 +58,7 @@ LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # limits of supported propellers [
 STEEPEST = 2.5  # largest ratio of pitch to diameter
 MOST_BLADES = 8
 
-# Diameters [in] at which racing propellers are assumed to have three blades, and probabilities that
-# the number of blades assumed for these manufacturers is wrong, as in makers.toml.
+# Diameters [m] and probabilities that makers.toml explains.
 RACING = _KNOWN["racing"]["from"] * INCH, _KNOWN["racing"]["to"] * INCH
 FIVE_INCH_DOUBT, OTHER_DOUBT = _KNOWN["racing"]["doubt"], _KNOWN["racing"]["other_doubt"]
 
@@ -74,7 +72,7 @@ _UNIT = r"(?:\s*(mm|cm|m|in)(?![a-wyz]))?"
 # A diameter of four digits requires a pitch of three, because 5040x3 means three blades.
 _SIZE = re.compile(
     rf"(?<![\d.x])(\d{{1,3}}(?:\.\d+)?|\d{{4}}(?=[ mx]+\d{{3}})){_UNIT}\s*x\s*"
-    rf"(\d{{1,3}}(?:\.\d+)?){_UNIT}(?:\s*x\s*(\d+){_UNIT})?(?![\d.]|x\d)"
+    rf"(\d{{1,4}}(?:\.\d+)?){_UNIT}(?:\s*x\s*(\d+){_UNIT})?(?![\d.]|x\d)"
 )
 # Digits without an x, as in 51466-3, with an optional letter in front, as in T5045C.
 _FIGURES = re.compile(

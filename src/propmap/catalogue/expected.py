@@ -171,7 +171,7 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 # held_out.toml explains the numbers, which ``python -m tools.stands`` computes.
 
 _STANDS = _HELD_OUT["stands"]
-STANDS: int = _STANDS["propellers"]
+STANDS, SIZE_TREND = _STANDS["propellers"], _STANDS["size_trend"]
 STAND_SHIFT, STAND_CORRELATION = np.array(_STANDS["shift"]), _STANDS["correlation"]
 STAND_DEVIATIONS, STAND_ERRORS, STAND_SIZES = (
     {kind: tuple(row[key]) for kind, row in _STANDS["kinds"].items()}
@@ -228,7 +228,7 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
         place = prior.mean + gain @ (target - loads + slopes @ (place - prior.mean))
     low, high = np.array(STAND_SIZES[kind]) * INCH
     beyond = np.log(max(low / size[0], size[0] / high, 1.0))
-    deviation = np.hypot(STAND_DEVIATIONS[kind], _STANDS["size_trend"] * beyond)
+    deviation = np.hypot(STAND_DEVIATIONS[kind], SIZE_TREND * beyond)
     wanted = np.outer(deviation, deviation) * [[1.0, STAND_CORRELATION], [STAND_CORRELATION, 1.0]]
     wanted -= TUNNEL_GAIN**2 * np.eye(2)
     if doubt > 0.0:
