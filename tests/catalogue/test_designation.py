@@ -151,7 +151,7 @@ with Path(__file__).with_name("designations.csv").open(encoding="utf-8") as file
 
 
 def test_designations_of_manufacturers_are_read_correctly() -> None:
-    """Of 774 designations from 31 mm to 2 m, the HQ1312 alone is read as another size, 1.3x1.2 in;
+    """Of 756 designations from 31 mm to 2 m, the HQ1312 alone is read as another size, 1.3x1.2 in;
     the note lists its size."""
     other = []
     for text, diameter, pitch, row in REAL:
