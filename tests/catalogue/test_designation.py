@@ -214,6 +214,7 @@ def test_digits_are_read_or_listed_for_every_common_size() -> None:
     [
         ("T-Motor 3412", "34 x 12 in (not 3.4 x 1.2 in)"),
         ("75x40", "75 x 40 in (not 7.5 x 4 in or 75 x 40 mm)"),
+        ("1575x610", "1575 x 610 mm"),
         ("52x26x3", "52 x 26 in (not 5.2 x 2.6 in), 3 blades"),
         ("Gemfan 52x26x3", "5.2 x 2.6 in, 3 blades"),
         ("KDE 5x3", "5 x 3 in, an unusual size for KDE Direct"),
@@ -233,6 +234,7 @@ def test_another_probable_size_and_an_unusual_size_are_noted(text: str, told: st
         ("Gemfan 31mm x4", "the pitch, or the unit after the pitch, is missing"),
         ("1.2 m", "as in 31x20mm"),
         ('12" x 6', "or 12x6in"),
+        ("EDF 70x50mm", "is a ducted fan"),
         ("EDF 70mm 12 blades", "is a ducted fan; propmap models propellers without a duct"),
     ],
 )

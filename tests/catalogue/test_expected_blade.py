@@ -156,7 +156,7 @@ def test_bands_widen_beyond_the_sizes_that_were_measured() -> None:
         for text, noted in ((last, False), (further, True), (form.format(0.9 * low, low), True)):
             meant = designated(text)
             assert isinstance(meant, ExpectedBlade)
-            assert (f"have {low:g} to {high:g} in" in meant.summary) == noted
+            assert (f"diameters of {low:g} to {high:g} in" in meant.summary) == noted
     # Without a manufacturer: the trend of the constants with the size may go on.
     assert spread("19x8") < spread("30x12.6") < spread("60x25.3")
 

@@ -55,10 +55,14 @@ def entries() -> list[Entry]:
     return [entry(name) for name in names()]
 
 
-def search(text: str, among: list[Entry] | None = None) -> list[Entry]:
-    """Return the entries, by default of all propellers, with all words of ``text`` in name, title
-    or family, ignoring case."""
-    words, among = text.lower().split(), entries() if among is None else among
+def search(text: str) -> list[Entry]:
+    """Return the entries with all words of ``text`` in name, title or family, ignoring case."""
+    return matching(text, entries())
+
+
+def matching(text: str, among: list[Entry]) -> list[Entry]:
+    """Return the entries of ``among`` that ``search`` would return for ``text``."""
+    words = text.lower().split()
     said = [f"{one.name} {one.title} {one.family}".lower() for one in among]
     return [one for one, its in zip(among, said, strict=True) if all(w in its for w in words)]
 

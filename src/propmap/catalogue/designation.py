@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import msgspec
 import numpy as np
 
 from propmap import catalogue
@@ -17,21 +17,21 @@ from propmap.errors import InputError, quoted
 from propmap.units import INCH
 
 
-class Rule(msgspec.Struct, frozen=True):
+class Rule(NamedTuple):
     """Meaning of a form of designation for one manufacturer."""
 
     form: str  # pattern of the printed text, in lower case
     blades: int
     means: str  # explanation for messages
-    size: tuple[float, float] | None = None  # diameter and pitch [in], if the text lacks them
+    size: Sequence[float] = ()  # diameter and pitch [in], if the text does not contain them
 
 
-class Maker(msgspec.Struct, frozen=True):
+class Maker(NamedTuple):
     """A manufacturer with sizes in inches; rules only for designations that need one."""
 
     name: str
     words: str  # pattern of the names of manufacturer and series, in lower case
-    sizes: tuple[float, float]  # smallest and largest diameter [in]
+    sizes: Sequence[float]  # smallest and largest diameter [in]
     rules: tuple[Rule, ...] = ()
     racing: bool = False  # whether most propellers of about five inches have three blades
     carbon: bool = False  # whether large propellers are of carbon fiber
@@ -43,12 +43,15 @@ class Maker(msgspec.Struct, frozen=True):
 
 
 _KNOWN = tomllib.loads(Path(__file__).with_name("makers.toml").read_text(encoding="utf-8"))
-MAKERS = msgspec.convert(_KNOWN["makers"], tuple[Maker, ...])
+MAKERS = tuple(
+    Maker(**{**row, "rules": tuple(Rule(**rule) for rule in row.get("rules", ()))})
+    for row in _KNOWN["makers"]
+)
 """Manufacturers and their rules, as stated by pages of shops and manufacturers alike."""
 
 ANY_MAKER = Maker("", "", (1.0, 80.0), multirotor=False)
-_NAMES = {maker: rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS}
-_NAME_AND_NUMBER = re.compile(rf"({'|'.join(_NAMES.values())})(?=\d)")  # as in gf51466
+_NAMES = [rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS]
+_NAME_AND_NUMBER = re.compile(rf"({'|'.join(_NAMES)})(?=\d)")  # as in gf51466
 
 
 # -------------------------------------------------------------------------------------------------
@@ -126,15 +129,16 @@ def designation(text: str) -> Designation | None:
     lower = _NAME_AND_NUMBER.sub(r"\1 ", lower)
     blades = _BLADES.search(lower)
     rest = lower[: blades.start()] + " " + lower[blades.end() :] if blades else lower
-    own = next((maker for maker, name in _NAMES.items() if re.search(name, rest)), ANY_MAKER)
+    named = zip(MAKERS, _NAMES, strict=True)
+    own = next((maker for maker, name in named if re.search(name, rest)), ANY_MAKER)
     # Without a manufacturer, all rules apply, except names of sizes.
     rules = ((maker, rule) for maker in ([own] if own.name else MAKERS) for rule in maker.rules)
-    valid = (pair for pair in rules if own.name or pair[1].size is None)
+    valid = (pair for pair in rules if own.name or not pair[1].size)
     by_rule = next((it for it in valid if re.search(rf"(?<![\w.]){it[1].form}(?!\d)", rest)), None)
     found = _SIZE.search(rest) or _FIGURES.search(rest)
     readings, said = _readings(own, found) if found else ([], None)
-    if found is None and by_rule is not None and by_rule[1].size is not None:
-        readings = [Reading(*by_rule[1].size)]
+    if found is None and by_rule is not None and by_rule[1].size:
+        readings = [Reading(by_rule[1].size[0], by_rule[1].size[1])]
     if not readings:
         return None
     size, score, meaning = _likeliest(readings, own)
@@ -145,10 +149,8 @@ def designation(text: str) -> Designation | None:
         said = next(filter(None, blades.groups()))
     count = int(said) if said else None
     if score == -np.inf:
-        remedy = (
-            f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m and a pitch of up to {STEEPEST:g} "
-        )
-        remedy += f"diameters, in inches or with a unit; {catalogue.close_names(text)}"
+        remedy = f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, a pitch up to {STEEPEST:g} "
+        remedy += f"diameters, and a unit if not inches; {catalogue.close_names(text)}"
         wrong = f"a diameter of {diameter:.3g} m and a pitch of {pitch:.3g} m"
         raise InputError(f"{quoted(text)} has {wrong}", remedy)
     if count is not None and not 2 <= count <= MOST_BLADES:
@@ -167,12 +169,12 @@ def designation(text: str) -> Designation | None:
         if own.racing and diameter < 11.5 * INCH:
             doubt = OTHER_DOUBT
         counted = "two blades assumed (for three, add --blades 3 or end the name with x3)"
-    named = tuple(word for word in _WORD.findall(around) if word not in (*NO_MAKER, size.unit))
-    return Designation(named, diameter, pitch, count, maker, meaning, counted, doubt)
+    own_words = tuple(word for word in _WORD.findall(around) if word not in (*NO_MAKER, size.unit))
+    return Designation(own_words, diameter, pitch, count, maker, meaning, counted, doubt)
 
 
 def without_size(text: str) -> InputError:
-    """Return the error for a ``text`` that is neither a name nor contains a size."""
+    """Return the error for a ``text`` that is no name and no size, or is a ducted fan."""
     lower = text.lower()
     if re.search(r"\bedf\b|duct", lower):
         remedy = "propmap models propellers without a duct; give an open propeller"
@@ -246,7 +248,8 @@ def _readings(maker: Maker, found: re.Match[str]) -> tuple[list[Reading], str | 
     sizes = [
         Reading(diameter / k, pitch / j, "in", style)
         for k, j, style in PRIOR["numbers"][: 1 if usual else None]
-        if (k == 1.0 or diameter % 10.0) and (k > 1.0 or j == 1.0 or pitch % 10.0)
+        if (k == 1.0 or diameter % 10.0)
+        and (j == 1.0 or pitch % 10.0 or (k > 1.0 and pitch < 100.0))
     ]
     metric = PRIOR["no_unit"] + (PRIOR["unusual"] if maker.name else 0.0)
     return [*sizes, Reading(diameter, pitch, "mm", metric)], blades

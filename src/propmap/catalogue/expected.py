@@ -295,7 +295,7 @@ def size_note(geometry: str, size: Size, blades: int) -> str:
     else:
         population = bundled_population(_population_of(geometry))
         low, high = np.exp([population.low[0], population.high[0]]) * MIDDLE[0] / INCH
-    note = f"; the bands are wider because the measured propellers have {low:.3g} to {high:.3g} in"
+    note = f"; bands widened, because diameters of {low:.3g} to {high:.3g} in were measured"
     return "" if low <= size[0] / INCH <= high else note
 
 

@@ -132,7 +132,7 @@ def designated(text: str) -> catalogue.Entry | expected.ExpectedBlade:
     unknown name in the form of a catalogue name, and a designation that fits several series.
     """
     wanted = designation.designation(text)
-    if wanted is None:
+    if wanted is None or "edf" in wanted.words:
         raise designation.without_size(text)
     found, series = designation.candidates(wanted), designation.series_named(wanted.words)[0]
     meant = [
@@ -178,7 +178,7 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
 def search(text: str) -> list[catalogue.Entry]:
     """Return entries as ``catalogue.search``, including propellers without a measured blade."""
     others = map(_without_blade, identified.identified_without_blade())
-    return catalogue.search(text, [*catalogue.entries(), *others])
+    return catalogue.matching(text, [*catalogue.entries(), *others])
 
 
 def _without_blade(one: identified.Identified) -> catalogue.Entry:
