@@ -83,9 +83,7 @@ _FIGURES = re.compile(
     r"(?!\.?\d|\s*x\s*\d)"
 )
 # The UIUC database writes "gwsdd 5.0x4.3 - 2", APC "5x4E-3" and "10x7-3".
-_BLADES = re.compile(
-    r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$|(?<=x\d)-(\d)\b|(?<=\d[\de])-(\d)\b"
-)
+_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$|(?<=[\de])-(\d)(?![\w.])")
 _WORD = re.compile(r"[a-z]+\d*[a-z]*")
 _LENGTH = re.compile(r"\d\s*(?:(?:mm|cm|m|in|inch)(?![a-wyz])|''|[\"\u2033\u201d])")
 
