@@ -17,22 +17,13 @@ from propmap.errors import InputError, quoted
 from propmap.units import INCH
 
 
-class Rule(NamedTuple):
-    """Meaning of a form of designation for one manufacturer."""
-
-    form: str  # pattern of the printed text, in lower case
-    blades: int
-    means: str  # explanation for messages
-    size: Sequence[float] = ()  # diameter and pitch [in], if the text does not contain them
-
-
 class Maker(NamedTuple):
     """A manufacturer with sizes in inches; rules only for designations that need one."""
 
     name: str
     words: str  # pattern of the names of manufacturer and series, in lower case
     sizes: Sequence[float]  # smallest and largest diameter [in]
-    rules: tuple[Rule, ...] = ()
+    rules: Sequence[dict[str, Any]] = ()  # see makers.toml
     racing: bool = False  # whether most propellers of about five inches have three blades
     carbon: bool = False  # whether large propellers are of carbon fiber
     multirotor: bool = True  # whether most propellers are for multirotors
@@ -43,10 +34,7 @@ class Maker(NamedTuple):
 
 
 _KNOWN = tomllib.loads(Path(__file__).with_name("makers.toml").read_text(encoding="utf-8"))
-MAKERS = tuple(
-    Maker(**{**row, "rules": tuple(Rule(**rule) for rule in row.get("rules", ()))})
-    for row in _KNOWN["makers"]
-)
+MAKERS = tuple(Maker(**row) for row in _KNOWN["makers"])
 """Manufacturers and their rules, as stated by pages of shops and manufacturers alike."""
 
 ANY_MAKER = Maker("", "", (1.0, 80.0), multirotor=False)
@@ -131,12 +119,14 @@ def designation(text: str) -> Designation | None:
     own = next((maker for maker, name in named if re.search(name, rest)), ANY_MAKER)
     # Without a manufacturer, all rules apply, except names of sizes.
     rules = ((maker, rule) for maker in ([own] if own.name else MAKERS) for rule in maker.rules)
-    valid = (pair for pair in rules if own.name or not pair[1].size)
-    by_rule = next((it for it in valid if re.search(rf"(?<![\w.]){it[1].form}(?!\d)", rest)), None)
+    valid = (pair for pair in rules if own.name or "size" not in pair[1])
+    by_rule = next(
+        (it for it in valid if re.search(rf"(?<![\w.]){it[1]['form']}(?!\d)", rest)), None
+    )
     found = _SIZE.search(rest) or _FIGURES.search(rest)
     readings, said = _readings(own, found) if found else ([], None)
-    if found is None and by_rule is not None and by_rule[1].size:
-        readings = [Reading(by_rule[1].size[0], by_rule[1].size[1])]
+    if found is None and by_rule is not None and "size" in by_rule[1]:
+        readings = [Reading(*by_rule[1]["size"])]
     if not readings:
         return None
     size, score, meaning = _likeliest(readings, own)
@@ -157,8 +147,8 @@ def designation(text: str) -> Designation | None:
     counted = f"{count} blades"
     if count is None and by_rule is not None and by_rule[0].makes(diameter):
         whose, rule = by_rule
-        count, origin = rule.blades, "" if maker else f" if it is from {whose.name}"
-        counted, maker = f"{count} blades{origin}: {rule.means}", whose.name
+        count, origin = rule["blades"], "" if maker else f" if it is from {whose.name}"
+        counted, maker = f"{count} blades{origin}: {rule['means']}", whose.name
     elif count is None and own.racing and RACING[0] < diameter < RACING[1]:
         count, doubt = 3, FIVE_INCH_DOUBT
         counted = f"three blades assumed, as for most {maker} propellers of this size "
