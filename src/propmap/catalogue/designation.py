@@ -54,7 +54,7 @@ RACING = _KNOWN["racing"]["from"] * INCH, _KNOWN["racing"]["to"] * INCH
 FIVE_INCH_DOUBT, OTHER_DOUBT = _KNOWN["racing"]["doubt"], _KNOWN["racing"]["other_doubt"]
 
 SAME = 0.006  # relative difference of equal lengths, because manufacturers round to 1/20 in
-NO_MAKER = ("mm", "in", "inch", "uiuc")  # words of designations that name no manufacturer
+NO_MAKER = ("mm", "cm", "in", "uiuc")  # words of designations that name no manufacturer
 
 WITHOUT_BLADE: dict[str, str] = _KNOWN["without_blade"]
 """Titles of series with measured loads but without a measured blade, by their codes."""
