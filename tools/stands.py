@@ -9,11 +9,11 @@ database contains.  76 propellers remain.  ``DENSITY`` is assumed if none was re
 
 For each measurement, the tool computes the median of log(measured / predicted load) over its rows.
 The prediction uses the mean blade and the constants of all series of the UIUC database.  Several
-measurements of one propeller are replaced by their median.  ``STAND_SHIFT`` of
-``propmap.catalogue.expected`` is the median over the propellers.  ``STAND_DEVIATIONS`` has one
-standard deviation per kind of propeller.  It minimizes the mean interval score of the 95 % bands
-(Gneiting, Raftery, J. Am. Stat. Assoc. 102, 2007) and is then widened by the t distribution.  It
-includes differences between stands.
+measurements of one propeller are replaced by their median.  The medians over the propellers are the
+shift of ``propmap.catalogue.expected``.  The standard deviation of each kind minimizes the mean
+interval score of the 95 % bands (Gneiting, Raftery, J. Am. Stat. Assoc. 102, 2007).  It is then
+widened by the t distribution, and includes differences between stands.  The bands of diameters
+outside those on stands widen with the slope of the errors over log(diameter).
 
 Each propeller is then predicted without its own measurements.  The tool prints, by kind, the median
 error of thrust and torque, half the width of the 95 % bands, and the share of propellers inside.
@@ -164,6 +164,30 @@ def shift_of(every: Sequence[Measured]) -> Shift:
     return Shift(mean, deviations, float(np.sin(0.5 * np.pi * np.mean(signs.prod(axis=1)))))
 
 
+def diameters(every: Sequence[Measured]) -> dict[str, list[float]]:
+    """Return the smallest and the largest diameter [in] of each kind."""
+    found: dict[str, list[float]] = {kind: [] for kind in STAND_DEVIATIONS}
+    for one in every:
+        found[one.kind].append(round(one.propeller[1] / INCH, 2))
+    return {kind: [min(some), max(some)] for kind, some in found.items()}
+
+
+def size_trend(every: Sequence[Measured]) -> float:
+    """Return the root mean square slope of the errors over log(diameter), by kind and load.
+
+    The mean square includes the variance of each slope.
+    """
+    squares = []
+    for kind in STAND_DEVIATIONS:
+        own = [one for one in every if one.kind == kind]
+        x, y = np.log([one.propeller[1] for one in own]), np.stack([one.errors for one in own])
+        for errors in y.T:
+            known = np.isfinite(errors)
+            line, covariance = np.polyfit(x[known], errors[known], 1, cov=True)
+            squares.append(line[0] ** 2 + covariance[0, 0])
+    return float(np.sqrt(np.mean(squares)))
+
+
 def main(path: Path) -> None:
     """Print the held-out errors, then the numbers of propmap.catalogue.expected."""
     every = read_stands(path)
@@ -188,6 +212,8 @@ def main(path: Path) -> None:
     deviations = {kind: value.round(3).tolist() for kind, value in found.deviations.items()}
     print(f"STAND_DEVIATIONS = {json.dumps(deviations)}")
     print(f"STAND_CORRELATION = {found.correlation:.2f}")
+    print(f"STAND_SIZES = {json.dumps(diameters(every))}")
+    print(f"SIZE_TREND = {size_trend(every):.2f}")
 
 
 if __name__ == "__main__":

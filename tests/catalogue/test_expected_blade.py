@@ -17,6 +17,7 @@ from propmap.catalogue.expected import (
     ERRORS,
     MEDIAN_ERRORS,
     SHARES,
+    SIZE_TREND,
     ExpectedBlade,
     MeasuredShape,
     bundled_mean,
@@ -137,6 +138,27 @@ def test_designations_give_loads_with_bands(text: str) -> None:
     assert ((coefficient > 0.02) & (coefficient < 0.4)).all()
     for std, load in ((loads.std.thrust, loads.thrust), (loads.std.torque, loads.torque)):
         assert ((std > 0.04 * load) & (std < 0.6 * load)).all()
+
+
+def test_bands_widen_beyond_the_sizes_that_were_measured() -> None:
+    """The note gives the range; the added variance is proportional to log(diameter) squared."""
+
+    def spread(text: str) -> float:
+        model = propmap.catalogue_model(text)
+        loads = propmap.Rotor(model).loads(100.0 / model.propeller.radius, 0.0, 0.0)
+        return float(loads.std.thrust / loads.thrust)
+
+    for form, low, high in (("T-Motor {}x{}", 13.0, 35.5), ("HQ {}x{}x3", 1.9, 10.0)):
+        last, further, furthest = (form.format(k * high, k * 0.35 * high) for k in (1, 1.4, 1.96))
+        inside, more, most = (spread(text) ** 2 for text in (last, further, furthest))
+        assert more - inside == pytest.approx((SIZE_TREND * np.log(1.4)) ** 2, rel=0.05)
+        assert most - inside == pytest.approx(4.0 * (more - inside), rel=0.05)
+        for text, noted in ((last, False), (further, True), (form.format(0.9 * low, low), True)):
+            meant = designated(text)
+            assert isinstance(meant, ExpectedBlade)
+            assert (f"diameters of {low:g} to {high:g} in" in meant.summary) == noted
+    # Without a manufacturer: the trend of the constants with the size may go on.
+    assert spread("19x8") < spread("30x12.6") < spread("60x25.3")
 
 
 def test_errors_that_are_told_are_those_of_propellers_left_out() -> None:

@@ -80,6 +80,8 @@ def test_the_numbers_are_those_that_the_tool_prints(capsys: pytest.CaptureFixtur
     assert printed["STAND_CORRELATION"] == pytest.approx(expected.STAND_CORRELATION, abs=0.01)
     for kind, deviations in expected.STAND_DEVIATIONS.items():
         assert printed["STAND_DEVIATIONS"][kind] == pytest.approx(deviations, abs=1e-3)
+        assert tuple(printed["STAND_SIZES"][kind]) == expected.STAND_SIZES[kind]
+    assert printed["SIZE_TREND"] == expected.SIZE_TREND
 
 
 @needs_data

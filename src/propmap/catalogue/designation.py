@@ -1,112 +1,79 @@
-"""Designations of propellers, as printed on the blade: 8x6E, 5x4.3x3, T5045C, 130x70 mm."""
+"""Designations of propellers, as printed on the blade: 8x6E, 5x4.3x3, T5045C, 36190."""
 
 from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from propmap import catalogue
 from propmap.errors import InputError, quoted
 from propmap.units import INCH
 
 
-class Rule(NamedTuple):
-    """Meaning of a form of designation for one manufacturer."""
-
-    form: str  # pattern of the printed text, in lower case
-    blades: int
-    means: str  # explanation for messages
-    size: tuple[float, ...] = ()  # diameter and pitch [in], if the text does not contain them
-
-
 class Maker(NamedTuple):
-    """A manufacturer of multirotor propellers; rules only for designations that need one."""
+    """A manufacturer with sizes in inches; rules only for designations that need one."""
 
     name: str
     words: str  # pattern of the names of manufacturer and series, in lower case
-    rules: tuple[Rule, ...] = ()
+    sizes: Sequence[float]  # smallest and largest diameter [in]
+    rules: Sequence[dict[str, Any]] = ()  # see makers.toml
     racing: bool = False  # whether most propellers of about five inches have three blades
     carbon: bool = False  # whether large propellers are of carbon fiber
+    multirotor: bool = True  # whether most propellers are for multirotors
 
-
-def _rule(row: dict[str, Any]) -> Rule:
-    return Rule(row["form"], row["blades"], row["means"], tuple(row.get("size", ())))
+    def makes(self, diameter: float) -> bool:
+        """Return whether propellers of this ``diameter`` [m] are in the range, within 2 %."""
+        return 0.98 * self.sizes[0] <= diameter / INCH <= 1.02 * self.sizes[1]
 
 
 _KNOWN = tomllib.loads(Path(__file__).with_name("makers.toml").read_text(encoding="utf-8"))
-MAKERS = tuple(
-    Maker(**{**maker, "rules": tuple(map(_rule, maker.get("rules", ())))})
-    for maker in _KNOWN["makers"]
-)  # manufacturers and their rules, as stated by pages of shops and manufacturers alike
+MAKERS = tuple(Maker(**row) for row in _KNOWN["makers"])
+"""Manufacturers and their rules, as stated by pages of shops and manufacturers alike."""
 
-_NAMES = {maker: rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS}
-
-
-def spaced(text: str) -> str:
-    """Insert a blank between a manufacturer and a number, as in "gf51466"; ``text`` in lower
-    case."""
-    for name in _NAMES.values():
-        text = re.sub(rf"({name})(?=\d)", r"\1 ", text)
-    return text
-
-
-def ruled(text: str) -> tuple[str, Rule] | None:
-    """Return manufacturer and rule of a designation in lower case, or None.
-
-    If the text names no manufacturer, rules of all manufacturers apply, except names of sizes.
-    """
-    named = [maker for maker, name in _NAMES.items() if re.search(name, text)]
-    for maker in named or MAKERS:
-        for rule in maker.rules:
-            found = re.search(rf"(?<![\w.]){rule.form}(?!\d)", text)
-            if found and (named or not rule.size):
-                return maker.name, rule
-    return None
+ANY_MAKER = Maker("", "", (1.0, 80.0), multirotor=False)
+_NAMES = [rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS]
+_NAME_AND_NUMBER = re.compile(rf"({'|'.join(_NAMES)})(?=\d)")  # as in gf51466
 
 
 # -------------------------------------------------------------------------------------------------
 # Manufacturer, size and number of blades of a designation, and matching catalogue propellers.
 
-LARGEST_INCHES = 40.0  # a larger diameter without a unit is in millimeters
 LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # limits of supported propellers [m]
 STEEPEST = 2.5  # largest ratio of pitch to diameter
 MOST_BLADES = 8
 
-RACING = (4.5 * INCH, 6.2 * INCH)
-"""Diameters [m] at which racing propellers are assumed to have three blades, if the designation
-contains no number of blades."""
-
-FIVE_INCH_DOUBT, OTHER_DOUBT = 0.1, 0.5
-"""Probabilities that the number of blades assumed for these manufacturers is wrong.
-
-The first is for diameters within ``RACING``, where 2 of 21 propellers on stands had two blades.
-The second is for the other diameters up to 11.5 in.  There, 9 of 12 propellers had three blades,
-but names without a number of blades often denote two-blade propellers."""
+# Diameters [m] and probabilities that makers.toml explains.
+RACING = _KNOWN["racing"]["from"] * INCH, _KNOWN["racing"]["to"] * INCH
+FIVE_INCH_DOUBT, OTHER_DOUBT = _KNOWN["racing"]["doubt"], _KNOWN["racing"]["other_doubt"]
 
 SAME = 0.006  # relative difference of equal lengths, because manufacturers round to 1/20 in
-NO_MAKER = ("mm", "in", "inch", "uiuc")  # words of designations that name no manufacturer
+NO_MAKER = ("mm", "cm", "in", "uiuc")  # words of designations that name no manufacturer
 
 WITHOUT_BLADE: dict[str, str] = _KNOWN["without_blade"]
 """Titles of series with measured loads but without a measured blade, by their codes."""
 
-_NUMBER = r"(\d{1,3}(?:[.,]\d+)?)"
-_TIMES = "[x\u00d7*]"
+_UNIT = r"(?:\s*(mm|cm|m|in)(?![a-wyz]))?"
+# A diameter of four digits requires a pitch of three, because 5040x3 means three blades.
 _SIZE = re.compile(
-    rf"(?<![\d.,])(?<!{_TIMES}){_NUMBER}\s*{_TIMES}\s*{_NUMBER}(?:\s*{_TIMES}\s*(\d+))?"
-    rf"(?![\d.,]|{_TIMES}\d)"
+    rf"(?<![\d.x])(\d{{1,3}}(?:\.\d+)?|\d{{4}}(?=[ mx]+\d{{3}})){_UNIT}\s*x\s*"
+    rf"(\d{{1,4}}(?:\.\d+)?){_UNIT}(?:\s*x\s*(\d+){_UNIT})?(?![\d.]|x\d)"
 )
 # Digits without an x, as in 51466-3, with an optional letter in front, as in T5045C.
 _FIGURES = re.compile(
-    rf"(?<![\w.])[tqp]?([1-9]\d)(\d\d\d?)(?:[cs](?![a-z]))?(?:\s*{_TIMES}\s*(\d+)|-(\d))?"
-    rf"(?!\.?\d|\s*{_TIMES}\s*\d)"
+    r"(?<![\w.])[tqprf]?([1-9]\d)(\d\d\d?)(?:[cs](?![a-z]))?(?:\s*x\s*(\d+)|-(\d))?"
+    r"(?!\.?\d|\s*x\s*\d)"
 )
-# The UIUC database writes "gwsdd 5.0x4.3 - 2", APC "5x4E-3".
-_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$|(?<=\de)-(\d)\b")
+# The UIUC database writes "gwsdd 5.0x4.3 - 2", APC "5x4E-3" and "10x7-3".
+_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$|(?<=[\de])-(\d)(?![\w.])")
 _WORD = re.compile(r"[a-z]+\d*[a-z]*")
+_LENGTH = re.compile(r"\d\s*(?:(?:mm|cm|m|in|inch)(?![a-wyz])|''|[\"\u2033\u201d])")
 
 
 @dataclass(frozen=True)
@@ -120,9 +87,7 @@ class Designation:
     maker: str = ""  # name of one of ``MAKERS``
     size: str = ""  # diameter and pitch as read, for messages
     counted: str = ""  # number of blades and its origin, for messages
-    doubt: float = (
-        0.0  # probability that it has three blades instead of two, or two instead of three
-    )
+    doubt: float = 0.0  # probability of three blades instead of two, or two instead of three
 
     @property
     def reading(self) -> str:
@@ -141,74 +106,153 @@ class Designation:
 def designation(text: str) -> Designation | None:
     """Return the designation in a text such as "apc 10x4.7sf" or "T5045C"; None without a size.
 
-    Diameter and pitch are in inches, or in millimeters if the text contains ``mm`` or the diameter
-    is above 40.  Of four or five digits, the first two are tenths of an inch of diameter, the
-    others tenths or hundredths of an inch of pitch: 6040 is 6x4, 9450 is 9.4x5, 51466 is 5.1x4.66.
-    If such a propeller would be too steep, the diameter is in inches: 1045 is 10x4.5.  ``MAKERS``
+    A written unit counts.  Numbers without a unit, and digits such as 51466, have the most probable
+    meaning within the manufacturer's sizes; ``reading`` lists the other meanings.  ``MAKERS``
     contains further rules.  Raise ``InputError`` for an impossible size or number of blades.
     """
-    lower = spaced(text.strip().lower())
+    lower = re.sub("[\u00d7*]", "x", text.strip().lower().replace(",", "."))
+    lower = re.sub(r"(?<![a-z])inch(?:es)?|''|[\"\u2033\u201d]", " in ", lower)
+    lower = _NAME_AND_NUMBER.sub(r"\1 ", lower)
     blades = _BLADES.search(lower)
     rest = lower[: blades.start()] + " " + lower[blades.end() :] if blades else lower
+    named = zip(MAKERS, _NAMES, strict=True)
+    own = next((maker for maker, name in named if re.search(name, rest)), ANY_MAKER)
+    # Without a manufacturer, all rules apply, except names of sizes.
+    rules = ((maker, rule) for maker in ([own] if own.name else MAKERS) for rule in maker.rules)
+    valid = (pair for pair in rules if own.name or "size" not in pair[1])
+    by_rule = next(
+        (it for it in valid if re.search(rf"(?<![\w.]){it[1]['form']}(?!\d)", rest)), None
+    )
     found = _SIZE.search(rest) or _FIGURES.search(rest)
-    by_rule = ruled(rest)
-    said: str | None
-    if found is None:
-        if by_rule is None or not by_rule[1].size:
-            return None
-        numbers, said, other = list(by_rule[1].size), None, ""
-    elif found.re is _SIZE:
-        numbers = [float(part.replace(",", ".")) for part in found.groups()[:2]]
-        said, other = found[3], ""
-    else:
-        numbers, other = _from_figures(*found.groups()[:2])
-        said = found[3] or found[4]
-    words = _WORD.findall(f"{rest[: found.start()]} {rest[found.end() :]}" if found else rest)
-    metric = "mm" in words or numbers[0] > LARGEST_INCHES
-    unit, name = (1e-3, "mm") if metric else (INCH, "in")
-    diameter, pitch = numbers[0] * unit, numbers[1] * unit
+    readings, said = _readings(own, found) if found else ([], None)
+    if found is None and by_rule is not None and "size" in by_rule[1]:
+        readings = [Reading(*by_rule[1]["size"])]
+    if not readings:
+        return None
+    size, score, meaning = _likeliest(readings, own)
+    diameter, pitch = size.lengths
+    units = " ".join(part for part in found.groups() if part and part.isalpha()) if found else ""
+    around = f"{rest[: found.start()]} {units} {rest[found.end() :]}" if found else rest
     if blades:
-        said = blades[1] or blades[2] or blades[3]
+        said = next(filter(None, blades.groups()))
     count = int(said) if said else None
-    if not LEAST_DIAMETER <= diameter <= LARGEST_DIAMETER:
-        remedy = f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with mm; "
-        remedy += catalogue.close_names(text)
-        raise InputError(f"{quoted(text)} has a diameter of {diameter:.3g} m", remedy)
-    if not 0.0 < pitch <= STEEPEST * diameter:
-        remedy = f"give a pitch of up to {STEEPEST:g} diameters; {catalogue.close_names(text)}"
-        raise InputError(f"{quoted(text)} has a pitch of {pitch:.3g} m", remedy)
+    if score == -np.inf:
+        remedy = f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, a pitch up to {STEEPEST:g} "
+        remedy += f"diameters, and a unit if not inches; {catalogue.close_names(text)}"
+        wrong = f"a diameter of {diameter:.3g} m and a pitch of {pitch:.3g} m"
+        raise InputError(f"{quoted(text)} has {wrong}", remedy)
     if count is not None and not 2 <= count <= MOST_BLADES:
         raise InputError(f"{quoted(text)} has {count} blades", f"give 2 to {MOST_BLADES} blades")
-    whose_own = next((maker for maker, name in _NAMES.items() if re.search(name, rest)), None)
-    maker, doubt = whose_own.name if whose_own else "", 0.0
+    maker, doubt = own.name if own.multirotor else "", 0.0
     counted = f"{count} blades"
-    if count is None and by_rule is not None:
+    if count is None and by_rule is not None and by_rule[0].makes(diameter):
         whose, rule = by_rule
-        count = rule.blades
-        counted = f"{count} blades" + ("" if maker else f" if it is from {whose}")
-        counted += f": {rule.means}"
-        maker = whose
-    elif count is None and whose_own and whose_own.racing and RACING[0] < diameter < RACING[1]:
+        count, origin = rule["blades"], "" if maker else f" if it is from {whose.name}"
+        counted, maker = f"{count} blades{origin}: {rule['means']}", whose.name
+    elif count is None and own.racing and RACING[0] < diameter < RACING[1]:
         count, doubt = 3, FIVE_INCH_DOUBT
         counted = f"three blades assumed, as for most {maker} propellers of this size "
         counted += "(for two, add --blades 2)"
     elif count is None:
-        if whose_own and whose_own.racing and diameter < 11.5 * INCH:
+        if own.racing and diameter < 11.5 * INCH:
             doubt = OTHER_DOUBT
         counted = "two blades assumed (for three, add --blades 3 or end the name with x3)"
-    own = tuple(word for word in words if word not in NO_MAKER)
-    size = f"{numbers[0]:g} x {numbers[1]:g} {name}{other}"
-    return Designation(own, diameter, pitch, count, maker, size, counted, doubt)
+    own_words = tuple(word for word in _WORD.findall(around) if word not in (*NO_MAKER, size.unit))
+    return Designation(own_words, diameter, pitch, count, maker, meaning, counted, doubt)
 
 
-def _from_figures(first: str, second: str) -> tuple[list[float], str]:
-    """Return diameter and pitch [in] from two groups of digits, and a remark on the alternative."""
-    diameter, pitch = float(first) / 10.0, float(second) / 10.0 ** (len(second) - 1)
-    if len(second) == 2 and pitch > STEEPEST * diameter:
-        return [float(first), pitch], ""
-    # With a smaller pitch the alternative is not worth a remark: few propellers are flatter.
-    large = len(second) == 2 and pitch >= 0.2 * float(first)
-    return [diameter, pitch], f" (not {first} x {pitch:g} in)" if large else ""
+def without_size(text: str) -> InputError:
+    """Return the error for a ``text`` that is no name and no size, or is a ducted fan."""
+    lower = text.lower()
+    if re.search(r"\bedf\b|duct", lower):
+        remedy = "propmap models propellers without a duct; give an open propeller"
+        return InputError(f"{quoted(text)} is a ducted fan", remedy)
+    if not _LENGTH.search(lower):
+        return catalogue.unknown_name(text)
+    found = f"{quoted(text)} is neither a propeller of the catalogue nor a file, and not a size: "
+    found += "the pitch, or the unit after the pitch, is missing"
+    return InputError(found, "give diameter x pitch and the unit, as in 31x20mm 4-blade or 12x6in")
+
+
+# -------------------------------------------------------------------------------------------------
+# Readings of a size.  Their probabilities are in the table ``[prior]`` of makers.toml.
+
+UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": INCH}  # [m]
+PRIOR: dict[str, Any] = _KNOWN["prior"]
+
+
+class Reading(NamedTuple):
+    """A possible size, and the logarithm of the probability that it is written in this way."""
+
+    diameter: float
+    pitch: float
+    unit: str = "in"
+    style: float = 0.0
+
+    def __str__(self) -> str:
+        return f"{self.diameter:g} x {self.pitch:.4g} {self.unit}"
+
+    @property
+    def lengths(self) -> tuple[float, float]:
+        """Diameter and pitch [m]."""
+        return self.diameter * UNITS[self.unit], self.pitch * UNITS[self.unit]
+
+    def score(self, maker: Maker) -> float:
+        """Return the logarithm of the probability density, except for a constant."""
+        diameter, pitch = self.lengths
+        if (
+            not LEAST_DIAMETER <= diameter <= LARGEST_DIAMETER
+            or not 0.0 < pitch <= STEEPEST * diameter
+        ):
+            return -np.inf
+        if pitch < PRIOR["flattest"] * diameter or not maker.makes(diameter):
+            return self.style + PRIOR["unusual"]
+        at, known = np.log(diameter / INCH), np.log(PRIOR["diameters"])
+        usual, spread = (np.interp(at, known, PRIOR[row]) for row in ("ratios", "spread"))
+        of_ratio = (np.log(pitch / diameter / usual) / spread) ** 2
+        of_size = ((at - known[3]) / PRIOR["size_spread"]) ** 2
+        return self.style - 0.5 * float(of_size + min(of_ratio, PRIOR["largest"]))
+
+
+def _readings(maker: Maker, found: re.Match[str]) -> tuple[list[Reading], str | None]:
+    """Return the readings of a size, the usual one first, and the number of blades.
+
+    The list is empty for a size such as "31mm x 4", which may mean four blades.
+    """
+    if found.re is _FIGURES:
+        diameter, pitch, rows = float(found[1]), float(found[2]), PRIOR["digits"][len(found[2]) - 2]
+        sizes = [Reading(diameter / k, pitch / j, "in", style) for k, j, style in rows]
+        return sizes, found[3] or found[4]
+    first, unit, second, after, blades, last = found.groups()
+    diameter, pitch, after = float(first), float(second), after or last
+    if unit and not after and not blades and second.isdigit():
+        return [], None
+    # In 10x10M, an M marks a series.
+    if (unit or after) and (after != "m" or diameter <= LARGEST_DIAMETER):
+        one, other = unit or after, after or unit
+        return [Reading(diameter, pitch * UNITS[other] / UNITS[one], one)], blades
+    usual = diameter <= PRIOR["inches"] and pitch <= STEEPEST * diameter
+    # Nobody writes 130 for 13.0, but 51x50 may be 5.1x5.0.
+    sizes = [
+        Reading(diameter / k, pitch / j, "in", style)
+        for k, j, style in PRIOR["numbers"][: 1 if usual else None]
+        if (k == 1.0 or diameter % 10.0)
+        and (j == 1.0 or pitch % 10.0 or (k > 1.0 and pitch < 100.0))
+    ]
+    metric = PRIOR["no_unit"] + (PRIOR["unusual"] if maker.name else 0.0)
+    return [*sizes, Reading(diameter, pitch, "mm", metric)], blades
+
+
+def _likeliest(readings: list[Reading], maker: Maker) -> tuple[Reading, float, str]:
+    """Return the most probable reading, its score, and a text with the other probable ones."""
+    scores = {one: one.score(maker) for one in readings}
+    best, highest = max(scores.items(), key=lambda pair: pair[1])
+    close = highest - PRIOR["close"]
+    others = [str(one) for one, score in scores.items() if one != best and score > close]
+    text = f"{best} (not {' or '.join(others)})" if others else str(best)
+    if highest <= PRIOR["unusual"]:
+        text += f", an unusual size{f' for {maker.name}' if maker.name else ''}"
+    return best, highest, text
 
 
 def candidates(wanted: Designation) -> list[catalogue.Entry]:
@@ -226,11 +270,9 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
 
     for entry in catalogue.entries():
         own = designation(entry.title)
-        if own is None or not same_size((wanted.diameter, wanted.pitch), (own.diameter, own.pitch)):
-            continue
-        if wanted.words and entry.family not in named:
-            continue
-        if not wanted.words and wanted.blades not in (None, entry.blades):
+        fits = entry.family in named if wanted.words else wanted.blades in (None, entry.blades)
+        size = wanted.diameter, wanted.pitch
+        if own is None or not fits or not same_size(size, (own.diameter, own.pitch)):
             continue
         family = entry.family
         if family not in found or place(entry) > place(found[family]):

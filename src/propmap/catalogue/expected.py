@@ -37,14 +37,12 @@ from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.units import INCH
 
-ERRORS = {
-    "family_blade": ((0.085, 0.09), (0.21, 0.195)),
-    "siblings_label": ((0.085, 0.10), (0.18, 0.225)),
-    "population_blade": ((0.19, 0.185), (0.41, 0.42)),
-}
-"""Medians, then 90th percentiles, of the errors of C_T and C_P of propellers with predicted blade
-and constants.  Errors are rms over rms; keys are groups of ``tools.catalogue.left_out``."""
+_HELD_OUT: dict[str, Any] = tomllib.loads(
+    Path(__file__).with_name("held_out.toml").read_text(encoding="utf-8")
+)
+ERRORS, MEDIAN_ERRORS = _HELD_OUT["errors"], _HELD_OUT["median_errors"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,8 +106,10 @@ class ExpectedBlade:
             geometry = f"{self.wanted.reading}; {geometry}"
         if self.own is not None:
             return geometry
+        size, blades = (self.wanted.diameter, self.wanted.pitch), self.wanted.blades or 2
+        geometry += size_note(self.geometry, size, blades)
         if self.geometry in MULTIROTOR:
-            kind = stand_kind(self.geometry == "carbon", self.wanted.blades or 2)
+            kind = stand_kind(self.geometry == "carbon", blades)
             thrust, torque = STAND_ERRORS[kind]
             return (
                 f"{geometry}; the constants agree with the static loads of {STANDS} multirotor "
@@ -168,39 +168,23 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 # torque are smaller than predicted with the mean blade and the constants of all series.  The ratio
 # of measured to predicted loads hardly depends on the size and the number of blades.  The prior of
 # the constants is shifted and narrowed to give static loads the distribution measured on stands.
-# ``python -m tools.stands`` computes the numbers below.
+# held_out.toml explains the numbers, which ``python -m tools.stands`` computes.
 
-STANDS = 76  # number of propellers
-
-STAND_SHIFT = np.array([-0.132, -0.159])
-"""Medians of log(measured / predicted) static loads, predicted with the constants of all series."""
+_STANDS = _HELD_OUT["stands"]
+STANDS, SIZE_TREND = _STANDS["propellers"], _STANDS["size_trend"]
+STAND_SHIFT, STAND_CORRELATION = np.array(_STANDS["shift"]), _STANDS["correlation"]
+STAND_DEVIATIONS, STAND_ERRORS, STAND_SIZES = (
+    {kind: tuple(row[key]) for kind, row in _STANDS["kinds"].items()}
+    for key in ("deviations", "errors", "diameters")
+)
+STAND_TIP_SPEED = 100.0  # tip speed [m/s] at which the static loads get this distribution
 
 MULTIROTOR = ("multirotor", "carbon")  # values of ``geometry`` with a prior from stands
 
 LARGE = 0.2921  # smallest diameter [m] of a large propeller, 11.5 in
 
-CARBON = tuple(
-    maker.name for maker in MAKERS if maker.carbon
-)  # manufacturers whose ``LARGE`` propellers are of the kind "carbon"
-
-STAND_DEVIATIONS = {
-    "two blades": (0.216, 0.283),
-    "three blades and more": (0.166, 0.178),
-    "carbon": (0.069, 0.110),
-}
-"""Standard deviations of log(measured / predicted static thrust and torque) by kind.  They minimize
-the interval score of the 95 % bands, and include differences between stands."""
-
-STAND_ERRORS = {
-    "two blades": (0.174, 0.199),
-    "three blades and more": (0.096, 0.081),
-    "carbon": (0.027, 0.020),
-}
-"""Medians of the errors of static thrust and torque of held-out propellers, by kind."""
-
-STAND_CORRELATION = 0.54  # between the logarithms of thrust and torque
-
-STAND_TIP_SPEED = 100.0  # tip speed [m/s] at which the prior is matched to the loads on stands
+CARBON = tuple(maker.name for maker in MAKERS if maker.carbon)
+"""Manufacturers whose ``LARGE`` propellers have similar loads."""
 
 
 def static_loads(place: Floats, size: Size, blades: int) -> tuple[Floats, Floats]:
@@ -232,7 +216,8 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
 
     Static thrust and torque then follow the distribution measured on stands, which includes the
     tunnel term of ``propmap.bands``.  The variance does not change in directions of the coordinates
-    that do not affect the static loads.
+    that do not affect the static loads.  Outside the diameters on stands, it grows with the
+    logarithm of the diameter.
     """
     prior = family_prior([], bundled_population("population"), size)
     place, target = prior.mean, static_loads(prior.mean, size, blades)[0] + STAND_SHIFT
@@ -241,7 +226,9 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
         before = slopes @ prior.covariance @ slopes.T
         gain = prior.covariance @ slopes.T @ np.linalg.inv(before)
         place = prior.mean + gain @ (target - loads + slopes @ (place - prior.mean))
-    deviation = STAND_DEVIATIONS[kind]
+    low, high = np.array(STAND_SIZES[kind]) * INCH
+    beyond = np.log(max(low / size[0], size[0] / high, 1.0))
+    deviation = np.hypot(STAND_DEVIATIONS[kind], SIZE_TREND * beyond)
     wanted = np.outer(deviation, deviation) * [[1.0, STAND_CORRELATION], [STAND_CORRELATION, 1.0]]
     wanted -= TUNNEL_GAIN**2 * np.eye(2)
     if doubt > 0.0:
@@ -253,10 +240,6 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
 
 # -------------------------------------------------------------------------------------------------
 # Predicted section constants of a propeller, from its family or from all propellers.
-
-MEDIAN_ERRORS = {"family": 0.08, "population": 0.12}
-"""Median errors of C_T and C_P of held-out propellers, rms over rms, by origin of the constants
-(``tools.catalogue.left_out``).  They apply to measured blades and to manufacturers' files."""
 
 
 class ExpectedConstants(NamedTuple):
@@ -292,6 +275,7 @@ def expected_constants(
     summary = f"constants predicted from {of}; no measurements of this propeller were fitted; rms "
     summary += f"errors of thrust and torque in axial flow: below {likely:.0%} for half of the "
     summary += "tested propellers, below twice this value for nine in ten of them"
+    summary += size_note(geometry, size or MEDIUM, blades)
     thrust, power = bundled_population(_population_of(geometry)).errors.tolist()
     measured = None if geometry == "measured" else expected_prior(family, size)
     if geometry in MULTIROTOR:
@@ -302,6 +286,17 @@ def expected_constants(
     name = f"{family} expected" if members else "small propeller expected"
     law = airfoil_at(prior.mean, name, f"prior over propellers by propmap, family {own}")
     return ExpectedConstants(law.with_parameters(uncertainty=known_to), summary)
+
+
+def size_note(geometry: str, size: Size, blades: int) -> str:
+    """Return a remark if the diameter is outside the range of the measured propellers."""
+    if geometry in MULTIROTOR:
+        low, high = STAND_SIZES[stand_kind(geometry == "carbon", blades)]
+    else:
+        population = bundled_population(_population_of(geometry))
+        low, high = np.exp([population.low[0], population.high[0]]) * MIDDLE[0] / INCH
+    note = f"; bands widened, because diameters of {low:.3g} to {high:.3g} in were measured"
+    return "" if low <= size[0] / INCH <= high else note
 
 
 def airfoil_at(place: Floats, name: str, source: str) -> Airfoil:
@@ -667,6 +662,9 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
     own = population.mean + population.shift(size)
     related = likeness([*(one.size for one in members), size])
     joint = np.kron(np.ones_like(related), population.between) + np.kron(related, population.within)
+    # Outside the range of the data, the trend may end or continue: one standard deviation.
+    beyond = population.trend @ covariates(size) - population.shift(size)
+    joint[-own.size :, -own.size :] += np.outer(beyond, beyond)
     if not members:
         return PopulationPrior.of(own, joint)
     known = own.size * len(members)

@@ -132,8 +132,8 @@ def designated(text: str) -> catalogue.Entry | expected.ExpectedBlade:
     unknown name in the form of a catalogue name, and a designation that fits several series.
     """
     wanted = designation.designation(text)
-    if wanted is None:
-        raise catalogue.unknown_name(text)
+    if wanted is None or "edf" in wanted.words:
+        raise designation.without_size(text)
     found, series = designation.candidates(wanted), designation.series_named(wanted.words)[0]
     meant = [
         one
