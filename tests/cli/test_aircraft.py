@@ -160,6 +160,32 @@ def test_without_a_body_and_a_motor(run: Run) -> None:
     assert float(row["shaft_power_W"]) > 50.0 and row["electrical_power_W"] == ""
 
 
+EDGE = POWERED.replace('"cw"', '"?"', 1).replace('"ccw"', '"cw"', 1).replace('"?"', '"ccw"')
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["trim", "NAME", *QUIET],
+        ["trim", "NAME", "--mission", "legs.csv"],
+        ["choose", "NAME", "--speed", "8", "--diameter", "9:9", "--blades", "3", "--top", "1"],
+        ["export", "NAME", "--to", "px4", "--speed", "3,6", "-o", "to"],
+    ],
+    ids=["trim", "mission", "choose", "export"],
+)
+def test_rotors_that_cannot_command_yaw_are_noted(run: Run, command: list[str]) -> None:
+    """The front rotors turn ccw, the rear rotors cw: yaw is a multiple of pitch."""
+    Path("edge.toml").write_text(EDGE)
+    words = "rotor speeds alone cannot command yaw without pitch (proportional); without control"
+    for name, noted in (("edge.toml", True), ("quad.toml", False)):
+        done = run(*[name if word == "NAME" else word for word in command])
+        assert done.code == 0 and (words in done.err) is noted
+        if command[0] == "export":
+            assert (words.capitalize() in Path("to/README-px4.md").read_text()) is noted
+            for path in Path("to").iterdir():
+                path.unlink()
+
+
 def test_a_table_need_not_have_the_speed_that_is_tried_first(run: Run) -> None:
     """Rotors are tried at a tip speed of 60 m/s first, 5639 rpm; the table begins above."""
     quadrotor, content = EXAMPLES / "quadrotor.toml", invented().content

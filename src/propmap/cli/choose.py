@@ -96,6 +96,8 @@ def choose(
     corrections = model_corrections(model or "recommended", correction or (), installed=law is None)
     rests_on = assumptions(read, None, [as_text(value) for value in corrections])
     judge = ranking.Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
+    craft = judge.aircraft(candidates[0])
+    out.note(*craft.notes)
     with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:
         judged = _judged(judge, candidates, top, workers)
     title = f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
