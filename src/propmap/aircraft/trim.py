@@ -82,8 +82,15 @@ class Aircraft:
 
     @property
     def notes(self) -> list[str]:
-        """Notes on axes that the rotor speeds do not command."""
-        return self.balance.allocation.notes
+        """Notes on axes that the rotor speeds do not command, and on missing limits."""
+        return [*self.balance.allocation.notes, *([] if self.limited else [UNLIMITED])]
+
+    @property
+    def limited(self) -> bool:
+        """Whether a limit of the motors, of the battery or of the rotor speed is known."""
+        motor, battery = self.vehicle.powertrain.motor, self.vehicle.powertrain.battery
+        limits = (motor.maximum_current, motor.maximum_speed) if motor else ()
+        return battery is not None or any(map(math.isfinite, (self.maximum_rotor_speed, *limits)))
 
     def with_hover_model(self) -> Aircraft:
         """Return this aircraft with the hover model of its rotors: static loads, no rotor drag."""
@@ -227,7 +234,7 @@ class Aircraft:
         electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.charge)
         gone = ~np.isin(status, FLOWN)
         margins = np.full(len(gone), math.nan)
-        if margin and not lost.all():
+        if margin and self.limited and not lost.all():
             margins[~lost] = self._thrust_margin(omega[~lost], found.hubs[~lost])
 
         def known(values: Floats, where: NDArray[np.bool_] = gone) -> Floats:
@@ -626,6 +633,8 @@ LIMITS = {
 }
 """Statuses of states beyond a limit, with a description of the limit."""
 
+UNLIMITED = "thrust margin and top speed are unknown: add [motor] and [battery], or pass --max-rpm"
+
 JUMP = 2e-3
 """Largest imbalance of a state over the weight, from jumps of the loads where the nodes of a rotor
 change with the speed."""
@@ -662,7 +671,8 @@ class SteadyStates:
         "tip_speed_limit", "motor_current_limit", "voltage_limit" and "battery_limit".
     thrust_margin : ndarray, shape (n,)
         Maximum thrust divided by the required thrust.  For the maximum, all rotor speeds are scaled
-        by one factor until the first limit is reached.  Below 1 if a limit is exceeded.
+        by one factor until the first limit is reached.  Below 1 if a limit is exceeded.  NaN if
+        no limit of motors, battery or rotor speed is known.
     pitch, roll : ndarray, shape (n,)
         Pitch, positive nose down, and roll, positive right side down [rad].
     rotor_speed, thrust, torque : ndarray, shape (n, k)

@@ -293,8 +293,9 @@ def _named_lines(craft: Aircraft, found: performance.Performance | None) -> list
     for name, label, state in found.named:
         words = "straight up or down" if climbs and name == "hover" else label
         if state is None:
-            if name == "fastest" and not found.limit:
-                lines.append(f"{words}: above {performance.FASTEST:g} m/s, no limit was met")
+            if name == "fastest" and found.limit in ("", performance.UNKNOWN):
+                above = f"above {performance.FASTEST:g} m/s, no limit was met"
+                lines.append(f"{words}: {found.limit or above}")
             else:
                 why = found.at_rest if name == "hover" else found.limit
                 lines.append(f"{words}: none; {STATUSES.get(why, 'not found')}")
