@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from propmap.aircraft.mission import EMPTY, Mission, fly, read_mission
-from propmap.aircraft.performance import Performance, endurance, performance, rows
+from propmap.aircraft.performance import Performance, endurance, performance, rows, top_speed
 from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
-from propmap.vehicle.powertrain import Powertrain
+from propmap.units import RPM
+from propmap.vehicle.powertrain import Motor, Powertrain
 from propmap.vehicle.vehicle import Vehicle
 
 from .conftest import aircraft_of
@@ -80,6 +81,34 @@ def test_electrical_power_is_shaft_power_and_losses(aircraft: Aircraft, vehicle:
     assert np.isnan(states.electrical_power).all() and np.isnan(states.throttle).all()
     assert states.power == pytest.approx(states.shaft_power)
     assert np.isnan(endurance(unpowered, states)).all()
+
+
+def test_limits_of_the_model_are_no_margin_and_no_top_speed(vehicle: Vehicle) -> None:
+    """Without a limit of the motors, the fastest blade tip ends the power curve."""
+    motor = Motor(920.0 * RPM, 0.12, (0.6,), (10.0,))
+    for drive in (Powertrain(), Powertrain(motor)):
+        craft = aircraft_of(replace(vehicle, powertrain=drive))
+        states = craft.steady([0.0, 12.0, 100.0])
+        assert states.status.tolist() == ["ok", "ok", "tip_speed_limit"]
+        assert np.isnan(states.thrust_margin).all() and craft.notes
+        found = performance(craft, states)
+        assert found.fastest is None and found.limit == "unknown"
+        speed, limit = top_speed(craft, states, 0.0)
+        assert math.isnan(speed) and limit == "unknown"
+        assert found.hover is not None and found.best_range is not None
+        assert 5.0 < found.best_range.speed < 40.0
+    limits: dict[str, Motor] = {
+        "rpm": replace(motor, maximum_speed=900.0),
+        "current": replace(motor, maximum_current=20.0),
+    }
+    for name, limited in limits.items():
+        craft = aircraft_of(replace(vehicle, powertrain=Powertrain(limited)))
+        states = craft.steady([0.0, 12.0])
+        assert (states.thrust_margin > 1.0).all() and craft.notes == [], name
+        assert top_speed(craft, states, 0.0)[0] > 12.0
+    heavy = aircraft_of(replace(vehicle, powertrain=Powertrain(), mass=60.0))
+    none = performance(heavy, heavy.steady([0.0, 12.0]))
+    assert none.fastest is None and none.limit in ("tip_speed_limit", "no_trim")
 
 
 def test_charge_over_time_is_the_current_s_integral(aircraft: Aircraft) -> None:

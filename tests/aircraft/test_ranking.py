@@ -24,6 +24,7 @@ from propmap.aircraft.ranking import (
 from propmap.aircraft.trim import Aircraft
 from propmap.catalogue.identified import identified
 from propmap.errors import InputError
+from propmap.vehicle.powertrain import Powertrain
 from tests.workers_elsewhere import Elsewhere
 
 from .conftest import quadcopter
@@ -137,6 +138,22 @@ def test_disks_that_overlap_do_not_fit() -> None:
     ranking = Ranking(replace(vehicle, mounts=close), Task("hover", 10.0), RECOMMENDED)
     found = ranking.judge(one)
     assert not found.feasible and "overlap" in found.why_not
+
+
+def test_a_ranking_without_a_motor_has_no_margin() -> None:
+    vehicle = replace(quadcopter(), powertrain=Powertrain())
+    some = [file_candidate(name) for name in ("apc-8x6e", "uiuc-apcsf-10x4.7")]
+    found = Ranking(vehicle, Task("cruise", 10.0), RECOMMENDED).judged(some)
+    assert [one.feasible for one in found] == [True, True]
+    assert found[0].candidate is some[1] and found[0].score < found[1].score
+    for one in found:
+        assert math.isnan(one.thrust_margin) and math.isnan(one.top_speed)
+    assert pareto(found).size == 0
+    (fast, _) = Ranking(vehicle, Task("fast"), RECOMMENDED).judged(some)
+    assert not fast.feasible and fast.why_not == "no top speed was found"
+    # With a largest rotor speed, the margin is known, and too small.
+    slow = Ranking(vehicle, Task("cruise", 10.0), RECOMMENDED, maximum_rotor_speed=700.0)
+    assert slow.judge(some[0]).why_not.startswith("thrust margin in hover is 1.")
 
 
 def test_bad_tasks() -> None:

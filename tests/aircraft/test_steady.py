@@ -16,7 +16,7 @@ from propmap.vehicle.powertrain import Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
 from propmap.vehicle.vehicle_forces import free_stream_force
 
-from .conftest import aircraft_of, quadcopter, rotor_of, unbalanced
+from .conftest import ARM, aircraft_of, quadcopter, rotor_of, unbalanced
 
 SPEEDS = np.array([0.0, 6.0, 14.0])
 
@@ -121,6 +121,35 @@ def test_what_rotors_cannot_balance_is_told(vehicle: Vehicle) -> None:
     assert states.moment[0] == pytest.approx(
         [0.0, -0.1 * 0.3 * GRAVITY, -torque], rel=1e-6, abs=1e-9
     )
+
+
+def test_yaw_authority_is_torque_over_thrust_and_arm(vehicle: Vehicle) -> None:
+    """With arms of 1 m, yaw is less than 2 % of roll, and the rotors still balance it."""
+    for side in (ARM, 1.0):
+        wide = [
+            replace(m, position=tuple(side / ARM * np.array(m.position))) for m in vehicle.mounts
+        ]
+        craft = aircraft_of(replace(vehicle, mounts=tuple(wide)))
+        hover = craft.steady(0.0)
+        by_hand = float(hover.torque[0, 0] / hover.thrust[0, 0]) / side
+        assert craft.balance.allocation.yaw_over_roll == pytest.approx(by_hand, rel=0.01)
+        # The yaw of the other rotors balances a rotor that is tilted sideways.
+        wide[0] = replace(wide[0], axis=(math.sin(0.002), 0.0, math.cos(0.002)))
+        tilted = aircraft_of(replace(vehicle, mounts=tuple(wide)))
+        states = tilted.steady(0.0)
+        assert tilted.notes == [] and np.abs(states.moment).max() < 1e-7
+        yaw = side * 0.002 * float(states.thrust[0, 0])
+        spins = np.array([-1.0, 1.0, -1.0, 1.0])  # cw rotors turn the vehicle to the left
+        assert spins @ states.torque[0] == pytest.approx(-yaw, rel=0.01)
+
+
+def test_equal_spins_along_the_sides_leave_yaw_uncommanded(vehicle: Vehicle) -> None:
+    spins = ("cw", "cw", "ccw", "ccw")  # front left, rear left, rear right, front right
+    mounts = (replace(m, spin=s) for m, s in zip(vehicle.mounts, spins, strict=True))
+    craft = aircraft_of(replace(vehicle, mounts=tuple(mounts)))
+    assert craft.steady([0.0, 8.0]).status.tolist() == ["ok", "ok"]
+    (note,) = craft.notes
+    assert "cannot command yaw without roll (proportional)" in note
 
 
 def test_limits_are_statuses_not_numbers(vehicle: Vehicle) -> None:

@@ -151,13 +151,51 @@ def test_every_output_lists_the_assumptions(run: Run) -> None:
 def test_without_a_body_and_a_motor(run: Run) -> None:
     shown = run("trim", "bare.toml", *TRIM[2:], "--speed", "0:16:3", "--no-bands").out
     figures = {line.partition(":")[0]: line for line in shown.splitlines() if ": " in line}
-    for name in ("hover", "least power, longest time", "best range", "top speed"):
+    for name in ("hover", "least power, longest time", "best range"):
         assert ("without body drag" in figures[name]) == (name != "hover")
+    assert figures["top speed"] == "top speed: unknown"
     done = run("trim", "bare.toml", *QUIET, "--format", "csv")
     for word in ("shaft power (no [motor])", "installed rotors", "constants: apc-8x6e identified"):
         assert word in done.err
     (row,) = csv.DictReader(io.StringIO(done.out))
     assert float(row["shaft_power_W"]) > 50.0 and row["electrical_power_W"] == ""
+    unknown = (
+        "thrust margin and top speed are unknown: add [motor] and [battery], or pass --max-rpm"
+    )
+    assert row["thrust_margin"] == "" and unknown in done.err
+    told = run("trim", "bare.toml", "--speed", "0:8:2", "--no-bands", "--format", "json").out
+    found = json.loads(told)["performance"]
+    assert found["fastest"] is None and found["top_speed_limit"] == "unknown"
+    limited = run("trim", "bare.toml", *QUIET, "--max-rpm", "9000", "--format", "csv")
+    (row,) = csv.DictReader(io.StringIO(limited.out))
+    assert float(row["thrust_margin"]) > 1.0 and unknown not in limited.err
+    refused(run("choose", "bare.toml", "--task", "fast"), "--task fast", unknown)
+
+
+EDGE = POWERED.replace('"cw"', '"?"', 1).replace('"ccw"', '"cw"', 1).replace('"?"', '"ccw"')
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["trim", "NAME", *QUIET],
+        ["trim", "NAME", "--mission", "legs.csv"],
+        ["choose", "NAME", "--speed", "8", "--diameter", "9:9", "--blades", "3", "--top", "1"],
+        ["export", "NAME", "--to", "px4", "--speed", "3,6", "-o", "to"],
+    ],
+    ids=["trim", "mission", "choose", "export"],
+)
+def test_rotors_that_cannot_command_yaw_are_noted(run: Run, command: list[str]) -> None:
+    """The front rotors turn ccw, the rear rotors cw: yaw is a multiple of pitch."""
+    Path("edge.toml").write_text(EDGE)
+    words = "rotor speeds alone cannot command yaw without pitch (proportional); without control"
+    for name, noted in (("edge.toml", True), ("quad.toml", False)):
+        done = run(*[name if word == "NAME" else word for word in command])
+        assert done.code == 0 and (words in done.err) is noted
+        if command[0] == "export":
+            assert (words.capitalize() in Path("to/README-px4.md").read_text()) is noted
+            for path in Path("to").iterdir():
+                path.unlink()
 
 
 def test_a_table_need_not_have_the_speed_that_is_tried_first(run: Run) -> None:

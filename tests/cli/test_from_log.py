@@ -77,6 +77,13 @@ def test_generic_places_are_not_taken_for_metres(run: Run) -> None:
     refused(run("vehicle", "from-log", "my quad.ulg", "-o", "there.toml"), "pass --force")
 
 
+def test_rotors_that_cannot_command_yaw_are_noted(run: Run) -> None:
+    """PX4's rotors 1 and 3 are in front, so this log has equal spins there and at the back."""
+    logged(CA_ROTOR1_KM=-0.05, CA_ROTOR2_KM=0.05)
+    words = "note: rotor speeds alone cannot command yaw without pitch (proportional); without"
+    assert words in run("vehicle", "from-log", "my quad.ulg").err
+
+
 def test_what_cannot_be_drafted_is_one_line(run: Run) -> None:
     logged(CA_ROTOR_COUNT=0)
     told = "my quad.ulg: the log has no rotor parameters: CA_ROTOR_COUNT is missing"

@@ -67,7 +67,7 @@ class Performance:
         ground, and at the top speed; None for a state that does not exist.
     limit : str
         Status of states just above the top speed; empty if no limit is reached up to the largest
-        speed of the search, 150 m/s.
+        speed of the search, 150 m/s; "unknown" without a known limit of the motors.
     at_rest : str
         Status in hover.
     wind : float
@@ -154,8 +154,9 @@ def performance(
         raise InputError("the speeds must rise", "give two or more speeds, each once")
     if not math.isfinite(wind):
         raise InputError(f"the wind is {wind}", "give a headwind in m/s, negative for a tailwind")
-    fastest, limit, known = searched(aircraft, states, climb)
-    last = speed[-1] if math.isnan(fastest) else fastest
+    end, limit, known = searched(aircraft, states, climb)
+    fastest = math.nan if limit == UNKNOWN else end
+    last = speed[-1] if math.isnan(end) else end
     grid = np.linspace(0.0, last, SPEEDS)
     curve = aircraft.steady(grid, climb, margin=False, near=known)
     power, at_rest = curve.power, str(curve.status[0])
@@ -241,6 +242,7 @@ def _lowest(x: Floats, y: Floats) -> float:
 
 BEYOND = 1.3  # ratio of successive speeds of the search above the requested speeds
 
+UNKNOWN = "unknown"  # limit of the top speed if no limit of the motors is known
 FASTEST = 150.0  # largest speed of the search [m/s]
 SEARCH_STEPS = 40  # most steps of a search for the top speed
 CLOSE, NARROW = 2e-3, 0.1
@@ -265,24 +267,25 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
     Returns
     -------
     speed : float
-        Top speed [m/s]; NaN if there is none.
+        Top speed [m/s]; NaN if there is none or if it is unknown.
     limit : str
-        Status of the states above the top speed.
+        Status of the states above the top speed, as ``Performance.limit``.
     """
-    return searched(aircraft, states, climb)[:2]
+    end, limit, _ = searched(aircraft, states, climb)
+    return math.nan if limit == UNKNOWN else end, limit
 
 
 def searched(
     aircraft: Aircraft, states: SteadyStates, climb: float
 ) -> tuple[float, str, SteadyStates]:
-    """Return ``top_speed``, and the ``states`` with the states that the search has added."""
+    """Return the largest speed, its limit, and the ``states`` with those of the search."""
     low, high, why = _last_and_next(states)
     for _ in range(SEARCH_STEPS):
         if math.isnan(low):
             return math.nan, why, states
         if math.isnan(high):
             if low >= FASTEST:
-                return math.nan, "", states
+                return math.nan, "" if aircraft.limited else UNKNOWN, states
             further = np.array([max(low, 1.0) * BEYOND])
         elif high - low <= CLOSE * high:
             break
@@ -297,7 +300,8 @@ def searched(
         states = states.and_also(aircraft.steady(speeds, climb, margin=False, near=states))
         low, high, why = _last_and_next(states)
     met = _met(states, low, high, why)
-    return (low if math.isnan(met) else low + WITHIN * (met - low)), why, states
+    end = low if math.isnan(met) else low + WITHIN * (met - low)
+    return end, why if aircraft.limited else UNKNOWN, states
 
 
 def _met(states: SteadyStates, low: float, high: float, why: str) -> float:

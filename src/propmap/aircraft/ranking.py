@@ -49,9 +49,9 @@ class Judged:
     hover_time, cruise_time : float
         Flight time on one battery [s]; NaN without a battery.
     thrust_margin : float
-        Thrust margin in hover.
+        Thrust margin in hover; NaN without a known limit of the motors.
     top_speed : float
-        Top speed [m/s]; NaN if it was not computed or if no limit was reached.
+        Top speed [m/s]; NaN if it was not computed, if no limit was reached, or if it is unknown.
     limit : str
         Status above the top speed.
     why_not : str
@@ -264,7 +264,7 @@ class Ranking:
                     more += f"; thrust is {margin:.2f} of {needed}"
                 return f"{what}: {STATUSES[status]}{more}"
         margin = float(states.thrust_margin[0])
-        if not margin >= self.task.thrust_margin:
+        if margin < self.task.thrust_margin:
             return f"thrust margin in hover is {margin:.2f}, less than {self.task.thrust_margin:g}"
         return ""
 
@@ -454,7 +454,7 @@ class Task:
     mission : Mission or None
         Mission of the task "mission".
     thrust_margin : float
-        Least thrust margin in hover.
+        Least thrust margin in hover, if the thrust margin is known.
     measure : str
         "energy" or "time" for "hover"; "energy", "time" or "range" for "cruise"; "speed" for
         "fast"; "energy" for "mission".  An empty text selects the first.

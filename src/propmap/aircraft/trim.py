@@ -20,6 +20,7 @@ from propmap.rotor import Rotor
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM, SPEED_OF_SOUND
+from propmap.vehicle.allocation import AXES, Allocation
 from propmap.vehicle.log import in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle, Wing
 from propmap.vehicle.vehicle_forces import Rotors, RotorWrenches, free_stream_force, wing_lift
@@ -78,6 +79,18 @@ class Aircraft:
         self.rotors = Rotors.of(vehicle, loads)
         self.balance = SteadyBalance(vehicle, self.rotors)
         self._lost = NOT_FOUND if isinstance(loads, Rotor) else OUTSIDE_TABLE
+
+    @property
+    def notes(self) -> list[str]:
+        """Notes on axes that the rotor speeds do not command, and on missing limits."""
+        return [*self.balance.allocation.notes, *([] if self.limited else [UNLIMITED])]
+
+    @property
+    def limited(self) -> bool:
+        """Whether a limit of the motors, of the battery or of the rotor speed is known."""
+        motor, battery = self.vehicle.powertrain.motor, self.vehicle.powertrain.battery
+        limits = (motor.maximum_current, motor.maximum_speed) if motor else ()
+        return battery is not None or any(map(math.isfinite, (self.maximum_rotor_speed, *limits)))
 
     def with_hover_model(self) -> Aircraft:
         """Return this aircraft with the hover model of its rotors: static loads, no rotor drag."""
@@ -221,7 +234,7 @@ class Aircraft:
         electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.charge)
         gone = ~np.isin(status, FLOWN)
         margins = np.full(len(gone), math.nan)
-        if margin and not lost.all():
+        if margin and self.limited and not lost.all():
             margins[~lost] = self._thrust_margin(omega[~lost], found.hubs[~lost])
 
         def known(values: Floats, where: NDArray[np.bool_] = gone) -> Floats:
@@ -338,8 +351,9 @@ class Balanced(NamedTuple):
 class SteadyBalance:
     """Force and moment balances of a vehicle with given rotors.
 
-    The unknowns are pitch, roll and the amplitudes of ``controls``.  Gyroscopic moments of a steady
-    turn are neglected; they are a few percent of thrust times arm of a rotor.
+    The unknowns are pitch, roll and the amplitudes of ``patterns`` (k, c) of squared rotor speeds:
+    one equal for all rotors, and one for each commanded moment ``axes`` (c - 1,).  Gyroscopic
+    moments of a steady turn are neglected; they are a few percent of thrust times arm of a rotor.
     """
 
     def __init__(self, vehicle: Vehicle, rotors: Rotors) -> None:
@@ -358,7 +372,11 @@ class SteadyBalance:
             lost = still.status[0, 0]
             found = f"at rest, at {turning / RPM:.0f} rpm, the rotors have no loads ({lost})"
             raise InputError(found, "give loads that cover hover: speed from 0, beta up to 180 deg")
-        self.controls = controls(rotors, float(still.torque.mean()) / thrust)
+        torque = rotors.spin * float(still.torque.mean()) / thrust
+        self.allocation = Allocation.of(rotors.position, rotors.axis, torque)
+        moments = [k for k in self.allocation.commanded if 0 < k < len(AXES)]
+        self.axes = np.array(moments, np.intp) - 1
+        self.patterns = np.vstack([np.ones(len(rotors)), self.allocation.matrix[moments]]).T
         upward = max(float(rotors.axis[:, 2].mean()), 0.2)
         lifted = self.weight / (len(rotors) * upward)
         # Approximate squared rotor speed in hover [rad^2/s^2].
@@ -375,7 +393,7 @@ class SteadyBalance:
         if first is None:
             area = self.vehicle.body.drag_area[0]
             push = 0.5 * self.vehicle.air.density * area * flight.speed**2 / self.weight
-            first = np.zeros((flight.speed.size, 2 + self.controls.patterns.shape[1]))
+            first = np.zeros((flight.speed.size, 2 + self.patterns.shape[1]))
             first[:, 0] = np.minimum(np.arctan(push), 0.6)
             first[:, 1] = flight.bank
             first[:, 2] = np.hypot(1.0 / np.cos(flight.bank), push)
@@ -391,20 +409,20 @@ class SteadyBalance:
 
     def unknowns(self, pitch: Floats, roll: Floats, squares: Floats) -> Floats:
         """Return the unknowns (n, u) for attitudes (n,) [rad] and squared rotor speeds (n, k)."""
-        shares = squares @ np.linalg.pinv(self.controls.patterns).T / self.reference
+        shares = squares @ np.linalg.pinv(self.patterns).T / self.reference
         return np.column_stack([pitch, roll, shares])
 
     def _bounded(self, unknowns: Floats, step: Floats) -> Floats:
         """Return the step (n, u), shortened to the largest allowed change."""
         turn = np.abs(step[:, :2]).max(axis=1) / LONGEST_TURN
         squares = self.squares(unknowns)
-        change = (step[:, 2:] @ self.controls.patterns.T) * self.reference
+        change = (step[:, 2:] @ self.patterns.T) * self.reference
         grow = (np.abs(change) / squares).max(axis=1) / LONGEST_CHANGE
         return step / np.maximum(np.maximum(turn, grow), 1.0)[:, None]
 
     def squares(self, unknowns: Floats) -> Floats:
         """Return squared rotor speeds (n, k) [rad^2/s^2] of ``unknowns`` (n, u)."""
-        squares = self.reference * (unknowns[:, 2:] @ self.controls.patterns.T)
+        squares = self.reference * (unknowns[:, 2:] @ self.patterns.T)
         return np.maximum(squares, 1e-4 * self.reference)
 
     def motion(
@@ -433,7 +451,7 @@ class SteadyBalance:
 
     def shares(self, force: Floats, moment: Floats) -> Floats:
         """Return the unbalanced shares (..., u) of a force [N] and a moment [N m] (..., 3)."""
-        turned = moment @ self.controls.moments.T / (self.weight * self.arm)
+        turned = moment[..., self.axes] / (self.weight * self.arm)
         return np.concatenate([force / self.weight, turned], axis=-1)
 
     def _linearized(self, unknowns: Floats, flight: SteadyFlight) -> tuple[Floats, Floats]:
@@ -447,7 +465,7 @@ class SteadyBalance:
         by_angles = (residual[1:] - residual[0]) / CHANGE
         # Derivatives with respect to the squared speed of each rotor.
         each = self.shares(force, moment) / (2.0 * omega[..., None])
-        by_controls = self.reference * np.einsum("nku,kc->nuc", each, self.controls.patterns)
+        by_controls = self.reference * np.einsum("nku,kc->nuc", each, self.patterns)
         slopes = np.concatenate([np.moveaxis(by_angles, 0, -1), by_controls], axis=-1)
         return residual[0], slopes
 
@@ -459,41 +477,6 @@ class SteadyBalance:
         wrenches = self.rotors.wrenches(omega, hubs)
         residual, moment = self._residual(velocity, specific, wrenches)
         return Balanced(pitch, roll, omega, velocity, hubs, wrenches, moment, residual)
-
-
-# -------------------------------------------------------------------------------------------------
-# Patterns of rotor speeds, and the moments that the rotors of a vehicle can balance.
-
-WEAKEST = 0.02
-"""Least moment of a pattern of rotor speeds, over that of the strongest pattern.  Weaker moments,
-such as yaw with rotors of equal spin on parallel axes, are left to control surfaces."""
-
-
-class Controls(NamedTuple):
-    """Patterns of squared rotor speeds: one for thrust, the others for moments."""
-
-    patterns: Floats  # (k, c): the first is equal for all rotors, the others have length 1
-    moments: Floats  # unit vectors (c - 1, 3) of the moments of the other patterns [-]
-
-
-def controls(rotors: Rotors, arm_of_torque: float) -> Controls:
-    """Return the patterns with the smallest differences of rotor speeds, for rotors with the torque
-    ``arm_of_torque`` times thrust [m]."""
-    turning = -arm_of_torque * rotors.spin[:, None] * rotors.axis
-    effect = (np.cross(rotors.position, rotors.axis) + turning).T
-    equal = np.ones((len(rotors), 1))
-    along, size, across = np.linalg.svd(effect, full_matrices=False)
-    kept = [k for k in range(size.size) if size[k] > WEAKEST * size[0]] if size[0] > 0.0 else []
-
-    def dependent() -> bool:
-        patterns = np.hstack([equal, across[kept].T])
-        sizes = np.linalg.svd(patterns / np.linalg.norm(patterns, axis=0), compute_uv=False)
-        return patterns.shape[1] > patterns.shape[0] or bool(sizes[-1] < 1e-3)
-
-    # Thrust has priority: moments that only a change of thrust could balance are omitted.
-    while kept and dependent():
-        kept.pop()
-    return Controls(np.hstack([equal, across[kept].T]), along[:, kept].T)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -650,6 +633,8 @@ LIMITS = {
 }
 """Statuses of states beyond a limit, with a description of the limit."""
 
+UNLIMITED = "thrust margin and top speed are unknown: add [motor] and [battery], or pass --max-rpm"
+
 JUMP = 2e-3
 """Largest imbalance of a state over the weight, from jumps of the loads where the nodes of a rotor
 change with the speed."""
@@ -686,7 +671,8 @@ class SteadyStates:
         "tip_speed_limit", "motor_current_limit", "voltage_limit" and "battery_limit".
     thrust_margin : ndarray, shape (n,)
         Maximum thrust divided by the required thrust.  For the maximum, all rotor speeds are scaled
-        by one factor until the first limit is reached.  Below 1 if a limit is exceeded.
+        by one factor until the first limit is reached.  Below 1 if a limit is exceeded.  NaN if
+        no limit of motors, battery or rotor speed is known.
     pitch, roll : ndarray, shape (n,)
         Pitch, positive nose down, and roll, positive right side down [rad].
     rotor_speed, thrust, torque : ndarray, shape (n, k)

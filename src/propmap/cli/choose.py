@@ -13,7 +13,7 @@ from typer import Option
 from propmap.aircraft import ranking
 from propmap.aircraft.assumptions import assumption_lines, assumptions, without_body_drag
 from propmap.aircraft.mission import Mission, read_mission
-from propmap.aircraft.trim import STATUSES
+from propmap.aircraft.trim import STATUSES, UNLIMITED
 from propmap.catalogue.lookup import airfoil as section_law
 from propmap.cli import options as opt
 from propmap.cli import output as out
@@ -96,6 +96,10 @@ def choose(
     corrections = model_corrections(model or "recommended", correction or (), installed=law is None)
     rests_on = assumptions(read, None, [as_text(value) for value in corrections])
     judge = ranking.Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
+    craft = judge.aircraft(candidates[0])
+    if not craft.limited and (wanted.name == "fast" or picture is not None):
+        raise InputError("--task fast and --picture need a top speed", UNLIMITED)
+    out.note(*craft.notes)
     with InProcesses(cores()) as here, opt.workers_of(cluster, here) as workers:
         judged = _judged(judge, candidates, top, workers)
     title = f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "

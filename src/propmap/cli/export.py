@@ -128,6 +128,7 @@ def export(
         with out.blamed_on(source):
             paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=force)
         out.note(*assumption_lines(assumptions(craft.vehicle, craft.loads)))
+        out.note(*craft.balance.allocation.notes)
     elif to in ROTOR_TARGETS:
         refuse(prop=prop, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None)
         if source.suffix.lower() in TABLES or _is_vehicle(source):

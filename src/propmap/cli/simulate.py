@@ -170,9 +170,9 @@ def vehicle_from_log(
     if output is not None:
         out.check_output(output, (".toml",), keep_existing=not force)
 
-    from propmap.vehicle.draft import draft_vehicle, missing_in
+    from propmap.vehicle.draft import draft_vehicle
 
     with out.blamed_on(log):
-        text = draft_vehicle(log)
+        text, notes = draft_vehicle(log)
     out.emit(text, output)
-    out.note(f"fill in the values that the log does not contain: {', '.join(missing_in(text))}")
+    out.note(*notes)

@@ -94,7 +94,8 @@ def trim(
     read = opt.vehicle_of(vehicle, no_wakes=no_wakes)
     legs = read_mission(mission) if mission is not None else None
     craft = opt.aircraft_of(read, airfoil, table, model, correction, accuracy, max_rpm, charge)
-    rests_on = assumptions(read, craft.loads)
+    rests_on, allocation = assumptions(read, craft.loads), craft.balance.allocation
+    out.note(*craft.notes)
     if form == "csv":
         out.note(*assumption_lines(rests_on))
     if legs is not None:
@@ -138,6 +139,12 @@ def trim(
                 row["endurance_s"] = number_or_none(time)
                 row["distance_m"] = number_or_none(way)
         whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "assumptions": rests_on}
+        whole["control"] = {
+            "rank": len(allocation.commanded),
+            "condition": number_or_none(allocation.condition),
+            "yaw_over_roll": number_or_none(allocation.yaw_over_roll),
+            "notes": allocation.notes,
+        }
         whole["states"] = listed
         if found is not None:
             whole["performance"] = {name: plain(state) for name, _, state in found.named}
@@ -160,17 +167,15 @@ NOTHING = 1e-4  # unbalanced moment over mass and radius below which there is no
 
 
 def _note_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
-    """Note moments that the rotors cannot balance and that flaps or a wrong spin may explain."""
+    """Note moments that the rotors do not balance."""
     left = np.concatenate([np.abs(states.moment) for states in flown])
-    if not np.isfinite(left).any():
-        return
-    largest = np.nanmax(left, axis=0)
-    if largest.max() > NOTHING * craft.vehicle.mass * craft.vehicle.propeller.radius:
-        moments = ", ".join(f"{moment:.2g}" for moment in largest)
-        out.note(
-            "the rotors cannot balance all moments: control surfaces must supply up to "
-            f"{moments} N m about x, y, z (without control surfaces, check position and spin)"
-        )
+    largest = np.nan_to_num(left).max(axis=0)
+    least = NOTHING * craft.vehicle.mass * craft.vehicle.propeller.radius
+    parts = [
+        f"{m:.2g} N m about {axis}" for m, axis in zip(largest, "xyz", strict=True) if m > least
+    ]
+    if parts:
+        out.note(f"in these states, control surfaces must supply up to {', '.join(parts)}")
 
 
 def _note_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "") -> None:
@@ -288,8 +293,9 @@ def _named_lines(craft: Aircraft, found: performance.Performance | None) -> list
     for name, label, state in found.named:
         words = "straight up or down" if climbs and name == "hover" else label
         if state is None:
-            if name == "fastest" and not found.limit:
-                lines.append(f"{words}: above {performance.FASTEST:g} m/s, no limit was met")
+            if name == "fastest" and found.limit in ("", performance.UNKNOWN):
+                above = f"above {performance.FASTEST:g} m/s, no limit was met"
+                lines.append(f"{words}: {found.limit or above}")
             else:
                 why = found.at_rest if name == "hover" else found.limit
                 lines.append(f"{words}: none; {STATUSES.get(why, 'not found')}")

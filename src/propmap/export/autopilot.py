@@ -208,6 +208,7 @@ def common_remarks(aircraft: Aircraft, omega: float) -> list[str]:
     """List the assumptions of the drag coefficients of an ``aircraft``, with a warning if its
     fastest rotor speed ``omega`` [rad/s] exceeds the data of the section constants."""
     words = assumption_lines(assumptions(aircraft.vehicle, aircraft.loads))
+    words = [*words, *aircraft.balance.allocation.notes]
     remarks = [f"{each[:1].upper()}{each[1:]}." for each in words]
     tilted = any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts)
     if tilted and not aircraft.rotors.forward:

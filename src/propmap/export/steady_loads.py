@@ -109,17 +109,14 @@ def check_hover(aircraft: Aircraft, states: SteadyStates) -> None:
 def _balances(aircraft: Aircraft) -> bool:
     """Return whether positive thrusts could balance an aircraft without a moment.
 
-    Each thrust is at least a tenth of the mean thrust, each torque the thrust times a typical arm;
-    the maximum thrust of the rotors is ignored.
+    Each thrust is at least a tenth of the mean thrust; the maximum thrust of the rotors is ignored.
     """
     from scipy.optimize import nnls
 
-    rotors = aircraft.rotors
-    turning = np.cross(rotors.position, rotors.axis)
-    turning = turning - 0.1 * rotors.radius * rotors.spin[:, None] * rotors.axis
-    turning /= np.maximum(np.abs(turning).max(axis=0), 0.01 * rotors.radius)
-    effect = np.vstack([rotors.axis @ rotors.axis.mean(axis=0), turning.T])
-    least = np.full(len(rotors), 0.1 / len(rotors))
+    thrust_and_moments = aircraft.balance.allocation.matrix[:4]
+    size = np.abs(thrust_and_moments).max(axis=1, keepdims=True)
+    effect = thrust_and_moments / np.maximum(size, 0.01)
+    least = np.full(effect.shape[1], 0.1 / effect.shape[1])
     return bool(nnls(effect, np.array([1.0, 0.0, 0.0, 0.0]) - effect @ least)[1] < 0.01)
 
 

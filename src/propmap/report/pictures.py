@@ -307,6 +307,8 @@ def power_curves(
     margin.set_ylabel("thrust at first limit / required [-]")
     power.set_ylim(bottom=0.0)
     margin.set_ylim(bottom=0.0)
+    if not any(np.isfinite(states.thrust_margin).any() for states in flown):
+        margin.text(0.5, 0.5, "unknown", transform=margin.transAxes, ha="center", va="center")
     for ax in (margin, speed):
         ax.set_xlabel("horizontal airspeed [m/s]")
     if found is not None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from propmap.errors import InputError, require
 from propmap.typing import Floats
+from propmap.vehicle.allocation import Allocation
 from propmap.vehicle.log_readers import COMMANDS, OUTPUTS, ROTORS, parsed_ulog
 
 UP = (0.0, 0.0, -1.0)  # in FRD
@@ -19,12 +20,13 @@ MASS = "WEIGHT_GROSS"  # [kg], -1 if it was not set
 MISSING = "# MISSING: "
 
 
-def draft_vehicle(path: Path) -> str:
-    """Return the TOML text of a vehicle file drafted from a ULog file.
+def draft_vehicle(path: Path) -> tuple[str, list[str]]:
+    """Return the TOML text of a vehicle file drafted from a ULog file, and notes on it.
 
     Positions, axes and spins of the rotors come from CA_ROTORn_*, the mass from WEIGHT_GROSS.
-    Entries that the log does not contain are comments that begin with "MISSING".  Raises
-    ``InputError`` if the log has no rotor parameters.
+    Entries that the log does not contain are comments that begin with "MISSING".  The notes list
+    these entries, and axes that the rotor speeds do not command.  Raises ``InputError`` if the log
+    has no rotor parameters.
     """
     if not path.is_file():
         raise InputError("no such file", "give the .ulg file of a flight", str(path))
@@ -41,7 +43,10 @@ def draft_vehicle(path: Path) -> str:
         {name: float(stated.get(f"CA_ROTOR{k}_{name}", FIELDS[name])) for name in FIELDS}
         for k in range(count)
     ]
-    places = np.array([[one["PX"], one["PY"], one["PZ"]] for one in rotors])
+    places, axes = (
+        np.array([[one[f"{kind}{letter}"] for letter in "XYZ"] for one in rotors]) for kind in "PA"
+    )
+    allocation = Allocation.of(places, axes, np.array([one["KM"] for one in rotors]))
     # PX4's generic airframes have coordinates of 0 or 1 m instead of measured positions.
     generic = bool(np.isin(np.abs(places), (0.0, 1.0)).all())
     lines = [
@@ -54,9 +59,8 @@ def draft_vehicle(path: Path) -> str:
         else f"{MISSING}mass = 1.0  # kg, including the battery",
         f'{MISSING}propeller = "apc-8x6e"  # a name of `propmap props` or a geometry file',
     ]
-    for number, (one, place) in enumerate(zip(rotors, places, strict=True), start=1):
+    for number, (one, place, axis) in enumerate(zip(rotors, places, axes, strict=True), start=1):
         where = f"position = {_numbers(place)}"
-        axis = np.array([one["AX"], one["AY"], one["AZ"]])
         length = float(np.linalg.norm(axis))
         lines += [
             "",
@@ -67,7 +71,9 @@ def draft_vehicle(path: Path) -> str:
         if length > 0.0 and not np.allclose(axis / length, UP, atol=1e-3):
             lines.append(f"axis = {_numbers(axis / length)}")
     lines += ["", "[log]", _rotor_unit({data.name for data in log.data_list}), ""]
-    return "\n".join(lines)
+    missing = dict.fromkeys(line.split()[2] for line in lines if line.startswith(MISSING))
+    note = f"fill in the values that the log does not contain: {', '.join(missing)}"
+    return "\n".join(lines), [note, *allocation.notes]
 
 
 def _rotor_unit(topics: set[str]) -> str:
@@ -79,12 +85,6 @@ def _rotor_unit(topics: set[str]) -> str:
     if commands:
         return f"# no {ROTORS} in the log: `propmap fit flight` uses the throttle of {commands[0]}"
     return f"{MISSING}{unit}; no {ROTORS}, {COMMANDS} or {OUTPUTS} in the log"
-
-
-def missing_in(draft: str) -> list[str]:
-    """Return the missing entries of a draft, each once."""
-    lines = [line.removeprefix(MISSING) for line in draft.splitlines() if line.startswith(MISSING)]
-    return list(dict.fromkeys(line.partition(" ")[0] for line in lines))
 
 
 def _numbers(values: Floats) -> str:

@@ -74,6 +74,7 @@ class AircraftView(view.View):
             tables = [_named(found, without_body_drag(craft.vehicle))]
         lost = sorted(set(states.status.tolist()) - {"ok"})
         remarks = assumption_lines(assumptions(craft.vehicle, craft.loads))
+        remarks += craft.notes
         remarks += [f"{name}: {STATUSES.get(name, name)}" for name in lost]
         key = [("this model", COLORS[0]), ("hover model", f"-{view.GRAY}")]
         return Answer(shown, tables, remarks, key)
@@ -134,7 +135,7 @@ def _named(found: Performance, caution: str) -> Table:
     rows = []
     for _, label, state in found.named:
         if state is None:
-            none = f"none: {why}" if why and label == "top speed" else "none"
+            none = f"none; limit: {why}" if why and label == "top speed" else "none"
             rows.append([label, "-", "-", "-", none])
             continue
         power = state.electrical_power if math.isfinite(state.electrical_power) else state.power
