@@ -184,7 +184,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*TABLE, "-o", "set.toml/map.npz"], "there is no folder 'set.toml"),
     (["export", "map.npz", "--to", "c", "-o", "set.toml/to"], "there is no folder 'set.toml"),
     ([*EXPORT, "map.npz", "--to", "cpp"], "cpp is not made from a table, but from a propeller"),
-    ([*EXPORT, "apc-8x6e", "--to", "mujoco"], "mujoco is not made from a propeller"),
+    ([*EXPORT, "apc-8x6e", "--to", "mujoco"], "--to mujoco needs a vehicle file"),
     ([*EXPORT, "apc-8x6e", "--to", "c", "--table", "map.npz"], "--table does not apply"),
     ([*EXPORT, "map.npz", "--to", "c", "--joint", "j{}"], "--joint does not apply"),
     ([*EXPORT, "map.npz", "--to", "c", "--airfoil", "paper-apc"], "--airfoil does not apply"),

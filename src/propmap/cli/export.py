@@ -29,7 +29,7 @@ from propmap.rotor import Rotor
 from propmap.units import RPM
 
 if TYPE_CHECKING:
-    from propmap.export.built_tables import Envelope
+    from propmap.export.built_tables import Ranges
     from propmap.table import LoadTable
 
 TABLES = (".npz", ".nc")  # extensions of table files
@@ -117,12 +117,12 @@ def export(
     """
     from propmap.aircraft.assumptions import assumption_lines, assumptions
     from propmap.export import built_tables, export_rotor, export_table, export_vehicle
+    from propmap.export.autopilot import SPEEDS, export_autopilot
     from propmap.export.files import check_folder
     from propmap.table import LoadTable
 
     path, names = Path(source), {"joint": joint, "link": link}
     patterns = {name: pattern for name, pattern in names.items() if pattern is not None}
-    flown = {"speed": speed, "charge": charge, "no_wakes": no_wakes or None}
 
     def refuse(**given: object) -> None:
         for name, value in given.items():
@@ -131,62 +131,54 @@ def export(
                 fault = f"{option} does not apply to --to {to} of {quoted(source)}"
                 raise InputError(fault, "leave it out")
 
+    def write(loads: Rotor | LoadTable) -> list[Path]:
+        if isinstance(loads, Rotor):
+            return export_rotor(loads, to, output, replace=force)
+        return export_table(loads, to, output, replace=force, **patterns)
+
     find_export(to)
     if to != "gazebo":
         refuse(**names)
-    check_folder(output)
-    if to in AUTOPILOTS:
-        from propmap.export.autopilot import SPEEDS, export_autopilot
-
-        refuse(prop=prop)
-        if path.suffix.lower() != ".toml":
-            fault = f"--to {to} needs a vehicle file"
-            raise InputError(fault, "give VEHICLE.toml, see propmap trim", source)
-        speeds = SPEEDS if speed is None else opt.parse_axis("--speed", "speed", speed, len(SPEEDS))
-        read, full = opt.vehicle_of(path, no_wakes=no_wakes), 1.0 if charge is None else charge
-        craft = opt.aircraft_of(read, airfoil, table, model, correction, charge=full)
-        with out.blamed_on(path):
-            paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=force)
-        out.note(*assumption_lines(assumptions(craft.vehicle, craft.loads)))
-    elif _is_vehicle(path, to, table):
-        refuse(prop=prop, table=table if to in ROTOR_TARGETS else None)
+    if to not in AUTOPILOTS:
         refuse(speed=speed, charge=charge)
-        vehicle = opt.vehicle_of(path, no_wakes=no_wakes)
-        craft = opt.aircraft_of(vehicle, airfoil, table, model, correction)
+    if path.suffix.lower() != ".toml" and to not in (*TARGETS, *ROTOR_TARGETS):
+        fault = f"--to {to} needs a vehicle file"
+        raise InputError(fault, "give VEHICLE.toml, see propmap trim", source)
+    check_folder(output)
+    if _is_vehicle(path, to, table):
+        refuse(prop=prop, table=table if to in ROTOR_TARGETS else None)
+        speeds = SPEEDS if speed is None else opt.parse_axis("--speed", "speed", speed, len(SPEEDS))
+        vehicle, full = opt.vehicle_of(path, no_wakes=no_wakes), 1.0 if charge is None else charge
+        craft = opt.aircraft_of(vehicle, airfoil, table, model, correction, charge=full)
         with out.blamed_on(path):
             loads = craft.loads
-            if isinstance(loads, Rotor):
+            if isinstance(loads, Rotor) and to not in AUTOPILOTS:
                 craft, loads = built_tables.with_mount_in_model(craft, loads)
                 if to not in ROTOR_TARGETS:
-                    loads = _built(loads, built_tables.envelope_of(craft))
-            if isinstance(loads, Rotor):
-                paths = export_rotor(loads, to, output, replace=force)
-            elif to in VEHICLE_TARGETS:
+                    loads = _built(loads, built_tables.ranges_of(craft))
+            if to in AUTOPILOTS:
+                paths = export_autopilot(craft, to, output, speeds=speeds, replace=force)
+            elif to in VEHICLE_TARGETS and not isinstance(loads, Rotor):
                 paths = export_vehicle(craft.vehicle, loads, to, output, replace=force, **patterns)
             else:
-                paths = export_table(loads, to, output, replace=force)
+                paths = write(loads)
         out.note(*assumption_lines(assumptions(craft.vehicle, loads)))
     elif path.suffix.lower() in TABLES:
         find_export(to, "table")
         refuse(prop=prop, model=model, correction=correction or None, airfoil=airfoil)
-        refuse(table=table, **flown)
+        refuse(table=table, no_wakes=no_wakes or None)
         found = LoadTable.load(path)
         with out.blamed_on(path):
-            paths = export_table(found, to, output, replace=force, **patterns)
+            paths = write(found)
     else:
-        if to not in (*TARGETS, *ROTOR_TARGETS):
-            find_export(to, "rotor")
-        refuse(table=table, **flown)
+        refuse(table=table, no_wakes=no_wakes or None)
         if prop is None and path.suffix.lower() != ".toml":
             rotor = opt.RotorChoice(source, airfoil, model=model, correction=correction).rotor()
         else:
             refuse(airfoil=airfoil)
             rotor = _rotor_of_law(path, prop, model, correction)
-        if to in ROTOR_TARGETS:
-            paths = export_rotor(rotor, to, output, replace=force)
-        else:
-            found = _built(rotor, built_tables.usual_envelope(rotor.model.propeller))
-            paths = export_table(found, to, output, replace=force, **patterns)
+        ranges = built_tables.usual_ranges(rotor.model.propeller)
+        paths = write(rotor if to in ROTOR_TARGETS else _built(rotor, ranges))
     for path in paths:
         echo(f"wrote {path}")
 
@@ -215,11 +207,11 @@ def _rotor_of_law(
     return Rotor(Model(blade, law))
 
 
-def _built(rotor: Rotor, envelope: Envelope) -> LoadTable:
+def _built(rotor: Rotor, ranges: Ranges) -> LoadTable:
     """Build the table of a ``rotor``, with notes on its range and errors."""
     from propmap.export import built_tables
 
-    model, (omega, speed) = rotor.model, envelope
+    model, (omega, speed) = rotor.model, ranges
     least, most = (w / RPM for w in omega)
     echo(
         f"building a table of {model.propeller.name}, {model.law_title}, at {least:.0f} to "
@@ -230,14 +222,11 @@ def _built(rotor: Rotor, envelope: Envelope) -> LoadTable:
     opt.note_reynolds(model, np.array(omega), np.array(speed), np.array(built_tables.BETA))
     start = time.perf_counter()
     with out.progress_bar("") as update:
-        found = built_tables.built_table(rotor, envelope, lambda stage, n: update(n, what=stage))
+        found = built_tables.built_table(rotor, ranges, lambda stage, n: update(n, what=stage))
     took, sure = time.perf_counter() - start, found.certificate
-    left = sure["unresolved_volume"]
-    echo(
-        f"built it in {took:.0f} s: errors at most {max(sure['max_error'].values()):.1%} of the "
-        f"static loads at {sure['points']} points"
-        + f", except in {left:.1%} of the range, where the loads are too steep"
-        * (left > 0.0),
-        err=True,
-    )
+    worst, steep = max(sure["max_error"].values()), sure["unresolved_volume"]
+    words = f"built it in {took:.0f} s: errors at most {worst:.1%} of the static loads at "
+    words += f"{sure['points']} points"
+    words += f", except in {steep:.1%} of the range, where the loads are too steep" * (steep > 0.0)
+    echo(words, err=True)
     return found

@@ -118,9 +118,7 @@ def find_export(target: str, source: str | None = None) -> Export:
     if source and named:
         made = " or ".join(SOURCES[export.source] for export in named)
         found = f"{target} is not made from {SOURCES[source]}, but from {made}"
-    # A table can be built for a propeller and for a vehicle.
-    sources = {source, "table"} if source else set(SOURCES)
-    known = dict.fromkeys(export.target for export in EXPORTS if export.source in sources)
+    known = _targets(source) if source else dict.fromkeys(export.target for export in EXPORTS)
     raise InputError(found, f"choose one of {', '.join(known)}")
 
 

@@ -7,13 +7,14 @@ Their equations are those of ``MulticopterMotorModel.cc`` in gz-sim 8 to 10, and
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError, quoted
 from propmap.export import files
+from propmap.export.simple_models import fit_rotor
 from propmap.export.steady_loads import check_hover, thrust_curve
 from propmap.loads import LOADS
 from propmap.results import spin_sign
@@ -25,44 +26,6 @@ from propmap.vehicle.vehicle_forces import load_rows
 
 SPEEDS = (0.0, 5.0, 10.0, 15.0)  # airspeeds at which the note states the errors [m/s]
 JOINT, LINK = "rotor_{}_joint", "rotor_{}"  # default names, with the number of the rotor
-
-
-class MotorModel(NamedTuple):
-    """Parameters of the plugins that depend on the propeller, and their equations."""
-
-    motor_constant: float  # [N s^2]
-    moment_constant: float  # [m]
-    rotor_drag_coefficient: float  # [N s^2/m]
-    rolling_moment_coefficient: float  # [N s^2]
-    max_relative_airspeed: float  # [m/s]
-
-    def loads(self, omega: Floats, inplane: Floats) -> dict[str, Floats]:
-        """Return loads (n,) [N], [N m] at n rotor speeds [rad/s] and velocities [m/s]."""
-        thrust, across = self.motor_constant * omega**2, omega * inplane
-        return {
-            "thrust": thrust,
-            "drag": self.rotor_drag_coefficient * across,
-            "torque": self.moment_constant * thrust,
-            "roll_moment": self.rolling_moment_coefficient * across,
-        }
-
-    def decline(self, axial: Floats) -> Floats:
-        """Return the factor (n,) of Gazebo Classic on the thrust at axial velocities [m/s]."""
-        return np.maximum(1.0 - np.abs(axial) / self.max_relative_airspeed, 0.0)
-
-
-def fit_motor_model(table: LoadTable, samples: files.Samples, omega: float) -> MotorModel:
-    """Copy thrust and torque at rest at ``omega`` [rad/s] from the table; fit the other parameters
-    by least squares."""
-    static = files.static_loads(table, np.array([omega]))
-    thrust, torque = float(static["thrust"][0]), float(static["torque"][0])
-    drag, roll = files.slope(samples, "drag"), files.slope(samples, "roll_moment")
-    chosen = samples.simple
-    axial = np.abs(samples.axial[chosen])
-    loss = 1.0 - samples.loads["thrust"][chosen] / samples.static["thrust"][chosen]
-    # Thrust that does not decline with the axial velocity gives a very large airspeed.
-    airspeed = float(axial @ axial / max(axial @ loss, 1e-6 * (axial @ axial)))
-    return MotorModel(thrust / omega**2, torque / thrust, drag, roll, airspeed)
 
 
 Flight = tuple[str, Floats]
@@ -81,9 +44,9 @@ def table_files(table: LoadTable, *, joint: str = JOINT, link: str = LINK) -> fi
         for speed in SPEEDS
         if speed <= table.envelope["speed"][1]
     ]
-    words = {"full": False, "lost": [], "rests_on": "", "largest": table.envelope["omega"][1]}
+    known = {"full": False, "states": None, "largest": table.envelope["omega"][1]}
     names = {"joint": joint, "link": link}
-    return _files(table, files.identifier(table), SPINS, names, omega, flights, **words)
+    return _files(table, files.identifier(table), SPINS, names, omega, flights, **known)
 
 
 def vehicle_files(
@@ -100,12 +63,8 @@ def vehicle_files(
     axial = np.einsum("nkj,kj->nk", hubs, craft.rotors.axis)
     inplane = np.sqrt(np.maximum(np.sum(hubs**2, axis=-1) - axial**2, 0.0))
     spins = [mount.spin for mount in vehicle.mounts]
-    flown, lost = [], []
-    for speed, status, found in zip(states.speed, states.status, states.found, strict=True):
-        if found:
-            flown.append(f"the {len(spins)} rotors in level flight at {speed:g} m/s")
-        else:
-            lost.append(f"{speed:g} m/s ({STATUSES[str(status)]})")
+    words = "the {} rotors in level flight at {:g} m/s".format
+    flown = [words(len(spins), speed) for speed in states.speed[states.found]]
     powered = None not in (vehicle.powertrain.motor, vehicle.powertrain.battery)
     full = thrust_curve(craft, 1.0) if powered else None
     return _files(
@@ -117,7 +76,8 @@ def vehicle_files(
         list(zip(flown, np.stack([turning, axial, inplane], axis=1), strict=True)),
         largest=table.envelope["omega"][1] if full is None else full.full_speed,
         full=full is not None,
-        lost=lost,
+        states=states,
+        statuses=STATUSES,
         rests_on=files.rests_on(vehicle, table),
     )
 
@@ -139,23 +99,34 @@ def _files(
         if "{}" not in pattern or not pattern.isprintable():
             fault = f"the {kind} name {quoted(pattern)} does not contain {{}}"
             raise InputError(fault, "write {} for the number of the rotor, as in rotor_{}")
-    fitted = fit_motor_model(table, files.sample(table), omega)
+    samples = files.sample(table)
+    fitted = fit_rotor(table, samples, omega)._replace(k_z=0.0, k_h=0.0, k_flap=0.0, k_side=0.0)
+    near = np.abs(samples.axial[samples.simple])
+    loss = (1.0 - samples.loads["thrust"] / samples.static["thrust"])[samples.simple]
+    # Without a loss of thrust, the largest airspeed is a very large number.
+    airspeed = float(near @ near / max(near @ loss, 1e-6 * (near @ near)))
     found, classic = [], []
     for where, (turning, axial, inplane) in flights:
         rows, _ = load_rows(table, turning, axial, inplane)
         if np.isfinite(rows).all():
             loads, static = dict(zip(LOADS, rows, strict=True)), files.static_loads(table, turning)
-            model = fitted.loads(turning, inplane)
-            found.append(files.error_sizes(where, files.shares(loads, model, static)))
-            slowed = model | {"thrust": model["thrust"] * fitted.decline(axial)}
-            thrust = files.shares(loads, slowed, static)[:, list(LOADS).index("thrust")]
+            share = files.shares(loads, fitted.loads(turning, axial, inplane), static)
+            found.append(files.error_sizes(where, share))
+            decline = fitted.k_eta * turning**2 * np.minimum(np.abs(axial) / airspeed, 1.0)
+            thrust = share[:, list(LOADS).index("thrust")] - decline / static["thrust"]
             classic.append(f"{np.abs(thrust).max():.1%}")
     rotors = [
         {kind: pattern.replace("{}", str(k)) for kind, pattern in names.items()}
         | {"spin": spin, "sign": spin_sign(spin)}
         for k, spin in enumerate(spins)
     ]
-    values |= {"name": name, "fitted": fitted, "rotors": rotors, "rpm": omega / RPM}
+    values |= {
+        "name": name,
+        "fitted": fitted,
+        "rotors": rotors,
+        "rpm": omega / RPM,
+        "airspeed": airspeed,
+    }
     note = files.rendered(
         "README-gazebo.txt", table, simple=files.SIMPLE, classic=classic, **values
     )

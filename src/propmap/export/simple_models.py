@@ -57,9 +57,10 @@ class RotorPyRotor(NamedTuple):
         }
 
 
-def fit_rotor(table: LoadTable, samples: files.Samples) -> RotorPyRotor:
-    """Copy static thrust and torque from the table; fit the other loads by least squares."""
-    middle = files.middle_omega(table)
+def fit_rotor(table: LoadTable, samples: files.Samples, hover: float | None = None) -> RotorPyRotor:
+    """Copy thrust and torque at rest, at ``hover`` or the middle rotor speed [rad/s], from the
+    table; fit the other loads by least squares."""
+    middle = files.middle_omega(table) if hover is None else hover
     static = files.static_loads(table, np.array([middle]))
     k_eta, k_m = (float(static[load][0]) / middle**2 for load in ("thrust", "torque"))
     chosen = samples.simple
