@@ -24,7 +24,6 @@ EXPORTED = {
     "rotorpy_hover.py": ("rotorpy", "rotorpy"),
     "rotorpy_dynamic_inflow.py": (None, "rotorpy"),
     "casadi_drag.py": ("multinomial", "casadi"),
-    "gazebo_model.py": ("gazebo", None),
     "learn_forward_flight.py": (None, "mujoco"),
 }
 """Examples that start from an export, or need a package: the target and the package."""

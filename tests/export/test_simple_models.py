@@ -1,9 +1,8 @@
-"""Multinomial, Gazebo, RotorPy, JSBSim: fits, files, their errors, and wrenches on the hub."""
+"""Multinomial, RotorPy, JSBSim: fits, files, their errors, and wrenches on the hub."""
 
 from __future__ import annotations
 
 import re
-import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +74,7 @@ def test_casadi_evaluates_the_multinomial_and_its_gradient(
         np.testing.assert_allclose(slopes, central, rtol=1e-7, atol=1e-10)
 
 
-@pytest.mark.parametrize("target", ["multinomial", "gazebo", "rotorpy", "jsbsim"])
+@pytest.mark.parametrize("target", ["multinomial", "rotorpy", "jsbsim"])
 def test_the_note_tells_the_errors(table: LoadTable, tmp_path: Path, target: str) -> None:
     text = export_table(table, target, tmp_path)[-1].read_text()
     rows = re.findall(r"^  (\w+) +([0-9.]+)% +([0-9.]+)%$", text, re.M)
@@ -287,36 +286,6 @@ def test_the_wrench_in_rotorpy(oblique: Both, module: Module, spin: str) -> None
     found = np.concatenate(vehicle.compute_body_wrench(turning, np.full(4, OMEGA), velocity))
     np.testing.assert_allclose(found[:2], want[:2], atol=0.004 * want[2])
     np.testing.assert_allclose(found[3:], want[3:], atol=0.006 * want[2] * 0.2)
-
-
-@pytest.mark.parametrize("spin", SPINS)
-def test_gazebo_has_four_of_six(oblique: Both, tmp_path: Path, spin: str) -> None:
-    """By the plugin's formulas; what is missing are the side force and the pitching moment."""
-    rotor, table = oblique
-    path, note = export_table(table, "gazebo", tmp_path)
-    elements = ET.fromstring(f"<plugin>{path.read_text()}</plugin>")
-    value = {element.tag: float(element.text or "") for element in elements}
-    assert value["maxRotVelocity"] == pytest.approx(table.envelope["omega"][1])
-    # In hover; the Reynolds number moves the torque.
-    still, held = table.loads(OMEGA, 0.0, 0.0), value["motorConstant"] * OMEGA**2
-    assert held == pytest.approx(still.thrust, rel=0.01)
-    assert value["momentConstant"] * held == pytest.approx(still.torque, rel=0.03)
-    sign = SPINS[spin]  # turningDirection
-    across = VELOCITIES * [1.0, 1.0, 0.0]
-    force = -OMEGA * value["rotorDragCoefficient"] * across + [0.0, 0.0, held]
-    # PX4's plugin turns the rolling moment with the direction; the note says what others need.
-    moment = -sign * OMEGA * value["rollingMomentCoefficient"] * across
-    moment = moment - [0.0, 0.0, sign * value["momentConstant"] * held]
-    want = hub_wrench(rotor, spin)
-    loads = rotor.loads_at_velocity(OMEGA, VELOCITIES)
-    z, length = np.array([0.0, 0.0, 1.0]), np.hypot(*VELOCITIES.T[:2])
-    left = np.cross(z, across / length[:, None])
-    lost = np.concatenate(
-        [sign * loads.side_force[:, None] * left, -loads.pitch_moment[:, None] * left], axis=-1
-    )
-    error = share(np.concatenate([force, moment], axis=-1), want - lost)
-    assert error[:, [0, 1, 3, 4]].max() < 0.006 and error[:, 2].max() < 0.3
-    assert "no side force and no pitching moment" in " ".join(note.read_text().split())
 
 
 @pytest.mark.parametrize(

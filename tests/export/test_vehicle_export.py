@@ -251,7 +251,7 @@ WRONG: dict[str, tuple[Vehicle, str, str]] = {
         replace(PLAIN, mounts=(*UP, Mount((0.3, 0.0, 0.0)), Mount((-0.3, 0.0, 0.0)))),
         "rotorpy", "has 6 rotors, RotorPy's Multirotor 4",
     ),
-    "another target": (PLAIN, "gazebo", "from a vehicle and a table, but from a table"),
+    "another target": (PLAIN, "jsbsim", "is not made from a vehicle, but from a table"),
     "no target": (PLAIN, "x-plane", "there is no target"),
     "one place": (
         replace(PLAIN, wakes=WAKES, mounts=(*UP[:3], replace(UP[0], spin="ccw"))),
@@ -305,8 +305,6 @@ def test_by_command(
     assert "_wakes(" not in Path("still/vehicle_2_inch_test.h").read_text()
     assert "; no wakes." in " ".join(Path("still/README-c.txt").read_text().split())
     for arguments, message in (
-        (("--to", "c"), "give it as --table FILE.npz"),
-        (("--to", "gazebo", "--table", "map.npz"), "--to gazebo needs a table"),
         (("--to", "mujoco", "--table", "map.npz"), "the vehicle file has no inertia"),
         (("--to", "c", "--table", "map.npz", "--prop", "apc-8x6e"), "--prop does not apply"),
         (("--to", "c", "--table", "map.npz", "--charge", "1"), "--charge does not apply"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import time
 import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,7 +14,7 @@ from propmap.catalogue.lookup import airfoil as section_law
 from propmap.catalogue.lookup import propeller
 from propmap.cli import options as opt
 from propmap.cli import output as out
-from propmap.errors import InputError
+from propmap.errors import InputError, quoted
 from propmap.export import (
     AUTOPILOTS,
     EXPORTS,
@@ -23,20 +23,14 @@ from propmap.export import (
     VEHICLE_TARGETS,
     find_export,
 )
-from propmap.fit.files import is_fit, read_fit
+from propmap.fit.files import read_fit
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.units import RPM
 
 if TYPE_CHECKING:
+    from propmap.export.built_tables import Ranges
     from propmap.table import LoadTable
-
-# The table that is built from a fit: tip speeds and airspeeds [m/s], angles [rad], and the
-# largest error as a fraction of the static loads.
-TIP_SPEED = (20.0, 105.0)
-SPEED = (0.0, 20.0)
-BETA = (0.0, math.pi)
-TOLERANCE = 0.005
 
 TABLES = (".npz", ".nc")  # extensions of table files
 
@@ -48,21 +42,21 @@ def _forms(source: str) -> str:
 
 def export(
     source: Annotated[
-        Path,
+        str,
         Argument(
             metavar="TABLE|FIT|VEHICLE|PROP",
-            help="Table (.npz), fit (.toml), section law, vehicle file, or propeller.",
+            help="Table (.npz), fit (.toml), section law, vehicle file (.toml), or propeller: "
+            "catalogue name, designation or geometry file.",
         ),
     ],
     to: Annotated[
         str,
         Option(
             metavar="TARGET",
-            help=f"Output format, by input. Table, fit or section law: {_forms('table')}. "
-            f"Vehicle file with --table: {_forms('vehicle')}. "
-            f"Vehicle file: {_forms('autopilot')}. "
+            help=f"Output format, by input. All inputs: {_forms('table')}. "
+            f"Vehicle file: {_forms('vehicle')}, {_forms('autopilot')}. "
             f"Vehicle file of a pusher or tailsitter: {_forms('pusher')}. "
-            f"Propeller: {_forms('rotor')}.",
+            f"Propeller or vehicle file: {_forms('rotor')}.",
         ),
     ],
     output: Annotated[Path, out.output_option("Output folder; created if it is missing.", "DIR")],
@@ -80,7 +74,24 @@ def export(
         ),
     ] = None,
     table: Annotated[
-        Path | None, Option(metavar="FILE.npz", help="For a vehicle: table of the rotor loads.")
+        Path | None,
+        Option(
+            metavar="FILE.npz",
+            help="For a vehicle: table of the rotor loads (default: a table that is built for "
+            "hover and level flight up to the top speed).",
+        ),
+    ] = None,
+    joint: Annotated[
+        str | None,
+        Option(
+            metavar="NAME",
+            help="For gazebo: names of the rotor joints, with {} for the number of the rotor, "
+            "from 0 (default: rotor_{}_joint).",
+        ),
+    ] = None,
+    link: Annotated[
+        str | None,
+        Option(metavar="NAME", help="For gazebo: names of the rotor links (default: rotor_{})."),
     ] = None,
     speed: Annotated[
         str | None,
@@ -99,126 +110,124 @@ def export(
 ) -> None:
     """Export rotor loads to simulators, flight code and autopilots.
 
+    A fit, a propeller or a vehicle needs no table: the command builds a table if the format
+    requires one.
+
     For approximate formats, the output folder also receives a README with the approximation errors.
     """
     from propmap.aircraft.assumptions import assumption_lines, assumptions
-    from propmap.export import export_rotor, export_table, export_vehicle
+    from propmap.export import built_tables, export_rotor, export_table, export_vehicle
+    from propmap.export.autopilot import SPEEDS, export_autopilot
     from propmap.export.files import check_folder
     from propmap.table import LoadTable
+
+    path, names = Path(source), {"joint": joint, "link": link}
+    patterns = {name: pattern for name, pattern in names.items() if pattern is not None}
 
     def refuse(**given: object) -> None:
         for name, value in given.items():
             if value is not None:
                 option = f"--{name.replace('_', '-')}"
-                fault = f"{option} does not apply to --to {to}"
+                fault = f"{option} does not apply to --to {to} of {quoted(source)}"
                 raise InputError(fault, "leave it out")
 
-    find_export(to)
-    if to in AUTOPILOTS:
-        from propmap.export.autopilot import SPEEDS, export_autopilot
+    def write(loads: Rotor | LoadTable) -> list[Path]:
+        if isinstance(loads, Rotor):
+            return export_rotor(loads, to, output, replace=force)
+        return export_table(loads, to, output, replace=force, **patterns)
 
-        refuse(prop=prop)
-        check_folder(output)
-        if source.suffix.lower() != ".toml":
-            fault = f"--to {to} needs a vehicle file"
-            raise InputError(fault, "give VEHICLE.toml, see propmap trim", str(source))
+    find_export(to)
+    if to != "gazebo":
+        refuse(**names)
+    if to not in AUTOPILOTS:
+        refuse(speed=speed, charge=charge)
+    if path.suffix.lower() != ".toml" and to not in (*TARGETS, *ROTOR_TARGETS):
+        fault = f"--to {to} needs a vehicle file"
+        raise InputError(fault, "give VEHICLE.toml, see propmap trim", source)
+    check_folder(output)
+    if _is_vehicle(path, to, table):
+        refuse(prop=prop, table=table if to in ROTOR_TARGETS else None)
         speeds = SPEEDS if speed is None else opt.parse_axis("--speed", "speed", speed, len(SPEEDS))
-        read, full = opt.vehicle_of(source, no_wakes=no_wakes), 1.0 if charge is None else charge
-        craft = opt.aircraft_of(read, airfoil, table, model, correction, charge=full)
-        with out.blamed_on(source):
-            paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=force)
-        out.note(*assumption_lines(assumptions(craft.vehicle, craft.loads)))
+        vehicle, full = opt.vehicle_of(path, no_wakes=no_wakes), 1.0 if charge is None else charge
+        craft = opt.aircraft_of(vehicle, airfoil, table, model, correction, charge=full)
+        with out.blamed_on(path):
+            loads = craft.loads
+            if isinstance(loads, Rotor) and to not in AUTOPILOTS:
+                craft, loads = built_tables.with_mount_in_model(craft, loads)
+                if to not in ROTOR_TARGETS:
+                    loads = _built(loads, built_tables.ranges_of(craft))
+            if to in AUTOPILOTS:
+                paths = export_autopilot(craft, to, output, speeds=speeds, replace=force)
+            elif to in VEHICLE_TARGETS and not isinstance(loads, Rotor):
+                paths = export_vehicle(craft.vehicle, loads, to, output, replace=force, **patterns)
+            else:
+                paths = write(loads)
+        out.note(*assumption_lines(assumptions(craft.vehicle, loads)))
         out.note(*craft.balance.allocation.notes)
-    elif to in ROTOR_TARGETS:
-        refuse(prop=prop, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None)
-        if source.suffix.lower() in TABLES or _is_vehicle(source):
-            find_export(to, "table" if source.suffix.lower() in TABLES else "vehicle")
-        check_folder(output)
-        asked = opt.RotorChoice(str(source), airfoil=airfoil, model=model, correction=correction)
-        paths = export_rotor(asked.rotor(), to, output, replace=force)
-    elif _is_vehicle(source) or _meant_as_vehicle(source, to, table):
-        refuse(prop=prop, model=model, correction=correction or None)
-        refuse(airfoil=airfoil, speed=speed, charge=charge)
-        if to not in VEHICLE_TARGETS:
-            fault = f"this is a vehicle file, but --to {to} needs a table"
-            remedy = f"give the table, or --to {', '.join(VEHICLE_TARGETS)}, px4 or ardupilot"
-            raise InputError(fault, remedy, str(source))
-        vehicle = opt.vehicle_of(source, no_wakes=no_wakes)
-        if table is None:
-            fault = "this is a vehicle file, but the loads of its rotors are missing"
-            remedy = "build a table with propmap table and give it as --table FILE.npz"
-            raise InputError(fault, remedy, str(source))
-        check_folder(output)
-        loads = LoadTable.load(table)
-        with out.blamed_on(source):
-            paths = export_vehicle(vehicle, loads, to, output, replace=force)
-        out.note(*assumption_lines(assumptions(vehicle, loads)))
-    else:
+    elif path.suffix.lower() in TABLES:
         find_export(to, "table")
-        refuse(airfoil=airfoil, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None)
-        check_folder(output)
-        found = _table_of(source, prop, model, correction)
-        with out.blamed_on(source):
-            paths = export_table(found, to, output, replace=force)
+        refuse(prop=prop, model=model, correction=correction or None, airfoil=airfoil)
+        refuse(table=table, no_wakes=no_wakes or None)
+        found = LoadTable.load(path)
+        with out.blamed_on(path):
+            paths = write(found)
+    else:
+        refuse(table=table, no_wakes=no_wakes or None)
+        if prop is None and path.suffix.lower() != ".toml":
+            rotor = opt.RotorChoice(source, airfoil, model=model, correction=correction).rotor()
+        else:
+            refuse(airfoil=airfoil)
+            rotor = _rotor_of_law(path, prop, model, correction)
+        ranges = built_tables.usual_ranges(rotor.model.propeller)
+        paths = write(rotor if to in ROTOR_TARGETS else _built(rotor, ranges))
     for path in paths:
         echo(f"wrote {path}")
 
 
-def _is_vehicle(path: Path) -> bool:
-    """Return whether the file is a vehicle file: TOML with a table ``[[rotors]]``."""
+def _is_vehicle(path: Path, to: str, table: Path | None) -> bool:
+    """Return whether a TOML file is a vehicle file; if its keys do not decide, by its use."""
     if path.suffix.lower() != ".toml":
         return False
+    if table is not None or to not in (*TARGETS, *ROTOR_TARGETS):
+        return True
     try:
-        return "rotors" in tomllib.loads(path.read_text(encoding="utf-8"))
+        return not {"rotors", "mass"}.isdisjoint(tomllib.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, RecursionError):
         return False
 
 
-def _meant_as_vehicle(source: Path, to: str, table: Path | None) -> bool:
-    """Return whether a file that cannot be read must be a vehicle file, because ``to`` and
-    ``table`` allow no other source."""
-    if source.suffix.lower() in TABLES or to not in VEHICLE_TARGETS:
-        return False
-    return table is not None or to not in TARGETS
+def _rotor_of_law(
+    path: Path, prop: str | None, model: opt.ModelName | None, correction: list[str] | None
+) -> Rotor:
+    """Return the rotor of a fit, or of a section law with its propeller ``prop``."""
+    law = opt.with_physics(section_law(path), model, correction)
+    if prop is None:
+        return Rotor(read_fit(path).model.with_airfoil(law))
+    blade = propeller(prop)
+    opt.note_reading(prop, blade)
+    return Rotor(Model(blade, law))
 
 
-def _table_of(
-    source: Path, prop: str | None, physics: opt.ModelName | None, corrections: list[str] | None
-) -> LoadTable:
-    """Load a table, or build one from a section law for the range of most multirotors."""
-    from propmap.table import LoadTable, build_table
+def _built(rotor: Rotor, ranges: Ranges) -> LoadTable:
+    """Build the table of a ``rotor``, with notes on its range and errors."""
+    from propmap.export import built_tables
 
-    if source.suffix.lower() in TABLES or (prop is None and source.suffix != ".toml"):
-        given = {"--prop": prop, "--model": physics, "--correction": corrections}
-        for option, value in given.items():
-            if value:
-                found = f"{option} is given, but the table already contains it"
-                raise InputError(found, "leave it out")
-        return LoadTable.load(source)
-
-    law = opt.with_physics(section_law(source), physics, corrections)
-    fit = read_fit(source) if prop is None or is_fit(source) else None
-    model = (
-        fit.model.with_airfoil(law) if fit and prop is None else Model(propeller(prop or ""), law)
-    )
-    blade = model.propeller
-    if prop is not None:
-        opt.note_reading(prop, blade)
-    omega = (TIP_SPEED[0] / blade.radius, TIP_SPEED[1] / blade.radius)
-    rpm = [w / RPM for w in omega]
+    model, (omega, speed) = rotor.model, ranges
+    least, most = (w / RPM for w in omega)
     echo(
-        f"building a table of {blade.name}, {model.law_title}, "
-        f"at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, {SPEED[0]:g} to {SPEED[1]:g} m/s, "
-        "beta 0 to 180 deg (takes minutes); for another range, use propmap table",
+        f"building a table of {model.propeller.name}, {model.law_title}, at {least:.0f} to "
+        f"{most:.0f} rpm, {speed[0]:g} to {speed[1]:.3g} m/s, beta 0 to 180 deg; for another range "
+        "or error, use propmap table",
         err=True,
     )
-    opt.note_reynolds(model, np.array(omega), np.array(SPEED), np.array(BETA))
+    opt.note_reynolds(model, np.array(omega), np.array(speed), np.array(built_tables.BETA))
+    start = time.perf_counter()
     with out.progress_bar("") as update:
-        return build_table(
-            Rotor(model),
-            omega=omega,
-            speed=SPEED,
-            beta=BETA,
-            tolerance=TOLERANCE,
-            progress=lambda stage, done: update(done, what=stage),
-        )
+        found = built_tables.built_table(rotor, ranges, lambda stage, n: update(n, what=stage))
+    took, sure = time.perf_counter() - start, found.certificate
+    worst, steep = max(sure["max_error"].values()), sure["unresolved_volume"]
+    words = f"built it in {took:.0f} s: errors at most {worst:.1%} of the static loads at "
+    words += f"{sure['points']} points"
+    words += f", except in {steep:.1%} of the range, where the loads are too steep" * (steep > 0.0)
+    echo(words, err=True)
+    return found

@@ -37,7 +37,7 @@ class Export(NamedTuple):
 SOURCES = {
     "table": "a table",  # function(table) returns ``propmap.export.files.Files``
     "rotor": "a propeller",  # function(rotor) returns ``Files``
-    "vehicle": "a vehicle and a table",  # function(vehicle, table) returns ``Files``
+    "vehicle": "a vehicle",  # function(vehicle, table) returns ``Files``
     # function(aircraft, flights) returns ``AutopilotParameters``
     "autopilot": "a vehicle with 3 or more rotors",
     "pusher": "a pusher or tailsitter",  # function(aircraft) returns ``AutopilotParameters``
@@ -50,7 +50,10 @@ EXPORTS = (
            "everything: loads, gradient, inverse, status, wrench, inflow lag"),
     Export("multinomial", "table", "simple_models.multinomial_files", "polynomials in Python and C",
            _BILINEAR, "stall, fast descent, Reynolds number"),
-    Export("gazebo", "table", "simple_models.gazebo_files", "SDF of Gazebo's motor model",
+    Export("gazebo", "table", "gazebo.table_files", "motor models of two rotors in SDF",
+           "static thrust and torque, linear drag and rolling moment",
+           "change of thrust and torque with airspeed, side force, pitching moment"),
+    Export("gazebo", "vehicle", "gazebo.vehicle_files", "motor models of all rotors in SDF",
            "static thrust and torque, linear drag and rolling moment",
            "change of thrust and torque with airspeed, side force, pitching moment"),
     Export("rotorpy", "table", "simple_models.rotorpy_files", "rotor parameters of RotorPy",
@@ -120,7 +123,12 @@ def find_export(target: str, source: str | None = None) -> Export:
 
 
 def export_table(
-    table: LoadTable, target: str, folder: str | os.PathLike[str], *, replace: bool = False
+    table: LoadTable,
+    target: str,
+    folder: str | os.PathLike[str],
+    *,
+    replace: bool = False,
+    **names: str,
 ) -> list[Path]:
     """Write a table in the format of a target, all files or none.
 
@@ -134,6 +142,9 @@ def export_table(
         Output folder, created if it does not exist.
     replace : bool
         Whether to replace existing files.
+    **names : str
+        For ``gazebo``: names ``joint`` and ``link`` of the joints and links of the rotors, with {}
+        for the number of the rotor, from 0 (default: "rotor_{}_joint" and "rotor_{}").
 
     Returns
     -------
@@ -146,7 +157,7 @@ def export_table(
         For an unknown target, a folder that is not writable, existing files without ``replace``,
         and a table without the operating points that the target needs.
     """
-    return _write(find_export(target, "table"), folder, replace, table)
+    return _write(find_export(target, "table"), folder, replace, table, **names)
 
 
 def export_rotor(
@@ -183,6 +194,7 @@ def export_vehicle(
     folder: str | os.PathLike[str],
     *,
     replace: bool = False,
+    **names: str,
 ) -> list[Path]:
     """Write the aerodynamic force and moment on a vehicle in the format of a target.
 
@@ -194,7 +206,7 @@ def export_vehicle(
         Loads of the rotors.
     target : str
         One of ``VEHICLE_TARGETS``.
-    folder, replace
+    folder, replace, **names
         As for ``export_table``.
 
     Returns
@@ -208,15 +220,15 @@ def export_vehicle(
         For an unknown target, a table of another propeller or air, a folder that is not writable,
         and existing files.
     """
-    return _write(find_export(target, "vehicle"), folder, replace, vehicle, table)
+    return _write(find_export(target, "vehicle"), folder, replace, vehicle, table, **names)
 
 
 def _write(
-    export: Export, folder: str | os.PathLike[str], replace: bool, *source: object
+    export: Export, folder: str | os.PathLike[str], replace: bool, *source: object, **names: str
 ) -> list[Path]:
     """Check that the folder is writable, then write the files of ``export`` for its ``source``."""
     from propmap.export.files import check_folder, write_files
 
     place = Path(folder)
     check_folder(place)
-    return write_files(export.make()(*source), place, replace=replace)
+    return write_files(export.make()(*source, **names), place, replace=replace)

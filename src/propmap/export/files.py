@@ -176,7 +176,7 @@ def note(
         words = " ".join(part.split())
         parts.append(textwrap.fill(words, 88, break_on_hyphens=False, break_long_words=False))
     for errors in found:
-        rows = [f"over {errors.where} ({errors.points} points)"]
+        rows = [f"over {errors.where}"]
         rows.append(f"  {'':12s}{'rms':>10s}{'worst':>10s}")
         for name, rms, worst in zip(LOADS, errors.rms.tolist(), errors.worst.tolist(), strict=True):
             rows.append(f"  {name:12s}{rms:>10.2%}{worst:>10.2%}")
@@ -227,8 +227,7 @@ class Samples:
 class ErrorSizes:
     """Errors of a model relative to static loads, in the order of ``LOADS``."""
 
-    where: str  # range of the points, in words
-    points: int
+    where: str  # range and number of the points, in words
     rms: Floats  # (L,)
     worst: Floats  # (L,)
 
@@ -284,17 +283,25 @@ def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[ErrorSizes, E
 
     Loads that the model does not have are zero.
     """
-    shares = [
-        (model.get(name, 0.0) - load) / samples.static[name] for name, load in samples.loads.items()
-    ]
-    share = np.stack(shares, axis=-1)
+    share = shares(samples.loads, model, samples.static)
+    near = share[samples.simple]
+    return (
+        error_sizes(f"{SIMPLE} ({len(near)} points)", near),
+        error_sizes(f"the table's whole envelope ({len(share)} points)", share),
+    )
 
-    def sizes(where: str, share: Floats) -> ErrorSizes:
-        return ErrorSizes(
-            where, len(share), np.sqrt((share**2).mean(axis=0)), abs(share).max(axis=0)
-        )
 
-    return sizes(SIMPLE, share[samples.simple]), sizes("the table's whole envelope", share)
+def shares(
+    loads: Mapping[str, Floats], model: Mapping[str, Floats], static: Mapping[str, Floats]
+) -> Floats:
+    """Return the errors (n, L) of a model's loads (n,), relative to the static loads."""
+    each = [(model.get(name, 0.0) - load) / static[name] for name, load in loads.items()]
+    return np.stack(each, axis=-1)
+
+
+def error_sizes(where: str, share: Floats) -> ErrorSizes:
+    """Return the sizes of the relative errors ``share`` (n, L) of n points."""
+    return ErrorSizes(where, np.sqrt((share**2).mean(axis=0)), abs(share).max(axis=0))
 
 
 def evenly(table: LoadTable, count: int = 32_768) -> tuple[Floats, Floats, Floats]:

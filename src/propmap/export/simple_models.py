@@ -1,4 +1,4 @@
-"""Targets ``gazebo``, ``rotorpy``, ``mujoco``, ``jsbsim``, ``multinomial``, and table files.
+"""Targets ``rotorpy``, ``mujoco``, ``jsbsim``, ``multinomial``, and table files.
 
 The note of each target lists its equations.
 """
@@ -26,47 +26,6 @@ from propmap.vehicle.powertrain import Powertrain
 from propmap.vehicle.throttle import LAG, USUAL
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import Rotors
-
-# -------------------------------------------------------------------------------------------------
-# Target ``gazebo``: parameters of the multicopter motor model in Gazebo and PX4.
-
-
-class MotorModel(NamedTuple):
-    """Parameters of the plugin, and its equations."""
-
-    motor_constant: float  # [N s^2]
-    moment_constant: float  # [m]
-    rotor_drag_coefficient: float  # [N s^2/m]
-    rolling_moment_coefficient: float  # [N s^2]
-
-    def loads(self, omega: Floats, inplane: Floats) -> dict[str, Floats]:
-        """Return loads (n,) [N], [N m] at n rotor speeds [rad/s] and velocities [m/s]."""
-        thrust, across = self.motor_constant * omega**2, omega * inplane
-        return {
-            "thrust": thrust,
-            "drag": self.rotor_drag_coefficient * across,
-            "torque": self.moment_constant * thrust,
-            "roll_moment": self.rolling_moment_coefficient * across,
-        }
-
-
-def fit_motor_model(table: LoadTable, samples: files.Samples) -> MotorModel:
-    """Copy static thrust and torque from the table; fit drag and roll moment by least squares."""
-    omega = files.middle_omega(table)
-    static = files.static_loads(table, np.array([omega]))
-    thrust, torque = float(static["thrust"][0]), float(static["torque"][0])
-    drag, roll = files.slope(samples, "drag"), files.slope(samples, "roll_moment")
-    return MotorModel(thrust / omega**2, torque / thrust, drag, roll)
-
-
-def gazebo_files(table: LoadTable) -> files.Files:
-    """Return the SDF elements and the note."""
-    samples = files.sample(table)
-    fitted = fit_motor_model(table, samples)
-    found = files.errors(samples, fitted.loads(samples.omega, samples.inplane))
-    name, text = files.identifier(table), files.rendered("motor.sdf", table, fitted=fitted)
-    return {f"{name}_motor.sdf": text, "README-gazebo.txt": files.note("gazebo", table, found)}
-
 
 # -------------------------------------------------------------------------------------------------
 # Targets ``rotorpy``, rotor parameters or a whole vehicle for RotorPy, and ``mujoco``.
@@ -98,9 +57,10 @@ class RotorPyRotor(NamedTuple):
         }
 
 
-def fit_rotor(table: LoadTable, samples: files.Samples) -> RotorPyRotor:
-    """Copy static thrust and torque from the table; fit the other loads by least squares."""
-    middle = files.middle_omega(table)
+def fit_rotor(table: LoadTable, samples: files.Samples, hover: float | None = None) -> RotorPyRotor:
+    """Copy thrust and torque at rest, at ``hover`` or the middle rotor speed [rad/s], from the
+    table; fit the other loads by least squares."""
+    middle = files.middle_omega(table) if hover is None else hover
     static = files.static_loads(table, np.array([middle]))
     k_eta, k_m = (float(static[load][0]) / middle**2 for load in ("thrust", "torque"))
     chosen = samples.simple
