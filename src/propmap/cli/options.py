@@ -103,7 +103,7 @@ AirfoilOption = Annotated[
         "--airfoil",
         metavar="NAME|FILE",
         help="Section law: a name that `propmap airfoils` lists, a fit or parameter set (.toml), "
-        "or a section table (AeroDyn, XFOIL file or folder, CACTUS, CSV). Default: the constants "
+        "or a section table (AeroDyn, XFOIL file or folder, QBlade, CACTUS, CSV). Default: the constants "
         "identified for the propeller; if there are none, the constants predicted from its family "
         "or from all propellers.",
     ),

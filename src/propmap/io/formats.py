@@ -32,13 +32,18 @@ BEM = Format("an OpenVSP .bem file", r"\.*\s*BEM Propeller", BLADE)
 TOML = Format("a TOML file of propmap", r"\s*schema\s*=", "name it .toml")
 AERODYN_15 = Format("AeroDyn v15", r"[^!]*\S\s+NumTabs\b", POLAR)
 AERODYN = Format("AeroDyn", r".*number of airfoil tables in this file", POLAR)
+QBLADE = Format(
+    "QBlade",
+    r".*\bPOLARNAME\b|.*QBlade.*Polar.* File|[\d.e+ ]+\s+REYNOLDS\s*(-|$)|\s*REYNOLDS\s+\d",
+    POLAR,
+)
 XFOIL = Format("XFOIL", r"\s*(alpha|aoa)\s+CL\s+CD\b", POLAR)
 CACTUS = Format("CACTUS", r"reynolds number:", POLAR)
 UIUC_LOADS = Format("UIUC loads", r"\s*(J|RPM)[\s,]+CT[\s,]+CP\b", LOADS)
 PERFILES = Format("a PERFILE of APC, with computed loads", r"\s*PROP\s+RPM\s*=", LOADS)
 
 FORMATS = (
-    *(PE0, UIUC_GEOMETRY, QPROP, XROTOR, BEM, AERODYN_15, AERODYN, XFOIL, CACTUS),
+    *(PE0, UIUC_GEOMETRY, QPROP, XROTOR, BEM, AERODYN_15, AERODYN, QBLADE, XFOIL, CACTUS),
     *(UIUC_LOADS, PERFILES, TOML),
     Format("an AeroDyn blade file", r"\s*BlSpn\s+BlCrvAC", f"it has no tip radius; {AS_CSV}"),
     Format("a DFDC case", r"\s*DFDC\s+VERSION", f"ducts are not modeled; {AS_CSV}"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -20,11 +21,12 @@ from propmap.model.airfoil import SectionTable
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
-# Formats of section tables: AeroDyn, XFOIL, CACTUS, CCBlade and CSV.
+# Formats of section tables: AeroDyn, XFOIL, QBlade, CACTUS, CCBlade and CSV.
 
 Lines = list[tuple[int, str]]  # lines that are not empty, with their numbers from 1
 Row = tuple[int, float, float, float]  # line number, angle of attack [deg], C_L, C_D
 
+ONE_EACH = "give a folder with one polar per file, or CSV with the columns alpha_deg,re,cl,cd"
 CSV_COLUMNS = ("alpha_deg", "re", "cl", "cd")
 CSV = Format("CSV", "", formats.POLAR)
 CCBLADE = Format("CCBlade", "", formats.POLAR)
@@ -34,7 +36,9 @@ def section_format(lines: Lines) -> Format | None:
     """Return the format of the lines of a file, a key of ``READERS``, or None."""
     texts = [line for _, line in lines]
     found = format_of(texts)
-    if found in (None, formats.XFOIL) and (_csv_header(lines) is not None or found is None):
+    if found in (None, formats.QBLADE, formats.XFOIL) and (
+        _csv_header(lines) is not None or found is None
+    ):
         found = CSV if _csv_header(lines) is not None else CCBLADE if _is_ccblade(texts) else None
     return found if found in READERS else None
 
@@ -59,10 +63,14 @@ def _aerodyn(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
                 found = f"found {quoted(line[1].strip())} between rows"
                 raise InputError(found, "end a table with EOT", f"line {line[0]}")
         yield reynolds, rows
+    if beyond := next((line for line in rest if _is_row(line[1])), None):
+        found = f"found a row below the stated number of tables, {count}"
+        raise InputError(found, "correct this number", f"line {beyond[0]}")
 
 
 def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read v15: lines of a value and a keyword; NumAlf is the number of rows that follow."""
+    stated, tables = 1, 0
     plain = [(n, line.partition("!")[0]) for n, line in lines]
     rest = iter([(n, line) for n, line in plain if line.strip()])
     reynolds = None
@@ -71,6 +79,8 @@ def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
         keyword = words[1] if len(words) > 1 else ""
         if keyword == "Re":
             reynolds = 1e6 * parse_number(line[1].split()[0], "Re", f"line {line[0]}")
+        elif keyword == "NumTabs":
+            stated = _whole(line)
         elif keyword == "NumAlf":
             if reynolds is None:
                 raise InputError("no Re before NumAlf", "give Re in millions", f"line {line[0]}")
@@ -80,15 +90,53 @@ def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
                 found = f"found {len(rows)} rows, NumAlf is {count}"
                 raise InputError(found, "give the whole file")
             yield reynolds, rows
-            reynolds = None
+            reynolds, tables = None, tables + 1
+    if tables != stated:
+        found = f"found {tables} tables, NumTabs is {stated}"
+        raise InputError(found, "give the whole file")
 
 
 def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read one polar with rows in any order."""
     sign = re.compile(formats.XFOIL.sign, re.IGNORECASE)
-    head = next(k for k, (_, line) in enumerate(lines) if sign.match(line))
+    head, *more = (k for k, (_, line) in enumerate(lines) if sign.match(line))
+    if more or len(re.findall(r"\bCL\b", lines[head][1], re.IGNORECASE)) > 1:
+        place = f"line {lines[more[0] if more else head][0]}"
+        raise InputError("found a second polar", ONE_EACH, place)
     rows = [line for line in lines[head + 1 :] if set(line[1].strip()) - set("- ")]
     yield _reynolds(lines[:head]), [_row(line) for line in rows]
+
+
+def _qblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
+    """Read polars at common angles: behind the angle, a row has C_L, C_D, C_m for each Reynolds
+    number, and three more coefficients if the polar is decomposed."""
+    numbers: list[float] = []
+    each = 3
+    rest = iter(lines)
+    for n, line in rest:
+        words = line.partition(" - ")[0].split()
+        if "REYNOLDS" in words:
+            words.remove("REYNOLDS")
+            numbers = [parse_number(word, "Re", f"line {n}") for word in words]
+        elif words[-1:] == ["ISDECOMPOSED"]:
+            each = 6 if words[0] == "1" else 3
+        elif _is_row(line):
+            rest = itertools.chain([(n, line)], rest)
+            break
+    if not numbers:
+        raise InputError(
+            "no line REYNOLDS above the rows", "give the Reynolds numbers of the polars"
+        )
+    tables: list[list[Row]] = [[] for _ in numbers]
+    for n, line in rest:
+        words = line.split()
+        if len(words) != 1 + each * len(numbers):
+            found = f"found {len(words)} numbers, expected the angle and {each} coefficients "
+            found += f"for each of {len(numbers)} Reynolds numbers"
+            raise InputError(found, ONE_EACH, f"line {n}")
+        for k, rows in enumerate(tables):
+            rows.append(_row((n, " ".join([words[0], *words[1 + each * k :]]))))
+    yield from zip(numbers, tables, strict=True)
 
 
 def _reynolds(lines: Lines) -> float:
@@ -161,6 +209,7 @@ def _ccblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 READERS: dict[Format, Callable[[Lines], Iterator[tuple[float, list[Row]]]]] = {
     formats.AERODYN: _aerodyn,
     formats.AERODYN_15: _aerodyn_15,
+    formats.QBLADE: _qblade,
     formats.XFOIL: _xfoil,
     formats.CACTUS: _cactus,
     CCBLADE: _ccblade,
@@ -202,16 +251,17 @@ def _whole(line: tuple[int, str]) -> int:
 # Section tables from files, and the combination of polars to one table.
 
 FORMATS = (
-    "give an AeroDyn airfoil file, a polar of XFOIL or a folder of them, a CACTUS table, "
-    "a polar of CCBlade or airfoiltools, or CSV with the columns alpha_deg,cl,cd and re"
+    "give an AeroDyn airfoil file, a polar of XFOIL or a folder of them, a QBlade .plr file, "
+    "a CACTUS table, a polar of CCBlade or airfoiltools, or CSV with the columns alpha_deg,cl,cd "
+    "and re"
 )
-ONE_POLAR = (formats.XFOIL, CCBLADE)  # formats with one file per Reynolds number in a folder
+ONE_POLAR = (formats.XFOIL, formats.QBLADE, CCBLADE)  # formats of the files of a folder
 ASSUMED_REYNOLDS = 1e6  # for a single table without Reynolds number; loads do not depend on it
 SAME_LIFT = 0.01  # C_L difference up to which a repeated angle, as XFOIL writes it, is one row
 
 
 def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
-    """Read a section table from a file, or a folder with one XFOIL polar per Reynolds number.
+    """Read a section table from a file, or a folder with one polar per Reynolds number.
 
     The format is recognized by content.  Polars that end a little past stall are extrapolated to
     +-180 degrees by Viterna's method; ``source`` of the table records this.
@@ -219,9 +269,10 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
     Parameters
     ----------
     path : str or path
-        AeroDyn airfoil file (v13 to v15, all its tables), XFOIL polar or folder, CACTUS table (for
-        example those of Sheldahl and Klimas), a polar of CCBlade (angles in radians) or
-        airfoiltools, or CSV with the columns alpha_deg, cl, cd and possibly re.
+        AeroDyn airfoil file (v13 to v15, all its tables), XFOIL polar or folder, QBlade .plr file
+        (all its polars), CACTUS table (for example those of Sheldahl and Klimas), a polar of
+        CCBlade (angles in radians) or airfoiltools, or CSV with the columns alpha_deg, cl, cd and
+        possibly re.
 
     Raises
     ------
@@ -235,7 +286,7 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
         lines = lines_of(file)
         kind = section_format(lines)
         if kind is None or (place.is_dir() and kind not in ONE_POLAR):
-            wanted = "give a folder with only XFOIL polars" if place.is_dir() else FORMATS
+            wanted = "give a folder with only polars" if place.is_dir() else FORMATS
             texts = [line for _, line in lines]
             raise not_read(texts, "section table that propmap reads", wanted, str(file))
         kinds.add(kind.name)
