@@ -61,6 +61,13 @@ STANDS: dict[str, tuple[str | bytes, str]] = {
     "power in %": (stand_csv("rpm,T [N],Q_Nm,Power (%)", (0, 1, 2, 0)), "not used: 'Power (%)'"),
     "rows that stand still": (STILL, "2 of 10 rows have no rpm and are omitted"),
     "units beneath": (stand_csv("Drehzahl,Thrust,Q_avg\n1/min,N,N m"), "'Q_avg [N m]' is torque"),
+    "a qualifier and a level speed": (
+        stand_csv(
+            "Speed (level) (km/h),Revolutions (rpm),Thrust - Motor 1 (N),Torque - 1 - N m",
+            (2, 0, 1, 2),
+        ),
+        "not used: 'Speed (level) (km/h)'",
+    ),
     "a title above": ("T-Motor F80,,\n" + stand_csv("RPM,Thrust (N),Torque (Nm)"), "'RPM' is"),
 }
 
@@ -105,6 +112,26 @@ def test_speeds_that_a_stand_did_not_measure() -> None:
     head = "Thrust (gf),Motor Electrical Speed (RPM),Motor Optical Speed (RPM)"
     with pytest.raises(InputError, match="all rows are empty or 0; measure the rotational speed"):
         read(f"{head}\n6.4,0,0\n7.8,0,\n")
+
+
+@pytest.mark.parametrize(
+    ("header", "says"),
+    [
+        ("rmp,Thrust (N),Zeit", "rpm is missing; the columns are 'rmp' (like rpm), 'Thrust (N)'"),
+        ("rpm,Thrust - 1 (N),Thrust - 2 (N)", "'Thrust - 1 (N)' and 'Thrust - 2 (N)' both"),
+        ("RPM (electrical),Thrust (N),El. Power (W)", "'RPM (electrical)' is electrical"),
+        ("rpm,Thrust (std) (N),Torque", "column 'Torque' has no known unit"),
+    ],
+)
+def test_a_refusal_lists_the_columns(header: str, says: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read(stand_csv(header))
+    assert says in str(caught.value)
+    Path("blade.csv").write_text("# blades: 2\nr (mm),Chord (mm),slope\n10,5,2\n20,4,1\n")
+    with pytest.raises(
+        InputError, match=r"the twist; the columns are 'r \(mm\)' \(the station\), 'Ch"
+    ):
+        read_geometry_file(Path("blade.csv"))
 
 
 def test_points_at_rest_need_rpm_alone(run: Run) -> None:

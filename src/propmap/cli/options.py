@@ -103,9 +103,9 @@ AirfoilOption = Annotated[
         "--airfoil",
         metavar="NAME|FILE",
         help="Section law: a name that `propmap airfoils` lists, a fit or parameter set (.toml), "
-        "or a section table (AeroDyn, XFOIL file or folder, QBlade, CACTUS, CSV). Default: the constants "
-        "identified for the propeller; if there are none, the constants predicted from its family "
-        "or from all propellers.",
+        "or a section table (AeroDyn, XFOIL file or folder, QBlade, CACTUS, CSV). Default: "
+        "constants identified for the propeller, or else constants predicted from its family or "
+        "from all propellers.",
     ),
 ]
 FitAirfoilOption = Annotated[

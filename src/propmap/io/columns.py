@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 import tomllib
 import unicodedata
@@ -78,6 +79,12 @@ NOT_TAKEN = {
 }
 """Patterns of columns that resemble a known quantity but are another one, and the reason."""
 
+SIDE = re.compile(
+    r"\b(el|elec|electric|electrical|input|battery|esc|level|vertical|pitch"
+    r"|min|max|std|sd|error|uncertainty|target|setpoint|command)\b"
+)
+"""Qualifiers behind a name, as in "Speed (level) (km/h)", with which it is another quantity."""
+
 AROUND = "([ab]|powertrain|rotor|propeller|prop|mean|average|avg|measured|filtered|raw) ?[1-9]?"
 
 
@@ -104,17 +111,21 @@ def _words(text: str) -> str:
     return re.sub(r"([a-z])([1-9])\b", r"\1 \2", re.sub(r"[^a-z0-9]+", " ", text).strip())
 
 
-def _parted(name: str) -> Iterator[tuple[str, str, str]]:
-    """Yield all splits of a column name into words, unit, and unit as spelled in the file."""
+def _parted(name: str) -> Iterator[tuple[str, str, str, int]]:
+    """Yield all splits of a column name into words, unit, unit as spelled in the file, and 1 if a
+    qualifier was cut off the words, as in "Thrust - Motor 1 (N)"; else 0."""
     text = unicodedata.normalize("NFKC", name[:LONGEST]).strip()
     low = text.lower()
-    found = re.fullmatch(r"(.*?)[\s,_]*[\[({<](.*)[\])}>]", low)
+    found = re.fullmatch(r"(.*[\])}>]|.*?)[\s,_]*[\[({<](.*)[\])}>]", low)
     cuts = [] if found else [m.span() for m in re.finditer(r"[\s_,/]+", low)]
     parts = [(found.end(1), *found.span(2))] if found else [(a, b, len(low)) for a, b in cuts]
-    yield _words(low), "", ""
-    for end, start, stop in parts:
-        plain = re.sub("[^a-z0-9%]", "", low[start:stop].replace("°", "deg"))
-        yield _words(low[:end]), plain, text[start:stop].strip(" -")
+    yield _words(low), "", "", 0
+    for qualified in (0, 1):
+        for end, start, stop in [*parts, *[(len(low), 0, 0)] * (qualified and not found)]:
+            words = re.split(r"\s-\s|[\[({<:]", low[:end])[0] if qualified else low[:end]
+            if not qualified or not SIDE.search(low, len(words), end):
+                plain = re.sub("[^a-z0-9%]", "", low[start:stop].replace("°", "deg"))
+                yield _words(words), plain, text[start:stop].strip(" -"), qualified
 
 
 class Header:
@@ -145,7 +156,7 @@ class Header:
             if name == column:
                 self.taken.setdefault(column, []).append(Taken(-1, place, name, "", 1.0))
                 return True
-            for words, unit, written in _parted(name):
+            for words, unit, written, qualified in _parted(name):
                 for rank, names in enumerate(quantity.names):
                     core = f"({AROUND} )?(?P<core>{names})( ({AROUND}|[1-9]))?"
                     found = re.fullmatch(core, words)
@@ -157,7 +168,7 @@ class Header:
                         else re.fullmatch(quantity.bare, found["core"])
                     ):
                         # Names such as thrust_g follow propmap's convention, with another unit.
-                        place_in_order = -1 if name == f"{own}_{written}" else rank
+                        place_in_order = -1 if name == f"{own}_{written}" else rank + 10 * qualified
                         factor = quantity.units.get(unit, 1.0)
                         taken = Taken(place_in_order, place, name, written, factor)
                         self.taken.setdefault(column, []).append(taken)
@@ -186,6 +197,20 @@ class Header:
             if "pole pairs" in (why := self.not_taken(name)):
                 raise InputError(f"column {quoted(name)} is {why}", "and name it rpm")
         return found[0] if found else None
+
+    def listed(self) -> str:
+        """Return the names of the columns, each with the nearest known quantity, for messages."""
+        every = Header(self.names, QUANTITIES)
+        means = {name: QUANTITIES[column].words for column, name in every.unclear.items()}
+        means = {name: f"{words} without a known unit" for name, words in means.items()}
+        for column, several in every.taken.items():
+            means |= {self.names[one.place]: QUANTITIES[column].words for one in several}
+        shown = []
+        for name in self.names:
+            near = difflib.get_close_matches(name, QUANTITIES, n=1)
+            mean = self.not_taken(name) or means.get(name) or "".join(f"like {c}" for c in near)
+            shown.append(f"{quoted(name)} ({mean})" if mean else quoted(name))
+        return f"the columns are {', '.join(shown) or 'not named'}"
 
     @staticmethod
     def not_taken(name: str) -> str:

@@ -70,4 +70,6 @@ def not_read(lines: Sequence[str], what: str, wanted: str, where: str) -> InputE
     if found is not None:
         return InputError(f"this is {found.name}, not a {what}", found.use, where)
     first = next((line for line in lines if line.strip()), "")
-    return InputError(f"begins with {quoted(first.strip())}, which is not a {what}", wanted, where)
+    return InputError(
+        f"begins with {quoted(first.strip(), 120)}, which is not a {what}", wanted, where
+    )

@@ -250,7 +250,8 @@ def _choose_columns(header: Header) -> dict[str, Taken]:
     for columns, one in found.items():
         if one is None:
             missing = f"no column contains {QUANTITIES[columns[0]].words}"
-            raise InputError(missing, f"add {' or '.join(columns)}")
+            remedy = f"add {' or '.join(columns)}"
+            raise InputError(f"{missing}; {header.listed()}", remedy)
         chosen[next(name for name in columns if one in header.taken.get(name, ()))] = one
     return chosen
 
