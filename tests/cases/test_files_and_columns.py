@@ -157,6 +157,20 @@ def test_a_fit_that_leaves_most_is_refused_with_the_cause(run: Run) -> None:
     refused(run(*asked), "% of the torque", "its sign looks reversed", "--accept")
     assert not Path("fit.toml").exists()
     assert run(*asked, "--accept").code == 0
+    remark = next(one for one in fit_record(Path("fit.toml"))["remarks"] if "accepted" in one)
+    assert "although the rms error is" in remark
+
+
+@pytest.mark.parametrize(
+    ("times", "says"), [(2.2, ""), (3.0, "c_l1, c_d0"), (4.0, "c_l1, c_d0, zero_lift_angle")]
+)
+def test_constants_at_their_bounds_are_refused(run: Run, times: float, says: str) -> None:
+    free = ["--free", "c_l1,c_d0,zero_lift_angle", "--prior-from", "none"]
+    Path("more.csv").write_text(stand_csv("rpm,thrust_N", (0, 1), (1.0, times)))
+    done = run("fit", "static", "more.csv", *PROP, *free, "-o", "fit.toml")
+    assert Path("fit.toml").exists() is not bool(says)
+    if says:
+        refused(done, f"{says} are at their bounds, so no file", "--accept")
 
 
 XROTOR, BEM = "an XROTOR file: its section law is not read", "diameter is assumed to be in meters"

@@ -136,7 +136,7 @@ def _table(
             band,
             str(e.rows),
             f"{e.rms:.4g}",
-            f"{100.0 * e.relative_rms:.1f} %",
+            out.percent(e.relative_rms, 1),
             f"{e.bias:+.3g}",
             f"{e.worst:+.3g}",
             f"{e.hover_rms:.4g}",

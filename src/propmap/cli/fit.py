@@ -73,8 +73,8 @@ Accept = Annotated[
     bool,
     Option(
         "--accept",
-        help="Write the fit even if the rms error of thrust or torque exceeds half of the rms of "
-        "its measured values.",
+        help="Write the fit even if the rms error of thrust, vertical force or torque exceeds a "
+        "third of the measured rms, or two section constants are at their bounds.",
     ),
 ]
 
@@ -273,7 +273,7 @@ def _printed(
     residuals = []
     for k, (name, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
         e = errors(*fitted.compared(k))
-        relative, crossed = f"{100.0 * e.relative_rms:.2f} %", out.digits(fitted.cross_validated[k])
+        relative, crossed = out.percent(e.relative_rms, 2), out.digits(fitted.cross_validated[k])
         size = (str(e.rows), f"{e.rms:.4g}", relative, f"{e.bias:+.3g}", f"{e.worst:+.3g}")
         residuals.append((name, *size, crossed, unit))
     heads = "<load|rows|rms|relative|bias|worst|cross-validated|<unit"
@@ -295,20 +295,16 @@ def _printed(
     yield from (f"note: {remark}" for remark in remarks)
 
 
-MOST_LEFT = 0.5  # rms error over measured rms above which a fit is refused
-
-
-def _refuse_poor(fitted: Fitted, warnings: Sequence[str], *, accept: bool) -> None:
-    """Raise ``InputError`` for a fit that does not explain thrust or torque, unless ``accept`` is
-    set; the message lists doubts about the data."""
-    for k, name in enumerate(fitted.rows.names):
-        left = errors(*fitted.compared(k)).relative_rms
-        if name in ("thrust", "torque") and left > MOST_LEFT and not accept:
-            found = f"the rms error is {left:.0%} of the {name} (rms), so no file was written"
-            odd = [text for text in warnings if ": columns: " not in text]
-            doubts = "; ".join(odd) or "units and signs of the data look plausible"
-            remedy = "correct the data or the propeller, or add --accept to write the fit"
-            raise InputError(f"{found}; {doubts}", remedy)
+def refuse_implausible(fitted: Fitted, warnings: Sequence[str], *, accept: bool) -> list[str]:
+    """Raise ``InputError`` for an implausible fit, with doubts about the data, unless ``accept`` is
+    set; then return the reason as remarks."""
+    reason = fitted.implausible
+    if reason and not accept:
+        odd = [text for text in warnings if ": columns: " not in text]
+        doubts = "; ".join(odd) or "units and signs of the data look plausible"
+        remedy = "correct the data or the propeller, or add --accept to write the fit"
+        raise InputError(f"{reason}, so no file was written; {doubts}", remedy)
+    return [f"accepted although {reason}"] if reason else []
 
 
 def _finish_tunnel(
@@ -408,8 +404,8 @@ def fit_tunnel(
     remake = functools.partial(tunnel.tunnel_rows, model, measured, chosen, **options)
     with opt.workers_of_bootstrap(cluster, asked.bootstrap) as workers:
         fitted = fit(remake(), chosen, asked.settings, workers=workers, remake=remake)
-    _refuse_poor(fitted, warnings, accept=accept)
-    remarks = [*range_warnings(fitted.rows), *comparison.failing_assumptions(fitted, rows_for)]
+    remarks = refuse_implausible(fitted, warnings, accept=accept)
+    remarks += [*range_warnings(fitted.rows), *comparison.failing_assumptions(fitted, rows_for)]
     remarks += comparison.unlikely_constants(fitted)
     said: Any = {"prior": expected, "remarks": remarks, "warnings": warnings}
     said |= {"data": tunnel.sources(data), "weights": weights}
@@ -456,8 +452,8 @@ def fit_static(
     setting = choice.accuracy
     rows = tunnel.tunnel_rows(model, measured, chosen, setting=setting)
     fitted = fit(rows, chosen, asked.settings)
-    _refuse_poor(fitted, warnings, accept=accept)
-    remarks = [*range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]
+    remarks = refuse_implausible(fitted, warnings, accept=accept)
+    remarks += [*range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]
     if expected is not None:
         remarks += _like_electrical(fitted, measured)
     said: Any = {"prior": expected, "remarks": remarks, "warnings": warnings}

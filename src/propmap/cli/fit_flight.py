@@ -14,7 +14,16 @@ from typer import Argument, Option, echo
 
 from propmap.cli import options as opt
 from propmap.cli import output as out
-from propmap.cli.fit import FitChoice, Output, PriorFrom, check_outputs, finish, note_prior
+from propmap.cli.fit import (
+    Accept,
+    FitChoice,
+    Output,
+    PriorFrom,
+    check_outputs,
+    finish,
+    note_prior,
+    refuse_implausible,
+)
 from propmap.errors import InputError, quoted
 from propmap.fit import comparison, flight, parameters
 from propmap.fit.files import fit_text
@@ -342,6 +351,7 @@ def fit_flight(
             help="Picture of the steady segments: .png, .svg or .pdf.",
         ),
     ] = None,
+    accept: Accept = False,
     cluster: opt.Cluster = None,
     asked: FitChoice = FitChoice(starts=2),  # noqa: B008 - frozen
 ) -> None:
@@ -397,10 +407,11 @@ def fit_flight(
     remake = functools.partial(make, model, chosen)
     with opt.workers_of_bootstrap(cluster, asked.bootstrap) as workers:
         fitted = fit(remake(), chosen, asked.settings, fewer, workers=workers, remake=remake)
+    accepted = refuse_implausible(fitted, [*flights.remarks, *warnings], accept=accept)
     if flights.curve:
         (turning,) = _turning([flights.log], file.vehicle, fitted.values)
         model = flight.ForceModel(file.vehicle, turning, law)
-    remarks = [*flights.remarks, *range_warnings(fitted.rows)]
+    remarks = [*accepted, *flights.remarks, *range_warnings(fitted.rows)]
     remarks += comparison.residual_trends(fitted, model.log)
     remarks += comparison.unlikely_constants(fitted)
     if body_study:

@@ -142,6 +142,11 @@ def digits(value: float, count: int = 4) -> str:
     return f"{value:.{count}g}" if math.isfinite(value) else "-"
 
 
+def percent(share: float, decimals: int) -> str:
+    """Return a ``share`` in percent, or a dash if it is not finite."""
+    return f"{100.0 * share:.{decimals}f} %" if math.isfinite(share) else "-"
+
+
 def json_text(value: Any) -> str:
     """Return strict JSON, which has no NaN: callers pass None for a missing number."""
     return json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
