@@ -168,7 +168,7 @@ CASES: list[tuple[list[str], str]] = [
     (["check", "set.toml", "good.csv", "--prop", "apc-8x6e", "-o", "nowhere/out.json"], "nowhere"),
     (["fit", "flight", "level.csv", *TO], "vehicle"),
     ([*FLIGHT, "level.csv", "--method", "balance"], "no accelerations; fit it with --method level"),
-    ([*FLIGHT, "good.csv"], "no body_frame; add body_frame"),
+    ([*FLIGHT, "good.csv"], "no time, velocity, rates, rotor_speed"),
     ([*STATIC, "no_speed.csv"], "line 1: column rpm is missing"),
     ([*STATIC, "two_thrusts.csv"], "'thrust_N' and 'thrust_g' both contain thrust"),
     ([*STATIC, "no_unit.csv"], "'Thrust' has no known unit; name it thrust_N"),

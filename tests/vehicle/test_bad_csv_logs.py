@@ -109,6 +109,13 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
         ["vertical is 1 m/s^2", "in m/s^2, not in units of g"],
     ),
     "angles in degrees": (_degrees, ["reach 30", "probably in degrees", "to radians"]),
+    "neither velocity nor frame": (
+        lambda t: [
+            _edit('body_frame = "flu"\n', "")(t),
+            _edit("velocity = ", "# velocity = ")(t),
+        ],
+        ["[log.columns]: no velocity; ", "log.csv has the columns ", "add the column names"],
+    ),
     "no frame stated": (
         _edit('body_frame = "flu"\n', ""),
         ["vehicle.toml: [log]: no body_frame", 'add body_frame = "flu" or "frd"'],

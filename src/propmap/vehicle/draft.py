@@ -26,6 +26,13 @@ def draft_vehicle(path: Path) -> str:
     Entries that the log does not contain are comments that begin with "MISSING".  Raises
     ``InputError`` if the log has no rotor parameters.
     """
+    if path.exists() and path.suffix.lower() != ".ulg":
+        found = (
+            "only ULogs of PX4 contain rotor positions; the parameters of ArduPilot contain the "
+        )
+        found += "arrangement of the rotors without lengths, and other logs contain no parameters"
+        remedy = "write mass, propeller, and [[rotors]] with position and spin by hand"
+        raise InputError(found, remedy, str(path))
     if not path.is_file():
         raise InputError("no such file", "give the .ulg file of a flight", str(path))
     require("logs")

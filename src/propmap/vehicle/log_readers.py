@@ -8,6 +8,7 @@ import difflib
 import io
 import itertools
 import os
+import struct
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -60,12 +61,8 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     ``InputError``, for example for text in a column of numbers.
     """
     where = str(path)
-    stated: dict[str, Any] = {
-        key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")
-    }
     log = _with_blackbox(path, log)
     turning = "throttle" if "throttle" in log.columns else "rotor_speed"
-    factor = 1.0 if turning == "throttle" else log.rotor_factor(log.stated("rotor_unit"))
     angles, quaternion = (
         bool(set(names) & set(log.columns)) for names in (EULER_COLUMNS, QUATERNION_COLUMNS)
     )
@@ -76,8 +73,14 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     wanted = [*QUANTITIES, turning, *OPTIONAL, *attitude]
     unnamed = [key for key in wanted if key not in log.columns and key not in OPTIONAL]
     if unnamed:
-        remedy = f"add the column names, such as {unnamed[0]} = ..."
-        raise InputError(f"no {', '.join(unnamed)}", remedy, f"{log.file}: [log.columns]")
+        found = f"no {', '.join(unnamed)}; {where} has the columns "
+        found += _listed(list(_table(path, where, ()).columns))
+        remedy = f"add the column names, such as {unnamed[0]} = ...; all of them are needed"
+        raise InputError(found, remedy, f"{log.file}: [log.columns]")
+    stated: dict[str, Any] = {
+        key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")
+    }
+    factor = 1.0 if turning == "throttle" else log.rotor_factor(log.stated("rotor_unit"))
     names = {key: log.columns[key] for key in wanted if key in log.columns}
     table = _table(path, where, {name for several in names.values() for name in several})
     _check_columns(list(table.columns), names, where, log)
@@ -211,6 +214,10 @@ def _use_points(table: Any, separator: str, where: str, wanted: Collection[str])
             table.isetitem(k, table.iloc[:, k].str.replace(",", ".", regex=False))
 
 
+def _listed(names: list[str]) -> str:
+    return ", ".join([*names[:MOST_SHOWN], *["..."] * (len(names) > MOST_SHOWN)])
+
+
 def _check_columns(
     present: list[str], names: dict[str, tuple[str, ...]], where: str, log: LogMap
 ) -> None:
@@ -229,8 +236,7 @@ def _check_columns(
     meant = ", ".join(map(repr, itertools.chain(*close)))
     keys = ", ".join(dict.fromkeys(wanted[name] for name in (*missing, *twice)))
     raise InputError(
-        f"{'; '.join(found)}; the file has {', '.join(present[:MOST_SHOWN])}"
-        f"{', ...' if len(present) > MOST_SHOWN else ''}",
+        f"{'; '.join(found)}; the file has {_listed(present)}",
         (f"did you mean {meant}? " if meant else "")
         + f"correct {keys} in [log.columns] of {log.file}",
         where,
@@ -294,6 +300,13 @@ TURNING = (ROTORS, COMMANDS, OUTPUTS)
 TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, *TURNING, BATTERY})
 
 
+MAGIC, HEADER = b"ULog\x01\x12\x35", 16
+DEFINING, FIRST_DATA = b"BFIMPQ", b"ALC"
+"""Kinds of messages at the beginning of a ULog file, and kinds that end this part."""
+
+AS_LOGGED = "give the original .ulg file of the flight controller"
+
+
 def read_ulog(path: Path, log: LogMap) -> Recording:
     """Read a ULog file of PX4.
 
@@ -353,16 +366,37 @@ def parsed_ulog(path: Path) -> Any:
     """
     from pyulog import ULog
 
-    try:
-        # pyulog prints messages about damaged parts, which ``file_corruption`` reports as well.
-        with path.open("rb") as file, contextlib.redirect_stdout(io.StringIO()):
-            return ULog(file, TOPICS)
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", "check the path") from None
-    # Damaged bytes make the parser of pyulog raise undocumented exceptions.
-    except Exception as error:
-        found = f"not a ULog file: {str(error) or type(error).__name__}"
-        raise InputError(found, "give the original .ulg file of the flight controller") from None
+    with path.open("rb") as file:
+        _check_definitions(file, path.stat().st_size)
+        file.seek(0)
+        try:
+            # pyulog prints messages about damaged parts, which ``file_corruption`` reports as well.
+            with contextlib.redirect_stdout(io.StringIO()):
+                return ULog(file, TOPICS)
+        # Damaged bytes make the parser of pyulog raise undocumented exceptions.
+        except Exception as error:
+            found = f"not a ULog file: {str(error) or type(error).__name__}"
+            raise InputError(found, AS_LOGGED) from None
+
+
+def _check_definitions(file: Any, size: int) -> None:
+    """Raise ``InputError`` for a damaged beginning of a ULog file of ``size`` bytes.
+
+    pyulog 1.3 never returns from a definition of unknown kind that exceeds the file.
+    """
+    start, at = file.read(HEADER), HEADER
+    if start[: len(MAGIC)] != MAGIC or len(start) < HEADER:
+        found = "not a ULog file: the first 16 bytes are not its header"
+        raise InputError(found, AS_LOGGED)
+    kind = 0
+    while kind not in FIRST_DATA and at < size:
+        file.seek(at)
+        head = file.read(3)
+        length, kind = struct.unpack("<HB", head) if len(head) == 3 else (0, 0)
+        if at + 3 + length > size or kind not in DEFINING + FIRST_DATA:
+            found = f"a damaged ULog file: no whole definition begins at byte {at} of {size}"
+            raise InputError(found, AS_LOGGED)
+        at += 3 + length
 
 
 def _dataset(file: Any, topic: str) -> Any:
@@ -478,7 +512,8 @@ def _field(data: Any, topic: str, field: str) -> Floats:
     if field not in data.data:
         found = f"topic {topic} has no field {field}, it has {', '.join(data.data)}"
         raise InputError(found, "give a log of PX4 1.11 or later")
-    return np.asarray(data.data[field], dtype=np.float64)
+    with np.errstate(invalid="ignore"):  # damaged bytes may be signaling NaN
+        return np.asarray(data.data[field], dtype=np.float64)
 
 
 def _missing_topics(file: Any, topics: list[str]) -> InputError:
