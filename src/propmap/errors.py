@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
 
@@ -51,6 +51,23 @@ def require(extra: str) -> None:
     if missing:
         found = f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} not installed"
         raise MissingExtraError(found, f"run: pip install 'propmap[{extra}]'")
+
+
+TOML_FILES = {
+    "rotors": ("a vehicle file", "use it with --vehicle, or as the argument of propmap trim"),
+    "station_m": ("a geometry file", "use it as the argument PROP of a command"),
+    "fit": ("a fit", "use it with --airfoil, or as the argument of propmap check"),
+    "c_l1": ("a parameter set", "use it with --airfoil"),
+}
+"""Kinds of TOML files of propmap and their use, by a key that only they contain."""
+
+
+def refuse_other_toml(keys: Collection[str], own: Collection[str], what: str, where: str) -> None:
+    """Raise ``InputError`` for the ``keys`` of another kind of TOML file than a ``what``, whose
+    keys are ``own``."""
+    for key, (kind, use) in TOML_FILES.items():
+        if key in keys and key not in own:
+            raise InputError(f"this is {kind}, not a {what}", use, where)
 
 
 @contextmanager

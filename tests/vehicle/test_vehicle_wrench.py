@@ -198,7 +198,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"omega": np.full((3, 4), 600.0), "velocity": np.zeros((2, 3))},
         "shapes do not fit together: omega (3, 4), velocity (2, 3), rates (3,), wind (3,)",
     ),
-    "words": ({"omega": "fast"}, "omega is 'fast': give a number"),
+    "words": ({"omega": "fast"}, "omega is 'fast': give a real number"),
 }
 
 

@@ -14,16 +14,7 @@ from typer import Argument, Option, echo
 
 from propmap.cli import options as opt
 from propmap.cli import output as out
-from propmap.cli.fit import (
-    Accept,
-    FitChoice,
-    Output,
-    PriorFrom,
-    check_outputs,
-    finish,
-    note_prior,
-    refuse_implausible,
-)
+from propmap.cli.fit import FitChoice, Output, PriorFrom, check_outputs, finish, note_prior
 from propmap.errors import InputError, quoted
 from propmap.fit import comparison, flight, parameters
 from propmap.fit.files import fit_text
@@ -218,8 +209,8 @@ LowPass = Annotated[
     Option(
         "--low-pass",
         metavar="HZ",
-        help="Cut-off frequency in Hz of the low-pass filter for --method balance; 0 for no filter "
-        "(default: 6).",
+        help="Cut-off frequency in Hz of the low-pass filter of the signals of a force balance; 0 "
+        "for no filter (default: 6).",
     ),
 ]
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
@@ -351,7 +342,6 @@ def fit_flight(
             help="Picture of the steady segments: .png, .svg or .pdf.",
         ),
     ] = None,
-    accept: Accept = False,
     cluster: opt.Cluster = None,
     asked: FitChoice = FitChoice(starts=2),  # noqa: B008 - frozen
 ) -> None:
@@ -407,7 +397,7 @@ def fit_flight(
     remake = functools.partial(make, model, chosen)
     with opt.workers_of_bootstrap(cluster, asked.bootstrap) as workers:
         fitted = fit(remake(), chosen, asked.settings, fewer, workers=workers, remake=remake)
-    accepted = refuse_implausible(fitted, [*flights.remarks, *warnings], accept=accept)
+    accepted = asked.refuse_implausible(fitted, [*flights.remarks, *warnings])
     if flights.curve:
         (turning,) = _turning([flights.log], file.vehicle, fitted.values)
         model = flight.ForceModel(file.vehicle, turning, law)

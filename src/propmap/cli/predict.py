@@ -58,6 +58,7 @@ def predict(
     std_by_source: opt.StdBySource = False,
 ) -> None:
     """Predict the loads and power of a propeller at operating points."""
+    opt.check_bands(bands, std_by_source)
     where = _points(rpm, speed, beta, points, height=height, ceiling=ceiling)
     chosen = out.chosen_format(format_, output)
     rotor = choice.rotor()

@@ -115,18 +115,14 @@ class Fitted:
 
     @property
     def implausible(self) -> str:
-        """Reason why the fit cannot be right; empty for a usable fit.
-
-        The reason is an rms error above ``MOST_LEFT`` of the thrust, vertical force or torque, or
-        two section constants at their bounds.
-        """
+        """Reason why the fit cannot be right: an rms error above ``MOST_LEFT`` of thrust, vertical
+        force or torque, or two section constants at their bounds; empty for a usable fit."""
         found = []
         for k, name in enumerate(self.rows.names):
             left = errors(*self.compared(k)).relative_rms
             if name in (*OF_THRUST, *OF_TORQUE) and left > MOST_LEFT:
                 found.append(f"the rms error is {left:.0%} of the {name.replace('_', ' ')} (rms)")
-        ends = [self.choice.column(end) for end in ("lower", "upper")]
-        held = np.any([self.x == end for end in ends], axis=0)
+        held = (self.x == self.choice.column("lower")) | (self.x == self.choice.column("upper"))
         at_end = [n for n, on in zip(self.choice.free, held, strict=True) if on and n in SECTION]
         if len(at_end) > 1:
             found.append(f"{', '.join(at_end)} are at their bounds")

@@ -201,10 +201,8 @@ class Header:
     def listed(self) -> str:
         """Return the names of the columns, each with the nearest known quantity, for messages."""
         every = Header(self.names, QUANTITIES)
-        means = {name: QUANTITIES[column].words for column, name in every.unclear.items()}
-        means = {name: f"{words} without a known unit" for name, words in means.items()}
-        for column, several in every.taken.items():
-            means |= {self.names[one.place]: QUANTITIES[column].words for one in several}
+        means = {name: f"{QUANTITIES[c].words} without unit" for c, name in every.unclear.items()}
+        means |= {one.name: QUANTITIES[c].words for c, ones in every.taken.items() for one in ones}
         shown = []
         for name in self.names:
             near = difflib.get_close_matches(name, QUANTITIES, n=1)

@@ -151,7 +151,7 @@ def read_propeller_toml(
     # Imported here because it loads msgspec, which the bundled propellers do not need.
     from propmap.io.toml import PropellerFile, read_toml
 
-    file = read_toml(path, PropellerFile, BLADE_SCHEMA, "geometry file")
+    file = read_toml(path, PropellerFile, BLADE_SCHEMA, "geometry")
     with located(os.fspath(path)):
         station, chord, twist = map(np.array, (file.station_m, file.chord_m, file.twist_rad))
         labels = [f"entry {i}" for i in range(station.size)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -108,35 +107,21 @@ def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _qblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
-    """Read polars at common angles: behind the angle, a row has C_L, C_D, C_m for each Reynolds
-    number, and three more coefficients if the polar is decomposed."""
-    numbers: list[float] = []
-    each = 3
-    rest = iter(lines)
-    for n, line in rest:
-        words = line.partition(" - ")[0].split()
-        if "REYNOLDS" in words:
-            words.remove("REYNOLDS")
-            numbers = [parse_number(word, "Re", f"line {n}") for word in words]
-        elif words[-1:] == ["ISDECOMPOSED"]:
-            each = 6 if words[0] == "1" else 3
-        elif _is_row(line):
-            rest = itertools.chain([(n, line)], rest)
-            break
-    if not numbers:
-        raise InputError(
-            "no line REYNOLDS above the rows", "give the Reynolds numbers of the polars"
-        )
-    tables: list[list[Row]] = [[] for _ in numbers]
-    for n, line in rest:
-        words = line.split()
+    """Read polars side by side: a row is the angle, and C_L, C_D, C_m for each Reynolds number,
+    with three more coefficients if the polars are decomposed."""
+    start = next((k for k, (_, line) in enumerate(lines) if _is_row(line)), len(lines))
+    head = [line.partition(" - ")[0].split() for _, line in lines[:start]]
+    listed = next((words for words in head if "REYNOLDS" in words), [])
+    numbers = [parse_number(word, "Re") for word in listed if word != "REYNOLDS"]
+    each = 6 if ["1", "ISDECOMPOSED"] in head else 3
+    rows = [(n, line.split()) for n, line in lines[start:]]
+    for n, words in rows:
         if len(words) != 1 + each * len(numbers):
             found = f"found {len(words)} numbers, expected the angle and {each} coefficients "
             found += f"for each of {len(numbers)} Reynolds numbers"
             raise InputError(found, ONE_EACH, f"line {n}")
-        for k, rows in enumerate(tables):
-            rows.append(_row((n, " ".join([words[0], *words[1 + each * k :]]))))
-    yield from zip(numbers, tables, strict=True)
+    for k, reynolds in enumerate(numbers):
+        yield reynolds, [_row((n, " ".join([w[0], *w[1 + each * k :]]))) for n, w in rows]
 
 
 def _reynolds(lines: Lines) -> float:

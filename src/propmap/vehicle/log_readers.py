@@ -384,15 +384,12 @@ def _check_definitions(file: Any, size: int) -> None:
 
     pyulog 1.3 never returns from a definition of unknown kind that exceeds the file.
     """
-    start, at = file.read(HEADER), HEADER
-    if start[: len(MAGIC)] != MAGIC or len(start) < HEADER:
-        found = "not a ULog file: the first 16 bytes are not its header"
-        raise InputError(found, AS_LOGGED)
-    kind = 0
+    if not file.read(HEADER).startswith(MAGIC):
+        raise InputError("not a ULog file: the first bytes are wrong", AS_LOGGED)
+    kind, at = 0, HEADER
     while kind not in FIRST_DATA and at < size:
         file.seek(at)
-        head = file.read(3)
-        length, kind = struct.unpack("<HB", head) if len(head) == 3 else (0, 0)
+        length, kind = struct.unpack("<HB", file.read(3).ljust(3, b"\0"))
         if at + 3 + length > size or kind not in DEFINING + FIRST_DATA:
             found = f"a damaged ULog file: no whole definition begins at byte {at} of {size}"
             raise InputError(found, AS_LOGGED)
