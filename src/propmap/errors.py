@@ -63,8 +63,7 @@ TOML_FILES = {
 
 
 def refuse_other_toml(keys: Collection[str], own: Collection[str], what: str, where: str) -> None:
-    """Raise ``InputError`` for the ``keys`` of another kind of TOML file than a ``what``, whose
-    keys are ``own``."""
+    """Raise ``InputError`` for ``keys`` of another TOML file than a ``what`` with ``own`` keys."""
     for key, (kind, use) in TOML_FILES.items():
         if key in keys and key not in own:
             raise InputError(f"this is {kind}, not a {what}", use, where)

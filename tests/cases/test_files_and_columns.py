@@ -107,10 +107,10 @@ def test_a_blank_torque_and_the_battery_s_power_leave_the_thrust() -> None:
 
 
 def test_speeds_that_a_stand_did_not_measure() -> None:
-    with pytest.raises(InputError, match=r"'eRPM' is electrical.*pole pairs"):
+    with pytest.raises(InputError, match=r"'eRPM' \(electrical: divide.*pole pairs"):
         read(stand_csv("eRPM,thrust_N", (0, 1)))
     head = "Thrust (gf),Motor Electrical Speed (RPM),Motor Optical Speed (RPM)"
-    with pytest.raises(InputError, match="all rows are empty or 0; measure the rotational speed"):
+    with pytest.raises(InputError, match=r"rpm is missing; .*Speed \(RPM\)' \(blank\)"):
         read(f"{head}\n6.4,0,0\n7.8,0,\n")
 
 
@@ -119,7 +119,7 @@ def test_speeds_that_a_stand_did_not_measure() -> None:
     [
         ("rmp,Thrust (N),Zeit", "rpm is missing; the columns are 'rmp' (like rpm), 'Thrust (N)'"),
         ("rpm,Thrust - 1 (N),Thrust - 2 (N)", "'Thrust - 1 (N)' and 'Thrust - 2 (N)' both"),
-        ("RPM (electrical),Thrust (N),El. Power (W)", "'RPM (electrical)' is electrical"),
+        ("RPM (electrical),Thrust (N),El. Power (W)", "'RPM (electrical)' (electrical: divide"),
         ("rpm,Thrust (std) (N),Torque", "column 'Torque' has no known unit"),
     ],
 )

@@ -187,7 +187,6 @@ def test_different_angles_are_brought_together(tmp_path: Path) -> None:
         (csv(ANGLES).replace("cl,", "lift,"), "not a section table"),
         (aerodyn(ANGLES).split("EOT")[0] + "EOT\n", "table 2 of 2 is missing"),
         (aerodyn(ANGLES).replace(" 2  Num", " 1  Num"), "below the stated number of tables, 1"),
-        (aerodyn_15(ANGLES).replace("2 NumTabs", "3 NumTabs"), "found 2 tables, NumTabs is 3"),
         (
             qblade(ANGLES).replace("1.0000E+05   ", ""),
             "line 11: found 7 numbers, expected the angle and 3 coefficients for each of 1 Re",

@@ -62,7 +62,10 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
     ),
     "no column map": (
         lambda t: setattr(t, "log", t.log.partition("[log.columns]")[0]),
-        ["vehicle.toml: [log.columns]: no time, velocity, rates, rotor_speed, qw", "time = ..."],
+        [
+            "keys without a column: 'time', 'velocity', 'rates', 'rotor_speed', 'qw'",
+            "correct time,",
+        ],
     ),
     "attitude twice": (
         lambda t: setattr(t, "log", t.log + 'roll = "roll"\n'),
@@ -114,7 +117,7 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
             _edit('body_frame = "flu"\n', "")(t),
             _edit("velocity = ", "# velocity = ")(t),
         ],
-        ["[log.columns]: no velocity; ", "log.csv has the columns ", "add the column names"],
+        ["keys without a column: 'velocity'; the file has ", "correct velocity in [log.columns]"],
     ),
     "no frame stated": (
         _edit('body_frame = "flu"\n', ""),

@@ -23,7 +23,7 @@ from propmap.errors import InputError, quoted
 from propmap.fit import comparison, tunnel
 from propmap.fit.files import fit_text
 from propmap.fit.fit import Fitted, Settings, coverage, fit, range_warnings
-from propmap.fit.least_squares import FlightErrors, Rows, errors
+from propmap.fit.least_squares import FlightErrors, errors
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
 from propmap.model import plausibility
 from propmap.model.air import Air
@@ -376,18 +376,11 @@ def fit_tunnel(
     default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
     expected = asked.expected(choice.prop, blade, base)
     chosen = asked.chosen(default, base, expected=expected)
-    weights = {}
-    for text in weight or ():
-        name, _, value = text.partition("=")
-        try:
-            weights[name.strip()] = float(value)
-        except ValueError:
-            found = f"--weight {text!r} has no number"
-            raise InputError(found, "write --weight thrust=2") from None
+    pairs = (text.partition("=") for text in weight or ())
+    weights = {name.strip(): _number(value, f"--weight {name}") for name, _, value in pairs}
     air = choice.medium()
     measured = tunnel.read_tunnel(data, blade, air)
-    warnings = tunnel.tunnel_warnings(data, blade, air)
-    out.note(*warnings)
+    out.note(*measured.remarks)
     law = base or (expected.airfoil if expected else tunnel.first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     options: Any = {
@@ -396,15 +389,14 @@ def fit_tunnel(
         "setting": choice.accuracy,
     }
 
-    def rows_for(c: Choice) -> Rows:
-        return tunnel.tunnel_rows(model, measured, c, **options)
-
     remake = functools.partial(tunnel.tunnel_rows, model, measured, chosen, **options)
     with opt.workers_of_bootstrap(cluster, asked.bootstrap) as workers:
         fitted = fit(remake(), chosen, asked.settings, workers=workers, remake=remake)
-    remarks = asked.refuse_implausible(fitted, warnings)
-    remarks += comparison.failing_assumptions(fitted, rows_for)
-    said = expected, remarks, warnings
+    remarks = asked.refuse_implausible(fitted, measured.remarks)
+    remarks += comparison.failing_assumptions(
+        fitted, lambda c: tunnel.tunnel_rows(model, measured, c, **options)
+    )
+    said = expected, remarks, measured.remarks
     files = tunnel.sources(data)
     _finish_tunnel(choice, asked, model, measured, fitted, output, files, *said, weights=weights)
 

@@ -39,7 +39,7 @@ from propmap.vehicle.log import (
     low_passed,
 )
 from propmap.vehicle.log_checks import check_recording
-from propmap.vehicle.log_readers import read_recording
+from propmap.vehicle.log_readers import read_csv_log, read_recording
 from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, ThrottleCurve
 from propmap.vehicle.vehicle import Vehicle
 
@@ -597,10 +597,9 @@ def _predicted(
         if len(whole) != 1:
             return None
         names = [f"{whole[0]}_f{axis}" for axis in ENDINGS]
-    (clock,) = file.log.columns.get("time", (heads[0],))
-    use = [heads.index(name) for name in (clock, *names)]
-    table = np.genfromtxt(path, delimiter=",", skip_header=1, usecols=use)
-    at, raw = table[:, 0], table[:, 1:]
+    map_ = replace(file.log, columns={**file.log.columns, "velocity": tuple(names)})
+    velocity = read_csv_log(path, map_).velocity
+    at, raw = velocity.time, velocity.values
     none = np.zeros_like(raw)
     up = none + np.array([0.0, 0.0, 1.0])
     carrier = FlightLog("prediction", at, raw, none, up, none, np.ones((len(raw), 1)))

@@ -461,8 +461,7 @@ StdBySource = Annotated[
 def check_bands(bands: bool, by_source: bool) -> None:
     """Raise ``InputError`` for ``--std-by-source`` without standard deviations."""
     if by_source and not bands:
-        found = "--std-by-source is given with --no-bands"
-        raise InputError(found, "leave out one of these options")
+        raise InputError("--std-by-source is given with --no-bands", "leave out one of them")
 
 
 def note_not_counted(model: Model) -> None:

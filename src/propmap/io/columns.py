@@ -168,9 +168,9 @@ class Header:
                         else re.fullmatch(quantity.bare, found["core"])
                     ):
                         # Names such as thrust_g follow propmap's convention, with another unit.
-                        place_in_order = -1 if name == f"{own}_{written}" else rank + 10 * qualified
+                        order = -1 if name == f"{own}_{written}" else rank + 10 * qualified
                         factor = quantity.units.get(unit, 1.0)
-                        taken = Taken(place_in_order, place, name, written, factor)
+                        taken = Taken(order, place, name, written, factor)
                         self.taken.setdefault(column, []).append(taken)
                         return True
                     if len(words) > 3 and unit not in OTHERS:  # T and Q alone are ambiguous
@@ -193,9 +193,6 @@ class Header:
                 fault = f"column {quoted(self.unclear[column])} has no known unit"
                 remedy = f"name it {' or '.join(columns)}, with its unit, or remove it"
                 raise InputError(fault, remedy)
-        for name in self.names if "rpm" in columns and not found else ():
-            if "pole pairs" in (why := self.not_taken(name)):
-                raise InputError(f"column {quoted(name)} is {why}", "and name it rpm")
         return found[0] if found else None
 
     def listed(self) -> str:
@@ -204,16 +201,17 @@ class Header:
         means = {name: f"{QUANTITIES[c].words} without unit" for c, name in every.unclear.items()}
         means |= {one.name: QUANTITIES[c].words for c, ones in every.taken.items() for one in ones}
         shown = []
-        for name in self.names:
-            near = difflib.get_close_matches(name, QUANTITIES, n=1)
-            mean = self.not_taken(name) or means.get(name) or "".join(f"like {c}" for c in near)
+        for place, name in enumerate(self.names):
+            near = "".join(f"like {c}" for c in difflib.get_close_matches(name, QUANTITIES, n=1))
+            mean = self._why_not(place) or means.get(name) or near
             shown.append(f"{quoted(name)} ({mean})" if mean else quoted(name))
         return f"the columns are {', '.join(shown) or 'not named'}"
 
-    @staticmethod
-    def not_taken(name: str) -> str:
+    def _why_not(self, place: int) -> str:
         """Return why a column is not the quantity that it resembles; empty for all other names."""
-        words = [words for words, *_ in _parted(name)]
+        if place in self.blank:
+            return "blank"
+        words = [words for words, *_ in _parted(self.names[place])]
         found = (why for names, why in NOT_TAKEN.items() for w in words if re.fullmatch(names, w))
         return next(found, "")
 
@@ -224,15 +222,13 @@ class Header:
             if taken.rank >= 0:
                 unit = f" in {taken.unit}" if taken.unit else ""
                 parts.append(f"{quoted(taken.name)} is {QUANTITIES[column].words}{unit}")
-                if re.fullmatch(
-                    QUANTITIES["rpm"].names[1], _words(taken.name.lower().partition("(")[0])
-                ):
+                if column == "rpm" and "electrical" in taken.name.lower():
                     parts[-1] += ", divided by pole pairs if their number was set in the stand"
         mine = {taken.place for taken in used.values()}
         left = []
         for place, name in enumerate(self.names):
-            why = "blank" if place in self.blank else self.not_taken(name)
             if place not in mine:
+                why = self._why_not(place)
                 left.append(f"{quoted(name)} ({why})" if why else quoted(name))
         parts += [f"not used: {', '.join(left)}"] if left else []
         return [f"columns: {'; '.join(parts)}"] if parts else []

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from propmap.errors import InputError, located, quoted
-from propmap.io.columns import QUANTITIES, Header
+from propmap.io.columns import Header
 from propmap.loads import LOADS
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -437,8 +437,7 @@ def read_points(
     wanted = (*OF_POINTS, *further)
     pair = ("speed_mps", "beta_deg")
     implied = dict([pair] if at_rest else [pair, pair[::-1]])
-    what = "list of operating points"
-    columns, remarks = read_columns(path, ("rpm",), wanted[1:], what, implied)
+    columns, remarks = read_columns(path, ("rpm",), wanted[1:], "list of operating points", implied)
     absent = [name for name in pair if name not in columns]
     columns |= dict.fromkeys(absent, np.zeros_like(columns["rpm"]))
     remarks += [AT_REST] if len(absent) == 2 and not at_rest else []
@@ -489,13 +488,8 @@ def read_columns(
         needed = *needed, *(name for name, other in (implied or {}).items() if other in found)
         absent = [name for name in needed if name not in found]
         if absent:
-            unfilled = Header(names, wanted).taken.get(absent[0]) if blank else None
-            if unfilled:
-                named = ", ".join(quoted(one.name) for one in unfilled)
-                found_none = f"{named}: all rows are empty or 0"
-                raise InputError(found_none, f"measure {QUANTITIES[absent[0]].words}")
             fault = f"line {file.line if file else 1}: column {absent[0]} is missing"
-            remedy = f"the header must name {', '.join(needed)}"
+            remedy = f"the header must name {', '.join(needed)}, with values below"
             raise InputError(f"{fault}; {header.listed()}", remedy)
         if not rows:
             raise InputError("there is no row below the header", "add a row per point")

@@ -32,11 +32,7 @@ BEM = Format("an OpenVSP .bem file", r"\.*\s*BEM Propeller", BLADE)
 TOML = Format("a TOML file of propmap", r"\s*schema\s*=", "name it .toml")
 AERODYN_15 = Format("AeroDyn v15", r"[^!]*\S\s+NumTabs\b", POLAR)
 AERODYN = Format("AeroDyn", r".*number of airfoil tables in this file", POLAR)
-QBLADE = Format(
-    "QBlade",
-    r".*\bPOLARNAME\b|.*QBlade.*Polar.* File|[\d.e+ ]+\s+REYNOLDS\s*(-|$)|\s*REYNOLDS\s+\d",
-    POLAR,
-)
+QBLADE = Format("QBlade", r".*\bPOLARNAME\b|[\d.e+ ]+REYNOLDS *(-|$)|\s*REYNOLDS +\d", POLAR)
 XFOIL = Format("XFOIL", r"\s*(alpha|aoa)\s+CL\s+CD\b", POLAR)
 CACTUS = Format("CACTUS", r"reynolds number:", POLAR)
 UIUC_LOADS = Format("UIUC loads", r"\s*(J|RPM)[\s,]+CT[\s,]+CP\b", LOADS)

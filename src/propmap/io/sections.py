@@ -62,14 +62,13 @@ def _aerodyn(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
                 found = f"found {quoted(line[1].strip())} between rows"
                 raise InputError(found, "end a table with EOT", f"line {line[0]}")
         yield reynolds, rows
-    if beyond := next((line for line in rest if _is_row(line[1])), None):
+    if beyond := [n for n, line in rest if _is_row(line)]:
         found = f"found a row below the stated number of tables, {count}"
         raise InputError(found, "correct this number", f"line {beyond[0]}")
 
 
 def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read v15: lines of a value and a keyword; NumAlf is the number of rows that follow."""
-    stated, tables = 1, 0
     plain = [(n, line.partition("!")[0]) for n, line in lines]
     rest = iter([(n, line) for n, line in plain if line.strip()])
     reynolds = None
@@ -78,8 +77,6 @@ def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
         keyword = words[1] if len(words) > 1 else ""
         if keyword == "Re":
             reynolds = 1e6 * parse_number(line[1].split()[0], "Re", f"line {line[0]}")
-        elif keyword == "NumTabs":
-            stated = _whole(line)
         elif keyword == "NumAlf":
             if reynolds is None:
                 raise InputError("no Re before NumAlf", "give Re in millions", f"line {line[0]}")
@@ -89,19 +86,16 @@ def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
                 found = f"found {len(rows)} rows, NumAlf is {count}"
                 raise InputError(found, "give the whole file")
             yield reynolds, rows
-            reynolds, tables = None, tables + 1
-    if tables != stated:
-        found = f"found {tables} tables, NumTabs is {stated}"
-        raise InputError(found, "give the whole file")
+            reynolds = None
 
 
 def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read one polar with rows in any order."""
     sign = re.compile(formats.XFOIL.sign, re.IGNORECASE)
-    head, *more = (k for k, (_, line) in enumerate(lines) if sign.match(line))
-    if more or len(re.findall(r"\bCL\b", lines[head][1], re.IGNORECASE)) > 1:
-        place = f"line {lines[more[0] if more else head][0]}"
-        raise InputError("found a second polar", ONE_EACH, place)
+    heads = [k for k, (_, line) in enumerate(lines) if sign.match(line)]
+    head = heads[0]
+    if len(heads) > 1 or len(re.findall(r"\bCL\b", lines[head][1], re.IGNORECASE)) > 1:
+        raise InputError("found a second polar", ONE_EACH, f"line {lines[heads[-1]][0]}")
     rows = [line for line in lines[head + 1 :] if set(line[1].strip()) - set("- ")]
     yield _reynolds(lines[:head]), [_row(line) for line in rows]
 

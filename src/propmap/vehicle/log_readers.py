@@ -71,19 +71,14 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
         raise InputError(found, "keep only one", f"{log.file}: [log.columns]")
     attitude = EULER_COLUMNS if angles else QUATERNION_COLUMNS
     wanted = [*QUANTITIES, turning, *OPTIONAL, *attitude]
+    names = {key: log.columns[key] for key in wanted if key in log.columns}
+    table = _table(path, where, {name for several in names.values() for name in several})
     unnamed = [key for key in wanted if key not in log.columns and key not in OPTIONAL]
-    if unnamed:
-        found = f"no {', '.join(unnamed)}; {where} has the columns "
-        found += _listed(list(_table(path, where, ()).columns))
-        remedy = f"add the column names, such as {unnamed[0]} = ...; all of them are needed"
-        raise InputError(found, remedy, f"{log.file}: [log.columns]")
+    _check_columns(list(table.columns), names, unnamed, where, log)
     stated: dict[str, Any] = {
         key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")
     }
     factor = 1.0 if turning == "throttle" else log.rotor_factor(log.stated("rotor_unit"))
-    names = {key: log.columns[key] for key in wanted if key in log.columns}
-    table = _table(path, where, {name for several in names.values() for name in several})
-    _check_columns(list(table.columns), names, where, log)
     values = {
         key: np.stack([_numbers(table[name], name, where) for name in columns], axis=1)
         for key, columns in names.items()
@@ -214,29 +209,32 @@ def _use_points(table: Any, separator: str, where: str, wanted: Collection[str])
             table.isetitem(k, table.iloc[:, k].str.replace(",", ".", regex=False))
 
 
-def _listed(names: list[str]) -> str:
-    return ", ".join([*names[:MOST_SHOWN], *["..."] * (len(names) > MOST_SHOWN)])
-
-
 def _check_columns(
-    present: list[str], names: dict[str, tuple[str, ...]], where: str, log: LogMap
+    present: list[str],
+    names: dict[str, tuple[str, ...]],
+    unnamed: list[str],
+    where: str,
+    log: LogMap,
 ) -> None:
-    """Raise ``InputError`` for all columns in ``names`` that are missing or not unique."""
+    """Raise ``InputError`` for keys that are ``unnamed`` in [log.columns], and for all columns in
+    ``names`` that are missing or not unique."""
     wanted = {name: key for key, columns in names.items() for name in columns}
     missing = [name for name in wanted if name not in present]
     twice = [name for name in wanted if present.count(name) > 1]
+    kinds = (unnamed, "keys without a column"), (missing, "missing columns")
     found = [
-        f"{what} columns: {', '.join(map(quoted, some))}"
-        for some, what in ((missing, "missing"), (twice, "repeated"))
+        f"{what}: {', '.join(map(quoted, some))}"
+        for some, what in (*kinds, (twice, "repeated columns"))
         if some
     ]
     if not found:
         return
     close = [difflib.get_close_matches(name, present, n=1) for name in missing]
     meant = ", ".join(map(repr, itertools.chain(*close)))
-    keys = ", ".join(dict.fromkeys(wanted[name] for name in (*missing, *twice)))
+    keys = ", ".join(dict.fromkeys([*unnamed, *(wanted[name] for name in (*missing, *twice))]))
     raise InputError(
-        f"{'; '.join(found)}; the file has {_listed(present)}",
+        f"{'; '.join(found)}; the file has {', '.join(present[:MOST_SHOWN])}"
+        f"{', ...' if len(present) > MOST_SHOWN else ''}",
         (f"did you mean {meant}? " if meant else "")
         + f"correct {keys} in [log.columns] of {log.file}",
         where,
@@ -300,10 +298,8 @@ TURNING = (ROTORS, COMMANDS, OUTPUTS)
 TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, *TURNING, BATTERY})
 
 
-MAGIC, HEADER = b"ULog\x01\x12\x35", 16
-DEFINING, FIRST_DATA = b"BFIMPQ", b"ALC"
-"""Kinds of messages at the beginning of a ULog file, and kinds that end this part."""
-
+MAGIC, HEADER = b"ULog\x01\x12\x35", 16  # first bytes and size of the header of a ULog file
+DEFINING, FIRST_DATA = b"BFIMPQ", b"ALC"  # kinds of its definitions, and of the next message
 AS_LOGGED = "give the original .ulg file of the flight controller"
 
 
@@ -331,7 +327,12 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
         if not any(_dataset(file, topic) for topic in topics)
     ]
     if missing:
-        raise _missing_topics(file, missing)
+        present = sorted({data.name for data in file.data_list}) or ["no required topic"]
+        raise InputError(
+            f"no topic {', no '.join(missing)}; found {', '.join(present)}",
+            "log the missing topics (see SDLOG_PROFILE of PX4); esc_status requires motor "
+            "controllers with telemetry",
+        )
     commanded = _dataset(file, ROTORS) is None
     notes: tuple[str, ...] = ()
     if commanded:
@@ -511,15 +512,6 @@ def _field(data: Any, topic: str, field: str) -> Floats:
         raise InputError(found, "give a log of PX4 1.11 or later")
     with np.errstate(invalid="ignore"):  # damaged bytes may be signaling NaN
         return np.asarray(data.data[field], dtype=np.float64)
-
-
-def _missing_topics(file: Any, topics: list[str]) -> InputError:
-    present = sorted({data.name for data in file.data_list}) or ["no required topic"]
-    return InputError(
-        f"no topic {', no '.join(topics)}; found {', '.join(present)}",
-        "log the missing topics (see SDLOG_PROFILE of PX4); esc_status requires motor controllers "
-        "with telemetry",
-    )
 
 
 # -------------------------------------------------------------------------------------------------
