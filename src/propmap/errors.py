@@ -53,13 +53,12 @@ def require(extra: str) -> None:
         raise MissingExtraError(found, f"run: pip install 'propmap[{extra}]'")
 
 
-TOML_FILES = {
+TOML_FILES = {  # kinds of TOML files and their use, by a key that only they contain
     "rotors": ("a vehicle file", "use it with --vehicle, or as the argument of propmap trim"),
     "station_m": ("a geometry file", "use it as the argument PROP of a command"),
     "fit": ("a fit", "use it with --airfoil, or as the argument of propmap check"),
     "c_l1": ("a parameter set", "use it with --airfoil"),
 }
-"""Kinds of TOML files of propmap and their use, by a key that only they contain."""
 
 
 def refuse_other_toml(keys: Collection[str], own: Collection[str], what: str, where: str) -> None:
@@ -75,7 +74,7 @@ def located(where: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        place = ": ".join(filter(None, (where, error.where)))
+        place = ": ".join(filter(None, (where, error.where.removeprefix(": "))))
         raise InputError(error.found, error.remedy, place) from None
 
 

@@ -153,7 +153,7 @@ def test_a_better_propeller_is_not_doubted_and_two_rotors_are(tmp_path: Path) ->
     doubled = told_of({**rows, "thrust_N": 2.0 * thrust}, tmp_path, blade)
     assert re.search(ROTORS, doubled) and "another propeller was measured" in doubled
     wrong = told_of({**rows, "rpm": rows["rpm"] / 8.0}, tmp_path, blade)
-    assert "name the propeller that was measured" in wrong
+    assert "name the right propeller" in wrong
 
 
 def test_thrust_alone_and_axial_flow(tmp_path: Path) -> None:

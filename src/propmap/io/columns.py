@@ -79,11 +79,10 @@ NOT_TAKEN = {
 }
 """Patterns of columns that resemble a known quantity but are another one, and the reason."""
 
-SIDE = re.compile(
+SIDE = re.compile(  # qualifiers as in "Speed (level) (km/h)", which is another quantity
     r"\b(el|elec|electric|electrical|input|battery|esc|level|vertical|pitch"
     r"|min|max|std|sd|error|uncertainty|target|setpoint|command)\b"
 )
-"""Qualifiers behind a name, as in "Speed (level) (km/h)", with which it is another quantity."""
 
 AROUND = "([ab]|powertrain|rotor|propeller|prop|mean|average|avg|measured|filtered|raw) ?[1-9]?"
 

@@ -525,7 +525,8 @@ def _value(cell: str, column: str, line: int, name: str) -> float:
         value = float(cell)
     except ValueError:
         found = f"{quoted(cell)} is not a number" if cell else "the field is empty"
-        raise InputError(found, remedy, where) from None
+        plain = "write a number without unit and thousands separators"
+        raise InputError(found, plain if cell else remedy, where) from None
     if not math.isfinite(value):
         raise InputError(f"{cell} is not a finite number", remedy, where)
     if value < 0.0 and quantity in ("rpm", "speed", *FURTHER):

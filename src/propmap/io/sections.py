@@ -106,7 +106,7 @@ def _qblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     start = next((k for k, (_, line) in enumerate(lines) if _is_row(line)), len(lines))
     head = [line.partition(" - ")[0].split() for _, line in lines[:start]]
     listed = next((words for words in head if "REYNOLDS" in words), [])
-    numbers = [parse_number(word, "Re") for word in listed if word != "REYNOLDS"]
+    numbers = [parse_number(word, "Re") for word in listed if word != "REYNOLDS"] or [0.0]
     each = 6 if ["1", "ISDECOMPOSED"] in head else 3
     rows = [(n, line.split()) for n, line in lines[start:]]
     for n, words in rows:
@@ -235,8 +235,10 @@ FORMATS = (
     "and re"
 )
 ONE_POLAR = (formats.XFOIL, formats.QBLADE, CCBLADE)  # formats of the files of a folder
+RADIANS = 3.2  # angle [deg] that every polar in degrees exceeds, and none in radians
+LEAST_REYNOLDS = 100.0  # smaller numbers are in thousands or millions
 ASSUMED_REYNOLDS = 1e6  # for a single table without Reynolds number; loads do not depend on it
-SAME_LIFT = 0.01  # C_L difference up to which a repeated angle, as XFOIL writes it, is one row
+SAME_LIFT, SAME_DRAG = 0.01, 0.1  # largest difference, C_D relative, of an angle XFOIL repeats
 
 
 def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
@@ -290,8 +292,8 @@ def _table(place: Path, kind: str, found: Sequence[tuple[str, float, list[Row]]]
             reynolds = ASSUMED_REYNOLDS
             remarks.append("Reynolds number not stated")
         with located(where):
-            if not reynolds > 0.0:
-                remedy = "give a Reynolds number above 0 for each table"
+            if not reynolds >= LEAST_REYNOLDS:
+                remedy = "give the Reynolds number of each table, not in thousands or millions"
                 raise InputError(f"a Reynolds number is {reynolds:g}", remedy)
             if reynolds in [polar.reynolds for polar in polars]:
                 raise InputError(f"Re = {reynolds:g} occurs twice", "keep one of the tables")
@@ -313,8 +315,11 @@ def _polar(reynolds: float, rows: list[Row]) -> Polar:
         line, angle, lift, drag = row
         with located(f"line {line}"):
             if kept and angle == kept[-1][1]:
-                if abs(lift - kept[-1][2]) > SAME_LIFT:
-                    found = f"{angle:g} deg occurs twice, in line {kept[-1][0]} with other lift"
+                if (
+                    abs(lift - kept[-1][2]) > SAME_LIFT
+                    or abs(drag - kept[-1][3]) > SAME_DRAG * drag
+                ):
+                    found = f"{angle:g} deg occurs twice, in line {kept[-1][0]} with other values"
                     raise InputError(found, "keep one of the rows")
                 continue
             if abs(angle) > 180.0 + 1e-9:
@@ -326,6 +331,9 @@ def _polar(reynolds: float, rows: list[Row]) -> Polar:
         found = f"the table of Re = {reynolds:g} has {len(kept)} rows, expected at least 8"
         raise InputError(found, "give more angles")
     _, angles, lifts, drags = np.array(kept).T
+    if max(abs(angles)) < RADIANS:
+        found = f"the largest angle is {max(abs(angles)):.4g} deg, probably in radians"
+        raise InputError(found, "give degrees, or name the column alpha_rad")
     return Polar(reynolds, np.radians(angles), lifts, drags)
 
 

@@ -252,8 +252,7 @@ def load_warnings(
     impossible = _impossible(propeller, air, w, known, share)
     if impossible:
         found = found or _wrong_size(ratios, WRONG_LOAD_RATIO, by_power=by_power)
-        remedy = "correct wrong units, divide totals by the number of rotors, or name the "
-        remedy += "propeller that was measured"
+        remedy = "correct units, divide totals by the number of rotors, or name the right propeller"
         raise InputError("; ".join([impossible, *found]), remedy)
     return found
 
@@ -397,8 +396,7 @@ def _impossible(
 def _ideal_share(
     propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
 ) -> float:
-    """Return the median of ideal power over shaft power [-], the figure of merit in hover; 0
-    without thrust or torque."""
+    """Return the median ideal power over shaft power [-], in hover the figure of merit, or 0."""
     if not {"thrust", "torque"} <= set(known):
         return 0.0
     thrust, power = known["thrust"], known["torque"] * w

@@ -27,10 +27,7 @@ def draft_vehicle(path: Path) -> str:
     ``InputError`` if the log has no rotor parameters.
     """
     if path.exists() and path.suffix.lower() != ".ulg":
-        found = (
-            "only ULogs of PX4 contain rotor positions; the parameters of ArduPilot contain the "
-        )
-        found += "arrangement of the rotors without lengths, and other logs contain no parameters"
+        found = "only ULogs of PX4 contain rotor positions; logs of ArduPilot lack the lengths"
         remedy = "write mass, propeller, and [[rotors]] with position and spin by hand"
         raise InputError(found, remedy, str(path))
     if not path.is_file():

@@ -381,10 +381,8 @@ def parsed_ulog(path: Path) -> Any:
 
 
 def _check_definitions(file: Any, size: int) -> None:
-    """Raise ``InputError`` for a damaged beginning of a ULog file of ``size`` bytes.
-
-    pyulog 1.3 never returns from a definition of unknown kind that exceeds the file.
-    """
+    """Raise ``InputError`` for damaged definitions at the beginning of a ULog file of ``size``
+    bytes, because pyulog 1.3 never returns from a definition that exceeds the file."""
     if not file.read(HEADER).startswith(MAGIC):
         raise InputError("not a ULog file: the first bytes are wrong", AS_LOGGED)
     kind, at = 0, HEADER
