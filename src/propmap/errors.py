@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
 
@@ -53,13 +53,28 @@ def require(extra: str) -> None:
         raise MissingExtraError(found, f"run: pip install 'propmap[{extra}]'")
 
 
+TOML_FILES = {  # kinds of TOML files and their use, by a key that only they contain
+    "rotors": ("a vehicle file", "use it with --vehicle, or as the argument of propmap trim"),
+    "station_m": ("a geometry file", "use it as the argument PROP of a command"),
+    "fit": ("a fit", "use it with --airfoil, or as the argument of propmap check"),
+    "c_l1": ("a parameter set", "use it with --airfoil"),
+}
+
+
+def refuse_other_toml(keys: Collection[str], own: Collection[str], what: str, where: str) -> None:
+    """Raise ``InputError`` for ``keys`` of another TOML file than a ``what`` with ``own`` keys."""
+    for key, (kind, use) in TOML_FILES.items():
+        if key in keys and key not in own:
+            raise InputError(f"this is {kind}, not a {what}", use, where)
+
+
 @contextmanager
 def located(where: str) -> Iterator[None]:
     """Put ``where`` in front of the place of an ``InputError`` that the block raises."""
     try:
         yield
     except InputError as error:
-        place = ": ".join(filter(None, (where, error.where)))
+        place = ": ".join(filter(None, (where, error.where.removeprefix(": "))))
         raise InputError(error.found, error.remedy, place) from None
 
 

@@ -46,10 +46,15 @@ def arrays_of(**named: ArrayLike) -> list[Floats]:
     """Convert arguments to arrays of one shape; raise ``InputError`` for a bad argument."""
     arrays = []
     for name, value in named.items():
+        if hasattr(value, "filled") and np.ma.is_masked(value):
+            raise InputError(f"{name} has masked points: leave them out, as with .compressed()")
         try:
-            arrays.append(np.asarray(value, dtype=np.float64))
+            given = np.asarray(value)
+            if given.dtype.kind not in "biufO":
+                raise TypeError
+            arrays.append(given.astype(np.float64, copy=False))
         except (TypeError, ValueError):
-            found = f"{name} is {quoted(value)}: give a number or an array of numbers"
+            found = f"{name} is {quoted(value)}: give a real number or an array of real numbers"
             raise InputError(found) from None
     if len(arrays) == 1:
         return arrays

@@ -61,6 +61,13 @@ STANDS: dict[str, tuple[str | bytes, str]] = {
     "power in %": (stand_csv("rpm,T [N],Q_Nm,Power (%)", (0, 1, 2, 0)), "not used: 'Power (%)'"),
     "rows that stand still": (STILL, "2 of 10 rows have no rpm and are omitted"),
     "units beneath": (stand_csv("Drehzahl,Thrust,Q_avg\n1/min,N,N m"), "'Q_avg [N m]' is torque"),
+    "a qualifier and a level speed": (
+        stand_csv(
+            "Speed (level) (km/h),Revolutions (rpm),Thrust - Motor 1 (N),Torque - 1 - N m",
+            (2, 0, 1, 2),
+        ),
+        "not used: 'Speed (level) (km/h)'",
+    ),
     "a title above": ("T-Motor F80,,\n" + stand_csv("RPM,Thrust (N),Torque (Nm)"), "'RPM' is"),
 }
 
@@ -100,11 +107,36 @@ def test_a_blank_torque_and_the_battery_s_power_leave_the_thrust() -> None:
 
 
 def test_speeds_that_a_stand_did_not_measure() -> None:
-    with pytest.raises(InputError, match=r"'eRPM' is electrical.*pole pairs"):
+    with pytest.raises(InputError, match=r"'eRPM' \(electrical: divide.*pole pairs"):
         read(stand_csv("eRPM,thrust_N", (0, 1)))
     head = "Thrust (gf),Motor Electrical Speed (RPM),Motor Optical Speed (RPM)"
-    with pytest.raises(InputError, match="all rows are empty or 0; measure the rotational speed"):
+    with pytest.raises(InputError, match=r"rpm is missing; .*Speed \(RPM\)' \(blank\)"):
         read(f"{head}\n6.4,0,0\n7.8,0,\n")
+
+
+@pytest.mark.parametrize(
+    ("header", "says"),
+    [
+        ("rmp,Thrust (N),Zeit", "rpm is missing; the columns are 'rmp' (like rpm), 'Thrust (N)'"),
+        ("rpm,thrust_N,torque_Nm\n4,000,1,1", "stand.csv: line 2: found 4 fields separated by"),
+        (
+            'rpm,thrust_N,torque_Nm\n"4,000",1,1',
+            "'4,000' is not a number; write a number without unit and th",
+        ),
+        ("rpm,Thrust - 1 (N),Thrust - 2 (N)", "'Thrust - 1 (N)' and 'Thrust - 2 (N)' both"),
+        ("RPM (electrical),Thrust (N),El. Power (W)", "'RPM (electrical)' (electrical: divide"),
+        ("rpm,Thrust (std) (N),Torque", "column 'Torque' has no known unit"),
+    ],
+)
+def test_a_refusal_lists_the_columns(header: str, says: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read(stand_csv(header))
+    assert says in str(caught.value)
+    Path("blade.csv").write_text("# blades: 2\nr (mm),Chord (mm),slope\n10,5,2\n20,4,1\n")
+    with pytest.raises(
+        InputError, match=r"the twist; the columns are 'r \(mm\)' \(the station\), 'Ch"
+    ):
+        read_geometry_file(Path("blade.csv"))
 
 
 def test_points_at_rest_need_rpm_alone(run: Run) -> None:
@@ -130,6 +162,20 @@ def test_a_fit_that_leaves_most_is_refused_with_the_cause(run: Run) -> None:
     refused(run(*asked), "% of the torque", "its sign looks reversed", "--accept")
     assert not Path("fit.toml").exists()
     assert run(*asked, "--accept").code == 0
+    remark = next(one for one in fit_record(Path("fit.toml"))["remarks"] if "accepted" in one)
+    assert "although the rms error is" in remark
+
+
+@pytest.mark.parametrize(
+    ("times", "says"), [(2.2, ""), (3.0, "c_l1, c_d0"), (4.0, "c_l1, c_d0, zero_lift_angle")]
+)
+def test_constants_at_their_bounds_are_refused(run: Run, times: float, says: str) -> None:
+    free = ["--free", "c_l1,c_d0,zero_lift_angle", "--prior-from", "none"]
+    Path("more.csv").write_text(stand_csv("rpm,thrust_N", (0, 1), (1.0, times)))
+    done = run("fit", "static", "more.csv", *PROP, *free, "-o", "fit.toml")
+    assert Path("fit.toml").exists() is not bool(says)
+    if says:
+        refused(done, f"{says} are at their bounds, so no file", "--accept")
 
 
 XROTOR, BEM = "an XROTOR file: its section law is not read", "diameter is assumed to be in meters"

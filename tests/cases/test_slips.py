@@ -142,6 +142,20 @@ def test_forty_slips_by_their_causes(tmp_path: Path) -> None:
     assert Counter(found.values())["named"] >= 36
 
 
+def test_a_better_propeller_is_not_doubted_and_two_rotors_are(tmp_path: Path) -> None:
+    """A 28x9.2 of figure of merit 0.71, 1.5 times the thrust of a poor blade at its torque."""
+    blade = propmap.propeller("28x9.2")
+    omega = np.array([1900.0, 2600.0, 3300.0]) * RPM
+    inflow = 0.06 * omega * blade.radius
+    thrust = 2.0 * AIR.density * np.pi * blade.radius**2 * inflow**2
+    rows = {"rpm": omega / RPM, "thrust_N": thrust, "torque_Nm": thrust * inflow / (0.71 * omega)}
+    assert "rotors" not in told_of(rows, tmp_path, blade)
+    doubled = told_of({**rows, "thrust_N": 2.0 * thrust}, tmp_path, blade)
+    assert re.search(ROTORS, doubled) and "another propeller was measured" in doubled
+    wrong = told_of({**rows, "rpm": rows["rpm"] / 8.0}, tmp_path, blade)
+    assert "name the right propeller" in wrong
+
+
 def test_thrust_alone_and_axial_flow(tmp_path: Path) -> None:
     alone = {name: values for name, values in AXIAL.items() if name != "torque_Nm"}
     assert told_of(alone, tmp_path) == ""

@@ -88,5 +88,9 @@ def test_what_cannot_be_drafted_is_one_line(run: Run) -> None:
     logged(CA_ROTOR_COUNT=0)
     told = "my quad.ulg: the log has no rotor parameters: CA_ROTOR_COUNT is missing"
     refused(run("vehicle", "from-log", "my quad.ulg"), told)
-    Path("a.bin").write_bytes(b"\xa3\x95\x80" * 99)
-    refused(run("vehicle", "from-log", "a.bin"), "a.bin: not a ULog file")
+    Path("a.ulg").write_bytes(b"\xa3\x95\x80" * 99)
+    refused(run("vehicle", "from-log", "a.ulg"), "a.ulg: not a ULog file")
+    for name in ("a.bin", "a.log", "a.bag", "a.csv"):
+        Path(name).write_bytes(b"\xa3\x95\x80" * 99)
+        says = f"{name}: only ULogs of PX4 contain rotor positions", "[[rotors]] with position"
+        refused(run("vehicle", "from-log", name), *says)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from propmap.cli.output import WideGrid
+from propmap.cli.output import WideGrid, digits, percent
 from propmap.fit.tunnel import TunnelData
 from propmap.report.pictures import along
 
@@ -78,3 +78,9 @@ def test_columns_are_hidden_in_their_order_and_no_cell_is_cut(width: int, hidden
     for name, cell in (("throttle [%]", "32.5"), ("P shaft [W]", "201.9")):
         assert (name in told) == (name in hidden) == (cell not in text)
     assert "263.2" in text
+
+
+def test_cells_without_a_number_are_a_dash() -> None:
+    """The error of a load measured as zero has no relative size."""
+    assert [percent(value, 2) for value in (np.nan, 0.1234)] == ["-", "12.34 %"]
+    assert [digits(value) for value in (np.nan, -0.0, 1.23456)] == ["-", "0", "1.235"]

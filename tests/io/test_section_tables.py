@@ -66,6 +66,30 @@ def cactus(angle: np.ndarray) -> str:
     return text
 
 
+def qblade(angle: np.ndarray, coefficients: int = 3) -> str:
+    """As of QBlade CE 2: polars side by side, at common angles."""
+    text = "-----QBlade Multi RE Polar File-----\nTime : 21:36:42\n\n"
+    text += "invented   POLARNAME   - the polar name\n12.0   THICKNESS   - the name of the blade\n"
+    text += f"{int(coefficients > 3)}   ISDECOMPOSED   - is the polar decomposed\n"
+    numbers = "   ".join(f"{re:.4E}" for re in REYNOLDS)
+    text += f"REYNOLDS   {numbers}   - the list of Reynolds numbers for the imported polars\n\n"
+    text += "-----Polar Data-----\nAOA" + len(REYNOLDS) * " CL CD CM" + "\n"
+    for a in angle:
+        each = [(*section(a, re), 0.5, 9.0, 9.0, 9.0)[:coefficients] for re in REYNOLDS]
+        text += " ".join(f"{v:.6f}" for v in (a, *np.ravel(each))) + "\n"
+    return text
+
+
+def qblade_decomposed(angle: np.ndarray) -> str:
+    return qblade(angle, 6)
+
+
+def qblade_without_heads(angle: np.ndarray) -> str:
+    """As of earlier releases: the keyword is behind the numbers."""
+    text = " ".join(f"{re:g}" for re in REYNOLDS) + " REYNOLDS\n\nAOA CL CD CM CL CD CM\n"
+    return text + qblade(angle).split("CM\n")[1]
+
+
 def csv(angle: np.ndarray) -> str:
     text = "re, alpha_deg, cl, cd, note\n"
     for re in REYNOLDS:
@@ -83,7 +107,10 @@ def xfoil(angle: np.ndarray, reynolds: float) -> str:
     return text + rows(angle, reynolds)
 
 
-@pytest.mark.parametrize("layout", [aerodyn, aerodyn_15, cactus, csv])
+@pytest.mark.parametrize(
+    "layout",
+    [aerodyn, aerodyn_15, cactus, csv, qblade, qblade_decomposed, qblade_without_heads],
+)
 def test_the_same_section_in_every_format(
     tmp_path: Path, layout: Callable[[np.ndarray], str]
 ) -> None:
@@ -159,6 +186,16 @@ def test_different_angles_are_brought_together(tmp_path: Path) -> None:
         (csv(ANGLES).replace(",-7.500000", ",x"), "line 25: alpha_deg is 'x'"),
         (csv(ANGLES).replace("cl,", "lift,"), "not a section table"),
         (aerodyn(ANGLES).split("EOT")[0] + "EOT\n", "table 2 of 2 is missing"),
+        (aerodyn(ANGLES).replace(" 2  Num", " 1  Num"), "below the stated number of tables, 1"),
+        (
+            qblade(ANGLES).replace("1.0000E+05   ", ""),
+            "line 11: found 7 numbers, expected the angle and 3 coefficients for each of 1 Re",
+        ),
+        (xfoil(ANGLES, 1e5).replace("CM ", "CL CD"), "line 10: found a second polar"),
+        (xfoil(ANGLES, 1e5) + xfoil(ANGLES, 2e5), "line 70: found a second polar"),
+        ("alpha,cl,cd\n" + 2 * "0,1,0.02\n" + "0,1,0.03\n", "0 deg occurs twice, in line 2 with"),
+        (csv(np.radians(ANGLES)), "the largest angle is 3.142 deg, probably in radians"),
+        (csv(ANGLES).replace("100000,", "0.1,"), "a Reynolds number is 0.1; give the Reynolds"),
         (aerodyn(ANGLES).replace("0.4 ", "0.1 "), "Re = 100000 occurs twice"),
         (aerodyn_15(ANGLES)[:-900], "NumAlf is 49"),
         (aerodyn_15(ANGLES).replace("0.1 Re", "much Re"), "line 7: Re is 'much'"),
@@ -186,12 +223,12 @@ def test_a_folder_holds_polars_alone(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no table"):
         read_section_table(tmp_path)
     (tmp_path / "notes.txt").write_text("nothing\n")
-    with pytest.raises(InputError, match="only XFOIL polars"):
+    with pytest.raises(InputError, match="only polars"):
         read_section_table(tmp_path)
 
 
 def test_a_table_open_at_180_degrees_and_without_a_reynolds_number(tmp_path: Path) -> None:
-    text = aerodyn(ANGLES[:-1]).replace(" 2  Number", " 1  Number")
+    text = aerodyn(ANGLES[:-1]).replace(" 2  Number", " 1  Number").partition("EOT")[0]
     (tmp_path / "a.dat").write_text(text.replace(" 0.1  Table", " 0  Table"))
     table = read_section_table(tmp_path / "a.dat")
     assert table.reynolds.size == 1 and "Reynolds number not stated" in table.source

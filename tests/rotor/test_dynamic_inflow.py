@@ -217,6 +217,9 @@ def test_what_it_cannot_do_is_refused() -> None:
         pm.DynamicInflow(dynamic().rotor, spin="left")
     with pytest.raises(pm.InputError, match="its last axis must be the mean inflow"):
         dynamic().rates([1.0, 2.0], OMEGA, [0.0, 0.0, 0.0])
+    for wrong in ([1.0 + 1.0j, 0.0, 0.0], np.ma.masked_less([1.0, 0.0, 0.0], 0.5)):
+        with pytest.raises(pm.InputError, match=r"state (is .*: give a real|has masked points)"):
+            dynamic().rates(wrong, OMEGA, [0.0, 0.0, 0.0])
     with pytest.raises(pm.InputError, match="dt is negative"):
         dynamic().step([1.0, 0.0, 0.0], -1e-3, OMEGA, [0.0, 0.0, 0.0])
 

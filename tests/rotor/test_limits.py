@@ -144,6 +144,8 @@ def test_rest_is_rest(rotor: Rotor) -> None:
         ((100.0, 1.0, np.inf), "beta contains a value that is not finite"),
         (("fast", 1.0, 0.0), "omega"),
         ((np.ones(3), np.ones(2), 0.0), "shape"),
+        ((np.array([100.0 + 1.0j]), 1.0, 1.0), "omega is .*: give a real number"),
+        ((np.ma.array([100.0, 1e9], mask=[0, 1]), 1.0, 1.0), "omega has masked points: leave"),
     ],
 )
 def test_bad_operating_points_and_wrong_kinds_are_refused(

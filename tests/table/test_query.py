@@ -128,6 +128,8 @@ def test_flags_of_cells_reach_the_status() -> None:
     ("call", "message"),
     [
         (lambda t: t.loads("fast", 1.0, 1.0), "omega is 'fast'"),
+        (lambda t: t.loads([1.0 + 1.0j], 1.0, 1.0), "omega is .*: give a real number"),
+        (lambda t: t.omega_for("thrust", np.ma.masked, 1.0, 1.0), "value has masked points"),
         (lambda t: t.loads([1.0, 2.0], [1.0, 2.0, 3.0], 1.0), "cannot be broadcast"),
         (lambda t: t.loads_at_velocity(500.0, [1.0, 2.0]), "must be x, y, z"),
         (lambda t: t.omega_for("drag", 1.0, 1.0, 1.0), "must be one of thrust, torque, power"),

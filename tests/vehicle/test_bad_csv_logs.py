@@ -62,7 +62,10 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
     ),
     "no column map": (
         lambda t: setattr(t, "log", t.log.partition("[log.columns]")[0]),
-        ["vehicle.toml: [log.columns]: no time, velocity, rates, rotor_speed, qw", "time = ..."],
+        [
+            "keys without a column: 'time', 'velocity', 'rates', 'rotor_speed', 'qw'",
+            "correct time,",
+        ],
     ),
     "attitude twice": (
         lambda t: setattr(t, "log", t.log + 'roll = "roll"\n'),
@@ -109,6 +112,13 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
         ["vertical is 1 m/s^2", "in m/s^2, not in units of g"],
     ),
     "angles in degrees": (_degrees, ["reach 30", "probably in degrees", "to radians"]),
+    "neither velocity nor frame": (
+        lambda t: [
+            _edit('body_frame = "flu"\n', "")(t),
+            _edit("velocity = ", "# velocity = ")(t),
+        ],
+        ["keys without a column: 'velocity'; the file has ", "correct velocity in [log.columns]"],
+    ),
     "no frame stated": (
         _edit('body_frame = "flu"\n', ""),
         ["vehicle.toml: [log]: no body_frame", 'add body_frame = "flu" or "frd"'],

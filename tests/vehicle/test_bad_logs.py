@@ -75,6 +75,19 @@ def test_all_topics_that_a_ulog_lacks_are_named(
     assert "vehicle_acceleration" in message.partition("found")[2]
 
 
+def test_damaged_definitions_of_a_ulog_are_located(tmp_path: Path) -> None:
+    """pyulog 1.3 does not return from a definition of unknown kind beyond the end of the file."""
+    path = tmp_path / "a.ulg"
+    vehicle_file = vehicle_with(write_ulog(LOG, path, VEHICLE), tmp_path)
+    whole, second = path.read_bytes(), 16 + 3 + 40
+    assert whole[18:19] == b"B" and whole[second + 2 : second + 3] in b"FIP"
+    for damaged in (whole[: second + 1] + b"\xff\x00" + whole[second + 3 :], whole[: second + 9]):
+        path.write_bytes(damaged)
+        message = message_of(path, vehicle_file)
+        assert f"no whole definition begins at byte {second} of {len(damaged)}" in message
+        assert "check the path" not in message and "original .ulg file" in message
+
+
 def test_a_ulog_cut_short_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     path = tmp_path / "a.ulg"
     vehicle_file = vehicle_with(write_ulog(LOG, path, VEHICLE), tmp_path)

@@ -205,7 +205,7 @@ def test_no_rotor_and_no_file(tmp_path: Path) -> None:
         read(top + "rotors = 3\n", tmp_path)
     with pytest.raises(InputError, match="body is '3', expected a table"):
         read(VEHICLE.partition("[body]")[0].replace("mass", "body = 3\nmass"), tmp_path)
-    with pytest.raises(InputError, match="give a vehicle description file"):
+    with pytest.raises(InputError, match="expected the vehicle; give a vehicle file"):
         read("", tmp_path)
     with pytest.raises(InputError, match="no such file"):
         read_vehicle(tmp_path / "nowhere.toml")

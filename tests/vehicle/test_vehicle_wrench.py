@@ -186,6 +186,11 @@ def test_a_rotor_beyond_the_data_of_its_constants_is_extrapolated() -> None:
 STATE: dict[str, Any] = {"omega": [600.0] * 4, "velocity": [1.0, 0.0, 0.0]}
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "three speeds": ({"omega": [600.0] * 3}, "omega has shape (3,); its last axis must be the"),
+    "complex": ({"omega": [600.0 + 1.0j] * 4}, "give a real number"),
+    "masked": (
+        {"velocity": np.ma.masked_less([1.0, -9.0, 0.0], 0.0)},
+        "velocity has masked points",
+    ),
     "negative": ({"omega": [600.0, -600.0, 600.0, 600.0]}, "omega is negative (-600): give a"),
     "no number": ({"omega": [600.0, 600.0, 600.0, math.nan]}, "omega contains a value that is"),
     "plane": ({"velocity": [1.0, 2.0]}, "velocity has shape (2,); its last axis must be x"),
@@ -193,7 +198,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"omega": np.full((3, 4), 600.0), "velocity": np.zeros((2, 3))},
         "shapes do not fit together: omega (3, 4), velocity (2, 3), rates (3,), wind (3,)",
     ),
-    "words": ({"omega": "fast"}, "omega is 'fast': give a number"),
+    "words": ({"omega": "fast"}, "omega is 'fast': give a real number"),
 }
 
 

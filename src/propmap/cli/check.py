@@ -19,7 +19,7 @@ from propmap.errors import InputError
 from propmap.fit import comparison
 from propmap.fit.files import DataSource, FitFile, is_fit, read_fit
 from propmap.fit.flight import wing_values
-from propmap.fit.tunnel import read_tunnel, sources, tunnel_warnings
+from propmap.fit.tunnel import read_tunnel, sources
 from propmap.model.air import Air
 from propmap.model.corrections import in_words
 from propmap.model.model import Model
@@ -98,7 +98,7 @@ def _compare(
         opt.note_reynolds(model, measured.omega, measured.speed, measured.beta)
         if prop is not None:
             opt.note_reading(prop, blade)
-        out.note(*blade_warnings(blade), *tunnel_warnings(data, blade, air))
+        out.note(*blade_warnings(blade), *measured.remarks)
         beyond = fitted.beyond(measured.flow, blade.radius) if fitted else None
         out.note(*(beyond.sentences("rows") if beyond else ()))
         return comparison.compare_tunnel(model, measured, beyond)
@@ -136,7 +136,7 @@ def _table(
             band,
             str(e.rows),
             f"{e.rms:.4g}",
-            f"{100.0 * e.relative_rms:.1f} %",
+            out.percent(e.relative_rms, 1),
             f"{e.bias:+.3g}",
             f"{e.worst:+.3g}",
             f"{e.hover_rms:.4g}",

@@ -178,8 +178,8 @@ def _table(task: ranking.Task, judged: list[ranking.Judged], caution: str) -> ou
             "<propeller": one.candidate.name,
             unit: out.digits(one.score / size),
             "+-": out.digits(one.deviation / size, 2),
-            "beats next": _share(nearer),
-            "1 beats it": _share(ranking.beats(judged[0], one) if k else math.nan),
+            "beats next": out.percent(nearer, 0),
+            "1 beats it": out.percent(ranking.beats(judged[0], one) if k else math.nan, 0),
             "hover [W]": out.digits(one.hover_power),
         }
         if times:
@@ -203,10 +203,6 @@ def _table(task: ranking.Task, judged: list[ranking.Judged], caution: str) -> ou
     title = f"ranked by {task.words} [{unit}]{caution}"
     body = [list(cells.values()) for cells in rows]
     return out.WideGrid("|".join(rows[0]), body, title, caption, spare)
-
-
-def _share(probability: float) -> str:
-    return f"{100.0 * probability:.0f} %" if math.isfinite(probability) else "-"
 
 
 def _remarks(judged: list[ranking.Judged], top: int, *, all_: bool) -> list[Any]:

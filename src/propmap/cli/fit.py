@@ -23,7 +23,7 @@ from propmap.errors import InputError, quoted
 from propmap.fit import comparison, tunnel
 from propmap.fit.files import fit_text
 from propmap.fit.fit import Fitted, Settings, coverage, fit, range_warnings
-from propmap.fit.least_squares import FlightErrors, Rows, errors
+from propmap.fit.least_squares import FlightErrors, errors
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, described, known
 from propmap.model import plausibility
 from propmap.model.air import Air
@@ -64,19 +64,11 @@ PriorFrom = Annotated[
         metavar="family|population|none|CODE",
         help="Propellers whose constants form the prior: family (or all, if the family is "
         "unknown), population (all), CODE of another family such as apcsf, or none. Default: "
-        "family, or none with --free or --airfoil.",
+        "family, or none if other options state free parameters or constants.",
     ),
 ]
 WRITTEN = out.output_option("Output file of the fit.", "FIT.toml")
 Output = Annotated[Path, WRITTEN]
-Accept = Annotated[
-    bool,
-    Option(
-        "--accept",
-        help="Write the fit even if the rms error of thrust or torque exceeds half of the rms of "
-        "its measured values.",
-    ),
-]
 
 
 @dataclass(frozen=True)
@@ -111,6 +103,14 @@ class FitChoice:
     picture: Annotated[
         Path | None, Option(metavar="FILE", help="Picture of the fit: .png, .svg or .pdf.")
     ] = None
+    accept: Annotated[
+        bool,
+        Option(
+            "--accept",
+            help="Write the fit even if the rms error of thrust, vertical force or torque exceeds "
+            "a third of the measured rms, or two section constants are at their bounds.",
+        ),
+    ] = False
 
     @property
     def settings(self) -> Settings:
@@ -160,6 +160,17 @@ class FitChoice:
             beliefs[name] = Prior(*(_number(v, f"--prior {name}") for v in (mean, deviation)))
         start = {n: v for n, v in values.items() if n in wanted}
         return Choice(wanted, fixed, beliefs, start, expected)
+
+    def refuse_implausible(self, fitted: Fitted, warnings: Sequence[str]) -> list[str]:
+        """Raise ``InputError`` for an implausible fit, with doubts about the data; with
+        ``--accept``, return the reason as remarks."""
+        reason = fitted.implausible
+        if reason and not self.accept:
+            odd = [text for text in warnings if ": columns: " not in text]
+            doubts = "; ".join(odd) or "units and signs of the data look plausible"
+            remedy = "correct the data or the propeller, or add --accept to write the fit"
+            raise InputError(f"{reason}, so no file was written; {doubts}", remedy)
+        return [f"accepted although {reason}"] if reason else []
 
 
 def _pair(text: str, option: str) -> tuple[str, str]:
@@ -273,7 +284,7 @@ def _printed(
     residuals = []
     for k, (name, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
         e = errors(*fitted.compared(k))
-        relative, crossed = f"{100.0 * e.relative_rms:.2f} %", out.digits(fitted.cross_validated[k])
+        relative, crossed = out.percent(e.relative_rms, 2), out.digits(fitted.cross_validated[k])
         size = (str(e.rows), f"{e.rms:.4g}", relative, f"{e.bias:+.3g}", f"{e.worst:+.3g}")
         residuals.append((name, *size, crossed, unit))
     heads = "<load|rows|rms|relative|bias|worst|cross-validated|<unit"
@@ -295,39 +306,23 @@ def _printed(
     yield from (f"note: {remark}" for remark in remarks)
 
 
-MOST_LEFT = 0.5  # rms error over measured rms above which a fit is refused
-
-
-def _refuse_poor(fitted: Fitted, warnings: Sequence[str], *, accept: bool) -> None:
-    """Raise ``InputError`` for a fit that does not explain thrust or torque, unless ``accept`` is
-    set; the message lists doubts about the data."""
-    for k, name in enumerate(fitted.rows.names):
-        left = errors(*fitted.compared(k)).relative_rms
-        if name in ("thrust", "torque") and left > MOST_LEFT and not accept:
-            found = f"the rms error is {left:.0%} of the {name} (rms), so no file was written"
-            odd = [text for text in warnings if ": columns: " not in text]
-            doubts = "; ".join(odd) or "units and signs of the data look plausible"
-            remedy = "correct the data or the propeller, or add --accept to write the fit"
-            raise InputError(f"{found}; {doubts}", remedy)
-
-
 def _finish_tunnel(
     choice: opt.RotorChoice,
+    asked: FitChoice,
     model: Model,
     measured: tunnel.TunnelData,
     fitted: Fitted,
     output: Path | None,
-    picture: Path | None,
-    *,
     data: Sequence[str | Path],
-    weights: Mapping[str, float],
     prior: SectionPrior | None,
     remarks: Sequence[str],
     warnings: Sequence[str],
+    weights: Mapping[str, float] | None = None,
 ) -> None:
     """Write, draw and print a fit to loads; only its file contains the ``warnings`` on the data."""
     rotor = tunnel.rotor_with(model, fitted.values, choice.accuracy)
     blade = model.propeller
+    remarks = [*remarks, *range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]
     text = fit_text(
         fitted,
         kind="tunnel",
@@ -344,16 +339,16 @@ def _finish_tunnel(
             *plausibility.air_warnings(model.air),
             *warnings,
         ],
-        options={"loads": list(fitted.rows.names), "weights": weights},
+        options={"loads": list(fitted.rows.names), "weights": weights or {}},
     )
-    if picture is not None:
+    if asked.picture is not None:
         from propmap.report.fit_curves import tunnel_fit
 
-        out.save_picture(tunnel_fit(measured, rotor).figure(), picture)
+        out.save_picture(tunnel_fit(measured, rotor).figure(), asked.picture)
     finish(fitted, rotor.model, remarks, text, output)
 
 
-@functools.partial(opt.takes_choices, airfoil=opt.FitAirfoilOption)
+@functools.partial(opt.takes_choices, airfoil=opt.FitAirfoilOption, bare=None)
 def fit_tunnel(
     choice: opt.RotorChoice,
     data: Annotated[
@@ -371,7 +366,6 @@ def fit_tunnel(
         list[str] | None,
         Option(metavar="LOAD=W", help="Factor on the residuals of a load; may be repeated."),
     ] = None,
-    accept: Accept = False,
     cluster: opt.Cluster = None,
     asked: FitChoice = FitChoice(),
 ) -> None:
@@ -382,18 +376,11 @@ def fit_tunnel(
     default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
     expected = asked.expected(choice.prop, blade, base)
     chosen = asked.chosen(default, base, expected=expected)
-    weights = {}
-    for text in weight or ():
-        name, _, value = text.partition("=")
-        try:
-            weights[name.strip()] = float(value)
-        except ValueError:
-            found = f"--weight {text!r} has no number"
-            raise InputError(found, "write --weight thrust=2") from None
+    pairs = (text.partition("=") for text in weight or ())
+    weights = {name.strip(): _number(value, f"--weight {name}") for name, _, value in pairs}
     air = choice.medium()
     measured = tunnel.read_tunnel(data, blade, air)
-    warnings = tunnel.tunnel_warnings(data, blade, air)
-    out.note(*warnings)
+    out.note(*measured.remarks)
     law = base or (expected.airfoil if expected else tunnel.first_guess())
     model = Model(blade, opt.with_physics(law, choice.model, choice.correction), air)
     options: Any = {
@@ -402,18 +389,16 @@ def fit_tunnel(
         "setting": choice.accuracy,
     }
 
-    def rows_for(c: Choice) -> Rows:
-        return tunnel.tunnel_rows(model, measured, c, **options)
-
     remake = functools.partial(tunnel.tunnel_rows, model, measured, chosen, **options)
     with opt.workers_of_bootstrap(cluster, asked.bootstrap) as workers:
         fitted = fit(remake(), chosen, asked.settings, workers=workers, remake=remake)
-    _refuse_poor(fitted, warnings, accept=accept)
-    remarks = [*range_warnings(fitted.rows), *comparison.failing_assumptions(fitted, rows_for)]
-    remarks += comparison.unlikely_constants(fitted)
-    said: Any = {"prior": expected, "remarks": remarks, "warnings": warnings}
-    said |= {"data": tunnel.sources(data), "weights": weights}
-    _finish_tunnel(choice, model, measured, fitted, output, asked.picture, **said)
+    remarks = asked.refuse_implausible(fitted, measured.remarks)
+    remarks += comparison.failing_assumptions(
+        fitted, lambda c: tunnel.tunnel_rows(model, measured, c, **options)
+    )
+    said = expected, remarks, measured.remarks
+    files = tunnel.sources(data)
+    _finish_tunnel(choice, asked, model, measured, fitted, output, files, *said, weights=weights)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -423,7 +408,7 @@ LIKE_ELECTRICAL = 1.2  # measured over expected power from which the power may b
 STILL = 0.5  # largest reading of an anemometer in still air [m/s]
 
 
-@functools.partial(opt.takes_choices, prop=opt.PropOption, airfoil=opt.FitAirfoilOption)
+@functools.partial(opt.takes_choices, prop=opt.PropOption, airfoil=opt.FitAirfoilOption, bare=None)
 def fit_static(
     choice: opt.RotorChoice,
     files: Annotated[
@@ -435,7 +420,6 @@ def fit_static(
         ),
     ],
     output: Annotated[Path | None, WRITTEN] = None,
-    accept: Accept = False,
     asked: FitChoice = FitChoice(starts=1, folds=0),
 ) -> None:
     """Fit section constants to a static test of a propeller.
@@ -456,13 +440,11 @@ def fit_static(
     setting = choice.accuracy
     rows = tunnel.tunnel_rows(model, measured, chosen, setting=setting)
     fitted = fit(rows, chosen, asked.settings)
-    _refuse_poor(fitted, warnings, accept=accept)
-    remarks = [*range_warnings(fitted.rows), *comparison.unlikely_constants(fitted)]
+    remarks = asked.refuse_implausible(fitted, warnings)
     if expected is not None:
         remarks += _like_electrical(fitted, measured)
-    said: Any = {"prior": expected, "remarks": remarks, "warnings": warnings}
-    said |= {"data": files, "weights": {}}
-    _finish_tunnel(choice, model, measured, fitted, output, asked.picture, **said)
+    said = expected, remarks, warnings
+    _finish_tunnel(choice, asked, model, measured, fitted, output, files, *said)
     _show_trust(comparison.forward_trust(model, fitted, float(np.median(measured.omega)), setting))
 
 

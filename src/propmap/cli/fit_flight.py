@@ -39,7 +39,7 @@ from propmap.vehicle.log import (
     low_passed,
 )
 from propmap.vehicle.log_checks import check_recording
-from propmap.vehicle.log_readers import read_recording
+from propmap.vehicle.log_readers import read_csv_log, read_recording
 from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, ThrottleCurve
 from propmap.vehicle.vehicle import Vehicle
 
@@ -209,8 +209,8 @@ LowPass = Annotated[
     Option(
         "--low-pass",
         metavar="HZ",
-        help="Cut-off frequency in Hz of the low-pass filter for --method balance; 0 for no filter "
-        "(default: 6).",
+        help="Cut-off frequency in Hz of the low-pass filter of the signals of a force balance; 0 "
+        "for no filter (default: 6).",
     ),
 ]
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
@@ -397,10 +397,11 @@ def fit_flight(
     remake = functools.partial(make, model, chosen)
     with opt.workers_of_bootstrap(cluster, asked.bootstrap) as workers:
         fitted = fit(remake(), chosen, asked.settings, fewer, workers=workers, remake=remake)
+    accepted = asked.refuse_implausible(fitted, [*flights.remarks, *warnings])
     if flights.curve:
         (turning,) = _turning([flights.log], file.vehicle, fitted.values)
         model = flight.ForceModel(file.vehicle, turning, law)
-    remarks = [*flights.remarks, *range_warnings(fitted.rows)]
+    remarks = [*accepted, *flights.remarks, *range_warnings(fitted.rows)]
     remarks += comparison.residual_trends(fitted, model.log)
     remarks += comparison.unlikely_constants(fitted)
     if body_study:
@@ -596,10 +597,9 @@ def _predicted(
         if len(whole) != 1:
             return None
         names = [f"{whole[0]}_f{axis}" for axis in ENDINGS]
-    (clock,) = file.log.columns.get("time", (heads[0],))
-    use = [heads.index(name) for name in (clock, *names)]
-    table = np.genfromtxt(path, delimiter=",", skip_header=1, usecols=use)
-    at, raw = table[:, 0], table[:, 1:]
+    map_ = replace(file.log, columns={**file.log.columns, "velocity": tuple(names)})
+    velocity = read_csv_log(path, map_).velocity
+    at, raw = velocity.time, velocity.values
     none = np.zeros_like(raw)
     up = none + np.array([0.0, 0.0, 1.0])
     carrier = FlightLog("prediction", at, raw, none, up, none, np.ones((len(raw), 1)))

@@ -103,9 +103,9 @@ AirfoilOption = Annotated[
         "--airfoil",
         metavar="NAME|FILE",
         help="Section law: a name that `propmap airfoils` lists, a fit or parameter set (.toml), "
-        "or a section table (AeroDyn, XFOIL file or folder, CACTUS, CSV). Default: the constants "
-        "identified for the propeller; if there are none, the constants predicted from its family "
-        "or from all propellers.",
+        "or a section table (AeroDyn, XFOIL file or folder, QBlade, CACTUS, CSV). Default: "
+        "constants identified for the propeller, or else constants predicted from its family or "
+        "from all propellers.",
     ),
 ]
 FitAirfoilOption = Annotated[
@@ -266,18 +266,16 @@ def constants(name_or_path: str) -> Airfoil:
     return found
 
 
-def takes_choices(
-    command: Callable[..., None], prop: Any = PropArgument, airfoil: Any = AirfoilOption
-) -> Callable[..., None]:
-    """Turn each field of a command's dataclass parameters into an option; ``prop`` and ``airfoil``
-    define these two fields of ``RotorChoice``."""
+def takes_choices(command: Callable[..., None], **changed: Any) -> Callable[..., None]:
+    """Turn each field of a command's dataclass parameters into an option, or into the ``changed``
+    option of this name; None omits a field."""
     own = inspect.signature(command, eval_str=True).parameters
     kinds: dict[str, Any] = {n: p.annotation for n, p in own.items() if is_dataclass(p.annotation)}
     plain = [one.replace(kind=one.KEYWORD_ONLY) for n, one in own.items() if n not in kinds]
     needed, shared = [], []
     for name, kind in kinds.items():
-        types = get_type_hints(kind, include_extras=True) | {"prop": prop, "airfoil": airfoil}
-        for field in fields(kind):
+        types = get_type_hints(kind, include_extras=True) | changed
+        for field in (one for one in fields(kind) if types[one.name] is not None):
             default = getattr(own[name].default, field.name, field.default)
             option = inspect.Parameter(
                 field.name, inspect.Parameter.KEYWORD_ONLY, annotation=types[field.name]
@@ -290,7 +288,8 @@ def takes_choices(
     @functools.wraps(command)
     def run(**given: Any) -> None:
         for name, kind in kinds.items():
-            given[name] = kind(**{field.name: given.pop(field.name) for field in fields(kind)})
+            names = [field.name for field in fields(kind) if field.name in given]
+            given[name] = kind(**{field: given.pop(field) for field in names})
         command(**given)
 
     parameters = [*needed, *plain, *shared]
@@ -457,6 +456,12 @@ StdBySource = Annotated[
         "geometry, errors of the model, differences between tunnels, installation.",
     ),
 ]
+
+
+def check_bands(bands: bool, by_source: bool) -> None:
+    """Raise ``InputError`` for ``--std-by-source`` without standard deviations."""
+    if by_source and not bands:
+        raise InputError("--std-by-source is given with --no-bands", "leave out one of them")
 
 
 def note_not_counted(model: Model) -> None:

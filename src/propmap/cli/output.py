@@ -139,7 +139,12 @@ def blamed_on(file: Path) -> Iterator[None]:
 
 def digits(value: float, count: int = 4) -> str:
     """Return ``value`` with ``count`` significant digits, or a dash if it is not finite."""
-    return f"{value:.{count}g}" if math.isfinite(value) else "-"
+    return f"{value + 0.0:.{count}g}" if math.isfinite(value) else "-"  # + 0.0: no -0
+
+
+def percent(share: float, decimals: int) -> str:
+    """Return a ``share`` in percent, or a dash if it is not finite."""
+    return f"{100.0 * share:.{decimals}f} %" if math.isfinite(share) else "-"
 
 
 def json_text(value: Any) -> str:

@@ -65,6 +65,7 @@ def predict(
     std_by_source: opt.StdBySource = False,
 ) -> None:
     """Predict the loads and power of a propeller at operating points."""
+    opt.check_bands(bands, std_by_source)
     where = _points(rpm, speed, beta, points, height=height, ceiling=ceiling)
     chosen = out.chosen_format(format_, output)
     rotor = choice.rotor()
@@ -138,12 +139,15 @@ def _one_point(
     for name, unit in units.items():
         load = LOADS.get(name)
         columns = [load.column_of(kind) if load else f"power_{kind}_W" for kind in kinds]
-        own, given = _digits(getattr(loads, name)[0]), [f"{spread[one][0]:.2g}" for one in columns]
-        rows.append((load.label if load else name, own, *given, _digits(hover[name][0]), unit))
+        own, given = (
+            out.digits(getattr(loads, name)[0]),
+            [f"{spread[one][0]:.2g}" for one in columns],
+        )
+        rows.append((load.label if load else name, own, *given, out.digits(hover[name][0]), unit))
     none = [""] * len(kinds)
     rows += [
-        ("mean inflow", _digits(loads.mean_inflow[0]), *none, "", "m/s"),
-        ("reverse flow", _digits(100.0 * loads.reverse_flow[0]), *none, "", "% of the disk"),
+        ("mean inflow", out.digits(loads.mean_inflow[0]), *none, "", "m/s"),
+        ("reverse flow", out.digits(100.0 * loads.reverse_flow[0]), *none, "", "% of the disk"),
         ("inflow solutions", str(loads.roots[0]), *none, "", ""),
         ("status", str(loads.status[0]), *none, "", ""),
     ]
@@ -172,7 +176,7 @@ def _many_points(
     for i, status in enumerate(loads.status.tolist()):
         given = (where.rpm, where.speed_mps, where.beta_deg, *where.further.values())
         cells = [f"{values[i]:g}" for values in given]
-        cells += [_digits(column[i]) for column in columns.values()]
+        cells += [out.digits(column[i]) for column in columns.values()]
         rows.append([*cells, str(loads.roots[i]), status])
     caption = "T h, Q h: thrust and torque of the hover model"
     if spread:
@@ -180,7 +184,3 @@ def _many_points(
     more = (f"{name} [m]" for name in where.further)
     heads = "|".join(("rpm", "V [m/s]", "beta [deg]", *more, *columns, "roots", "<status"))
     return out.grid(heads, rows, caption=caption)
-
-
-def _digits(value: float) -> str:
-    return f"{value + 0.0:.4g}"  # adding 0.0 removes the sign of -0.0

@@ -144,6 +144,7 @@ def sweep(
     yes: Yes = False,
 ) -> None:
     """Compute the loads of a propeller on a grid of operating points."""
+    opt.check_bands(bands, std_by_source)
     axes = (
         opt.parse_axis("--rpm", "rpm", rpm),
         opt.parse_axis("--speed", "speed", speed),

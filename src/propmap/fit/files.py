@@ -16,7 +16,7 @@ import numpy as np
 
 import propmap
 from propmap.errors import InputError
-from propmap.fit.fit import Coverage, Fitted
+from propmap.fit.fit import OF_THRUST, OF_TORQUE, Coverage, Fitted
 from propmap.fit.least_squares import End, FlightErrors, ResidualErrors, by_band, errors
 from propmap.fit.parameters import BEYOND_ROTORS, ROTOR, THROTTLE, WING, described, general, known
 from propmap.fit.tunnel import model_with, section_with
@@ -411,10 +411,6 @@ def _listed(tables: Any) -> Any:
     if not isinstance(tables, Mapping):
         return tables
     return [{"name": k, **t} if isinstance(t, Mapping) else t for k, t in tables.items()]
-
-
-OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
-"""Loads whose relative errors estimate the errors of static thrust and of static torque."""
 
 
 def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]:

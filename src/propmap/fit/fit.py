@@ -18,17 +18,22 @@ from propmap.fit.least_squares import (
     Minimum,
     Rows,
     RowsElsewhere,
+    errors,
     rms_known,
     search,
     starts,
 )
-from propmap.fit.parameters import LEAST_ERROR, LEAST_IN_FLIGHT, Choice
+from propmap.fit.parameters import LEAST_ERROR, LEAST_IN_FLIGHT, SECTION, Choice
 from propmap.fit.uncertainty import Uncertainty, residual_errors, uncertainty
 from propmap.model.envelope import Range
 from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats
 from propmap.units import RPM
 
+OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
+"""Loads whose relative errors estimate the errors of static thrust and of static torque."""
+
+MOST_LEFT = 1.0 / 3.0  # rms error over measured rms above which a fit cannot be right
 MEDIAN_TO_DEVIATION = 1.4826  # standard deviation over median magnitude, for normal errors
 
 
@@ -107,6 +112,21 @@ class Fitted:
         """Cross-validated root mean square error of each load (L,); NaN if not computed."""
         parts = (self.left_out[self.rows.of_load(k)] for k in range(len(self.rows.names)))
         return np.array([rms_known(part) for part in parts])
+
+    @property
+    def implausible(self) -> str:
+        """Reason why the fit cannot be right: an rms error above ``MOST_LEFT`` of thrust, vertical
+        force or torque, or two section constants at their bounds; empty for a usable fit."""
+        found = []
+        for k, name in enumerate(self.rows.names):
+            left = errors(*self.compared(k)).relative_rms
+            if name in (*OF_THRUST, *OF_TORQUE) and left > MOST_LEFT:
+                found.append(f"the rms error is {left:.0%} of the {name.replace('_', ' ')} (rms)")
+        held = (self.x == self.choice.column("lower")) | (self.x == self.choice.column("upper"))
+        at_end = [n for n, on in zip(self.choice.free, held, strict=True) if on and n in SECTION]
+        if len(at_end) > 1:
+            found.append(f"{', '.join(at_end)} are at their bounds")
+        return ", and ".join(found)
 
     def compared(self, load: int) -> tuple[Floats, Floats]:
         """Return the modeled and measured values of the load with index ``load``, in its unit."""

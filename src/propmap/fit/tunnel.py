@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -253,19 +253,16 @@ def sources(data: Sequence[str]) -> list[Path | str]:
 
 
 def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelData:
-    """Return all ``data`` as one set; propeller and air convert coefficients to loads."""
-    return merged([_read(item, propeller, air) for item in sources(data)])
-
-
-def tunnel_warnings(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
-    """Return notes on the interpretation of files, and warnings of data that do not fit the
-    propeller; raise an ``InputError`` for impossible loads or points."""
+    """Return all ``data`` as one set, with the texts of ``data_warnings`` as remarks; propeller and
+    air convert coefficients to loads."""
     parts = [_read(item, propeller, air) for item in sources(data)]
-    return [text for part in parts for text in data_warnings(part, propeller, air)]
+    remarks = (text for part in parts for text in data_warnings(part, propeller, air))
+    return replace(merged(parts), remarks=tuple(remarks))
 
 
 def data_warnings(data: TunnelData, propeller: Propeller, air: Air) -> list[str]:
-    """Return the texts of ``tunnel_warnings`` for one file."""
+    """Return notes on the interpretation of a file, and warnings of data that do not fit the
+    propeller; raise an ``InputError`` for impossible loads or points."""
     points = data.omega, data.speed, data.beta
     with located(data.source):
         warnings = point_warnings(propeller, *points)

@@ -191,7 +191,8 @@ def _stretched(
             foreseen, there = first.profile(k, end)
             if end == bounds[side][k] or foreseen <= at_minimum:
                 continue
-            least, _ = linearized(there, *evaluator.at(there * spread))[0].profile(k, end)
+            at = np.clip(there * spread, lower, upper)
+            least, _ = linearized(there, *evaluator.at(at))[0].profile(k, end)
             share = (least - at_minimum) / (foreseen - at_minimum)
             stretch = max(1.0, max(share, LARGEST_STRETCH**-2) ** -0.5)
             stretched[side, k] = x[k] + stretch * (end - x[k])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 import tomllib
 import unicodedata
@@ -78,6 +79,11 @@ NOT_TAKEN = {
 }
 """Patterns of columns that resemble a known quantity but are another one, and the reason."""
 
+SIDE = re.compile(  # qualifiers as in "Speed (level) (km/h)", which is another quantity
+    r"\b(el|elec|electric|electrical|input|battery|esc|level|vertical|pitch"
+    r"|min|max|std|sd|error|uncertainty|target|setpoint|command)\b"
+)
+
 AROUND = "([ab]|powertrain|rotor|propeller|prop|mean|average|avg|measured|filtered|raw) ?[1-9]?"
 
 
@@ -104,17 +110,21 @@ def _words(text: str) -> str:
     return re.sub(r"([a-z])([1-9])\b", r"\1 \2", re.sub(r"[^a-z0-9]+", " ", text).strip())
 
 
-def _parted(name: str) -> Iterator[tuple[str, str, str]]:
-    """Yield all splits of a column name into words, unit, and unit as spelled in the file."""
+def _parted(name: str) -> Iterator[tuple[str, str, str, int]]:
+    """Yield all splits of a column name into words, unit, unit as spelled in the file, and 1 if a
+    qualifier was cut off the words, as in "Thrust - Motor 1 (N)"; else 0."""
     text = unicodedata.normalize("NFKC", name[:LONGEST]).strip()
     low = text.lower()
-    found = re.fullmatch(r"(.*?)[\s,_]*[\[({<](.*)[\])}>]", low)
+    found = re.fullmatch(r"(.*[\])}>]|.*?)[\s,_]*[\[({<](.*)[\])}>]", low)
     cuts = [] if found else [m.span() for m in re.finditer(r"[\s_,/]+", low)]
     parts = [(found.end(1), *found.span(2))] if found else [(a, b, len(low)) for a, b in cuts]
-    yield _words(low), "", ""
-    for end, start, stop in parts:
-        plain = re.sub("[^a-z0-9%]", "", low[start:stop].replace("°", "deg"))
-        yield _words(low[:end]), plain, text[start:stop].strip(" -")
+    yield _words(low), "", "", 0
+    for qualified in (0, 1):
+        for end, start, stop in [*parts, *[(len(low), 0, 0)] * (qualified and not found)]:
+            words = re.split(r"\s-\s|[\[({<:]", low[:end])[0] if qualified else low[:end]
+            if not qualified or not SIDE.search(low, len(words), end):
+                plain = re.sub("[^a-z0-9%]", "", low[start:stop].replace("°", "deg"))
+                yield _words(words), plain, text[start:stop].strip(" -"), qualified
 
 
 class Header:
@@ -145,7 +155,7 @@ class Header:
             if name == column:
                 self.taken.setdefault(column, []).append(Taken(-1, place, name, "", 1.0))
                 return True
-            for words, unit, written in _parted(name):
+            for words, unit, written, qualified in _parted(name):
                 for rank, names in enumerate(quantity.names):
                     core = f"({AROUND} )?(?P<core>{names})( ({AROUND}|[1-9]))?"
                     found = re.fullmatch(core, words)
@@ -157,9 +167,9 @@ class Header:
                         else re.fullmatch(quantity.bare, found["core"])
                     ):
                         # Names such as thrust_g follow propmap's convention, with another unit.
-                        place_in_order = -1 if name == f"{own}_{written}" else rank
+                        order = -1 if name == f"{own}_{written}" else rank + 10 * qualified
                         factor = quantity.units.get(unit, 1.0)
-                        taken = Taken(place_in_order, place, name, written, factor)
+                        taken = Taken(order, place, name, written, factor)
                         self.taken.setdefault(column, []).append(taken)
                         return True
                     if len(words) > 3 and unit not in OTHERS:  # T and Q alone are ambiguous
@@ -182,15 +192,25 @@ class Header:
                 fault = f"column {quoted(self.unclear[column])} has no known unit"
                 remedy = f"name it {' or '.join(columns)}, with its unit, or remove it"
                 raise InputError(fault, remedy)
-        for name in self.names if "rpm" in columns and not found else ():
-            if "pole pairs" in (why := self.not_taken(name)):
-                raise InputError(f"column {quoted(name)} is {why}", "and name it rpm")
         return found[0] if found else None
 
-    @staticmethod
-    def not_taken(name: str) -> str:
+    def listed(self) -> str:
+        """Return the names of the columns, each with the nearest known quantity, for messages."""
+        every = Header(self.names, QUANTITIES)
+        means = {name: f"{QUANTITIES[c].words} without unit" for c, name in every.unclear.items()}
+        means |= {one.name: QUANTITIES[c].words for c, ones in every.taken.items() for one in ones}
+        shown = []
+        for place, name in enumerate(self.names):
+            near = "".join(f"like {c}" for c in difflib.get_close_matches(name, QUANTITIES, n=1))
+            mean = self._why_not(place) or means.get(name) or near
+            shown.append(f"{quoted(name)} ({mean})" if mean else quoted(name))
+        return f"the columns are {', '.join(shown) or 'not named'}"
+
+    def _why_not(self, place: int) -> str:
         """Return why a column is not the quantity that it resembles; empty for all other names."""
-        words = [words for words, *_ in _parted(name)]
+        if place in self.blank:
+            return "blank"
+        words = [words for words, *_ in _parted(self.names[place])]
         found = (why for names, why in NOT_TAKEN.items() for w in words if re.fullmatch(names, w))
         return next(found, "")
 
@@ -201,15 +221,13 @@ class Header:
             if taken.rank >= 0:
                 unit = f" in {taken.unit}" if taken.unit else ""
                 parts.append(f"{quoted(taken.name)} is {QUANTITIES[column].words}{unit}")
-                if re.fullmatch(
-                    QUANTITIES["rpm"].names[1], _words(taken.name.lower().partition("(")[0])
-                ):
+                if column == "rpm" and "electrical" in taken.name.lower():
                     parts[-1] += ", divided by pole pairs if their number was set in the stand"
         mine = {taken.place for taken in used.values()}
         left = []
         for place, name in enumerate(self.names):
-            why = "blank" if place in self.blank else self.not_taken(name)
             if place not in mine:
+                why = self._why_not(place)
                 left.append(f"{quoted(name)} ({why})" if why else quoted(name))
         parts += [f"not used: {', '.join(left)}"] if left else []
         return [f"columns: {'; '.join(parts)}"] if parts else []

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from propmap.errors import InputError, located, quoted
-from propmap.io.columns import QUANTITIES, Header
+from propmap.io.columns import Header
 from propmap.loads import LOADS
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -435,32 +435,29 @@ def read_points(
     is not required.  An empty field of a further column is NaN.
     """
     wanted = (*OF_POINTS, *further)
-    columns, remarks = read_columns(path, ("rpm",), wanted[1:], "list of operating points")
-    absent = [name for name in POINT_COLUMNS if name not in columns]
-    if len(absent) == 2 or (at_rest and absent == ["beta_deg"]):
-        columns |= dict.fromkeys(absent, np.zeros_like(columns["rpm"]))
-        remarks += [] if at_rest else [AT_REST]
-    elif absent:
-        raise missing(absent[0], POINT_COLUMNS, str(path))
+    pair = ("speed_mps", "beta_deg")
+    implied = dict([pair] if at_rest else [pair, pair[::-1]])
+    columns, remarks = read_columns(path, ("rpm",), wanted[1:], "list of operating points", implied)
+    absent = [name for name in pair if name not in columns]
+    columns |= dict.fromkeys(absent, np.zeros_like(columns["rpm"]))
+    remarks += [AT_REST] if len(absent) == 2 and not at_rest else []
     rpm, speed, beta = (columns.pop(name) for name in POINT_COLUMNS)
     more = {name: columns.pop(column) for name, column in FURTHER.items() if column in columns}
     return OperatingPoints(rpm, speed, beta, more), columns, remarks
 
 
-def missing(column: str, needed: Iterable[str], where: str = "") -> InputError:
-    """Return the error for a missing ``column``."""
-    remedy = f"the first line must name {', '.join(needed)}"
-    return InputError(f"line 1: column {column} is missing", remedy, where)
-
-
 def read_columns(
-    path: Path, needed: Collection[str], further: Iterable[str], what: str
+    path: Path,
+    needed: Collection[str],
+    further: Iterable[str],
+    what: str,
+    implied: Mapping[str, str] | None = None,
 ) -> tuple[dict[str, Floats], list[str]]:
     """Return columns (n,) of a CSV file in the units of their names, and remarks on the columns.
 
     The columns are the ``needed`` ones and available ``further`` ones of ``propmap.io.columns``.
     An empty field is NaN, or an error in columns of the operating point.  ``what`` is the name of
-    the expected content in messages.
+    the expected content in messages.  A key of ``implied`` is needed if its value is available.
     """
     wanted, lines = (*needed, *further), read_lines(path, what, latin=True)
     with located(str(path)):
@@ -488,14 +485,12 @@ def read_columns(
             found = {name: one for name in wanted if (one := header.one_of(name)) is not None}
         if "torque_Nm" in found:
             found.pop("power_W", None)
+        needed = *needed, *(name for name, other in (implied or {}).items() if other in found)
         absent = [name for name in needed if name not in found]
         if absent:
-            unfilled = Header(names, wanted).taken.get(absent[0]) if blank else None
-            if unfilled:
-                named = ", ".join(quoted(one.name) for one in unfilled)
-                found_none = f"{named}: all rows are empty or 0"
-                raise InputError(found_none, f"measure {QUANTITIES[absent[0]].words}")
-            raise missing(absent[0], needed)
+            fault = f"line {file.line if file else 1}: column {absent[0]} is missing"
+            remedy = f"the header must name {', '.join(needed)}, with values below"
+            raise InputError(f"{fault}; {header.listed()}", remedy)
         if not rows:
             raise InputError("there is no row below the header", "add a row per point")
         remarks = header.remarks(found)
@@ -530,7 +525,8 @@ def _value(cell: str, column: str, line: int, name: str) -> float:
         value = float(cell)
     except ValueError:
         found = f"{quoted(cell)} is not a number" if cell else "the field is empty"
-        raise InputError(found, remedy, where) from None
+        plain = "write a number without unit and thousands separators"
+        raise InputError(found, plain if cell else remedy, where) from None
     if not math.isfinite(value):
         raise InputError(f"{cell} is not a finite number", remedy, where)
     if value < 0.0 and quantity in ("rpm", "speed", *FURTHER):

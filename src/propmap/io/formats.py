@@ -32,13 +32,14 @@ BEM = Format("an OpenVSP .bem file", r"\.*\s*BEM Propeller", BLADE)
 TOML = Format("a TOML file of propmap", r"\s*schema\s*=", "name it .toml")
 AERODYN_15 = Format("AeroDyn v15", r"[^!]*\S\s+NumTabs\b", POLAR)
 AERODYN = Format("AeroDyn", r".*number of airfoil tables in this file", POLAR)
+QBLADE = Format("QBlade", r".*\bPOLARNAME\b|[\d.e+ ]+REYNOLDS *(-|$)|\s*REYNOLDS +\d", POLAR)
 XFOIL = Format("XFOIL", r"\s*(alpha|aoa)\s+CL\s+CD\b", POLAR)
 CACTUS = Format("CACTUS", r"reynolds number:", POLAR)
 UIUC_LOADS = Format("UIUC loads", r"\s*(J|RPM)[\s,]+CT[\s,]+CP\b", LOADS)
 PERFILES = Format("a PERFILE of APC, with computed loads", r"\s*PROP\s+RPM\s*=", LOADS)
 
 FORMATS = (
-    *(PE0, UIUC_GEOMETRY, QPROP, XROTOR, BEM, AERODYN_15, AERODYN, XFOIL, CACTUS),
+    *(PE0, UIUC_GEOMETRY, QPROP, XROTOR, BEM, AERODYN_15, AERODYN, QBLADE, XFOIL, CACTUS),
     *(UIUC_LOADS, PERFILES, TOML),
     Format("an AeroDyn blade file", r"\s*BlSpn\s+BlCrvAC", f"it has no tip radius; {AS_CSV}"),
     Format("a DFDC case", r"\s*DFDC\s+VERSION", f"ducts are not modeled; {AS_CSV}"),
@@ -65,4 +66,6 @@ def not_read(lines: Sequence[str], what: str, wanted: str, where: str) -> InputE
     if found is not None:
         return InputError(f"this is {found.name}, not a {what}", found.use, where)
     first = next((line for line in lines if line.strip()), "")
-    return InputError(f"begins with {quoted(first.strip())}, which is not a {what}", wanted, where)
+    return InputError(
+        f"begins with {quoted(first.strip(), 120)}, which is not a {what}", wanted, where
+    )

@@ -151,7 +151,7 @@ def read_propeller_toml(
     # Imported here because it loads msgspec, which the bundled propellers do not need.
     from propmap.io.toml import PropellerFile, read_toml
 
-    file = read_toml(path, PropellerFile, BLADE_SCHEMA, "geometry file")
+    file = read_toml(path, PropellerFile, BLADE_SCHEMA, "geometry")
     with located(os.fspath(path)):
         station, chord, twist = map(np.array, (file.station_m, file.chord_m, file.twist_rad))
         labels = [f"entry {i}" for i in range(station.size)]
@@ -250,7 +250,8 @@ def _choose_columns(header: Header) -> dict[str, Taken]:
     for columns, one in found.items():
         if one is None:
             missing = f"no column contains {QUANTITIES[columns[0]].words}"
-            raise InputError(missing, f"add {' or '.join(columns)}")
+            remedy = f"add {' or '.join(columns)}"
+            raise InputError(f"{missing}; {header.listed()}", remedy)
         chosen[next(name for name in columns if one in header.taken.get(name, ()))] = one
     return chosen
 

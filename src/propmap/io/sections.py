@@ -20,11 +20,12 @@ from propmap.model.airfoil import SectionTable
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
-# Formats of section tables: AeroDyn, XFOIL, CACTUS, CCBlade and CSV.
+# Formats of section tables: AeroDyn, XFOIL, QBlade, CACTUS, CCBlade and CSV.
 
 Lines = list[tuple[int, str]]  # lines that are not empty, with their numbers from 1
 Row = tuple[int, float, float, float]  # line number, angle of attack [deg], C_L, C_D
 
+ONE_EACH = "give a folder with one polar per file, or CSV with the columns alpha_deg,re,cl,cd"
 CSV_COLUMNS = ("alpha_deg", "re", "cl", "cd")
 CSV = Format("CSV", "", formats.POLAR)
 CCBLADE = Format("CCBlade", "", formats.POLAR)
@@ -34,7 +35,9 @@ def section_format(lines: Lines) -> Format | None:
     """Return the format of the lines of a file, a key of ``READERS``, or None."""
     texts = [line for _, line in lines]
     found = format_of(texts)
-    if found in (None, formats.XFOIL) and (_csv_header(lines) is not None or found is None):
+    if found in (None, formats.QBLADE, formats.XFOIL) and (
+        _csv_header(lines) is not None or found is None
+    ):
         found = CSV if _csv_header(lines) is not None else CCBLADE if _is_ccblade(texts) else None
     return found if found in READERS else None
 
@@ -59,6 +62,9 @@ def _aerodyn(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
                 found = f"found {quoted(line[1].strip())} between rows"
                 raise InputError(found, "end a table with EOT", f"line {line[0]}")
         yield reynolds, rows
+    if beyond := [n for n, line in rest if _is_row(line)]:
+        found = f"found a row below the stated number of tables, {count}"
+        raise InputError(found, "correct this number", f"line {beyond[0]}")
 
 
 def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
@@ -86,9 +92,30 @@ def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read one polar with rows in any order."""
     sign = re.compile(formats.XFOIL.sign, re.IGNORECASE)
-    head = next(k for k, (_, line) in enumerate(lines) if sign.match(line))
+    heads = [k for k, (_, line) in enumerate(lines) if sign.match(line)]
+    head = heads[0]
+    if len(heads) > 1 or len(re.findall(r"\bCL\b", lines[head][1], re.IGNORECASE)) > 1:
+        raise InputError("found a second polar", ONE_EACH, f"line {lines[heads[-1]][0]}")
     rows = [line for line in lines[head + 1 :] if set(line[1].strip()) - set("- ")]
     yield _reynolds(lines[:head]), [_row(line) for line in rows]
+
+
+def _qblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
+    """Read polars side by side: a row is the angle, and C_L, C_D, C_m for each Reynolds number,
+    with three more coefficients if the polars are decomposed."""
+    start = next((k for k, (_, line) in enumerate(lines) if _is_row(line)), len(lines))
+    head = [line.partition(" - ")[0].split() for _, line in lines[:start]]
+    listed = next((words for words in head if "REYNOLDS" in words), [])
+    numbers = [parse_number(word, "Re") for word in listed if word != "REYNOLDS"] or [0.0]
+    each = 6 if ["1", "ISDECOMPOSED"] in head else 3
+    rows = [(n, line.split()) for n, line in lines[start:]]
+    for n, words in rows:
+        if len(words) != 1 + each * len(numbers):
+            found = f"found {len(words)} numbers, expected the angle and {each} coefficients "
+            found += f"for each of {len(numbers)} Reynolds numbers"
+            raise InputError(found, ONE_EACH, f"line {n}")
+    for k, reynolds in enumerate(numbers):
+        yield reynolds, [_row((n, " ".join([w[0], *w[1 + each * k :]]))) for n, w in rows]
 
 
 def _reynolds(lines: Lines) -> float:
@@ -161,6 +188,7 @@ def _ccblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 READERS: dict[Format, Callable[[Lines], Iterator[tuple[float, list[Row]]]]] = {
     formats.AERODYN: _aerodyn,
     formats.AERODYN_15: _aerodyn_15,
+    formats.QBLADE: _qblade,
     formats.XFOIL: _xfoil,
     formats.CACTUS: _cactus,
     CCBLADE: _ccblade,
@@ -202,16 +230,19 @@ def _whole(line: tuple[int, str]) -> int:
 # Section tables from files, and the combination of polars to one table.
 
 FORMATS = (
-    "give an AeroDyn airfoil file, a polar of XFOIL or a folder of them, a CACTUS table, "
-    "a polar of CCBlade or airfoiltools, or CSV with the columns alpha_deg,cl,cd and re"
+    "give an AeroDyn airfoil file, a polar of XFOIL or a folder of them, a QBlade .plr file, "
+    "a CACTUS table, a polar of CCBlade or airfoiltools, or CSV with the columns alpha_deg,cl,cd "
+    "and re"
 )
-ONE_POLAR = (formats.XFOIL, CCBLADE)  # formats with one file per Reynolds number in a folder
+ONE_POLAR = (formats.XFOIL, formats.QBLADE, CCBLADE)  # formats of the files of a folder
+RADIANS = 3.2  # angle [deg] that every polar in degrees exceeds, and none in radians
+LEAST_REYNOLDS = 100.0  # smaller numbers are in thousands or millions
 ASSUMED_REYNOLDS = 1e6  # for a single table without Reynolds number; loads do not depend on it
-SAME_LIFT = 0.01  # C_L difference up to which a repeated angle, as XFOIL writes it, is one row
+SAME_LIFT, SAME_DRAG = 0.01, 0.1  # largest difference, C_D relative, of an angle XFOIL repeats
 
 
 def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
-    """Read a section table from a file, or a folder with one XFOIL polar per Reynolds number.
+    """Read a section table from a file, or a folder with one polar per Reynolds number.
 
     The format is recognized by content.  Polars that end a little past stall are extrapolated to
     +-180 degrees by Viterna's method; ``source`` of the table records this.
@@ -219,9 +250,10 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
     Parameters
     ----------
     path : str or path
-        AeroDyn airfoil file (v13 to v15, all its tables), XFOIL polar or folder, CACTUS table (for
-        example those of Sheldahl and Klimas), a polar of CCBlade (angles in radians) or
-        airfoiltools, or CSV with the columns alpha_deg, cl, cd and possibly re.
+        AeroDyn airfoil file (v13 to v15, all its tables), XFOIL polar or folder, QBlade .plr file
+        (all its polars), CACTUS table (for example those of Sheldahl and Klimas), a polar of
+        CCBlade (angles in radians) or airfoiltools, or CSV with the columns alpha_deg, cl, cd and
+        possibly re.
 
     Raises
     ------
@@ -235,7 +267,7 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
         lines = lines_of(file)
         kind = section_format(lines)
         if kind is None or (place.is_dir() and kind not in ONE_POLAR):
-            wanted = "give a folder with only XFOIL polars" if place.is_dir() else FORMATS
+            wanted = "give a folder with only polars" if place.is_dir() else FORMATS
             texts = [line for _, line in lines]
             raise not_read(texts, "section table that propmap reads", wanted, str(file))
         kinds.add(kind.name)
@@ -260,8 +292,8 @@ def _table(place: Path, kind: str, found: Sequence[tuple[str, float, list[Row]]]
             reynolds = ASSUMED_REYNOLDS
             remarks.append("Reynolds number not stated")
         with located(where):
-            if not reynolds > 0.0:
-                remedy = "give a Reynolds number above 0 for each table"
+            if not reynolds >= LEAST_REYNOLDS:
+                remedy = "give the Reynolds number of each table, not in thousands or millions"
                 raise InputError(f"a Reynolds number is {reynolds:g}", remedy)
             if reynolds in [polar.reynolds for polar in polars]:
                 raise InputError(f"Re = {reynolds:g} occurs twice", "keep one of the tables")
@@ -283,8 +315,11 @@ def _polar(reynolds: float, rows: list[Row]) -> Polar:
         line, angle, lift, drag = row
         with located(f"line {line}"):
             if kept and angle == kept[-1][1]:
-                if abs(lift - kept[-1][2]) > SAME_LIFT:
-                    found = f"{angle:g} deg occurs twice, in line {kept[-1][0]} with other lift"
+                if (
+                    abs(lift - kept[-1][2]) > SAME_LIFT
+                    or abs(drag - kept[-1][3]) > SAME_DRAG * drag
+                ):
+                    found = f"{angle:g} deg occurs twice, in line {kept[-1][0]} with other values"
                     raise InputError(found, "keep one of the rows")
                 continue
             if abs(angle) > 180.0 + 1e-9:
@@ -296,6 +331,9 @@ def _polar(reynolds: float, rows: list[Row]) -> Polar:
         found = f"the table of Re = {reynolds:g} has {len(kept)} rows, expected at least 8"
         raise InputError(found, "give more angles")
     _, angles, lifts, drags = np.array(kept).T
+    if max(abs(angles)) < RADIANS:
+        found = f"the largest angle is {max(abs(angles)):.4g} deg, probably in radians"
+        raise InputError(found, "give degrees, or name the column alpha_rad")
     return Polar(reynolds, np.radians(angles), lifts, drags)
 
 

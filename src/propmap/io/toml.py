@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_t
 
 import msgspec
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, quoted, refuse_other_toml
 from propmap.io.csv import read_lines
 
 # -------------------------------------------------------------------------------------------------
@@ -40,7 +40,7 @@ WORDS = {
 
 
 def read_toml(path: str | os.PathLike[str], kind: type[Made], schema: int, what: str) -> Made:
-    """Return the file at ``path`` as a struct of type ``kind``; messages call the file ``what``."""
+    """Return the file at ``path`` as a struct of type ``kind``; messages name a ``what`` file."""
     where = os.fspath(path)
     try:
         fields = tomllib.loads("\n".join(read_lines(path, what)))
@@ -55,6 +55,7 @@ def read_toml(path: str | os.PathLike[str], kind: type[Made], schema: int, what:
         fault = f"schema is {quoted(found)}, expected {schema}"
         remedy = f"write schema = {schema}, or update propmap if the file is newer"
         raise InputError(fault, remedy, where)
+    refuse_other_toml(fields, get_type_hints(kind), f"{what} file", where)
     return checked(fields, kind, where)
 
 

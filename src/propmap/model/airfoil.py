@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap import __version__
-from propmap.errors import InputError, located
+from propmap.errors import InputError, located, refuse_other_toml
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.envelope import Envelope
 from propmap.typing import ByValue, Floats
@@ -306,6 +306,7 @@ def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
         if schema != LAW_SCHEMA:
             found = f"schema is {schema!r}, this version reads {LAW_SCHEMA}"
             raise InputError(found, "upgrade propmap")
+        refuse_other_toml(table, (*FILED, "fit"), "parameter set", "")
         # Other tables belong to other programs, but an unknown top-level key is likely a typo.
         extra = sorted(k for k, v in table.items() if k not in FILED and not isinstance(v, dict))
         repeat = other_version(table.get("fit"))

@@ -56,6 +56,9 @@ WIDE_LOAD_RATIO = Range(1.0 / 3.5, 3.5)  # wider, for loads that nothing else ex
 MOST_FOR_THRUST, LEAST_FOR_THRUST = (1.4, 1.95), 0.7
 """Limits of the torque ratio (torque over its estimate) divided by the thrust ratio; the 134 sets
 have 0.81 to 1.85.  The first limit applies if power was measured; two sets exceed it."""
+GOOD_ROTOR = 0.8
+"""Ideal power over shaft power up to which a thrust too large for its torque is not doubted: a good
+large propeller has 0.7 to 0.75 in hover, and the thrust of two rotors multiplies it by 2.8."""
 
 FAST_TIP_MACH = 0.75  # above, the drag of thick sections rises, which no section law includes
 PITCH_STATION = 0.75  # share of the radius at which chord and twist represent the blade
@@ -233,7 +236,8 @@ def load_warnings(
     if backwards:
         return [f"{name} is negative near V = 0; its sign looks reversed" for name in backwards]
     found = _wrong_size(ratios, LOAD_RATIO, by_power=by_power)
-    proportion = _out_of_proportion(ratios, by_power=by_power)
+    share = _ideal_share(propeller, air, w, v, b, known)
+    proportion = _out_of_proportion(ratios, share, by_power=by_power)
     if found and by_power and ELECTRICAL_POWER not in found[0]:
         found += [text for text in proportion if ELECTRICAL_POWER in text]
     found = found or [
@@ -245,10 +249,10 @@ def load_warnings(
             or _beta_from_the_disk(propeller, w, v, b, known)
         ),
     ]
-    impossible = _impossible(propeller, air, w, v, b, known)
+    impossible = _impossible(propeller, air, w, known, share)
     if impossible:
         found = found or _wrong_size(ratios, WRONG_LOAD_RATIO, by_power=by_power)
-        remedy = "correct wrong units, or divide totals by the number of rotors"
+        remedy = "correct units, divide totals by the number of rotors, or name the right propeller"
         raise InputError("; ".join([impossible, *found]), remedy)
     return found
 
@@ -332,24 +336,27 @@ def _wrong_size(ratios: Mapping[str, float], usual: Range, *, by_power: bool) ->
     # One mistake is more likely than two.  With one measured load, both kinds of errors explain it.
     if shared and (len(odd) > 1 or len(ratios) == 1 or not causes):
         causes = [*causes, shared] if len(ratios) == 1 else [shared]
-    return [f"{sizes}; {', or '.join(causes) or 'check units, radius and rpm'}"]
+    said = ", or ".join(causes) or "check units, radius and rpm"
+    return [f"{sizes}; {said}, or another propeller was measured"]
 
 
-def _out_of_proportion(ratios: Mapping[str, float], *, by_power: bool) -> list[str]:
-    """Warn of thrust and torque that are plausible alone but not together."""
+def _out_of_proportion(ratios: Mapping[str, float], ideal: float, *, by_power: bool) -> list[str]:
+    """Warn of thrust and torque that are plausible alone but not together; ``ideal`` is the ideal
+    power over the shaft power."""
     if not {"thrust", "torque"} <= set(ratios):
         return []
     share = ratios["torque"] / ratios["thrust"]
     if share > MOST_FOR_THRUST[not by_power]:
         name = "power" if by_power else "torque"
         causes = [ELECTRICAL_POWER] if by_power else [ROTORS, ELECTRICAL_POWER]
-    elif share < LEAST_FOR_THRUST:
+    elif share < LEAST_FOR_THRUST and ideal > GOOD_ROTOR:
         name, share, causes = "thrust", 1.0 / share, [ROTORS]
     else:
         return []
     other = "torque" if name == "thrust" else "thrust"
     times = f"{name} is {share:.3g} times the value for this blade at its {other}"
-    return [f"{times}; it may be {' or '.join(_sized(causes, share))}"]
+    said = " or ".join(_sized(causes, share))
+    return [f"{times}; it may be {said}, or another propeller was measured"]
 
 
 def _errors_of(quantity: str, ratio: float) -> list[str]:
@@ -371,7 +378,7 @@ def _sized(errors: Iterable[str], ratio: float) -> list[str]:
 
 
 def _impossible(
-    propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
+    propeller: Propeller, air: Air, w: Floats, known: Mapping[str, Floats], ideal: float
 ) -> str:
     """Return the property of the loads that is impossible for a propeller; empty without any."""
     turns, diameter = w / (2.0 * math.pi), propeller.diameter
@@ -382,12 +389,20 @@ def _impossible(
             value = float(np.nanmedian(known[name] / size))
             if value > IMPOSSIBLE_COEFFICIENT:
                 return f"{symbol} is {value:.3g}, but at most 0.25 for all propellers measured"
-    if len(known.keys() & sizes.keys()) < len(sizes):
-        return ""
+    fault = f"the ideal power is {ideal:.3g} times the shaft power, which is impossible"
+    return fault if ideal > ENERGY_MARGIN else ""
+
+
+def _ideal_share(
+    propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
+) -> float:
+    """Return the median ideal power over shaft power [-], in hover the figure of merit, or 0."""
+    if not {"thrust", "torque"} <= set(known):
+        return 0.0
     thrust, power = known["thrust"], known["torque"] * w
     rows = (thrust > 0.0) & (power > 0.0)
     if not rows.any():
-        return ""
+        return 0.0
     along, disk = v[rows] * np.cos(b[rows]), math.pi * propeller.radius**2
     across = v[rows] * np.sin(b[rows])
     # Glauert's momentum equation (10) for a uniform inflow, which needs the least power.
@@ -396,9 +411,7 @@ def _impossible(
         flow = np.hypot(along + induced, across)
         step = thrust[rows] / (2.0 * air.density * disk * np.maximum(flow, 1e-9))
         induced = 0.5 * (induced + np.minimum(step, 1e6))
-    share = float(np.median(thrust[rows] * (along + induced) / power[rows]))
-    fault = f"the ideal power is {share:.3g} times the shaft power, which is impossible"
-    return fault if share > ENERGY_MARGIN else ""
+    return float(np.median(thrust[rows] * (along + induced) / power[rows]))
 
 
 def _pulls_too_fast(

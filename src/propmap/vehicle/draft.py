@@ -28,6 +28,10 @@ def draft_vehicle(path: Path) -> tuple[str, list[str]]:
     these entries, and axes that the rotor speeds do not command.  Raises ``InputError`` if the log
     has no rotor parameters.
     """
+    if path.exists() and path.suffix.lower() != ".ulg":
+        found = "only ULogs of PX4 contain rotor positions; logs of ArduPilot lack the lengths"
+        remedy = "write mass, propeller, and [[rotors]] with position and spin by hand"
+        raise InputError(found, remedy, str(path))
     if not path.is_file():
         raise InputError("no such file", "give the .ulg file of a flight", str(path))
     require("logs")

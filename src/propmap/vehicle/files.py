@@ -264,7 +264,7 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
         For an invalid entry, with its file, table and key.
     """
     where = os.fspath(path)
-    file = read_toml(path, _VehicleFile, VEHICLE_SCHEMA, "vehicle description")
+    file = read_toml(path, _VehicleFile, VEHICLE_SCHEMA, "vehicle")
     flip = file.frame == "frd"
     blade = _propeller(file.propeller, where)
     with located(f"{where}: [air]"):

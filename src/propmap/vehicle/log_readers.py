@@ -8,6 +8,7 @@ import difflib
 import io
 import itertools
 import os
+import struct
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -60,12 +61,8 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     ``InputError``, for example for text in a column of numbers.
     """
     where = str(path)
-    stated: dict[str, Any] = {
-        key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")
-    }
     log = _with_blackbox(path, log)
     turning = "throttle" if "throttle" in log.columns else "rotor_speed"
-    factor = 1.0 if turning == "throttle" else log.rotor_factor(log.stated("rotor_unit"))
     angles, quaternion = (
         bool(set(names) & set(log.columns)) for names in (EULER_COLUMNS, QUATERNION_COLUMNS)
     )
@@ -74,13 +71,14 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
         raise InputError(found, "keep only one", f"{log.file}: [log.columns]")
     attitude = EULER_COLUMNS if angles else QUATERNION_COLUMNS
     wanted = [*QUANTITIES, turning, *OPTIONAL, *attitude]
-    unnamed = [key for key in wanted if key not in log.columns and key not in OPTIONAL]
-    if unnamed:
-        remedy = f"add the column names, such as {unnamed[0]} = ..."
-        raise InputError(f"no {', '.join(unnamed)}", remedy, f"{log.file}: [log.columns]")
     names = {key: log.columns[key] for key in wanted if key in log.columns}
     table = _table(path, where, {name for several in names.values() for name in several})
-    _check_columns(list(table.columns), names, where, log)
+    unnamed = [key for key in wanted if key not in log.columns and key not in OPTIONAL]
+    _check_columns(list(table.columns), names, unnamed, where, log)
+    stated: dict[str, Any] = {
+        key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")
+    }
+    factor = 1.0 if turning == "throttle" else log.rotor_factor(log.stated("rotor_unit"))
     values = {
         key: np.stack([_numbers(table[name], name, where) for name in columns], axis=1)
         for key, columns in names.items()
@@ -212,22 +210,28 @@ def _use_points(table: Any, separator: str, where: str, wanted: Collection[str])
 
 
 def _check_columns(
-    present: list[str], names: dict[str, tuple[str, ...]], where: str, log: LogMap
+    present: list[str],
+    names: dict[str, tuple[str, ...]],
+    unnamed: list[str],
+    where: str,
+    log: LogMap,
 ) -> None:
-    """Raise ``InputError`` for all columns in ``names`` that are missing or not unique."""
+    """Raise ``InputError`` for keys that are ``unnamed`` in [log.columns], and for all columns in
+    ``names`` that are missing or not unique."""
     wanted = {name: key for key, columns in names.items() for name in columns}
     missing = [name for name in wanted if name not in present]
     twice = [name for name in wanted if present.count(name) > 1]
+    kinds = (unnamed, "keys without a column"), (missing, "missing columns")
     found = [
-        f"{what} columns: {', '.join(map(quoted, some))}"
-        for some, what in ((missing, "missing"), (twice, "repeated"))
+        f"{what}: {', '.join(map(quoted, some))}"
+        for some, what in (*kinds, (twice, "repeated columns"))
         if some
     ]
     if not found:
         return
     close = [difflib.get_close_matches(name, present, n=1) for name in missing]
     meant = ", ".join(map(repr, itertools.chain(*close)))
-    keys = ", ".join(dict.fromkeys(wanted[name] for name in (*missing, *twice)))
+    keys = ", ".join(dict.fromkeys([*unnamed, *(wanted[name] for name in (*missing, *twice))]))
     raise InputError(
         f"{'; '.join(found)}; the file has {', '.join(present[:MOST_SHOWN])}"
         f"{', ...' if len(present) > MOST_SHOWN else ''}",
@@ -294,6 +298,11 @@ TURNING = (ROTORS, COMMANDS, OUTPUTS)
 TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, *TURNING, BATTERY})
 
 
+MAGIC, HEADER = b"ULog\x01\x12\x35", 16  # first bytes and size of the header of a ULog file
+DEFINING, FIRST_DATA = b"BFIMPQ", b"ALC"  # kinds of its definitions, and of the next message
+AS_LOGGED = "give the original .ulg file of the flight controller"
+
+
 def read_ulog(path: Path, log: LogMap) -> Recording:
     """Read a ULog file of PX4.
 
@@ -318,7 +327,12 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
         if not any(_dataset(file, topic) for topic in topics)
     ]
     if missing:
-        raise _missing_topics(file, missing)
+        present = sorted({data.name for data in file.data_list}) or ["no required topic"]
+        raise InputError(
+            f"no topic {', no '.join(missing)}; found {', '.join(present)}",
+            "log the missing topics (see SDLOG_PROFILE of PX4); esc_status requires motor "
+            "controllers with telemetry",
+        )
     commanded = _dataset(file, ROTORS) is None
     notes: tuple[str, ...] = ()
     if commanded:
@@ -353,16 +367,32 @@ def parsed_ulog(path: Path) -> Any:
     """
     from pyulog import ULog
 
-    try:
-        # pyulog prints messages about damaged parts, which ``file_corruption`` reports as well.
-        with path.open("rb") as file, contextlib.redirect_stdout(io.StringIO()):
-            return ULog(file, TOPICS)
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", "check the path") from None
-    # Damaged bytes make the parser of pyulog raise undocumented exceptions.
-    except Exception as error:
-        found = f"not a ULog file: {str(error) or type(error).__name__}"
-        raise InputError(found, "give the original .ulg file of the flight controller") from None
+    with path.open("rb") as file:
+        _check_definitions(file, path.stat().st_size)
+        file.seek(0)
+        try:
+            # pyulog prints messages about damaged parts, which ``file_corruption`` reports as well.
+            with contextlib.redirect_stdout(io.StringIO()):
+                return ULog(file, TOPICS)
+        # Damaged bytes make the parser of pyulog raise undocumented exceptions.
+        except Exception as error:
+            found = f"not a ULog file: {str(error) or type(error).__name__}"
+            raise InputError(found, AS_LOGGED) from None
+
+
+def _check_definitions(file: Any, size: int) -> None:
+    """Raise ``InputError`` for damaged definitions at the beginning of a ULog file of ``size``
+    bytes, because pyulog 1.3 never returns from a definition that exceeds the file."""
+    if not file.read(HEADER).startswith(MAGIC):
+        raise InputError("not a ULog file: the first bytes are wrong", AS_LOGGED)
+    kind, at = 0, HEADER
+    while kind not in FIRST_DATA and at < size:
+        file.seek(at)
+        length, kind = struct.unpack("<HB", file.read(3).ljust(3, b"\0"))
+        if at + 3 + length > size or kind not in DEFINING + FIRST_DATA:
+            found = f"a damaged ULog file: no whole definition begins at byte {at} of {size}"
+            raise InputError(found, AS_LOGGED)
+        at += 3 + length
 
 
 def _dataset(file: Any, topic: str) -> Any:
@@ -478,16 +508,8 @@ def _field(data: Any, topic: str, field: str) -> Floats:
     if field not in data.data:
         found = f"topic {topic} has no field {field}, it has {', '.join(data.data)}"
         raise InputError(found, "give a log of PX4 1.11 or later")
-    return np.asarray(data.data[field], dtype=np.float64)
-
-
-def _missing_topics(file: Any, topics: list[str]) -> InputError:
-    present = sorted({data.name for data in file.data_list}) or ["no required topic"]
-    return InputError(
-        f"no topic {', no '.join(topics)}; found {', '.join(present)}",
-        "log the missing topics (see SDLOG_PROFILE of PX4); esc_status requires motor controllers "
-        "with telemetry",
-    )
+    with np.errstate(invalid="ignore"):  # damaged bytes may be signaling NaN
+        return np.asarray(data.data[field], dtype=np.float64)
 
 
 # -------------------------------------------------------------------------------------------------
