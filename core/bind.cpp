@@ -243,32 +243,40 @@ class CoreRotor {
         return array;
     }
 
-    // Return static states, rates and later states (N, 3), loads (6, N), derivatives of the rates (N, 3, 3), and (5, N)
-    // from `keep`.  States of the inflow and directions of flight (N, 3) are in the rotor frame; `times` are steps [s].
-    nb::tuple inflow_motion(const Points& points, Vector states, Vector directions, double spin, Vector times, int threads) const {
-        const std::size_t n = points.shape(1);
-        double *steady, *rates, *later, *loads, *linear, *other;
-        auto steadies = make_array({n, 3}, steady), rate_array = make_array({n, 3}, rates);
-        auto laters = make_array({n, 3}, later), load_array = make_array({Loads<double>::count, n}, loads);
-        auto matrices = make_array({n, 3, 3}, linear), others = make_array({5, n}, other);
+    int inflow_size() const {  // number of values in a state of the dynamic inflow
+        return std::visit([&](const auto& solver) { return dynamic(solver).size(); }, solver_);
+    }
+
+    // Static states of the inflow (N, size).  `directions` of flight (N, 3) and `spins` (N) are in the rotor frame.
+    Numbers inflow_steady(const Points& points, Vector directions, Vector spins, int threads) const {
+        const std::size_t n = points.shape(1), size = inflow_size();
+        check_sizes(n, directions.size() == 3 * n && spins.size() == n);
+        double* states;
+        auto array = make_array({n, size}, states);
         std::visit([&](const auto& solver) {
             for_each_point(n, threads, [&](std::size_t k) {
-                thread_local Solution s;
-                solver.solve(point(points, k), s);
-                const double* toward = directions.data() + 3 * k;
-                const Heading heading{toward[0], toward[1], spin};
-                const auto m = propmap::inflow_motion(solver, s, heading.along_flight(states.data() + 3 * k), times.data()[k]);
-                const auto tell = [&](const State& state, double* into) {
-                    const State turned = heading.in_rotor_frame(state);
-                    std::copy(turned.begin(), turned.end(), into + 3 * k);
-                };
-                tell(m.steady, steady), tell(m.rates, rates), tell(m.later, later);
-                for (int j = 0; j < 9; ++j) linear[9 * k + j] = m.linear.m[j / 3][j % 3];
-                for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = m.loads.begin()[j];
+                dynamic(solver).steady(point(points, k), heading(directions, spins, k), states + size * k);
+            });
+        }, solver_);
+        return array;
+    }
+
+    // Rates of the `states` (N, size), and states after steps of `times` (N) [s]; loads (6, N); and (5, N) from `keep`.
+    nb::tuple inflow_motion(const Points& points, Vector states, Vector directions, Vector spins, Vector times, int threads) const {
+        const std::size_t n = points.shape(1), size = inflow_size();
+        check_sizes(n, states.size() == size * n && directions.size() == 3 * n && spins.size() == n && times.size() == n);
+        double *rates, *later, *loads, *other;
+        auto rate_array = make_array({n, size}, rates), laters = make_array({n, size}, later);
+        auto load_array = make_array({Loads<double>::count, n}, loads), others = make_array({5, n}, other);
+        std::visit([&](const auto& solver) {
+            for_each_point(n, threads, [&](std::size_t k) {
+                const Solution& s = dynamic(solver).move(point(points, k), heading(directions, spins, k), states.data() + size * k,
+                                                         times.data()[k], rates + size * k, later + size * k);
+                for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
                 keep(s, solver.rotor(), other, k, n);
             });
         }, solver_);
-        return nb::make_tuple(steadies, rate_array, laters, load_array, matrices, others);
+        return nb::make_tuple(rate_array, laters, load_array, others);
     }
 
     // Fields over the disk at one operating point, by name: (S,) or (S, P), for 1 to `most_nodes` radii.
@@ -343,6 +351,18 @@ class CoreRotor {
     nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }  // [m]
 
   private:
+    // The dynamic inflow.  The number of its nodes is found on first use.
+    template <template <class> class LawOf> DynamicInflow<LawOf> dynamic(const RotorSolver<LawOf>& solver) const {
+        std::call_once(nodes_found_, [&] { nodes_ = nodes_for(solver); });
+        return {solver, nodes_};
+    }
+    static Heading heading(Vector directions, Vector spins, std::size_t k) {
+        return {directions.data()[3 * k], directions.data()[3 * k + 1], spins.data()[k]};
+    }
+    static void check_sizes(std::size_t n, bool good) {
+        if (!good) throw nb::value_error(("the arrays do not fit to " + std::to_string(n) + " points").c_str());
+    }
+
     // Write status, number of roots, weight of the vortex ring, mean inflow and share of reverse flow of point k of n.
     template <class R> static void keep(const Solution& s, const R& rotor, double* into, std::size_t k, std::size_t n) {
         const double known[] = {double(s.result.status), double(s.result.roots), s.result.ring, s.result.mean_inflow,
@@ -426,6 +446,8 @@ class CoreRotor {
 
     std::unique_ptr<BladeShape> blade_;
     AnySolver solver_;
+    mutable std::once_flag nodes_found_;
+    mutable int nodes_ = 0;
 };
 
 // A load table: knots and polynomials of both axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), limits (3, 2).
@@ -662,6 +684,8 @@ NB_MODULE(PROPMAP_MODULE, m) {
         .def("gradients", &CoreRotor::gradients)
         .def("hover_inflow", &CoreRotor::hover_inflow)
         .def("solution", &CoreRotor::solution)
+        .def_prop_ro("inflow_size", &CoreRotor::inflow_size)
+        .def("inflow_steady", &CoreRotor::inflow_steady)
         .def("inflow_motion", &CoreRotor::inflow_motion)
         .def("disk_field", &CoreRotor::disk_field)
         .def("attached_thrust", &CoreRotor::attached_thrust)

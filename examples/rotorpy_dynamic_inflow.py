@@ -23,15 +23,11 @@ class Quadrotor(Multirotor):
     def __init__(self, parameters, **options):
         super().__init__(parameters, **options)
         # rotor_dir is the direction of the torque on the body, opposite to the spin.
-        self.groups = [
-            (np.flatnonzero(self.rotor_dir == direction), propmap.DynamicInflow(rotor, spin=spin))
-            for direction, spin in ((1, "cw"), (-1, "ccw"))
-        ]
+        spins = ["cw" if direction > 0 else "ccw" for direction in self.rotor_dir]
+        self.dynamic = propmap.DynamicInflow(rotor, spin=spins)
         start = self.initial_state
-        hubs, speeds = self.hub_velocities(start["w"], airspeed(start)), start["rotor_speeds"]
-        self.inflow = np.zeros((self.num_rotors, 3))
-        for mine, dynamic in self.groups:
-            self.inflow[mine] = dynamic.steady(speeds[mine], hubs[mine])
+        hubs = self.hub_velocities(start["w"], airspeed(start))
+        self.inflow = self.dynamic.steady(start["rotor_speeds"], hubs)
 
     def hub_velocities(self, body_rates, velocity):
         """Return the velocity of each hub, including the rotation of the vehicle [m/s]."""
@@ -39,20 +35,16 @@ class Quadrotor(Multirotor):
 
     def step(self, state, control, t_step):
         """Step the inflow, then the vehicle as RotorPy does."""
-        hubs, speeds = self.hub_velocities(state["w"], airspeed(state)), state["rotor_speeds"]
-        for mine, dynamic in self.groups:
-            self.inflow[mine] = dynamic.step(self.inflow[mine], t_step, speeds[mine], hubs[mine])
+        hubs = self.hub_velocities(state["w"], airspeed(state))
+        self.inflow = self.dynamic.step(self.inflow, t_step, state["rotor_speeds"], hubs)
         return super().step(state, control, t_step)
 
     def compute_body_wrench(self, body_rates, rotor_speeds, body_airspeed_vector):
         """Return force and moment of all rotors about the center of mass."""
         hubs = self.hub_velocities(body_rates, body_airspeed_vector)
-        force, moment = np.zeros((2, self.num_rotors, 3))
-        for mine, dynamic in self.groups:
-            found = dynamic.wrench(self.inflow[mine], rotor_speeds[mine], hubs[mine])
-            force[mine], moment[mine] = found.force, found.moment
-        arms = np.cross(self.rotor_geometry, force)
-        return force.sum(axis=0), (moment + arms).sum(axis=0)
+        found = self.dynamic.wrench(self.inflow, rotor_speeds, hubs)
+        arms = np.cross(self.rotor_geometry, found.force)
+        return found.force.sum(axis=0), (found.moment + arms).sum(axis=0)
 
 
 weight = quad_params["mass"] * 9.81

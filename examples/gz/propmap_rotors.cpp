@@ -35,8 +35,7 @@ struct Rotor {
     sim::Joint joint;
     sim::Link link;
     double spin = 1.0;                 // 1 for ccw, -1 for cw
-    propmap::State inflow{};           // mean inflow, and its gradients along x and y of the body [m/s]
-    propmap::Solution solution{};
+    std::vector<double> inflow;        // state of the inflow, with gradients along x and y of the body [m/s]
 };
 
 class Rotors : public sim::System, public sim::ISystemConfigure, public sim::ISystemPreUpdate {
@@ -59,6 +58,7 @@ class Rotors : public sim::System, public sim::ISystemConfigure, public sim::ISy
             rotors_.clear();
         }
         for (auto& rotor : rotors_) {
+            rotor.inflow.assign(dynamics_.size(), 0.0);
             rotor.joint.EnableVelocityCheck(ecm);
             rotor.link.EnableVelocityChecks(ecm);
         }
@@ -93,21 +93,22 @@ class Rotors : public sim::System, public sim::ISystemConfigure, public sim::ISy
         auto flow = propmap::hub_flow(axis, array_of(through));
         if (flow.inplane == 0.0) flow.ahead = x;
         const propmap::Heading heading{dot(flow.ahead, x), dot(flow.ahead, cross(axis, x)), rotor.spin};
-        solver_.solve({omega, flow.axial, flow.inplane}, rotor.solution);
-        const auto motion = propmap::inflow_motion(solver_, rotor.solution, heading.along_flight(rotor.inflow.data()), step);
-        const auto wrench = propmap::hub_wrench(axis, rotor.spin, flow.ahead, motion.loads);
-        if (!std::isfinite(dot(wrench.force, wrench.moment) + motion.later[0] + motion.later[1] + motion.later[2])) {
+        std::vector<double> rates(rotor.inflow.size()), later(rotor.inflow.size());
+        const auto& now = dynamics_.move({omega, flow.axial, flow.inplane}, heading, rotor.inflow.data(), step, rates.data(), later.data());
+        const auto wrench = propmap::hub_wrench(axis, rotor.spin, flow.ahead, now.result.loads);
+        if (!std::isfinite(dot(wrench.force, wrench.moment))) {
             gzerr << "propmap_rotors: no loads of " << rotor.name << " at " << omega << " rad/s.\n";
-            rotor.inflow = {};
+            rotor.inflow.assign(later.size(), 0.0);
             return;
         }
-        rotor.inflow = heading.in_rotor_frame(motion.later);
+        rotor.inflow = later;
         rotor.link.AddWorldWrench(ecm, vector_of(wrench.force), Vector3d(0.0, 0.0, 0.0));
         // The joint does not transmit moments about its axis.
         body_.AddWorldWrench(ecm, Vector3d(0.0, 0.0, 0.0), vector_of(wrench.moment));
     }
 
     decltype(make_apc_8x6e()) solver_ = make_apc_8x6e();
+    decltype(propmap::DynamicInflow(make_apc_8x6e())) dynamics_{solver_};
     sim::Link body_;
     double slowdown_ = 10.0;
     std::vector<Rotor> rotors_;

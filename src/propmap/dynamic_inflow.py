@@ -2,57 +2,78 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
-from propmap.model.corrections import PittPeters
+from propmap.model.corrections import InflowShape, PittPeters, name_of
 from propmap.operating_points import FlowPoints, broadcast, forward, split_velocity
 from propmap.results import Loads, Wrench, hub_wrench, spin_sign
 from propmap.rotor import Rotor
 from propmap.tasks import cores
 from propmap.typing import Floats
 
+HARMONICS = 3
+"""A state begins with the mean and the two gradients of the inflow harmonics."""
+
+STEP = 2e-6  # of the differences of ``linearize``, over tip speed plus airspeed
+
 
 class DynamicInflow:
-    """Inflow of Pitt and Peters as a state that lags behind changes of rotor speed and velocity.
+    """Inflow as a state that lags behind changes of rotor speed and velocity.
 
-    A state is an array (..., 3) [m/s] in the rotor frame of ``Rotor.wrench``.  It contains the
-    mean inflow over the disk, positive against the thrust, and the increases of the inflow from
-    hub to tip along x and along y.  The steady state is the static solution that ``rotor.loads``
-    uses.  ``core/include/propmap/dynamic_inflow.hpp`` contains the equations, and docs/theory.md
+    A state is an array (..., ``size``) [m/s].  Its first three values are the harmonics in the
+    rotor frame of ``Rotor.wrench``: the mean, and the increases from hub to tip along x and along
+    y.  The other values are the inflows of the annuli at fixed radii, positive against the thrust.
+    A state in which all rates vanish is a solution of eq. (11), as in ``rotor.loads``.  At rotors
+    whose blades stall, the inflow can have several such states; a state reached in time can differ
+    from the largest solution that ``rotor.loads`` uses.
+    ``core/include/propmap/dynamic_inflow.hpp`` contains the equations, and docs/theory.md
     describes their limits.
 
     Parameters
     ----------
     rotor : Rotor
-        Rotor whose model has the correction "pitt-peters".
-    spin : str
-        Direction of rotation, "ccw" or "cw", seen from above with the thrust up.
+        Rotor whose inflow is that of Pitt and Peters or does not vary around the disk.
+    spin : str or sequence of str
+        Direction of rotation, "ccw" or "cw", seen from above with the thrust up.  A sequence
+        contains the spins of several equal rotors, the last axis of all points.
+
+    Attributes
+    ----------
+    size : int
+        Number of values in a state: three harmonics, and 24 annuli, or up to 192 if the blades
+        stall abruptly.
 
     Raises
     ------
     InputError
-        For a rotor without this correction, or another ``spin``.
+        For a rotor with another inflow, or another ``spin``.
 
     References
     ----------
-    D. A. Peters, N. HaQuang, "Dynamic Inflow for Practical Applications", J. American Helicopter
-    Society 33(4), 1988.
+    P. J. Carpenter, B. Fridovich, NACA TN 3044, 1953; D. M. Pitt, D. A. Peters, "Theoretical
+    Prediction of Dynamic-Inflow Derivatives", Vertica 5(1), 1981.
     """
 
-    def __init__(self, rotor: Rotor, *, spin: str = "ccw") -> None:
-        if not isinstance(rotor, Rotor) or rotor.model.correction_of(PittPeters) is None:
-            found = "dynamic inflow needs a rotor with the inflow of Pitt and Peters"
-            remedy = 'add propmap.correction("pitt-peters") to the model\'s corrections'
+    def __init__(self, rotor: Rotor, *, spin: str | Sequence[str] = "ccw") -> None:
+        if not isinstance(rotor, Rotor):
+            raise InputError(f"rotor is {type(rotor).__name__}", "give a propmap.Rotor")
+        other = [one for one in rotor.model.corrections if isinstance(one, InflowShape)]
+        if other and not isinstance(other[0], PittPeters):
+            found = f"the inflow {name_of(other[0])!r} has no dynamics"
+            remedy = 'use a model with propmap.correction("pitt-peters") instead'
             raise InputError(found, remedy)
-        self.rotor, self.spin, self._sign = rotor, spin, spin_sign(spin)
+        self.rotor, self.spin = rotor, spin
+        every = [spin_sign(each) for each in ([spin] if isinstance(spin, str) else spin)]
+        self._sign = np.array(every[0] if isinstance(spin, str) else every)
+        self.size: int = rotor._core.inflow_size
 
     def steady(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
-        """Return the steady state (..., 3) [m/s].
+        """Return the steady state (..., size) [m/s] with the largest solution of eq. (11).
 
         Parameters
         ----------
@@ -67,33 +88,34 @@ class DynamicInflow:
         InputError
             For values that are not finite, negative ``omega``, and shapes that do not broadcast.
         """
-        points = _StatePoints(omega, velocity)
-        return points.shaped(self._motion(points).steady)
+        points = _StatePoints(self, omega, velocity)
+        found = self.rotor._core.inflow_steady(points.rows, points.heading, points.sign, cores())
+        return points.shaped(found)
 
     def rates(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Floats:
-        """Return the time derivative (..., 3) [m/s^2] of a state.
+        """Return the time derivative (..., size) [m/s^2] of a state.
 
         Parameters
         ----------
-        state : array_like, shape (..., 3)
+        state : array_like, shape (..., size)
             State of the inflow [m/s].
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _StatePoints(omega, velocity, state=state)
+        points = _StatePoints(self, omega, velocity, state=state)
         return points.shaped(self._motion(points).rates)
 
     def step(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
     ) -> Floats:
-        """Return the state (..., 3) [m/s] after a time step.
+        """Return the state (..., size) [m/s] after a time step.
 
-        The step is exact for loads that are linear in the state.  It is stable for any step
-        length: a long step ends in the ``steady`` state.
+        The inflow of each annulus, and the harmonics together, step by the exponential of their
+        own linear equation.  The step is stable for any step length.
 
         Parameters
         ----------
-        state : array_like, shape (..., 3)
+        state : array_like, shape (..., size)
             State at the start of the step [m/s].
         dt : array_like, shape (...)
             Step length [s], >= 0.
@@ -105,7 +127,7 @@ class DynamicInflow:
         InputError
             As in ``steady``, and for a negative ``dt``.
         """
-        points = _StatePoints(omega, velocity, state=state, dt=dt)
+        points = _StatePoints(self, omega, velocity, state=state, dt=dt)
         return points.shaped(self._motion(points).later)
 
     def loads(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Loads:
@@ -113,36 +135,34 @@ class DynamicInflow:
 
         Parameters
         ----------
-        state : array_like, shape (..., 3)
-            State of the inflow [m/s]; ``mean_inflow`` of the result is its first component.
+        state : array_like, shape (..., size)
+            State of the inflow [m/s].
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _StatePoints(omega, velocity, state=state)
+        points = _StatePoints(self, omega, velocity, state=state)
         motion = self._motion(points)
-        static = self.rotor._as_loads(motion.loads, motion.found, points.flow.omega, points.shape)
-        return replace(static, mean_inflow=points.state[::3].reshape(points.shape))
+        return self.rotor._as_loads(motion.loads, motion.found, points.rows[0], points.shape)
 
     def wrench(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Wrench:
         """Return force and moment on the vehicle in the rotor frame, as in ``Rotor.wrench``.
 
         Parameters
         ----------
-        state : array_like, shape (..., 3)
+        state : array_like, shape (..., size)
             State of the inflow [m/s].
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _StatePoints(omega, velocity, state=state)
-        return hub_wrench(self._motion(points).loads, points.direction, self._sign)
+        points = _StatePoints(self, omega, velocity, state=state)
+        return points.wrench(self._motion(points).loads)
 
     def advance(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
     ) -> tuple[Wrench, Floats]:
-        """Return the ``wrench`` at the start of a step, and the state (..., 3) [m/s] at its end.
+        """Return the ``wrench`` at the start of a step, and the state (..., size) [m/s] at its end.
 
-        Separate calls of ``wrench`` and ``step`` solve the static inflow twice; this method solves
-        it once.
+        The method computes both from the same blade elements, in the time of ``step``.
 
         Parameters
         ----------
@@ -154,45 +174,90 @@ class DynamicInflow:
         InputError
             As in ``step``.
         """
-        points = _StatePoints(omega, velocity, state=state, dt=dt)
+        points = _StatePoints(self, omega, velocity, state=state, dt=dt)
         motion = self._motion(points)
-        wrench = hub_wrench(motion.loads, points.direction, self._sign)
-        return wrench, points.shaped(motion.later)
+        return points.wrench(motion.loads), points.shaped(motion.later)
 
-    def time_constants(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
-        """Return the time constants (..., 3) [s] of small deviations, the longest first.
+    def linearize(
+        self, omega: float, velocity: ArrayLike, state: ArrayLike | None = None
+    ) -> Linearization:
+        """Return the linear dynamics about a state, by default about the steady state.
 
-        They are -1 over the real parts of the eigenvalues at the steady state.  In hover one time
-        constant belongs to the mean inflow and two equal ones to the gradients.  A time constant is
-        negative if the deviation grows, which occurs in stall.
+        The derivatives are central differences.  The eigenvalues of ``a`` are the rates at which
+        small deviations change; a negative real part is a decay.
 
         Parameters
         ----------
-        omega, velocity : array_like
-            As in ``steady``.
+        omega, velocity : float, array_like
+            One operating point, as in ``steady``.
+        state : array_like, shape (size,), optional
+            State [m/s].
+
+        Raises
+        ------
+        InputError
+            As in ``steady``, and for several operating points.
         """
-        points = _StatePoints(omega, velocity)
-        matrices = self._motion(points).linear
-        known = np.isfinite(matrices).all(axis=(1, 2))
-        values = np.full((len(matrices), 3), np.nan)
-        values[known] = np.sort(np.linalg.eigvals(matrices[known]).real, axis=1)[:, ::-1]
-        with np.errstate(divide="ignore"):
-            return points.shaped(-1.0 / values)
+        given = self.steady(omega, velocity) if state is None else broadcast(state=state)[0]
+        if given.shape != (self.size,) or self._sign.ndim:
+            raise InputError("only one operating point is allowed: give one omega and one velocity")
+        inputs = np.array([omega, *np.asarray(velocity, np.float64).tolist()], np.float64)
+        center = np.concatenate([given, inputs])
+        tip = self.rotor.model.span[1]
+        speed = abs(float(omega)) * tip + float(np.linalg.norm(inputs[1:])) + 1.0
+        steps = np.full(center.size, STEP * speed)
+        steps[self.size] /= tip
+        ends = center + np.concatenate([np.diag(steps), np.diag(-steps)])
+        points = _StatePoints(
+            self, ends[:, self.size], ends[:, self.size + 1 :], state=ends[:, : self.size]
+        )
+        motion, n = self._motion(points), center.size
+        wrench = points.wrench(motion.loads)
+        outputs = np.concatenate([wrench.force, wrench.moment], axis=1)
+        rates, loads = (
+            ((values[:n] - values[n:]) / (2.0 * steps[:, None])).T
+            for values in (motion.rates, outputs)
+        )
+        size = self.size
+        return Linearization(rates[:, :size], rates[:, size:], loads[:, :size], loads[:, size:])
 
     def _motion(self, points: _StatePoints) -> _Motion:
-        of = points.state, points.direction.ravel(), self._sign, points.dt
-        return _Motion(*self.rotor._core.inflow_motion(points.flow.rows, *of, cores()))
+        of = points.state, points.heading, points.sign, points.dt
+        return _Motion(*self.rotor._core.inflow_motion(points.rows, *of, cores()))
+
+
+class Linearization(NamedTuple):
+    """Linear dynamics dx/dt = a x + b u, y = c x + d u of deviations from an operating point.
+
+    The state x has n values [m/s].  The inputs u are the rotational speed [rad/s] and the velocity
+    [m/s] along x, y and z.  The outputs y are the force [N] and the moment [N m] on the vehicle
+    along x, y and z.  All vectors are in the rotor frame.
+
+    Attributes
+    ----------
+    a : ndarray, shape (n, n)
+        Derivatives of the rates by the state [1/s].
+    b : ndarray, shape (n, 4)
+        Derivatives of the rates by the inputs [m/(s rad)], [1/s].
+    c : ndarray, shape (6, n)
+        Derivatives of the outputs by the state [N s/m], [N s].
+    d : ndarray, shape (6, 4)
+        Derivatives of the outputs by the inputs [N s/rad], [N s/m], [N m s/rad], [N s].
+    """
+
+    a: Floats
+    b: Floats
+    c: Floats
+    d: Floats
 
 
 class _Motion(NamedTuple):
     """Results of the core for N states of the inflow."""
 
-    steady: Floats  # steady states (N, 3)
-    rates: Floats  # (N, 3)
-    later: Floats  # states after the step (N, 3)
+    rates: Floats  # (N, size)
+    later: Floats  # states after the step (N, size)
     loads: Floats  # (L, N)
-    linear: Floats  # derivatives of the rates, for axes along the in-plane velocity (N, 3, 3)
-    found: Floats  # other results of the static solution (5, N)
+    found: Floats  # status code, roots, vortex ring, mean inflow, reverse flow (5, N)
 
 
 class _StatePoints:
@@ -200,17 +265,18 @@ class _StatePoints:
 
     def __init__(
         self,
+        of: DynamicInflow,
         omega: ArrayLike,
         velocity: ArrayLike,
         *,
-        state: ArrayLike = (0.0, 0.0, 0.0),
+        state: ArrayLike | None = None,
         dt: ArrayLike = 0.0,
     ) -> None:
-        (given,) = broadcast(state=state)
-        if given.ndim == 0 or given.shape[-1] != 3:
+        (given,) = broadcast(state=np.zeros(of.size) if state is None else state)
+        if given.ndim == 0 or given.shape[-1] != of.size:
             raise InputError(
-                f"state has shape {given.shape}: its last axis must be the mean inflow and two "
-                "gradients"
+                f"state has shape {given.shape}: its last axis must have {of.size} values",
+                "use the result of steady or step",
             )
         flow, direction = split_velocity(omega, velocity)
         forward(flow)
@@ -219,8 +285,13 @@ class _StatePoints:
         (time,) = (np.array(dt),) if good else broadcast(dt=dt)
         if not good and (time < 0.0).any():
             raise InputError(f"dt is negative ({time.min():g}): give a step length of 0 s or more")
-        shapes = {"omega": flow.omega.shape, "state": given.shape[:-1], "dt": time.shape}
-        alike = flow.omega.shape == given.shape[:-1] == time.shape
+        shapes = {
+            "omega": flow.omega.shape,
+            "state": given.shape[:-1],
+            "dt": time.shape,
+            "spin": of._sign.shape,
+        }
+        alike = len(set(shapes.values())) == 1
         try:
             self.shape = time.shape if alike else np.broadcast_shapes(*shapes.values())
         except ValueError:
@@ -235,9 +306,14 @@ class _StatePoints:
             return spread(values, self.shape).ravel()
 
         self.direction = spread(direction, (*self.shape, 3))
-        self.flow = FlowPoints(flat(flow.omega), flat(flow.v_axial), flat(flow.v_inplane))
-        self.dt, self.state = flat(time), spread(given, self.direction.shape).ravel()
+        self.heading, self.sign = self.direction.ravel(), flat(of._sign)
+        self.rows = FlowPoints(flat(flow.omega), flat(flow.v_axial), flat(flow.v_inplane)).rows
+        self.dt, self.state = flat(time), spread(given, (*self.shape, of.size)).ravel()
 
-    def shaped(self, vectors: Floats) -> Floats:
-        """Return ``vectors`` (N, 3) in the shape (..., 3) of the points."""
-        return vectors.reshape(*self.shape, 3)
+    def shaped(self, states: Floats) -> Floats:
+        """Return ``states`` (N, size) in the shape (..., size) of the points."""
+        return states.reshape(*self.shape, -1)
+
+    def wrench(self, loads: Floats) -> Wrench:
+        """Return the wrenches of loads (L, N) in the rotor frame."""
+        return hub_wrench(loads, self.direction, self.sign)

@@ -319,12 +319,14 @@ def spin_sign(spin: str) -> float:
 _UP = np.array([[0.0, 0.0, 1.0]])
 
 
-def hub_wrench(loads: Floats, direction: Floats, sign: float) -> Wrench:
-    """Return the wrench of loads (L, N) in the right-handed rotor frame with z along the thrust.
+def hub_wrench(loads: Floats, direction: Floats, signs: Floats) -> Wrench:
+    """Return the wrenches of loads (L, N) in the right-handed rotor frame with z along the thrust.
 
-    ``direction`` (..., 3) is the unit vector of the in-plane velocity; ``sign`` is 1 for "ccw".
+    ``direction`` (..., 3) is the unit vector of the in-plane velocity; ``signs`` (1,) or (N,) are 1
+    for "ccw".
     """
     from propmap import core
 
-    found = core.hub_wrenches(_UP, np.array([sign]), -direction.reshape(-1, 3), loads[:, None])
+    axes = _UP if signs.size == 1 else np.tile(_UP, (signs.size, 1))
+    found = core.hub_wrenches(axes, signs, -direction.reshape(-1, 3), loads[:, None])
     return Wrench(*(vectors.reshape(direction.shape) for vectors in found))

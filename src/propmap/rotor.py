@@ -184,7 +184,7 @@ class Rotor:
         **further
             ``height`` and ``ceiling``, as in ``loads``.
         """
-        sign = results.spin_sign(spin)
+        sign = np.array([results.spin_sign(spin)])
         points, direction = split_velocity(omega, velocity, **further)
         loads, _, _ = self._solved(self._allowed(points).rows)
         return results.hub_wrench(loads, direction, sign)

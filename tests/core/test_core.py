@@ -93,8 +93,8 @@ def test_what_was_asked_before_changes_no_bit() -> None:
         "oblique loads": lambda: one.loads(600.0, 9.0, 1.2).roll_moment,
         "derivatives": lambda: one.gradients(NAMES, 600.0, 2.0, 0.0).slopes,
         "steady inflow": lambda: inflow.steady(600.0, still),
-        "rates": lambda: inflow.rates([4.0, 1.0, -1.0], 600.0, [0.0, 0.0, 1.0]),
-        "time constants": lambda: inflow.time_constants(600.0, [0.0, 0.0, -14.0]),
+        "rates": lambda: inflow.rates(np.ones(inflow.size), 600.0, [0.0, 0.0, 1.0]),
+        "inflow in descent": lambda: inflow.steady(600.0, [0.0, 0.0, -14.0]),
     }
     with on_cores(1):
         for name, ask in asked.items():

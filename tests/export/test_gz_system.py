@@ -135,7 +135,8 @@ def test_the_system_applies_the_loads_with_dynamic_inflow(built: Path) -> None:
     assert sorted(spins) == ["ccw", "ccw", "cw", "cw"]
     moments = np.zeros((omega.size, 3))
     for k, spin in enumerate(spins):
-        dynamic, state = pm.DynamicInflow(rotor, spin=spin), np.zeros(3)
+        dynamic = pm.DynamicInflow(rotor, spin=spin)
+        state = np.zeros(dynamic.size)
         for n, (w, v) in enumerate(zip(omega, through, strict=True)):
             wrench, state = dynamic.advance(state, dt, w, v)
             mine = found[n, 3 * k : 3 * k + 3]

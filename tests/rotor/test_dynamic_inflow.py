@@ -1,127 +1,167 @@
-"""The inflow as a state: its steady value, its time constants, its motion."""
+"""The inflow as a state: its steady value, its rates, its motion."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.interpolate import CubicSpline
 
 import propmap as pm
 from propmap.loads import LOADS
 from tests.oracle.literal_harmonics import _element
 from tests.oracle.literal_rotor import LiteralRotor, literal_rotor, radial_nodes
-from tests.oracle.points import MU, RHO, SECTIONS
+from tests.oracle.points import MU, RHO
 
 BLADE = pm.propeller("apc-8x6e")
 R = BLADE.radius
 OMEGA = 600.0
+STILL = [0.0, 0.0, 0.0]
 PSI = 2.0 * np.pi * np.arange(24) / 24
-MASSES = RHO * np.array([8.0 / 3.0 * R**3, 16.0 / 45.0 * R**4, 16.0 / 45.0 * R**4])
-"""[kg], [kg m], [kg m]: 8/(3 pi) of rho A R, and 16/(45 pi) of rho A R^2."""
+DISK, TILT = 8.0 / 3.0 * R**3, 16.0 / 45.0 * R**4
+"""Apparent masses per density: 8/(3 pi) of A R, and 16/(45 pi) of A R^2."""
 
+ATTACHED = {"c_l1": 4.2, "c_l2": 2.0, "c_d": 1.3, "alpha_0": 1.2}
+"""A section law that does not stall on this blade."""
 OBLIQUE = np.array([[7.0, 3.0, 2.0], [-10.0, 2.0, 0.0], [0.0, 5.0, -4.0], [12.0, 0.0, -15.0]])
 """Climb, edgewise flight, vortex ring and windmill."""
 
 
-def dynamic(law: str = "paper-stiff", spin: str = "ccw") -> pm.DynamicInflow:
-    corrections = (pm.correction("pitt-peters"),)
-    model = pm.Model(BLADE, pm.airfoil(law), corrections=corrections)
+def dynamic(law: str | pm.Airfoil = "paper-stiff", spin: Any = "ccw") -> pm.DynamicInflow:
+    airfoil = pm.airfoil(law) if isinstance(law, str) else law
+    model = pm.Model(BLADE, airfoil, corrections=(pm.correction("pitt-peters"),))
     return pm.DynamicInflow(pm.Rotor(model), spin=spin)
 
 
-class Hover:
-    """Solve the rotor in hover by the literal reference, and SciPy: no code is shared."""
-
-    def __init__(self, omega: float = OMEGA) -> None:
-        given = (BLADE.station, BLADE.chord, BLADE.twist, BLADE.blades, SECTIONS["stiff"], RHO, MU)
-        self.rotor: LiteralRotor = literal_rotor(*given, omega, 0.0, 0.0)
-        self.radii, self.weights = radial_nodes(self.rotor, BLADE.station[0], R)
-        self.annuli = np.array([self.rotor.inflow_root(y)[0] for y in self.radii])
-        rings = self.weights * self.radii
-        self.mean = float(rings @ self.annuli / rings.sum())
-
-    def forces(self, mean: float, gradient: float) -> np.ndarray:
-        """Thrust and the moment that lifts the advancing side with a changed inflow."""
-        found = np.zeros(2)
-        for y, weight, v_i in zip(self.radii, self.weights, self.annuli, strict=True):
-            local = v_i + mean + y / R * gradient * np.sin(PSI)
-            lift, drag, phi = _element(self.rotor, y, local, PSI)
-            up = lift * np.cos(phi) - drag * np.sin(phi)
-            found += weight * BLADE.blades * np.array([up.mean(), y * (up * np.sin(PSI)).mean()])
-        return found
-
-    def eigenvalues(self) -> np.ndarray:
-        """Rates of mean inflow and gradient [1/s]: M dv/dt + 2 rho pi R^2 (2 v) dv = (dT/dv) dv,
-        and likewise with rho pi R^3 v, which is 1/2 rho pi R^3 times the mass-flow parameter."""
-        step = 0.02
-        ends = [self.forces(by, 0.0)[0] for by in (step, -step)]
-        rolls = [self.forces(0.0, by)[1] for by in (step, -step)]
-        by_mean, by_gradient = ((a - b) / (2.0 * step) for a, b in (ends, rolls))
-        area = np.pi * R**2
-        own = 4.0 * RHO * area * self.mean, RHO * area * R * self.mean
-        return np.array([by_mean - own[0], by_gradient - own[1]]) / MASSES[:2]
+@pytest.fixture(scope="module")
+def attached() -> pm.DynamicInflow:
+    return dynamic(pm.Airfoil(**ATTACHED, name="attached"))
 
 
 @pytest.fixture(scope="module")
-def hover() -> Hover:
-    return Hover()
+def literal() -> LiteralRotor:
+    """The rotor in hover by the literal reference, with which no code is shared."""
+    given = (BLADE.station, BLADE.chord, BLADE.twist, BLADE.blades, ATTACHED, RHO, MU)
+    rotor: LiteralRotor = literal_rotor(*given, OMEGA, 0.0, 0.0)
+    return rotor
 
 
-def test_time_constants_in_hover_are_those_of_the_closed_form(hover: Hover) -> None:
-    found = dynamic().time_constants(OMEGA, [0.0, 0.0, 0.0])
-    mean, gradient = -1.0 / hover.eigenvalues()
-    # Quadratures and differences of two codes.
-    np.testing.assert_allclose(found, [mean, gradient, gradient], rtol=1e-3)
-    # Those that docs/theory.md tells.
-    told = dynamic("paper-apc").time_constants(OMEGA, [0.0, 0.0, 0.0])
-    np.testing.assert_allclose(told, [3.0e-3, 1.6e-3, 1.6e-3], rtol=0.03)
+def rates_of_annuli(literal: LiteralRotor, radii: np.ndarray, inflow: np.ndarray) -> np.ndarray:
+    found = [
+        literal.residual(y, np.array([v]), literal.azimuth)[0] / RHO
+        for y, v in zip(radii, inflow, strict=True)
+    ]
+    return np.array(found) / (16.0 / 3.0 * R * radii)
 
 
-def test_a_jump_of_the_rotor_is_followed_as_carpenter_and_fridovich_have_it(hover: Hover) -> None:
-    """m dv/dt = T(v) - 2 rho pi R^2 v^2, from far below the steady inflow and from far above."""
-    changes = np.linspace(-0.8, 0.8, 17) * hover.mean
-    thrust = CubicSpline(changes, [hover.forces(by, 0.0)[0] for by in changes])
-    static = float(thrust(0.0))
-
-    def rate(_: float, v: np.ndarray) -> np.ndarray:
-        momentum = 2.0 * RHO * np.pi * R**2 * (v**2 - hover.mean**2)
-        return np.asarray(thrust(v - hover.mean) - static - momentum) / MASSES[0]
-
-    inflow, still = dynamic(), [0.0, 0.0, 0.0]
+def test_annuli_move_by_the_residual_over_their_mass(
+    attached: pm.DynamicInflow, literal: LiteralRotor
+) -> None:
+    """m dv/dt = residual of (11), from far below the steady inflow and from far above."""
+    radii = attached.rotor.explain(OMEGA, 0.0, 0.0).radius
+    steady = attached.steady(OMEGA, STILL)
+    roots = [literal.inflow_root(y)[0] for y in radii]
+    np.testing.assert_allclose(steady[3:], roots, rtol=1e-6)
     for share in (0.4, 1.6):
-        begin, end, count = share * hover.mean, 4e-3, 40
-        want = solve_ivp(rate, (0.0, end), [begin], rtol=1e-9, atol=1e-9).y[0, -1]
-        assert abs(want - begin) > 0.3 * hover.mean
-        state = np.array([begin, 0.0, 0.0])
+        begin, end, count = share * steady, 4e-3, 80
+        np.testing.assert_allclose(
+            attached.rates(begin, OMEGA, STILL)[3:],
+            rates_of_annuli(literal, radii, begin[3:]),
+            rtol=1e-5,
+        )
+        want = solve_ivp(
+            lambda _, v: rates_of_annuli(literal, radii, v), (0.0, end), begin[3:], rtol=1e-7
+        ).y[:, -1]
+        state = begin
         for _ in range(count):
-            state = inflow.step(state, end / count, OMEGA, still)
-        assert state[0] == pytest.approx(want, abs=2e-3 * hover.mean)
-        assert abs(state[1:]).max() < 1e-12
+            state = attached.step(state, end / count, OMEGA, STILL)
+        assert (abs(want - begin[3:]) > 0.2 * steady[3:]).mean() > 0.8
+        np.testing.assert_allclose(state[3:], want, atol=3e-3 * steady[3:].max())
+        assert abs(state[:3]).max() < 1e-12
+
+
+def test_eigenvalues_in_hover_are_those_of_annuli_mean_and_gradients(
+    attached: pm.DynamicInflow, literal: LiteralRotor
+) -> None:
+    radii = attached.rotor.explain(OMEGA, 0.0, 0.0).radius
+    steady = attached.steady(OMEGA, STILL)[3:]
+    step = 1e-3
+    slopes = [rates_of_annuli(literal, radii, steady + by) / (2.0 * step) for by in (step, -step)]
+    annuli = slopes[0] - slopes[1]
+    y, weights = radial_nodes(literal, BLADE.station[0], R)
+    inflow = np.array([literal.inflow_root(one)[0] for one in y])
+    mean = float((weights * y) @ inflow / (weights @ y))
+
+    def forces(more: float, gradient: float) -> np.ndarray:
+        """Thrust and the moment that lifts the advancing side with a changed inflow."""
+        found = np.zeros(2)
+        for one, weight, v_i in zip(y, weights, inflow, strict=True):
+            local = v_i + more + one / R * gradient * np.sin(PSI)
+            lift, drag, phi = _element(literal, one, local, PSI)
+            up = lift * np.cos(phi) - drag * np.sin(phi)
+            found += weight * BLADE.blades * np.array([up.mean(), one * (up * np.sin(PSI)).mean()])
+        return found
+
+    by_mean = (forces(step, 0.0)[0] - forces(-step, 0.0)[0]) / (2.0 * step * RHO)
+    by_gradient = (forces(0.0, step)[1] - forces(0.0, -step)[1]) / (2.0 * step * RHO)
+    area = np.pi * R**2
+    harmonics = [
+        (by_mean - 4.0 * area * mean) / DISK,
+        (by_gradient - area * R * mean) / TILT,
+        (by_gradient - area * R * mean) / TILT,
+    ]
+    linear = attached.linearize(OMEGA, STILL)
+    found = np.linalg.eigvals(linear.a)
+    assert abs(found.imag).max() < 1e-6 * abs(found).max()
+    np.testing.assert_allclose(np.sort(found.real), np.sort([*annuli, *harmonics]), rtol=2e-3)
 
 
 @pytest.mark.parametrize("spin", ["ccw", "cw"])
-def test_the_steady_state_is_the_static_solution(spin: str) -> None:
-    inflow = dynamic("paper-apc", spin)
-    state = inflow.steady(OMEGA, OBLIQUE)
-    wrench, static = inflow.wrench(state, OMEGA, OBLIQUE), inflow.rotor.wrench(OMEGA, OBLIQUE, spin)
-    np.testing.assert_allclose(wrench.force, static.force, rtol=1e-12, atol=1e-12)
-    np.testing.assert_allclose(wrench.moment, static.moment, rtol=1e-12, atol=1e-13)
-    rates = inflow.rates(state, OMEGA, OBLIQUE)
-    assert abs(rates).max() < 1e-9
-    loads, own = inflow.loads(state, OMEGA, OBLIQUE), inflow.rotor.loads_at_velocity(OMEGA, OBLIQUE)
-    for name in (*LOADS, "power"):
-        np.testing.assert_allclose(getattr(loads, name), getattr(own, name), rtol=1e-12, atol=1e-12)
+def test_the_steady_state_of_attached_blades_is_the_static_solution(spin: str) -> None:
+    inflow = dynamic(pm.Airfoil(**ATTACHED, name="attached"), spin)
+    velocity = np.vstack([OBLIQUE[:2], [0.0, 0.0, 3.0], STILL])
+    state = inflow.steady(OMEGA, velocity)
+    wrench = inflow.wrench(state, OMEGA, velocity)
+    static = inflow.rotor.wrench(OMEGA, velocity, spin)
+    np.testing.assert_allclose(wrench.force, static.force, rtol=3e-6, atol=1e-9)
+    np.testing.assert_allclose(wrench.moment, static.moment, rtol=3e-6, atol=1e-9)
+    assert abs(inflow.rates(state, OMEGA, velocity)).max() < 2e-3
+    loads = inflow.loads(state, OMEGA, velocity)
+    own = inflow.rotor.loads_at_velocity(OMEGA, velocity)
+    for name in (*LOADS, "power", "mean_inflow"):
+        np.testing.assert_allclose(getattr(loads, name), getattr(own, name), rtol=3e-6, atol=1e-9)
     assert (loads.status == own.status).all()
-    # Their means differ by what the harmonics take off.
-    np.testing.assert_allclose(loads.mean_inflow, own.mean_inflow, rtol=0.03)
+    # In descent, the static solution uses more nodes.
+    loads = inflow.loads(inflow.steady(OMEGA, OBLIQUE[2:]), OMEGA, OBLIQUE[2:])
+    own = inflow.rotor.loads_at_velocity(OMEGA, OBLIQUE[2:])
+    np.testing.assert_allclose(loads.thrust, own.thrust, rtol=2e-3)
+    assert loads.status.tolist() == own.status.tolist()
+
+
+@pytest.mark.parametrize("name", ["paper-soft", "paper-stiff", "paper-apc", "APC 8x6E", "16x8E"])
+def test_steady_states_of_stalled_blades_are_close_to_the_static_solution(name: str) -> None:
+    """Nodes do not follow the radius of stall, so their number limits the error."""
+    paper = name.startswith("paper")
+    inflow = dynamic(name) if paper else pm.DynamicInflow(pm.Rotor(pm.catalogue_model(name)))
+    random, count = np.random.default_rng(2), 300
+    tip = inflow.rotor.model.propeller.radius
+    omega = 60.0 / tip * random.uniform(0.5, 1.5, count)
+    velocity = (omega * tip)[:, None] * random.uniform([0, 0, -0.01], [0.2, 0, 0.15], (count, 3))
+    velocity[::3, 0] = 0.0
+    found = inflow.loads(inflow.steady(omega, velocity), omega, velocity).thrust
+    exact = inflow.rotor.loads_at_velocity(omega, velocity).thrust
+    error = abs(found - exact) / abs(inflow.rotor.loads(omega, 0.0, 0.0).thrust)
+    assert np.quantile(error, 0.95) < (2e-3 if paper else 2e-4)
+    assert error.max() < (5e-3 if paper else 3e-4)
 
 
 def test_steps_follow_the_rates() -> None:
     inflow, velocity = dynamic("paper-apc"), OBLIQUE[0]
-    start, end = np.array([1.0, 2.0, -2.0]), 3e-3
+    start, end = 0.7 * inflow.steady(OMEGA, velocity), 3e-3
+    start[:3] += [0.5, 2.0, -2.0]
     want = solve_ivp(
-        lambda _, x: inflow.rates(x, OMEGA, velocity), (0.0, end), start, rtol=1e-7, atol=1e-9
+        lambda _, x: inflow.rates(x, OMEGA, velocity), (0.0, end), start, rtol=1e-6, atol=1e-7
     ).y[:, -1]
     errors = []
     for count in (4, 16):
@@ -129,109 +169,172 @@ def test_steps_follow_the_rates() -> None:
         for _ in range(count):
             state = inflow.step(state, end / count, OMEGA, velocity)
         errors.append(abs(state - want).max())
-    assert errors[0] < 0.1 and errors[1] < 0.35 * errors[0]  # of the first order
-    at = (start, OMEGA, velocity)
+    assert errors[0] < 0.15 and errors[1] < 0.4 * errors[0]  # of the first order
     slope = (inflow.step(start, 1e-7, OMEGA, velocity) - start) / 1e-7
-    rates = inflow.rates(*at)
+    rates = inflow.rates(start, OMEGA, velocity)
     np.testing.assert_allclose(slope, rates, atol=1e-4 * abs(rates).max())
 
 
-@pytest.mark.parametrize("dt", [1e-3, 0.02, 1e9])
-def test_free_responses_decay_for_any_step(dt: float) -> None:
-    """In hover the energy of the deviation does not grow at any step."""
-    inflow, random = dynamic(), np.random.default_rng(7)
-    still = np.zeros(3)
-    steady = inflow.steady(OMEGA, still)
-    weights = 0.5 * MASSES / np.array([1.0, R, R])  # a moment does work on a gradient over R
-    state = steady + random.uniform(-1.5, 1.5, (40, 3)) * steady[0]
-    energy = (state - steady) ** 2 @ weights
-    for _ in range(4):
-        state = inflow.step(state, dt, OMEGA, still)
-        now = (state - steady) ** 2 @ weights
-        assert (now <= energy * (1.0 + 1e-12)).all()
-        energy = now
-    if dt >= 10.0:
-        np.testing.assert_allclose(state, np.broadcast_to(steady, state.shape), atol=1e-12)
+def test_a_step_of_the_rotor_overshoots_and_settles(attached: pm.DynamicInflow) -> None:
+    """Carpenter and Fridovich, NACA TN 3044: thrust overshoots, because the inflow lags."""
+    state = attached.steady(500.0, STILL)
+    thrust = []
+    for _ in range(60):
+        wrench, state = attached.advance(state, 1e-3, OMEGA, STILL)
+        thrust.append(wrench.force[2])
+    first, end = (attached.rotor.loads(w, 0.0, 0.0).thrust for w in (500.0, OMEGA))
+    assert first < end < thrust[0]
+    assert 1.05 < thrust[0] / end < 1.25
+    assert (np.diff(thrust) < 1e-12).all()
+    assert thrust[-1] == pytest.approx(float(end), rel=1e-6)
 
 
-def test_free_responses_decay_in_any_flight() -> None:
-    """Random states at random points, in stall and descent too: nothing of them is left."""
-    inflow, random = dynamic("paper-apc"), np.random.default_rng(8)
-    count = 16
+@pytest.mark.parametrize("dt", [5e-4, 0.02, 1e9])
+def test_free_responses_end_at_the_steady_state(attached: pm.DynamicInflow, dt: float) -> None:
+    random, count = np.random.default_rng(7), 40
+    omega = random.uniform(300.0, 900.0, count)
+    velocity = random.uniform([-12.0, -12.0, 0.0], [12.0, 12.0, 12.0], (count, 3))
+    velocity[::4, :2] = 0.0
+    steady = attached.steady(omega, velocity)
+    state = steady + 3.0 * random.standard_normal(steady.shape)
+    for _ in range(min(int(0.4 / dt), 800) + 40):
+        state = attached.step(state, dt, omega, velocity)
+    # At the tip, almost unloaded annuli in slow flow settle slowly.
+    np.testing.assert_allclose(state, steady, atol=0.1)
+    found, want = (attached.wrench(x, omega, velocity).force for x in (state, steady))
+    np.testing.assert_allclose(found, want, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("law", ["paper-soft", "paper-apc"])
+def test_no_disturbance_in_any_flight_grows(law: str) -> None:
+    """Stalled blades, the vortex ring and the windmill state, with noise of single precision."""
+    inflow, random, count = dynamic(law), np.random.default_rng(8), 48
     omega = random.uniform(250.0, 1000.0, count)
     velocity = random.uniform(-12.0, 12.0, (count, 3))
+    velocity[::3, :2] = 0.0
+    velocity[0] = 0.0
     steady = inflow.steady(omega, velocity)
     assert np.isfinite(steady).all()
-    first = state = steady + random.uniform(-4.0, 4.0, (count, 3))
-    largest = abs(first - steady).max(axis=1)[:, None]
-    # The gradient that thrust drives may grow for a while, with the thrust.
-    for dt in (1e-3, 4e-3, 0.02, 0.1, 0.5, 0.5):
-        state = inflow.step(state, dt, omega, velocity)
-        assert (abs(state - steady) < 2.0 * largest).all()
-    assert abs(state - steady).max() < 1e-3
-    np.testing.assert_allclose(inflow.step(first, 1e6, omega, velocity), steady, atol=1e-9)
+    most = 10.0 * abs(steady).max(axis=1)[:, None] + 12.0
+    state = steady + random.uniform(-4.0, 4.0, steady.shape)
+    for dt in np.geomspace(5e-4, 0.05, 120):
+        state = inflow.step(state.astype(np.float32), float(dt), omega, velocity)
+        assert (abs(state) < most).all()
+    # Each annulus is at a solution, not always at the largest one.
+    rates = inflow.rates(state, omega, velocity)[:, 3:]
+    assert np.quantile(abs(rates), 0.99) < 1.0
 
 
-def test_more_downwash_on_one_side_lifts_it_less() -> None:
-    inflow, still = dynamic(), [0.0, 0.0, 0.0]
-    steady = inflow.steady(OMEGA, still)
-    more, towards_x, towards_y = (inflow.wrench(steady + one, OMEGA, still) for one in np.eye(3))
+def test_a_decayed_gradient_in_axial_flow_leaves_no_trace() -> None:
+    inflow = pm.DynamicInflow(pm.Rotor(pm.catalogue_model("apc-8x6e")))
+    state = inflow.steady(OMEGA, [0.1, 0.0, 0.0])
+    for _ in range(400):
+        state = inflow.step(state, 0.005, OMEGA, STILL)
+    np.testing.assert_array_equal(state[1:3], 0.0)
+    np.testing.assert_allclose(state, inflow.steady(OMEGA, STILL), atol=1e-3)
+
+
+def test_more_downwash_on_one_side_lifts_it_less(attached: pm.DynamicInflow) -> None:
+    steady = attached.steady(OMEGA, STILL)
+    towards_x, towards_y = (
+        attached.wrench(steady + one, OMEGA, STILL) for one in np.eye(3, attached.size)[1:]
+    )
     # Less lift at +x turns about +y, less lift at +y about -x.
     assert towards_x.moment[1] > 1e-3 > abs(towards_x.moment[0])
     assert towards_y.moment[0] < -1e-3 < -abs(towards_y.moment[1])
-    assert more.force[2] < inflow.wrench(steady, OMEGA, still).force[2]
+    moved = steady + np.eye(3, attached.size)[0]
+    assert (
+        attached.wrench(moved, OMEGA, STILL).force[2]
+        < attached.wrench(steady, OMEGA, STILL).force[2]
+    )
 
 
 def test_a_mirrored_rotor_moves_as_a_mirror_image() -> None:
-    """About the plane y = 0: states (mean, x, -y), forces (x, -y, z), moments (-x, y, -z)."""
+    """About the plane y = 0: gradients (x, -y), forces (x, -y, z), moments (-x, y, -z)."""
     ccw, cw = dynamic("paper-apc"), dynamic("paper-apc", "cw")
-    flip, state = np.array([1.0, 1.0, -1.0]), np.array([3.0, 1.0, -2.0])
+    flip = np.ones(ccw.size)
+    flip[2] = -1.0
     velocity, image = np.array([7.0, 3.0, 2.0]), np.array([7.0, -3.0, 2.0])
+    state = 0.8 * ccw.steady(OMEGA, velocity)
+    state[:3] += [0.5, 1.0, -2.0]
     mirrored = ccw.step(state, 1e-3, OMEGA, velocity) * flip
     np.testing.assert_allclose(cw.step(state * flip, 1e-3, OMEGA, image), mirrored, rtol=1e-9)
     one, other = ccw.wrench(state, OMEGA, velocity), cw.wrench(state * flip, OMEGA, image)
     np.testing.assert_allclose(other.force, one.force * [1.0, -1.0, 1.0], rtol=1e-9)
     np.testing.assert_allclose(other.moment, one.moment * [-1.0, 1.0, -1.0], rtol=1e-9)
-    # Both by one solution.
     both, later = cw.advance(state * flip, 1e-3, OMEGA, image)
     np.testing.assert_array_equal(later, cw.step(state * flip, 1e-3, OMEGA, image))
     np.testing.assert_array_equal((both.force, both.moment), (other.force, other.moment))
+    # Both rotors in one call.
+    pair = dynamic("paper-apc", ["ccw", "cw"])
+    states, velocities = np.array([state, state * flip]), np.array([velocity, image])
+    wrenches, laters = pair.advance(states, 1e-3, OMEGA, velocities)
+    np.testing.assert_array_equal(wrenches.moment, [one.moment, other.moment])
+    np.testing.assert_array_equal(laters[1], later)
 
 
 def test_points_broadcast_over_leading_axes() -> None:
     inflow = dynamic()
-    state, omega = np.array([3.0, 1.0, 0.0]), np.array([[500.0], [700.0]])
-    velocity = OBLIQUE[:3]
+    omega, velocity = np.array([[500.0], [700.0]]), OBLIQUE[:3]
+    state = inflow.steady(OMEGA, STILL)
     all_at_once = inflow.step(state, 1e-3, omega, velocity)
-    assert all_at_once.shape == (2, 3, 3)
+    assert all_at_once.shape == (2, 3, inflow.size)
     assert inflow.loads(state, omega, velocity).thrust.shape == (2, 3)
     one = inflow.step(state, 1e-3, omega[1, 0], velocity[2])
     np.testing.assert_allclose(all_at_once[1, 2], one, rtol=1e-9)
 
 
-def test_what_it_cannot_do_is_refused() -> None:
-    plain = pm.Rotor(pm.Model(BLADE, pm.airfoil("paper-apc")))
-    with pytest.raises(pm.InputError, match=r"add propmap\.correction"):
-        pm.DynamicInflow(plain)
+def test_the_linear_model_predicts_small_changes(attached: pm.DynamicInflow) -> None:
+    velocity = np.array([6.0, -2.0, 1.0])
+    steady = attached.steady(OMEGA, velocity)
+    linear = attached.linearize(OMEGA, velocity)
+    assert linear.b.shape == (attached.size, 4) and linear.d.shape == (6, 4)
+    random, small = np.random.default_rng(4), 1e-4
+    x, u = random.standard_normal(attached.size), random.standard_normal(4)
+    ends = [
+        (
+            attached.rates(steady + by * x, OMEGA + by * u[0], velocity + by * u[1:]),
+            attached.wrench(steady + by * x, OMEGA + by * u[0], velocity + by * u[1:]),
+        )
+        for by in (small, -small)
+    ]
+    rates = (ends[0][0] - ends[1][0]) / (2.0 * small)
+    np.testing.assert_allclose(linear.a @ x + linear.b @ u, rates, rtol=1e-6, atol=1e-3)
+    for part, name in ((slice(3), "force"), (slice(3, 6), "moment")):
+        change = (getattr(ends[0][1], name) - getattr(ends[1][1], name)) / (2.0 * small)
+        predicted = (linear.c @ x + linear.d @ u)[part]
+        np.testing.assert_allclose(predicted, change, rtol=1e-6, atol=1e-7)
+
+
+def test_impossible_arguments_are_refused() -> None:
+    coleman = pm.Model(BLADE, pm.airfoil("paper-apc"), corrections=(pm.correction("coleman"),))
+    with pytest.raises(pm.InputError, match="'coleman' has no dynamics"):
+        pm.DynamicInflow(pm.Rotor(coleman))
     with pytest.raises(pm.InputError, match="must be 'ccw' or 'cw'"):
         pm.DynamicInflow(dynamic().rotor, spin="left")
-    with pytest.raises(pm.InputError, match="its last axis must be the mean inflow"):
-        dynamic().rates([1.0, 2.0], OMEGA, [0.0, 0.0, 0.0])
-    for wrong in ([1.0 + 1.0j, 0.0, 0.0], np.ma.masked_less([1.0, 0.0, 0.0], 0.5)):
-        with pytest.raises(pm.InputError, match=r"state (is .*: give a real|has masked points)"):
-            dynamic().rates(wrong, OMEGA, [0.0, 0.0, 0.0])
-    with pytest.raises(pm.InputError, match="dt is negative"):
-        dynamic().step([1.0, 0.0, 0.0], -1e-3, OMEGA, [0.0, 0.0, 0.0])
-
-
-def test_a_rotor_at_rest_knows_nothing_of_the_point_before() -> None:
+    with pytest.raises(pm.InputError, match="its last axis must have"):
+        dynamic().rates([1.0, 2.0], OMEGA, STILL)
     inflow = dynamic()
-    still, alone = (0.0, 0.0, 0.0), None
+    for wrong in (np.full(inflow.size, 1.0j), np.ma.masked_less(np.zeros(inflow.size), 0.5)):
+        with pytest.raises(pm.InputError, match=r"state (is .*: give a real|has masked points)"):
+            inflow.rates(wrong, OMEGA, STILL)
+    with pytest.raises(pm.InputError, match="dt is negative"):
+        inflow.step(np.zeros(inflow.size), -1e-3, OMEGA, STILL)
+    with pytest.raises(pm.InputError, match="only one operating point"):
+        inflow.linearize(OMEGA, STILL, np.zeros((2, inflow.size)))
+    with pytest.raises(ValueError, match="do not fit"):
+        inflow.rotor._core.inflow_motion(
+            np.ones((5, 2)), np.zeros(3), np.zeros(6), np.ones(2), np.zeros(2), 1
+        )
+
+
+def test_a_rotor_at_rest_does_not_depend_on_the_previous_point() -> None:
+    inflow = dynamic()
+    ends = []
     for before in (0.0, 600.0):
         inflow.steady(before, (8.0, 0.0, 2.0))
-        found = inflow.step((1.0, 0.3, -0.2), 0.01, 0.0, still)
-        np.testing.assert_array_equal(inflow.steady(0.0, still), still)
-        alone = found if alone is None else alone
-        np.testing.assert_array_equal(found, alone)
-    barely = inflow.step((1.0, 0.3, -0.2), 0.01, 1e-9, still)
-    np.testing.assert_allclose(alone, barely, atol=1e-5)
+        state = np.full(inflow.size, 1.0)
+        ends.append(inflow.step(state, 0.01, 0.0, STILL))
+        np.testing.assert_allclose(inflow.steady(0.0, STILL), 0.0, atol=1e-6)
+    np.testing.assert_array_equal(*ends)
+    assert (abs(ends[0]) < 1.0).all()

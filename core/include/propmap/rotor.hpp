@@ -103,6 +103,7 @@ struct Solution {
     Harmonics<double> harmonics{};
     Loads<double> by[3];  // derivatives of loads per density with respect to the harmonics, if there are any
     DiskFlow<double> mean;
+    Loads<double> blade_loads;  // per density, without mount, ground and ceiling
     double thrust_tail = 0.0, torque_tail = 0.0;  // size of the last Legendre coefficients, see `tail`
     Result result;
 };
@@ -164,59 +165,51 @@ template <template <class> class LawOf> class RotorSolver {
 
     const Plain& rotor() const { return rotor_; }
 
-    // Solve an operating point; `v_hover` is computed here.
-    void solve(const Flow<double>& at, Solution& s) const {
-        const double omega = at.omega, v_axial = at.v_axial, v_inplane = at.v_inplane;
-        s.flow = at, s.flow.v_hover = 0.0;
+    // Set the flow, with the static inflow in descent, the branch of momentum theory and the azimuths.
+    void prepare(const Flow<double>& at, Solution& s) const {
+        s.flow = at;
+        s.flow.v_hover = at.v_axial < 0.0 ? hover_inflow(at.omega) : 0.0;
         s.result = Result{};
         s.harmonics = {};
-        const double fastest = std::max({omega * rotor_.tip(), std::fabs(v_axial), v_inplane});
+        s.windmill = vortex_ring::windmill(s.flow);
+        s.psi = azimuths(at.v_inplane == 0.0 ? 1 : accuracy_.azimuths_at(advance_ratio(at), sharpness(), 0));
+    }
+    double advance_ratio(const Flow<double>& at) const {  // V sin(beta)/(Omega R)
+        return at.v_inplane == 0.0 ? 0.0 : at.v_inplane / (at.omega * rotor_.tip());
+    }
+    double sharpness() const { return 0.02 / rotor_.law.stall_width(); }  // of stall, relative to the paper's
+
+    // Solve an operating point.
+    void solve(const Flow<double>& at, Solution& s) const {
+        const double fastest = std::max({at.omega * rotor_.tip(), std::fabs(at.v_axial), at.v_inplane});
         const bool at_rest = fastest <= speed_floor;
         if (at_rest || !(fastest < fastest_flow)) {
             const double inflow = at_rest ? 0.0 : std::nan("");
+            s.flow = at, s.flow.v_hover = 0.0;
+            s.result = Result{};
+            s.harmonics = {};
             s.psi = azimuths(1);
             single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
             place_nodes(rotor_, 0.0, s.disk);
             std::fill(s.disk.inflow.begin(), s.disk.inflow.end(), broadcast(inflow));
             s.disk.several = s.windmill = false;
             // A trace of axial flow gives the wake of a rotor at rest a direction.
-            s.mean = {omega, inflow + 1e3 * speed_floor, 0.0, inflow};
+            s.mean = {at.omega, inflow + 1e3 * speed_floor, 0.0, inflow};
             s.result.loads.thrust = inflow;
             set_status(s, false);
             return;
         }
-        if (v_axial < 0.0) {
-            Solution still;
-            solve({omega, 0.0, 0.0}, still);
-            s.flow.v_hover = static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
-        }
-        s.windmill = vortex_ring::windmill(s.flow);
-        const double tip_speed = omega * rotor_.tip();
-        const double advance = v_inplane == 0.0 ? 0.0 : v_inplane / tip_speed;
-        const double sharper = 0.02 / rotor_.law.stall_width();  // relative to the paper's stall
-        const bool axial = v_inplane == 0.0;
-        s.disk.several = false;
-
-        s.psi = azimuths(axial ? 1 : accuracy_.azimuths_at(advance, sharper, 0));
-        const bool follow = advance <= (v_axial < 0.0 ? follow_descent_below : follow_below);
-        const auto of = annuli(s);
-        single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
-        place_nodes(rotor_, omega, s.disk);
-        s.near_stall.assign(s.disk.runs(), true);
-        const bool tried = advance <= reversed_above;
-        if (!(tried && solve_attached(of, s.disk, s.near_stall))) {
-            s.disk.several = false;
-            solve_stalled(s, follow ? accuracy_.stalled : 0);
-        }
+        prepare(at, s);
+        const double advance = advance_ratio(at), sharper = sharpness();
+        const bool axial = at.v_inplane == 0.0;
+        const bool follow = advance <= (at.v_axial < 0.0 ? follow_descent_below : follow_below);
+        if (!attached_at(s, accuracy_.free)) solve_stalled(s, follow ? accuracy_.stalled : 0);
         find_loads(s);
         const double squared = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;  // a sharper stall needs lower limits
         double limit = accuracy_.largest_tail / squared;
         for (std::size_t times = 0; times < accuracy_.finer.size() && tail_share(s) > limit; ++times) {
             s.psi = azimuths(axial ? 1 : accuracy_.azimuths_at(advance, sharper, int(times) + 1));
-            single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
-            place_nodes(rotor_, omega, s.disk);
-            s.near_stall.assign(s.disk.runs(), true);
-            s.disk.several = false;
+            start_at(s, accuracy_.free);
             solve_stalled(s, accuracy_.finer[times].nodes);
             find_loads(s);
             const bool last = times + 1 == accuracy_.finer.size();
@@ -224,6 +217,34 @@ template <template <class> class LawOf> class RotorSolver {
         }
         const double last_limit = accuracy_.finer.back().largest_tail;
         set_status(s, tail_share(s) > last_limit);
+    }
+
+    // Solve an operating point at `count` nodes of a single panel, whether the blade stalls or not.
+    void solve_at_nodes(const Flow<double>& at, int count, Solution& s) const {
+        prepare(at, s);
+        if (!attached_at(s, count)) {
+            const auto of = annuli(s);
+            find_folds(of, s.disk, s.near_stall, false, s.folds, s.disk.several);
+            solve_nodes(of, s.disk, &s.folds, false);
+        }
+        find_loads(s);
+        set_status(s, false);
+    }
+
+    // Place the nodes of a single panel.
+    void start_at(Solution& s, int count) const {
+        single_panel(s.disk, rotor_.root(), rotor_.tip(), count);
+        place_nodes(rotor_, s.flow.omega, s.disk);
+        s.near_stall.assign(s.disk.runs(), true);
+        s.disk.several = false;
+    }
+
+    // Solve (11) at the nodes of a single panel, and return whether flow is attached there.
+    bool attached_at(Solution& s, int count) const {
+        start_at(s, count);
+        if (advance_ratio(s.flow) <= reversed_above && solve_attached(annuli(s), s.disk, s.near_stall)) return true;
+        s.disk.several = false;
+        return false;
     }
 
     // Solve (11) if the blade may stall: on `following` nodes in panels that follow stall or, if it is 0, on one panel.
@@ -381,15 +402,6 @@ template <template <class> class LawOf> class RotorSolver {
         return rotor_.inflow_shape != InflowShape::uniform && s.flow.v_inplane > 0.0;
     }
 
-    // The inflow of the annuli, blended with the vortex-ring inflow [m/s].
-    std::vector<Lanes> blended_inflow(const Solution& s) const {
-        std::vector<Lanes> inflow(s.disk.inflow.begin(), s.disk.inflow.begin() + s.disk.groups);
-        const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
-        if (ring > 0.0)
-            for (Lanes& v : inflow) v = (1.0 - ring) * v + ring * ring_inflow;
-        return inflow;
-    }
-
     // The response with its gains multiplied by `share`: harmonics fade out within the vortex ring.
     template <class S> static HarmonicResponse<S> faded(HarmonicResponse<S> r, const S& share) {
         for (S* part : {&r.mean_by_thrust, &r.lateral, &r.longitudinal, &r.by_thrust, &r.by_roll, &r.by_rear})
@@ -418,17 +430,31 @@ template <template <class> class LawOf> class RotorSolver {
         }
     }
 
-    // Loads per density with harmonics.
-    Loads<double> loads_with(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow,
-                             const Harmonics<double>& h) const {
-        Loads<double> total;
-        for (int g = 0; g < s.disk.groups; ++g) {
-            const auto& at = s.disk.at[g];
-            const auto per_radius = loads_of(rotor_, at, turn_forces(rotor_, at, s.flow, inflow[g], psi, h));
-            for (int k = 0; k < Loads<double>::count; ++k)
-                total.begin()[k] += sum(s.disk.weight[g] * per_radius.begin()[k]);
+    // Compute the loads of a disk whose inflow and harmonics are known.
+    void find_loads_at(Solution& s, bool around) const {
+        thread_local std::vector<Lanes> inflow;
+        thread_local std::vector<double> integrand(2 * most_nodes);
+        blend(s, inflow);
+        Loads<double> total{};
+        if (around) loads_and_slopes(s, s.psi, inflow, s.harmonics, total, s.by, integrand.data());
+        add_loads(s, inflow, around, total, integrand.data());
+    }
+
+    void set_status(Solution& s, bool coarse) const {  // set the status and the number of roots
+        Result& r = s.result;
+        const auto& f = s.flow;
+        r.roots = s.disk.several ? 3 : 1;
+        const auto turn = turning_points(f.v_axial, f.v_inplane);
+        const bool mirrored = s.windmill && r.mean_inflow > turn.first && turn.second > turn.first;
+        r.status = Status::ok;
+        if (r.roots > 1) r.status = Status::multiple_roots;
+        if (f.v_axial < 0.0 && f.v_axial + 2.0 * r.mean_inflow <= 0.0) r.status = Status::windmill;
+        if (coarse) r.status = Status::coarse;
+        if (r.ring > 0.0 || mirrored) r.status = Status::vortex_ring;
+        if (!std::isfinite(r.loads.thrust)) {
+            r.status = Status::not_converged;
+            for (int k = 0; k < Loads<double>::count; ++k) r.loads.begin()[k] = std::nan("");
         }
-        return total;
     }
 
   private:
@@ -459,10 +485,18 @@ template <template <class> class LawOf> class RotorSolver {
 
     // Compute the loads of a disk whose inflow is known.
     void find_loads(Solution& s) const {
-        const int groups = s.disk.groups;
         thread_local std::vector<Lanes> inflow;
-        thread_local std::vector<double> integrand;
-        inflow.resize(groups), integrand.resize(2 * most_nodes);
+        thread_local std::vector<double> integrand(2 * most_nodes);
+        blend(s, inflow);
+        Loads<double> total{};
+        if (has_harmonics(s)) total = find_harmonics(s, inflow, s.result.ring, integrand.data());
+        add_loads(s, inflow, has_harmonics(s), total, integrand.data());
+    }
+
+    // Compute the inflow of the annuli, blended with the vortex-ring inflow [m/s], and the mean flow.
+    void blend(Solution& s, std::vector<Lanes>& inflow) const {
+        const int groups = s.disk.groups;
+        inflow.resize(groups);
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
         double area = 0.0, through = 0.0;
         for (int g = 0; g < groups; ++g) {
@@ -472,30 +506,33 @@ template <template <class> class LawOf> class RotorSolver {
             area += sum(part), through += sum(part * inflow[g]);
         }
         s.mean = {s.flow.omega, s.flow.v_axial, s.flow.v_inplane, through / area};
-        Loads<double> total{};
-        if (has_harmonics(s)) total = find_harmonics(s, inflow, ring, integrand.data());
-        for (int g = 0; g < groups; ++g) {
-            if (has_harmonics(s) && !rotor_.radial_friction) break;
+        s.result.ring = ring, s.result.mean_inflow = s.mean.inflow;
+    }
+
+    // Complete the loads.  `total` contains the loads with harmonics if the inflow varies around the disk.
+    void add_loads(Solution& s, const std::vector<Lanes>& inflow, bool around, Loads<double> total, double* integrand) const {
+        for (int g = 0; g < s.disk.groups; ++g) {
+            if (around && !rotor_.radial_friction) break;
             const auto& at = s.disk.at[g];
             const Lanes& weight = s.disk.weight[g];
             const auto add_up = [&](const Loads<Lanes>& per_radius) {
                 for (int k = 0; k < Loads<double>::count; ++k)
                     total.begin()[k] += sum(weight * per_radius.begin()[k]);
             };
-            if (!has_harmonics(s)) {
+            if (!around) {
                 const auto per_radius = loads_of(rotor_, at, turn_forces(rotor_, at, s.flow, inflow[g], s.psi));
                 add_up(per_radius);
-                keep_integrand(s, g, weight, per_radius, integrand.data());
+                keep_integrand(s, g, weight, per_radius, integrand);
             }
             if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
                 add_up(radial_friction(rotor_, at, s.flow, inflow[g], s.psi));
         }
+        s.blade_loads = total;
         s.result.blade_drag = rotor_.density * total.drag;
         complete_loads(rotor_, s.flow, s.mean.inflow, total);
         s.result.loads = total;
-        s.thrust_tail = rotor_.density * tail(s, integrand.data());
-        s.torque_tail = rotor_.density * tail(s, integrand.data() + most_nodes);
-        s.result.ring = ring, s.result.mean_inflow = s.mean.inflow;
+        s.thrust_tail = rotor_.density * tail(s, integrand);
+        s.torque_tail = rotor_.density * tail(s, integrand + most_nodes);
     }
 
     // Solve for the harmonics and the loads, which depend on each other: three equations, Newton's method from zero,
@@ -574,23 +611,6 @@ template <template <class> class LawOf> class RotorSolver {
             by[0].thrust += sum(part * slope), by[0].roll_moment += sum(arm * slope_sine);
             by[1].thrust += sum(part * share * slope_sine), by[1].roll_moment += sum(arm * share * slope_square);
             by[2].pitch_moment -= sum(arm * share * (slope - slope_square));  // cos^2 = 1 - sin^2
-        }
-    }
-
-    void set_status(Solution& s, bool coarse) const {  // set the status and the number of roots
-        Result& r = s.result;
-        const auto& f = s.flow;
-        r.roots = s.disk.several ? 3 : 1;
-        const auto turn = turning_points(f.v_axial, f.v_inplane);
-        const bool mirrored = s.windmill && r.mean_inflow > turn.first && turn.second > turn.first;
-        r.status = Status::ok;
-        if (r.roots > 1) r.status = Status::multiple_roots;
-        if (f.v_axial < 0.0 && f.v_axial + 2.0 * r.mean_inflow <= 0.0) r.status = Status::windmill;
-        if (coarse) r.status = Status::coarse;
-        if (r.ring > 0.0 || mirrored) r.status = Status::vortex_ring;
-        if (!std::isfinite(r.loads.thrust)) {
-            r.status = Status::not_converged;
-            for (int k = 0; k < Loads<double>::count; ++k) r.loads.begin()[k] = std::nan("");
         }
     }
 
