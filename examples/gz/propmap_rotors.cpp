@@ -35,7 +35,7 @@ struct Rotor {
     sim::Joint joint;
     sim::Link link;
     double spin = 1.0;                 // 1 for ccw, -1 for cw
-    std::vector<double> inflow;        // state of the inflow, with gradients along x and y of the body [m/s]
+    std::vector<double> inflow{};      // state of the inflow, with gradients along x and y of the body [m/s]
 };
 
 class Rotors : public sim::System, public sim::ISystemConfigure, public sim::ISystemPreUpdate {

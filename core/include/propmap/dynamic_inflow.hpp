@@ -84,7 +84,7 @@ template <template <class> class LawOf> class DynamicInflow {
     }
 
     // Compute loads and status in a state, its `rates` [m/s^2], and the state `later` after a step of `time` [s].
-    // `rates` and `later` may be null.
+    // The result is valid until the next call in the same thread.
     const Solution& move(const Flow<double>& at, const Heading& heading, const double* state, double time, double* rates,
                          double* later) const {
         thread_local Solution s;
@@ -116,7 +116,6 @@ template <template <class> class LawOf> class DynamicInflow {
             const auto residual = thrust - wake_thrust(rotor, station.radius, s.flow, s.windmill, inflow);
             const Lanes in_ring = ring > 0.0 ? annulus_thrust(rotor, station, s.flow, (1.0 - ring) * v + ring * ring_inflow, s.psi) : thrust.v;
             thrust_without += sum(s.disk.weight[g] * in_ring);
-            if (!rates && !later) continue;
             const Lanes through = s.flow.v_axial + v;
             const Lanes least = 2.0 * pi * station.radius * square_root(speed_squared(s.flow.v_inplane, through));
             const Lanes slope = maximum(-residual.d[0], least), per_mass = 3.0 / (16.0 * radius * station.radius);
@@ -126,8 +125,8 @@ template <template <class> class LawOf> class DynamicInflow {
             step = step > most ? most : (step < -most ? -most : step);
             for (int k = 0; k < width && g * width + k < nodes_; ++k) {
                 const int to = harmonics_first + g * width + k;
-                if (rates) rates[to] = residual.v[k] * per_mass[k];
-                if (later) later[to] = state[to] + step[k];
+                rates[to] = residual.v[k] * per_mass[k];
+                later[to] = state[to] + step[k];
             }
         }
 
@@ -135,7 +134,6 @@ template <template <class> class LawOf> class DynamicInflow {
         s.harmonics = {h[0], h[1], h[2]};
         solver_->find_loads_at(s, around);
         solver_->set_status(s, false);
-        if (!rates && !later) return s;
         double rate[3]{}, change[3]{};
         if (around) move_harmonics(s, thrust_without, time, rate, change);
         const double speed = at.omega * radius + s.mean.speed();
@@ -144,8 +142,8 @@ template <template <class> class LawOf> class DynamicInflow {
             next[k] = h[k] + change[k];
             if (std::fabs(next[k]) < negligible * speed) next[k] = 0.0;
         }
-        if (rates) heading.in_rotor_frame(rate, rates);
-        if (later) heading.in_rotor_frame(next, later);
+        heading.in_rotor_frame(rate, rates);
+        heading.in_rotor_frame(next, later);
         return s;
     }
 
@@ -162,13 +160,12 @@ template <template <class> class LawOf> class DynamicInflow {
         const auto& l = s.blade_loads;
         const auto wanted = response.harmonics({l.thrust, l.roll_moment, -l.pitch_moment}, thrust_without);
         const double target[3] = {wanted.mean, wanted.lateral, wanted.longitudinal};
+        // Each harmonic steps by the exponential of the slope of its rate.  If stalled blades amplify the harmonic, the step
+        // omits their part of the slope.
+        const double by_itself[3] = {response.mean_by_thrust * s.by[0].thrust, response.by_roll * s.by[1].roll_moment,
+                                     response.by_thrust * s.by[2].thrust - response.by_rear * s.by[2].pitch_moment};
         for (int k = 0; k < 3; ++k) {
-            // Each harmonic steps by the exponential of the slope of its rate.  If stalled blades amplify the harmonic, the
-            // step omits their part of the slope.
-            const Loads<double>& by = s.by[k];
-            const double moved[3] = {response.mean_by_thrust * by.thrust, response.by_roll * by.roll_moment,
-                                     response.by_thrust * by.thrust - response.by_rear * by.pitch_moment};
-            const double decay = 1.0 - std::min(moved[k], 0.0);
+            const double decay = 1.0 - std::min(by_itself[k], 0.0);
             rate[k] = per[k] * (target[k] - h[k]);
             change[k] = (target[k] - h[k]) / decay * -std::expm1(-per[k] * decay * time);
         }
