@@ -8,12 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import numpy as np
-
 from propmap.errors import InputError, located
 from propmap.loads import DRAG_FACTOR, MOUNT_AREA
 from propmap.model.propeller import Propeller
-from propmap.typing import Floats
 from propmap.units import SPEED_OF_SOUND
 
 HUB_SHARE = 0.08  # default radius of the hub over R: 16 mm diameter for 8 inches
@@ -286,9 +283,15 @@ class WhiteBlake(InflowShape):
 class Installed(Correction):
     """Rotor drag of an installed rotor, on its motor, arm or stand.
 
-    The correction changes only the rotor drag, at the hub, and adds no moment; see ``drag``.  On
-    all measured mounts the rotor drag exceeds the drag of bare blades.  A factor increases the drag
-    of the blades, which is linear in Omega V.  The drag of the parts in the slipstream is added.
+    The correction changes only the rotor drag, at the hub, and adds no moment.  On all measured
+    mounts the rotor drag exceeds the drag of bare blades.  A factor increases the drag of the
+    blades, which is linear in Omega V.  The drag of the parts in the slipstream is added:
+
+        D = k D_blades + 1/2 rho f V_inplane sqrt(V_inplane^2 + (V_axial + w v_i)^2),
+
+    with the inflow v_i averaged over the disk.  The second term is the in-plane component of a drag
+    along the velocity of the air.  The slipstream increases this velocity, so in slow flight the
+    term is linear in V_inplane.
 
     Attributes
     ----------
@@ -298,8 +301,8 @@ class Installed(Correction):
         Area f [m^2], drag coefficient times area of the parts in the slipstream; None for the mean
         of ``TYPICAL_AREA``.
     wake : float
-        Inflow at these parts over the inflow at the disk [-]: 1 at the disk, where a motor is, up
-        to 2 far below, 0 outside the slipstream.
+        Inflow at these parts over the inflow at the disk, w [-]: 1 at the disk, where a motor is,
+        up to 2 far below, 0 outside the slipstream.
 
     Raises
     ------
@@ -342,42 +345,6 @@ class Installed(Correction):
         """Return the factor under ``name``, the area for a ``model``, and ``wake``."""
         area = self.area(model.propeller.radius)
         return {name: self.blade_factor, "mount-area": area, "mount-wake": self.wake}
-
-    def drag(
-        self,
-        radius: float,
-        density: float,
-        v_axial: Floats,
-        v_inplane: Floats,
-        inflow: Floats,
-        blades: Floats,
-    ) -> Floats:
-        """Return D = k D_blades + 1/2 rho f V_inplane sqrt(V_inplane^2 + (V_axial + w v_i)^2).
-
-        The second term is the in-plane component of a drag along the velocity of the air.  The
-        slipstream increases this velocity, so in slow flight the term is linear in V_inplane.
-
-        Parameters
-        ----------
-        radius : float
-            Propeller radius R [m].
-        density : float
-            Air density rho [kg/m^3].
-        v_axial, v_inplane : ndarray, shape (...)
-            V cos(beta) and V sin(beta) [m/s].
-        inflow : ndarray, shape (...)
-            v_i averaged over the disk area [m/s].
-        blades : ndarray, shape (...)
-            Rotor drag of the blades [N].
-
-        Returns
-        -------
-        ndarray, shape (...)
-            Rotor drag [N], against the in-plane velocity.
-        """
-        speed = np.hypot(v_inplane, v_axial + self.wake * inflow)
-        mount = 0.5 * density * self.area(radius) * v_inplane * speed
-        return np.asarray(self.blade_factor * blades + mount)
 
 
 @dataclass(frozen=True)
