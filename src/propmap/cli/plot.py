@@ -154,7 +154,7 @@ def explore(
     shelf, first = Shelf(), Session()
     if subject is not None and looks_like_path(subject):
         given = read_path(Path(subject))
-        first = first.with_file(given, shelf.put(given, always=True))
+        first = first.with_file(given, shelf.put(given))
     elif subject is not None:
         first = Session(prop=subject)
     first.model  # noqa: B018 - reports a bad input before the server starts

@@ -29,7 +29,7 @@ from werkzeug.serving import BaseWSGIServer, make_server
 
 from propmap.errors import InputError
 from propmap.explore.page import INDEX, failed, legend, page, remarks, table, view_page
-from propmap.explore.session import KNOWN, MOST_BYTES, Session, Shelf, read_upload
+from propmap.explore.session import KNOWN, MOST_BYTES, Recent, Session, Shelf, read_upload
 from propmap.explore.view import View, values_of
 
 send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
@@ -194,12 +194,13 @@ class Application:
         )
         where = (State("address", "pathname"), State("here", "data"))
 
-        newest = Newest()
+        # Slow answers to older requests of a tab are skipped.
+        newest, in_turn = Recent[Any](MOST_TABS), threading.Lock()
 
         # Steps of sliders bypass Dash, whose bookkeeping took half of the time.
         def _live() -> Any:
             asked = _mapping(request.get_json(silent=True))
-            newest.note(asked)
+            newest.put(_tab(asked), asked.get("serial"))
             return self.live(asked)
 
         app.server.add_url_rule(LIVE, "live", _live, methods=["POST"])
@@ -211,10 +212,10 @@ class Application:
         )  # fmt: skip
         def _settled(asked: Any, path: Any, here: Any) -> Any:
             asked = _mapping(asked)
-            newest.note(asked)
+            newest.put(_tab(asked), asked.get("serial"))
             given = _mapping(asked.get("values"))
-            with newest.in_turn:
-                if not newest.is_it(asked):
+            with in_turn:
+                if newest.get(_tab(asked)) != asked.get("serial"):
                     # A newer request of the tab makes this answer useless.
                     raise PreventUpdate
                 found = self.answer(path, here, given)
@@ -469,28 +470,6 @@ class Jobs:
 
 
 MOST_TABS = 1000  # maximum number of stored tabs
-
-
-class Newest:
-    """The newest request of each tab; slow answers to older requests can be skipped."""
-
-    def __init__(self) -> None:
-        self.in_turn = threading.Lock()
-        self._serials: OrderedDict[str, Any] = OrderedDict()
-        self._lock = threading.Lock()
-
-    def note(self, asked: Mapping[str, Any]) -> None:
-        """Store the request ``asked`` as the newest of its tab."""
-        tab = _tab(asked)
-        with self._lock:
-            self._serials[tab] = asked.get("serial")
-            self._serials.move_to_end(tab)
-            while len(self._serials) > MOST_TABS:
-                self._serials.popitem(last=False)
-
-    def is_it(self, asked: Mapping[str, Any]) -> bool:
-        """Return whether the request ``asked`` is the newest of its tab."""
-        return bool(self._serials.get(_tab(asked)) == asked.get("serial"))
 
 
 def _tab(asked: Mapping[str, Any]) -> str:
