@@ -46,7 +46,7 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
     records = [table_cells(table), load_lines(table, omega, still), load_maps(table, omega)]
     values = {}
     if found:
-        record, heads = certificate(found, parameters)
+        record, heads = table_errors(found, parameters)
         records.append(record)
         values = {
             "holds": found.get("holds", max(found["max_error"].values()) <= found["tolerance"]),
@@ -90,7 +90,9 @@ def _by_angle(beta: Floats, code: NDArray[np.uint8]) -> list[tuple[str, ...]]:
     return rows
 
 
-def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[html.FigureRecord, str]:
+def table_errors(
+    found: dict[str, Any], parameters: dict[str, Any]
+) -> tuple[html.FigureRecord, str]:
     """Return the errors by load relative to static loads with their operating points, and heads."""
     errors = {"largest": found["max_error"], "rms": found["rms_error"]}
     if found["unresolved_cells"]:

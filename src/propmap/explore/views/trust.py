@@ -12,14 +12,17 @@ from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Session, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, OneOf, Slider, Table, Values
+from propmap.export.files import origin
 from propmap.loads import LOADS, error_scales
 from propmap.report.html import COLORS
-from propmap.report.table_page import KINDS, cell_ranks, table_cells
+from propmap.report.table_page import KINDS, cell_ranks, table_cells, table_errors
+from propmap.table.certificate import claims
 from propmap.table.query import LoadTable
 from propmap.table.verification import quasi_random
 from propmap.units import RPM
 
 NAME = "cells.csv"
+UNKNOWN = "This table has no certificate: rebuild it with `propmap table`."
 SAMPLE = 256  # number of points for the comparison of table and model
 # Labels and colors of the kinds of cells.
 SHADES = [(label, c if c.startswith("#") else view.GRAY) for label, c in KINDS.values()]
@@ -35,7 +38,6 @@ class TrustView(view.View):
     downloads = (Download(NAME, "cells with a status other than ok, as CSV"),)
     places = (
         Graph("cells", "cells over advance ratio and angle", wide=True),
-        Graph("errors", "largest and rms errors by load"),
         Graph("sample", "errors with respect to the model at points of the envelope"),
     )
 
@@ -58,17 +60,10 @@ class TrustView(view.View):
         table = _table(session)
         certificate = table.certificate
         shown = {"cells": _cells(session, table, values)}
-        remarks = []
+        tables, remarks = [_origin(table)], list(claims(certificate)) if certificate else [UNKNOWN]
         if certificate:
-            shown["errors"] = _by_load(certificate)
-            holds = certificate.get("holds")
-            remarks.append(
-                f"At {'all' if holds else 'some'} of the {certificate['points']} points outside "
-                f"unresolved cells, the error {'is within' if holds else 'EXCEEDS'} the tolerance "
-                f"of {100.0 * certificate['tolerance']:g} % of static loads."
-            )
-        else:
-            remarks.append("This table has no certificate: rebuild it with `propmap table`.")
+            errors, heads = table_errors(certificate, table.info.get("parameter_uncertainty") or {})
+            tables.append(Table(heads.split("|"), errors.cells, "Errors by load"))
         if settled:
             sample = _sample(session, table, values)
             if sample is None:
@@ -77,7 +72,6 @@ class TrustView(view.View):
                 )
             else:
                 shown["sample"] = sample
-        tables = [_facts(table)] if settled else []
         key = [SHADES[rank] for rank in np.unique(cell_ranks(table)[0]).tolist()]
         return Answer(shown, tables, remarks, key)
 
@@ -155,30 +149,6 @@ def _cells(session: Session, table: LoadTable, values: Values) -> view.Figure:
     )
 
 
-def _by_load(certificate: dict[str, Any]) -> view.Figure:
-    names = [name for name in LOADS if name in certificate["max_error"]]
-    bars = [
-        {
-            "type": "bar",
-            "x": [LOADS[name].label for name in names],
-            "y": [100.0 * certificate[key][name] for name in names],
-            "name": label,
-            "marker": {"color": color},
-        }
-        for key, label, color in (
-            ("max_error", "largest", COLORS[1]),
-            ("rms_error", "rms", COLORS[0]),
-        )
-    ]
-    level = 100.0 * certificate["tolerance"]
-    place = {"xref": "paper", "yref": "y", "x0": 0, "x1": 1, "y0": level, "y1": level}
-    line = {**view.upright(0.0), **place}
-    return view.figure(
-        bars, "", "error / static load [%]", shapes=[line], legend=True, barmode="group",
-        margin={"l": 62, "r": 12, "t": 12, "b": 84},
-    )  # fmt: skip
-
-
 def _sample(session: Session, table: LoadTable, values: Values) -> view.Figure | None:
     """Return errors at points of the envelope, or None if the table is from another model."""
     model = session.model
@@ -200,23 +170,7 @@ def _sample(session: Session, table: LoadTable, values: Values) -> view.Figure |
     return view.figure([trace], ADVANCE, ANGLE)
 
 
-def _facts(table: LoadTable) -> Table:
-    (w0, w1), (v0, v1), (b0, b1) = table.envelope.values()
-    certificate = table.certificate
-    rows = [
-        ["rpm", f"{w0 / RPM:.0f} to {w1 / RPM:.0f}"],
-        ["airspeed [m/s]", f"{v0:g} to {v1:g}"],
-        ["angle β [deg]", f"{np.degrees(b0):.4g} to {np.degrees(b1):.4g}"],
-        ["propeller", str(table.info.get("propeller", {}).get("name", ""))],
-        ["constants", str(table.info.get("airfoil", {}).get("name", ""))],
-    ]
-    if certificate:
-        rows += [
-            ["unresolved cells", str(certificate["unresolved_cells"])],
-            ["unresolved part of envelope", f"{100.0 * certificate['unresolved_volume']:.3g} %"],
-            ["points in the vortex ring state", str(certificate["vortex_ring"])],
-            ["points without a value", str(certificate["no_value"])],
-        ]
-        for name, error in certificate["max_error"].items():
-            rows.append([f"largest error, {LOADS[name].label}", f"{100.0 * error:.3g} %"])
-    return Table(("", "value"), rows, "Contents of the table file")
+def _origin(table: LoadTable) -> Table:
+    """Return the lines of ``propmap show`` on the inputs of the table."""
+    lines = "\n".join(origin(table)).replace("\n  ", " ").splitlines()  # one line per input
+    return Table(("", "value"), [line.split(": ", 1) for line in lines], "Contents of the table")
