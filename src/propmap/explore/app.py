@@ -14,8 +14,8 @@ import threading
 import time
 import webbrowser
 from base64 import b64decode
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -429,44 +429,35 @@ class Job:
         seconds = time.monotonic() - self.begun
         return self.message if self.done else f"{self.message} ({seconds:.0f} s)"
 
+    def run(self, work: Callable[[Job], Mapping[str, float]]) -> None:
+        """Set the result of ``work``, or a message on its failure."""
+        try:
+            self.found = work(self)
+        except InputError as error:
+            self.message = str(error)
+        except Exception:
+            logging.getLogger(__name__).exception("a fit failed")
+            self.message = "the fit failed; see the terminal for details"
+        self.done = True
+
 
 class Jobs:
-    """All fits of a server, which run one at a time."""
+    """The last fits of a server, which run one at a time."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[str, Job] = OrderedDict()
-        self._lock = threading.Lock()
-        self._turn = threading.Lock()
+        self._kept = Recent[Job](MOST)
+        self._in_turn = ThreadPoolExecutor(max_workers=1)
 
     def begin(self, work: Callable[[Job], Mapping[str, float]]) -> str:
         """Run ``work`` in a thread, and return the name of the job."""
         name, job = secrets.token_urlsafe(12), Job()
-        with self._lock:
-            done = [key for key, other in self._kept.items() if other.done]
-            if len(self._kept) - len(done) >= MOST:
-                raise InputError("too many fits are running", "wait until one has finished")
-            self._kept[name] = job
-            for old in done[: -MOST // 2]:
-                del self._kept[old]
-
-        def run() -> None:
-            with self._turn:
-                try:
-                    job.found = work(job)
-                except InputError as error:
-                    job.message = str(error)
-                except Exception:
-                    logging.getLogger(__name__).exception("a fit failed")
-                    job.message = "the fit failed; see the terminal for details"
-            job.done = True
-
-        threading.Thread(target=run, daemon=True).start()
+        self._kept.put(name, job)
+        self._in_turn.submit(job.run, work)
         return name
 
     def get(self, name: str) -> Job | None:
         """Return the job with a name, or None."""
-        with self._lock:
-            return self._kept.get(name)
+        return self._kept.get(name)
 
 
 MOST_TABS = 1000  # maximum number of stored tabs
