@@ -19,7 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
-from urllib.parse import parse_qsl, urlencode
+from urllib.parse import parse_qsl, urlencode, urlsplit
 
 import dash
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
@@ -291,7 +291,7 @@ def _mapping(value: Any) -> dict[str, Any]:
 # The server: address, access control, start and end.
 
 LARGEST_REQUEST = 8_000_000  # bytes: base64 encoding makes an upload of 5 MB a third larger
-LOOPBACK = ("localhost", "127.0.0.1", "[::1]")
+LOOPBACK = ("localhost", "127.0.0.1", "::1")
 PORTS_TRIED = 20
 
 
@@ -305,11 +305,9 @@ def guard(server: Flask, names: Iterable[str]) -> None:
 
     @server.before_request
     def _known_host() -> Response | None:
-        host, colon, port = request.host.rpartition(":")
-        # The last colon of an IPv6 address without port is inside brackets.
-        name = host if colon and port.isdigit() and (":" not in host or host[-1] == "]") else ""
-        if (name or request.host).lower() in allowed:
-            return None
+        with contextlib.suppress(ValueError):
+            if urlsplit(f"//{request.host}").hostname in allowed:
+                return None
         return Response("This server does not answer requests for this host name.\n", 403)
 
     @server.errorhandler(Exception)
@@ -334,7 +332,7 @@ def guard(server: Flask, names: Iterable[str]) -> None:
 
 def names_of(host: str) -> set[str]:
     """Return the allowed names of a server that listens on ``host``."""
-    found = {*LOOPBACK, host, f"[{host}]"}
+    found = {*LOOPBACK, host.strip("[]")}
     if not is_loopback(host):
         own = socket.gethostname()
         found |= {own, socket.getfqdn()}
