@@ -130,9 +130,14 @@ KINDS = {
 
 
 def table_cells(table: LoadTable) -> html.FigureRecord:
-    """Return the cells with a status other than "ok"; the figure shows all cells."""
-    content, (rank, codes) = table.content, cell_ranks(table)
+    """Return the cells with a status other than "ok", which is "no_value" if a corner has no value;
+    the figure shows all cells."""
+    content = table.content
     beta = np.degrees(content.beta)
+    lost: Any = np.isnan(content.coefficients).any(axis=(0, 1))
+    corners = lost[:-1, :-1] | lost[1:, :-1] | lost[:-1, 1:] | lost[1:, 1:]
+    codes = np.where(corners, np.uint8(NO_VALUE), cell_codes(content))
+    rank = np.searchsorted(list(KINDS), codes)
 
     def draw() -> Figure:
         (w0, w1), (_, fastest), _ = table.envelope.values()
@@ -172,15 +177,6 @@ def table_cells(table: LoadTable) -> html.FigureRecord:
         "status": NAMES[codes[i, j]],
     }
     return html.FigureRecord("table-cells", [columns], draw)
-
-
-def cell_ranks(table: LoadTable) -> tuple[np.ndarray, np.ndarray]:
-    """Return the index in ``KINDS`` and the status of each cell, (n - 1, m - 1) by advance ratio
-    and angle; the status is ``NO_VALUE`` if a corner has no value."""
-    lost: Any = np.isnan(table.content.coefficients).any(axis=(0, 1))
-    corners = lost[:-1, :-1] | lost[1:, :-1] | lost[:-1, 1:] | lost[1:, 1:]
-    codes = np.where(corners, np.uint8(NO_VALUE), cell_codes(table.content))
-    return np.searchsorted(list(KINDS), codes), codes
 
 
 # -------------------------------------------------------------------------------------------------
