@@ -379,9 +379,5 @@ class LoadChange:
         if not self.known:
             across = np.hypot(velocity[:, 0], velocity[:, 1])
             self.known.append(self.at(FlowPoints(omega, velocity[:, 2], across)))
-        return _by_name(self.known[0][self.d], omega)
-
-
-def _by_name(rows: Floats, omega: Floats) -> Any:
-    """Return loads (L, N) by name, with a ``status``."""
-    return SimpleNamespace(**dict(zip(LOADS, rows, strict=True)), status=np.full(omega.shape, "ok"))
+        loads = dict(zip(LOADS, self.known[0][self.d], strict=True))
+        return SimpleNamespace(**loads, status=np.full(omega.shape, "ok"))
