@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
@@ -269,25 +269,6 @@ class SearchReport:
             f"{lost.size} of {self.radius.size} stations did not converge; the first at "
             f"y = {self.radius[k]:.5f} m (y/R = {self.radius[k] / self.tip:.3f})"
         )
-
-
-def joined(parts: Sequence[Loads]) -> Loads:
-    """Return the loads of all ``parts`` as one ``Loads`` with fields (n,)."""
-
-    def all_points(values: Iterable[Any], name: str) -> Any:
-        return np.concatenate([getattr(one, name).ravel() for one in values])
-
-    names = (each.name for each in fields(Loads) if each.name != "deviations")
-    arrays: Any = {name: all_points(parts, name) for name in names}
-    if parts[0].deviations is None:
-        return Loads(**arrays)
-
-    def deviations() -> dict[str, LoadValues]:
-        names = parts[0].std_by_source
-        each = {name: [part.std_by_source[name] for part in parts] for name in names}
-        return {n: _load_values(functools.partial(all_points, its)) for n, its in each.items()}
-
-    return Loads(**arrays, deviations=deviations)
 
 
 def _load_values(of: Callable[[str], Any]) -> LoadValues:

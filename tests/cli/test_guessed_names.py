@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import tomllib
+
 import pytest
 
-from propmap.cli.app import COMMAND_ANSWERS, OPTION_ANSWERS, Commands, main
+from propmap.cli.app import ANSWERS, Commands, main
 
 
 @pytest.mark.parametrize(
@@ -28,8 +30,9 @@ def test_a_guess_is_answered(typed: str, answer: str, capsys: pytest.CaptureFixt
 
 def test_no_answer_hides_a_real_name() -> None:
     """An option or command that exists is never a guess at another one."""
-    assert set(COMMAND_ANSWERS) <= set(Commands.places)
-    guesses = " ".join(COMMAND_ANSWERS.values()).split()
+    answers = tomllib.loads(ANSWERS.read_text(encoding="utf-8"))
+    assert set(answers["commands"]) <= set(Commands.places)
+    guesses = " ".join(answers["commands"].values()).split()
     assert len(guesses) == len(set(guesses)) and not set(guesses) & set(Commands.places)
-    options = " ".join(each for one in OPTION_ANSWERS.values() for each in one.values()).split()
+    options = " ".join(one["typed"] for one in answers["options"]).split()
     assert len(options) == len(set(options))

@@ -124,10 +124,9 @@ def test_much_is_asked_for_and_too_much_refused(
     ("file", "cluster", "told"),
     [
         ("map.zarr", "local:0", "asks for '0' workers; give a number from 1"),
-        ("map.zarr", "localhost", "not an address; write local, local:4"),
+        ("map.nc", "localhost", "not an address; write local, local:4"),
         ("map.zarr", "tcp://localhost:99999", "not an address"),
         ("map.zarr", "tcp://localhost:PORT", "no scheduler answers within 0.1 s; start one"),
-        ("map.nc", "local:2", "use the file extension .zarr"),
     ],
 )
 def test_wrong_clusters_are_one_line(

@@ -8,8 +8,10 @@ import inspect
 import re
 from typing import Any
 
+from propmap.io.toml import TomlTable
 from propmap.sim.mjx import JaxForces, MjxRotors
 from propmap.table import JaxTable
+from propmap.vehicle import files
 
 from .pages import ROOT
 
@@ -97,3 +99,17 @@ def test_every_parameter_is_explained() -> None:
         assert text, name
         missing = {p for p in set(parameters(found)) - explained(text) if f"``{p}``" not in text}
         assert not missing, f"{name} has no entry for {', '.join(sorted(missing))}"
+
+
+def test_all_entries_of_a_vehicle_file_are_in_it() -> None:
+    """Except those of ``[log]``, which ``LogMap`` explains."""
+    page = (ROOT / "docs" / "reference" / "vehicle.md").read_text(encoding="utf-8")
+    tables = [
+        found
+        for name, found in vars(files).items()
+        if isinstance(found, type) and issubclass(found, TomlTable) and found is not TomlTable
+        if name not in ("_Log", "_Columns", "_Topics")
+    ]
+    entries = {entry for table in tables for entry in table.__struct_fields__}
+    assert len(entries) > 40
+    assert not [entry for entry in entries if not re.search(rf"`\[*{entry}\]*`", page)]

@@ -19,7 +19,6 @@ from propmap.explore.session import Session, Shelf, read_path
 from propmap.explore.view import OneOf, Several, Slider, View, values_of
 from propmap.explore.views import VIEWS
 from propmap.explore.views.constants import fit_of
-from tests.cli.invented_tables import certificate, invented
 
 from .conftest import EXAMPLES, with_file
 
@@ -30,15 +29,10 @@ NAMES = [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in BY
 
 
 @pytest.fixture(scope="module")
-def sessions(shelf: Shelf, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Session]:
-    """One for each view that needs a file, and one without."""
-    path = tmp_path_factory.mktemp("explore") / "map.npz"
-    table = invented()
-    table.info["certificate"] = certificate(unresolved_cells=2)
-    table.save(path)
-    files = {"trust": path, "aircraft": EXAMPLES / "aircraft" / "delivery.toml"}
-    given = {name: read_path(path) for name, path in files.items()}
-    return {name: Session().with_file(one, shelf.put(one)) for name, one in given.items()}
+def sessions(shelf: Shelf) -> dict[str, Session]:
+    """One for the view that needs a file."""
+    given = read_path(EXAMPLES / "aircraft" / "delivery.toml")
+    return {"aircraft": Session().with_file(given, shelf.put(given))}
 
 
 def _answer(session: Session, view: View, **given: Any) -> Any:
@@ -85,7 +79,7 @@ def test_every_control_changes_something(sessions: dict[str, Session], name: str
         before["data"] = "none"
 
     def shown(values: dict[str, Any]) -> str:
-        found = view.answer(session, values, settled=name in ("trust", "compare"))
+        found = view.answer(session, values, settled=name == "compare")
         told = view.shell(session, values), view.python(session, values)
         return repr((found.figures, found.tables, found.remarks, told))
 
@@ -167,12 +161,12 @@ def test_a_dragged_blade_is_saved_as_it_is_drawn(tmp_path: Path) -> None:
     assert chord[1][2] == pytest.approx(chord[0][2])
 
 
-def test_without_a_vehicle_or_a_table_a_line_says_what_to_do(application: Application) -> None:
-    for name, words in (("aircraft", "open a vehicle file"), ("trust", "propmap table")):
-        with pytest.raises(InputError, match=words):
-            BY_NAME[name].controls(Session())
-        page, base = application.page(f"/{name}", "")
-        assert words in str(page) and base["empty"]
+def test_without_a_vehicle_a_line_says_what_to_do(application: Application) -> None:
+    words = "open a vehicle file"
+    with pytest.raises(InputError, match=words):
+        BY_NAME["aircraft"].controls(Session())
+    page, base = application.page("/aircraft", "")
+    assert words in str(page) and base["empty"]
 
 
 @pytest.mark.slow

@@ -132,12 +132,13 @@ def fly(aircraft: Aircraft, mission: Mission) -> Flown:
         least = now - battery.usable_share
         needed = np.max(states.throttle * states.battery_voltage[:, None], axis=1)
         for k in range(n):
-            power = float(states.electrical_power[k])
-            if not math.isfinite(now) or not math.isfinite(power):
+            power = np.full(MOMENTS, states.electrical_power[k])
+            if not math.isfinite(now) or not math.isfinite(power[0]):
                 break
-            along = battery.charges(power, mission.duration[k] * moments, now)
-            there = battery.voltage(np.full(MOMENTS, power), along)
-            used = battery.share_used(np.full(MOMENTS, power), along)
+            full = np.full(MOMENTS, now)
+            along = battery.charge_after(power, mission.duration[k] * moments, full)
+            there = battery.voltage(power, along)
+            used = battery.share_used(power, along)
             ends_by = {
                 EMPTY: ~(along >= least - 1e-12),
                 "voltage_limit": there < needed[k],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
@@ -14,12 +13,12 @@ from numpy.typing import NDArray
 from propmap.aircraft.trim import Aircraft, SteadyFlight, SteadyStates
 from propmap.bands import errors_of_loads
 from propmap.errors import InputError
-from propmap.loads import FLOW, LOADS
+from propmap.loads import LOADS
 from propmap.operating_points import FlowPoints
 from propmap.rotor import Rotor
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
-from propmap.vehicle.vehicle_forces import Rotors, Sources, load_rows
+from propmap.vehicle.vehicle_forces import Sources, load_rows
 
 FLIGHT = ("speed", "climb")
 AREAS = ("drag_area_x", "drag_area_y", "drag_area_z")
@@ -28,7 +27,6 @@ VEHICLE = (*FLIGHT, "mass", *AREAS)
 constants and ``GEOMETRY`` are further quantities."""
 
 DIAMETER, GROWTH = "diameter_scale", 0.01  # factor on radius and chord, and its step
-SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}  # scales of steps; else the constant itself
 
 
 class StateChange(NamedTuple):
@@ -75,8 +73,8 @@ def derivatives(
     """Return the derivatives of steady states with respect to named quantities.
 
     The aircraft is trimmed again: attitude and rotor speeds change with each quantity.
-    Derivatives of the loads come from the rotor (flow, section constants, chord and twist) or from
-    the table (flow).  Derivatives with respect to the diameter are difference quotients.
+    Derivatives of the loads with respect to section constants, chord and twist come from the rotor.
+    Derivatives with respect to flow and diameter are difference quotients.
 
     Parameters
     ----------
@@ -105,7 +103,7 @@ def derivatives(
     """
     wanted = list(names)
     own = tuple(name for name in wanted if name not in VEHICLE)
-    responses = Responses(aircraft, states, exact=True)
+    responses = Responses(aircraft, states)
     of_loads = dict(zip(own, _to_parameters(responses, own), strict=True)) if own else {}
     found = {}
     for name in wanted:
@@ -252,17 +250,15 @@ STEP = 1e-2
 [m/s].  At isolated points, loads jump by some 1e-4 of their size, and with a much smaller step
 these jumps would dominate the quotient."""
 
-SMOOTH_STEP = 1e-5  # replaces ``STEP`` for linearized loads, which are smooth
-
 ChangesAt = Callable[[FlowPoints], Floats]  # D changes of the L loads at N points, (D, L, N)
 
 
 class Responses:
     """Derivatives of steady states by the implicit function theorem: with unknowns x and unbalanced
-    shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp.  ``exact`` uses the derivatives of the loads with
-    respect to the flow, if ``has_slopes``; otherwise, difference quotients are used."""
+    shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp.  Derivatives of r by x are difference quotients.
+    """
 
-    def __init__(self, aircraft: Aircraft, states: SteadyStates, *, exact: bool = False) -> None:
+    def __init__(self, aircraft: Aircraft, states: SteadyStates) -> None:
         self.aircraft, self.count = aircraft, len(states)
         self.where = np.flatnonzero(states.found)
         every = SteadyFlight(states.speed, states.climb, states.bank)
@@ -270,25 +266,16 @@ class Responses:
         attitude = states.pitch[self.where], states.roll[self.where]
         self.unknowns = balance.unknowns(*attitude, states.rotor_speed[self.where] ** 2)
         self.at = balance.evaluated(self.unknowns, self.flight)
-        sources = aircraft.rotors.sources
-        exact = exact and bool(self.where.size) and aircraft.vehicle.wakes is None
-        exact = exact and all(has_slopes(source) for source, _ in sources)
-        self._step, self._balance = (SMOOTH_STEP if exact else STEP), balance
-        if exact:
-            rotors = Rotors(aircraft.vehicle, [(LocalLoads(one), which) for one, which in sources])
-            rotors.wrenches(self.at.omega, self.at.hubs)
-            self._balance = copy.copy(balance)
-            self._balance.rotors = rotors
         self._inverse, self._torque = self._by_unknowns()
 
     def to_flight(self, name: str) -> StateChange:
         """Return derivatives with respect to ``name``, "speed" or "climb" [m/s]."""
         ahead, behind = (
-            self._balance.evaluated(self.unknowns, self._perturbed(name, h))
-            for h in (self._step, -self._step)
+            self.aircraft.balance.evaluated(self.unknowns, self._perturbed(name, h))
+            for h in (STEP, -STEP)
         )
-        residual = (ahead.unbalanced - behind.unbalanced) / (2.0 * self._step)
-        torque = (ahead.wrenches.torque - behind.wrenches.torque) / (2.0 * self._step)
+        residual = (ahead.unbalanced - behind.unbalanced) / (2.0 * STEP)
+        torque = (ahead.wrenches.torque - behind.wrenches.torque) / (2.0 * STEP)
         return self._implied(residual, torque, name)
 
     def to_mass(self) -> StateChange:
@@ -327,14 +314,14 @@ class Responses:
     def _by_unknowns(self) -> tuple[Floats, Floats]:
         """Return the inverse of dr/dx (n, u, r), and the torques' derivatives (n, k, u)."""
         n, u = self.unknowns.shape
-        steps = self._step * np.concatenate([np.eye(u), -np.eye(u)])
+        steps = STEP * np.concatenate([np.eye(u), -np.eye(u)])
         perturbed = self.unknowns + steps[:, None]
         flight = self.flight.part(np.tile(np.arange(n), 2 * u))
-        found = self._balance.evaluated(perturbed.reshape(-1, u), flight)
+        found = self.aircraft.balance.evaluated(perturbed.reshape(-1, u), flight)
 
         def slopes(values: Floats) -> Floats:
             ahead, behind = values.reshape(2, u, n, values.shape[-1])
-            return np.moveaxis((ahead - behind) / (2.0 * self._step), 0, -1)
+            return np.moveaxis((ahead - behind) / (2.0 * STEP), 0, -1)
 
         residual: Any = slopes(found.unbalanced)
         return np.linalg.pinv(residual, rcond=1e-12), slopes(found.wrenches.torque)
@@ -352,7 +339,7 @@ class Responses:
         size = np.maximum(np.abs(dx).max(axis=1), (np.abs(dq) / np.abs(now)).max(axis=1))
         if flown is not None:
             size = np.maximum(size, 1.0)
-        h = self._step / np.where(size > 0.0, size, 1.0)
+        h = STEP / np.where(size > 0.0, size, 1.0)
 
         def at(by: Floats) -> StateChange:
             flight = self.flight if flown is None else self._perturbed(flown, by)
@@ -392,54 +379,5 @@ class LoadChange:
         if not self.known:
             across = np.hypot(velocity[:, 0], velocity[:, 1])
             self.known.append(self.at(FlowPoints(omega, velocity[:, 2], across)))
-        return _by_name(self.known[0][self.d], omega)
-
-
-def _by_name(rows: Floats, omega: Floats) -> Any:
-    """Return loads (L, N) by name, with a ``status``."""
-    return SimpleNamespace(**dict(zip(LOADS, rows, strict=True)), status=np.full(omega.shape, "ok"))
-
-
-# -------------------------------------------------------------------------------------------------
-# Loads to first order about operating points, by exact derivatives.
-
-
-def has_slopes(source: Any) -> bool:
-    """Return whether a ``source`` of loads has exact derivatives with respect to the flow."""
-    return isinstance(source, Rotor | LoadTable)
-
-
-class LocalLoads:
-    """Loads that are linear in rotor speed and velocity about the nearest operating point of the
-    first call.  From a point without velocity across the axis, drag grows in all directions."""
-
-    def __init__(self, source: Any) -> None:
-        self._source = source
-        self._points = np.empty((3, 0))
-        self._loads = np.empty((len(LOADS), 0))
-        self._slopes = np.empty((len(LOADS), 3, 0))
-
-    def loads_at_velocity(self, omega: Floats, velocity: Floats) -> Any:
-        """Return loads by name and a ``status``, of the shape of ``omega`` [rad/s]."""
-        points = np.stack([omega, velocity[:, 2], np.hypot(velocity[:, 0], velocity[:, 1])])
-        if not self._points.size:
-            self._points = points
-            self._loads, self._slopes = _loads_and_slopes(self._source, points)
-        size = np.maximum(np.abs(self._points).max(axis=1), 1e-9)[:, None, None]
-        offset = (points[:, :, None] - self._points[:, None]) / size
-        k = np.argmin(np.sum(offset**2, axis=0), axis=1)
-        change = points - self._points[:, k]
-        rows = self._loads[:, k] + np.einsum("lpn,pn->ln", self._slopes[:, :, k], change)
-        return _by_name(rows, omega)
-
-
-def _loads_and_slopes(source: Any, points: Floats) -> tuple[Floats, Floats]:
-    """Return loads (L, N) at points (3, N), and their derivatives (L, 3, N) by ``FLOW``."""
-    if isinstance(source, Rotor):
-        found = source.gradients(FLOW, *points)
-        return found.loads, found.slopes
-    omega, along, across = points
-    velocity = np.stack([across, np.zeros_like(across), along], axis=1)
-    slopes = source.gradient_at_velocity(omega, velocity)
-    each = np.stack([getattr(slopes, name) for name in LOADS])
-    return load_rows(source, *points)[0], each[:, :, [0, 3, 1]].swapaxes(1, 2)
+        loads = dict(zip(LOADS, self.known[0][self.d], strict=True))
+        return SimpleNamespace(**loads, status=np.full(omega.shape, "ok"))

@@ -513,10 +513,7 @@ def label_size(label: Designation) -> tuple[float, float]:
 
 def _mean(some: Floats) -> Floats:
     """Return the mean over the first axis without NaN; NaN if all values are NaN."""
-    known = np.isfinite(some)
-    count = known.sum(axis=0)
-    total = np.where(known, some, 0.0).sum(axis=0)
-    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return np.asarray(np.ma.masked_invalid(some).mean(axis=0).filled(np.nan))
 
 
 # -------------------------------------------------------------------------------------------------

@@ -7,7 +7,9 @@ import io
 import os
 import re
 import sys
+import tomllib
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import typer
@@ -144,51 +146,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 # -------------------------------------------------------------------------------------------------
 # Answers to options and commands under the names that other tools and textbooks use.
 
-OPTION_ANSWERS = {
-    "--rpm": {
-        "use --rpm, in rpm (rad/s times 9.549)": "--omega --Omega -w --rad-s --rads",
-        "use --rpm, in rpm (revolutions per second times 60)": "-n --n --rps --hz",
-        "use --rpm": "--rotational-speed --rotor-speed --RPM --revs -r",
-    },
-    "--speed": {
-        "use --speed in m/s": "--airspeed --velocity --wind --wind-speed --tas -v -V --v --vinf",
-        "use --speed in m/s (J times revolutions per second times diameter)": "-J --advance-ratio",
-    },
-    "--beta": {
-        "use --beta in degrees from the rotor axis (0 climb, 90 edgewise, 180 descent)": (
-            "--angle --aoa --alpha --tilt --incidence --inflow-angle --psi"
-        ),
-    },
-    "--rho": {"use --rho in kg/m^3, or --altitude in m": "--density --air-density"},
-    "--mu": {"use --mu in Pa s": "--viscosity"},
-    "--blades": {"use --blades": "--n-blades --num-blades --nblades -B -b"},
-    "--radius": {"use --radius in m (half the diameter)": "--diameter -D --dia"},
-    "--format": {"use --format json or --format csv": "--json --csv"},
-    "--output": {"use -o FILE": "--out --outfile --save --file"},
-    "--airfoil": {"use --airfoil NAME or FILE": "--polar --section --foil"},
-    "": {
-        "propmap trim VEHICLE.toml computes the throttle from motor and battery": (
-            "--throttle --pwm --voltage --duty --kv"
-        ),
-        "propmap trim VEHICLE.toml computes the rotor speed for a thrust": "--thrust --mass",
-        "propmap plot map PROP draws the loads": "--plot --figure --fig",
-    },
-}  # the answer, and options that it answers, by the option that a command must have
-COMMAND_ANSWERS = {
-    "predict": "loads calc calculate compute run analyze analyse eval evaluate solve thrust",
-    "sweep": "grid batch map",
-    "props": "list search find propellers propeller prop catalog catalogue db",
-    "airfoils": "airfoil sections polars",
-    "show": "info inspect",
-    "trim": "hover performance endurance range fly",
-    "choose": "optimize optimise select rank recommend",
-    "fit": "identify calibrate estimate",
-    "check": "validate compare verify",
-    "explore": "gui web serve app ui",
-    "export": "convert write generate",
-    "vehicle": "init new",
-    "table": "lookup build tabulate",
-}  # other names of the commands
+ANSWERS = Path(__file__).with_name("answers.toml")
 
 
 def _usage(error: typer.TyperException) -> str:
@@ -197,12 +155,13 @@ def _usage(error: typer.TyperException) -> str:
     message = error.format_message().rstrip(".")
     unknown = getattr(error, "option_name", None)
     known = {name for one in (context.command.params if context else ()) for name in one.opts}
-    for needed, answers in OPTION_ANSWERS.items():
-        for answer, others in answers.items():
-            if unknown in others.split() and (not needed or needed in known):
-                return f"No such option: {unknown}; {answer}"
+    answers = tomllib.loads(ANSWERS.read_text(encoding="utf-8"))
+    for option in answers["options"]:
+        applies = "needed" not in option or option["needed"] in known
+        if applies and unknown in option["typed"].split():
+            return f"No such option: {unknown}; {option['answer']}"
     command = re.match(r"No such command '([^']*)'", message)
-    for name, others in COMMAND_ANSWERS.items():
+    for name, others in answers["commands"].items():
         if command and context.parent is None and command[1].lower() in others.split():
             return f"No such command '{command[1]}'; use propmap {name}, see propmap {name} --help"
     value = re.search(r"'([^']*\d[:,]\d[^']*)' is not a valid (float|integer)", message)

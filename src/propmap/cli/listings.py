@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import typer
-from typer import Argument, echo
+from typer import Argument
 from typer.core import TyperGroup
 
 from propmap.catalogue import Entry
@@ -108,14 +107,10 @@ def show_prop(
     prop: opt.PropArgument,
     blades: opt.Blades = None,
     radius: opt.Radius = None,
-    output: Annotated[
-        Path | None, out.output_option("Picture of the blade: .png, .svg or .pdf.")
-    ] = None,
 ) -> None:
     """Show the blade and the section constants of a propeller."""
     from rich.text import Text
 
-    out.check_pictures(output)
     blade = opt.propeller_noted(prop, blades, radius)
     rows = [
         (f"{y:.5f}", f"{y / blade.radius:.4f}", f"{1e3 * c:.3f}", f"{np.degrees(twist):.2f}")
@@ -131,12 +126,6 @@ def show_prop(
         f"citation: {blade.citation or 'not given'}",
         *_constants(meant_by(prop, blades), blade),
     )
-    if output is not None:
-        from propmap.report.html import save
-        from propmap.report.pictures import planform
-
-        save(planform(blade), output)
-        echo(output)
 
 
 def outline(blade: Propeller) -> list[str]:

@@ -17,8 +17,6 @@ from propmap.io.csv import disk_csv
 from propmap.units import RPM
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from propmap.fit.tunnel import TunnelData
     from propmap.rotor import Rotor
 
@@ -66,7 +64,7 @@ def plot_map(
     from propmap.report.pictures import load_curves
 
     band = rotor if bands else None
-    _save(load_curves(rotor, omega, speeds, betas.tolist(), points, band=band), output)
+    out.save_picture(load_curves(rotor, omega, speeds, betas.tolist(), points, band=band), output)
 
 
 @plot_app.command("planform")
@@ -83,7 +81,7 @@ def plot_planform(
 
     from propmap.report.pictures import planform
 
-    _save(planform(blade), output)
+    out.save_picture(planform(blade), output)
 
 
 @plot_app.command("disk")
@@ -107,21 +105,12 @@ def plot_disk(
     opt.note_points(rotor.model, *point.si)
     omega, v, angle = (float(values[0]) for values in point.si)
     if output.suffix.lower() == ".csv":
-        out.write_text(disk_csv(rotor, omega, v, angle), output)
-        echo(output)
+        out.emit(disk_csv(rotor, omega, v, angle), output)
         return
 
     from propmap.report.pictures import disk_picture
 
-    _save(disk_picture(rotor, omega, v, angle), output)
-
-
-def _save(figure: Figure, output: Path) -> None:
-    """Save a figure and print its path on standard output."""
-    from propmap.report.html import save
-
-    save(figure, output)
-    echo(output)
+    out.save_picture(disk_picture(rotor, omega, v, angle), output)
 
 
 def _measured(path: Path, rpm: float, rotor: Rotor) -> TunnelData:
@@ -165,7 +154,7 @@ def explore(
     shelf, first = Shelf(), Session()
     if subject is not None and looks_like_path(subject):
         given = read_path(Path(subject))
-        first = first.with_file(given, shelf.put(given, always=True))
+        first = first.with_file(given, shelf.put(given))
     elif subject is not None:
         first = Session(prop=subject)
     first.model  # noqa: B018 - reports a bad input before the server starts

@@ -6,6 +6,7 @@ import math
 import shutil
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -16,12 +17,21 @@ from typer import Argument, Option, echo
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError
-from propmap.io.csv import OperatingPoints, check_place, loads_csv, std_columns, write_dataset
-from propmap.results import Loads, joined
+from propmap.io.csv import OperatingPoints, check_place, loads_csv, write_dataset
+from propmap.results import STATUSES
 from propmap.study.files import StudyFile, Surface, read_study, response_surface
 from propmap.study.run import VARIABLES, Study
-from propmap.sweep.points import AXES, TEXTS, Grid, parts_count, quantities
-from propmap.sweep.run import Evaluation, Filed, InMemory, Layout, Store, Sweep, begun
+from propmap.sweep.points import AXES, TEXTS, Grid, column_of, parts_count
+from propmap.sweep.run import (
+    POINTS_PER_TASK,
+    Evaluation,
+    Filed,
+    InMemory,
+    Layout,
+    Store,
+    Sweep,
+    begun,
+)
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
@@ -114,9 +124,9 @@ def time_text(seconds: float) -> str:
 # -------------------------------------------------------------------------------------------------
 # ``propmap sweep``: loads on a grid of operating points, to NetCDF, CSV or Zarr.
 
-CHUNK = 4096  # operating points per step of the progress bar: some tenths of a second
+CHUNK = 4096  # operating points per task in memory: some tenths of a second
 MOST_POINTS = 10_000_000  # of a grid that is computed in memory
-SOME = 30  # values of each axis that a sweep into a store checks for plausibility
+SOME = 30  # values of each axis that a sweep checks for plausibility
 
 
 @opt.takes_choices
@@ -150,70 +160,45 @@ def sweep(
         opt.parse_axis("--speed", "speed", speed),
         opt.parse_axis("--beta", "beta", beta),
     )
-    count = axes[0].size * axes[1].size * axes[2].size
-    command = opt.command_line(context)
-    if output.suffix.lower() == ".zarr":
+    streamed = output.suffix.lower() == ".zarr"
+    if streamed:
         check_store(output, force=force)
-        made = Sweep(choice.rotor(), Grid(*axes), bands, std_by_source)
-        _stream(made, axes, output, command, cluster=cluster, yes=yes)
-        return
-    if cluster is not None:
-        found = f"--cluster with {output.name}: only a Zarr store can have several writers"
-        raise InputError(found, "use the file extension .zarr")
-    if count > MOST_POINTS:
+    else:
+        out.check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
+    count = math.prod(axis.size for axis in axes)
+    if not streamed and count > MOST_POINTS:
         found = f"the grid has {count} points, but such a file has at most {MOST_POINTS}"
         raise InputError(found, "use the file extension .zarr")
-    out.check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
-    rotor = choice.rotor()
-    points = OperatingPoints.grid(*axes)
-    opt.note_points(rotor.model, *points.si)
-    evaluation = Sweep(rotor, Grid(*axes), bands, std_by_source, CHUNK)
-    loads = _compute(evaluation)
-    spread = std_columns(loads, by_source=std_by_source) if bands else {}
-    if spread:
-        opt.note_not_counted(rotor.model)
+    size = POINTS_PER_TASK if streamed else CHUNK
+    made = Sweep(choice.rotor(), Grid(*axes), bands, std_by_source, size)
+    few = [axis[np.unique(np.linspace(0, axis.size - 1, SOME).astype(int))] for axis in axes]
+    opt.note_points(made.rotor.model, *OperatingPoints.grid(*few).si)
+    layout = made.layout(opt.command_line(context))
+    if any("_std" in name for name in layout.quantities):
+        opt.note_not_counted(made.rotor.model)
+    if streamed:
+        kept = opened(output, layout)
+        run_announced(made, kept, layout, cluster, yes=yes, what="operating points")
+        echo(f"wrote {output}: {count} points")
+        return
+    store = InMemory(layout)
+    with opt.workers_of(cluster) as workers, out.progress_bar("tasks") as update:
+        made.run(store, layout, workers, update)
     if output.suffix.lower() == ".csv":
-        out.write_text(loads_csv(points, loads, spread), output)
+        out.write_text(_as_csv(axes, store), output)
     else:
-        values = quantities(loads, bands=bands, by_source=std_by_source)
-        write_dataset(evaluation.layout(command).dataset(values), output, new=not force)
-    lost = int((loads.status == "not_converged").sum())
+        write_dataset(store.dataset(), output, new=not force)
+    lost = int(np.sum(store.values["status"] == STATUSES.index("not_converged")))
     remark = f", {lost} not converged" if lost else ""
     echo(f"wrote {output}: {count} points{remark}")
 
 
-def _stream(
-    made: Sweep,
-    axes: tuple[Floats, Floats, Floats],
-    output: Path,
-    command: str,
-    *,
-    cluster: str | None,
-    yes: bool,
-) -> None:
-    """Run or resume a sweep over ``axes`` [1/min], [m/s], [deg] into a store."""
-    model = made.rotor.model
-    few = [axis[np.unique(np.linspace(0, axis.size - 1, SOME).astype(int))] for axis in axes]
-    opt.note_points(model, *OperatingPoints.grid(*few).si)
-    layout = made.layout(command)
-    if any("_std" in name for name in layout.quantities):
-        opt.note_not_counted(model)
-    store = opened(output, layout)
-    run_announced(made, store, layout, cluster, yes=yes, what="operating points")
-    echo(f"wrote {output}: {math.prod(layout.shape)} points")
-
-
-def _compute(evaluation: Sweep) -> Loads:
-    """Compute loads (n,) of all points in memory, with a progress bar."""
-    parts, done = [], 0
-    with out.progress_bar("operating points") as update:
-        for found in evaluation.in_turn():
-            if evaluation.bands:
-                _ = found.std_by_source  # computed here, so that the bar shows the progress
-            parts.append(found)
-            done += found.status.size
-            update(done, math.prod(evaluation.shape))
-    return joined(parts)
+def _as_csv(axes: tuple[Floats, Floats, Floats], store: InMemory) -> str:
+    """Return the results of a sweep over ``axes`` [1/min], [m/s], [deg] as CSV."""
+    values = {name: each.ravel() for name, each in store.values.items()}
+    spread = {column_of(name): each for name, each in values.items() if "_std" in name}
+    loads: Any = SimpleNamespace(**{**values, "status": np.array(STATUSES)[values["status"]]})
+    return loads_csv(OperatingPoints.grid(*axes), loads, spread)
 
 
 # -------------------------------------------------------------------------------------------------

@@ -14,12 +14,12 @@ import threading
 import time
 import webbrowser
 from base64 import b64decode
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
-from urllib.parse import parse_qsl, urlencode
+from urllib.parse import parse_qsl, urlencode, urlsplit
 
 import dash
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
@@ -29,7 +29,7 @@ from werkzeug.serving import BaseWSGIServer, make_server
 
 from propmap.errors import InputError
 from propmap.explore.page import INDEX, failed, legend, page, remarks, table, view_page
-from propmap.explore.session import KNOWN, MOST_BYTES, Session, Shelf, read_upload
+from propmap.explore.session import KNOWN, MOST_BYTES, Recent, Session, Shelf, read_upload
 from propmap.explore.view import View, values_of
 
 send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
@@ -194,12 +194,13 @@ class Application:
         )
         where = (State("address", "pathname"), State("here", "data"))
 
-        newest = Newest()
+        # Slow answers to older requests of a tab are skipped.
+        newest, in_turn = Recent[Any](MOST_TABS), threading.Lock()
 
         # Steps of sliders bypass Dash, whose bookkeeping took half of the time.
         def _live() -> Any:
             asked = _mapping(request.get_json(silent=True))
-            newest.note(asked)
+            newest.put(_tab(asked), asked.get("serial"))
             return self.live(asked)
 
         app.server.add_url_rule(LIVE, "live", _live, methods=["POST"])
@@ -211,10 +212,10 @@ class Application:
         )  # fmt: skip
         def _settled(asked: Any, path: Any, here: Any) -> Any:
             asked = _mapping(asked)
-            newest.note(asked)
+            newest.put(_tab(asked), asked.get("serial"))
             given = _mapping(asked.get("values"))
-            with newest.in_turn:
-                if not newest.is_it(asked):
+            with in_turn:
+                if newest.get(_tab(asked)) != asked.get("serial"):
                     # A newer request of the tab makes this answer useless.
                     raise PreventUpdate
                 found = self.answer(path, here, given)
@@ -290,7 +291,7 @@ def _mapping(value: Any) -> dict[str, Any]:
 # The server: address, access control, start and end.
 
 LARGEST_REQUEST = 8_000_000  # bytes: base64 encoding makes an upload of 5 MB a third larger
-LOOPBACK = ("localhost", "127.0.0.1", "[::1]")
+LOOPBACK = ("localhost", "127.0.0.1", "::1")
 PORTS_TRIED = 20
 
 
@@ -304,11 +305,9 @@ def guard(server: Flask, names: Iterable[str]) -> None:
 
     @server.before_request
     def _known_host() -> Response | None:
-        host, colon, port = request.host.rpartition(":")
-        # The last colon of an IPv6 address without port is inside brackets.
-        name = host if colon and port.isdigit() and (":" not in host or host[-1] == "]") else ""
-        if (name or request.host).lower() in allowed:
-            return None
+        with contextlib.suppress(ValueError):
+            if urlsplit(f"//{request.host}").hostname in allowed:
+                return None
         return Response("This server does not answer requests for this host name.\n", 403)
 
     @server.errorhandler(Exception)
@@ -333,7 +332,7 @@ def guard(server: Flask, names: Iterable[str]) -> None:
 
 def names_of(host: str) -> set[str]:
     """Return the allowed names of a server that listens on ``host``."""
-    found = {*LOOPBACK, host, f"[{host}]"}
+    found = {*LOOPBACK, host.strip("[]")}
     if not is_loopback(host):
         own = socket.gethostname()
         found |= {own, socket.getfqdn()}
@@ -428,69 +427,38 @@ class Job:
         seconds = time.monotonic() - self.begun
         return self.message if self.done else f"{self.message} ({seconds:.0f} s)"
 
+    def run(self, work: Callable[[Job], Mapping[str, float]]) -> None:
+        """Set the result of ``work``, or a message on its failure."""
+        try:
+            self.found = work(self)
+        except InputError as error:
+            self.message = str(error)
+        except Exception:
+            logging.getLogger(__name__).exception("a fit failed")
+            self.message = "the fit failed; see the terminal for details"
+        self.done = True
+
 
 class Jobs:
-    """All fits of a server, which run one at a time."""
+    """The last fits of a server, which run one at a time."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[str, Job] = OrderedDict()
-        self._lock = threading.Lock()
-        self._turn = threading.Lock()
+        self._kept = Recent[Job](MOST)
+        self._in_turn = ThreadPoolExecutor(max_workers=1)
 
     def begin(self, work: Callable[[Job], Mapping[str, float]]) -> str:
         """Run ``work`` in a thread, and return the name of the job."""
         name, job = secrets.token_urlsafe(12), Job()
-        with self._lock:
-            done = [key for key, other in self._kept.items() if other.done]
-            if len(self._kept) - len(done) >= MOST:
-                raise InputError("too many fits are running", "wait until one has finished")
-            self._kept[name] = job
-            for old in done[: -MOST // 2]:
-                del self._kept[old]
-
-        def run() -> None:
-            with self._turn:
-                try:
-                    job.found = work(job)
-                except InputError as error:
-                    job.message = str(error)
-                except Exception:
-                    logging.getLogger(__name__).exception("a fit failed")
-                    job.message = "the fit failed; see the terminal for details"
-            job.done = True
-
-        threading.Thread(target=run, daemon=True).start()
+        self._kept.put(name, job)
+        self._in_turn.submit(job.run, work)
         return name
 
     def get(self, name: str) -> Job | None:
         """Return the job with a name, or None."""
-        with self._lock:
-            return self._kept.get(name)
+        return self._kept.get(name)
 
 
 MOST_TABS = 1000  # maximum number of stored tabs
-
-
-class Newest:
-    """The newest request of each tab; slow answers to older requests can be skipped."""
-
-    def __init__(self) -> None:
-        self.in_turn = threading.Lock()
-        self._serials: OrderedDict[str, Any] = OrderedDict()
-        self._lock = threading.Lock()
-
-    def note(self, asked: Mapping[str, Any]) -> None:
-        """Store the request ``asked`` as the newest of its tab."""
-        tab = _tab(asked)
-        with self._lock:
-            self._serials[tab] = asked.get("serial")
-            self._serials.move_to_end(tab)
-            while len(self._serials) > MOST_TABS:
-                self._serials.popitem(last=False)
-
-    def is_it(self, asked: Mapping[str, Any]) -> bool:
-        """Return whether the request ``asked`` is the newest of its tab."""
-        return bool(self._serials.get(_tab(asked)) == asked.get("serial"))
 
 
 def _tab(asked: Mapping[str, Any]) -> str:

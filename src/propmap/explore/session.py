@@ -13,7 +13,7 @@ from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
-from typing import Any, Literal
+from typing import Any, Generic, Literal, TypeVar
 
 import numpy as np
 
@@ -215,6 +215,7 @@ Kind = Literal["geometry", "constants", "fit", "table", "vehicle", "data"]
 
 MOST_BYTES = 5_000_000  # maximum size of an uploaded file
 MOST_FILES = 200  # maximum number of stored files of all tabs; the least recently used is deleted
+Value = TypeVar("Value")
 ENDINGS = (".toml", ".npz", ".csv", ".txt", ".dat", ".pe0", ".prop", ".xrotor", ".bem")
 
 
@@ -302,35 +303,47 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
     return "constants", read_airfoil(path)
 
 
+class Recent(Generic[Value]):
+    """Values by name, for all threads; above ``most``, the least recently used is deleted."""
+
+    def __init__(self, most: int) -> None:
+        self._kept: OrderedDict[str, Value] = OrderedDict()
+        self._most, self._lock = most, threading.Lock()
+
+    def put(self, name: str, value: Value) -> None:
+        """Store a value under a name."""
+        with self._lock:
+            self._kept[name] = value
+            self._kept.move_to_end(name)
+            if len(self._kept) > self._most:
+                self._kept.popitem(last=False)
+
+    def get(self, name: str) -> Value | None:
+        """Return the value with a name, or None."""
+        with self._lock:
+            if name in self._kept:
+                self._kept.move_to_end(name)
+            return self._kept.get(name)
+
+
 class Shelf:
     """The files of all tabs, each under a name that only its tab knows."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[str, Given] = OrderedDict()
-        self._first: dict[str, Given] = {}
-        self._lock = threading.Lock()
+        self._files = Recent[Given](MOST_FILES)
 
-    def put(self, given: Given, *, always: bool = False) -> str:
-        """Store a file and return its name; ``always`` exempts it from deletion."""
+    def put(self, given: Given) -> str:
+        """Store a file and return its name."""
         token = secrets.token_urlsafe(12)
-        with self._lock:
-            if always:
-                self._first[token] = given
-                return token
-            self._kept[token] = given
-            while len(self._kept) > MOST_FILES:
-                self._kept.popitem(last=False)
+        self._files.put(token, given)
         return token
 
     def get(self, token: str) -> Given:
         """Return the file with a name; raise ``InputError`` if it was deleted."""
-        with self._lock:
-            if token in self._first:
-                return self._first[token]
-            if token in self._kept:
-                self._kept.move_to_end(token)
-                return self._kept[token]
-        raise InputError("the server has deleted a dropped file", "drop the file again")
+        given = self._files.get(token)
+        if given is None:
+            raise InputError("the server has deleted a dropped file", "drop the file again")
+        return given
 
 
 # -------------------------------------------------------------------------------------------------

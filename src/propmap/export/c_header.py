@@ -10,7 +10,6 @@ from __future__ import annotations
 import itertools
 import textwrap
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,13 +42,15 @@ def header(table: LoadTable) -> str:
     root = float(content.omega[0]) ** -0.5
     box = list(table.envelope.values())
     rows, columns, odd = _weights(content)
+    cells = interpolation.cell_codes(content)
+    size = 4 * content.coefficients.size + 8 * (rows.size + columns.size) + cells.size
     row_bucket, row_per_bucket = _buckets(content.advance)
     column_bucket, column_per_bucket = _buckets(content.beta)
     return rendered(
         "table.h",
         table,
         content=content,
-        kilobytes=round(table_bytes(content, 8) / 1000.0),
+        kilobytes=round(size / 1000.0),
         box=box,
         end_slack=END_SLACK,
         slack=[SLACK * (high - low) for low, high in box],
@@ -64,7 +65,7 @@ def header(table: LoadTable) -> str:
         row_weights=rows,
         column_weights=columns,
         odd_weights=odd,
-        cells=interpolation.cell_codes(content),
+        cells=cells,
         # At each knot the loads at the smallest omega, then at the largest.
         data=content.coefficients.transpose(2, 3, 0, 1)
         .reshape(*content.coefficients.shape[2:], -1)
@@ -74,12 +75,6 @@ def header(table: LoadTable) -> str:
         numbers=numbers,
         singles=singles,
     )
-
-
-def table_bytes(content: interpolation.TableContent, real: int) -> int:
-    """Return the size of the tables in bytes, with numbers of ``real`` bytes, 8 or 4."""
-    cells = (content.advance.size - 1) + (content.beta.size - 1)
-    return content.coefficients.size * 4 + 16 * cells * real + content.cells.size
 
 
 def _weights(content: interpolation.TableContent) -> tuple[Floats, Floats, Floats]:
@@ -146,16 +141,7 @@ def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
     return {
         f"{identifier(table)}.h": header(table),
         f"{vehicle_name(vehicle, table)}.h": vehicle_header(vehicle, table),
-        "README-c.txt": note(
-            "c",
-            table,
-            vehicle=vehicle,
-            cost=cost(vehicle, table),
-            kinds=KINDS,
-            assumed=CYCLES,
-            clocks=CLOCKS,
-            zip=zip,
-        ),
+        "README-c.txt": note("c", table, vehicle=vehicle),
     }
 
 
@@ -185,76 +171,6 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
         singles=singles,
         **values,
     )
-
-
-# -------------------------------------------------------------------------------------------------
-# Cost of one call of a vehicle's exported wrench: operations, bytes, and time on a small processor.
-#
-# The counts are those of the code in ``templates/vehicle.h.j2``, part by part;
-# ``tests/export/test_vehicle_export.py`` compares them with a run that counts operations.
-
-
-# Comparisons and sign changes count as sums; functions are all C library functions except sqrt.
-KINDS = ("sums", "products", "divisions", "roots", "functions")
-BODY = np.array([12, 15, 0, 0, 0])  # airspeed vector, drag and download
-LEVEL_PLATE = np.array([3, 6, 0, 1, 0])
-LIFT, WING = np.array([4, 10, 0, 1, 3]), np.array([9, 9, 2, 0, 5])
-INDUCED = np.array([2, 8, 0, 0, 0])  # induced drag of a wing with a span
-FLOW, FORCE = np.array([14, 18, 1, 1, 0]), np.array([28, 35, 0, 0, 0])  # per hub, per rotor
-QUERY = np.array([321, 307, 2, 2, 1])  # query of the table, with its speed and angle
-SOURCE = np.array([35, 30, 1, 2, 2])  # wake of a rotor, without the inflow
-STEP = np.array([10, 4, 2, 1, 0])  # one step of Newton's method for this inflow
-PAIR = np.array([40, 52, 0, 0, 2])  # wake of a rotor at another rotor
-
-USUAL_STEPS = 6  # typical steps of Newton's method outside descent; the maximum is ``STEPS``
-CYCLES = np.array([3, 3, 16, 16, 150])
-"""Assumed cycles per operation of a processor with a single-precision floating-point unit,
-including memory access and loops.  On an Arm Cortex-M4F, sums and products take 1 cycle, divisions
-and roots 14 (Technical Reference Manual, Arm DDI 0439); on a Cortex-M7 no more."""
-
-CLOCKS = {"Cortex-M4F at 168 MHz": 168e6, "Cortex-M7 at 480 MHz": 480e6}
-
-
-@dataclass(frozen=True)
-class Cost:
-    """Cost of one call in single precision."""
-
-    operations: NDArray[np.int_]  # by ``KINDS``, outside descent (5,)
-    worst: NDArray[np.int_]  # the same with the maximum steps of Newton's method
-    read: int  # bytes read from tables, including repeated reads
-    stored: int  # bytes of all tables, including the table of the rotor
-
-    @property
-    def cycles(self) -> int:
-        """Return the processor cycles, from ``CYCLES``."""
-        return int(self.operations @ CYCLES)
-
-
-def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
-    """Count the operations and bytes of one call for a ``vehicle``."""
-    rotors = len(vehicle.mounts)
-    pairs = 0 if vehicle.wakes is None else rotors * (rotors - 1)
-    done = BODY + LEVEL_PLATE * bool(vehicle.body.plate_area) + rotors * (FLOW + QUERY + FORCE)
-    if vehicle.body.lift_area or vehicle.wing is not None:
-        done = done + LIFT
-    if vehicle.wing is not None:
-        done = done + WING
-        if vehicle.wing.span is not None:
-            done = done + INDUCED
-    # Sixteen knots with two values per load, three weight polynomials, knots and scales.
-    query = 16 * 2 * len(LOADS) * 4 + (3 * 16 + len(LOADS) + 12) * 4
-    read = (query + 7 * 4) * rotors
-    stored = table_bytes(table.content, 4) + (7 * rotors + 6) * 4
-    worst = done
-    if pairs and vehicle.wakes is not None:
-        without = done + rotors * (SOURCE + QUERY) + pairs * PAIR
-        done = without + USUAL_STEPS * rotors * STEP
-        worst = without + wakes.STEPS * rotors * STEP
-        wake = wake_geometry(vehicle, vehicle.wakes)
-        polynomials = wake.skew.weights.size + wake.around.weights.size
-        read += query * rotors + (pairs * (16 + 16 + 5) + rotors * (16 + 9)) * 4
-        stored += (wake.coefficients.size + polynomials + pairs * 5 + rotors * 9) * 4
-    return Cost(done, worst, read, stored)
 
 
 # -------------------------------------------------------------------------------------------------

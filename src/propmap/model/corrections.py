@@ -1,4 +1,7 @@
-"""The corrections of a model: terms beyond the physics of the paper, as validated values."""
+"""The corrections of a model: terms beyond the physics of the paper, as validated values.
+
+docs/theory.md and docs/how-to/corrections-and-tables.md contain the formulas and their limits.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import numpy as np
-
 from propmap.errors import InputError, located
 from propmap.loads import DRAG_FACTOR, MOUNT_AREA
 from propmap.model.propeller import Propeller
-from propmap.typing import Floats
 from propmap.units import SPEED_OF_SOUND
 
 HUB_SHARE = 0.08  # default radius of the hub over R: 16 mm diameter for 8 inches
@@ -68,14 +68,8 @@ class InflowShape(Correction):
 class BladeToHub(Correction):
     """Extension of the blade from its first measured station to the hub.
 
-    The chord line keeps the geometric pitch of the first station, 2 pi y tan(theta), as on blades
-    of constant pitch.  The chord is extrapolated with its mean slope over the first 0.1 R of the
-    measured part, and limited to 50 to 100 % of the first chord.  The measured part does not
-    change.
-
-    Geometry files begin at the radius where the blade leaves the fairing of the hub.  The part
-    inside is at a large angle to the in-plane flow.  On the APC 8x6E it increases the thrust by 1
-    to 2 % and the rotor drag by more than 10 %.  A blade that reaches the hub does not change.
+    Geometry files begin at the radius where the blade leaves the fairing of the hub.  On the APC
+    8x6E, the part inside increases the thrust by 1 to 2 % and the rotor drag by more than 10 %.
 
     Attributes
     ----------
@@ -123,18 +117,10 @@ class BladeToHub(Correction):
 class BladeUntwist(Correction):
     """Elastic untwist: the centrifugal force twists the blade toward the disk plane.
 
-    The mass of a section lies along its chord.  The rotation at Omega pulls this mass outward from
-    the axis and so turns the section into the disk plane.  The propeller moment per length is
-    -Omega^2 I sin(theta) cos(theta).  If the moment is constant along a blade of length R that is
-    clamped at its hub, the blade twists by
-
-        delta(y) = delta_tip s (2 - s),   s = y / R,   delta_tip ~ Omega^2 .
-
-    For blades of one material and shape, delta_tip grows with the square of the tip speed and does
-    not depend on the size.  It grows with (c/t)^2, the square of chord over thickness.  For
-    c/t = 10 and a pitch of 17 degrees it is
-    0.5 (rho_b (Omega R)^2 / G) (c/2t)^2 sin(theta) cos(theta).  At a tip speed of 100 m/s, this is
-    about 0.05 rad for polycarbonate and 0.02 rad for nylon with glass fibers.
+    A blade of length R that is clamped at its hub twists by delta_tip s (2 - s), s = y / R, if the
+    moment per length is constant.  For one material and shape, delta_tip grows with the square of
+    the tip speed and does not depend on the size.  At 100 m/s and c/t = 10, it is about 0.05 rad
+    for polycarbonate and 0.02 rad for nylon with glass fibers.
 
     Attributes
     ----------
@@ -165,10 +151,6 @@ class BladeUntwist(Correction):
 class TipLoss(Correction):
     """Prandtl's tip loss: a factor on the momentum thrust for a finite number of blades.
 
-    The thrust (10) of an annulus is multiplied by F = 2/pi arccos(exp(-f)) with
-    f = N_b (R - y) / (2 y sin(phi)).  phi is the inflow angle without V sin(beta),
-    tan(phi) = |U_P| / (Omega y), because an annulus has the same inflow and F at all azimuths.
-
     References
     ----------
     L. Prandtl, appendix to A. Betz, "Schraubenpropeller mit geringstem Energieverlust",
@@ -179,7 +161,7 @@ class TipLoss(Correction):
 
 @dataclass(frozen=True)
 class HubLoss(Correction):
-    """Prandtl's hub loss: as ``TipLoss``, with f = N_b (y - r) / (2 r sin(phi)).
+    """Prandtl's hub loss: the factor of ``TipLoss`` for the distance from the hub.
 
     Attributes
     ----------
@@ -219,15 +201,8 @@ class HubLoss(Correction):
 class PittPeters(InflowShape):
     """Static inflow of Pitt and Peters, with feedback of the moments.
 
-    The coefficients are forces over rho A (Omega R)^2 and moments over rho A (Omega R)^2 R, chi is
-    the wake skew, and V is the mass-flow parameter of Pitt and Peters:
-
-        lambda_s = 4 / (1 + cos(chi)) C_roll / V,
-        lambda_c = 15 pi/64 tan(chi/2) C_T / V + 4 cos(chi) / (1 + cos(chi)) C_rear / V.
-
-    C_rear is the moment that lifts the rear; a part of the disk with more lift has more downwash.
-    The mean inflow is the solution of eq. (11), averaged over the disk; Pitt and Peters use a
-    uniform mean inflow.
+    A part of the disk with more lift has more downwash.  The mean inflow is the solution of eq.
+    (11), averaged over the disk; Pitt and Peters use a uniform mean inflow.
 
     References
     ----------
@@ -286,9 +261,9 @@ class WhiteBlake(InflowShape):
 class Installed(Correction):
     """Rotor drag of an installed rotor, on its motor, arm or stand.
 
-    The correction changes only the rotor drag, at the hub, and adds no moment; see ``drag``.  On
-    all measured mounts the rotor drag exceeds the drag of bare blades.  A factor increases the drag
-    of the blades, which is linear in Omega V.  The drag of the parts in the slipstream is added.
+    The correction changes only the rotor drag, at the hub, and adds no moment.  On all measured
+    mounts the rotor drag exceeds the drag of bare blades.  A factor increases the drag of the
+    blades, which is linear in Omega V.  The drag of the parts in the slipstream is added.
 
     Attributes
     ----------
@@ -298,8 +273,8 @@ class Installed(Correction):
         Area f [m^2], drag coefficient times area of the parts in the slipstream; None for the mean
         of ``TYPICAL_AREA``.
     wake : float
-        Inflow at these parts over the inflow at the disk [-]: 1 at the disk, where a motor is, up
-        to 2 far below, 0 outside the slipstream.
+        Inflow at these parts over the inflow at the disk, w [-]: 1 at the disk, where a motor is,
+        up to 2 far below, 0 outside the slipstream.
 
     Raises
     ------
@@ -343,51 +318,13 @@ class Installed(Correction):
         area = self.area(model.propeller.radius)
         return {name: self.blade_factor, "mount-area": area, "mount-wake": self.wake}
 
-    def drag(
-        self,
-        radius: float,
-        density: float,
-        v_axial: Floats,
-        v_inplane: Floats,
-        inflow: Floats,
-        blades: Floats,
-    ) -> Floats:
-        """Return D = k D_blades + 1/2 rho f V_inplane sqrt(V_inplane^2 + (V_axial + w v_i)^2).
-
-        The second term is the in-plane component of a drag along the velocity of the air.  The
-        slipstream increases this velocity, so in slow flight the term is linear in V_inplane.
-
-        Parameters
-        ----------
-        radius : float
-            Propeller radius R [m].
-        density : float
-            Air density rho [kg/m^3].
-        v_axial, v_inplane : ndarray, shape (...)
-            V cos(beta) and V sin(beta) [m/s].
-        inflow : ndarray, shape (...)
-            v_i averaged over the disk area [m/s].
-        blades : ndarray, shape (...)
-            Rotor drag of the blades [N].
-
-        Returns
-        -------
-        ndarray, shape (...)
-            Rotor drag [N], against the in-plane velocity.
-        """
-        speed = np.hypot(v_inplane, v_axial + self.wake * inflow)
-        mount = 0.5 * density * self.area(radius) * v_inplane * speed
-        return np.asarray(self.blade_factor * blades + mount)
-
 
 @dataclass(frozen=True)
 class StallDelay(Correction):
     """Stall delay of the inner blade after Snel: rotation keeps the separated flow on the blade.
 
-    The lift is C_L + min(k (c/y)^2, 1) w (s a - C_L), with the slope s of the attached lift and
-    the angle a from zero lift.  The weight w is 1 for abs(a) up to 30 degrees and 0 from 60
-    degrees.  The drag does not change.  The rule was made for the slender blades of wind
-    turbines; for large c/y it removes stall completely.
+    The drag does not change.  The rule was made for the slender blades of wind turbines; for large
+    c/y it removes stall completely.
 
     Attributes
     ----------
@@ -425,9 +362,8 @@ class StallDelay(Correction):
 class PrandtlGlauert(Correction):
     """Prandtl-Glauert rule: the lift is divided by sqrt(1 - M^2), where M is the Mach number.
 
-    Above M = 0.6 the rule uses a smaller M, which levels off at 0.7 for Mach numbers above about
-    0.79.  The rule also increases the lift of separated flow.  It does not change the drag, so the
-    drag rise due to shocks is missing.
+    Above M = 0.6 the rule uses a smaller M, which levels off at 0.7.  It does not change the drag,
+    so the drag rise due to shocks is missing.
 
     Attributes
     ----------
@@ -457,13 +393,9 @@ class RadialFriction(Correction):
     """Viscous drag along the whole velocity, including its component along the blade.
 
     In forward flight air also flows along the blade, outward at U_R = V sin(beta) cos(psi).  By the
-    independence principle, lift and pressure drag do not depend on U_R, as in the paper.  Friction
-    acts along the whole velocity of magnitude W = sqrt(U_T^2 + U_P^2 + U_R^2).  So the viscous
-    drag of the section law, 1/2 rho U C_v c (U_T, U_P), becomes 1/2 rho W C_v c (U_T, U_P, U_R),
-    with C_v at the Reynolds number of W.  The component along the blade increases the rotor drag,
-    and the larger velocity increases rotor drag and torque.  Axial flow does not change.
-
-    The drag of a section law at zero lift counts as viscous: c_d0 and the friction in eq. (4).
+    independence principle, lift and pressure drag do not depend on U_R, as in the paper.  The
+    viscous drag of the section law, 1/2 rho U C_v c (U_T, U_P), becomes
+    1/2 rho W C_v c (U_T, U_P, U_R), with W the magnitude of the whole velocity.
 
     Two effects are neglected.  First, friction changes the axial force by less than 1e-3 of the
     thrust, which also changes the inflow.  Second, if the inflow varies around the disk, friction

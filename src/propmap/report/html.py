@@ -191,7 +191,7 @@ MOST_LOADS = 6  # loads fitted in flight: three forces and three moments
 REPORT_FILES = file_names(
     [f"fit-{name}" for name in ("coverage", "errors", "loads", "parameters", "check", "measured")]
     + [f"fit-residuals-{k}" for k in range(1, MOST_LOADS + 1)]
-    + [f"table-{name}" for name in ("cells", "loads", "maps", "hover")],
+    + [f"table-{name}" for name in ("cells", "loads", "maps")],
     ["fit-correlations", "table-certificate"],
 )  # all files that ``propmap report`` can write
 

@@ -1,9 +1,7 @@
-"""The report on a table: envelope, certificate, loads, and errors of the hover model."""
+"""The report on a table: envelope, certificate and loads."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,6 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from propmap.export.files import evenly
-from propmap.fit.least_squares import rms
 from propmap.loads import LOADS
 from propmap.report import html
 from propmap.table.certificate import PLACE, TITLES, claims, largest_at, parameter_claims
@@ -31,9 +28,6 @@ FLOWS = (
     ("level flight", 60.0, 100.0),
     ("descent", 100.0, 181.0),
 )  # parts of the envelope by angle [deg]
-HOVER_LOADS = ("thrust", "torque")
-BANDS = 5  # number of airspeed ranges in which the hover model is judged
-OFF = (0.05, 0.1)  # limits of the thrust error of the hover model, relative to static thrust
 
 
 def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
@@ -48,17 +42,11 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
         for load in LOADS.values()
     }
     points = evenly(table)
-    everywhere = table.loads(*points)
-    lines = load_lines(table, omega, still)
-    records = [table_cells(table), lines, load_maps(table, omega)]
-    judgment: dict[str, Any] = {}
-    if all(still[name] > 0.0 for name in HOVER_LOADS) and np.isfinite(everywhere.thrust).any():
-        constants = {name: still[name] / omega**2 for name in HOVER_LOADS}
-        record, judgment = hover_errors(lines, points, everywhere, constants)
-        records.append(record)
+    code = table.loads(*points).code
+    records = [table_cells(table), load_lines(table, omega, still), load_maps(table, omega)]
     values = {}
     if found:
-        record, heads = certificate(found, parameters)
+        record, heads = table_errors(found, parameters)
         records.append(record)
         values = {
             "holds": found.get("holds", max(found["max_error"].values()) <= found["tolerance"]),
@@ -77,9 +65,8 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
         content=table.content,
         sha256=table.content.sha256,
         rpm=f"{omega / RPM:.0f} rpm",
-        shares=_shares(everywhere.code),
-        by_angle=_by_angle(points[2], everywhere.code),
-        judgment=judgment,
+        shares=_shares(code),
+        by_angle=_by_angle(points[2], code),
         certificate=found,
         parameters=parameters,
         envelope=(w0 / RPM, w1 / RPM, *speeds, *np.degrees(betas)),
@@ -103,7 +90,9 @@ def _by_angle(beta: Floats, code: NDArray[np.uint8]) -> list[tuple[str, ...]]:
     return rows
 
 
-def certificate(found: dict[str, Any], parameters: dict[str, Any]) -> tuple[html.FigureRecord, str]:
+def table_errors(
+    found: dict[str, Any], parameters: dict[str, Any]
+) -> tuple[html.FigureRecord, str]:
     """Return the errors by load relative to static loads with their operating points, and heads."""
     errors = {"largest": found["max_error"], "rms": found["rms_error"]}
     if found["unresolved_cells"]:
@@ -141,9 +130,14 @@ KINDS = {
 
 
 def table_cells(table: LoadTable) -> html.FigureRecord:
-    """Return the cells with a status other than "ok"; the figure shows all cells."""
-    content, (rank, codes) = table.content, cell_ranks(table)
+    """Return the cells with a status other than "ok", which is "no_value" if a corner has no value;
+    the figure shows all cells."""
+    content = table.content
     beta = np.degrees(content.beta)
+    lost: Any = np.isnan(content.coefficients).any(axis=(0, 1))
+    corners = lost[:-1, :-1] | lost[1:, :-1] | lost[:-1, 1:] | lost[1:, 1:]
+    codes = np.where(corners, np.uint8(NO_VALUE), cell_codes(content))
+    rank = np.searchsorted(list(KINDS), codes)
 
     def draw() -> Figure:
         (w0, w1), (_, fastest), _ = table.envelope.values()
@@ -183,15 +177,6 @@ def table_cells(table: LoadTable) -> html.FigureRecord:
         "status": NAMES[codes[i, j]],
     }
     return html.FigureRecord("table-cells", [columns], draw)
-
-
-def cell_ranks(table: LoadTable) -> tuple[np.ndarray, np.ndarray]:
-    """Return the index in ``KINDS`` and the status of each cell, (n - 1, m - 1) by advance ratio
-    and angle; the status is ``NO_VALUE`` if a corner has no value."""
-    lost: Any = np.isnan(table.content.coefficients).any(axis=(0, 1))
-    corners = lost[:-1, :-1] | lost[1:, :-1] | lost[:-1, 1:] | lost[1:, 1:]
-    codes = np.where(corners, np.uint8(NO_VALUE), cell_codes(table.content))
-    return np.searchsorted(list(KINDS), codes), codes
 
 
 # -------------------------------------------------------------------------------------------------
@@ -282,65 +267,3 @@ def load_maps(table: LoadTable, omega: float) -> html.FigureRecord:
         **{load.column: getattr(found, name) for name, load in LOADS.items()},
     }
     return html.FigureRecord("table-maps", [columns], draw)
-
-
-def hover_errors(
-    lines: html.FigureRecord,
-    points: tuple[Floats, Floats, Floats],
-    found: Any,
-    constants: Mapping[str, float],
-) -> tuple[html.FigureRecord, dict[str, Any]]:
-    """Return the error of the hover model (``constants`` times Omega^2) and a judgment.
-
-    The curves follow ``lines``.  The table rows compare the loads ``found`` at ``points`` by
-    airspeed range, relative to the static load, drag to static thrust.
-    """
-    groups: list[dict[str, Any]] = []
-    for one in lines.groups:
-        groups.append({name: one[name] for name in ("beta_deg", "speed_mps", "rpm")})
-        for name in HOVER_LOADS:
-            still = one[f"hover_{LOADS[name].column}"]
-            groups[-1][f"{name}_error_share"] = (still - one[LOADS[name].column]) / still
-
-    def draw() -> Figure:
-        look: dict[str, Any] = {**html.DASHED, "linewidth": 1.5}
-        figure = html.new_figure(8.6, 3.8)
-        for ax, name in zip(figure.subplots(1, 2), HOVER_LOADS, strict=True):
-            ax.axhline(0.0, color="0.4", linewidth=0.8)
-            for k, one in enumerate(groups):
-                off = 100.0 * one[f"{name}_error_share"]
-                ax.plot(one["speed_mps"], off, color=html.COLORS[k], **look)
-                _mark(ax, k, one["speed_mps"], off)
-            ax.set_ylabel(f"hover model minus table, {name} [% of static]")
-            ax.set_xlabel("airspeed V [m/s]")
-            ax.margins(x=0.02)
-        betas = np.radians([one["beta_deg"] for one in groups])
-        html.legend_below(figure, html.angle_keys(betas, markersize=4.0, **look))
-        return figure
-
-    omega, speed, _ = points
-    thrust, torque = (constants[name] * omega**2 for name in HOVER_LOADS)
-    off_thrust, off_torque = (thrust - found.thrust) / thrust, (torque - found.torque) / torque
-    shares = (off_thrust, off_torque, found.drag / thrust)
-    first, last = lines.groups[0]["speed_mps"][[0, -1]]
-    cells, beyond, sizes, good = [], [], [], []
-    for low, high in itertools.pairwise(np.linspace(first, last, BANDS + 1).tolist()):
-        mine = (speed >= low) & (speed <= high) & np.isfinite(shares[0])
-        if not mine.any():
-            continue
-        off = [float(np.mean(np.abs(shares[0][mine]) > limit)) for limit in OFF]
-        sizes_of = (html.number(100.0 * rms(share[mine]), 2) for share in shares)
-        band = f"{html.number(low, 2)} to {html.number(high, 2)}"
-        cells.append((band, *sizes_of, *(f"{100.0 * share:.0f}" for share in off)))
-        sizes.append(int(mine.sum()))
-        beyond.append(off[0])
-        good += [high] if off[0] < OFF[0] else []
-    level, word = "bad", "The hover model is not accurate"
-    if good:
-        level, word = "caution", "The hover model is accurate in slow flight only"
-    if len(good) == len(cells):
-        level, word = "good", "The hover model is accurate for thrust"
-    judgment = {"level": level, "word": word, "off": float(np.average(beyond, weights=sizes))}
-    if level == "caution":
-        judgment["speed"] = good[-1]
-    return html.FigureRecord("table-hover", groups, draw, cells), judgment

@@ -188,6 +188,12 @@ def attributes(name: str) -> dict[str, Any]:
     return {"units": unit, "long_name": meaning}
 
 
+def column_of(name: str) -> str:
+    """Return the column in CSV files of a standard deviation: "thrust_std_N" for "thrust_std"."""
+    unit, _ = LOAD_TEXTS[name.partition("_std")[0]]
+    return f"{name}_{unit.replace(' ', '')}"
+
+
 def filed_as(kind: np.dtype[Any]) -> np.dtype[Any]:
     """Return the type in which values of a ``kind`` are stored; integers are counts below 256."""
     return np.dtype(np.uint8) if kind.kind in "iu" else kind

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 
 import propmap
 from propmap.errors import InputError, require
-from propmap.results import Loads
 from propmap.rotor import Rotor
 from propmap.sweep.points import (
     AXES,
@@ -90,22 +89,11 @@ class Evaluation(ABC):
         """Return the attributes of a file with the results of this ``command``."""
         return provenance(self.rotor, command)
 
-    def evaluate(self, part: Any) -> Iterator[Loads]:
-        """Yield the loads of each batch of a ``part``."""
-        for rotor, points in self.batches(part):
-            yield rotor.loads(*points.si)
-
-    def in_turn(self) -> Iterator[Loads]:
-        """Yield the loads of all batches of all parts in C order, evaluated in this process."""
-        chunk = chunk_shape(self.shape, self.points_per_task)
-        for place in np.ndindex(*parts_along(self.shape, chunk)):
-            yield from self.evaluate(self.part(place, chunk))
-
     def values(self, part: Any) -> Values:
         """Return the quantities to store for a ``part``, with the batches along the first axis."""
         each = [
-            quantities(loads, bands=self.bands, by_source=self.by_source)
-            for loads in self.evaluate(part)
+            quantities(rotor.loads(*points.si), bands=self.bands, by_source=self.by_source)
+            for rotor, points in self.batches(part)
         ]
         stacked = {name: np.stack([one[name] for one in each]) for name in each[0]}
         return {name: values.astype(filed_as(values.dtype)) for name, values in stacked.items()}

@@ -220,38 +220,7 @@ class VehicleFile:
 
 
 def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
-    """Read a vehicle file in TOML, in SI units and radians except where names state a unit.
-
-    Required entries:
-
-    - ``schema = 1``, ``name``, ``mass`` [kg];
-    - ``frame``: "flu" or "frd", the frame of positions and axes;
-    - ``propeller``: a name of the catalogue, the path of a geometry file relative to the vehicle
-      file, or a table with ``geometry`` (name or path) and any of ``blades``, ``radius`` [m] and
-      ``root_cutout`` [m] that the geometry lacks;
-    - ``[[rotors]]`` for each rotor: ``position`` [m], ``spin`` ("ccw" or "cw", seen from above) and
-      optionally ``axis`` (unit vector along the thrust; default: up).
-
-    Optional entries:
-
-    - ``inertia`` about the three axes [kg m^2], ``rotor_inertia`` [kg m^2], see ``Vehicle``;
-    - ``[air]``: ``density``, ``viscosity`` (default: values of the paper);
-    - ``[mount]``, the parts in the rotors' slipstreams, see ``Installed``: ``area`` [m^2],
-      one value for all rotors or a list with one value per rotor, and ``wake`` (default: 1);
-    - ``[body]``: ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers
-      [m^2]), ``plate_area`` [m^2];
-    - ``[wing]``: ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad], and
-      ``span`` [m] for a wing with induced drag;
-    - ``[motor]``: ``kv_rpm_per_volt``, ``resistance`` [ohm], ``no_load_current`` [A] (up to three),
-      and optionally ``no_load_voltage`` [V] of each current, ``maximum_current`` [A],
-      ``maximum_rpm``, ``winding_temperature`` [degrees C];
-    - ``[esc]``: ``resistance`` [ohm] or ``efficiency``;
-    - ``[battery]``: ``cells``, ``capacity_mAh``, and optionally ``resistance`` [ohm] of the pack,
-      ``usable_share``, ``maximum_current`` [A], ``auxiliary_power`` [W];
-    - ``[wakes]``, the interaction of rotors, see ``Wakes``: ``ahead``, ``beside``, ``downwash``,
-      ``share`` (default: 1); slipstreams act on lower rotors also without this table;
-    - ``[sensor]``: ``position`` [m] of the accelerometer relative to the center of mass;
-    - ``[log]``, see ``LogMap``.
+    """Read a vehicle file in TOML; the reference "Vehicles and flight logs" lists its entries.
 
     Parameters
     ----------

@@ -318,10 +318,10 @@ class Battery:
         current = np.nan_to_num(self.current(power, charge), nan=0.0)
         return np.maximum(of_power, current / self.maximum_current)
 
-    def charge_after(self, power: Floats, duration: float, charge: Floats) -> Floats:
+    def charge_after(self, power: Floats, duration: Floats, charge: Floats) -> Floats:
         """Return the charge after a ``duration`` [s] at constant ``power`` [W], from ``charge``.
 
-        The result is NaN if the battery does not last this long.
+        All arrays have one shape.  The result is NaN if the battery does not last this long.
         """
         low, high = np.zeros_like(charge), np.array(charge)
         for _ in range(HALVINGS):
@@ -330,19 +330,6 @@ class Battery:
             late = ~(later <= duration)
             low, high = np.where(late, middle, low), np.where(late, high, middle)
         return np.where(self._time(power, charge, high) >= duration * (1.0 - 1e-9), high, np.nan)
-
-    def charges(self, power: float, times: Floats, charge: float) -> Floats:
-        """Return the charges at increasing ``times`` (m,) [s], from ``charge``, at constant power.
-
-        Charges are NaN for times that the battery does not last; ``power`` is in W.
-        """
-        found, before = [], 0.0
-        for time in times.tolist():
-            now = np.array(charge)
-            charge = float(self.charge_after(np.array(power), time - before, now))
-            found.append(charge)
-            before = time
-        return np.array(found)
 
     def endurance(self, power: Floats, voltage: Floats, charge: float = 1.0) -> Floats:
         """Return the flight time at constant power, until the usable charge is consumed.

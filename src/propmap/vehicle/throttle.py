@@ -69,14 +69,8 @@ def worth_of_throttle(values: Floats, name: str, *, inverse: bool) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # The curve from throttle to rotor speed, with two constants and the lag of the motors.
 #
-# The drive of a motor is its throttle times the scale ``Recording.supply``.  With the drive d
-# relative to hover,
-#
-#     Omega^2 = k^2 Omega_h^2 ((1 - e) d + e d^2) .
-#
-# ArduPilot (MOT_THST_EXPO) and PX4 (THR_MDL_FAC) model the thrust in the same form.  Omega_h only
-# makes k a number near 1: at this speed the rotors carry the weight with a nominal section law.
-# The motor follows d with a lag of first order.
+# docs/theory.md, "Throttle in place of rotor speeds", contains the equation.  The drive of a motor
+# is its throttle times the scale ``Recording.supply``.
 
 SPEED, EXPO, LAG = CURVE = ("throttle_speed", "throttle_expo", "motor_lag")
 USUAL = {SPEED: 1.0, EXPO: 0.5, LAG: 0.05}

@@ -24,12 +24,8 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # Interaction of the rotors: the axial flow that wakes add at the disks of other rotors.
 #
-# The wake of each rotor is a skewed vortex cylinder (below) with a circulation density of twice the
-# inflow v of Glauert's momentum theory (10).  The cylinder induces a velocity along the axis of
-# each other rotor.  Its average over the other disk, times a gain, adds to V cos(beta) there.  The
-# gains represent effects that the cylinder lacks, such as rolled-up tip vortices; a gain of one is
-# the cylinder alone.  For overlapping rotors above each other, the contracted slipstream (further
-# below) replaces the cylinder, without a gain.
+# docs/theory.md, "Rotor wakes", describes the model: the wake of each rotor is a skewed vortex
+# cylinder whose velocity, averaged over another disk and times a gain, adds to V cos(beta) there.
 
 LARGEST_INFLOW = 2.0
 """Upper limit of the inflow over the hover inflow at the same thrust [-]: about the measured value
@@ -444,20 +440,9 @@ def _disk() -> tuple[Floats, Floats]:
 # -------------------------------------------------------------------------------------------------
 # The slipstream of a rotor at the disk of an overlapping lower rotor, such as a coaxial rotor.
 #
-# At the distance of s radii along the wake the velocity has grown to v (1 + s/sqrt(1 + s^2)), as on
-# the axis of the vortex cylinder.  The slipstream contracts so that its volume flow equals the flow
-# through the upper disk.  The lower rotor meets the velocity of the slipstream times the fraction
-# of its disk that the slipstream covers.  In hover this product is v at any depth, provided that
-# the slipstream is entirely on the disk.  The contraction is that of level flight with the same
-# skew; in fast climb real slipstreams contract less, and the product is up to 2 v.
-#
-# The lower rotor has no effect on the upper one, as in the theory of coaxial rotors by Leishman and
-# Ananthan.  At a third rotor, the slipstreams of both upper rotors add.  Induced power of two equal
-# thrusts in hover, relative to two separate rotors:
-#
-# - this model: 1.309;
-# - momentum theory, lower rotor far below: 1.281;
-# - momentum theory, both rotors in one plane (a limit that no coaxial pair reaches): 1.414.
+# docs/theory.md, "Rotors above each other", describes the model.  For two equal thrusts in hover,
+# the induced power is 1.309 times that of separate rotors.  By momentum theory it is 1.281 times
+# with the lower rotor far below, and 1.414 times with both in one plane, which no pair reaches.
 #
 # References
 # ----------
@@ -542,15 +527,8 @@ def _slipstream_table(depth: float, aside: float, along: float) -> Any:
 # The velocity induced by a rotor's wake: a semi-infinite skewed cylinder of vortex rings.
 #
 # The rings are parallel to the disk and lie along the direction in which the air carries the wake
-# away.  The Biot-Savart integral along this direction has a closed form.  The remaining integral
-# around a ring is a sum over equally spaced azimuths, which converges geometrically away from the
-# wake's surface.  With x in radii, a = x - e_r, d the unit direction of the wake, c = |a| and
-# b = a . d,
-#
-#     w = 1/(4 pi) Int [e_t x a / (c (c - b)) - e_t x d / (c - b)] . z dpsi
-#
-# is the velocity along z per density of circulation along the wake.  At the disk's center it is 1/2
-# for every skew.  A wake of density 2 v therefore induces the inflow v of Glauert's eq. (10).
+# away.  docs/theory.md, "Rotor wakes", contains the integral around a ring, here a sum over equally
+# spaced azimuths.  The sum converges geometrically away from the wake's surface.
 #
 # References
 # ----------

@@ -9,7 +9,6 @@ from propmap.explore.views.compare import CompareView
 from propmap.explore.views.constants import ConstantsView
 from propmap.explore.views.disk import DiskView
 from propmap.explore.views.loads import LoadsView
-from propmap.explore.views.trust import TrustView
 
-CLASSES = LoadsView, DiskView, BladeView, ConstantsView, CompareView, AircraftView, TrustView
+CLASSES = LoadsView, DiskView, BladeView, ConstantsView, CompareView, AircraftView
 VIEWS: tuple[View, ...] = tuple(view() for view in CLASSES)

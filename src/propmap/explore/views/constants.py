@@ -18,10 +18,9 @@ from propmap.explore.view import Answer, Control, Download, Graph, Several, Slid
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData
-from propmap.io.csv import csv_text, numbers_of
-from propmap.loads import LOADS
 from propmap.model.airfoil import CONSTANTS, Airfoil
 from propmap.model.model import Model
+from propmap.report.fit_curves import tunnel_fit
 from propmap.report.html import COLORS
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -115,21 +114,13 @@ class ConstantsView(view.View):
         return self._recipe(session, values).python(lines)
 
     def text(self, session: Session, values: Values, file: str) -> str:
-        """Return the constants as TOML, or measured and modeled loads as CSV."""
+        """Return the constants as TOML, or the CSV of measured loads from `propmap report`."""
         if file == CONSTANTS_FILE:
             return law_of(session, values).to_toml()
         data = session.measured(values["data"])
         if data is None:
             raise InputError("there are no measured loads", "select or open measured loads")
-        found = rotor_of(model_of(session, values)).loads(data.omega, data.speed, data.beta)
-        columns = {"rpm": data.omega / RPM, "speed_mps": data.speed}
-        columns["beta_deg"] = np.degrees(data.beta)
-        for name, measured in data.loads.items():
-            columns[LOADS[name].column_of("measured")] = measured
-            columns[LOADS[name].column_of("modeled")] = getattr(found, name)
-        flat = zip(*map(numbers_of, columns.values()), strict=True)
-        rows = [dict(zip(columns, row, strict=True)) for row in flat]
-        return csv_text(list(columns), rows)
+        return tunnel_fit(data, rotor_of(model_of(session, values))).csv()
 
     def more(self) -> list[Any]:
         """Return the button for a fit and a line for its progress."""
