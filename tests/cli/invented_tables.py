@@ -12,8 +12,8 @@ from propmap.table import LoadTable
 from propmap.table.interpolation import TableContent
 
 
-def invented() -> LoadTable:
-    """Loads that grow with the advance ratio, without a model behind them."""
+def invented(**more: Any) -> LoadTable:
+    """Loads that grow with the advance ratio, without a model; ``more`` entries of ``info``."""
     advance, beta = np.linspace(0.0, 0.4, 9), np.linspace(0.0, np.pi, 9)
     first = np.linspace(0.016, 0.004, len(LOADS))
     loads = first + advance[:, None, None] * np.ones((9, 1))
@@ -28,7 +28,8 @@ def invented() -> LoadTable:
             info={
                 "propeller": {"name": "invented", "radius_m": 0.1},
                 "air": {"density_kg_m3": 1.2, "viscosity_Pa_s": 1.8e-5},
-            },
+            }
+            | more,
         )
     )
 

@@ -20,7 +20,7 @@ from propmap.tasks import InTurn
 
 from .conftest import POINT, ROTOR, Run, refused
 from .fit_inputs import LEVEL, QUICK, STAND, VEHICLE, fit_record
-from .invented_tables import invented
+from .invented_tables import certificate, invented
 
 pytestmark = pytest.mark.usefixtures("brief")
 
@@ -114,7 +114,7 @@ def _files(tmp_path: Path, tunnel_csv: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 def _brief(rotor: propmap.Rotor, **_: Any) -> LoadTable:
     """An invented table with one true load."""
-    table = invented()
+    table = invented(certificate=certificate(0))
     table.content.coefficients[:] *= float(rotor.loads(420.0, 14.0, 1.4).thrust)
     return table
 
@@ -124,6 +124,7 @@ def test_a_correction_acts(run: Run, monkeypatch: pytest.MonkeyPatch, name: str)
     # Two steps of a fit tell as much as its end.
     monkeypatch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", 2)
     monkeypatch.setattr("propmap.table.build.build_table", _brief)
+    monkeypatch.setattr("propmap.export.built_tables.build_table", _brief)
     # It takes most of the time of `trim`, and the powers tell enough.
     found_at_once = "propmap.aircraft.performance.searched"
     monkeypatch.setattr(found_at_once, lambda _, states, __: (30.0, "", states))

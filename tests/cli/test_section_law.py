@@ -17,7 +17,7 @@ from propmap.model.corrections import TYPICAL_AREA, TYPICAL_FACTOR
 from tests.io import samples
 
 from .conftest import BETA, POINT, RPM, SPEED, Run
-from .invented_tables import invented
+from .invented_tables import certificate, invented
 
 AT = (RPM * np.pi / 30.0, SPEED, np.radians(BETA))
 
@@ -179,8 +179,9 @@ def test_sweep_check_and_export_take_a_table(
     assert checked.code == 0 and NOTE in checked.err
     assert json.loads(checked.out)["rows"] == 14
     built: list[propmap.Rotor] = []
-    record = "propmap.table.build.build_table"
-    monkeypatch.setattr(record, lambda rotor, **_: built.append(rotor) or invented())
+    record = "propmap.export.built_tables.build_table"
+    table = invented(certificate=certificate(0))
+    monkeypatch.setattr(record, lambda rotor, **_: built.append(rotor) or table)
     done = run("export", "plate.csv", "--prop", "apc-8x6e", "--to", "csv", "-o", "to")
     assert done.code == 0 and NOTE in done.err
     assert built[0].model.airfoil == plate.with_corrections(["pitt-peters", "radial-friction"])

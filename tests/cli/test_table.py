@@ -50,7 +50,7 @@ def test_a_table_is_filed_and_its_certificate_and_corrections_shown(
     assert run("export", "map.npz", "--to", "csv", "-o", "to").code == 0
     assert named in Path("to/README-csv.txt").read_text()
     done = run("export", "map.npz", "--to", "c", "-o", "no", *tip_loss)
-    assert "--correction is given, but the table" in done.err
+    assert "--correction does not apply to --to c of" in done.err
 
 
 def test_a_fit_brings_its_covariance_which_is_shown_with_the_certificate(
