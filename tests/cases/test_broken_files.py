@@ -71,13 +71,13 @@ def test_null_characters(run: Run, tmp_path: Path) -> None:
 
 
 def test_of_runs_beside_each_other_one_writes(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    compute = sweep._compute
+    compute = sweep.Sweep.run
 
-    def meanwhile(evaluation: Any) -> Any:
+    def meanwhile(*arguments: Any) -> Any:
         Path("s.nc").write_bytes(b"of another run")
-        return compute(evaluation)
+        return compute(*arguments)
 
-    monkeypatch.setattr(sweep, "_compute", meanwhile)
+    monkeypatch.setattr(sweep.Sweep, "run", meanwhile)
     refused(run("sweep", *ROTOR, *POINTS, "-o", "s.nc"), "s.nc: another run has written this file")
     assert Path("s.nc").read_bytes() == b"of another run"
     assert [path.name for path in Path().iterdir()] == ["s.nc"]

@@ -16,7 +16,7 @@ from propmap.catalogue.lookup import meant_by
 from propmap.loads import LOADS
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.model.corrections import TYPICAL_AREA, TYPICAL_FACTOR, Installed
-from propmap.results import LoadValues, joined
+from propmap.results import LoadValues
 from tools.descent import descents
 
 POINTS = (np.array([500.0, 600.0, 700.0]), np.array([6.0, 10.0, 14.0]), np.array([0.4, 1.2, 1.5]))
@@ -178,9 +178,6 @@ def test_shapes_are_those_of_the_points_and_at_rest_all_is_zero(model: pm.Model)
     grid = rotor.loads(600.0, np.array([0.0, 5.0])[:, None], np.array([0.0, 1.0, 2.0]))
     assert grid.std.torque.shape == (2, 3)
     assert grid.std.thrust[1, 1] == pytest.approx(float(one.std.thrust), rel=1e-9)
-    both = joined([rotor.loads(600.0, np.array([speed]), 1.0) for speed in (5.0, 6.0)])
-    np.testing.assert_allclose(both.std.thrust[0], one.std.thrust, rtol=1e-9)
-    assert both.std.thrust.shape == (2,)
 
 
 def test_a_parameter_file_carries_how_well_its_constants_are_known(
