@@ -123,6 +123,16 @@ def test_at_rest_there_is_thrust_alone() -> None:
     assert found.status.shape == () and found.force.shape == (3,)
 
 
+def test_rotors_that_turn_backward_push_down() -> None:
+    forces, omega = VehicleForces(SYMMETRIC, ROTOR), np.array([-600.0, -600.0, 600.0, 600.0])
+    found = forces.wrench(omega, [0.0, 0.0, 0.0])
+    alone = [float(ROTOR.loads(w, 0.0, 0.0).thrust) for w in omega]
+    np.testing.assert_allclose(found.thrust, alone)
+    assert found.status == "reversed" and found.power > 0.0
+    with pytest.raises(InputError, match="omega is negative"):
+        VehicleForces(replace(SYMMETRIC, wakes=WAKES), ROTOR).wrench(omega, [0.0, 0.0, 0.0])
+
+
 def test_a_batch_is_a_loop_of_scalars() -> None:
     forces = VehicleForces(IN_WAKES, ROTOR)
     omegas, velocity, rates, wind = states(5, seed=4)

@@ -95,6 +95,7 @@ class VehicleForces:
     def __init__(self, vehicle: Vehicle, loads: LoadSource) -> None:
         self.vehicle = vehicle
         self._rotors = Rotors.of(vehicle, loads)
+        self._can_reverse = isinstance(loads, Rotor)
         known = loads.model.uncertainty if isinstance(loads, Rotor) else None
         self._envelope = None if known is None else known.envelope
 
@@ -112,7 +113,8 @@ class VehicleForces:
         Parameters
         ----------
         omega : array_like, shape (..., k)
-            Speeds of the k rotors, in the order of the vehicle's mounts [rad/s], >= 0.
+            Speeds of the k rotors, in the order of the vehicle's mounts [rad/s].  Only a ``Rotor``
+            without wakes has loads at negative speeds, as a propeller that turns backward.
         velocity : array_like, shape (..., 3)
             Velocity of the center of mass over the ground [m/s].
         rates : array_like, shape (..., 3)
@@ -128,7 +130,8 @@ class VehicleForces:
         """
         k = len(self._rotors)
         vectors = {"velocity": velocity, "rates": rates, "wind": wind}
-        given = {"omega": rates_of("omega", omega)}
+        can_reverse = self._rotors.wakes is None and self._can_reverse
+        given = {"omega": broadcast(omega=omega)[0] if can_reverse else rates_of("omega", omega)}
         given |= {name: broadcast(**{name: vector})[0] for name, vector in vectors.items()}
         for name, array in given.items():
             count, what = (3, "x, y, z") if name in vectors else (k, f"the {k} rotor speeds")
