@@ -60,6 +60,7 @@ def test_the_table_tells_what_the_parameters_cost(rotor: propmap.Rotor) -> None:
     [
         (np.eye(3), "has shape"),
         (np.array([[1.0, 2.0], [2.0, 1.0]]), "negative variance"),
+        (np.diag([1.0, np.nan]), "variance of .* is nan"),
     ],
 )
 def test_what_is_no_covariance(matrix: np.ndarray, message: str) -> None:

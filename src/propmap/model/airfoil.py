@@ -671,6 +671,10 @@ class SectionCovariance:
         if self.matrix.shape != (count, count):
             found = f"the covariance of {count} parameters has shape {self.matrix.shape}"
             raise InputError(found, f"give {count} rows of {count} numbers")
+        for name, variance in zip(self.names, np.diag(self.matrix).tolist(), strict=True):
+            if not variance >= 0.0:
+                found = f"the variance of {name} is {variance}"
+                raise InputError(found, "give 0 or more, or infinity for an unknown parameter")
         known = self.determined.matrix if self.unknown else self.matrix
         if not known.size:
             return
