@@ -60,8 +60,9 @@ def read_csv_table(
     """Read header and rows of a CSV file in any dialect of spreadsheets; None for a blank file.
 
     ``columns`` are the names of columns with numbers, in any case.  With ``comments``, lines that
-    begin with # are comments.  Raise ``InputError`` for open quotes, a row with more fields than
-    the header, and ambiguous points and commas in numbers.
+    begin with # are comments, and units in the row below the names are appended to the names.
+    Raise ``InputError`` for open quotes, a row with more fields than the header, and ambiguous
+    points and commas in numbers.
     """
     body, remarks = [], []
     for text in lines:
@@ -85,6 +86,9 @@ def read_csv_table(
     if has_decimal_commas(((n, row[place]) for n, row, place in cells), separator, where):
         for _, row, place in cells:
             row[place] = row[place].replace(",", ".")
+    if comments and rows and not any(map(_MARKED.fullmatch, rows[0][1])):
+        units = rows.pop(0)[1]
+        header = [f"{name} [{unit}]" for name, unit in zip(header, units, strict=False)]
     return CsvTable(line, header, rows, [_uncovered(text, separator) for text in remarks])
 
 
@@ -469,9 +473,6 @@ def read_columns(
         file = read_csv_table(lines, columns_in(first, wanted), comments=True)
         names = file.header if file else []
         rows = file.rows if file else []
-        if rows and not any(map(_MARKED.fullmatch, rows[0][1])):  # a row of units below the names
-            units = rows.pop(0)[1]
-            names = [f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)]
         # Test stands write zero for rotational speeds without a sensor.
         filled = itertools.zip_longest(*(row for _, row in rows), fillvalue="")
         blank = {
