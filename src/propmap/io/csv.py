@@ -41,6 +41,7 @@ SNIFFED = 10_000
 """Number of header characters for ``csv.Sniffer``, whose time is quadratic in quotes."""
 
 _MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eE][+-]?\d+)?")
+_PROPELLER = re.compile(r"prop(eller)?s?( (size|name|type|model|inch|in))?")
 _GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 
 
@@ -495,6 +496,8 @@ def read_columns(
         if not rows:
             raise InputError("there is no row below the header", "add a row per point")
         remarks = header.remarks(found)
+        if "thrust_N" in further:
+            _check_propellers(names, rows)
         if "thrust_N" in further and "rpm" in found:
             rows = _turning(rows, found["rpm"].place, remarks)
         columns: dict[str, Floats] = {}
@@ -505,6 +508,17 @@ def read_columns(
             ]
             columns[name] = np.array(values) * one.factor
     return columns, remarks
+
+
+def _check_propellers(names: Sequence[str], rows: Sequence[tuple[int, list[str]]]) -> None:
+    """Raise ``InputError`` for measurements of several propellers, as in manufacturers' tables."""
+    for place, name in enumerate(names):
+        if _PROPELLER.fullmatch(re.sub(r"[\W_]+", " ", name.lower()).strip()):
+            cells = dict.fromkeys(row[place] for _, row in rows if len(row) > place and row[place])
+            if len(cells) > 1:
+                few = ", ".join(map(quoted, [*cells][:3])) + ", ..." * (len(cells) > 3)
+                found = f"column {quoted(name)} names {len(cells)} propellers: {few}"
+                raise InputError(found, "keep the rows of one propeller")
 
 
 def _turning(
