@@ -237,6 +237,7 @@ def test_another_probable_size_and_an_unusual_size_are_noted(text: str, told: st
         ("EDF 70x50mm", "is a ducted fan"),
         ("Emax 2306 2400kv", "is a motor; give the propeller, as in 10x4.5"),
         ("2212 920 KV", "is a motor"),
+        ("2207.5 KV1700", "is a motor"),
         ("EDF 70mm 12 blades", "is a ducted fan; propmap models propellers without a duct"),
     ],
 )
@@ -279,6 +280,7 @@ BY_MAKERS = [
     ("5x 4x3", 5.0, 4.0, 3, "in, 3 blades"),
     ("Gemfan 4x 51466", 5.1, 4.66, 3, "five-digit sizes have three blades"),
     ("2212 920KV 1045", 10.0, 4.5, None, ASSUMED),
+    ("T-Motor U8 II KV100 G28x9.2", 28.0, 9.2, None, ASSUMED),
     ('32" x 12', 32.0, 12.0, None, ASSUMED),
     ("1636", 1.6, 3.6, None, "1.6 x 3.6 in (not 16 x 3.6 in), two blades assumed"),
 ]

@@ -76,7 +76,7 @@ _BLADES = re.compile(
     r"(\d+)\s*-?\s*(?:blade[ds]?|blatt)\b|(?<=\s)-\s+(\d+)$|(?<=[\de])-(\d)(?![\w.])"
 )
 _PACK = re.compile(r"(?<![\d.x])(\d)\s*x\s+(?=(\d{4}|\d+(?=[\d.]*x\d)))")  # in 4x 5x4.3x3
-_MOTOR = re.compile(r"\b(?:\d{4}[\s-]+)?\d+\s*kv\b")  # in 2212 920kv 10x4.5
+_MOTOR = re.compile(r"(?<![\w.])(?:\d{4}[\d.]*[\s-]+)?(?:\d+\s*kv|kv\s*\d+)\b")  # 2212 920kv
 _WORD = re.compile(r"[a-z]+\d*[a-z]*")
 _LENGTH = re.compile(r"\d\s*(?:(?:mm|cm|m|in|inch)(?![a-wyz])|''|[\"\u2033\u201d])")
 
