@@ -58,6 +58,10 @@ STANDS: dict[str, tuple[str | bytes, str]] = {
     "g, N cm and decimal commas": (GRAMS.replace(",", ";").replace(".", ","), ""),
     "kg and mN m": (stand_csv("rpm,thrust_kg,torque_mNm", factors=(1.0, 1.0 / GRAVITY, 1e3)), ""),
     "shaft power": ("rpm,thrust_N,power_W\n" + POWER, "power is assumed to be shaft power"),
+    "power of two kinds": (
+        "RPM,Thrust - N,Mechanical (W),Electrical (W)\n" + POWER.replace("\n", ",90\n"),
+        "'Electrical (W)' (electrical, not of the shaft); power is assumed to be shaft power",
+    ),
     "power in %": (stand_csv("rpm,T [N],Q_Nm,Power (%)", (0, 1, 2, 0)), "not used: 'Power (%)'"),
     "rows that stand still": (STILL, "2 of 10 rows have no rpm and are omitted"),
     "units beneath": (stand_csv("Drehzahl,Thrust,Q_avg\n1/min,N,N m"), "'Q_avg [N m]' is torque"),
@@ -104,6 +108,20 @@ def test_a_blank_torque_and_the_battery_s_power_leave_the_thrust() -> None:
     found, told = read(f"RPM,Thrust(N),Voltage (V),Current (A),Power (W)\n{rows}")
     assert list(found.loads) == ["thrust"]
     assert "power equals voltage times current: it is electrical and not used" in told
+
+
+def test_several_propellers_in_a_file_are_refused() -> None:
+    """Tables of manufacturers write the name in the first row of each propeller or in all rows."""
+    rows = [f"{rpm},{thrust}" for rpm, thrust, _ in ROWS]
+    for other in ("16x5.4", "", "15x5"):
+        names = ["15x5", *[""] * (len(rows) - 2), other]
+        cells = [f"{name},{row}" for name, row in zip(names, rows, strict=True)]
+        text = "\n".join(["Prop (inch),RPM,Thrust (N)", *cells])
+        if other == "16x5.4":
+            with pytest.raises(InputError, match=r"names 2 propellers: '15x5', '16x5\.4'; keep"):
+                read(text)
+        else:
+            assert read(text)[0].loads["thrust"].size == len(rows)
 
 
 def test_speeds_that_a_stand_did_not_measure() -> None:

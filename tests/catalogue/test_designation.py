@@ -50,7 +50,7 @@ def test_designations(
 
 
 NO_SIZE = [
-    *("abc", "5x", "x5", "1.5", "8 6", "1x2x3x4", "31mm x 20", "da4002", "a1234", "HQ 5"),
+    *("abc", "5x", "x5", "1.5", "8 6", "1x2x3x4", "31mm x 4", "da4002", "a1234", "HQ 5"),
     *("Ethix S9", "S3", "T504", "514666", "5045.5", "5040x3.5", "0545", "gemfan x3", "5040x3x2"),
 ]
 
@@ -235,6 +235,9 @@ def test_another_probable_size_and_an_unusual_size_are_noted(text: str, told: st
         ("1.2 m", "as in 31x20mm"),
         ('12" x 6', "or 12x6in"),
         ("EDF 70x50mm", "is a ducted fan"),
+        ("Emax 2306 2400kv", "is a motor; give the propeller, as in 10x4.5"),
+        ("2212 920 KV", "is a motor"),
+        ("2207.5 KV1700", "is a motor"),
         ("EDF 70mm 12 blades", "is a ducted fan; propmap models propellers without a duct"),
     ],
 )
@@ -266,6 +269,19 @@ BY_MAKERS = [
     ("DJI 9450", 9.4, 5.0, None, ASSUMED),
     ("HQ T5x4.5x3 V1S", 5.0, 4.5, 3, "in, 3 blades"),
     ("HQ Ethix S3", 5.0, 3.1, 3, "3 blades: S3 is the 5x3.1x3"),
+    ("KDE-CF185-TP 18.5x6.3", 18.5, 6.3, 3, "3 blades: TP and TRIPLE mark three blades"),
+    ('24.5" x 8.1 DUAL-EDN (KDE)', 24.5, 8.1, 2, "2 blades: DP and DUAL mark two blades"),
+    ("Gemfan 1050 Tri-Blade", 10.0, 5.0, 3, "in, 3 blades"),
+    ("Quad blade 3x2.5", 3.0, 2.5, 4, "in, 4 blades"),
+    ("Fiala 3-Blatt 20x10", 20.0, 10.0, 3, "in, 3 blades"),
+    ("Xoar 3X 9x7 three-bladed", 9.0, 7.0, 3, "in, 3 blades"),
+    ("2x 10.5x4.5", 10.5, 4.5, None, ASSUMED),
+    ("4x 5x4.3x3", 5.0, 4.3, 3, "in, 3 blades"),
+    ("5x 4x3", 5.0, 4.0, 3, "in, 3 blades"),
+    ("Gemfan 4x 51466", 5.1, 4.66, 3, "five-digit sizes have three blades"),
+    ("2212 920KV 1045", 10.0, 4.5, None, ASSUMED),
+    ("T-Motor U8 II KV100 G28x9.2", 28.0, 9.2, None, ASSUMED),
+    ('32" x 12', 32.0, 12.0, None, ASSUMED),
     ("1636", 1.6, 3.6, None, "1.6 x 3.6 in (not 16 x 3.6 in), two blades assumed"),
 ]
 

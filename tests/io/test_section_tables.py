@@ -98,6 +98,16 @@ def csv(angle: np.ndarray) -> str:
     return text
 
 
+def javafoil(angle: np.ndarray, unit: str = "[\u00b0]", digits: int = 6) -> str:
+    """As copied from JavaFoil: settings, names with Greek letters, and a row of units."""
+    text = f"JavaFoil polars\nName = invented\nMach = 0; Re = {REYNOLDS[0]:.0f}; T.U. = 1.0\n"
+    text += f"\u03b1\tCl\tCd\tCm 0.25\n{unit}\t[-]\t[-]\t[-]\n"
+    written = angle if unit == "[\u00b0]" else np.radians(angle)
+    for a, lift, drag in zip(written, *section(angle, REYNOLDS[0]), strict=True):
+        text += f"{a:.{digits}f}\t{lift:.6f}\t{drag:.6f}\t0\n"
+    return text
+
+
 def xfoil(angle: np.ndarray, reynolds: float) -> str:
     text = "\n       XFOIL         Version 6.99\n\n Calculated polar for: INVENTED\n\n"
     text += " 1 1 Reynolds number fixed          Mach number fixed\n\n"
@@ -125,6 +135,21 @@ def test_the_same_section_in_every_format(
         lift, drag = section(ANGLES, re)
         np.testing.assert_allclose(table.lift[k], lift, atol=1e-6)
         np.testing.assert_allclose(table.drag[k], drag, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("unit", "digits"), [("[\u00b0]", 6), ("[rad]", 6), ("[rad]", 5), ("[rad]", 4)]
+)
+def test_units_in_the_row_below_the_names_are_read(tmp_path: Path, unit: str, digits: int) -> None:
+    """Half a turn is 3.1416 or 3.14159 rad, on either side of 180 degrees."""
+    path = tmp_path / "polar.txt"
+    path.write_text(javafoil(ANGLES, unit, digits), encoding="utf-8")
+    table = read_section_table(path)
+    lift, drag = section(ANGLES, REYNOLDS[0])
+    np.testing.assert_allclose(table.angle, np.radians(ANGLES), atol=10.0**-digits)
+    np.testing.assert_allclose(table.lift[0], lift, atol=10.0**-digits)
+    np.testing.assert_allclose(table.drag[0], drag, atol=10.0**-digits)
+    assert table.reynolds == REYNOLDS[0]
 
 
 def test_a_folder_of_polars_is_continued_past_stall(tmp_path: Path) -> None:
@@ -196,6 +221,7 @@ def test_different_angles_are_brought_together(tmp_path: Path) -> None:
         ("alpha,cl,cd\n" + 2 * "0,1,0.02\n" + "0,1,0.03\n", "0 deg occurs twice, in line 2 with"),
         (csv(np.radians(ANGLES)), "the largest angle is 3.142 deg, probably in radians"),
         (csv(ANGLES).replace("100000,", "0.1,"), "a Reynolds number is 0.1; give the Reynolds"),
+        (aerodyn_15(ANGLES).replace("0.4 Re", "4e5 Re"), "is 4e+11; give the Reynolds number of"),
         (aerodyn(ANGLES).replace("0.4 ", "0.1 "), "Re = 100000 occurs twice"),
         (aerodyn_15(ANGLES)[:-900], "NumAlf is 49"),
         (aerodyn_15(ANGLES).replace("0.1 Re", "much Re"), "line 7: Re is 'much'"),

@@ -75,6 +75,10 @@ CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
         lambda t: t.put(4, "vx", "fast"),
         ["log.csv, line 6, column vx", "'fast' is not a number", "decimal point"],
     ),
+    "text below settings": (
+        lambda t: (t.put(4, "vx", "fast"), t.header.__setitem__(0, "a setting,1\ntime_s")),
+        ["log.csv, line 7, column vx", "'fast' is not a number"],
+    ),
     "many samples are NaN": (
         lambda t: [t.put(row, "q", "nan") for row in range(20, 40)],
         ["20 of 120 samples of rates (p, q, r) are not finite", "export the log again"],

@@ -23,6 +23,21 @@ LOG = flight(rate=50.0).picked(slice(150, 650))
 
 VEHICLE = read_vehicle(NEUROBEM).vehicle
 
+
+def write_merged(log: FlightLog, path: Path) -> str:
+    """Write settings as Blackbox Explorer, and a row per quantity as PlotJuggler merges topics."""
+    columns, table = csv_columns(log, velocity_in="world")
+    names = list(columns)
+    lines = ['"Product","Blackbox"', '"rollPID","45,80,30"', ",".join(f'"{n}"' for n in names)]
+    quantities = names[1:4], names[4:7], names[7:10], names[10:14], names[14:]
+    for k in range(log.time.size):
+        for own in quantities:
+            cells = (str(columns[n][k]) if n in ("time_s", *own) else "" for n in names)
+            lines.append(",".join(cells))
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return table
+
+
 write_ros = functools.partial(write_bag, vehicle=VEHICLE)
 FORMATS: dict[str, tuple[str, float, Callable[[FlightLog, Path], str]]] = {
     "csv, frd and ned": (
@@ -35,6 +50,7 @@ FORMATS: dict[str, tuple[str, float, Callable[[FlightLog, Path], str]]] = {
         0.0,
         functools.partial(write_csv, body_frame="frd", angles=True, rotor_unit="rpm"),
     ),
+    "csv, settings above and a row per quantity": ("a.csv", 0.0, write_merged),
     "ulog": ("a.ulg", 1.0, functools.partial(write_ulog, vehicle=VEHICLE)),
     "dataflash": ("a.bin", 1.0, write_dataflash),
     "ros 2, sqlite, pose and twist": ("bag", START, functools.partial(write_ros, odometry=False)),

@@ -207,6 +207,8 @@ def test_no_rotor_and_no_file(tmp_path: Path) -> None:
         read(VEHICLE.partition("[body]")[0].replace("mass", "body = 3\nmass"), tmp_path)
     with pytest.raises(InputError, match="expected the vehicle; give a vehicle file"):
         read("", tmp_path)
+    with pytest.raises(InputError, match=r"in TOML, with schema, name, frame, mass, propeller$"):
+        read('<robot name="x"><link name="base_link"/></robot>', tmp_path)
     with pytest.raises(InputError, match="no such file"):
         read_vehicle(tmp_path / "nowhere.toml")
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.errors import InputError, quoted
+from propmap.io.geometry import COUNTED, COUNTS
 from propmap.units import INCH
 
 
@@ -71,7 +72,11 @@ _FIGURES = re.compile(
     r"(?!\.?\d|\s*x\s*\d)"
 )
 # The UIUC database writes "gwsdd 5.0x4.3 - 2", APC "5x4E-3" and "10x7-3".
-_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$|(?<=[\de])-(\d)(?![\w.])")
+_BLADES = re.compile(
+    r"(\d+)\s*-?\s*(?:blade[ds]?|blatt)\b|(?<=\s)-\s+(\d+)$|(?<=[\de])-(\d)(?![\w.])"
+)
+_PACK = re.compile(r"(?<![\d.x])(\d)\s*x\s+(?=(\d{4}|\d+(?=[\d.]*x\d)))")  # in 4x 5x4.3x3
+_MOTOR = re.compile(r"(?<![\w.])(?:\d{4}[\d.]*[\s-]+)?(?:\d+\s*kv|kv\s*\d+)\b")  # 2212 920kv
 _WORD = re.compile(r"[a-z]+\d*[a-z]*")
 _LENGTH = re.compile(r"\d\s*(?:(?:mm|cm|m|in|inch)(?![a-wyz])|''|[\"\u2033\u201d])")
 
@@ -112,6 +117,8 @@ def designation(text: str) -> Designation | None:
     """
     lower = re.sub("[\u00d7*]", "x", text.strip().lower().replace(",", "."))
     lower = re.sub(r"(?<![a-z])inch(?:es)?|''|[\"\u2033\u201d]", " in ", lower)
+    lower = re.sub(COUNTED, lambda word: str(COUNTS[word[1]]), _MOTOR.sub(" ", lower))
+    lower = _PACK.sub(lambda one: one[0] if int(one[1]) >= int(one[2]) else "", lower)
     lower = _NAME_AND_NUMBER.sub(r"\1 ", lower)
     blades = _BLADES.search(lower)
     rest = lower[: blades.start()] + " " + lower[blades.end() :] if blades else lower
@@ -167,6 +174,8 @@ def without_size(text: str) -> InputError:
     if re.search(r"\bedf\b|duct", lower):
         remedy = "propmap models propellers without a duct; give an open propeller"
         return InputError(f"{quoted(text)} is a ducted fan", remedy)
+    if _MOTOR.search(lower):
+        return InputError(f"{quoted(text)} is a motor", "give the propeller, as in 10x4.5")
     if not _LENGTH.search(lower):
         return catalogue.unknown_name(text)
     found = f"{quoted(text)} is neither a propeller of the catalogue nor a file, and not a size: "
@@ -225,7 +234,7 @@ def _readings(maker: Maker, found: re.Match[str]) -> tuple[list[Reading], str | 
         return sizes, found[3] or found[4]
     first, unit, second, after, blades, last = found.groups()
     diameter, pitch, after = float(first), float(second), after or last
-    if unit and not after and not blades and second.isdigit():
+    if unit and not after and not blades and pitch <= MOST_BLADES and second.isdigit():
         return [], None
     # In 10x10M, an M marks a series.
     if (unit or after) and (after != "m" or diameter <= LARGEST_DIAMETER):

@@ -74,7 +74,7 @@ QUANTITIES = _quantities()
 
 NOT_TAKEN = {
     r"(electric|electrical|elec|el|input|battery|esc|motor) power|power (electrical|elec|el|in)"
-    r"|pel|pin|p (el|elec|in)": "electrical, not of the shaft",
+    r"|pel|pin|p (el|elec|in)|electrical": "electrical, not of the shaft",
     r"e ?rpm|electrical rpm|rpm electrical": "electrical: divide it by the motor's pole pairs",
 }
 """Patterns of columns that resemble a known quantity but are another one, and the reason."""

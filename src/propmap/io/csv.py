@@ -41,6 +41,7 @@ SNIFFED = 10_000
 """Number of header characters for ``csv.Sniffer``, whose time is quadratic in quotes."""
 
 _MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eE][+-]?\d+)?")
+_PROPELLER = re.compile(r"prop(eller)?s?( (size|name|type|model|inch|in))?")
 _GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 
 
@@ -60,8 +61,9 @@ def read_csv_table(
     """Read header and rows of a CSV file in any dialect of spreadsheets; None for a blank file.
 
     ``columns`` are the names of columns with numbers, in any case.  With ``comments``, lines that
-    begin with # are comments.  Raise ``InputError`` for open quotes, a row with more fields than
-    the header, and ambiguous points and commas in numbers.
+    begin with # are comments, and units in the row below the names are appended to the names.
+    Raise ``InputError`` for open quotes, a row with more fields than the header, and ambiguous
+    points and commas in numbers.
     """
     body, remarks = [], []
     for text in lines:
@@ -85,6 +87,9 @@ def read_csv_table(
     if has_decimal_commas(((n, row[place]) for n, row, place in cells), separator, where):
         for _, row, place in cells:
             row[place] = row[place].replace(",", ".")
+    if comments and rows and not any(map(_MARKED.fullmatch, rows[0][1])):
+        units = rows.pop(0)[1]
+        header = [f"{name} [{unit}]" for name, unit in zip(header, units, strict=False)]
     return CsvTable(line, header, rows, [_uncovered(text, separator) for text in remarks])
 
 
@@ -469,9 +474,6 @@ def read_columns(
         file = read_csv_table(lines, columns_in(first, wanted), comments=True)
         names = file.header if file else []
         rows = file.rows if file else []
-        if rows and not any(map(_MARKED.fullmatch, rows[0][1])):  # a row of units below the names
-            units = rows.pop(0)[1]
-            names = [f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)]
         # Test stands write zero for rotational speeds without a sensor.
         filled = itertools.zip_longest(*(row for _, row in rows), fillvalue="")
         blank = {
@@ -494,6 +496,8 @@ def read_columns(
         if not rows:
             raise InputError("there is no row below the header", "add a row per point")
         remarks = header.remarks(found)
+        if "thrust_N" in further:
+            _check_propellers(names, rows)
         if "thrust_N" in further and "rpm" in found:
             rows = _turning(rows, found["rpm"].place, remarks)
         columns: dict[str, Floats] = {}
@@ -504,6 +508,17 @@ def read_columns(
             ]
             columns[name] = np.array(values) * one.factor
     return columns, remarks
+
+
+def _check_propellers(names: Sequence[str], rows: Sequence[tuple[int, list[str]]]) -> None:
+    """Raise ``InputError`` for measurements of several propellers, as in manufacturers' tables."""
+    for place, name in enumerate(names):
+        if _PROPELLER.fullmatch(re.sub(r"[\W_]+", " ", name.lower()).strip()):
+            cells = dict.fromkeys(row[place] for _, row in rows if len(row) > place and row[place])
+            if len(cells) > 1:
+                few = ", ".join(map(quoted, [*cells][:3])) + ", ..." * (len(cells) > 3)
+                found = f"column {quoted(name)} names {len(cells)} propellers: {few}"
+                raise InputError(found, "keep the rows of one propeller")
 
 
 def _turning(

@@ -52,11 +52,13 @@ def parse_blades(text: str) -> int:
     return check_blades(count)
 
 
-_COUNTS = {"two": 2, "tri": 3, "three": 3, "quad": 4, "four": 4, "five": 5, "six": 6}
+COUNTS = {"two": 2, "dual": 2, "bi": 2, "three": 3, "tri": 3, "triple": 3}
+COUNTS |= {"four": 4, "quad": 4, "five": 5, "six": 6}
+COUNTED = rf"\b({'|'.join(COUNTS)})[ _-]?(?=blade)"
 _TOLD = re.compile(
     r"\d *[x\u00d7*] *\d[\d.,]* *[x\u00d7*] *([2-9])(?!\.?\d)"
     r"|(?<![\d.])([2-9])[ _-]?(?:blade|b(?![a-z0-9]))"
-    rf"|\b({'|'.join(_COUNTS)})[ _-]?blade"
+    rf"|{COUNTED}"
 )
 _HEAD = 10  # number of lines of a file in which the title is searched
 
@@ -65,7 +67,7 @@ def blades_in_title(file: str | os.PathLike[str], lines: Sequence[str]) -> int |
     """Return the number of blades from a file name or title such as "HQ 5x4.3x3", or None."""
     found = _TOLD.search("\n".join([Path(file).name.replace("_", " "), *lines[:_HEAD]]).lower())
     words = next(filter(None, found.groups()), None) if found else None
-    return None if words is None else _COUNTS.get(words) or int(words)
+    return None if words is None else COUNTS.get(words) or int(words)
 
 
 def _stated_blades(lines: Sequence[str]) -> int | None:

@@ -236,7 +236,7 @@ FORMATS = (
 )
 ONE_POLAR = (formats.XFOIL, formats.QBLADE, CCBLADE)  # formats of the files of a folder
 RADIANS = 3.2  # angle [deg] that every polar in degrees exceeds, and none in radians
-LEAST_REYNOLDS = 100.0  # smaller numbers are in thousands or millions
+LEAST_REYNOLDS, LARGEST_REYNOLDS = 100.0, 1e9  # others are in thousands, or converted twice
 ASSUMED_REYNOLDS = 1e6  # for a single table without Reynolds number; loads do not depend on it
 SAME_LIFT, SAME_DRAG = 0.01, 0.1  # largest difference, C_D relative, of an angle XFOIL repeats
 
@@ -292,8 +292,9 @@ def _table(place: Path, kind: str, found: Sequence[tuple[str, float, list[Row]]]
             reynolds = ASSUMED_REYNOLDS
             remarks.append("Reynolds number not stated")
         with located(where):
-            if not reynolds >= LEAST_REYNOLDS:
-                remedy = "give the Reynolds number of each table, not in thousands or millions"
+            if not LEAST_REYNOLDS <= reynolds <= LARGEST_REYNOLDS:
+                remedy = "give the Reynolds number of each table in millions if the file is of "
+                remedy += "AeroDyn, and without a factor in all other files"
                 raise InputError(f"a Reynolds number is {reynolds:g}", remedy)
             if reynolds in [polar.reynolds for polar in polars]:
                 raise InputError(f"Re = {reynolds:g} occurs twice", "keep one of the tables")
@@ -322,7 +323,7 @@ def _polar(reynolds: float, rows: list[Row]) -> Polar:
                     found = f"{angle:g} deg occurs twice, in line {kept[-1][0]} with other values"
                     raise InputError(found, "keep one of the rows")
                 continue
-            if abs(angle) > 180.0 + 1e-9:
+            if abs(angle) > 180.01:  # 3.1416 rad is 180.0004 deg
                 raise InputError(f"the angle is {angle:g}", "give degrees within +-180")
             if drag < 0.0:
                 raise InputError(f"the drag coefficient is {drag:g}", "correct or remove the row")
@@ -389,7 +390,7 @@ def all_round(polar: Polar) -> tuple[Polar, str]:
 
 def _closed(polar: Polar) -> Polar:
     """Return the polar with equal rows at -180 and 180 degrees."""
-    inner = np.abs(polar.angle) < np.pi - 1e-6
+    inner = np.abs(polar.angle) < np.pi - SAME_ANGLE
     turn = [polar.angle, polar.angle + 2.0 * np.pi]
 
     def ends(values: Floats) -> Floats:

@@ -28,7 +28,7 @@ Number = Annotated[float, msgspec.Meta(ge=-HUGE, le=HUGE)]  # a finite number
 Text = Annotated[str, msgspec.Meta(pattern=r"\S")]  # not empty
 Vector = tuple[Number, Number, Number]
 
-Made = TypeVar("Made")
+Made = TypeVar("Made", bound=msgspec.Struct)
 
 WORDS = {
     "float": "a number",
@@ -41,15 +41,17 @@ WORDS = {
 
 def read_toml(path: str | os.PathLike[str], kind: type[Made], schema: int, what: str) -> Made:
     """Return the file at ``path`` as a struct of type ``kind``; messages name a ``what`` file."""
-    where = os.fspath(path)
+    where, lines = os.fspath(path), read_lines(path, what)
     try:
-        fields = tomllib.loads("\n".join(read_lines(path, what)))
+        fields = tomllib.loads("\n".join(lines))
     # Besides TOMLDecodeError, a ValueError, tomllib raises a plain ValueError for numbers with
     # thousands of digits, and a RecursionError for deep nesting.
     except (ValueError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"not TOML: {error}", "correct the syntax", where) from None
+        remedy = "correct the syntax"
+        if not any(line.lstrip().startswith("schema") for line in lines):  # another program's file
+            keys = [key.name for key in msgspec.structs.fields(kind) if key.required]
+            remedy = f"give a {what} file in TOML, with schema, {', '.join(keys)}"
+        raise InputError(f"not TOML: {error}", remedy, where) from None
     found = fields.pop("schema", None)
     if found != schema or isinstance(found, bool):
         fault = f"schema is {quoted(found)}, expected {schema}"

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError, quoted, require
-from propmap.io.csv import has_decimal_commas, separator_of, too_many_fields
+from propmap.io.csv import SEPARATORS, has_decimal_commas, separator_of, too_many_fields
 from propmap.typing import Floats
 from propmap.units import MICROSECOND
 from propmap.vehicle.dataflash import read_dataflash
@@ -37,6 +37,7 @@ from propmap.vehicle.throttle import PULSES, share_of_full, worth_of_throttle
 # Flight logs as CSV or Parquet; the vehicle file contains their column names.
 
 MOST_SHOWN = 30  # largest number of columns listed in a message
+MOST_SETTINGS = 1000  # number of lines of a file in which the header is searched
 QUANTITIES = ("time", "velocity", "rates")
 SUPPLY = ("battery_voltage", "hover_throttle")
 OPTIONAL = ("specific_force", *SUPPLY)
@@ -57,8 +58,9 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     - ``rotor_speed``, or ``throttle`` with ``throttle_range`` and optionally ``battery_voltage``
       [V] or ``hover_throttle``; columns of blackbox_decode are found automatically.
 
-    All dialects of ``propmap.io.csv`` are read.  Empty cells count as invalid samples.  Raises
-    ``InputError``, for example for text in a column of numbers.
+    All dialects of ``propmap.io.csv`` are read, below any settings.  A row with only empty cells
+    in the columns of a quantity contains no sample of it; other empty cells count as invalid
+    samples.  Raises ``InputError``, for example for text in a column of numbers.
     """
     where = str(path)
     log = _with_blackbox(path, log)
@@ -86,7 +88,9 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     time = values["time"][:, 0]
 
     def signal(key: str, array: Floats) -> Signal:
-        return Signal(f"{key} ({', '.join(names.get(key, attitude))})", time, array)
+        # In one table of several topics, the cells of a topic are empty at the times of others.
+        at = ~np.isnan(array).all(axis=1)
+        return Signal(f"{key} ({', '.join(names.get(key, attitude))})", time[at], array[at])
 
     force = values.get("specific_force")
     supply = None
@@ -114,8 +118,7 @@ def _with_blackbox(path: Path, log: LogMap) -> LogMap:
     """Return ``log`` with the columns of commands and voltage of a file of blackbox_decode."""
     if {"rotor_speed", "throttle"} & {*log.columns} or path.suffix.lower() != ".csv":
         return log
-    with path.open(encoding="utf-8-sig", errors="replace") as lines:
-        heads = [head.strip().strip('"') for head in lines.readline().split(",")]
+    heads = [head.strip().strip('"') for head in _head(path)[1].split(",")]
     found = {"throttle": tuple(head for head in heads if head.startswith(BLACKBOX))}
     found["battery_voltage"] = tuple(head for head in heads if head == BLACKBOX_VOLTAGE)
     if not found["throttle"]:
@@ -154,6 +157,7 @@ def _table(path: Path, where: str, wanted: Collection[str]) -> Any:
     try:
         if path.suffix.lower() != ".csv":
             table = pd.read_parquet(path, engine="pyarrow")
+            table.index = pd.RangeIndex(2, len(table) + 2)  # line 1 is the header
         else:
             table = _csv_table(path, where, wanted)
     except InputError:
@@ -165,11 +169,22 @@ def _table(path: Path, where: str, wanted: Collection[str]) -> Any:
     return table
 
 
+def _head(path: Path) -> tuple[int, str, str]:
+    """Return the index of the header, the header and the next line.
+
+    Blackbox Explorer writes settings above the header, with fewer fields.
+    """
+    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+        lines = [*itertools.islice(file, MOST_SETTINGS), "", ""]
+    fields = [1 + max(map(line.count, SEPARATORS)) for line in lines]
+    start = next(k for k, count in enumerate(fields) if 2 * count > np.median(fields))
+    return start, lines[start], lines[start + 1]
+
+
 def _csv_table(path: Path, where: str, wanted: Collection[str]) -> Any:
     import pandas as pd
 
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        head = [file.readline(), file.readline()]
+    start, *head = _head(path)
     separator = separator_of(head[0].rstrip("\r\n"), wanted)
     # Spreadsheets may append empty fields to a row, so the second line also counts.
     width = max(len(row) for row in csv.reader(head, delimiter=separator, skipinitialspace=True))
@@ -178,6 +193,7 @@ def _csv_table(path: Path, where: str, wanted: Collection[str]) -> Any:
     cells = pd.read_csv(
         path,
         sep=separator,
+        skiprows=start,
         header=None,
         names=range(width),
         dtype=str,
@@ -185,10 +201,11 @@ def _csv_table(path: Path, where: str, wanted: Collection[str]) -> Any:
         skip_blank_lines=False,
         encoding="utf-8-sig",
     )
+    cells.index += start + 1  # line numbers
     named = int(np.flatnonzero(cells.iloc[0].notna()).max(initial=-1)) + 1
     beyond = np.flatnonzero(cells.iloc[:, named:].notna().any(axis=1))
     if beyond.size:
-        raise too_many_fields(width, named, separator, f"{where}, line {beyond[0] + 1}")
+        raise too_many_fields(width, named, separator, f"{where}, line {cells.index[beyond[0]]}")
     table = cells.iloc[1:, :named].set_axis(cells.iloc[0, :named], axis=1)
     _use_points(table, separator, where, wanted)
     return table
@@ -203,7 +220,7 @@ def _use_points(table: Any, separator: str, where: str, wanted: Collection[str])
     for k in places:
         column = table.iloc[:, k]
         some = column[column.str.contains("[.,]", na=False)]
-        marked += [(int(row) + 1, cell.strip()) for row, cell in some.items()]
+        marked += [(int(line), cell.strip()) for line, cell in some.items()]
     if has_decimal_commas(marked, separator, where):
         for k in places:
             table.isetitem(k, table.iloc[:, k].str.replace(",", ".", regex=False))
@@ -251,10 +268,9 @@ def _numbers(column: Any, name: str, where: str) -> Floats:
     text = np.flatnonzero(np.isnan(values) & column.notna().to_numpy())
     if text.size:
         row = int(text[0])
-        # pandas reads "nan" as an empty cell; line 1 is the header.
-        found = f"{quoted(column.iloc[row])} is not a number"
+        found = f"{quoted(column.iloc[row])} is not a number"  # pandas reads "nan" as an empty cell
         remedy = "give a number with a decimal point, or leave the cell empty"
-        raise InputError(found, remedy, f"{where}, line {row + 2}, column {name}")
+        raise InputError(found, remedy, f"{where}, line {column.index[row]}, column {name}")
     return values
 
 
