@@ -180,7 +180,9 @@ def fitted_forces(
     """Return forces and moments by a flight fit, and derivatives with respect to ``names``; the
     parameters ``values`` replace those of the fit."""
     record, law = file.record, parameters.constants_of(file.airfoil)
-    found = {p.name: p.value for p in record.parameters}
+    # Without those of single flights: another flight may have the same name.
+    every = [p for p in record.parameters if parameters.general(p.name) == p.name]
+    found = {p.name: p.value for p in every}
     own = {name: getattr(law, name) for name in parameters.SECTION}
     whole = {**parameters.FIRST_GUESS, **own, **record.fixed, **found, **values}
     return flight.ForceModel(vehicle, log, law).at(whole, names)
@@ -204,10 +206,12 @@ def force_errors(
     known = known.of(
         [name for name in known.names if parameters.general(name) not in parameters.PER_FLIGHT]
     )
-    names = tuple(dict.fromkeys((*known.names, *PER_FLIGHT_DEVIATION)))
-    loads, slopes = fitted_forces(file, vehicle, log, values, names)
-    covariance = np.diag([PER_FLIGHT_DEVIATION.get(name, 0.0) ** 2 for name in names])
-    covariance[: len(known.names), : len(known.names)] += known.matrix
+    names = (*known.names, *PER_FLIGHT_DEVIATION)
+    free = tuple(dict.fromkeys(names))
+    loads, by_free = fitted_forces(file, vehicle, log, values, free)
+    slopes = by_free[[free.index(name) for name in names]]
+    covariance = np.diag(np.square([0.0] * len(known.names) + [*PER_FLIGHT_DEVIATION.values()]))
+    covariance[: len(known.names), : len(known.names)] = known.matrix
     beyond = file.beyond(hub_flow(vehicle, log)[:3], vehicle.propeller.radius)
     fitted = {one.name: one for one in record.loads}
     trained = sum(fitted[name].measured_rms ** 2 for name in flight.AXES)

@@ -182,7 +182,8 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
         remedy = "log accelerometer and attitude"
         raise InputError("some samples have no specific force or heading", remedy, log.source)
     every = max(1, round(1.0 / (RATE * float(np.median(np.diff(log.time))))))
-    log = log.picked(slice(None, None, every))
+    # The flight has no name, so that no flight of the fit has its thrust scale and clock.
+    log = replace(log.picked(slice(None, None, every)), flights=("",))
     values, world = of_others(file.values), _world(log)
     wind, scales = np.zeros_like(log.velocity), USUAL
     for step in range(MOST_STEPS):
