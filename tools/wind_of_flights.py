@@ -42,7 +42,7 @@ NEURALFLY, NEUROBEM = (
 SPEEDS = {"nowind": 0.0, "35wind": 4.2, "70wind": 8.5}
 """Nominal wind against the first axis of the world, by the name of the flight [m/s]."""
 CONTROLLERS, SLOW, FAST = ("NF", "baseline"), "20210218171908", "20210218172600"
-GUSTS, TWINS, FITS = (1.0, 3.0, 6.0), 4, 3
+GUSTS, TWINS, FITS = (1.0, 3.0, 6.0), 2, 3
 
 
 def main(folder: str) -> None:
@@ -104,7 +104,7 @@ def twins(place: Path) -> list[dict[str, Any]]:
     fits = []
     for seed in range(FITS):
         still = [
-            windy.flights(path, np.zeros((1, 3)), seed=100 * seed + k)[0].log
+            windy.flights(path, np.zeros((1, 3)), 0.0, 30.0, 100 * seed + k)[0].log
             for k, path in enumerate(windy.PATHS)
         ]
         logs = [place / f"{seed}-{path}.csv" for path in windy.PATHS]
@@ -118,7 +118,8 @@ def twins(place: Path) -> list[dict[str, Any]]:
             for seed, fit in enumerate(fits):
                 rng = np.random.default_rng([seed, int(10 * gust)])
                 mean = rng.normal(0.0, [4.0, 4.0, 0.2], (TWINS, 3))
-                for one in windy.flights(path, mean, gust, seed=1000 * seed + int(10 * gust)):
+                flown = windy.flights(path, mean, gust, 30.0, 1000 * seed + int(10 * gust))
+                for one in flown:
                     passed = low_passed(one.log, fit.low_pass)
                     found.append(estimate_wind(fit, windy.VEHICLE, passed))
                     at = np.searchsorted(one.log.time, found[-1].log.time)

@@ -12,7 +12,7 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.fit.files import FitFile
-from propmap.flight.wind import FIRST, WHITE, WindEstimate, _Balance, bands, estimate_wind
+from propmap.flight.wind import FIRST, VERTICAL, WHITE, WindEstimate, _Balance, bands, estimate_wind
 from propmap.model.airfoil import Airfoil
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog, low_passed
@@ -107,15 +107,15 @@ def test_the_smoother_is_the_conditional_distribution() -> None:
     balance = _Balance.of(time, by_wind, target)
     found = balance.smoothed(scales, common)
 
-    walk = np.exp(scales[[0, 0, 1]])
     since = np.minimum.outer(time, time) - time[0]
     lag = np.abs(np.subtract.outer(time, time))
     prior = np.zeros((14, 3, 14, 3))
     error = np.zeros((14, 3, 14, 3))
     for k in range(3):
-        prior[:, k, :, k] = FIRST[k] ** 2 + walk[k] * since
+        prior[:, k, :, k] = FIRST**2 + np.exp(scales[0]) * since
         error[:, k, :, k] = (1.0 - WHITE**2) * np.exp(-lag / np.exp(scales[2 + k]))
         error[:, k, :, k] += WHITE**2 * np.eye(14)
+    prior[:, 2, :, 2] = np.exp(scales[1] - lag / VERTICAL)
     prior, error = prior.reshape(42, 42), error.reshape(42, 42)
     kept = np.repeat(np.isfinite(by_wind[:, 0, 0]), 3)
     slopes = np.zeros((42, 42))

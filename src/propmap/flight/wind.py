@@ -1,10 +1,11 @@
 """Wind over a flight: the velocity of the air, estimated from the forces on a fitted vehicle.
 
 A smoother estimates the wind and the errors of the modeled force, linearized until convergence.
-Each component of the wind is a random walk.  The error along each axis of the vehicle is a Markov
-process of first order, as large as the error of the fit on held-out segments.  Errors of the fitted
-parameters and differences between flights (trim of the attitude, thrust scale, clock) are the same
-for all samples.  They widen the bands, and the flight does not correct them.
+The horizontal wind is a random walk; the vertical wind varies about zero.  The error along each
+axis of the vehicle is a Markov process of first order, as large as the error of the fit on held-out
+segments.  Errors of the fitted parameters and differences between flights (trim of the attitude,
+thrust scale, clock) are the same for all samples.  They widen the bands, and the flight does not
+correct them.
 """
 
 from __future__ import annotations
@@ -31,14 +32,13 @@ WELL = 2.0
 the attitude by 0.03 rad alone changes the wind of the Neural-Fly quadrotor by 1.5 m/s."""
 
 RATE = 5.0  # largest number of samples per second: errors of adjacent samples are similar
-FIRST = (20.0, 20.0, 0.5)
-"""Prior standard deviations of the wind at the start, east, north, up [m/s].  Over level ground,
-the mean vertical wind is almost zero."""
-
-USUAL, SPREAD = np.log([0.02, 0.02, 0.4, 0.4, 0.4]), np.array([2.0, 2.0, 1.0, 1.0, 1.0])
-"""Prior means and standard deviations of the logarithms of the intensities of the horizontal and of
-the vertical walk [m^2/s^3], and of the correlation times along x, y, z [s].  Turbulence near the
-ground has 0.001 to 1 m^2/s^3; residuals of flight fits are correlated for 0.1 to 2 s."""
+FIRST = 20.0  # prior standard deviation of the horizontal wind at the start [m/s]
+VERTICAL = 5.0  # correlation time of the vertical wind [s], a height of 25 m over a wind of 5 m/s
+USUAL, SPREAD = np.log([0.02, 0.3, 0.4, 0.4, 0.4]), np.array([2.0, 1.4, 1.0, 1.0, 1.0])
+"""Prior means and standard deviations of the logarithms of the intensity of the horizontal walk
+[m^2/s^3], of the variance of the vertical wind [m^2/s^2], and of the correlation times of the
+errors along x, y, z [s].  Near the ground, turbulence has 0.001 to 1 m^2/s^3 and 0.05 to 2 m^2/s^2;
+residuals of flight fits are correlated for 0.1 to 2 s."""
 
 WHITE = 0.1  # share of the error that is independent in each sample
 DIFFERENCE = 0.5  # step of central differences by the wind [m/s], about the accuracy of the result
@@ -294,8 +294,8 @@ class _Balance(NamedTuple):
         return cls(time, np.where(kept, slopes, 0.0), np.where(kept, target, 0.0))
 
     def tuned(self, scales: Floats) -> Floats:
-        """Return the most probable logarithms of intensities and correlation times (5,), in the
-        order of ``USUAL``; the search starts at ``scales``."""
+        """Return the most probable logarithms (5,) in the order of ``USUAL``; the search starts at
+        ``scales``."""
         from scipy.optimize import minimize
 
         first = max(0, (self.time.size - TUNED_SAMPLES) // 2)
@@ -321,15 +321,22 @@ class _Balance(NamedTuple):
         for k in range(3):
             move[..., 3 + k, 3 + k] = kept[..., k]
             move[..., 6 + k, k] = steps[..., 0] / steps.sum()
-        walk = steps * np.exp(scales[:, [0, 0, 1]])
-        return move, np.concatenate([walk, 1.0 - kept**2, np.zeros_like(walk)], axis=-1)
+        move[..., 2, 2] = np.exp(-steps[..., 0] / VERTICAL)
+        noise = np.zeros((*kept.shape[:2], 9))
+        noise[..., :2] = steps * np.exp(scales[:, :1])
+        noise[..., 2] = (1.0 - move[..., 2, 2] ** 2) * np.exp(scales[:, 1])
+        noise[..., ERROR] = 1.0 - kept**2
+        return move, noise
 
     def filtered(self, scales: Floats) -> tuple[list[tuple[Floats, ...]], Floats]:
         """Return mean, covariance, gain, innovation and its inverse covariance at each sample, and
         the logarithms of the likelihoods (m,), for ``scales`` (m, 5)."""
         count, place = len(scales), np.arange(9)
         mean = np.zeros((count, 9, self.target.shape[-1]))
-        covariance = np.zeros((count, 9, 9)) + np.diag([*FIRST, *np.eye(6)[:3].sum(0)]) ** 2
+        covariance = np.tile(
+            np.diag([FIRST, FIRST, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]) ** 2, (count, 1, 1)
+        )
+        covariance[:, 2, 2] = np.exp(scales[:, 1])
         found, likelihood = list[tuple[Floats, ...]](), np.zeros(count)
         every = zip(self.slopes, self.target, *self.moves(scales), strict=True)
         for slopes, target, move, noise in every:
