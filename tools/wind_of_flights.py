@@ -42,7 +42,7 @@ NEURALFLY, NEUROBEM = (
 SPEEDS = {"nowind": 0.0, "35wind": 4.2, "70wind": 8.5}
 """Nominal wind against the first axis of the world, by the name of the flight [m/s]."""
 CONTROLLERS, SLOW, FAST = ("NF", "baseline"), "20210218171908", "20210218172600"
-GUSTS, TWINS, FITS = (1.0, 3.0, 6.0), 2, 3
+GUSTS, TWINS, FITS, SECONDS = (1.0, 3.0, 6.0), 9, 3, 25.0
 
 
 def main(folder: str) -> None:
@@ -98,33 +98,31 @@ def rounded(values: Floats, digits: int = 2) -> list[float | None]:
 
 
 def twins(place: Path) -> list[dict[str, Any]]:
-    """Errors over simulated flights in each size of gusts and on each path."""
+    """Errors over simulated flights, with the true constants of the vehicle, and by fits."""
     vehicle = place / "twin.toml"
     vehicle.write_text(vehicle_text(log_table(4)), encoding="utf-8")
     fits = []
     for seed in range(FITS):
-        still = [
-            windy.flights(path, np.zeros((1, 3)), 0.0, 30.0, 100 * seed + k)[0].log
-            for k, path in enumerate(windy.PATHS)
-        ]
         logs = [place / f"{seed}-{path}.csv" for path in windy.PATHS]
-        for log, path in zip(still, logs, strict=True):
-            windy.write(log, path)
+        for k, path in enumerate(windy.PATHS):
+            still = windy.flights(path, np.zeros((1, 3)), 0.0, SECONDS, 100 * seed + k)
+            windy.write(still[0].log, logs[k])
         fits.append(read_fit(fitted(logs, str(vehicle), place / f"twin-{seed}.toml", *windy.QUICK)))
+    true = "true constants", [windy.fit_of()], TWINS, GUSTS
     rows = []
-    for path in windy.PATHS:
-        for gust in GUSTS:
-            found, truth = [], []
-            for seed, fit in enumerate(fits):
-                rng = np.random.default_rng([seed, int(10 * gust)])
-                mean = rng.normal(0.0, [4.0, 4.0, 0.2], (TWINS, 3))
-                flown = windy.flights(path, mean, gust, 30.0, 1000 * seed + int(10 * gust))
-                for one in flown:
-                    passed = low_passed(one.log, fit.low_pass)
-                    found.append(estimate_wind(fit, windy.VEHICLE, passed))
-                    at = np.searchsorted(one.log.time, found[-1].log.time)
-                    truth.append(one.wind[at])
-            rows.append(row(f"{path}, gusts of {gust:g} m/s", found, truth))
+    for name, by, count, every in (true, ("fitted", fits, TWINS // FITS, GUSTS[1:2])):
+        for path in windy.PATHS:
+            for gust in every:
+                found, truth = [], []
+                for seed, fit in enumerate(by):
+                    of_gust = int(10 * gust)
+                    rng = np.random.default_rng([seed, of_gust])
+                    mean = rng.normal(0.0, [4.0, 4.0, 0.2], (count, 3))
+                    for one in windy.flights(path, mean, gust, SECONDS, 1000 * seed + of_gust):
+                        passed = low_passed(one.log, windy.CUTOFF)
+                        found.append(estimate_wind(fit, windy.VEHICLE, passed))
+                        truth.append(one.wind[np.searchsorted(one.log.time, found[-1].log.time)])
+                rows.append({"fit": name} | row(f"{path}, gusts of {gust:g} m/s", found, truth))
     return rows
 
 

@@ -6,44 +6,19 @@ import functools
 import math
 from dataclasses import replace
 
-import msgspec
 import numpy as np
 import pytest
 
 from propmap.errors import InputError
 from propmap.fit.files import FitFile
 from propmap.flight.wind import FIRST, VERTICAL, WHITE, WindEstimate, _Balance, bands, estimate_wind
-from propmap.model.airfoil import Airfoil
-from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog, low_passed
-from tests.fit.fit_records import load, parameter, record
 
 from . import windy
 
-CUTOFF = 6.0
-
-
-def fit_of(law: Airfoil = windy.LAW, **changed: object) -> FitFile:
-    """A fit with the true constants, whose error is that of the simulation."""
-    weight = windy.VEHICLE.mass * GRAVITY
-    left = windy.MODEL_ERROR * weight
-    one = load("force_x", left, weight, left)
-    one = msgspec.structs.replace(one, relative_rms=windy.MODEL_ERROR)
-    entries = {
-        "kind": "flight",
-        "parameters": [
-            parameter("c_l1", law.c_l1, 0.5, 12.0),
-            parameter("thrust_scale[1]", 1.0, 0.8, 1.25),
-        ],
-        "covariance": np.diag([0.05**2, 0.01**2]),
-        "loads": [msgspec.structs.replace(one, name=f"force_{axis}") for axis in "xyz"],
-        "settings": {"low_pass": CUTOFF},
-    }
-    return FitFile(law, None, record(**entries | changed))
-
 
 def estimated(log: FlightLog, fit: FitFile | None = None) -> WindEstimate:
-    return estimate_wind(fit or fit_of(), windy.VEHICLE, low_passed(log, CUTOFF))
+    return estimate_wind(fit or windy.fit_of(), windy.VEHICLE, low_passed(log, windy.CUTOFF))
 
 
 @functools.cache
@@ -91,7 +66,7 @@ def test_without_drag_the_wind_is_not_determined() -> None:
     """Without in-plane force, hover leaves the horizontal wind at its prior."""
     bare = windy.LAW.with_corrections(["pitt-peters", "installed:factor=0"])
     hover = still("hover", (0.0, 0.0, 0.0))
-    blind, seen = estimated(hover, fit_of(bare)), estimated(hover)
+    blind, seen = estimated(hover, windy.fit_of(bare)), estimated(hover)
     least = bands(blind.covariance)[:, :2].min()
     assert least > 1.5 * bands(seen.covariance)[:, :2].max()
     assert blind.well_determined == 0.0
@@ -179,6 +154,6 @@ def test_a_log_without_a_signal_is_refused(change: dict[str, np.ndarray], told: 
 def test_other_fits_and_logs_without_flight_are_refused() -> None:
     log = still("hover", (0.0, 0.0, 0.0))
     with pytest.raises(InputError, match=r"tunnel fit.*--method balance"):
-        estimated(log, fit_of(kind="tunnel"))
+        estimated(log, windy.fit_of(kind="tunnel"))
     with pytest.raises(InputError, match="0 samples in flight"):
-        estimate_wind(fit_of(), windy.VEHICLE, log.picked(slice(0)))
+        estimate_wind(windy.fit_of(), windy.VEHICLE, log.picked(slice(0)))

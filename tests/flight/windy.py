@@ -9,10 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 import propmap
+from propmap.fit.files import FitFile
 from propmap.flight.simulate import log_map
 from propmap.hover import HoverModel
 from propmap.model.airfoil import parameter_set
@@ -22,6 +24,7 @@ from propmap.typing import Floats
 from propmap.units import GRAVITY
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log import FlightLog
+from tests.fit.fit_records import load, parameter, record
 
 from .synthetic import NEUROBEM
 
@@ -48,6 +51,29 @@ FREE = ("c_l1", "c_d", "zero_lift_angle", "c_d0", "drag_factor", "mount_area")
 SCALES = tuple(f"thrust_scale[{path}]" for path in PATHS)
 QUICK = ("--free", ",".join((*FREE, *SCALES)), "--starts", "1", "--samples", "300")
 """Options of fits to one flight on each path; the wakes do not act on other rotors."""
+
+
+CUTOFF = 6.0
+"""Low-pass of the flights [Hz]."""
+
+
+def fit_of(law: propmap.Airfoil = LAW, **changed: object) -> FitFile:
+    """A fit with the true constants, whose error is that of the simulation."""
+    weight = VEHICLE.mass * GRAVITY
+    left = MODEL_ERROR * weight
+    one = load("force_x", left, weight, left)
+    one = msgspec.structs.replace(one, relative_rms=MODEL_ERROR)
+    entries = {
+        "kind": "flight",
+        "parameters": [
+            parameter("c_l1", law.c_l1, 0.5, 12.0),
+            parameter("thrust_scale[1]", 1.0, 0.8, 1.25),
+        ],
+        "covariance": np.diag([0.05**2, 0.01**2]),
+        "loads": [msgspec.structs.replace(one, name=f"force_{axis}") for axis in "xyz"],
+        "settings": {"low_pass": CUTOFF},
+    }
+    return FitFile(law, None, record(**entries | changed))
 
 
 @dataclass(frozen=True, eq=False)
