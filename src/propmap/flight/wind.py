@@ -45,8 +45,8 @@ DIFFERENCE = 0.5  # step of central differences by the wind [m/s], about the acc
 MOST_STEPS, LONGEST_STEP = 20, 3.0  # number of linearizations, and largest change in one [m/s]
 TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # linearizations and samples that tune the scales
 SETTLED = 0.1  # change in the last linearization, in standard deviations, of a converged sample
-MISFIT, UPDRAFT = 1.5, 1.0
-"""Residuals over their expected size [-], and mean vertical wind [m/s], of another vehicle."""
+MISFIT, UPDRAFT = 1.5, 2.0
+"""Residuals over their expected size [-], and rms vertical wind [m/s], of another vehicle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,9 +245,9 @@ def _doubts(found: _Smoothed, settled: NDArray[np.bool_]) -> list[str]:
     if found.misfit > MISFIT:
         fault = f"the residuals are {found.misfit:.2g} times as large as those of the fit"
         texts.append(f"{fault}: {causes}")
-    up = float(found.mean[2])
-    if abs(up) > max(float(bands(found.mean_covariance)[2]), UPDRAFT):
-        texts.append(f"a mean vertical wind of {up:+.2g} m/s is unusual: {causes}")
+    up = rms(found.wind[:, 2])
+    if up > UPDRAFT:
+        texts.append(f"the vertical wind is unusual, {up:.2g} m/s rms: {causes}")
     return texts
 
 
