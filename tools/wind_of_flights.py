@@ -42,7 +42,7 @@ NEURALFLY, NEUROBEM = (
 SPEEDS = {"nowind": 0.0, "35wind": 4.2, "70wind": 8.5}
 """Nominal wind against the first axis of the world, by the name of the flight [m/s]."""
 CONTROLLERS, SLOW, FAST = ("NF", "baseline"), "20210218171908", "20210218172600"
-GUSTS, TWINS, FITS, SECONDS = (1.0, 3.0, 6.0), 9, 3, 25.0
+GUSTS, TWINS, FITS, SECONDS = (1.0, 3.0, 6.0), 6, 2, 25.0
 
 
 def main(folder: str) -> None:
@@ -61,7 +61,7 @@ def main(folder: str) -> None:
 def fitted(logs: Sequence[Path], vehicle: str, fit: Path, *options: str) -> Path:
     """Fit flights, without printing."""
     asked = ["fit", "flight", *map(str, logs), "--vehicle", vehicle, "-o", str(fit), *options]
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+    with contextlib.redirect_stdout(io.StringIO()):
         if propmap(asked):
             raise SystemExit(1)
     return fit

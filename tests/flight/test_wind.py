@@ -12,6 +12,7 @@ import pytest
 from propmap.errors import InputError
 from propmap.fit.files import FitFile
 from propmap.flight.wind import FIRST, VERTICAL, WHITE, WindEstimate, _Balance, bands, estimate_wind
+from propmap.model.envelope import Envelope
 from propmap.vehicle.log import FlightLog, low_passed
 
 from . import windy
@@ -157,3 +158,12 @@ def test_other_fits_and_logs_without_flight_are_refused() -> None:
         estimated(log, windy.fit_of(kind="tunnel"))
     with pytest.raises(InputError, match="0 samples in flight"):
         estimate_wind(windy.fit_of(), windy.VEHICLE, log.picked(slice(0)))
+
+
+def test_far_beyond_the_data_of_the_fit_there_is_no_wind() -> None:
+    """The fit contains V/(Omega R) up to 0.02, and the wind alone is more than twice as fast."""
+    narrow = Envelope((0.0, 100.0), (0.0, 0.02), (0.0, 0.02), (-0.02, 0.02), (1000.0, 20000.0))
+    log = still("hover", (0.0, -6.0, 0.0))
+    found = estimated(log, windy.fit_of(envelope=narrow))
+    assert set(found.status) == {"outside"} and np.isnan(found.wind).all()
+    assert np.isnan(found.mean).all() and "fitted data" in found.remarks[0]

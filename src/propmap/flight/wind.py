@@ -44,6 +44,7 @@ WHITE = 0.1  # share of the error that is independent in each sample
 DIFFERENCE = 0.5  # step of central differences by the wind [m/s], about the accuracy of the result
 MOST_STEPS, LONGEST_STEP = 20, 3.0  # number of linearizations, and largest change in one [m/s]
 TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # linearizations and samples that tune the scales
+FURTHEST = 2.0  # largest V/(Omega R) of an estimate over the maximum of the fit [-]
 SETTLED = 0.1  # change in the last linearization, in standard deviations, of a converged sample
 MISFIT, UPDRAFT = 1.5, 2.0
 """Residuals over their expected size [-], and rms vertical wind [m/s], of another vehicle."""
@@ -59,15 +60,16 @@ class WindEstimate:
         Samples of the flight, with the velocity over the ground.
     wind, covariance : ndarray, shape (n, 3), (n, 3, 3)
         Velocity of the air over the ground [m/s], and covariance of its error [m^2/s^2]; NaN where
-        the estimate did not converge.
+        the estimate did not converge or is outside.
     mean, mean_covariance : ndarray, shape (3,), (3, 3)
         Mean wind [m/s], and covariance of its error [m^2/s^2]; NaN if less than half of the samples
-        converged.
+        have a wind.
     gusts : ndarray, shape (3,)
         Standard deviation of each component of the wind over the flight [m/s].
     status : ndarray of str, shape (n,)
         "ok"; "extrapolated" outside the data of the fit; "weak" if the 95 % band of a horizontal
-        component is wider than +-2 m/s; "not_converged".
+        component is wider than +-2 m/s; "not_converged"; "outside" at more than twice the largest
+        V/(Omega R) of the fit.
     remarks : tuple of str
         Sentences on doubts about the estimate.
     """
@@ -88,8 +90,8 @@ class WindEstimate:
 
     @property
     def well_determined(self) -> float:
-        """Share of the samples that converged and are not weak [-]."""
-        return float(np.mean(~np.isin(self.status, ("weak", "not_converged"))))
+        """Share of the samples with the status "ok" or "extrapolated" [-]."""
+        return float(np.mean(np.isin(self.status, ("ok", "extrapolated"))))
 
     @property
     def ground_velocity(self) -> Floats:
@@ -133,7 +135,7 @@ class WindEstimate:
         seconds = self.log.time[-1] - self.log.time[0]
         text = f"well determined: {self.well_determined:.0%} of {seconds:.0f} s"
         if np.isnan(self.mean).any():
-            return f"no mean wind: less than half of the samples converged; {text}"
+            return f"no mean wind: less than half of the samples have a wind; {text}"
         speed, half, angle, wide = self.source
         way = f"from {math.degrees(angle):.0f} +- {math.degrees(wide):.0f} deg"
         way = way if math.isfinite(angle) else "of undetermined direction"
@@ -214,11 +216,14 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
         share = 1.0 if step < TUNED_STEPS else 0.5
         wind = wind + np.clip(share * move, -LONGEST_STEP, LONGEST_STEP)
     beyond = file.beyond(hub_flow(vehicle, air)[:3], vehicle.propeller.radius)
-    band, half = bands(found.covariance), float(np.mean(settled)) >= 0.5
+    far = np.zeros_like(settled) if beyond is None else beyond.reach > FURTHEST
+    known = settled & ~far
+    band, half = bands(found.covariance), float(np.mean(known)) >= 0.5
     status = np.full(len(log), "ok", dtype="<U13")
     status[False if beyond is None else beyond.samples] = "extrapolated"
     status[np.any(band[:, :2] > WELL, axis=1)] = "weak"
     status[~settled] = "not_converged"
+    status[far] = "outside"
     variance = np.var(found.wind, axis=0) + np.mean((band / BAND) ** 2, axis=0)
     variance -= np.diag(found.mean_covariance)
     remarks = [*(beyond.sentences("samples") if beyond else ()), *_doubts(found, settled)]
@@ -227,8 +232,8 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
         remarks.append(f"the bands exclude {names}: the data of the fit do not determine them")
     return WindEstimate(
         log=log,
-        wind=np.where(settled[:, None], found.wind, np.nan),
-        covariance=np.where(settled[:, None, None], found.covariance, np.nan),
+        wind=np.where(known[:, None], found.wind, np.nan),
+        covariance=np.where(known[:, None, None], found.covariance, np.nan),
         mean=np.where(half, found.mean, np.nan),
         mean_covariance=np.where(half, found.mean_covariance, np.nan),
         gusts=np.where(half, np.sqrt(np.maximum(variance, 0.0)), np.nan),

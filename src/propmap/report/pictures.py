@@ -478,7 +478,7 @@ def wind_picture(found: WindEstimate) -> Figure:
     The lowest panel also shows the airspeed, and the measured airspeed if the log contains one.
     """
     columns = found.columns
-    time, weak = columns["time_s"], np.isin(found.status, ("weak", "not_converged"))
+    time, weak = columns["time_s"], ~np.isin(found.status, ("ok", "extrapolated"))
     names = {f"wind_{way}": f"wind {way} [m/s]" for way in ("east", "north", "up")}
     figure = new_figure(8.6, 8.2)
     axes = figure.subplots(4, 1, sharex=True)
