@@ -42,7 +42,7 @@ NEURALFLY, NEUROBEM = (
 SPEEDS = {"nowind": 0.0, "35wind": 4.2, "70wind": 8.5}
 """Nominal wind against the first axis of the world, by the name of the flight [m/s]."""
 CONTROLLERS, SLOW, FAST = ("NF", "baseline"), "20210218171908", "20210218172600"
-GUSTS, TWINS, FITS, SECONDS = (1.0, 3.0, 6.0), 6, 2, 25.0
+GUSTS, TWINS, FITS, SECONDS = (1.0, 3.0, 6.0), 6, 1, 25.0
 
 
 def main(folder: str) -> None:
