@@ -88,6 +88,7 @@ def write(folder: Path) -> None:
             "speed",
             "table",
             "throttle",
+            "wind",
         )
     }
     parts = {
@@ -109,6 +110,7 @@ def write(folder: Path) -> None:
         "flight-throttle": flight_tables.throttle(found["throttle"]),
         "throttle-without": flight_tables.throttle_without(found["throttle"]),
         "throttle-twins": flight_tables.throttle_twins(found["throttle"]),
+        **{f"wind-{name}": flight_tables.wind(rows) for name, rows in found["wind"].items()},
         "wakes-cost": flight_tables.wakes_cost(found["interference"]),
         "wakes-coaxial": flight_tables.coaxial(found["coaxial"]),
         "measured-power": aircraft_tables.measured_power(found["aircraft"]["power"]),

@@ -123,6 +123,29 @@ def throttle_twins(found: dict[str, Any]) -> str:
     )
 
 
+def wind(rows: list[dict[str, Any]]) -> str:
+    """Tabulate errors of the estimated wind east, north and up, and shares in the bands."""
+    fits = ["fit"] if "fit" in rows[0] else []
+    heads = [
+        *fits,
+        *("flight", "mean error [m/s]", "95 % band of the mean [m/s]", "rms [m/s]"),
+        *("95 % band [m/s]", "in the band"),
+    ]
+    lines = [f"| {' | '.join(heads)} |", f"|{len(heads) * '---|'}"]
+
+    def cell(values: list[float | None], form: str = ".2f") -> str:
+        return ", ".join("none" if value is None else f"{value:{form}}" for value in values)
+
+    for row in rows:
+        cells = [
+            *(row[name] for name in fits),
+            *(row["flight"], cell(row["mean_error"]), f"± {cell(row['mean_half_width'])}"),
+            *(cell(row["rms"]), f"± {cell(row['half_width'])}", cell(row["in_band"], ".0%")),
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
 def wakes_cost(found: dict[str, Any]) -> str:
     """Tabulate the ratio of the processor times with and without wakes."""
     names = {"fit": "a step of a fit, with derivatives", "forces": "forces and moments alone"}

@@ -107,6 +107,7 @@ SUPPLIED: dict[str, Callable[[Path], None]] = {
     "docs/how-to/corrections-and-tables.md": polars,
     "docs/how-to/fit-px4.md": px4_logs,
     "docs/how-to/fit-uiuc.md": uiuc_files,
+    "docs/how-to/wind.md": px4_logs,
 }
 """What a reader of the page has already: files of others' making."""
 

@@ -13,7 +13,7 @@ from propmap.fit.comparison import (
     PER_FLIGHT_DEVIATION,
     FlightForces,
     compare_forces,
-    force_deviations,
+    force_errors,
     useless,
 )
 from propmap.fit.files import FitFile
@@ -44,8 +44,10 @@ def flown(**changed: object) -> FitFile:
 
 
 def test_a_band_is_made_of_all_that_is_not_known() -> None:
-    found = force_deviations(flown(), VEHICLE, LOG, {})
-    assert found is not None and found.shape == (len(LOG), 6)
+    errors = force_errors(flown(), VEHICLE, LOG, {})
+    assert errors is not None
+    found = errors.deviations
+    assert found.shape == (len(LOG), 6)
     values = FIRST_GUESS | {name: getattr(LAW, name) for name in SECTION}
 
     def forces(law: propmap.Airfoil, **more: float) -> np.ndarray:
@@ -68,7 +70,7 @@ def test_a_band_is_made_of_all_that_is_not_known() -> None:
     assert np.quantile(np.abs(found[:, :3] / wanted - 1.0), 0.95) < 1e-3
     # Moments were not fitted: how far they err is not known.
     assert np.isnan(found[:, 3:]).all()
-    assert force_deviations(flown(kind="tunnel"), VEHICLE, LOG, {}) is None
+    assert force_errors(flown(kind="tunnel"), VEHICLE, LOG, {}) is None
 
 
 def test_the_share_of_samples_in_the_band() -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from propmap.cli import main
 from propmap.cli.fit_flight import read_flights
-from propmap.fit.comparison import flight_forces, force_deviations, values_for
+from propmap.fit.comparison import flight_forces, force_errors, values_for
 from propmap.fit.files import FitFile, read_fit
 from propmap.flight.simulate import SensorNoise, fly, log_csv, log_table, trim
 from propmap.model.airfoil import parameter_set
@@ -90,10 +90,10 @@ def predicted(folder: Path, kind: str) -> Predicted:
     vehicle = read_vehicle(folder / f"{kind}.toml")
     log = read_flights([path], vehicle, "balance", low_pass=6.0, curve=file.curve).log
     values, _ = values_for(file, vehicle.vehicle, log, [path])
-    deviations = force_deviations(file, vehicle.vehicle, log, values)
-    assert deviations is not None
+    errors = force_errors(file, vehicle.vehicle, log, values)
+    assert errors is not None
     forces = flight_forces(vehicle.vehicle, log, file.airfoil, values).model
-    return Predicted(file, forces[:, :3], deviations[:, :3])
+    return Predicted(file, forces[:, :3], errors.deviations[:, :3])
 
 
 def differences(folder: Path) -> dict[str, float]:

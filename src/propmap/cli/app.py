@@ -63,6 +63,7 @@ class Commands(LazyGroup):
         "trim": "trim.trim",
         "choose": "choose.choose",
         "check": "check.check",
+        "wind": "wind.wind",
         "report": "check.report",
         "explore": "plot.explore",
         "fit": "fit.fit_app",

@@ -114,10 +114,10 @@ def _compare(
         comparison.values_for(fitted, flown, log, paths) if fitted else (wing_values(flown), [])
     )
     forces = comparison.flight_forces(flown, log, law, values)
-    sure = comparison.force_deviations(fitted, flown, log, values) if fitted else None
+    sure = comparison.force_errors(fitted, flown, log, values) if fitted else None
     beyond = fitted.beyond(hub_flow(flown, log)[:3], flown.propeller.radius) if fitted else None
     out.note(*remarks, *more, *(beyond.sentences("samples") if beyond else ()))
-    found = comparison.compare_forces(flown, log, forces, beyond, sure)
+    found = comparison.compare_forces(flown, log, forces, beyond, sure and sure.deviations)
     for name, errors in found.items():
         out.note(*comparison.useless(name.rpartition("_")[0], errors.all.relative_rms))
     return found

@@ -348,8 +348,8 @@ def fit_flight(
     """Fit section constants to flight logs of a vehicle.
 
     With --method balance, the fit also estimates a clock offset for each flight and, for two or
-    more flights, a thrust scale for each flight. Wind is not estimated; state the wind in the
-    vehicle file.
+    more flights, a thrust scale for each flight. The fit does not estimate wind; state the wind in
+    the vehicle file.
     """
     check_outputs(output, asked.picture, segments_picture)
     base = opt.constants(name_or_file) if name_or_file else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -150,46 +151,78 @@ flight.  The value is rounded up because three pairs are few."""
 BAND = 1.96  # half width of a 95 % band, in standard deviations
 
 
-def force_deviations(
+class ForceErrors(NamedTuple):
+    """Forces [N] and moments [N m] by a flight fit at n samples, and the sources of their errors.
+
+    The errors of P parameters are the same for all samples of a flight.
+    """
+
+    loads: Floats  # (n, 6)
+    slopes: Floats  # derivatives with respect to the parameters, (P, n, 6)
+    covariance: Floats  # of the parameters, with their differences between flights, (P, P)
+    left: Floats  # standard deviations of all other errors, (n, 6); NaN for loads not fitted
+    excluded: tuple[str, ...]  # free parameters that the data of the fit do not determine
+
+    @property
+    def deviations(self) -> Floats:
+        """Standard deviations (n, 6) of all errors."""
+        known = np.einsum("pnl,pq,qnl->nl", self.slopes, self.covariance, self.slopes)
+        return np.asarray(np.sqrt(known + self.left**2))
+
+
+def fitted_forces(
+    file: FitFile,
+    vehicle: Vehicle,
+    log: FlightLog,
+    values: Mapping[str, float],
+    names: tuple[str, ...] = (),
+) -> flight.VehicleLoads:
+    """Return forces and moments by a flight fit, and derivatives with respect to ``names``; the
+    parameters ``values`` replace those of the fit."""
+    record, law = file.record, parameters.constants_of(file.airfoil)
+    # Without those of single flights: another flight may have the same name.
+    every = [p for p in record.parameters if parameters.general(p.name) == p.name]
+    found = {p.name: p.value for p in every}
+    own = {name: getattr(law, name) for name in parameters.SECTION}
+    whole = {**parameters.FIRST_GUESS, **own, **record.fixed, **found, **values}
+    return flight.ForceModel(vehicle, log, law).at(whole, names)
+
+
+def force_errors(
     file: FitFile, vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]
-) -> Floats | None:
-    """Return the standard deviations (n, 6) of forces [N] and moments [N m] from a flight fit.
+) -> ForceErrors | None:
+    """Return forces and moments by a flight fit, and the sources of their errors.
 
     The sources are the joint covariance of all free parameters, the differences between flights,
     and the cross-validated error.  The cross-validated error grows with the force on the vehicle,
-    or with V/(Omega R) beyond the data of the fit, if that is more.  Loads that were not fitted are
-    NaN.  Return None for a fit of other data.
+    or with V/(Omega R) beyond the data of the fit, if that is more.  Return None for a fit of other
+    data.
     """
     record = file.record
     if record.kind != "flight":
         return None
-    known = SectionCovariance(tuple(record.free), record.covariance).determined
+    every = SectionCovariance(tuple(record.free), record.covariance)
+    known = every.determined
     known = known.of(
         [name for name in known.names if parameters.general(name) not in parameters.PER_FLIGHT]
     )
-    law = parameters.constants_of(file.airfoil)
-    found = {p.name: p.value for p in record.parameters}
-    own = {name: getattr(law, name) for name in parameters.SECTION}
-    whole = {**parameters.FIRST_GUESS, **own, **record.fixed, **found, **values}
-    names = tuple(dict.fromkeys((*known.names, *PER_FLIGHT_DEVIATION)))
-    loads, derivatives = flight.ForceModel(vehicle, log, law).at(whole, names)
-    slopes = dict(zip(names, derivatives, strict=True))
-    by_known = np.stack([slopes[name] for name in known.names])
-    variance = np.einsum("pnl,pq,qnl->nl", by_known, known.matrix, by_known)
-    for name, deviation in PER_FLIGHT_DEVIATION.items():
-        variance += (deviation * slopes[name]) ** 2
+    names = (*known.names, *PER_FLIGHT_DEVIATION)
+    free = tuple(dict.fromkeys(names))
+    loads, by_free = fitted_forces(file, vehicle, log, values, free)
+    slopes = by_free[[free.index(name) for name in names]]
+    covariance = np.diag(np.square([0.0] * len(known.names) + [*PER_FLIGHT_DEVIATION.values()]))
+    covariance[: len(known.names), : len(known.names)] = known.matrix
     beyond = file.beyond(hub_flow(vehicle, log)[:3], vehicle.propeller.radius)
     fitted = {one.name: one for one in record.loads}
     trained = sum(fitted[name].measured_rms ** 2 for name in flight.AXES)
     growth = np.sum(loads[:, :3] ** 2, axis=1) / trained
     growth = np.maximum(growth, 1.0 if beyond is None else beyond.reach**2)
+    left = np.full_like(loads, np.nan)
     for k, name in enumerate((*flight.AXES, *flight.MOMENTS)):
-        left = np.nan
         if name in fitted:
-            left = fitted[name].cross_validated
-            left = left if np.isfinite(left) else fitted[name].rms
-        variance[:, k] += growth * left**2
-    return np.asarray(np.sqrt(variance))
+            size = fitted[name].cross_validated
+            left[:, k] = np.sqrt(growth) * (size if np.isfinite(size) else fitted[name].rms)
+    return ForceErrors(loads, slopes, covariance, left, every.unknown)
 
 
 def compare_forces(

@@ -1,4 +1,4 @@
-"""Figures of loads, disks, blades, power, propeller rankings, missions and response surfaces."""
+"""Figures of loads, disks, blades, power, rankings, missions, wind and response surfaces."""
 
 from __future__ import annotations
 
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from propmap.aircraft.sensitivity import StateChange
     from propmap.aircraft.trim import SteadyStates
     from propmap.fit.tunnel import TunnelData
+    from propmap.flight.wind import WindEstimate
     from propmap.model.propeller import Propeller
     from propmap.results import Inflow
     from propmap.rotor import Rotor
@@ -469,4 +470,37 @@ def response_picture(
         f"rms error at left-out designs: {surface.left_out_rms:.2g} {unit}{share}", fontsize=8.0
     )
     figure.suptitle(title)
+    return figure
+
+
+@style()
+def wind_picture(found: WindEstimate) -> Figure:
+    """Draw the wind and the speed over the ground against time; shade times with a weak estimate.
+
+    The lowest panel also shows the airspeed, and the measured airspeed if the log contains one.
+    """
+    columns = found.columns
+    time, weak = columns["time_s"], ~np.isin(found.status, ("ok", "extrapolated"))
+    names = {f"wind_{way}": f"wind {way} [m/s]" for way in ("east", "north", "up")}
+    figure = new_figure(8.6, 8.2)
+    axes = figure.subplots(4, 1, sharex=True)
+    for ax, (name, label) in zip(axes, {**names, "airspeed": "speed [m/s]"}.items(), strict=True):
+        ends = (columns[f"{name}_{end}_95_mps"] for end in ("low", "high"))
+        ax.fill_between(time, *ends, color=COLORS[0], **BAND)
+        ax.plot(time, columns[f"{name}_mps"], color=COLORS[0], **MODEL)
+        ax.fill_between(time, 0.0, 1.0, weak, transform=ax.get_xaxis_transform(), color="0.92")
+        ax.set_ylabel(label)
+    axes[3].plot(time, columns["ground_speed_mps"], color=COLORS[1], **MODEL)
+    axes[3].plot(time, columns["measured_airspeed_mps"], color=COLORS[2], marker=".", **MEASURED)
+    axes[3].set(xlabel="time [s]", xlim=(time[0], time[-1]))
+    keys: list[Any] = [
+        key("wind, airspeed", color=COLORS[0], **MODEL),
+        Patch(label="95 % band", color=COLORS[0], **BAND),
+        key("ground speed", color=COLORS[1], **MODEL),
+        *([key("measured airspeed", color=COLORS[2], marker=".", **MEASURED)]
+          if np.isfinite(columns["measured_airspeed_mps"]).any() else []),
+        Patch(label="weak estimate", color="0.92"),
+    ]  # fmt: skip
+    legend_below(figure, keys)
+    figure.suptitle(found.log.source)
     return figure

@@ -160,6 +160,7 @@ class _Columns(TomlTable):
     throttle: Annotated[tuple[Text, ...], '["motor_1", ...], the names of the columns'] = ()
     battery_voltage: Column = ""
     hover_throttle: Column = ""
+    air_speed: Column = ""
 
 
 class _Topics(TomlTable):

@@ -49,6 +49,9 @@ class FlightLog:
         it was not measured.
     rotor_speed : ndarray, shape (n, rotors)
         Rotational speeds [rad/s], >= 0.
+    east : ndarray, shape (n, 3)
+        Unit vector along the first axis of the world frame, in the vehicle's frame [-]; NaN if
+        unknown.
     angular_acceleration : ndarray, shape (n, 3)
         Time derivative of ``rates`` [rad/s^2]; NaN if unknown.
     specific_force_rate : ndarray, shape (n, 3)
@@ -63,6 +66,8 @@ class FlightLog:
         converts them to speeds.
     throttle_by_lag : ndarray, shape (n, rotors)
         Derivative of ``throttle`` with respect to the lag [1/s].
+    air_speed : ndarray, shape (n,)
+        Measured airspeed, for comparisons [m/s]; NaN if unknown.
     flight : ndarray, shape (n,)
         Number of the flight in a joined log, from 0.
     flights : tuple of str
@@ -76,11 +81,13 @@ class FlightLog:
     up: Floats
     specific_force: Floats
     rotor_speed: Floats
+    east: Floats = None  # type: ignore[assignment]
     angular_acceleration: Floats = None  # type: ignore[assignment]
     specific_force_rate: Floats = None  # type: ignore[assignment]
     rotor_acceleration: Floats = None  # type: ignore[assignment]
     throttle: Floats = None  # type: ignore[assignment]
     throttle_by_lag: Floats = None  # type: ignore[assignment]
+    air_speed: Floats = None  # type: ignore[assignment]
     flight: Floats = None  # type: ignore[assignment]
     flights: tuple[str, ...] = ()
 
@@ -145,7 +152,8 @@ class FlightLog:
 
 
 UNKNOWN = {
-    "rates": ("angular_acceleration", "specific_force_rate"),
+    "time": ("air_speed",),
+    "rates": ("east", "angular_acceleration", "specific_force_rate"),
     "rotor_speed": ("rotor_acceleration", "throttle", "throttle_by_lag"),
 }
 """Optional arrays, NaN by default, by a field of the same shape."""
@@ -262,17 +270,21 @@ def low_passed(log: FlightLog, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
 def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
     """Filter and differentiate one segment without gaps."""
 
+    def unit(vectors: Floats) -> Floats:
+        return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+
     def smooth(signal: Floats) -> Floats:
         return low_pass(signal, 2.0 * cutoff * step, round(2.0 / (cutoff * step)))
 
     step = float(np.median(np.diff(part.time))) if len(part) > 1 else np.inf
     if cutoff > 0.0 and FEWEST_PER_PERIOD * cutoff * step <= 1.0:
-        up = smooth(part.up)
+        up, east = unit(smooth(part.up)), smooth(part.east)
         part = replace(
             part,
             velocity=smooth(part.velocity),
             rates=smooth(part.rates),
-            up=up / np.linalg.norm(up, axis=1, keepdims=True),
+            up=up,
+            east=unit(east - np.sum(east * up, axis=1, keepdims=True) * up),
             specific_force=smooth(part.specific_force),
             rotor_speed=np.sqrt(np.maximum(smooth(np.square(part.rotor_speed)), 0.0)),
             throttle=smooth(part.throttle),
@@ -405,6 +417,7 @@ class Recording:
     # supply is their scale (n, 1): a voltage [V] or the inverse of the throttle in hover [-].
     commanded: bool = False
     supply: Signal | None = None
+    air_speed: Signal | None = None  # measured, (n, 1) [m/s]
     notes: tuple[str, ...] = ()  # remarks of the reader on data that it left out
 
     def signals(self) -> dict[str, Signal]:
@@ -546,18 +559,22 @@ def flight_log(
         return interpolated(signal, time)[:, place]
 
     rotor_speed = np.abs(by_rotor(recording.rotor_speed))
-    driven: Any = {}
+    more: Any = {}
+    if (measured := recording.air_speed) is not None:
+        known = known_at(time, measured.time)
+        more["air_speed"] = np.where(known, interpolated(measured, time)[:, 0], np.nan)
     if by_lag is not None:
-        driven = {"throttle": rotor_speed, "throttle_by_lag": by_rotor(by_lag)}
+        more |= {"throttle": rotor_speed, "throttle_by_lag": by_rotor(by_lag)}
     result = FlightLog(
         source=recording.source,
         time=time,
         velocity=velocity,
         rates=body_signal(recording.rates),
         up=in_flu(np.tile([0.0, 0.0, 1.0], (time.size, 1))),
+        east=in_flu(np.tile([1.0, 0.0, 0.0], (time.size, 1))),
         specific_force=np.full((time.size, 3), np.nan) if force is None else body_signal(force),
         rotor_speed=rotor_speed,
-        **driven,
+        **more,
     )
     _check_frames(result, vehicle_file)
     return result

@@ -40,7 +40,7 @@ MOST_SHOWN = 30  # largest number of columns listed in a message
 MOST_SETTINGS = 1000  # number of lines of a file in which the header is searched
 QUANTITIES = ("time", "velocity", "rates")
 SUPPLY = ("battery_voltage", "hover_throttle")
-OPTIONAL = ("specific_force", *SUPPLY)
+OPTIONAL = ("specific_force", "air_speed", *SUPPLY)
 BLACKBOX, BLACKBOX_VOLTAGE = "motor[", "vbatLatest (V)"
 """Start of the column names of motor commands, and column of the voltage, by blackbox_decode."""
 
@@ -52,7 +52,8 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
 
     The ``log`` map must state the frames and units, and the columns of:
 
-    - ``time`` [s], ``velocity`` [m/s], ``rates`` [rad/s], optionally ``specific_force`` [m/s^2];
+    - ``time`` [s], ``velocity`` [m/s], ``rates`` [rad/s], optionally ``specific_force`` [m/s^2]
+      and ``air_speed`` [m/s];
     - the attitude: ``qw, qx, qy, qz``, or ``roll, pitch, yaw`` [rad] (yaw about z, then pitch about
       y, then roll about x of the stated body frame);
     - ``rotor_speed``, or ``throttle`` with ``throttle_range`` and optionally ``battery_voltage``
@@ -110,6 +111,7 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
         specific_force=None if force is None else signal("specific_force", force),
         commanded=turning == "throttle",
         supply=supply,
+        air_speed=signal("air_speed", values["air_speed"]) if "air_speed" in values else None,
         **stated,
     )
 
