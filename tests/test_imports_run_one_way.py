@@ -17,7 +17,6 @@ LEFT_TO_RIGHT = (
     "loads",
     "results",
     "model",
-    "reference",
     "operating_points",
     "backward",
     "bands",

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap import reference
-from propmap.reference import Case
+from papers.gill_dandrea_2017 import reference
+from papers.gill_dandrea_2017.reference import Case
 from tests.oracle.make_reference import frozen_rows
 
 BLADE = pm.propeller("apc-8x6e")

@@ -7,7 +7,7 @@ import shutil
 import numpy as np
 import pytest
 
-from propmap import reference
+from papers.gill_dandrea_2017 import reference
 from tools.dense_descents import (
     COMPILER,
     LIMIT,

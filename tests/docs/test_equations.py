@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "equations.md").read_text(encoding="utf-8")
 
-SOURCE = (ROOT / "src" / "propmap" / "reference.py").read_text(encoding="utf-8")
+SOURCE = (ROOT / "papers" / "gill_dandrea_2017" / "reference.py").read_text(encoding="utf-8")
 REFERENCE = ast.parse(SOURCE)
 
 REQUIRED = {f"({n})" for n in range(1, 19)}
@@ -63,7 +63,7 @@ def numbered(text: str) -> set[int]:
 def test_the_page_shows_the_whole_reference() -> None:
     """Every function once; of the classes only the one that needs words."""
     defined = [n for n in REFERENCE.body if isinstance(n, ast.FunctionDef)]
-    block = r"src/propmap/reference\.py\n:language: python\n:pyobject: (\w+)"
+    block = r"papers/gill_dandrea_2017/reference\.py\n:language: python\n:pyobject: (\w+)"
     assert sorted(re.findall(block, PAGE)) == sorted(["Case", *(node.name for node in defined)])
 
 
@@ -71,7 +71,9 @@ def test_the_page_shows_the_whole_reference() -> None:
 def test_an_equation_stands_in_the_function_that_its_row_names(number: int) -> None:
     """By its number, in a comment or in what the function says of itself."""
     (cell,) = [cell for first, cell, _ in rows() if first == f"({number})"]
-    names = [name for module, name in functions(cell) if module == "propmap.reference"]
+    names = [
+        name for module, name in functions(cell) if module == "papers.gill_dandrea_2017.reference"
+    ]
     (body,) = [n for n in REFERENCE.body if isinstance(n, ast.FunctionDef) and n.name == names[0]]
     lines = SOURCE.splitlines()[body.lineno - 1 : body.end_lineno]
     assert number in numbered("\n".join(lines))

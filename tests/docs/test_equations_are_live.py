@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from papers.gill_dandrea_2017 import rotor_drag
-from propmap import hover, reference
+from papers.gill_dandrea_2017 import reference, rotor_drag
+from propmap import hover
 from propmap.fit import comparison, fit, flight
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.vehicle import wakes
@@ -195,7 +195,7 @@ def made_up_fit() -> Any:
 
 
 PROBES: dict[str, Callable[[], Any]] = {
-    "propmap.reference": plain_reference,
+    "papers.gill_dandrea_2017.reference": plain_reference,
     "propmap.model": loads,
     "propmap.rotor": inflow,
     "propmap.hover": hover_model,
