@@ -3,21 +3,23 @@
 MuJoCo's callback for passive forces applies the forces.  MuJoCo calls it at every evaluation of the
 forces: four times per step with RK4, in ``mj_forward`` and in the viewer.  ``xfrc_applied`` remains
 free for other forces.  The rotor speeds are activations of actuators, which MuJoCo integrates,
-stores and resets with its other states.  The forces depend only on this state.
+stores and resets with its other states.
 """
 
 from __future__ import annotations
 
 import re
+import threading
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap import core
-from propmap.errors import InputError, require
+from propmap.errors import InputError, quoted, require
 from propmap.results import STATUSES
 from propmap.rotor import Rotor
 from propmap.table import STATUSES as TABLE_STATUSES
@@ -32,6 +34,7 @@ require("mujoco")
 import mujoco  # noqa: E402
 
 MASS = 0.2  # maximum relative difference of mass between model and vehicle, for a payload
+SAME = 1e-6  # maximum difference of equal times, relative to a time step
 PLACE = 0.1  # maximum distance of a site from its hub, relative to the largest arm
 
 
@@ -47,6 +50,12 @@ class MujocoRotors:
     Forces act at the sites, in air with the wind velocity ``model.opt.wind`` [m/s] and the density
     ``vehicle.air.density``.  If the vehicle has a ``rotor_inertia``, rotors also exert reaction
     torques when they change speed, and gyroscopic moments.
+
+    With a ``Rotor`` whose inflow is that of Pitt and Peters or uniform, the loads are those of
+    ``DynamicInflow``.  The inflow is steady at the first time of each MjData, and again after a
+    reset or another jump of ``data.time``.  It advances by the time steps of the model;
+    ``mj_forward`` and ``mj_inverse`` do not advance it.  Within a step of RK4 it changes linearly.
+    With another inflow or a table, the loads are quasi-static.
 
     Parameters
     ----------
@@ -96,7 +105,7 @@ class MujocoRotors:
         self.names = tuple(names) or tuple(f"rotor_{k + 1}" for k in range(len(vehicle.mounts)))
         _check_options(model)
         sites = _sites(model, self.names, vehicle, given=bool(names))
-        body, self._pose, self._motion = _free_body(model, sites)
+        body, self._pose, self._motion = free_body(model, _carrier(model, sites))
         mounts, self._center = _mounts(model, body, sites, vehicle, self.names)
         self.vehicle = replace(vehicle, mounts=mounts)
         self._speeds = _Speeds(model, self.names)
@@ -115,6 +124,8 @@ class MujocoRotors:
         self._rotors, self._alone = rotors, np.zeros(len(rotors))
         self._words = np.array(STATUSES if isinstance(loads, Rotor) else TABLE_STATUSES)
         self._codes = np.zeros((2, len(rotors)), np.uint8)
+        self._size, self._static = self._core.inflow_size, _Step(0.0, 0.0, np.zeros(0), np.zeros(0))
+        self._steps: WeakKeyDictionary[Any, _Step] = WeakKeyDictionary()  # the last of each MjData
 
     def __call__(self, model: Any, data: Any) -> None:
         """Add the forces to ``data.qfrc_passive`` if ``model`` is the vehicle's model or a copy."""
@@ -126,8 +137,16 @@ class MujocoRotors:
             added = self._rotors.added(np.maximum(omega, 0.0), self._hubs(model, data))
         pose, motion = data.qpos[self._pose], data.qvel[self._motion]
         wind, forces = model.opt.wind, data.qfrc_passive[self._motion]
-        lost = self._core.push(pose, motion, wind, omega, change, added, forces, self._codes)
+        step = self._step(data, model.opt.timestep) if self._size else self._static
+        lost = self._core.push(
+            pose, motion, wind, omega, change, added, forces, self._codes,
+            step.state, step.later, step.length, step.at_rest,
+        )  # fmt: skip
         if lost is not None:
+            # In a thread of mujoco.rollout, an exception would end the process.
+            if threading.get_ident() not in {thread.ident for thread in threading.enumerate()}:
+                forces[:] = np.nan
+                return
             self._refuse(lost, omega, change, self._hubs(model, data)[lost], data.time)
 
     @property
@@ -143,11 +162,27 @@ class MujocoRotors:
     def wrench(self, data: Any) -> VehicleWrench:
         """Return ``VehicleForces.wrench`` at the state of ``data``, in the vehicle frame.
 
-        Gyroscopic and reaction moments of the rotors are excluded.
+        The inflow is steady.  Gyroscopic and reaction moments of the rotors are excluded.
         """
         velocity, rates, wind = self._flight(self.model, data)
         omega = np.maximum(self._speeds.of(data)[0], 0.0)
         return self._forces.wrench(omega, velocity, rates, wind)
+
+    def _step(self, data: Any, length: float) -> _Step:
+        """Return the step that starts at the time of ``data``, or an evaluation within the last."""
+        last = self._steps.get(data)
+        share = np.inf if last is None else (data.time - last.start) / last.length
+        if last is None or not -SAME < share < 1.0 + SAME:
+            share, state, later = 0.0, *np.zeros((2, self._size))
+            last = self._steps[data] = _Step(data.time, length, state, later, at_rest=True)
+        if share < SAME:
+            last.length = length
+            return last
+        state = last.state + share * (last.later - last.state)
+        found = _Step(data.time, length, state, np.zeros(self._size))
+        if share > 1.0 - SAME:
+            self._steps[data] = found
+        return found
 
     def _flight(self, model: Any, data: Any) -> tuple[Floats, Floats, Floats]:
         """Return velocity of the center of mass, rates and wind in the vehicle frame, (3,) each."""
@@ -187,6 +222,17 @@ class _ClampedTable(LoadTable):
     ) -> TableLoads:
         """Interpolate the loads, by default at the nearest point of the table."""
         return super().loads_at_velocity(omega, velocity, clamp=clamp)
+
+
+@dataclass(slots=True)
+class _Step:
+    """Inflow states of all rotors at the ``start`` of a time step of this ``length`` [s]."""
+
+    start: float
+    length: float
+    state: Floats
+    later: Floats  # states at the end of the step, which the core computes with the forces
+    at_rest: bool = False  # whether the core first sets ``state`` to the steady inflow
 
 
 class _Speeds:
@@ -288,22 +334,39 @@ def _sites(model: Any, names: Sequence[str], vehicle: Vehicle, *, given: bool) -
     return [_find(model, mujoco.mjtObj.mjOBJ_SITE, "site", name) for name in names]
 
 
-def _free_body(model: Any, sites: list[int]) -> tuple[int, slice, slice]:
-    """Return the body with the ``sites``, and the slices of its pose and motion in the state."""
+def _carrier(model: Any, sites: list[int]) -> int:
+    """Return the body with the ``sites``."""
     bodies = model.body_weldid[model.site_bodyid[sites]]
-    body = int(bodies[0])
-    if (bodies != body).any():
+    if (bodies != bodies[0]).any():
         raise InputError(
             "the rotors' sites are on bodies that move relative to each other",
             "put all sites on one body: rotors that tilt in flight are not modeled",
         )
-    joint = int(model.body_jntadr[body])
+    return int(bodies[0])
+
+
+def free_body(model: Any, body: str | int) -> tuple[int, slice, slice]:
+    """Return the index of a free body, and the slices of its pose and motion in the state."""
+    known = [model.body(k).name for k in range(1, model.nbody)]
+    if body not in known and isinstance(body, str):
+        found = f"the model has no body {quoted(body)}"
+        raise InputError(found, f"choose one of {', '.join(known)}")
+    at = model.body(body)
     # A body with a free joint has no other.
-    if joint < 0 or model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_FREE:
-        fault = f"the body {model.body(body).name!r} of the rotors' sites has no free joint"
-        raise InputError(fault, "add <freejoint/> to the vehicle's body")
-    pose, motion = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-    return body, slice(pose, pose + 7), slice(motion, motion + 6)
+    joint = model.joint(at.jntadr[0]) if at.jntadr[0] >= 0 else None
+    if joint is None or joint.type[0] != mujoco.mjtJoint.mjJNT_FREE:
+        raise InputError(f"the body {quoted(at.name)} is not free", "give it a <freejoint/>")
+    pose, motion = int(joint.qposadr[0]), int(joint.dofadr[0])
+    return int(at.id), slice(pose, pose + 7), slice(motion, motion + 6)
+
+
+def center_of_mass(model: Any, body: int) -> tuple[Any, Floats, Floats]:
+    """Return the state at rest, the axes of the ``body`` (3, 3) as rows, and its center (3,)."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    axes = data.xmat[body].reshape(3, 3).T
+    return data, axes, axes @ (data.subtree_com[body] - data.xpos[body])
 
 
 def _mounts(
@@ -318,15 +381,11 @@ def _mounts(
         fault = f"the body of the rotors has {mass:.4g} kg, the vehicle file {vehicle.mass:.4g} kg"
         grams = 300.0 < mass / vehicle.mass < 3000.0
         raise InputError(fault, "MJCF is in kg, not g" if grams else "give both the same mass")
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    origin, to_vehicle = data.xpos[body], data.xmat[body].reshape(3, 3).T
-    center = to_vehicle @ (data.subtree_com[body] - origin)
+    data, to_vehicle, center = center_of_mass(model, body)
     placed = []
     arm = np.linalg.norm(vehicle.hub_positions, axis=1).max()
     for mount, site, name in zip(vehicle.mounts, sites, names, strict=True):
-        place = to_vehicle @ (data.site_xpos[site] - origin) - center
+        place = to_vehicle @ (data.site_xpos[site] - data.subtree_com[body])
         axis = to_vehicle @ data.site_xmat[site].reshape(3, 3)[:, 2]
         if np.linalg.norm(place - mount.position) > PLACE * max(arm, vehicle.propeller.radius):
             remedy = "give names in the vehicle's order, and a body with x forward, y left, z up"
