@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 import propmap
 from propmap import InputError, VehicleForces
 from propmap.export import export_vehicle
-from propmap.vehicle.vehicle import Body, Vehicle
+from propmap.vehicle.vehicle import Body, Mount, Vehicle
 from tests.export.needed import package
 from tests.export.test_vehicle_export import ASKEW, PLAIN, VEHICLES, WAKES, table_of
 from tests.vehicle.test_vehicle_wrench import IN_WAKES, QUAD, ROTOR, SYMMETRIC
@@ -524,6 +525,121 @@ def test_what_is_no_model_vehicle_or_loads_is_named() -> None:
             sim.MujocoRotors(*given, table_of(PLAIN))
     with pytest.raises(InputError, match="another propeller or air"):
         sim.MujocoRotors(model, PLAIN, propmap.Rotor(propmap.catalogue_model("apc-8x6e")))
+
+
+# -------------------------------------------------------------------------------------------------
+# Rotors for models in other layouts.
+
+PLACES = ((-0.14, -0.18, "ccw"), (-0.14, 0.18, "cw"), (0.14, 0.18, "ccw"), (0.14, -0.18, "cw"))
+ABOVE = 0.06 - (4 * 0.15 * 0.06) / 1.35  # of the hubs over the center of mass
+BARE = replace(
+    SYMMETRIC, mounts=tuple(Mount((x, y, ABOVE), spin=spin) for x, y, spin in PLACES), body=Body()
+)
+HUBS = ("thrust1", "thrust2", "thrust3", "thrust4")
+AIR = 'density="1.225" viscosity="1.8e-5"'
+
+
+def motors_at_rotors() -> str:
+    """As the Skydio X2 in MuJoCo Menagerie: a motor with thrust and yaw at each rotor."""
+    sites = motors = ""
+    for name, (x, y, spin) in zip(HUBS, PLACES, strict=True):
+        sites += f'<geom type="sphere" size=".02" mass=".15" pos="{x} {y} .06"/>'
+        sites += f'<site name="{name}" pos="{x} {y} .06"/>'
+        yaw = {"ccw": -0.02, "cw": 0.02}[spin]
+        motors += f'<motor name="{name}" site="{name}" gear="0 0 1 0 0 {yaw}"/>'
+    return f"""<mujoco><option timestep="0.01" {AIR}/><default><motor ctrlrange="0 12"/></default>
+<worldbody><body name="drone" pos="0 0 .1"><freejoint/>
+<geom type="box" size=".1 .05 .03" mass=".75"/>{sites}</body></worldbody>
+<actuator>{motors}</actuator>
+<keyframe><key name="hover" qpos="0 0 2 1 0 0 0" ctrl="3 3 3 3"/></keyframe></mujoco>"""
+
+
+def thrust_and_moments() -> str:
+    """As the Crazyflie in MuJoCo Menagerie: the thrust and three moments of the body."""
+    gears = ("0 0 1 0 0 0", "0 0 0 -1 0 0", "0 0 0 0 -1 0", "0 0 0 0 0 -1")
+    motors = "".join(
+        f'<motor name="act{k}" site="actuation" gear="{gear}" ctrlrange="0 40"/>'
+        for k, gear in enumerate(gears)
+    )
+    return f"""<mujoco><option timestep="0.01" integrator="RK4" {AIR}/>
+<worldbody><body name="drone" pos="0 0 .1" quat=".7 0 0 .7"><freejoint/>
+<inertial pos="0 0 .02" mass="1.35" diaginertia="0.01 0.013 0.02"/><site name="actuation"/>
+<body><joint name="gimbal" axis="0 1 0"/><geom size=".01" mass="1e-6" pos="0 0 .02"/></body>
+</body></worldbody>
+<actuator><position name="tilt" joint="gimbal" kp="1"/>{motors}</actuator>
+<keyframe><key name="hover" qpos="0 0 2 1 0 0 0 0" ctrl="0 13 0 0 0"/></keyframe></mujoco>"""
+
+
+LAYOUTS: dict[str, tuple[str, dict[str, Any], list[str]]] = {
+    "motors at rotors": (motors_at_rotors(), {"sites": HUBS}, [*HUBS]),
+    "thrust and moments": (thrust_and_moments(), {}, [f"act{k}" for k in range(4)]),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_an_attached_vehicle_hovers_for_ten_seconds(fly: Callable[..., Any], layout: str) -> None:
+    text, given, removed = LAYOUTS[layout]
+    spec = mujoco.MjSpec.from_string(text)
+    vehicle, changes = sim.attach(spec, replace(BARE, mass=1.0), "drone", **given)
+    assert vehicle.mass == pytest.approx(1.35, rel=1e-5)
+    for name in (*removed, "hover", "density: 0 instead of 1.225", "viscosity", "rotor_4"):
+        assert any(name in line for line in changes), name
+    assert "1.35 kg instead of 1 kg" in changes[0]
+    model, data, forces = fly(spec.to_xml(), vehicle, ROTOR)
+    names = [model.actuator(k).name for k in range(model.nu)]
+    assert [name for name in names if name != "tilt"] == [f"rotor_{k}" for k in range(1, 5)]
+    turned = data.qpos[3:7].copy()
+    composite, origin = np.zeros((model.nv, model.nv)), np.array([0.0, 0.0, 1.0])
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, composite)
+    lever = np.diag([1.0, 1.0, 0.0]) * vehicle.mass * (0.06 - ABOVE if given else 0.02) ** 2
+    np.testing.assert_allclose(np.diag(composite[3:6, 3:6] - lever), vehicle.inertia, rtol=1e-4)
+    np.testing.assert_allclose(forces.vehicle.rotor_axes, np.tile(origin, (4, 1)), atol=1e-12)
+    hubs = forces.vehicle.hub_positions
+    np.testing.assert_allclose(hubs, BARE.hub_positions, atol=1e-6)
+    # Hover by the thrust of one rotor, with steady inflow.
+    inflow, share = propmap.DynamicInflow(ROTOR), vehicle.mass * GRAVITY / 4.0
+
+    def excess(omega: float) -> float:
+        state = inflow.steady(omega, (0.0, 0.0, 0.0))
+        return float(inflow.loads(state, omega, (0.0, 0.0, 0.0)).thrust) - share
+
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    data.qpos[3:7] = turned
+    data.act[:] = data.ctrl[-4:] = brentq(excess, 300.0, 1500.0, xtol=1e-10)
+    while data.time < 10.0:
+        mujoco.mj_step(model, data)
+    np.testing.assert_allclose(data.qpos[:7], [0.0, 0.0, 2.0, *turned], atol=1e-3)
+    assert forces.worst_status == ("ok",) * 4
+
+
+def test_kept_actuators_still_push(fly: Callable[..., Any]) -> None:
+    spec = mujoco.MjSpec.from_string(motors_at_rotors())
+    vehicle, changes = sim.attach(spec, BARE, "drone", sites=HUBS, keep=True)
+    assert not any("removed" in line for line in changes)
+    model, data, _ = fly(spec.to_xml(), vehicle, ROTOR)
+    data.ctrl[:4] = 1.0
+    mujoco.mj_forward(model, data)
+    assert data.qfrc_actuator[2] == pytest.approx(4.0) and model.nu == 8
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "message"),
+    [
+        (motors_at_rotors(), {"body": "x2"}, "no body 'x2'; choose one of drone"),
+        (re.sub("<keyframe>.*</keyframe>|<freejoint/>", "", motors_at_rotors()), {}, "not free"),
+        (motors_at_rotors(), {"sites": HUBS[::-1]}, "'thrust4' is at .*in the vehicle's order"),
+        (motors_at_rotors(), {"sites": HUBS[:3]}, "3 names are given, the vehicle has 4 rotors"),
+        (motors_at_rotors().replace("0 0 1 0", "0 0 -1 0"), {}, "push along .* against the rotors"),
+        (motors_at_rotors().replace("thrust4", "rotor_1"), {}, "already has a site 'rotor_1'"),
+    ],
+)
+def test_attach_refuses_and_changes_nothing(text: str, given: dict[str, Any], message: str) -> None:
+    spec = mujoco.MjSpec.from_string(text)
+    before = spec.to_xml()
+    with pytest.raises(InputError, match=message):
+        sim.attach(spec, BARE, **{"body": "drone"} | given)
+    assert spec.to_xml() == before
 
 
 # -------------------------------------------------------------------------------------------------

@@ -26,6 +26,7 @@ from propmap.table import STATUSES as TABLE_STATUSES
 from propmap.table import LoadTable, TableLoads
 from propmap.typing import Floats
 from propmap.units import DEGREE
+from propmap.vehicle.throttle import LAG, USUAL
 from propmap.vehicle.vehicle import Mount, Vehicle
 from propmap.vehicle.vehicle_forces import Rotors, VehicleForces, VehicleWrench, airframe
 from propmap.vehicle.wakes import cross
@@ -278,6 +279,92 @@ class _Speeds:
             return wanted, self._steady
         omega = data.act[self._act]
         return omega, (wanted - omega) * self._rate
+
+
+# -------------------------------------------------------------------------------------------------
+# Rotors for a model that has none.
+
+
+def attach(
+    spec: Any, vehicle: Vehicle, body: str, *, sites: Sequence[str] = (), keep: bool = False
+) -> tuple[Vehicle, list[str]]:
+    """Add sites and actuators "rotor_1", "rotor_2" ... for ``MujocoRotors`` to an MJCF model.
+
+    The rotor speeds follow the commands with an assumed lag of 0.05 s (``dynprm``).  Controls in
+    keyframes become zero, and the density and viscosity of MuJoCo's air as well.
+
+    Parameters
+    ----------
+    spec : mujoco.MjSpec
+        Model to change, such as ``mujoco.MjSpec.from_file(path)``.
+    vehicle : Vehicle
+        The vehicle with its rotors.
+    body : str
+        Name of the body with a free joint that carries the rotors: x forward, y left, z up.
+    sites : sequence of str
+        Existing sites at the hubs, in the order of the rotors; by default the hubs are at the
+        positions of the vehicle file, relative to the model's center of mass.
+    keep : bool
+        Whether to keep the actuators at sites of the body (default: remove them).
+
+    Returns
+    -------
+    Vehicle
+        The vehicle with mass and inertia of the model.
+    list of str
+        The changes, one per line.
+
+    Raises
+    ------
+    InputError
+        For an unknown body, sites off the rotors, and removed actuators that push against them.
+    """
+    if not isinstance(spec, mujoco.MjSpec):
+        raise InputError(f"spec is {type(spec).__name__}", "give mujoco.MjSpec.from_file(path)")
+    model, carrier = spec.compile(), spec.body(body)
+    at, _, _ = free_body(model, body)
+    if spec.site("rotor_1"):
+        raise InputError("the model already has a site 'rotor_1'", "attach the rotors only once")
+    data, to_vehicle, center = center_of_mass(model, at)
+    mujoco.mj_crb(model, data)
+    inertia = data.crb[at][[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3)
+    x, y, z = np.diag(to_vehicle @ inertia @ to_vehicle.T).tolist()
+    flown = replace(vehicle, mass=float(model.body_subtreemass[at]), inertia=(x, y, z))
+    if sites:
+        hubs = _sites(model, sites, vehicle, given=True)
+        flown = replace(flown, mounts=_mounts(model, at, hubs, flown, sites)[0])
+    own = set() if keep else {site.name for site in carrier.sites}
+    at_site = [one for one in spec.actuators if one.trntype == mujoco.mjtTrn.mjTRN_SITE]
+    old = [one for one in at_site if one.target in own]
+    forces = [data.site(one.target).xmat.reshape(3, 3) @ one.gear[:3] for one in old]
+    push = to_vehicle @ np.sum([np.zeros(3), *forces], axis=0)
+    if (flown.rotor_axes @ push < 0.0).any():
+        found = f"the actuators of {body!r} push along {_text(push)}, against the rotors"
+        raise InputError(found, "give vehicle and body x forward, y left and z up")
+    mass = f"mass {flown.mass:.4g} kg instead of {vehicle.mass:.4g} kg"
+    changes = [f"vehicle: {mass}, inertia {_text(flown.inertia)} kg m^2 as in the model"]
+    air = {name: getattr(spec.option, name) for name in ("density", "viscosity")}
+    changes += [f"option {name}: 0 instead of {value:g}" for name, value in air.items() if value]
+    changes += [f"actuator {one.name!r}: removed" for one in old]
+    changes += [f"keyframe {key.name!r}: no controls" for key in spec.keys]
+    spec.option.density = spec.option.viscosity = 0.0
+    for one in old:
+        spec.delete(one)
+    for key in spec.keys:
+        key.ctrl, key.act = [], []
+    settings = {
+        "trntype": mujoco.mjtTrn.mjTRN_SITE,
+        "dyntype": mujoco.mjtDyn.mjDYN_FILTER,
+        "dynprm": [USUAL[LAG]] + [0.0] * 9,
+        "gainprm": [0.0] * 10,
+        "ctrllimited": mujoco.mjtLimited.mjLIMITED_FALSE,
+    }
+    for k, mount in enumerate(flown.mounts, start=1):
+        name, place = f"rotor_{k}", center + mount.position
+        carrier.add_site(name=name, pos=place, zaxis=mount.axis)
+        spec.add_actuator(name=name, target=name, **settings)
+        changes += [f"site and actuator {name!r}: {mount.spin} rotor at {_text(place)} m"]
+    return flown, changes
 
 
 # -------------------------------------------------------------------------------------------------
