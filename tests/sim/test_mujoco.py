@@ -242,6 +242,15 @@ def test_each_data_has_its_inflow(fly: Callable[..., Any], integrator: str) -> N
         np.testing.assert_array_equal(flown(model, data, 1e-3), want)
         mujoco.mj_resetData(model, data)
         flown(model, data, 1e-3, until=steps * 1e-3)
+    # Within a step, the inflow changes linearly, and so nearly does the thrust.
+    mujoco.mj_resetData(model, data)
+    flown(model, data, 1e-3, until=6e-3)
+    start, thrusts = data.time, []
+    for share in (0.0, 0.5, 1.0):
+        data.time = start + share * 1e-3
+        mujoco.mj_forward(model, data)
+        thrusts.append(data.qfrc_passive[2])
+    assert thrusts[1] - thrusts[0] == pytest.approx(0.5 * (thrusts[2] - thrusts[0]), rel=0.01)
     if integrator == "RK4":  # for which MuJoCo does not linearize
         return
     # While the inflow lags, at 6 ms: forward differences would notice if it jumped.
@@ -567,7 +576,7 @@ def thrust_and_moments() -> str:
 <body><joint name="gimbal" axis="0 1 0"/><geom size=".01" mass="1e-6" pos="0 0 .02"/></body>
 </body></worldbody>
 <actuator><position name="tilt" joint="gimbal" kp="1"/>{motors}</actuator>
-<keyframe><key name="hover" qpos="0 0 2 1 0 0 0 0" ctrl="0 13 0 0 0"/></keyframe></mujoco>"""
+<keyframe><key name="hover" qpos="0 0 2 1 0 0 0 0" ctrl=".1 13 0 0 0"/></keyframe></mujoco>"""
 
 
 LAYOUTS: dict[str, tuple[str, dict[str, Any], list[str]]] = {
@@ -584,10 +593,13 @@ def test_an_attached_vehicle_hovers_for_ten_seconds(fly: Callable[..., Any], lay
     assert vehicle.mass == pytest.approx(1.35, rel=1e-5)
     for name in (*removed, "hover", "density: 0 instead of 1.225", "viscosity", "rotor_4"):
         assert any(name in line for line in changes), name
-    assert "1.35 kg instead of 1 kg" in changes[0]
+    assert "mass 1.35 kg (vehicle file: 1 kg)" in changes[0]
     model, data, forces = fly(spec.to_xml(), vehicle, ROTOR)
     names = [model.actuator(k).name for k in range(model.nu)]
     assert [name for name in names if name != "tilt"] == [f"rotor_{k}" for k in range(1, 5)]
+    # Other controls remain; those of the rotors were forces.
+    assert model.key_ctrl[0, :-4].tolist() == [0.1][: model.nu - 4]
+    assert not model.key_ctrl[0, -4:].any()
     turned = data.qpos[3:7].copy()
     composite, origin = np.zeros((model.nv, model.nv)), np.array([0.0, 0.0, 1.0])
     mujoco.mj_forward(model, data)
@@ -605,12 +617,21 @@ def test_an_attached_vehicle_hovers_for_ten_seconds(fly: Callable[..., Any], lay
         return float(inflow.loads(state, omega, (0.0, 0.0, 0.0)).thrust) - share
 
     mujoco.mj_resetDataKeyframe(model, data, 0)
-    data.qpos[3:7] = turned
+    data.qpos[3:7], data.ctrl[:] = turned, 0.0
     data.act[:] = data.ctrl[-4:] = brentq(excess, 300.0, 1500.0, xtol=1e-10)
     while data.time < 10.0:
         mujoco.mj_step(model, data)
     np.testing.assert_allclose(data.qpos[:7], [0.0, 0.0, 2.0, *turned], atol=1e-3)
     assert forces.worst_status == ("ok",) * 4
+
+
+def test_attached_rotors_tilt_as_in_the_vehicle_file(fly: Callable[..., Any]) -> None:
+    """On a body that starts upside down."""
+    spec = mujoco.MjSpec.from_string(thrust_and_moments().replace(".7 0 0 .7", "0 1 0 0"))
+    vehicle, _ = sim.attach(spec, QUAD, "drone")
+    found = fly(spec.to_xml(), vehicle, ROTOR)[2].vehicle
+    np.testing.assert_allclose(found.rotor_axes, QUAD.rotor_axes, atol=1e-6)
+    np.testing.assert_allclose(found.hub_positions, QUAD.hub_positions, atol=1e-6)
 
 
 def test_kept_actuators_still_push(fly: Callable[..., Any]) -> None:
@@ -623,12 +644,20 @@ def test_kept_actuators_still_push(fly: Callable[..., Any]) -> None:
     assert data.qfrc_actuator[2] == pytest.approx(4.0) and model.nu == 8
 
 
+TIPS = "".join(f'<site name="{name}"/>' for name in HUBS)  # for the gimbal
+
+
 @pytest.mark.parametrize(
     ("text", "given", "message"),
     [
         (motors_at_rotors(), {"body": "x2"}, "no body 'x2'; choose one of drone"),
         (re.sub("<keyframe>.*</keyframe>|<freejoint/>", "", motors_at_rotors()), {}, "not free"),
         (motors_at_rotors(), {"sites": HUBS[::-1]}, "'thrust4' is at .*in the vehicle's order"),
+        (
+            thrust_and_moments().replace("<geom", TIPS + "<geom"),
+            {"sites": HUBS},
+            "are not on the body 'drone'; give the sites' body",
+        ),
         (motors_at_rotors(), {"sites": HUBS[:3]}, "3 names are given, the vehicle has 4 rotors"),
         (motors_at_rotors().replace("0 0 1 0", "0 0 -1 0"), {}, "push along .* against the rotors"),
         (motors_at_rotors().replace("thrust4", "rotor_1"), {}, "already has a site 'rotor_1'"),

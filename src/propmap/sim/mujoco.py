@@ -35,7 +35,6 @@ require("mujoco")
 import mujoco  # noqa: E402
 
 MASS = 0.2  # maximum relative difference of mass between model and vehicle, for a payload
-SAME = 1e-6  # maximum difference of equal times, relative to a time step
 PLACE = 0.1  # maximum distance of a site from its hub, relative to the largest arm
 
 
@@ -53,10 +52,9 @@ class MujocoRotors:
     torques when they change speed, and gyroscopic moments.
 
     With a ``Rotor`` whose inflow is that of Pitt and Peters or uniform, the loads are those of
-    ``DynamicInflow``.  The inflow is steady at the first time of each MjData, and again after a
-    reset or another jump of ``data.time``.  It advances by the time steps of the model;
-    ``mj_forward`` and ``mj_inverse`` do not advance it.  Within a step of RK4 it changes linearly.
-    With another inflow or a table, the loads are quasi-static.
+    ``DynamicInflow``.  The inflow is steady at the first time of each MjData and after a jump of
+    ``data.time``, such as a reset.  It advances with the time steps, and linearly within a step of
+    RK4.  With another inflow or a table, the loads are quasi-static.
 
     Parameters
     ----------
@@ -105,8 +103,8 @@ class MujocoRotors:
         self.model = model
         self.names = tuple(names) or tuple(f"rotor_{k + 1}" for k in range(len(vehicle.mounts)))
         _check_options(model)
-        sites = _sites(model, self.names, vehicle, given=bool(names))
-        body, self._pose, self._motion = free_body(model, _carrier(model, sites))
+        sites, body = _sites(model, self.names, vehicle, given=bool(names))
+        _, self._pose, self._motion = free_body(model, body)
         mounts, self._center = _mounts(model, body, sites, vehicle, self.names)
         self.vehicle = replace(vehicle, mounts=mounts)
         self._speeds = _Speeds(model, self.names)
@@ -125,7 +123,7 @@ class MujocoRotors:
         self._rotors, self._alone = rotors, np.zeros(len(rotors))
         self._words = np.array(STATUSES if isinstance(loads, Rotor) else TABLE_STATUSES)
         self._codes = np.zeros((2, len(rotors)), np.uint8)
-        self._size, self._static = self._core.inflow_size, _Step(0.0, 0.0, np.zeros(0), np.zeros(0))
+        self._static = _Step(-np.inf, 1.0, np.zeros(0), np.zeros(0))
         self._steps: WeakKeyDictionary[Any, _Step] = WeakKeyDictionary()  # the last of each MjData
 
     def __call__(self, model: Any, data: Any) -> None:
@@ -138,7 +136,7 @@ class MujocoRotors:
             added = self._rotors.added(np.maximum(omega, 0.0), self._hubs(model, data))
         pose, motion = data.qpos[self._pose], data.qvel[self._motion]
         wind, forces = model.opt.wind, data.qfrc_passive[self._motion]
-        step = self._step(data, model.opt.timestep) if self._size else self._static
+        step = self._step(data, model.opt.timestep) if self._core.inflow_size else self._static
         lost = self._core.push(
             pose, motion, wind, omega, change, added, forces, self._codes,
             step.state, step.later, step.length, step.at_rest,
@@ -171,17 +169,17 @@ class MujocoRotors:
 
     def _step(self, data: Any, length: float) -> _Step:
         """Return the step that starts at the time of ``data``, or an evaluation within the last."""
-        last = self._steps.get(data)
-        share = np.inf if last is None else (data.time - last.start) / last.length
-        if last is None or not -SAME < share < 1.0 + SAME:
-            share, state, later = 0.0, *np.zeros((2, self._size))
+        last = self._steps.get(data, self._static)
+        share = round((data.time - last.start) / last.length, 6)  # without rounding errors
+        if not 0.0 <= share <= 1.0:  # at first, and after a jump of time
+            share, state, later = 0.0, *np.zeros((2, self._core.inflow_size))
             last = self._steps[data] = _Step(data.time, length, state, later, at_rest=True)
-        if share < SAME:
+        if share == 0.0:
             last.length = length
             return last
         state = last.state + share * (last.later - last.state)
-        found = _Step(data.time, length, state, np.zeros(self._size))
-        if share > 1.0 - SAME:
+        found = _Step(data.time, length, state, np.zeros(self._core.inflow_size))
+        if share == 1.0:
             self._steps[data] = found
         return found
 
@@ -290,15 +288,13 @@ def attach(
 ) -> tuple[Vehicle, list[str]]:
     """Add sites and actuators "rotor_1", "rotor_2" ... for ``MujocoRotors`` to an MJCF model.
 
-    The rotor speeds follow the commands with an assumed lag of 0.05 s (``dynprm``).  Controls in
-    keyframes become zero, and the density and viscosity of MuJoCo's air as well.
+    The rotor speeds follow the commands with an assumed lag of 0.05 s (``dynprm``) and are zero in
+    keyframes.  The function sets the density and viscosity of MuJoCo's air to zero.
 
     Parameters
     ----------
-    spec : mujoco.MjSpec
-        Model to change, such as ``mujoco.MjSpec.from_file(path)``.
-    vehicle : Vehicle
-        The vehicle with its rotors.
+    spec, vehicle : mujoco.MjSpec, Vehicle
+        Model to change, such as ``mujoco.MjSpec.from_file(path)``, and vehicle with the rotors.
     body : str
         Name of the body with a free joint that carries the rotors: x forward, y left, z up.
     sites : sequence of str
@@ -309,10 +305,8 @@ def attach(
 
     Returns
     -------
-    Vehicle
-        The vehicle with mass and inertia of the model.
-    list of str
-        The changes, one per line.
+    tuple of Vehicle and list of str
+        The vehicle with mass and inertia of the model, and the changes, one per line.
 
     Raises
     ------
@@ -321,6 +315,7 @@ def attach(
     """
     if not isinstance(spec, mujoco.MjSpec):
         raise InputError(f"spec is {type(spec).__name__}", "give mujoco.MjSpec.from_file(path)")
+    # The compiler stores the controls of keyframes by actuator, so those of others remain.
     model, carrier = spec.compile(), spec.body(body)
     at, _, _ = free_body(model, body)
     if spec.site("rotor_1"):
@@ -331,9 +326,12 @@ def attach(
     x, y, z = np.diag(to_vehicle @ inertia @ to_vehicle.T).tolist()
     flown = replace(vehicle, mass=float(model.body_subtreemass[at]), inertia=(x, y, z))
     if sites:
-        hubs = _sites(model, sites, vehicle, given=True)
+        hubs, there = _sites(model, sites, vehicle, given=True)
+        if there != at:
+            raise InputError(f"the sites are not on the body {body!r}", "give the sites' body")
         flown = replace(flown, mounts=_mounts(model, at, hubs, flown, sites)[0])
-    own = set() if keep else {site.name for site in carrier.sites}
+    on_body = np.flatnonzero(model.body_weldid[model.site_bodyid] == at)
+    own = set() if keep else {model.site(k).name for k in on_body}
     at_site = [one for one in spec.actuators if one.trntype == mujoco.mjtTrn.mjTRN_SITE]
     old = [one for one in at_site if one.target in own]
     forces = [data.site(one.target).xmat.reshape(3, 3) @ one.gear[:3] for one in old]
@@ -341,17 +339,15 @@ def attach(
     if (flown.rotor_axes @ push < 0.0).any():
         found = f"the actuators of {body!r} push along {_text(push)}, against the rotors"
         raise InputError(found, "give vehicle and body x forward, y left and z up")
-    mass = f"mass {flown.mass:.4g} kg instead of {vehicle.mass:.4g} kg"
-    changes = [f"vehicle: {mass}, inertia {_text(flown.inertia)} kg m^2 as in the model"]
+    changes = [f"vehicle: mass {flown.mass:.4g} kg (vehicle file: {vehicle.mass:.4g} kg)"]
+    changes += [f"vehicle: inertia {_text(flown.inertia)} kg m^2"]
     air = {name: getattr(spec.option, name) for name in ("density", "viscosity")}
     changes += [f"option {name}: 0 instead of {value:g}" for name, value in air.items() if value]
     changes += [f"actuator {one.name!r}: removed" for one in old]
-    changes += [f"keyframe {key.name!r}: no controls" for key in spec.keys]
+    changes += [f"keyframe {key.name!r}: rotor speeds 0 rad/s" for key in spec.keys]
     spec.option.density = spec.option.viscosity = 0.0
     for one in old:
         spec.delete(one)
-    for key in spec.keys:
-        key.ctrl, key.act = [], []
     settings = {
         "trntype": mujoco.mjtTrn.mjTRN_SITE,
         "dyntype": mujoco.mjtDyn.mjDYN_FILTER,
@@ -403,8 +399,10 @@ def _find(model: Any, kind: Any, word: str, name: str) -> int:
     return found
 
 
-def _sites(model: Any, names: Sequence[str], vehicle: Vehicle, *, given: bool) -> list[int]:
-    """Return the sites of the rotors."""
+def _sites(
+    model: Any, names: Sequence[str], vehicle: Vehicle, *, given: bool
+) -> tuple[list[int], int]:
+    """Return the sites of the rotors, and their body."""
     rotors = len(vehicle.mounts)
     for k, name in enumerate(names):
         if name in names[:k]:
@@ -418,18 +416,14 @@ def _sites(model: Any, names: Sequence[str], vehicle: Vehicle, *, given: bool) -
         if more:
             fault = f"the site {more[0]!r} belongs to no rotor: the vehicle has {rotors}"
             raise InputError(fault, "remove the site, or add [[rotors]] to the vehicle file")
-    return [_find(model, mujoco.mjtObj.mjOBJ_SITE, "site", name) for name in names]
-
-
-def _carrier(model: Any, sites: list[int]) -> int:
-    """Return the body with the ``sites``."""
-    bodies = model.body_weldid[model.site_bodyid[sites]]
+    found = [_find(model, mujoco.mjtObj.mjOBJ_SITE, "site", name) for name in names]
+    bodies = model.body_weldid[model.site_bodyid[found]]
     if (bodies != bodies[0]).any():
         raise InputError(
             "the rotors' sites are on bodies that move relative to each other",
             "put all sites on one body: rotors that tilt in flight are not modeled",
         )
-    return int(bodies[0])
+    return found, int(bodies[0])
 
 
 def free_body(model: Any, body: str | int) -> tuple[int, slice, slice]:
