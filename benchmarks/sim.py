@@ -1,8 +1,9 @@
 """What a step costs in MuJoCo: `make bench-sim`.  Writes results/sim.json.
 
-A quadrotor of 1.2 kg on APC 8x6E in oblique flight, every rotor at a speed of its own, in steps of
-a millisecond by Euler: one evaluation of the forces a step.  Times are wall time, the least of many
-short flights, since others may be at work on the machine; compare within one run.
+A quadrotor of 1.2 kg on APC 8x6E in oblique flight, each rotor at another speed, in steps of a
+millisecond by Euler: one evaluation of the forces a step.  Times are wall time, the least of many
+short flights, since others may be at work on the machine; compare within one run.  With the core,
+a flight begins with a static solution for the steady inflow.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from propmap.sim.mujoco import MujocoRotors
 from propmap.table import build_table
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes
 
-STEPS, FLIGHTS = 10, 300
+STEPS, FLIGHTS = 50, 100
 FLOWN = (4.0, 1.0, 0.5, 0.1, 0.2, 0.1)  # velocity [m/s], rates [rad/s]
 SPEEDS = (640.0, 655.0, 650.0, 645.0)  # rad/s
 CORNERS = ((1, -1, "ccw"), (-1, 1, "ccw"), (1, 1, "cw"), (-1, -1, "cw"))
@@ -47,9 +48,8 @@ def mjcf(vehicle: Vehicle, actuator: str) -> str:
 
 
 def microseconds(
-    text: str, forces: Callable[[Any], Any] | None, speeds: tuple[float, ...] = SPEEDS,
-    motion: tuple[float, ...] = FLOWN,
-) -> float:  # fmt: skip
+    text: str, forces: Callable[[Any], Any] | None, speeds: tuple[float, ...] = SPEEDS
+) -> float:
     """Least time of a step [us], with ``mj_step``, in flights of a few steps."""
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
@@ -57,7 +57,7 @@ def microseconds(
     least = np.inf
     for _ in range(FLIGHTS):
         mujoco.mj_resetData(model, data)
-        data.qvel[:], data.ctrl[:], data.act[:] = motion, speeds, speeds[: model.na]
+        data.qvel[:], data.ctrl[:], data.act[:] = FLOWN, speeds, speeds[: model.na]
         start = time.perf_counter()
         for _ in range(STEPS):
             mujoco.mj_step(model, data)
@@ -99,7 +99,9 @@ def measure() -> dict[str, float]:
     def flown(craft: Vehicle, loads: Any) -> Callable[[Any], Any]:
         return lambda model: MujocoRotors(model, craft, loads)
 
-    level, alike = (4.0, 0.0, 0.5, 0.0, 0.0, 0.0), (650.0,) * 4
+    lagging = propmap.correction("pitt-peters")
+    others = tuple(one for one in full.model.corrections if one != lagging)
+    static = replace(full.model, corrections=(*others, propmap.correction("drees")))
     return {
         "mj_step without air": microseconds(lag, None),
         "hover model, MuJoCo's own actuators": microseconds(own, None, square),
@@ -108,10 +110,10 @@ def measure() -> dict[str, float]:
         ),
         "table": microseconds(lag, flown(vehicle, table)),
         "table, with wakes": microseconds(lag, flown(together, table)),
-        "core, paper's model": microseconds(lag, flown(vehicle, rotor)),
-        "core, recommended model": microseconds(lag, flown(vehicle, full)),
-        "core, recommended model, rotors alike in level flight": microseconds(
-            lag, flown(vehicle, full), alike, level
+        "core, paper's model, dynamic inflow": microseconds(lag, flown(vehicle, rotor)),
+        "core, recommended model, dynamic inflow": microseconds(lag, flown(vehicle, full)),
+        "core, recommended model with the static inflow of Drees": microseconds(
+            lag, flown(vehicle, Rotor(static))
         ),
     }
 

@@ -243,8 +243,10 @@ class CoreRotor {
         return array;
     }
 
-    int inflow_size() const {  // number of values in a state of the dynamic inflow
-        return std::visit([&](const auto& solver) { return dynamic(solver).size(); }, solver_);
+    int inflow_size() const {  // number of values in a state of the dynamic inflow; 0 if the inflow has no dynamics
+        return std::visit([&](const auto& solver) {
+            return solver.rotor().inflow_shape > InflowShape::pitt_peters ? 0 : dynamic(solver).size();
+        }, solver_);
     }
 
     // Static states of the inflow (N, size).  `directions` of flight (N, 3) and `spins` (N) are in the rotor frame.
@@ -346,6 +348,21 @@ class CoreRotor {
         std::visit([&](const auto& solver) { solver.solve(flow, s); }, solver_);
         into = s.result.loads;
         return s.result.status;
+    }
+
+    // Compute the loads in a `state` of the inflow and the state `later` after a step of `time` [s]; return the status.
+    // If `at_rest`, first set the state to the static solution.
+    Status loads_in(const Flow<double>& flow, const Heading& heading, bool at_rest, double time, double* state, double* later,
+                    Loads<double>& into) const {
+        thread_local std::vector<double> rates;
+        return std::visit([&](const auto& solver) {
+            const auto inflow = dynamic(solver);
+            rates.resize(inflow.size());
+            if (at_rest) inflow.steady(flow, heading, state);
+            const Solution& s = inflow.move(flow, heading, state, time, rates.data(), later);
+            into = s.result.loads;
+            return s.result.status;
+        }, solver_);
     }
 
     nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }  // [m]
@@ -582,7 +599,6 @@ class FreeBody {
     using State = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
     using Forces = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
     using Codes = nb::ndarray<std::uint8_t, nb::shape<2, -1>, nb::c_contig, nb::device::cpu>;
-
     using Mounts = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
 
     // Rows of `mounts` (k, 7): position, axis, spin.  `sources` has a rotor or a table for each.
@@ -594,15 +610,24 @@ class FreeBody {
             const CoreRotor* rotor = nullptr;
             const CoreTable* table = nullptr;
             if (!nb::try_cast(sources[k], rotor)) table = nb::cast<const CoreTable*>(sources[k]);
-            of_.push_back({rotor, table});
+            const int size = rotor ? rotor->inflow_size() : 0;
+            const Vector3 x = hub_flow(mounts_[k].axis, {1.0, 0.0, 0.0}).ahead, z = {0.0, 0.0, 1.0};
+            const bool forward = std::fabs(mounts_[k].axis[0]) > 0.9;  // then x and the axis are nearly parallel
+            of_.push_back({rotor, table, size, forward ? hub_flow(mounts_[k].axis, z).ahead : x});
+            inflow_size_ += size;
         }
     }
+
+    std::size_t inflow_size() const { return inflow_size_; }  // number of values in the inflow states of all rotors
 
     // Add force (world frame) and moment about the body's origin (body frame) to `forces`.  If a rotor has no finite
     // loads or speed, add nothing and return the first such rotor.  `pose` is position and quaternion; `motion` is the
     // velocity of the origin in the world frame, and the rates.  `omega`, `change` and `added` (axial flow from wakes)
     // have one number per rotor.  The status of each rotor, and its worst status so far, are written to `codes`.
-    std::optional<std::size_t> push(State pose, State motion, State wind, State omega, State change, State added, Forces forces, Codes codes) const {
+    // `inflow` contains the inflow states of the rotors; `later` receives the states after a step of `time` [s].  If
+    // `at_rest`, the states are first set to static solutions.
+    std::optional<std::size_t> push(State pose, State motion, State wind, State omega, State change, State added, Forces forces,
+                                    Codes codes, Forces inflow, Forces later, double time, bool at_rest) const {
         const std::size_t k_all = mounts_.size();
         const double* q = pose.data() + 3;
         const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -613,9 +638,9 @@ class FreeBody {
         std::vector<Known> known;
         for (std::size_t k = 0; k < k_all; ++k) {
             const HubFlow at = hub_flow(mounts_[k].axis, add(velocity, 1.0, cross(rates, mounts_[k].position)));
-            known.push_back({{std::max(omega.data()[k], 0.0), at.axial + added.data()[k], at.inplane}});
+            known.push_back({{std::max(omega.data()[k], 0.0), at.axial + added.data()[k], at.inplane}, at.ahead});
         }
-        look_up(known);
+        look_up(known, {inflow.data(), later.data(), time, at_rest});
         std::uint8_t *now = codes.data(), *worst = now + k_all;
         for (std::size_t k = 0; k < k_all; ++k) now[k] = known[k].code, worst[k] = std::max(worst[k], now[k]);
         Wrench all = vehicle_wrench(mounts_, frame_, velocity, rates,
@@ -631,18 +656,31 @@ class FreeBody {
   private:
     struct Known {  // flow, loads and status of a rotor
         Flow<double> flow;
+        Vector3 ahead;
         Loads<double> loads{};
         std::uint8_t code = 0;
     };
 
-    void look_up(std::vector<Known>& known) const {
+    struct Step {  // of the inflow, as in `push`
+        double *state, *later, time;
+        bool at_rest;
+    };
+
+    void look_up(std::vector<Known>& known, Step step) const {
         for (std::size_t k = 0; k < known.size(); ++k) {
-            const auto [rotor, table] = of_[k];
-            auto& [flow, loads, code] = known[k];
+            const auto& [rotor, table, size, x] = of_[k];
+            auto& [flow, ahead, loads, code] = known[k];
             if (table != nullptr) {
                 const double speed = std::hypot(flow.v_axial, flow.v_inplane), beta = std::atan2(flow.v_inplane, flow.v_axial);
                 const auto found = table->table().loads(flow.omega, speed, beta, clamp_);
                 loads = found.loads, code = std::uint8_t(found.status);
+                continue;
+            }
+            if (size > 0) {
+                const Vector3 along = flow.v_inplane > 0.0 ? ahead : x;
+                const Heading heading{dot(along, x), dot(along, cross(mounts_[k].axis, x)), mounts_[k].spin};
+                code = std::uint8_t(rotor->loads_in(flow, heading, step.at_rest, step.time, step.state, step.later, loads));
+                step.state += size, step.later += size;
                 continue;
             }
             // In symmetric flight, half of the rotors have the same flow and loads as the other half.
@@ -660,6 +698,8 @@ class FreeBody {
     struct Source {
         const CoreRotor* rotor;
         const CoreTable* table;
+        int inflow_size;  // 0: the loads are those of the static inflow, or of a table
+        Vector3 x;        // of the rotor frame
     };
     std::vector<Mount> mounts_;
     Airframe frame_;
@@ -667,6 +707,7 @@ class FreeBody {
     double heavy_;
     Vector3 center_;
     bool clamp_;
+    std::size_t inflow_size_ = 0;
     std::vector<Source> of_;
 };
 
@@ -701,5 +742,6 @@ NB_MODULE(PROPMAP_MODULE, m) {
     m.def("free_stream_forces", &free_stream_forces);
     nb::class_<FreeBody>(m, "FreeBody")
         .def(nb::init<FreeBody::Mounts, const nb::dict&, const nb::list&, double, Vector, bool>())
+        .def_prop_ro("inflow_size", &FreeBody::inflow_size)
         .def("push", &FreeBody::push);
 }

@@ -25,6 +25,7 @@ EXPORTED = {
     "rotorpy_dynamic_inflow.py": (None, "rotorpy"),
     "casadi_drag.py": ("multinomial", "casadi"),
     "learn_forward_flight.py": (None, "mujoco"),
+    "hover_in_mujoco.py": (None, "mujoco"),
 }
 """Examples that start from an export, or need a package: the target and the package."""
 
@@ -54,7 +55,20 @@ def gains_are_learned(text: str) -> None:
     assert found[-1, 1] > found[0, 1]
 
 
+def hover_is_stabilized(text: str) -> None:
+    """Hover is unstable, with feedback stable; the vehicle arrives."""
+    printed = re.findall(r"eigenvalues \[1/s\], (.*?): \[([^]]*)\]", text)
+    largest = {
+        name: max(float(x) for x in re.findall(r"(?<!\S)-?[\d.]+(?=\s*[-+]|\s|$)", values))
+        for name, values in printed
+    }
+    assert largest["hover"] > 0.3 and max(largest["hover with LQR"], largest["inflow"]) < -1.0
+    distances = [float(found) for found in re.findall(r"s: (\S+) m from the target", text)]
+    assert distances[0] == 1.5 and distances[-1] < 1e-3
+
+
 CHECKS = {
+    "hover_in_mujoco.py": hover_is_stabilized,
     "differentiate_rotor.py": derivatives_agree,
     "rotorpy_dynamic_inflow.py": thrust_shoots_over,
     "differentiate_table.py": newton_arrives,

@@ -204,39 +204,28 @@ class MjxRotors:
             another mass, for a model with air density or viscosity, and for a negative time
             constant.
         """
-        import mujoco
-
-        from propmap.sim.mujoco import check_air
+        from propmap.sim.mujoco import center_of_mass, check_air, free_body
 
         check_air(model)
-        known = [model.body(k).name for k in range(1, model.nbody)]
-        if body not in known:
-            found = f"the model has no body {quoted(body)}"
-            raise InputError(found, f"choose one of {', '.join(known)}")
-        at = model.body(body).id
-        joint = int(model.body_jntadr[at])
-        if joint < 0 or model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_FREE:
-            raise InputError(f"the body {quoted(body)} is not free", "give it a <freejoint/>")
+        at, pose, motion = free_body(model, body)
         mass = float(model.body_subtreemass[at])
         if abs(mass - vehicle.mass) > OTHER_MASS * vehicle.mass:
             found = f"the body {quoted(body)} has {mass:g} kg, the vehicle {vehicle.mass:g}"
             raise InputError(found, "give both the same mass, in kg")
         if not 0.0 <= time_constant < math.inf:
             raise InputError(f"time_constant is {time_constant:g} s", "give 0 or more")
-        data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
-        turn, origin = data.xmat[at].reshape(3, 3), data.subtree_com[at]
+        data, axes, center = center_of_mass(model, at)
         steps = model.opt.timestep / time_constant if time_constant else math.inf
         return cls(
             forces=JaxForces.from_vehicle(vehicle, table),
-            center=jnp.asarray((origin - data.xpos[at]) @ turn),
-            lever=jnp.asarray((origin - data.xipos[at]) @ turn),
+            center=jnp.asarray(center),
+            lever=jnp.asarray(axes @ (data.subtree_com[at] - data.xipos[at])),
             left=jnp.asarray(math.exp(-steps)),
             step=jnp.asarray(model.opt.timestep),
             momenta=vehicle.rotor_inertia * _spins(vehicle) * vehicle.rotor_axes,
             body=at,
-            qpos=int(model.jnt_qposadr[joint]),
-            dof=int(model.jnt_dofadr[joint]),
+            qpos=pose.start,
+            dof=motion.start,
         )
 
     def apply(

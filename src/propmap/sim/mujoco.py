@@ -3,27 +3,30 @@
 MuJoCo's callback for passive forces applies the forces.  MuJoCo calls it at every evaluation of the
 forces: four times per step with RK4, in ``mj_forward`` and in the viewer.  ``xfrc_applied`` remains
 free for other forces.  The rotor speeds are activations of actuators, which MuJoCo integrates,
-stores and resets with its other states.  The forces depend only on this state.
+stores and resets with its other states.
 """
 
 from __future__ import annotations
 
 import re
+import threading
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap import core
-from propmap.errors import InputError, require
+from propmap.errors import InputError, quoted, require
 from propmap.results import STATUSES
 from propmap.rotor import Rotor
 from propmap.table import STATUSES as TABLE_STATUSES
 from propmap.table import LoadTable, TableLoads
 from propmap.typing import Floats
 from propmap.units import DEGREE
+from propmap.vehicle.throttle import LAG, USUAL
 from propmap.vehicle.vehicle import Mount, Vehicle
 from propmap.vehicle.vehicle_forces import Rotors, VehicleForces, VehicleWrench, airframe
 from propmap.vehicle.wakes import cross
@@ -47,6 +50,11 @@ class MujocoRotors:
     Forces act at the sites, in air with the wind velocity ``model.opt.wind`` [m/s] and the density
     ``vehicle.air.density``.  If the vehicle has a ``rotor_inertia``, rotors also exert reaction
     torques when they change speed, and gyroscopic moments.
+
+    With a ``Rotor`` whose inflow is that of Pitt and Peters or uniform, the loads are those of
+    ``DynamicInflow``.  The inflow is steady at the first time of each MjData and after a jump of
+    ``data.time``, such as a reset.  It advances with the time steps, and linearly within a step of
+    RK4.  With another inflow or a table, the loads are quasi-static.
 
     Parameters
     ----------
@@ -95,8 +103,8 @@ class MujocoRotors:
         self.model = model
         self.names = tuple(names) or tuple(f"rotor_{k + 1}" for k in range(len(vehicle.mounts)))
         _check_options(model)
-        sites = _sites(model, self.names, vehicle, given=bool(names))
-        body, self._pose, self._motion = _free_body(model, sites)
+        sites, body = _sites(model, self.names, vehicle, given=bool(names))
+        _, self._pose, self._motion = free_body(model, body)
         mounts, self._center = _mounts(model, body, sites, vehicle, self.names)
         self.vehicle = replace(vehicle, mounts=mounts)
         self._speeds = _Speeds(model, self.names)
@@ -115,6 +123,8 @@ class MujocoRotors:
         self._rotors, self._alone = rotors, np.zeros(len(rotors))
         self._words = np.array(STATUSES if isinstance(loads, Rotor) else TABLE_STATUSES)
         self._codes = np.zeros((2, len(rotors)), np.uint8)
+        self._static = _Step(-np.inf, 1.0, np.zeros(0), np.zeros(0))
+        self._steps: WeakKeyDictionary[Any, _Step] = WeakKeyDictionary()  # the last of each MjData
 
     def __call__(self, model: Any, data: Any) -> None:
         """Add the forces to ``data.qfrc_passive`` if ``model`` is the vehicle's model or a copy."""
@@ -126,8 +136,16 @@ class MujocoRotors:
             added = self._rotors.added(np.maximum(omega, 0.0), self._hubs(model, data))
         pose, motion = data.qpos[self._pose], data.qvel[self._motion]
         wind, forces = model.opt.wind, data.qfrc_passive[self._motion]
-        lost = self._core.push(pose, motion, wind, omega, change, added, forces, self._codes)
+        step = self._step(data, model.opt.timestep) if self._core.inflow_size else self._static
+        lost = self._core.push(
+            pose, motion, wind, omega, change, added, forces, self._codes,
+            step.state, step.later, step.length, step.at_rest,
+        )  # fmt: skip
         if lost is not None:
+            # In a thread of mujoco.rollout, an exception would end the process.
+            if threading.get_ident() not in {thread.ident for thread in threading.enumerate()}:
+                forces[:] = np.nan
+                return
             self._refuse(lost, omega, change, self._hubs(model, data)[lost], data.time)
 
     @property
@@ -143,11 +161,27 @@ class MujocoRotors:
     def wrench(self, data: Any) -> VehicleWrench:
         """Return ``VehicleForces.wrench`` at the state of ``data``, in the vehicle frame.
 
-        Gyroscopic and reaction moments of the rotors are excluded.
+        The inflow is steady.  Gyroscopic and reaction moments of the rotors are excluded.
         """
         velocity, rates, wind = self._flight(self.model, data)
         omega = np.maximum(self._speeds.of(data)[0], 0.0)
         return self._forces.wrench(omega, velocity, rates, wind)
+
+    def _step(self, data: Any, length: float) -> _Step:
+        """Return the step that starts at the time of ``data``, or an evaluation within the last."""
+        last = self._steps.get(data, self._static)
+        share = round((data.time - last.start) / last.length, 6)  # without rounding errors
+        if not 0.0 <= share <= 1.0:  # at first, and after a jump of time
+            share, state, later = 0.0, *np.zeros((2, self._core.inflow_size))
+            last = self._steps[data] = _Step(data.time, length, state, later, at_rest=True)
+        if share == 0.0:
+            last.length = length
+            return last
+        state = last.state + share * (last.later - last.state)
+        found = _Step(data.time, length, state, np.zeros(self._core.inflow_size))
+        if share == 1.0:
+            self._steps[data] = found
+        return found
 
     def _flight(self, model: Any, data: Any) -> tuple[Floats, Floats, Floats]:
         """Return velocity of the center of mass, rates and wind in the vehicle frame, (3,) each."""
@@ -187,6 +221,17 @@ class _ClampedTable(LoadTable):
     ) -> TableLoads:
         """Interpolate the loads, by default at the nearest point of the table."""
         return super().loads_at_velocity(omega, velocity, clamp=clamp)
+
+
+@dataclass(slots=True)
+class _Step:
+    """Inflow states of all rotors at the ``start`` of a time step of this ``length`` [s]."""
+
+    start: float
+    length: float
+    state: Floats
+    later: Floats  # states at the end of the step, which the core computes with the forces
+    at_rest: bool = False  # whether the core first sets ``state`` to the steady inflow
 
 
 class _Speeds:
@@ -235,6 +280,90 @@ class _Speeds:
 
 
 # -------------------------------------------------------------------------------------------------
+# Rotors for a model that has none.
+
+
+def attach(
+    spec: Any, vehicle: Vehicle, body: str, *, sites: Sequence[str] = (), keep: bool = False
+) -> tuple[Vehicle, list[str]]:
+    """Add sites and actuators "rotor_1", "rotor_2" ... for ``MujocoRotors`` to an MJCF model.
+
+    The rotor speeds follow the commands with an assumed lag of 0.05 s (``dynprm``) and are zero in
+    keyframes.  The function sets the density and viscosity of MuJoCo's air to zero.
+
+    Parameters
+    ----------
+    spec, vehicle : mujoco.MjSpec, Vehicle
+        Model to change, such as ``mujoco.MjSpec.from_file(path)``, and vehicle with the rotors.
+    body : str
+        Name of the body with a free joint that carries the rotors: x forward, y left, z up.
+    sites : sequence of str
+        Existing sites at the hubs, in the order of the rotors; by default the hubs are at the
+        positions of the vehicle file, relative to the model's center of mass.
+    keep : bool
+        Whether to keep the actuators at sites of the body (default: remove them).
+
+    Returns
+    -------
+    tuple of Vehicle and list of str
+        The vehicle with mass and inertia of the model, and the changes, one per line.
+
+    Raises
+    ------
+    InputError
+        For an unknown body, sites off the rotors, and removed actuators that push against them.
+    """
+    if not isinstance(spec, mujoco.MjSpec):
+        raise InputError(f"spec is {type(spec).__name__}", "give mujoco.MjSpec.from_file(path)")
+    # The compiler stores the controls of keyframes by actuator, so those of others remain.
+    model, carrier = spec.compile(), spec.body(body)
+    at, _, _ = free_body(model, body)
+    if spec.site("rotor_1"):
+        raise InputError("the model already has a site 'rotor_1'", "attach the rotors only once")
+    data, to_vehicle, center = center_of_mass(model, at)
+    mujoco.mj_crb(model, data)
+    inertia = data.crb[at][[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3)
+    x, y, z = np.diag(to_vehicle @ inertia @ to_vehicle.T).tolist()
+    flown = replace(vehicle, mass=float(model.body_subtreemass[at]), inertia=(x, y, z))
+    if sites:
+        hubs, there = _sites(model, sites, vehicle, given=True)
+        if there != at:
+            raise InputError(f"the sites are not on the body {body!r}", "give the sites' body")
+        flown = replace(flown, mounts=_mounts(model, at, hubs, flown, sites)[0])
+    on_body = np.flatnonzero(model.body_weldid[model.site_bodyid] == at)
+    own = set() if keep else {model.site(k).name for k in on_body}
+    at_site = [one for one in spec.actuators if one.trntype == mujoco.mjtTrn.mjTRN_SITE]
+    old = [one for one in at_site if one.target in own]
+    forces = [data.site(one.target).xmat.reshape(3, 3) @ one.gear[:3] for one in old]
+    push = to_vehicle @ np.sum([np.zeros(3), *forces], axis=0)
+    if (flown.rotor_axes @ push < 0.0).any():
+        found = f"the actuators of {body!r} push along {_text(push)}, against the rotors"
+        raise InputError(found, "give vehicle and body x forward, y left and z up")
+    changes = [f"vehicle: mass {flown.mass:.4g} kg (vehicle file: {vehicle.mass:.4g} kg)"]
+    changes += [f"vehicle: inertia {_text(flown.inertia)} kg m^2"]
+    air = {name: getattr(spec.option, name) for name in ("density", "viscosity")}
+    changes += [f"option {name}: 0 instead of {value:g}" for name, value in air.items() if value]
+    changes += [f"actuator {one.name!r}: removed" for one in old]
+    changes += [f"keyframe {key.name!r}: rotor speeds 0 rad/s" for key in spec.keys]
+    spec.option.density = spec.option.viscosity = 0.0
+    for one in old:
+        spec.delete(one)
+    settings = {
+        "trntype": mujoco.mjtTrn.mjTRN_SITE,
+        "dyntype": mujoco.mjtDyn.mjDYN_FILTER,
+        "dynprm": [USUAL[LAG]] + [0.0] * 9,
+        "gainprm": [0.0] * 10,
+        "ctrllimited": mujoco.mjtLimited.mjLIMITED_FALSE,
+    }
+    for k, mount in enumerate(flown.mounts, start=1):
+        name, place = f"rotor_{k}", center + mount.position
+        carrier.add_site(name=name, pos=place, zaxis=mount.axis)
+        spec.add_actuator(name=name, target=name, **settings)
+        changes += [f"site and actuator {name!r}: {mount.spin} rotor at {_text(place)} m"]
+    return flown, changes
+
+
+# -------------------------------------------------------------------------------------------------
 # Checks that a model agrees with the vehicle.
 
 
@@ -270,8 +399,10 @@ def _find(model: Any, kind: Any, word: str, name: str) -> int:
     return found
 
 
-def _sites(model: Any, names: Sequence[str], vehicle: Vehicle, *, given: bool) -> list[int]:
-    """Return the sites of the rotors."""
+def _sites(
+    model: Any, names: Sequence[str], vehicle: Vehicle, *, given: bool
+) -> tuple[list[int], int]:
+    """Return the sites of the rotors, and their body."""
     rotors = len(vehicle.mounts)
     for k, name in enumerate(names):
         if name in names[:k]:
@@ -285,25 +416,38 @@ def _sites(model: Any, names: Sequence[str], vehicle: Vehicle, *, given: bool) -
         if more:
             fault = f"the site {more[0]!r} belongs to no rotor: the vehicle has {rotors}"
             raise InputError(fault, "remove the site, or add [[rotors]] to the vehicle file")
-    return [_find(model, mujoco.mjtObj.mjOBJ_SITE, "site", name) for name in names]
-
-
-def _free_body(model: Any, sites: list[int]) -> tuple[int, slice, slice]:
-    """Return the body with the ``sites``, and the slices of its pose and motion in the state."""
-    bodies = model.body_weldid[model.site_bodyid[sites]]
-    body = int(bodies[0])
-    if (bodies != body).any():
+    found = [_find(model, mujoco.mjtObj.mjOBJ_SITE, "site", name) for name in names]
+    bodies = model.body_weldid[model.site_bodyid[found]]
+    if (bodies != bodies[0]).any():
         raise InputError(
             "the rotors' sites are on bodies that move relative to each other",
             "put all sites on one body: rotors that tilt in flight are not modeled",
         )
-    joint = int(model.body_jntadr[body])
+    return found, int(bodies[0])
+
+
+def free_body(model: Any, body: str | int) -> tuple[int, slice, slice]:
+    """Return the index of a free body, and the slices of its pose and motion in the state."""
+    known = [model.body(k).name for k in range(1, model.nbody)]
+    if body not in known and isinstance(body, str):
+        found = f"the model has no body {quoted(body)}"
+        raise InputError(found, f"choose one of {', '.join(known)}")
+    at = model.body(body)
     # A body with a free joint has no other.
-    if joint < 0 or model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_FREE:
-        fault = f"the body {model.body(body).name!r} of the rotors' sites has no free joint"
-        raise InputError(fault, "add <freejoint/> to the vehicle's body")
-    pose, motion = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-    return body, slice(pose, pose + 7), slice(motion, motion + 6)
+    joint = model.joint(at.jntadr[0]) if at.jntadr[0] >= 0 else None
+    if joint is None or joint.type[0] != mujoco.mjtJoint.mjJNT_FREE:
+        raise InputError(f"the body {quoted(at.name)} is not free", "give it a <freejoint/>")
+    pose, motion = int(joint.qposadr[0]), int(joint.dofadr[0])
+    return int(at.id), slice(pose, pose + 7), slice(motion, motion + 6)
+
+
+def center_of_mass(model: Any, body: int) -> tuple[Any, Floats, Floats]:
+    """Return the state at rest, the axes of the ``body`` (3, 3) as rows, and its center (3,)."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    axes = data.xmat[body].reshape(3, 3).T
+    return data, axes, axes @ (data.subtree_com[body] - data.xpos[body])
 
 
 def _mounts(
@@ -318,15 +462,11 @@ def _mounts(
         fault = f"the body of the rotors has {mass:.4g} kg, the vehicle file {vehicle.mass:.4g} kg"
         grams = 300.0 < mass / vehicle.mass < 3000.0
         raise InputError(fault, "MJCF is in kg, not g" if grams else "give both the same mass")
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    origin, to_vehicle = data.xpos[body], data.xmat[body].reshape(3, 3).T
-    center = to_vehicle @ (data.subtree_com[body] - origin)
+    data, to_vehicle, center = center_of_mass(model, body)
     placed = []
     arm = np.linalg.norm(vehicle.hub_positions, axis=1).max()
     for mount, site, name in zip(vehicle.mounts, sites, names, strict=True):
-        place = to_vehicle @ (data.site_xpos[site] - origin) - center
+        place = to_vehicle @ (data.site_xpos[site] - data.subtree_com[body])
         axis = to_vehicle @ data.site_xmat[site].reshape(3, 3)[:, 2]
         if np.linalg.norm(place - mount.position) > PLACE * max(arm, vehicle.propeller.radius):
             remedy = "give names in the vehicle's order, and a body with x forward, y left, z up"
