@@ -1,12 +1,11 @@
-"""Disturb the dynamic inflow in random flight states, and compare the final with the static loads.
+"""Compare the final loads of a disturbed dynamic inflow with the static loads.
 
 Usage: python -m tools.disturbed_inflow [NAME...]
 
 For each propeller or parameter set, 1,000 runs of 10 s start from the steady state plus random
-disturbances of all states.  The runs are hover, climb, descent through the vortex ring, edgewise
-and oblique flight, with steps of 0.5 to 50 ms.  Every step rounds the state to single precision.
-The tool prints the runs with NaN, the largest inflow over that of the steady state, and the errors
-of the final thrust, relative to the static thrust at rest, with and without stall.
+disturbances of all states.  The flight states are hover, climb, descent through the vortex ring,
+edgewise and oblique flight.  The steps are 0.5 to 50 ms long.  Every step rounds the state to
+single precision.  The tool prints a line for each rotor, with the columns of HEADER.
 """
 
 from __future__ import annotations
@@ -21,6 +20,19 @@ from propmap.typing import Floats
 NAMES = ("APC 8x6E", "HQ 5x4.3x3", "10x4.5", "paper-stiff", "paper-apc")
 RUNS, SECONDS, STEPS = 1000, 10.0, (5e-4, 2e-3, 5e-3, 2e-2, 5e-2)
 SAME_BRANCH = 3e-3  # largest error of thrust on the same branch, over the static thrust at rest
+
+HEADER = """Columns; errors are errors of the final thrust, over the static thrust at rest:
+1. rotor
+2. number of values in a state
+3. number of runs with NaN
+4. largest inflow of all runs, over the steady inflow or the hover inflow, whichever is larger
+5. largest error of runs without stall
+Runs with stall, if there are any:
+6. number of runs
+7. fraction of runs that end on the branch of the static solution
+8. largest error on this branch
+9. largest error of all runs with stall
+"""
 
 
 def flights(rotor: propmap.Rotor, random: np.random.Generator) -> tuple[Floats, Floats]:
@@ -47,11 +59,8 @@ def flights(rotor: propmap.Rotor, random: np.random.Generator) -> tuple[Floats, 
 
 
 def main(*names: str) -> None:
-    """Run all propellers and print one line for each."""
-    print(
-        "rotor, states: NaN; inflow over steady; final error without stall; stalled: share on the"
-    )
-    print("same branch, error there, largest error")
+    """Run the simulations of all propellers and print a line for each propeller."""
+    print(HEADER)
     for name in names or NAMES:
         random = np.random.default_rng(57)
         model = (
@@ -79,7 +88,7 @@ def main(*names: str) -> None:
             largest = max(
                 largest, float((most / np.maximum(abs(steady).max(axis=1), scale[:, 0])).max())
             )
-            # The last states without rounding.
+            # Further steps without rounding remove the rounding errors from the final state.
             for _ in range(40):
                 state = inflow.step(state, 0.05, omega, velocity)
             found, want = (inflow.loads(x, omega, velocity).thrust for x in (state, steady))
@@ -88,12 +97,12 @@ def main(*names: str) -> None:
             stalls.append(rotor.loads_at_velocity(omega, velocity).roots > 1)
         error, several = np.concatenate(errors), np.concatenate(stalls)
         line = (
-            f"{name}, {inflow.size}: {lost}; {largest:.2f}; {error[~several].max(initial=0.0):.1e}"
+            f"{name}; {inflow.size}; {lost}; {largest:.2f}; {error[~several].max(initial=0.0):.1e}"
         )
         if several.any():
             same = error[several] < SAME_BRANCH
             ends = error[several][same].max(initial=0.0), error[several].max()
-            line += f"; {several.sum()} runs: {same.mean():.0%}, {ends[0]:.1e}, {ends[1]:.1e}"
+            line += f"; {several.sum()}; {same.mean():.0%}; {ends[0]:.1e}; {ends[1]:.1e}"
         print(line, flush=True)
 
 

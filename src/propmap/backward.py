@@ -1,14 +1,14 @@
-"""Loads of a rotor that turns backward: the blades meet the air with their trailing edges.
+"""Loads of a rotor that turns backward: the trailing edges of the blades meet the air first.
 
-Half a turn about the in-plane velocity turns such a rotor upside down.  It then turns forward, with
-a twist larger by pi, in an axial flow of opposite sign.  The core solves it like any other rotor.
+Half a turn about the in-plane velocity turns such a rotor upside down.  The upside-down rotor turns
+forward, with a twist larger by pi, in an axial flow of opposite sign.  The core solves this rotor.
 
 A section law describes flow from the trailing edge as separated flow around a flat plate along the
-zero-lift line.  At small angles of attack this is wrong for cambered sections: by thin-airfoil
-theory (Katz and Plotkin, Low-Speed Aerodynamics, 2001, section 5.3), the zero-lift angle of a
-circular arc has the same sign in flow from both ends.  Therefore ``solve`` combines two rotors,
-with and without this camber.  The camber has the weight (Omega R)^2/((Omega R)^2 + V^2), because
-the loads must be continuous where the rotation reverses in wind.
+zero-lift line.  At small angles of attack, this description is wrong for cambered sections.  By
+thin-airfoil theory (Katz and Plotkin, Low-Speed Aerodynamics, 2001, section 5.3), a circular arc
+has the same zero-lift angle, in size and sign, in flow from both ends.  Therefore ``solve``
+averages the loads of two rotors, with and without this camber.  The rotor with camber has the
+weight (Omega R)^2/((Omega R)^2 + V^2), so the loads are continuous where the rotation reverses.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ from propmap.tasks import cores
 from propmap.typing import CoreRotor, Floats
 
 SIGNS = np.array([1.0 if name in ("drag", "roll_moment") else -1.0 for name in LOADS])[:, None]
-"""Loads of the rotor over those of the rotor upside down."""
+"""Ratio of each load of the rotor to the same load of the upside-down rotor."""
 
 SHARE = 0.15
-"""Standard deviation of a load because of the section law, over the load: an assumption, because no
-measurement of a propeller that turns backward was found."""
+"""Standard deviation of a load due to the section law, divided by the load.  The value is an
+assumption, because no measurement of a propeller that turns backward was found."""
 
 
 class Backward(NamedTuple):
-    """Solution at N operating points."""
+    """Loads and other results at N operating points with negative omega."""
 
     loads: Floats  # in the order of ``LOADS`` (L, N) [N], [N m]
     found: Floats  # status code, roots, vortex ring, mean inflow, reverse flow (5, N)
@@ -41,20 +41,20 @@ class Backward(NamedTuple):
 
 
 def more_twist(model: Model) -> tuple[float, float]:
-    """Return the additional twist [rad] of the blades upside down, with and without camber."""
-    # Tables of a section contain the flow from the trailing edge.
+    """Return the additional twist [rad] of the upside-down blades, with and without camber."""
+    # A section table contains the lift in flow from the trailing edge and needs no camber here.
     law: Any = model.airfoil
     camber = 2.0 * law.zero_lift_angle if isinstance(law, Airfoil) else 0.0
     return np.pi + camber, np.pi
 
 
 def solve(rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats) -> Backward:
-    """Solve operating points (F, N), the rows of ``FlowPoints``, with negative omega.
+    """Return the loads at operating points (F, N), the rows of ``FlowPoints``, with omega < 0.
 
     Parameters
     ----------
     rotors : tuple of CoreRotor
-        Rotors upside down, with and without camber: with ``more_twist``.
+        Upside-down rotors with and without camber; ``more_twist`` is part of their twist.
     tip : float
         Tip radius [m].
     rows : ndarray, shape (F, N)

@@ -17,9 +17,9 @@ from propmap.tasks import cores
 from propmap.typing import Floats
 
 HARMONICS = 3
-"""A state begins with the mean and the two gradients of the inflow harmonics."""
+"""Number of harmonics at the beginning of a state: mean, and gradients along x and y."""
 
-STEP = 2e-6  # of the differences of ``linearize``, over tip speed plus airspeed
+STEP = 2e-6  # step of the central differences of ``linearize``, over tip speed plus airspeed
 
 
 class DynamicInflow:
@@ -28,30 +28,29 @@ class DynamicInflow:
     A state is an array (..., ``size``) [m/s].  Its first three values are the harmonics in the
     rotor frame of ``Rotor.wrench``: the mean, and the increases from hub to tip along x and along
     y.  The other values are the inflows of the annuli at fixed radii, positive against the thrust.
-    A state in which all rates vanish is a solution of eq. (11), as in ``rotor.loads``.  At rotors
-    whose blades stall, the inflow can have several such states; a state reached in time can differ
-    from the largest solution that ``rotor.loads`` uses.
-    ``core/include/propmap/dynamic_inflow.hpp`` contains the equations, and docs/theory.md
-    describes their limits.
+    If all rates of a state vanish, the state is a solution of eq. (11), as in ``rotor.loads``.  If
+    blades stall, eq. (11) can have several solutions, and the final state of a simulation can
+    differ from the largest solution, which ``rotor.loads`` uses.  The equations are in
+    ``core/include/propmap/dynamic_inflow.hpp``, and the limits of the model in docs/theory.md.
 
     Parameters
     ----------
     rotor : Rotor
-        Rotor whose inflow is that of Pitt and Peters or does not vary around the disk.
+        Rotor with the inflow of Pitt and Peters, or with an inflow that is uniform over azimuth.
     spin : str or sequence of str
         Direction of rotation, "ccw" or "cw", seen from above with the thrust up.  A sequence
-        contains the spins of several equal rotors, the last axis of all points.
+        contains the spins of several equal rotors; the rotors are the last axis of all points.
 
     Attributes
     ----------
     size : int
-        Number of values in a state: three harmonics, and 24 annuli, or up to 192 if the blades
+        Number of values in a state: 3 harmonics and 24 annuli, or up to 192 annuli if the blades
         stall abruptly.
 
     Raises
     ------
     InputError
-        For a rotor with another inflow, or another ``spin``.
+        For a rotor with another inflow, and for a ``spin`` other than "ccw" or "cw".
 
     References
     ----------
@@ -73,7 +72,7 @@ class DynamicInflow:
         self.size: int = rotor._core.inflow_size
 
     def steady(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
-        """Return the steady state (..., size) [m/s] with the largest solution of eq. (11).
+        """Return the steady state (..., size) [m/s] for the largest solution of eq. (11).
 
         Parameters
         ----------
@@ -110,8 +109,8 @@ class DynamicInflow:
     ) -> Floats:
         """Return the state (..., size) [m/s] after a time step.
 
-        The inflow of each annulus, and the harmonics together, step by the exponential of their
-        own linear equation.  The step is stable for any step length.
+        Each annulus and each harmonic steps by the exponential of its own linearized rate.  The
+        step is stable for any step length.
 
         Parameters
         ----------
@@ -160,9 +159,9 @@ class DynamicInflow:
     def advance(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
     ) -> tuple[Wrench, Floats]:
-        """Return the ``wrench`` at the start of a step, and the state (..., size) [m/s] at its end.
+        """Return the wrench before a time step and the state (..., size) [m/s] after the step.
 
-        The method computes both from the same blade elements, in the time of ``step``.
+        A single evaluation of the blade elements yields wrench and state, in the time of ``step``.
 
         Parameters
         ----------
@@ -184,23 +183,26 @@ class DynamicInflow:
         """Return the linear dynamics about a state, by default about the steady state.
 
         The derivatives are central differences.  The eigenvalues of ``a`` are the rates at which
-        small deviations change; a negative real part is a decay.
+        small deviations change.  Eigenvalues with a negative real part describe a decay.
 
         Parameters
         ----------
         omega, velocity : float, array_like
-            One operating point, as in ``steady``.
+            Operating point, as in ``steady``: one omega, and one velocity of shape (3,).
         state : array_like, shape (size,), optional
-            State [m/s].
+            State [m/s] (default: the steady state).
 
         Raises
         ------
         InputError
-            As in ``steady``, and for several operating points.
+            As in ``steady``, and for several operating points, spins or states.
         """
         given = self.steady(omega, velocity) if state is None else broadcast(state=state)[0]
         if given.shape != (self.size,) or self._sign.ndim:
-            raise InputError("only one operating point is allowed: give one omega and one velocity")
+            raise InputError(
+                "linearize accepts a single operating point of a single rotor",
+                f"give one omega, velocity and spin, and at most one state of {self.size} values",
+            )
         inputs = np.array([omega, *np.asarray(velocity, np.float64).tolist()], np.float64)
         center = np.concatenate([given, inputs])
         tip = self.rotor.model.span[1]
@@ -280,7 +282,7 @@ class _StatePoints:
             )
         flow, direction = split_velocity(omega, velocity)
         forward(flow)
-        # Simulators pass one number, for which `broadcast` would double the time of this function.
+        # Simulators pass a float, for which `broadcast` would double the time of this function.
         good = isinstance(dt, float) and 0.0 <= dt < np.inf
         (time,) = (np.array(dt),) if good else broadcast(dt=dt)
         if not good and (time < 0.0).any():
@@ -299,7 +301,7 @@ class _StatePoints:
             raise InputError(f"shapes cannot be broadcast together: {found}") from None
 
         def spread(values: Floats, shape: tuple[int, ...]) -> Floats:
-            # Simulators step one point at a time: `np.broadcast_to` would take half of that time.
+            # For a single point, as in simulators, `np.broadcast_to` would double the time.
             return values if values.shape == shape else np.broadcast_to(values, shape)
 
         def flat(values: Floats) -> Floats:

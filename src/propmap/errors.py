@@ -53,7 +53,7 @@ def require(extra: str) -> None:
         raise MissingExtraError(found, f"run: pip install 'propmap[{extra}]'")
 
 
-TOML_FILES = {  # kinds of TOML files and their use, by a key that only they contain
+TOML_FILES = {  # kinds of TOML files and their use, by a key that only this kind contains
     "rotors": ("a vehicle file", "use it with --vehicle, or as the argument of propmap trim"),
     "station_m": ("a geometry file", "use it as the argument PROP of a command"),
     "fit": ("a fit", "use it with --airfoil, or as the argument of propmap check"),
@@ -62,7 +62,7 @@ TOML_FILES = {  # kinds of TOML files and their use, by a key that only they con
 
 
 def refuse_other_toml(keys: Collection[str], own: Collection[str], what: str, where: str) -> None:
-    """Raise ``InputError`` for ``keys`` of another TOML file than a ``what`` with ``own`` keys."""
+    """Raise ``InputError`` if ``keys`` are from another file than a ``what`` with ``own`` keys."""
     for key, (kind, use) in TOML_FILES.items():
         if key in keys and key not in own:
             raise InputError(f"this is {kind}, not a {what}", use, where)

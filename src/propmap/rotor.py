@@ -105,7 +105,7 @@ class Rotor:
 
     @functools.cached_property
     def _backward(self) -> tuple[CoreRotor, CoreRotor]:
-        """Rotors of the core for negative omega, see ``backward``."""
+        """Upside-down rotors of the core, for negative omega; see ``propmap.backward``."""
         law = self.model.airfoil.core_law()
         with_camber, without = backward.more_twist(self.model)
         return self._core_of(law, with_camber), self._core_of(law, without)
@@ -131,7 +131,7 @@ class Rotor:
         ----------
         omega, speed : array_like
             Rotational speed [rad/s] and airspeed V >= 0 [m/s]; broadcast with ``beta``.  A negative
-            omega is a propeller that turns backward, not one of the other spin; see ``backward``.
+            omega describes a propeller that turns backward, not a propeller of the other spin.
         beta : array_like
             Angle between velocity and rotor axis [rad]: 0 axial climb, pi/2 edgewise flight, pi
             axial descent.  beta and 2 pi - beta are mirror images with the same loads.
@@ -390,8 +390,8 @@ class Rotor:
         return self._as_loads(loads, found, rows[0], shape, at)
 
     def _solved(self, rows: Floats) -> tuple[Floats, Floats, Floats | None]:
-        """Return loads (L, N), the other results of the core (5, N), and additional standard
-        deviations (L, N) of points with negative omega, if there are any."""
+        """Return loads (L, N), the other results of the core (5, N), and the additional standard
+        deviations (L, N) of points with negative omega, or None without such points."""
         turns_back = rows[0] < 0.0
         if not turns_back.any():
             return *self._core.loads(rows, cores()), None
@@ -411,9 +411,9 @@ class Rotor:
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...], backward: Floats | None
     ) -> dict[str, results.LoadValues]:
         """Return ``Loads.std_by_source`` of loads (L, N) at N points, in arrays of ``shape``; NaN
-        where loads or their derivatives were not found.  ``backward`` (L, N) contains additional
-        standard deviations of points with negative omega."""
-        # A rotor that turns backward has the derivatives of the upside-down rotor, approximately.
+        without loads or derivatives.  ``backward`` (L, N) contains the additional standard
+        deviations of points with negative omega."""
+        # For negative omega, use the derivatives of this rotor in the mirrored forward flow.
         turned = np.where(at.omega < 0.0, -1.0, 1.0)
         turned_at = at._replace(omega=turned * at.omega, v_axial=turned * at.v_axial)
         found = bands.deviations(

@@ -149,7 +149,7 @@ def test_equal_spins_along_the_sides_leave_yaw_uncommanded(vehicle: Vehicle) -> 
     craft = aircraft_of(replace(vehicle, mounts=tuple(mounts)))
     assert craft.steady([0.0, 8.0]).status.tolist() == ["ok", "ok"]
     (note,) = craft.notes
-    assert "cannot command yaw without roll (proportional)" in note
+    assert "cannot command yaw without roll (0% of yaw is independent)" in note
 
 
 def test_limits_are_statuses_not_numbers(vehicle: Vehicle) -> None:

@@ -139,7 +139,7 @@ def test_speeds_that_a_stand_did_not_measure() -> None:
         ("rpm,thrust_N,torque_Nm\n4,000,1,1", "stand.csv: line 2: found 4 fields separated by"),
         (
             'rpm,thrust_N,torque_Nm\n"4,000",1,1',
-            "'4,000' is not a number; write a number without unit and th",
+            "'4,000' is not a number; write a number without a unit and",
         ),
         ("rpm,Thrust - 1 (N),Thrust - 2 (N)", "'Thrust - 1 (N)' and 'Thrust - 2 (N)' both"),
         ("RPM (electrical),Thrust (N),El. Power (W)", "'RPM (electrical)' (electrical: divide"),

@@ -160,7 +160,8 @@ def test_without_a_body_and_a_motor(run: Run) -> None:
     (row,) = csv.DictReader(io.StringIO(done.out))
     assert float(row["shaft_power_W"]) > 50.0 and row["electrical_power_W"] == ""
     unknown = (
-        "thrust margin and top speed are unknown: add [motor] and [battery], or pass --max-rpm"
+        "thrust margin and top speed are unknown: add [battery], or maximum_current or "
+        "maximum_rpm in [motor], or pass --max-rpm"
     )
     assert row["thrust_margin"] == "" and unknown in done.err
     told = run("trim", "bare.toml", "--speed", "0:8:2", "--no-bands", "--format", "json").out
@@ -188,7 +189,7 @@ EDGE = POWERED.replace('"cw"', '"?"', 1).replace('"ccw"', '"cw"', 1).replace('"?
 def test_rotors_that_cannot_command_yaw_are_noted(run: Run, command: list[str]) -> None:
     """The front rotors turn ccw, the rear rotors cw: yaw is a multiple of pitch."""
     Path("edge.toml").write_text(EDGE)
-    words = "rotor speeds alone cannot command yaw without pitch (proportional); without control"
+    words = "rotor speeds alone cannot command yaw without pitch (0% of yaw is independent)"
     for name, noted in (("edge.toml", True), ("quad.toml", False)):
         done = run(*[name if word == "NAME" else word for word in command])
         assert done.code == 0 and (words in done.err) is noted

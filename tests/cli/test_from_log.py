@@ -80,7 +80,7 @@ def test_generic_places_are_not_taken_for_metres(run: Run) -> None:
 def test_rotors_that_cannot_command_yaw_are_noted(run: Run) -> None:
     """PX4's rotors 1 and 3 are in front, so this log has equal spins there and at the back."""
     logged(CA_ROTOR1_KM=-0.05, CA_ROTOR2_KM=0.05)
-    words = "note: rotor speeds alone cannot command yaw without pitch (proportional); without"
+    words = "note: rotor speeds alone cannot command yaw without pitch (0% of yaw is independent)"
     assert words in run("vehicle", "from-log", "my quad.ulg").err
 
 

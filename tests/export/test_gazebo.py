@@ -143,7 +143,7 @@ def test_the_note_states_the_errors_in_level_flight(oblique: Both, tmp_path: Pat
     )
     # The table ends at 6 m/s.
     assert [speed for speed, _ in blocks] == ["0", "5"]
-    assert "Not flown: 10 m/s" in " ".join(note.split())
+    assert "No trimmed level flight was found at: 10 m/s" in " ".join(note.split())
     shown = {row.split()[0]: row.split()[1:] for row in blocks[1][1].splitlines()[1:]}
     assert list(shown) == list(LOADS)
     (first, *_) = plugins(tmp_path, "gz")
@@ -160,7 +160,9 @@ def test_the_note_states_the_errors_in_level_flight(oblique: Both, tmp_path: Pat
     }
     for load, error in errors.items():
         assert float(shown[load][1].strip("%")) == pytest.approx(100.0 * abs(error), abs=0.5), load
-    classic = re.search(r"in this order, ([\d.]+)%, ([\d.]+)%\.", " ".join(note.split()))
+    classic = re.search(
+        r"in the order of the conditions below: ([\d.]+)%, ([\d.]+)%\.", " ".join(note.split())
+    )
     assert classic is not None and float(classic[1]) < 0.1
 
 

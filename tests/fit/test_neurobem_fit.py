@@ -26,7 +26,7 @@ def test_half_the_hover_model_s_vertical_error_on_a_flight_not_seen(
     unseen = str(FLIGHTS / "neurobem_20210218172600.csv")
     # With constants as propellers have them it is 0.56 of the hover model's error: this blade is
     # known roughly, and without a prior the constants make up for it.
-    free = ["--prior-from", "none"]
+    free = ["--prior-from", "none", "--accept"]
     assert main(["fit", "flight", seen, *vehicle, *free, "-o", str(fit)]) == 0
     assert "balance of all forces at all times is fitted instead" in capsys.readouterr().out
     assert main(["check", str(fit), unseen, *vehicle, "--format", "json"]) == 0

@@ -320,7 +320,7 @@ def test_impossible_arguments_are_refused() -> None:
             inflow.rates(wrong, OMEGA, STILL)
     with pytest.raises(pm.InputError, match="dt is negative"):
         inflow.step(np.zeros(inflow.size), -1e-3, OMEGA, STILL)
-    with pytest.raises(pm.InputError, match="only one operating point"):
+    with pytest.raises(pm.InputError, match="a single operating point of a single rotor"):
         inflow.linearize(OMEGA, STILL, np.zeros((2, inflow.size)))
     with pytest.raises(ValueError, match="do not fit"):
         inflow.rotor._core.inflow_motion(

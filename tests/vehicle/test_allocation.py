@@ -68,13 +68,13 @@ def test_yaw_over_roll_of_a_quadrotor_is_torque_over_arm() -> None:
 @pytest.mark.parametrize(
     ("places", "spins", "rank", "words"),
     [
-        (X, "++--", 3, ["yaw without roll (proportional)"]),
-        (X + OFFSET, "++--", 3, ["yaw without roll (proportional)"]),
-        (X, "+--+", 3, ["yaw without pitch (proportional)"]),
-        (X, "++++", 3, ["yaw without thrust (proportional)"]),
-        (WIDER_AHEAD, "++--", 3, ["yaw without roll (13% of it"]),
-        (ring(3, 60.0), "+++", 3, ["yaw without thrust (proportional)"]),
-        (ring(2, 90.0), "+-", 2, ["pitch at all, nor yaw without roll (proportional)"]),
+        (X, "++--", 3, ["yaw without roll (0% of yaw is independent)"]),
+        (X + OFFSET, "++--", 3, ["yaw without roll (0% of yaw is independent)"]),
+        (X, "+--+", 3, ["yaw without pitch (0% of yaw is independent)"]),
+        (X, "++++", 3, ["yaw without thrust (0% of yaw is independent)"]),
+        (WIDER_AHEAD, "++--", 3, ["yaw without roll (13% of yaw"]),
+        (ring(3, 60.0), "+++", 3, ["yaw without thrust (0% of yaw is independent)"]),
+        (ring(2, 90.0), "+-", 2, ["pitch at all, nor yaw without roll (0% of yaw is independent)"]),
         (ring(1), "+", 1, ["roll at all", "pitch without thrust", "yaw without thrust"]),
         (0.0 * ring(1), "+", 1, ["roll at all", "pitch at all", "yaw without thrust"]),
     ],
@@ -107,4 +107,5 @@ def test_a_tail_rotor_commands_yaw_by_thrust() -> None:
     assert sorted(found.commanded) == [0, 3]
     assert "roll at all, nor pitch without yaw" in found.notes[0]
     pulling = allocation(np.array([[0.2, 0.0, 0.0]]), "+", (1.0, 0.0, 0.0))
-    assert "roll without thrust (proportional), nor pitch at all, nor yaw" in pulling.notes[0]
+    lost = "roll without thrust (0% of roll is independent), nor pitch at all, nor yaw"
+    assert lost in pulling.notes[0]

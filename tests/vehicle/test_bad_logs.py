@@ -84,7 +84,7 @@ def test_damaged_definitions_of_a_ulog_are_located(tmp_path: Path) -> None:
     for damaged in (whole[: second + 1] + b"\xff\x00" + whole[second + 3 :], whole[: second + 9]):
         path.write_bytes(damaged)
         message = message_of(path, vehicle_file)
-        assert f"no whole definition begins at byte {second} of {len(damaged)}" in message
+        assert f"no complete definition begins at byte {second} of {len(damaged)}" in message
         assert "check the path" not in message and "original .ulg file" in message
 
 

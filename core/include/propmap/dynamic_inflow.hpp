@@ -1,29 +1,32 @@
 // Dynamic inflow: the inflow lags behind the loads, because the air has mass.
 //
 // The state contains the inflow v_j of eq. (11) at fixed radii y_j, the nodes, and the harmonics v_0, v_s and v_c
-// around the disk.  Per density, T is the thrust, L the moment that lifts the advancing side, M the moment that lifts
-// the rear; h_0, h_s and h_c are the static harmonics for these loads (`HarmonicResponse`):
+// around the disk.  T is the thrust, L the moment that lifts the advancing side, and M the moment that lifts the rear,
+// all divided by the density.  h_0, h_s and h_c are the static harmonics for these loads (`HarmonicResponse`).  The
+// equations are
 //
 //     16/3 R y_j  dv_j/dt = residual of eq. (11) at y_j
 //     8/3 R^3 k_0    dv_0/dt = h_0(T) - v_0
 //     16/45 R^4 k_s  dv_s/dt = h_s(L) - v_s
 //     16/45 R^4 k_c  dv_c/dt = h_c(T, M) - v_c
 //
-// The apparent mass of the annuli adds up to 8/3 R^3, that of a disk with uniform inflow (Carpenter & Fridovich, NACA
-// TN 3044, 1953).  The gains k_0, k_s, k_c are `mean_by_thrust`, `by_roll`, `by_rear`; so v_0, v_s and v_c have the
-// time constants of Pitt & Peters, Vertica 5(1), 1981.  Where all rates vanish, the state is a static solution.
+// The apparent masses of the annuli add up to 8/3 R^3, the apparent mass of a disk with uniform inflow (Carpenter &
+// Fridovich, NACA TN 3044, 1953).  The gains k_0, k_s and k_c are `mean_by_thrust`, `by_roll` and `by_rear`.  With these
+// gains, v_0, v_s and v_c have the time constants of Pitt & Peters, Vertica 5(1), 1981.  If all rates vanish, the state
+// is a static solution.
 #pragma once
 
 #include "rotor.hpp"
 
 namespace propmap {
 
-// Direction of flight in the disk plane, and spin: 1 for a rotor that turns counter-clockwise.  The rear of the disk is
-// opposite to the direction of flight; for spin = 1, the advancing side is to the right of this direction.
+// Direction of flight in the disk plane (x, y), and spin: 1 for a rotor that turns counter-clockwise, -1 for clockwise.
+// The rear of the disk is opposite to the direction of flight.  For spin = 1, the advancing side is to the right of the
+// direction of flight.
 struct Heading {
     double x, y, spin;
 
-    // Convert gradients along x and y of the rotor frame to v_s and v_c, and back.
+    // Convert v_0 and the gradients along x and y of the rotor frame to v_0, v_s and v_c; `in_rotor_frame` inverts this.
     void along_flight(const double* s, double* to) const {
         to[0] = s[0], to[1] = spin * (s[1] * y - s[2] * x), to[2] = -(s[1] * x + s[2] * y);
     }
@@ -33,11 +36,12 @@ struct Heading {
 };
 
 inline constexpr int harmonics_first = 3;  // a state begins with v_0 and the gradients along x and y of the rotor frame
-inline constexpr double negligible = 1e-13;  // gradients below this share of the air's speed are set to zero
+inline constexpr double negligible = 1e-13;  // harmonics below this share of the speed of the air are set to zero
 
-// Return the number of nodes at which static thrust in climb, hover and slow descent, with and without in-plane flow, differs
-// from that of panels that follow stall by at most 0.2 % of the static thrust.  A fold between nodes moves to the middle of them,
-// so blades that stall abruptly need many nodes.
+// Return the smallest number of nodes with an accurate static thrust in climb, hover and slow descent, with and without
+// in-plane flow.  The reference is the thrust with panels that follow stall; the difference is at most 0.2 % of the
+// thrust at rest.  A fold between two nodes acts as if it were in the middle between these nodes.  Blades that stall
+// abruptly therefore require many nodes.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {
     constexpr int counts[] = {24, 48, 96, 192};
     Solution exact, found;
@@ -70,7 +74,7 @@ template <template <class> class LawOf> class DynamicInflow {
 
     int size() const { return harmonics_first + nodes_; }  // of a state [m/s]
 
-    // Write the static solution at an operating point: the largest root of (11) at each node.
+    // Write the static solution at an operating point to `state`: the largest root of (11) at each node.
     void steady(const Flow<double>& at, const Heading& heading, double* state) const {
         thread_local Solution s;
         solver_->solve_at_nodes(at, nodes_, s);
@@ -83,8 +87,8 @@ template <template <class> class LawOf> class DynamicInflow {
         }
     }
 
-    // Compute loads and status in a state, its `rates` [m/s^2], and the state `later` after a step of `time` [s].
-    // The result is valid until the next call in the same thread.
+    // Return loads and status in a `state`, and write the `rates` [m/s^2] and the state `later` after a step of `time`
+    // [s].  The returned solution is valid until the next call in the same thread.
     const Solution& move(const Flow<double>& at, const Heading& heading, const double* state, double time, double* rates,
                          double* later) const {
         thread_local Solution s;
@@ -103,8 +107,9 @@ template <template <class> class LawOf> class DynamicInflow {
         for (int k = 0; k < groups * width; ++k)
             s.disk.inflow[k / width][k % width] = state[harmonics_first + std::min(k, nodes_ - 1)];
 
-        // Each annulus steps by the exponential of the slope of its rate, at least half of the mass-flow parameter in
-        // size: stalled blades or an inflow against the flow through the disk may have a slope of any sign.
+        // Each annulus steps by the exponential of its linearized rate.  Stalled blades, or an inflow against the flow
+        // through the disk, may have a slope of any sign.  The slope is therefore limited to at least half of the
+        // mass-flow parameter in size.
         const auto of = solver_->annuli(s);
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
         double thrust_without = 0.0;
@@ -130,7 +135,7 @@ template <template <class> class LawOf> class DynamicInflow {
             }
         }
 
-        // Loads with the harmonics of the state, and their derivatives by the harmonics.
+        // Compute the loads with the harmonics of the state, and the derivatives of the loads by the harmonics.
         s.harmonics = {h[0], h[1], h[2]};
         solver_->find_loads_at(s, around);
         solver_->set_status(s, false);
@@ -160,8 +165,8 @@ template <template <class> class LawOf> class DynamicInflow {
         const auto& l = s.blade_loads;
         const auto wanted = response.harmonics({l.thrust, l.roll_moment, -l.pitch_moment}, thrust_without);
         const double target[3] = {wanted.mean, wanted.lateral, wanted.longitudinal};
-        // Each harmonic steps by the exponential of the slope of its rate.  If stalled blades amplify the harmonic, the step
-        // omits their part of the slope.
+        // Each harmonic steps by the exponential of its linearized rate.  If stalled blades amplify the harmonic, the
+        // step omits the part of the blades in the slope.
         const double by_itself[3] = {response.mean_by_thrust * s.by[0].thrust, response.by_roll * s.by[1].roll_moment,
                                      response.by_thrust * s.by[2].thrust - response.by_rear * s.by[2].pitch_moment};
         for (int k = 0; k < 3; ++k) {

@@ -66,8 +66,8 @@ class Performance:
         State at rest, at the speed of least power, at the speed of least energy per distance over
         ground, and at the top speed; None for a state that does not exist.
     limit : str
-        Status of states just above the top speed; empty if no limit is reached up to the largest
-        speed of the search, 150 m/s; "unknown" without a known limit of the motors.
+        Status of states just above the top speed.  Empty if the search reaches no limit up to
+        150 m/s; "unknown" without a known limit of the motors.
     at_rest : str
         Status in hover.
     wind : float
@@ -278,7 +278,7 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
 def searched(
     aircraft: Aircraft, states: SteadyStates, climb: float
 ) -> tuple[float, str, SteadyStates]:
-    """Return the largest speed, its limit, and the ``states`` with those of the search."""
+    """Return the largest speed, its limit, and the ``states`` with all states of the search."""
     low, high, why = _last_and_next(states)
     for _ in range(SEARCH_STEPS):
         if math.isnan(low):

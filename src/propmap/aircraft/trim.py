@@ -351,9 +351,9 @@ class Balanced(NamedTuple):
 class SteadyBalance:
     """Force and moment balances of a vehicle with given rotors.
 
-    The unknowns are pitch, roll and the amplitudes of ``patterns`` (k, c) of squared rotor speeds:
-    one equal for all rotors, and one for each commanded moment ``axes`` (c - 1,).  Gyroscopic
-    moments of a steady turn are neglected; they are a few percent of thrust times arm of a rotor.
+    The unknowns are pitch, roll and the amplitudes of ``patterns`` (k, c) of squared rotor speeds.
+    The first pattern is equal for all rotors; the others command the moments ``axes`` (c - 1,).
+    Gyroscopic moments of a steady turn, a few percent of thrust times arm, are neglected.
     """
 
     def __init__(self, vehicle: Vehicle, rotors: Rotors) -> None:
@@ -633,7 +633,10 @@ LIMITS = {
 }
 """Statuses of states beyond a limit, with a description of the limit."""
 
-UNLIMITED = "thrust margin and top speed are unknown: add [motor] and [battery], or pass --max-rpm"
+UNLIMITED = (
+    "thrust margin and top speed are unknown: add [battery], or maximum_current or maximum_rpm in "
+    "[motor], or pass --max-rpm"
+)
 
 JUMP = 2e-3
 """Largest imbalance of a state over the weight, from jumps of the loads where the nodes of a rotor
@@ -671,8 +674,8 @@ class SteadyStates:
         "tip_speed_limit", "motor_current_limit", "voltage_limit" and "battery_limit".
     thrust_margin : ndarray, shape (n,)
         Maximum thrust divided by the required thrust.  For the maximum, all rotor speeds are scaled
-        by one factor until the first limit is reached.  Below 1 if a limit is exceeded.  NaN if
-        no limit of motors, battery or rotor speed is known.
+        by one factor until the first limit is reached.  The margin is below 1 beyond a limit, and
+        NaN if no limit of motors, battery or rotor speed is known.
     pitch, roll : ndarray, shape (n,)
         Pitch, positive nose down, and roll, positive right side down [rad].
     rotor_speed, thrust, torque : ndarray, shape (n, k)

@@ -19,24 +19,24 @@ from propmap.units import INCH
 
 
 class Maker(NamedTuple):
-    """A manufacturer with sizes in inches; rules only for designations that need one."""
+    """A manufacturer of propellers whose designations contain sizes in inches."""
 
     name: str
     words: str  # pattern of the names of manufacturer and series, in lower case
     sizes: Sequence[float]  # smallest and largest diameter [in]
-    rules: Sequence[dict[str, Any]] = ()  # see makers.toml
+    rules: Sequence[dict[str, Any]] = ()  # interpretation of special designations, see makers.toml
     racing: bool = False  # whether most propellers of about five inches have three blades
     carbon: bool = False  # whether large propellers are of carbon fiber
     multirotor: bool = True  # whether most propellers are for multirotors
 
     def makes(self, diameter: float) -> bool:
-        """Return whether propellers of this ``diameter`` [m] are in the range, within 2 %."""
+        """Return whether the range of sizes, widened by 2 %, contains this ``diameter`` [m]."""
         return 0.98 * self.sizes[0] <= diameter / INCH <= 1.02 * self.sizes[1]
 
 
 _KNOWN = tomllib.loads(Path(__file__).with_name("makers.toml").read_text(encoding="utf-8"))
 MAKERS = tuple(Maker(**row) for row in _KNOWN["makers"])
-"""Manufacturers and their rules, as stated by pages of shops and manufacturers alike."""
+"""Manufacturers with rules on which the pages of shops and manufacturers agree."""
 
 ANY_MAKER = Maker("", "", (1.0, 80.0), multirotor=False)
 _NAMES = [rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS]
@@ -50,15 +50,15 @@ LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # limits of supported propellers [
 STEEPEST = 2.5  # largest ratio of pitch to diameter
 MOST_BLADES = 8
 
-# Diameters [m] and probabilities that makers.toml explains.
+# Range of diameters [m] and probabilities of a wrong number of blades; makers.toml explains them.
 RACING = _KNOWN["racing"]["from"] * INCH, _KNOWN["racing"]["to"] * INCH
 FIVE_INCH_DOUBT, OTHER_DOUBT = _KNOWN["racing"]["doubt"], _KNOWN["racing"]["other_doubt"]
 
-SAME = 0.006  # relative difference of equal lengths, because manufacturers round to 1/20 in
-NO_MAKER = ("mm", "cm", "in", "uiuc")  # words of designations that name no manufacturer
+SAME = 0.006  # smaller relative differences of lengths are roundings to 1/20 in
+NO_MAKER = ("mm", "cm", "in", "uiuc")  # words that name neither a manufacturer nor a series
 
 WITHOUT_BLADE: dict[str, str] = _KNOWN["without_blade"]
-"""Titles of series with measured loads but without a measured blade, by their codes."""
+"""Titles of series with measured loads but without a measured blade, by code of the series."""
 
 _UNIT = r"(?:\s*(mm|cm|m|in)(?![a-wyz]))?"
 # A diameter of four digits requires a pitch of three, because 5040x3 means three blades.
@@ -66,12 +66,12 @@ _SIZE = re.compile(
     rf"(?<![\d.x])(\d{{1,3}}(?:\.\d+)?|\d{{4}}(?=[ mx]+\d{{3}})){_UNIT}\s*x\s*"
     rf"(\d{{1,4}}(?:\.\d+)?){_UNIT}(?:\s*x\s*(\d+){_UNIT})?(?![\d.]|x\d)"
 )
-# Digits without an x, as in 51466-3, with an optional letter in front, as in T5045C.
+# Four or five digits without an x, as in 51466-3.  A letter may precede the digits, as in T5045C.
 _FIGURES = re.compile(
     r"(?<![\w.])[tqprf]?([1-9]\d)(\d\d\d?)(?:[cs](?![a-z]))?(?:\s*x\s*(\d+)|-(\d))?"
     r"(?!\.?\d|\s*x\s*\d)"
 )
-# The UIUC database writes "gwsdd 5.0x4.3 - 2", APC "5x4E-3" and "10x7-3".
+# Examples: "gwsdd 5.0x4.3 - 2" in the UIUC database, "5x4E-3" and "10x7-3" at APC.
 _BLADES = re.compile(
     r"(\d+)\s*-?\s*(?:blade[ds]?|blatt)\b|(?<=\s)-\s+(\d+)$|(?<=[\de])-(\d)(?![\w.])"
 )
@@ -88,19 +88,19 @@ class Designation:
     words: tuple[str, ...]  # manufacturer and series in lower case, in the order of the text
     diameter: float  # [m]
     pitch: float  # [m]
-    blades: int | None  # None if neither the text nor a rule contains it
-    maker: str = ""  # name of one of ``MAKERS``
-    size: str = ""  # diameter and pitch as read, for messages
+    blades: int | None  # None if neither the text nor a rule states the number
+    maker: str = ""  # name of one of ``MAKERS``; empty for a maker without multirotor propellers
+    size: str = ""  # diameter and pitch, and other probable sizes, for messages
     counted: str = ""  # number of blades and its origin, for messages
-    doubt: float = 0.0  # probability of three blades instead of two, or two instead of three
+    doubt: float = 0.0  # probability that the number is wrong: three instead of two, or vice versa
 
     @property
     def reading(self) -> str:
-        """Interpretation of the text and assumptions, for messages."""
+        """Interpretation of the text, with assumptions, for messages."""
         return f"read as {self.size}, {self.counted}"
 
     def with_blades(self, asked: int | None) -> Designation:
-        """Return the designation with the number of blades ``asked``, if given."""
+        """Return the designation with ``asked`` blades; unchanged if ``asked`` is None."""
         if asked is None or (asked == self.blades and not self.doubt):
             return self
         other = f", not {self.blades}" if self.blades not in (None, asked) else ""
@@ -111,9 +111,9 @@ class Designation:
 def designation(text: str) -> Designation | None:
     """Return the designation in a text such as "apc 10x4.7sf" or "T5045C"; None without a size.
 
-    A written unit counts.  Numbers without a unit, and digits such as 51466, have the most probable
-    meaning within the manufacturer's sizes; ``reading`` lists the other meanings.  ``MAKERS``
-    contains further rules.  Raise ``InputError`` for an impossible size or number of blades.
+    A written unit determines the size.  Numbers without a unit have the most probable meaning
+    within the manufacturer's range of sizes; ``reading`` lists other probable meanings.  ``MAKERS``
+    contains further rules.  Raises ``InputError`` for an impossible size or number of blades.
     """
     lower = re.sub("[\u00d7*]", "x", text.strip().lower().replace(",", "."))
     lower = re.sub(r"(?<![a-z])inch(?:es)?|''|[\"\u2033\u201d]", " in ", lower)
@@ -124,7 +124,7 @@ def designation(text: str) -> Designation | None:
     rest = lower[: blades.start()] + " " + lower[blades.end() :] if blades else lower
     named = zip(MAKERS, _NAMES, strict=True)
     own = next((maker for maker, name in named if re.search(name, rest)), ANY_MAKER)
-    # Without a manufacturer, all rules apply, except names of sizes.
+    # Without a manufacturer, all rules apply, except rules that supply the size of a name.
     rules = ((maker, rule) for maker in ([own] if own.name else MAKERS) for rule in maker.rules)
     valid = (pair for pair in rules if own.name or "size" not in pair[1])
     by_rule = next(
@@ -169,7 +169,7 @@ def designation(text: str) -> Designation | None:
 
 
 def without_size(text: str) -> InputError:
-    """Return the error for a ``text`` that is no name and no size, or is a ducted fan."""
+    """Return the error for a ``text`` without a known name and without a complete size."""
     lower = text.lower()
     if re.search(r"\bedf\b|duct", lower):
         remedy = "propmap models propellers without a duct; give an open propeller"
@@ -178,25 +178,25 @@ def without_size(text: str) -> InputError:
         return InputError(f"{quoted(text)} is a motor", "give the propeller, as in 10x4.5")
     if not _LENGTH.search(lower):
         return catalogue.unknown_name(text)
-    found = f"{quoted(text)} is neither a propeller of the catalogue nor a file, and not a size: "
-    found += "the pitch, or the unit after the pitch, is missing"
+    found = f"{quoted(text)} is neither a propeller of the catalogue nor a file nor a complete "
+    found += "size: the pitch, or the unit after the pitch, is missing"
     return InputError(found, "give diameter x pitch and the unit, as in 31x20mm 4-blade or 12x6in")
 
 
 # -------------------------------------------------------------------------------------------------
-# Readings of a size.  Their probabilities are in the table ``[prior]`` of makers.toml.
+# Readings of a size.  The table ``[prior]`` of makers.toml contains their probabilities.
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": INCH}  # [m]
 PRIOR: dict[str, Any] = _KNOWN["prior"]
 
 
 class Reading(NamedTuple):
-    """A possible size, and the logarithm of the probability that it is written in this way."""
+    """A possible size, and the probability of the style in which the text writes this size."""
 
-    diameter: float
-    pitch: float
-    unit: str = "in"
-    style: float = 0.0
+    diameter: float  # in ``unit``
+    pitch: float  # in ``unit``
+    unit: str = "in"  # one of ``UNITS``
+    style: float = 0.0  # logarithm of the probability
 
     def __str__(self) -> str:
         return f"{self.diameter:g} x {self.pitch:.4g} {self.unit}"
@@ -207,7 +207,7 @@ class Reading(NamedTuple):
         return self.diameter * UNITS[self.unit], self.pitch * UNITS[self.unit]
 
     def score(self, maker: Maker) -> float:
-        """Return the logarithm of the probability density, except for a constant."""
+        """Return the logarithm of the probability density, up to an additive constant."""
         diameter, pitch = self.lengths
         if (
             not LEAST_DIAMETER <= diameter <= LARGEST_DIAMETER
@@ -224,9 +224,9 @@ class Reading(NamedTuple):
 
 
 def _readings(maker: Maker, found: re.Match[str]) -> tuple[list[Reading], str | None]:
-    """Return the readings of a size, the usual one first, and the number of blades.
+    """Return the readings of a size, the usual reading first, and the number of blades.
 
-    The list is empty for a size such as "31mm x 4", which may mean four blades.
+    The list is empty for a text such as "31mm x 4", because the 4 may be a number of blades.
     """
     if found.re is _FIGURES:
         diameter, pitch, rows = float(found[1]), float(found[2]), PRIOR["digits"][len(found[2]) - 2]
@@ -236,12 +236,12 @@ def _readings(maker: Maker, found: re.Match[str]) -> tuple[list[Reading], str | 
     diameter, pitch, after = float(first), float(second), after or last
     if unit and not after and not blades and pitch <= MOST_BLADES and second.isdigit():
         return [], None
-    # In 10x10M, an M marks a series.
+    # The M of 10x10M denotes a series, not meters.
     if (unit or after) and (after != "m" or diameter <= LARGEST_DIAMETER):
         one, other = unit or after, after or unit
         return [Reading(diameter, pitch * UNITS[other] / UNITS[one], one)], blades
     usual = diameter <= PRIOR["inches"] and pitch <= STEEPEST * diameter
-    # Nobody writes 130 for 13.0, but 51x50 may be 5.1x5.0.
+    # No manufacturer abbreviates 13.0 as 130, but 51x50 may denote 5.1x5.0.
     sizes = [
         Reading(diameter / k, pitch / j, "in", style)
         for k, j, style in PRIOR["numbers"][: 1 if usual else None]
@@ -253,7 +253,7 @@ def _readings(maker: Maker, found: re.Match[str]) -> tuple[list[Reading], str | 
 
 
 def _likeliest(readings: list[Reading], maker: Maker) -> tuple[Reading, float, str]:
-    """Return the most probable reading, its score, and a text with the other probable ones."""
+    """Return the most probable reading, its score, and a text that lists other probable sizes."""
     scores = {one: one.score(maker) for one in readings}
     best, highest = max(scores.items(), key=lambda pair: pair[1])
     close = highest - PRIOR["close"]
@@ -267,9 +267,9 @@ def _likeliest(readings: list[Reading], maker: Maker) -> tuple[Reading, float, s
 def candidates(wanted: Designation) -> list[catalogue.Entry]:
     """Return the propellers of the catalogue that a designation may mean, one for each series.
 
-    In a series, the wanted number of blades takes precedence, then a measured blade.  If the words
-    are the whole name or code of a series, longer names are excluded.  The number of blades must
-    agree only without a manufacturer, because one blade may be used on several hubs.
+    Within a series, propellers with the wanted number of blades come first, then measured blades.
+    If the words are the whole name or code of a series, series with longer names are excluded.
+    With a manufacturer, the number of blades need not agree, because a blade may fit several hubs.
     """
     found: dict[str, catalogue.Entry] = {}
     named, whole = _series(wanted.words), set()
@@ -292,9 +292,10 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
 
 
 def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
-    """Split ``words`` of a designation into codes of the named series, and unknown words.
+    """Return the codes of the series that the ``words`` of a designation name, and unknown words.
 
-    Words at the end are dropped until the rest names a series, so "gws hd" means all series of GWS.
+    The function drops words at the end until the other words name a series.  Therefore "gws hd"
+    means all series of GWS.
     """
     for count in range(len(words), 0, -1):
         found = _series(words[:count])
@@ -331,17 +332,17 @@ def _series(words: tuple[str, ...]) -> list[str]:
 
 
 def _whole(words: tuple[str, ...], family: str) -> bool:
-    """Return whether ``words`` are a whole title of the series, or its code."""
+    """Return whether ``words`` are a whole title of the series, or the code of the series."""
     return words in _title_words()[family] or "".join(words) == family
 
 
 def _names_series(words: tuple[str, ...], family: str, title: tuple[str, ...]) -> bool:
-    """Return whether each of the ``words`` is in the title, or the words form the series code."""
+    """Return whether the title contains all ``words``, or the words form the code of the series."""
     first, *rest = words
     if not rest and len(first) == 1:
-        # A single letter, as in 12x6E, is the mark of a series, not of a manufacturer.
+        # A single letter, as in 12x6E, denotes a series, not a manufacturer.
         return first in title[1:]
     if all(word in title or word == family for word in words):
         return True
-    # "apc" and "sf" form apcsf; a manufacturer alone means all its series.
+    # "apc" and "sf" form the code apcsf.  A manufacturer without a series means all its series.
     return family == "".join(words) or (not rest and family.startswith(first))

@@ -77,7 +77,7 @@ def export(
         Path | None,
         Option(
             metavar="FILE.npz",
-            help="For a vehicle: table of the rotor loads (default: a table that is built for "
+            help="For a vehicle: table of the rotor loads (default: the command builds a table for "
             "hover and level flight up to the top speed).",
         ),
     ] = None,
@@ -85,7 +85,7 @@ def export(
         str | None,
         Option(
             metavar="NAME",
-            help="For gazebo: names of the rotor joints, with {} for the number of the rotor, "
+            help="For gazebo: names of the rotor joints; {} stands for the number of the rotor, "
             "from 0 (default: rotor_{}_joint).",
         ),
     ] = None,
@@ -110,8 +110,8 @@ def export(
 ) -> None:
     """Export rotor loads to simulators, flight code and autopilots.
 
-    A fit, a propeller or a vehicle needs no table: the command builds a table if the format
-    requires one.
+    For a fit, a propeller or a vehicle, the command builds the table if the output format requires
+    a table.
 
     For approximate formats, the output folder also receives a README with the approximation errors.
     """
@@ -185,7 +185,7 @@ def export(
 
 
 def _is_vehicle(path: Path, to: str, table: Path | None) -> bool:
-    """Return whether a TOML file is a vehicle file; if its keys do not decide, by its use."""
+    """Return whether the file is a vehicle file, because of other options or its keys."""
     if path.suffix.lower() != ".toml":
         return False
     if table is not None or to not in (*TARGETS, *ROTOR_TARGETS):
@@ -209,7 +209,7 @@ def _rotor_of_law(
 
 
 def _built(rotor: Rotor, ranges: Ranges) -> LoadTable:
-    """Build the table of a ``rotor``, with notes on its range and errors."""
+    """Return a table of a ``rotor``, and print notes on the range and the errors of the table."""
     from propmap.export import built_tables
 
     model, (omega, speed) = rotor.model, ranges
@@ -226,7 +226,7 @@ def _built(rotor: Rotor, ranges: Ranges) -> LoadTable:
         found = built_tables.built_table(rotor, ranges, lambda stage, n: update(n, what=stage))
     took, sure = time.perf_counter() - start, found.certificate
     worst, steep = max(sure["max_error"].values()), sure["unresolved_volume"]
-    words = f"built it in {took:.0f} s: errors at most {worst:.1%} of the static loads at "
+    words = f"built the table in {took:.0f} s: errors at most {worst:.1%} of the static loads at "
     words += f"{sure['points']} points"
     words += f", except in {steep:.1%} of the range, where the loads are too steep" * (steep > 0.0)
     echo(words, err=True)

@@ -107,8 +107,8 @@ class FitChoice:
         bool,
         Option(
             "--accept",
-            help="Write the fit even if the rms error of thrust, vertical force or torque exceeds "
-            "a third of the measured rms, or two section constants are at their bounds.",
+            help="Write an implausible fit: an rms error above a third of the measured thrust, "
+            "vertical force or torque (rms), or two section constants at their bounds.",
         ),
     ] = False
 
@@ -162,15 +162,15 @@ class FitChoice:
         return Choice(wanted, fixed, beliefs, start, expected)
 
     def refuse_implausible(self, fitted: Fitted, warnings: Sequence[str]) -> list[str]:
-        """Raise ``InputError`` for an implausible fit, with doubts about the data; with
-        ``--accept``, return the reason as remarks."""
+        """Raise ``InputError`` for an implausible fit, with doubts about the data.  With
+        ``--accept``, return the reason as a remark instead."""
         reason = fitted.implausible
         if reason and not self.accept:
             odd = [text for text in warnings if ": columns: " not in text]
             doubts = "; ".join(odd) or "units and signs of the data look plausible"
             remedy = "correct the data or the propeller, or add --accept to write the fit"
             raise InputError(f"{reason}, so no file was written; {doubts}", remedy)
-        return [f"accepted although {reason}"] if reason else []
+        return [f"the fit is accepted although {reason}"] if reason else []
 
 
 def _pair(text: str, option: str) -> tuple[str, str]:

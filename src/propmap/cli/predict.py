@@ -122,8 +122,8 @@ def _points(
     found = opt.single_point(abs(rpm), speed or 0.0, beta or 0.0, **further)
     if rpm < 0.0:
         out.note(
-            "negative rpm: the propeller turns backward and pulls in the other direction; no "
-            "measurement confirms these loads; for either spin, give a positive rpm"
+            "negative rpm: the propeller turns backward, and its thrust changes sign; no "
+            "measurement confirms these loads; for a propeller of either spin, give a positive rpm"
         )
     return replace(found, rpm=np.copysign(found.rpm, rpm))
 

@@ -1,4 +1,4 @@
-"""Tables that an export builds for a vehicle, or for a propeller of a typical multirotor."""
+"""Tables that ``propmap export`` builds for a vehicle, or for a propeller without a vehicle."""
 
 from __future__ import annotations
 
@@ -19,24 +19,25 @@ from propmap.table.verification import Progress
 from propmap.vehicle.vehicle_forces import mounted_rotors
 
 AROUND_HOVER = (0.7, 1.5)  # range of rotor speeds over the speed in hover; 1.5 doubles the thrust
-BEYOND = 1.1  # margin above the top speed, and below the slowest rotor in level flight
-USUAL_TIP_SPEED, USUAL_SPEED = 70.0, 20.0  # in hover and top speed, without a vehicle [m/s]
-BETA = (0.0, math.pi)  # [rad]
+BEYOND = 1.1  # factor on the top speed, and divisor of the slowest rotor speed in level flight
+USUAL_TIP_SPEED = 70.0  # assumed tip speed in hover of a propeller without a vehicle [m/s]
+USUAL_SPEED = 20.0  # assumed largest airspeed of a propeller without a vehicle [m/s]
+BETA = (0.0, math.pi)  # range of beta: from climb to descent [rad]
 
 TOLERANCES = (0.025, 0.05, 0.1)
-"""Tolerances, as fractions of the static loads; the first that can be met applies.  Most propellers
-meet the first in seconds; smaller ones prevent this range of rotor speeds, because the Reynolds
-number changes the loads."""
+"""Tolerances of a table, as fractions of the static loads, in the order of attempts.  For most
+propellers, a table with the first tolerance is feasible and takes seconds.  Smaller tolerances are
+often not feasible for this range of rotor speeds, because the Reynolds number changes the loads."""
 
-POINTS = 8192  # of the certificate; the points take most of the time
+POINTS = 8192  # points of the certificate; their evaluation takes most of the time of a build
 
-Ranges = tuple[Range, Range]  # of rotor speed [rad/s] and airspeed [m/s]
+Ranges = tuple[Range, Range]  # ranges of rotor speed [rad/s] and airspeed [m/s]
 
 
 def with_mount_in_model(aircraft: Aircraft, rotor: Rotor) -> tuple[Aircraft, Rotor]:
-    """Return the aircraft of a ``rotor`` with [mount] in the model of the rotor, and this rotor.
+    """Return an aircraft and its rotor, with the drag of [mount] in the model of the ``rotor``.
 
-    Tables and C++ headers contain one rotor: raises ``InputError`` for different mounts.
+    Raises ``InputError`` for different mounts, because tables and C++ headers contain one rotor.
     """
     vehicle = aircraft.vehicle
     (model, _), *others = mounted_rotors(vehicle, rotor.model)
@@ -48,16 +49,16 @@ def with_mount_in_model(aircraft: Aircraft, rotor: Rotor) -> tuple[Aircraft, Rot
 
 
 def ranges_of(aircraft: Aircraft) -> Ranges:
-    """Return ranges with hover, a margin and level flight up to the top speed.
+    """Return ranges that include hover and level flight up to the top speed, with a margin.
 
-    At the top speed a rotor reaches the largest rotor speed of the range, or a limit of the
+    At the top speed, a rotor reaches the largest rotor speed of the range, or a limit of the
     vehicle.  Raises ``InputError`` for a vehicle that does not hover.
     """
     still = aircraft.steady(0.0, margin=False)
     if not still.found[0]:
         found = f"the vehicle does not hover: {STATUSES[str(still.status[0])]}"
-        remedy = "check mass, propeller and motor, or build a table with propmap table and give it "
-        raise InputError(found, f"{remedy}as --table FILE.npz")
+        remedy = "check mass, propeller and motor, or build a table with propmap table and add it"
+        raise InputError(found, f"{remedy} as --table FILE.npz")
     slow, fast = (
         AROUND_HOVER[0] * still.rotor_speed.min(),
         AROUND_HOVER[1] * still.rotor_speed.max(),
@@ -69,13 +70,13 @@ def ranges_of(aircraft: Aircraft) -> Ranges:
 
 
 def usual_ranges(propeller: Propeller) -> Ranges:
-    """Return the ranges of a ``propeller`` alone, on a typical multirotor."""
+    """Return the ranges of a ``propeller`` without a vehicle, as on a typical multirotor."""
     least, most = (factor * USUAL_TIP_SPEED / propeller.radius for factor in AROUND_HOVER)
     return (least, most), (0.0, USUAL_SPEED)
 
 
 def built_table(rotor: Rotor, ranges: Ranges, progress: Progress | None = None) -> LoadTable:
-    """Build the table of a ``rotor`` over ``ranges`` with the smallest possible tolerance."""
+    """Return the table of a ``rotor`` over ``ranges`` with the smallest feasible tolerance."""
     omega, speed = ranges
     build = partial(build_table, rotor, omega=omega, speed=speed, beta=BETA, progress=progress)
     for tolerance in TOLERANCES[:-1]:

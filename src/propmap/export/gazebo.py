@@ -1,7 +1,7 @@
-"""Target ``gazebo``: motor models of gz-sim and of Gazebo Classic in PX4, one per rotor.
+"""Target ``gazebo``: one plugin per rotor, for gz-sim and for PX4's Gazebo Classic.
 
-Their equations are those of ``MulticopterMotorModel.cc`` in gz-sim 8 to 10, and of
-``gazebo_motor_model.cpp`` in PX4-SITL_gazebo-classic.
+The equations of the plugins are in ``MulticopterMotorModel.cc`` of gz-sim 8 to 10, and in
+``gazebo_motor_model.cpp`` of PX4-SITL_gazebo-classic.
 """
 
 from __future__ import annotations
@@ -25,12 +25,11 @@ from propmap.vehicle.vehicle import SPINS, Vehicle
 from propmap.vehicle.vehicle_forces import load_rows
 
 SPEEDS = (0.0, 5.0, 10.0, 15.0)  # airspeeds at which the note states the errors [m/s]
-JOINT, LINK = "rotor_{}_joint", "rotor_{}"  # default names, with the number of the rotor
-
+JOINT, LINK = "rotor_{}_joint", "rotor_{}"  # default names; {} is the number of the rotor
 
 Flight = tuple[str, Floats]
-"""Description of a flight, and rotor speeds [rad/s], velocities along the axes and in the disk
-planes [m/s] of its k rotors (3, k)."""
+"""Description of a flight, and an array (3, k) for its k rotors: rotor speeds [rad/s], velocities
+along the axes [m/s], velocities in the disk planes [m/s]."""
 
 
 def table_files(table: LoadTable, *, joint: str = JOINT, link: str = LINK) -> files.Files:
@@ -91,9 +90,10 @@ def _files(
     flights: Sequence[Flight],
     **values: Any,
 ) -> files.Files:
-    """Return the files ``name`` of rotors with these ``spins`` and ``names``.
+    """Return the files of a propeller or vehicle ``name``, for rotors with these ``spins``.
 
-    The constants apply at the rotor speed ``omega`` in hover, and the errors to the ``flights``.
+    ``names`` contains the patterns of the names of joints and links.  ``omega`` [rad/s] is the
+    rotor speed of the static loads.  The note lists the errors in the ``flights``.
     """
     for kind, pattern in names.items():
         if "{}" not in pattern or not pattern.isprintable():
@@ -103,7 +103,7 @@ def _files(
     fitted = fit_rotor(table, samples, omega)._replace(k_z=0.0, k_h=0.0, k_flap=0.0, k_side=0.0)
     near = np.abs(samples.axial[samples.simple])
     loss = (1.0 - samples.loads["thrust"] / samples.static["thrust"])[samples.simple]
-    # Without a loss of thrust, the largest airspeed is a very large number.
+    # The lower limit of the loss avoids a division by zero if the thrust does not decrease.
     airspeed = float(near @ near / max(near @ loss, 1e-6 * (near @ near)))
     found, classic = [], []
     for where, (turning, axial, inplane) in flights:

@@ -58,8 +58,8 @@ class RotorPyRotor(NamedTuple):
 
 
 def fit_rotor(table: LoadTable, samples: files.Samples, hover: float | None = None) -> RotorPyRotor:
-    """Copy thrust and torque at rest, at ``hover`` or the middle rotor speed [rad/s], from the
-    table; fit the other loads by least squares."""
+    """Return a rotor with the static thrust and torque of the table at the rotor speed ``hover``
+    [rad/s] (default: the middle of the table), and least-squares fits of the other loads."""
     middle = files.middle_omega(table) if hover is None else hover
     static = files.static_loads(table, np.array([middle]))
     k_eta, k_m = (float(static[load][0]) / middle**2 for load in ("thrust", "torque"))

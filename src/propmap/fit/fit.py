@@ -33,7 +33,7 @@ from propmap.units import RPM
 OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
 """Loads whose relative errors estimate the errors of static thrust and of static torque."""
 
-MOST_LEFT = 1.0 / 3.0  # rms error over measured rms above which a fit cannot be right
+MOST_LEFT = 1.0 / 3.0  # largest rms error of a plausible fit, over the measured rms
 MEDIAN_TO_DEVIATION = 1.4826  # standard deviation over median magnitude, for normal errors
 
 
@@ -115,8 +115,8 @@ class Fitted:
 
     @property
     def implausible(self) -> str:
-        """Reason why the fit cannot be right: an rms error above ``MOST_LEFT`` of thrust, vertical
-        force or torque, or two section constants at their bounds; empty for a usable fit."""
+        """Reason to reject the fit: an rms error above ``MOST_LEFT`` for thrust, vertical force or
+        torque, or two section constants at their bounds; empty for a plausible fit."""
         found = []
         for k, name in enumerate(self.rows.names):
             left = errors(*self.compared(k)).relative_rms

@@ -79,7 +79,7 @@ NOT_TAKEN = {
 }
 """Patterns of columns that resemble a known quantity but are another one, and the reason."""
 
-SIDE = re.compile(  # qualifiers as in "Speed (level) (km/h)", which is another quantity
+SIDE = re.compile(  # qualifiers of other quantities, as in "Speed (level) (km/h)"
     r"\b(el|elec|electric|electrical|input|battery|esc|level|vertical|pitch"
     r"|min|max|std|sd|error|uncertainty|target|setpoint|command)\b"
 )
@@ -111,8 +111,8 @@ def _words(text: str) -> str:
 
 
 def _parted(name: str) -> Iterator[tuple[str, str, str, int]]:
-    """Yield all splits of a column name into words, unit, unit as spelled in the file, and 1 if a
-    qualifier was cut off the words, as in "Thrust - Motor 1 (N)"; else 0."""
+    """Yield all splits of a column name into words, unit, and unit as spelled in the file.  The
+    last value is 1 if the words exclude a qualifier, as in "Thrust - Motor 1 (N)", or else 0."""
     text = unicodedata.normalize("NFKC", name[:LONGEST]).strip()
     low = text.lower()
     found = re.fullmatch(r"(.*[\])}>]|.*?)[\s,_]*[\[({<](.*)[\])}>]", low)

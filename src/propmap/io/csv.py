@@ -460,9 +460,9 @@ def read_columns(
 ) -> tuple[dict[str, Floats], list[str]]:
     """Return columns (n,) of a CSV file in the units of their names, and remarks on the columns.
 
-    The columns are the ``needed`` ones and available ``further`` ones of ``propmap.io.columns``.
-    An empty field is NaN, or an error in columns of the operating point.  ``what`` is the name of
-    the expected content in messages.  A key of ``implied`` is needed if its value is available.
+    The result contains the ``needed`` columns, and the ``further`` columns of the file.  If the
+    file contains a value of ``implied``, its key is also needed.  An empty field is NaN, or an
+    error in columns of the operating point.  Messages call the expected content ``what``.
     """
     wanted, lines = (*needed, *further), read_lines(path, what, latin=True)
     with located(str(path)):
@@ -540,7 +540,7 @@ def _value(cell: str, column: str, line: int, name: str) -> float:
         value = float(cell)
     except ValueError:
         found = f"{quoted(cell)} is not a number" if cell else "the field is empty"
-        plain = "write a number without unit and thousands separators"
+        plain = "write a number without a unit and without thousands separators"
         raise InputError(found, plain if cell else remedy, where) from None
     if not math.isfinite(value):
         raise InputError(f"{cell} is not a finite number", remedy, where)

@@ -63,8 +63,8 @@ def _aerodyn(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
                 raise InputError(found, "end a table with EOT", f"line {line[0]}")
         yield reynolds, rows
     if beyond := [n for n, line in rest if _is_row(line)]:
-        found = f"found a row below the stated number of tables, {count}"
-        raise InputError(found, "correct this number", f"line {beyond[0]}")
+        found = f"found a row after table {count}, the last table that the file states"
+        raise InputError(found, "correct the number of tables", f"line {beyond[0]}")
 
 
 def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
@@ -101,8 +101,8 @@ def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _qblade(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
-    """Read polars side by side: a row is the angle, and C_L, C_D, C_m for each Reynolds number,
-    with three more coefficients if the polars are decomposed."""
+    """Read the polars of all Reynolds numbers.  A row contains the angle, and C_L, C_D and C_m for
+    each Reynolds number, followed by three more coefficients if the polars are decomposed."""
     start = next((k for k, (_, line) in enumerate(lines) if _is_row(line)), len(lines))
     head = [line.partition(" - ")[0].split() for _, line in lines[:start]]
     listed = next((words for words in head if "REYNOLDS" in words), [])
@@ -234,11 +234,11 @@ FORMATS = (
     "a CACTUS table, a polar of CCBlade or airfoiltools, or CSV with the columns alpha_deg,cl,cd "
     "and re"
 )
-ONE_POLAR = (formats.XFOIL, formats.QBLADE, CCBLADE)  # formats of the files of a folder
-RADIANS = 3.2  # angle [deg] that every polar in degrees exceeds, and none in radians
-LEAST_REYNOLDS, LARGEST_REYNOLDS = 100.0, 1e9  # others are in thousands, or converted twice
+ONE_POLAR = (formats.XFOIL, formats.QBLADE, CCBLADE)  # formats of polars in a folder
+RADIANS = 3.2  # limit of angles: polars in radians do not exceed it, polars in degrees do
+LEAST_REYNOLDS, LARGEST_REYNOLDS = 100.0, 1e9  # other values are in thousands, or converted twice
 ASSUMED_REYNOLDS = 1e6  # for a single table without Reynolds number; loads do not depend on it
-SAME_LIFT, SAME_DRAG = 0.01, 0.1  # largest difference, C_D relative, of an angle XFOIL repeats
+SAME_LIFT, SAME_DRAG = 0.01, 0.1  # largest C_L and relative C_D difference of repeated rows
 
 
 def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
@@ -333,8 +333,8 @@ def _polar(reynolds: float, rows: list[Row]) -> Polar:
         raise InputError(found, "give more angles")
     _, angles, lifts, drags = np.array(kept).T
     if max(abs(angles)) < RADIANS:
-        found = f"the largest angle is {max(abs(angles)):.4g} deg, probably in radians"
-        raise InputError(found, "give degrees, or name the column alpha_rad")
+        found = f"the largest angle is {max(abs(angles)):.4g} deg, so the angles may be in radians"
+        raise InputError(found, "give the angles in degrees, or name the column alpha_rad")
     return Polar(reynolds, np.radians(angles), lifts, drags)
 
 

@@ -69,7 +69,7 @@ class BladeToHub(Correction):
     """Extension of the blade from its first measured station to the hub.
 
     Geometry files begin at the radius where the blade leaves the fairing of the hub.  On the APC
-    8x6E, the part inside increases the thrust by 1 to 2 % and the rotor drag by more than 10 %.
+    8x6E, the added part increases the thrust by 1 to 2 % and the rotor drag by more than 10 %.
 
     Attributes
     ----------
@@ -119,8 +119,8 @@ class BladeUntwist(Correction):
 
     A blade of length R that is clamped at its hub twists by delta_tip s (2 - s), s = y / R, if the
     moment per length is constant.  For one material and shape, delta_tip grows with the square of
-    the tip speed and does not depend on the size.  At 100 m/s and c/t = 10, it is about 0.05 rad
-    for polycarbonate and 0.02 rad for nylon with glass fibers.
+    the tip speed and does not depend on the size.  For a tip speed of 100 m/s and c/t = 10,
+    delta_tip is about 0.05 rad for polycarbonate and 0.02 rad for nylon with glass fibers.
 
     Attributes
     ----------
@@ -273,7 +273,7 @@ class Installed(Correction):
         Area f [m^2], drag coefficient times area of the parts in the slipstream; None for the mean
         of ``TYPICAL_AREA``.
     wake : float
-        Inflow at these parts over the inflow at the disk, w [-]: 1 at the disk, where a motor is,
+        Inflow at these parts over the inflow at the disk, w [-]: 1 for a motor close to the disk,
         up to 2 far below, 0 outside the slipstream.
 
     Raises
@@ -323,8 +323,8 @@ class Installed(Correction):
 class StallDelay(Correction):
     """Stall delay of the inner blade after Snel: rotation keeps the separated flow on the blade.
 
-    The drag does not change.  The rule was made for the slender blades of wind turbines; for large
-    c/y it removes stall completely.
+    The drag does not change.  The rule was developed for the slender blades of wind turbines.  For
+    large c/y, the rule removes stall completely.
 
     Attributes
     ----------
@@ -362,8 +362,8 @@ class StallDelay(Correction):
 class PrandtlGlauert(Correction):
     """Prandtl-Glauert rule: the lift is divided by sqrt(1 - M^2), where M is the Mach number.
 
-    Above M = 0.6 the rule uses a smaller M, which levels off at 0.7.  It does not change the drag,
-    so the drag rise due to shocks is missing.
+    Above M = 0.6, the rule uses a smaller M, which levels off at 0.7.  The rule does not change the
+    drag and therefore excludes the drag rise due to shocks.
 
     Attributes
     ----------

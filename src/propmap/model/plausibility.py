@@ -57,8 +57,8 @@ MOST_FOR_THRUST, LEAST_FOR_THRUST = (1.4, 1.95), 0.7
 """Limits of the torque ratio (torque over its estimate) divided by the thrust ratio; the 134 sets
 have 0.81 to 1.85.  The first limit applies if power was measured; two sets exceed it."""
 GOOD_ROTOR = 0.8
-"""Ideal power over shaft power up to which a thrust too large for its torque is not doubted: a good
-large propeller has 0.7 to 0.75 in hover, and the thrust of two rotors multiplies it by 2.8."""
+"""Ratio of ideal power to shaft power above which a large thrust is doubted.  In hover, the ratio
+of a good large propeller is 0.7 to 0.75.  The thrust of two rotors multiplies the ratio by 2.8."""
 
 FAST_TIP_MACH = 0.75  # above, the drag of thick sections rises, which no section law includes
 PITCH_STATION = 0.75  # share of the radius at which chord and twist represent the blade
@@ -341,8 +341,8 @@ def _wrong_size(ratios: Mapping[str, float], usual: Range, *, by_power: bool) ->
 
 
 def _out_of_proportion(ratios: Mapping[str, float], ideal: float, *, by_power: bool) -> list[str]:
-    """Warn of thrust and torque that are plausible alone but not together; ``ideal`` is the ideal
-    power over the shaft power."""
+    """Return warnings of a thrust and a torque that are plausible alone but not together; ``ideal``
+    is the ratio of ideal power to shaft power."""
     if not {"thrust", "torque"} <= set(ratios):
         return []
     share = ratios["torque"] / ratios["thrust"]
@@ -396,7 +396,7 @@ def _impossible(
 def _ideal_share(
     propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
 ) -> float:
-    """Return the median ideal power over shaft power [-], in hover the figure of merit, or 0."""
+    """Return the median ratio of ideal power to shaft power [-]; 0 without thrust or torque."""
     if not {"thrust", "torque"} <= set(known):
         return 0.0
     thrust, power = known["thrust"], known["torque"] * w

@@ -93,7 +93,7 @@ def _by_angle(beta: Floats, code: NDArray[np.uint8]) -> list[tuple[str, ...]]:
 def table_errors(
     found: dict[str, Any], parameters: dict[str, Any]
 ) -> tuple[html.FigureRecord, str]:
-    """Return the errors by load relative to static loads with their operating points, and heads."""
+    """Return the errors of each load, over the static load, with operating points, and heads."""
     errors = {"largest": found["max_error"], "rms": found["rms_error"]}
     if found["unresolved_cells"]:
         errors["largest, unresolved"] = found["unresolved_max_error"]
@@ -130,8 +130,8 @@ KINDS = {
 
 
 def table_cells(table: LoadTable) -> html.FigureRecord:
-    """Return the cells with a status other than "ok", which is "no_value" if a corner has no value;
-    the figure shows all cells."""
+    """Return the cells with a status other than "ok"; the figure shows all cells.  The status of a
+    cell with a corner without value is "no_value"."""
     content = table.content
     beta = np.degrees(content.beta)
     lost: Any = np.isnan(content.coefficients).any(axis=(0, 1))

@@ -29,7 +29,7 @@ def draft_vehicle(path: Path) -> tuple[str, list[str]]:
     has no rotor parameters.
     """
     if path.exists() and path.suffix.lower() != ".ulg":
-        found = "only ULogs of PX4 contain rotor positions; logs of ArduPilot lack the lengths"
+        found = "only ULogs of PX4 contain rotor positions"
         remedy = "write mass, propeller, and [[rotors]] with position and spin by hand"
         raise InputError(found, remedy, str(path))
     if not path.is_file():

@@ -235,8 +235,8 @@ def _check_columns(
     where: str,
     log: LogMap,
 ) -> None:
-    """Raise ``InputError`` for keys that are ``unnamed`` in [log.columns], and for all columns in
-    ``names`` that are missing or not unique."""
+    """Raise ``InputError`` for keys that are ``unnamed`` in [log.columns], and for columns in
+    ``names`` that are missing from the file or not unique."""
     wanted = {name: key for key, columns in names.items() for name in columns}
     missing = [name for name in wanted if name not in present]
     twice = [name for name in wanted if present.count(name) > 1]
@@ -317,7 +317,7 @@ TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, *TURNING, BATTER
 
 
 MAGIC, HEADER = b"ULog\x01\x12\x35", 16  # first bytes and size of the header of a ULog file
-DEFINING, FIRST_DATA = b"BFIMPQ", b"ALC"  # kinds of its definitions, and of the next message
+DEFINING, FIRST_DATA = b"BFIMPQ", b"ALC"  # types of the definitions and of the next message
 AS_LOGGED = "give the original .ulg file of the flight controller"
 
 
@@ -389,7 +389,7 @@ def parsed_ulog(path: Path) -> Any:
         _check_definitions(file, path.stat().st_size)
         file.seek(0)
         try:
-            # pyulog prints messages about damaged parts, which ``file_corruption`` reports as well.
+            # pyulog prints messages about damaged parts, but ``file_corruption`` suffices.
             with contextlib.redirect_stdout(io.StringIO()):
                 return ULog(file, TOPICS)
         # Damaged bytes make the parser of pyulog raise undocumented exceptions.
@@ -400,7 +400,7 @@ def parsed_ulog(path: Path) -> Any:
 
 def _check_definitions(file: Any, size: int) -> None:
     """Raise ``InputError`` for damaged definitions at the beginning of a ULog file of ``size``
-    bytes, because pyulog 1.3 never returns from a definition that exceeds the file."""
+    bytes.  pyulog 1.3 never returns if a definition extends beyond the end of the file."""
     if not file.read(HEADER).startswith(MAGIC):
         raise InputError("not a ULog file: the first bytes are wrong", AS_LOGGED)
     kind, at = 0, HEADER
@@ -408,7 +408,7 @@ def _check_definitions(file: Any, size: int) -> None:
         file.seek(at)
         length, kind = struct.unpack("<HB", file.read(3).ljust(3, b"\0"))
         if at + 3 + length > size or kind not in DEFINING + FIRST_DATA:
-            found = f"a damaged ULog file: no whole definition begins at byte {at} of {size}"
+            found = f"a damaged ULog file: no complete definition begins at byte {at} of {size}"
             raise InputError(found, AS_LOGGED)
         at += 3 + length
 

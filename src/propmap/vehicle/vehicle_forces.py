@@ -113,8 +113,8 @@ class VehicleForces:
         Parameters
         ----------
         omega : array_like, shape (..., k)
-            Speeds of the k rotors, in the order of the vehicle's mounts [rad/s].  Only a ``Rotor``
-            without wakes has loads at negative speeds, as a propeller that turns backward.
+            Speeds of the k rotors, in the order of the vehicle's mounts [rad/s].  Negative speeds
+            describe rotors that turn backward; they require a ``Rotor`` and exclude wakes.
         velocity : array_like, shape (..., 3)
             Velocity of the center of mass over the ground [m/s].
         rates : array_like, shape (..., 3)

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # Interaction of the rotors: the axial flow that wakes add at the disks of other rotors.
 #
-# docs/theory.md, "Rotor wakes", describes the model: the wake of each rotor is a skewed vortex
-# cylinder whose velocity, averaged over another disk and times a gain, adds to V cos(beta) there.
+# docs/theory.md, "Rotor wakes", describes the model.  The wake of each rotor is a skewed vortex
+# cylinder.  The mean velocity of the cylinder at another disk, times a gain, adds to V cos(beta).
 
 LARGEST_INFLOW = 2.0
 """Upper limit of the inflow over the hover inflow at the same thrust [-]: about the measured value
@@ -440,9 +440,11 @@ def _disk() -> tuple[Floats, Floats]:
 # -------------------------------------------------------------------------------------------------
 # The slipstream of a rotor at the disk of an overlapping lower rotor, such as a coaxial rotor.
 #
-# docs/theory.md, "Rotors above each other", describes the model.  For two equal thrusts in hover,
-# the induced power is 1.309 times that of separate rotors.  By momentum theory it is 1.281 times
-# with the lower rotor far below, and 1.414 times with both in one plane, which no pair reaches.
+# docs/theory.md, "Rotors above each other", describes the model.  Induced power in hover for two
+# equal thrusts, divided by the induced power of two separate rotors:
+# - this model: 1.309
+# - momentum theory, lower rotor far below: 1.281
+# - momentum theory, both rotors in one plane, a limit that no pair reaches: 1.414
 #
 # References
 # ----------
@@ -527,8 +529,8 @@ def _slipstream_table(depth: float, aside: float, along: float) -> Any:
 # The velocity induced by a rotor's wake: a semi-infinite skewed cylinder of vortex rings.
 #
 # The rings are parallel to the disk and lie along the direction in which the air carries the wake
-# away.  docs/theory.md, "Rotor wakes", contains the integral around a ring, here a sum over equally
-# spaced azimuths.  The sum converges geometrically away from the wake's surface.
+# away.  docs/theory.md, "Rotor wakes", contains the integral around a ring.  The code replaces this
+# integral by a sum over equally spaced azimuths, which converges geometrically outside the surface.
 #
 # References
 # ----------
