@@ -19,9 +19,8 @@ from propmap.cli import output as out
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_place, loads_csv, write_dataset
 from propmap.results import STATUSES
-from propmap.study.files import StudyFile, Surface, read_study, response_surface
-from propmap.study.run import VARIABLES, Study
-from propmap.sweep.points import AXES, TEXTS, Grid, column_of, parts_count
+from propmap.study.files import read_study
+from propmap.sweep.points import Grid, column_of, parts_count
 from propmap.sweep.run import (
     POINTS_PER_TASK,
     Evaluation,
@@ -35,7 +34,7 @@ from propmap.sweep.run import (
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    import xarray
+    pass
 
 
 # -------------------------------------------------------------------------------------------------
@@ -220,10 +219,6 @@ def study(
             "an interruption, run the command again to complete the Zarr store."
         ),
     ],
-    picture: Annotated[
-        Path | None,
-        Option(metavar="FILE", help="Picture of the response surface: .png, .svg or .pdf."),
-    ] = None,
     accuracy: opt.AccuracyOption = "standard",
     cluster: opt.Cluster = None,
     force: out.Force = False,
@@ -235,12 +230,7 @@ def study(
         check_store(output, force=force)
     else:
         out.check_output(output, (".nc", ".zarr"), keep_existing=not force)
-    out.check_pictures(picture)
-
     read = read_study(file)
-    if picture is not None and read.surface is None:
-        fault = "--picture needs two varied quantities"
-        raise InputError(fault, "vary another quantity", str(file))
     choice = opt.RotorChoice(read.propeller, airfoil=read.airfoil or None, accuracy=accuracy)
     with out.blamed_on(file):
         made = read.study(choice.rotor())
@@ -261,40 +251,3 @@ def study(
     lost = int(np.isnan(found["thrust"]).sum())
     remark = f", {lost} without loads" if lost else ""
     echo(f"wrote {output}: {made.count} designs, {points} points{remark}")
-    if read.surface is not None:
-        _show_surface(read, read.surface, made, found, picture)
-
-
-def _show_surface(
-    read: StudyFile, asked: Surface, made: Study, found: xarray.Dataset, picture: Path | None
-) -> None:
-    """Fit the response surface, print its error, and draw it."""
-    at: dict[str, Any] = {}
-    fixed = []
-    for dim, (name, unit, _) in AXES.items():
-        if name in made.axes:
-            values = made.axes[name]
-            at[dim] = index = int(np.argmin(np.abs(values - asked.at.get(name, values[0]))))
-            value, word = f"{values[index]:g}", name.partition("_")[0]
-            fixed.append(f"{value} rpm" if word == "rpm" else f"{word} {value} {unit}")
-    values = found[asked.quantity].isel(at).values
-    surface = response_surface(made.rows, values)
-    unit, _ = TEXTS[asked.quantity]
-    out.show(
-        None,
-        f"{asked.quantity} at {', '.join(fixed) or 'the points of the designs'}: "
-        f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g} {unit}; a quadratic in "
-        f"{', '.join(surface.names)} predicts left-out designs with an rms error of "
-        f"{surface.left_out_rms:.2g} {unit}",
-    )
-    if picture is None:
-        return
-    from propmap.report.pictures import response_picture
-
-    across, up = (
-        f"{name.replace('_', ' ')} [{VARIABLES[name][0]}]" for name in (asked.across, asked.up)
-    )
-    title = f"{read.title}: {', '.join(fixed)}" if fixed else read.title
-    of, axes = f"{asked.quantity.replace('_', ' ')} [{unit}]", (asked.across, asked.up)
-    figure = response_picture(title, of, surface, axes, (across, up), made.rows, values)
-    out.save_picture(figure, picture)

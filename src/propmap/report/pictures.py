@@ -1,4 +1,4 @@
-"""Figures of loads, disks, blades, power, rankings, missions, wind and response surfaces."""
+"""Figures of loads, disks, blades, power, rankings, missions and wind."""
 
 from __future__ import annotations
 
@@ -44,7 +44,6 @@ if TYPE_CHECKING:
     from propmap.model.propeller import Propeller
     from propmap.results import Inflow
     from propmap.rotor import Rotor
-    from propmap.study.files import ResponseSurface
 
 
 NEAR_ANGLE = np.radians(0.5)
@@ -419,57 +418,6 @@ def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
     if lost.any():
         keys.append(key("cannot be flown", color="0.88", linewidth=8.0))
     legend_below(figure, keys)
-    return figure
-
-
-GRID = 80  # number of values along each axis
-
-
-@style()
-def response_picture(
-    title: str,
-    label: str,
-    surface: ResponseSurface,
-    axes: tuple[str, str],
-    labels: tuple[str, str],
-    rows: dict[str, Floats],
-    values: Floats,
-) -> Figure:
-    """Draw contours of a response surface over two ``axes``, and its error at the designs.
-
-    ``label`` names the quantity.  Other variables have their middle value.  Dots are the designs
-    ``rows`` (n,); the second panel compares the surface with their computed ``values`` (n,).
-    """
-    figure = new_figure(9.6, 4.6)
-    ax, check = figure.subplots(1, 2, width_ratios=(1.35, 1.0))
-    ends = [(rows[name].min(), rows[name].max()) for name in axes]
-    across, up = np.meshgrid(*(np.linspace(*pair, GRID) for pair in ends))
-    middle = surface.middle()
-    if "blades" in middle:
-        middle["blades"] = float(rows["blades"].min())
-    at = {name: np.full(across.size, value) for name, value in middle.items()}
-    at |= {axes[0]: across.ravel(), axes[1]: up.ravel()}
-    found = surface(at).reshape(across.shape)
-    filled = ax.contourf(across, up, found, 14, cmap="viridis")
-    lines = ax.contour(across, up, found, filled.levels[::2], colors="white", linewidths=0.7)
-    ax.clabel(lines, fontsize=7.5)
-    figure.colorbar(filled, ax=ax, label=label)
-    ax.plot(rows[axes[0]], rows[axes[1]], ".", color="black", markersize=2.5, alpha=0.6)
-    ax.set(xlabel=labels[0], ylabel=labels[1])
-    rest = [f"{n.replace('_', ' ')} {v:.3g}" for n, v in middle.items() if n not in axes]
-    notes = [f"surface at {', '.join(rest)}", "dots: all designs"] if rest else []
-    ax.set_title("\n".join(notes), fontsize=8.0)
-    check.plot(values, surface(rows), ".", markersize=3.5)
-    line = [np.nanmin(values), np.nanmax(values)]
-    check.plot(line, line, color="0.35", linewidth=0.9)
-    check.set(xlabel=f"computed: {label}", ylabel=f"quadratic fit: {label}")
-    spread = float(np.nanstd(values))
-    unit = label[label.find("[") + 1 : -1]
-    share = f", {100.0 * surface.left_out_rms / spread:.2g} % of the spread" if spread else ""
-    check.set_title(
-        f"rms error at left-out designs: {surface.left_out_rms:.2g} {unit}{share}", fontsize=8.0
-    )
-    figure.suptitle(title)
     return figure
 
 

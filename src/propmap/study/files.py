@@ -12,11 +12,10 @@ import numpy as np
 from msgspec import Meta
 from msgspec.structs import asdict
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError
 from propmap.io.toml import Number, Text, TomlTable, checked, read_toml
 from propmap.rotor import Rotor
 from propmap.study.run import OPERATION, Study
-from propmap.sweep.points import TEXTS
 from propmap.typing import Floats
 from propmap.units import INCH
 
@@ -68,49 +67,23 @@ class _Sampling(TomlTable):
             raise InputError(found, "remove designs, or give more values in [vary]")
 
 
-class _Picture(TomlTable):
-    quantity: Annotated[str, '"power"'] | None = None
-    x: Annotated[str, '"diameter"'] | None = None
-    y: Annotated[str, '"diameter"'] | None = None
-    rpm: Annotated[Number, "the value in the picture"] | None = None
-    speed_mps: Annotated[Number, "the value in the picture"] | None = None
-    beta_deg: Annotated[Number, "the value in the picture"] | None = None
-
-
 class _StudyFile(TomlTable):
     propeller: _StudyPropeller
     sampling: _Sampling
-    title: Annotated[str, '"..."'] | None = None
     vary: dict[str, Any] = msgspec.field(default_factory=dict)  # a ``_Vary`` that keeps the order
     points: _Points = msgspec.field(default_factory=_Points)
-    picture: _Picture = msgspec.field(default_factory=_Picture)
-
-
-@dataclass(frozen=True)
-class Surface:
-    """The picture of a study: a ``quantity`` of ``TEXTS`` over the variables ``across`` and ``up``.
-
-    ``at`` selects the operating point: the nearest value on each shared axis (default: the first).
-    """
-
-    quantity: str
-    across: str
-    up: str
-    at: dict[str, float]
 
 
 @dataclass(frozen=True)
 class StudyFile:
     """Content of a study file: names as on the command line, and the arguments of ``Study``."""
 
-    title: str
     propeller: str  # baseline design, as on the command line
     airfoil: str  # empty for the default section constants of the propeller
     varied: dict[str, Floats]
     axes: dict[str, Floats]
     designs: int | None
     seed: int
-    surface: Surface | None  # None if fewer than two variables vary
 
     def study(self, rotor: Rotor) -> Study:
         """Return the study, with ``rotor`` as the baseline design."""
@@ -132,43 +105,13 @@ def read_study(path: Path) -> StudyFile:
     shared = {name: values for name, values in asdict(file.points).items() if values is not None}
     axes = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in shared.items()}
     return StudyFile(
-        title=f"study of {path.stem}" if file.title is None else file.title,
         propeller=file.propeller.name,
         airfoil=file.propeller.airfoil,
         varied=varied,
         axes=axes,
         designs=file.sampling.designs,
         seed=file.sampling.seed,
-        surface=_surface(file.picture, varied, axes, f"{where}: [picture]"),
     )
-
-
-def _surface(
-    picture: _Picture, varied: dict[str, Floats], axes: dict[str, Floats], where: str
-) -> Surface | None:
-    wide = [name for name, values in varied.items() if values.size > 1]
-    if len(wide) < 2 and picture == _Picture():
-        return None
-    chosen: list[str] = []
-    for number, (key, text) in enumerate((("x", picture.x), ("y", picture.y))):
-        name = wide[number] if number < len(wide) else ""
-        if text is not None:
-            name = KEYS.get(text, (text, 1.0))[0]
-        if name not in wide or name in chosen:
-            found = f"{key} is {quoted(name)}, which does not vary or is the other axis"
-            remedy = f"choose two of {', '.join(wide)}"
-            remedy = remedy if len(wide) > 1 else "vary at least two variables"
-            raise InputError(found, remedy, where)
-        chosen.append(name)
-    quantity = picture.quantity or "thrust"
-    if quantity not in TEXTS:
-        raise InputError(f"quantity is {quoted(quantity)}", f"known are {', '.join(TEXTS)}", where)
-    at = {n: value for n in OPERATION if (value := getattr(picture, n)) is not None}
-    for name in at:
-        if name not in axes:
-            found = f"{name} is not one of [points]"
-            raise InputError(found, f"remove {name}, or add it to [points]", where)
-    return Surface(quantity, chosen[0], chosen[1], at)
 
 
 # -------------------------------------------------------------------------------------------------
