@@ -629,6 +629,8 @@ class FreeBody {
     std::optional<std::size_t> push(State pose, State motion, State wind, State omega, State change, State added, Forces forces,
                                     Codes codes, Forces inflow, Forces later, double time, bool at_rest) const {
         const std::size_t k_all = mounts_.size();
+        for (const Forces& states : {inflow, later})
+            if (states.size() != inflow_size_) throw nb::value_error("the arrays do not fit to the inflow states of the rotors");
         const double* q = pose.data() + 3;
         const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
         const Attitude attitude{q[0] / size, {q[1] / size, q[2] / size, q[3] / size}};

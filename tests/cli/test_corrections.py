@@ -85,7 +85,7 @@ MAKERS: dict[str, tuple[list[str], Found]] = {
 OTHERS = {
     "show", "report", "fit terms", "explore", "study",
     "plot planform", "props list", "props show", "airfoils list", "airfoils show",
-    "vehicle from-log", "demo",
+    "vehicle from-log", "demo", "wind",
 }  # fmt: skip
 """Commands that read a model or make none: they have no such option."""
 

@@ -43,14 +43,17 @@ def test_a_free_body_has_the_forces_of_its_vehicle() -> None:
                    zip(places, ("cw", "ccw", "cw"), strict=True))  # fmt: skip
     wing, body = Wing(0.05, 0.1, span=0.6), Body((0.01, 0.02, 0.03), 0.01, (0.004, 0.006))
     vehicle = Vehicle("tri", 1.2, blade, mounts, body=body, wing=wing)
-    rotor = propmap.Rotor(propmap.Model(blade, propmap.airfoil("paper-apc")))
+    # The inflow of Coleman has no dynamics.
+    coleman = (propmap.correction("coleman"),)
+    rotor = propmap.Rotor(propmap.Model(blade, propmap.airfoil("paper-apc"), corrections=coleman))
     rows = np.array([[*m.position, *m.axis, 1.0 if m.spin == "ccw" else -1.0] for m in mounts])
     frame = airframe(body, wing, vehicle.air.density)
     free = core.FreeBody(rows, frame, [rotor._core] * 3, 0.0, np.zeros(3), False)
     omega, motion = np.array([500.0, 520.0, 500.0]), np.array([3.0, 1.0, 2.0, 0.1, 0.2, 0.3])
     still, pose = np.zeros(3), np.array([1.0, 2.0, 3.0, 2.0, 0.0, 0.0, 0.0])
-    forces, codes = np.ones(6), np.zeros((2, 3), np.uint8)
-    assert free.push(pose, motion, still, omega, still, still, forces, codes) is None
+    forces, codes, none = np.ones(6), np.zeros((2, 3), np.uint8), np.zeros(0)
+    given = (pose, motion, still, omega, still, still, forces, codes)
+    assert free.push(*given, none, none, 0.01, True) is None
     want = VehicleForces(vehicle, rotor).wrench(omega, motion[:3], motion[3:])
     np.testing.assert_allclose(forces[:3] - 1.0, want.force, rtol=1e-12)
     np.testing.assert_allclose(forces[3:] - 1.0, want.moment, rtol=0.0, atol=1e-12)
@@ -58,8 +61,21 @@ def test_a_free_body_has_the_forces_of_its_vehicle() -> None:
     table = core.FreeBody(rows, frame, [rotor._core, TABLE._core, rotor._core], 0.0, still, False)
     for number in WILD:
         omega[1], forces[:] = number, 1.0
-        assert table.push(pose, motion, still, omega, still, still, forces, codes) == 1
+        assert table.push(*given, none, none, 0.01, True) == 1
         assert STATUSES[codes[0, 1]] == "outside" and (forces == 1.0).all()
+
+
+def test_states_of_the_inflow_of_another_size_are_refused() -> None:
+    rows = np.array([[0.1, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0]])
+    rotor = propmap.Rotor(propmap.catalogue_model("apc-8x6e"))._core
+    free = core.FreeBody(rows, airframe(Body(), None, 1.2), [rotor], 0.0, np.zeros(3), False)
+    one, states = np.array([600.0]), np.zeros(rotor.inflow_size)
+    given = (np.eye(7)[3], np.zeros(6), np.zeros(3), one, 0.0 * one, 0.0 * one, np.zeros(6))
+    codes = np.zeros((2, 1), np.uint8)
+    for inflow, later in ((states[1:], states), (states, states[1:]), (states[:0], states[:0])):
+        with pytest.raises(ValueError, match="do not fit"):
+            free.push(*given, codes, inflow.copy(), later.copy(), 0.01, True)
+    assert free.push(*given, codes, states, states.copy(), 0.01, True) is None
 
 
 def test_what_is_no_source_of_loads() -> None:
