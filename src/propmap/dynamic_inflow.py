@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -265,6 +266,8 @@ class _Motion(NamedTuple):
 class _StatePoints:
     """Operating points and states, broadcast and flat."""
 
+    shape: tuple[int, ...]
+
     def __init__(
         self,
         of: DynamicInflow,
@@ -274,6 +277,8 @@ class _StatePoints:
         state: ArrayLike | None = None,
         dt: ArrayLike = 0.0,
     ) -> None:
+        if self._alone(of, omega, velocity, state, dt):
+            return
         (given,) = broadcast(state=np.zeros(of.size) if state is None else state)
         if given.ndim == 0 or given.shape[-1] != of.size:
             raise InputError(
@@ -282,10 +287,8 @@ class _StatePoints:
             )
         flow, direction = split_velocity(omega, velocity)
         forward(flow)
-        # Simulators pass a float, for which `broadcast` would double the time of this function.
-        good = isinstance(dt, float) and 0.0 <= dt < np.inf
-        (time,) = (np.array(dt),) if good else broadcast(dt=dt)
-        if not good and (time < 0.0).any():
+        (time,) = broadcast(dt=dt)
+        if (time < 0.0).any():
             raise InputError(f"dt is negative ({time.min():g}): give a step length of 0 s or more")
         shapes = {
             "omega": flow.omega.shape,
@@ -293,24 +296,36 @@ class _StatePoints:
             "dt": time.shape,
             "spin": of._sign.shape,
         }
-        alike = len(set(shapes.values())) == 1
         try:
-            self.shape = time.shape if alike else np.broadcast_shapes(*shapes.values())
+            self.shape = np.broadcast_shapes(*shapes.values())
         except ValueError:
             found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
             raise InputError(f"shapes cannot be broadcast together: {found}") from None
 
-        def spread(values: Floats, shape: tuple[int, ...]) -> Floats:
-            # For a single point, as in simulators, `np.broadcast_to` would double the time.
-            return values if values.shape == shape else np.broadcast_to(values, shape)
-
         def flat(values: Floats) -> Floats:
-            return spread(values, self.shape).ravel()
+            return np.broadcast_to(values, self.shape).ravel()
 
-        self.direction = spread(direction, (*self.shape, 3))
+        self.direction = np.broadcast_to(direction, (*self.shape, 3))
         self.heading, self.sign = self.direction.ravel(), flat(of._sign)
         self.rows = FlowPoints(flat(flow.omega), flat(flow.v_axial), flat(flow.v_inplane)).rows
-        self.dt, self.state = flat(time), spread(given, (*self.shape, of.size)).ravel()
+        self.dt, self.state = flat(time), np.broadcast_to(given, (*self.shape, of.size)).ravel()
+
+    def _alone(
+        self, of: DynamicInflow, omega: Any, velocity: ArrayLike, state: Any, dt: Any
+    ) -> bool:
+        """Set the point if it is the single point of a simulator, in a third of the time."""
+        numbers = isinstance(omega, float) and isinstance(dt, float) and of._sign.ndim == 0
+        if not (numbers and omega >= 0.0 and 0.0 <= dt < math.inf):
+            return False
+        if type(state) is not np.ndarray or state.dtype != np.float64 or state.shape != (of.size,):
+            return False
+        flow, self.direction = split_velocity(omega, velocity)
+        if flow.omega.shape or not math.isfinite(state.sum()):
+            return False
+        self.shape = ()
+        self.rows, self.heading, self.state = flow.rows, self.direction, np.ascontiguousarray(state)
+        self.sign, self.dt = of._sign.reshape(1), np.array([dt])
+        return True
 
     def shaped(self, states: Floats) -> Floats:
         """Return ``states`` (N, size) in the shape (..., size) of the points."""
