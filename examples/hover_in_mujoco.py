@@ -37,7 +37,7 @@ def state():
 
 
 def after(change):
-    """Return the state one step after hover with a ``change`` of state and commands (20,)."""
+    """Return the state one step after a ``change`` (20,) of state and commands in hover."""
     mujoco.mj_resetData(model, data)
     mujoco.mj_integratePos(model, data.qpos, change[:6], 1.0)
     data.qvel[:], data.act[:], data.ctrl[:] = (

@@ -69,8 +69,8 @@ def main(vehicle: str, *flights: str) -> None:
             )
     with replacing(RESULTS) as place:
         turned = [one for path in flights for one in responses(path, file)]
-        found = {"rows": rows, "factors": factors, "responses": turned}
-        place.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+        results = {"rows": rows, "factors": factors, "responses": turned}
+        place.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     print(RESULTS)
 
 

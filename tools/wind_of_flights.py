@@ -130,8 +130,8 @@ def estimated(fit: Path, log: Path, vehicle: str, through: float = 0.0) -> WindE
     """Estimate the wind over a log whose velocity exceeds that over the ground by ``through``."""
     file, known = read_vehicle(vehicle), read_fit(fit)
     file = replace(file, log=replace(file.log, wind=(through, 0.0, 0.0)))
-    more = {"low_pass": known.low_pass, "curve": known.curve}
-    return estimate_wind(known, file.vehicle, read_flights([log], file, "balance", **more).log)
+    read = read_flights([log], file, "balance", low_pass=known.low_pass, curve=known.curve)
+    return estimate_wind(known, file.vehicle, read.log)
 
 
 def real(name: str, found: WindEstimate, through: float = 0.0) -> dict[str, Any]:

@@ -7,8 +7,8 @@ A section law describes flow from the trailing edge as separated flow around a f
 zero-lift line.  At small angles of attack, this description is wrong for cambered sections.  By
 thin-airfoil theory (Katz and Plotkin, Low-Speed Aerodynamics, 2001, section 5.3), a circular arc
 has the same zero-lift angle, in size and sign, in flow from both ends.  Therefore ``solve``
-averages the loads of two rotors, with and without this camber.  The rotor with camber has the
-weight (Omega R)^2/((Omega R)^2 + V^2), so the loads are continuous where the rotation reverses.
+averages the loads of blades with this zero-lift angle and of flat plates.  The cambered blades have
+the weight (Omega R)^2/((Omega R)^2 + V^2), so the loads are continuous at Omega = 0 in wind.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Backward(NamedTuple):
 
 def more_twist(model: Model) -> tuple[float, float]:
     """Return the additional twist [rad] of the upside-down blades, with and without camber."""
-    # A section table contains the lift in flow from the trailing edge and needs no camber here.
+    # A section table contains the lift in flow from the trailing edge, so it requires no camber.
     law: Any = model.airfoil
     camber = 2.0 * law.zero_lift_angle if isinstance(law, Airfoil) else 0.0
     return np.pi + camber, np.pi

@@ -20,7 +20,7 @@ from propmap.typing import Floats
 HARMONICS = 3
 """Number of harmonics at the beginning of a state: mean, and gradients along x and y."""
 
-STEP = 2e-6  # step of the central differences of ``linearize``, over tip speed plus airspeed
+STEP = 2e-6  # step of the central differences in ``linearize``, over tip speed plus airspeed
 
 
 class DynamicInflow:
@@ -29,7 +29,7 @@ class DynamicInflow:
     A state is an array (..., ``size``) [m/s].  Its first three values are the harmonics in the
     rotor frame of ``Rotor.wrench``: the mean, and the increases from hub to tip along x and along
     y.  The other values are the inflows of the annuli at fixed radii, positive against the thrust.
-    If all rates of a state vanish, the state is a solution of eq. (11), as in ``rotor.loads``.  If
+    If all rates of a state vanish, the state solves eq. (11), as ``rotor.loads`` does.  If
     blades stall, eq. (11) can have several solutions, and the final state of a simulation can
     differ from the largest solution, which ``rotor.loads`` uses.  The equations are in
     ``core/include/propmap/dynamic_inflow.hpp``, and the limits of the model in docs/theory.md.
@@ -40,7 +40,7 @@ class DynamicInflow:
         Rotor with the inflow of Pitt and Peters, or with an inflow that is uniform over azimuth.
     spin : str or sequence of str
         Direction of rotation, "ccw" or "cw", seen from above with the thrust up.  A sequence
-        contains the spins of several equal rotors; the rotors are the last axis of all points.
+        lists the spins of several equal rotors, which are then the last axis of all points.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class DynamicInflow:
     ) -> Floats:
         """Return the state (..., size) [m/s] after a time step.
 
-        Each annulus and each harmonic steps by the exponential of its own linearized rate.  The
+        Each annulus and each harmonic changes by the exponential of its own linearized rate.  The
         step is stable for any step length.
 
         Parameters
@@ -162,7 +162,8 @@ class DynamicInflow:
     ) -> tuple[Wrench, Floats]:
         """Return the wrench before a time step and the state (..., size) [m/s] after the step.
 
-        A single evaluation of the blade elements yields wrench and state, in the time of ``step``.
+        A single evaluation of the blade elements yields both results.  ``advance`` is as
+        fast as ``step``.
 
         Parameters
         ----------
@@ -184,7 +185,7 @@ class DynamicInflow:
         """Return the linear dynamics about a state, by default about the steady state.
 
         The derivatives are central differences.  The eigenvalues of ``a`` are the rates at which
-        small deviations change.  Eigenvalues with a negative real part describe a decay.
+        small deviations grow.  Eigenvalues with a negative real part describe a decay.
 
         Parameters
         ----------
@@ -313,7 +314,7 @@ class _StatePoints:
     def _alone(
         self, of: DynamicInflow, omega: Any, velocity: ArrayLike, state: Any, dt: Any
     ) -> bool:
-        """Set the point if it is the single point of a simulator, in a third of the time."""
+        """Set the single point of a simulator without broadcasting; return False for others."""
         numbers = isinstance(omega, float) and isinstance(dt, float) and of._sign.ndim == 0
         if not (numbers and omega >= 0.0 and 0.0 <= dt < math.inf):
             return False

@@ -13,6 +13,7 @@ import propmap
 from propmap.fit.files import DataSource, FitRecord, FittedLoad, FittedPropeller, FreeParameter
 from propmap.fit.fit import Coverage, CoveredAngle
 from propmap.fit.least_squares import End, ResidualErrors
+from propmap.model.airfoil import parameter_set
 from propmap.model.envelope import Envelope
 
 ENVELOPE = Envelope((0.0, 100.0), (0.0, 0.25), (0.0, 0.25), (-0.05, 0.2), (4000.0, 6000.0))
@@ -77,5 +78,5 @@ def record(**changed: Any) -> FitRecord:
 
 def fit_text(**changed: Any) -> str:
     """A fit file with this record."""
-    law = propmap.airfoil("paper-apc").to_toml()
+    law = parameter_set("paper-apc").to_toml()
     return law + "\n" + tomli_w.dumps({"fit": record(**changed).table()})

@@ -183,7 +183,7 @@ def flights(
             rows.append((body[0], rates, axes, read, omega, air[:, k].copy()))
         velocity = velocity + STEP * (turn.apply(felt) - [0.0, 0.0, GRAVITY])
     every = [np.stack(each, axis=1) for each in zip(*rows, strict=True)]
-    time = STEP * EVERY * np.arange(len(rows))
+    times: Floats = STEP * EVERY * np.arange(len(rows), dtype=np.float64)
 
     def noisy(values: Floats, size: float) -> Floats:
         return values + size * rng.standard_normal(values.shape)
@@ -192,7 +192,7 @@ def flights(
     for ground, rates, axes, read, omega, through in zip(*every, strict=True):
         log = FlightLog(
             source=f"{path} in wind",
-            time=time,
+            time=times,
             velocity=noisy(ground, 0.03),
             rates=noisy(rates, 0.02),
             up=axes[:, 2],

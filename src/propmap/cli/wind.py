@@ -31,9 +31,9 @@ def wind(
 ) -> None:
     """Estimate the wind over a flight from the forces on the vehicle, with 95 % bands.
 
-    The command ignores the wind that the vehicle file states. CSV and JSON contain the wind at all
-    samples. If the log contains the airspeed (air_speed in [log.columns]), the command compares it
-    with the estimate.
+    The command ignores a wind in the vehicle file. CSV and JSON contain the wind at all samples. If
+    the log contains a measured airspeed (air_speed in [log.columns]), the command compares the
+    measured airspeed with the estimate.
     """
     out.check_pictures(picture)
     form = out.chosen_format(format_, output)

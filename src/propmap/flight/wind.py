@@ -1,11 +1,11 @@
 """Wind over a flight: the velocity of the air, estimated from the forces on a fitted vehicle.
 
-A smoother estimates the wind and the errors of the modeled force, linearized until convergence.
-The horizontal wind is a random walk; the vertical wind varies about zero.  The error along each
-axis of the vehicle is a Markov process of first order, as large as the error of the fit on held-out
-segments.  Errors of the fitted parameters and differences between flights (trim of the attitude,
-thrust scale, clock) are the same for all samples.  They widen the bands, and the flight does not
-correct them.
+A Kalman smoother estimates the wind and the errors of the modeled force.  The force is linearized
+about each new estimate until convergence.  The horizontal wind is a random walk; the vertical wind
+varies about zero.  The error along each axis of the vehicle is a first-order Markov process, as
+large as the error of the fit on held-out segments.  Errors of the fitted parameters and differences
+between flights (trim of the attitude, thrust scale, clock) are the same for all samples.  These
+errors widen the bands; the flight does not correct the parameters.
 """
 
 from __future__ import annotations
@@ -33,21 +33,22 @@ the attitude by 0.03 rad alone changes the wind of the Neural-Fly quadrotor by 1
 
 RATE = 5.0  # largest number of samples per second: errors of adjacent samples are similar
 FIRST = 20.0  # prior standard deviation of the horizontal wind at the start [m/s]
-VERTICAL = 5.0  # correlation time of the vertical wind [s], a height of 25 m over a wind of 5 m/s
+VERTICAL = 5.0  # correlation time of the vertical wind [s]: height of 25 m / wind of 5 m/s
 USUAL, SPREAD = np.log([0.02, 0.3, 0.4, 0.4, 0.4]), np.array([2.0, 1.4, 1.0, 1.0, 1.0])
 """Prior means and standard deviations of the logarithms of the intensity of the horizontal walk
 [m^2/s^3], of the variance of the vertical wind [m^2/s^2], and of the correlation times of the
-errors along x, y, z [s].  Near the ground, turbulence has 0.001 to 1 m^2/s^3 and 0.05 to 2 m^2/s^2;
-residuals of flight fits are correlated for 0.1 to 2 s."""
+errors along x, y, z [s].  Near the ground, the intensity is 0.001 to 1 m^2/s^3, and the variance is
+0.05 to 2 m^2/s^2.  The correlation times of the residuals of flight fits are 0.1 to 2 s."""
 
-WHITE = 0.1  # share of the error that is independent in each sample
-DIFFERENCE = 0.5  # step of central differences by the wind [m/s], about the accuracy of the result
-MOST_STEPS, LONGEST_STEP = 20, 3.0  # number of linearizations, and largest change in one [m/s]
-TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # linearizations and samples that tune the scales
-FURTHEST = 2.0  # largest V/(Omega R) of an estimate over the maximum of the fit [-]
-SETTLED = 0.1  # change in the last linearization, in standard deviations, of a converged sample
+WHITE = 0.1  # standard deviation of the error that is independent in each sample, over the total
+DIFFERENCE = 0.5  # wind step of central differences [m/s], similar to the error of the estimate
+MOST_STEPS, LONGEST_STEP = 20, 3.0  # most linearizations, and largest wind change in each [m/s]
+TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # most linearizations and samples used to tune the scales
+FURTHEST = 2.0  # largest V/(Omega R) of an estimate, relative to the maximum of the fit [-]
+SETTLED = 0.1  # largest last change of a converged sample, relative to its standard deviation [-]
 MISFIT, UPDRAFT = 1.5, 2.0
-"""Residuals over their expected size [-], and rms vertical wind [m/s], of another vehicle."""
+"""Residuals relative to their expected size [-], and rms vertical wind [m/s], above which a remark
+asks whether the vehicle is the vehicle of the fit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,19 +60,19 @@ class WindEstimate:
     log : FlightLog
         Samples of the flight, with the velocity over the ground.
     wind, covariance : ndarray, shape (n, 3), (n, 3, 3)
-        Velocity of the air over the ground [m/s], and covariance of its error [m^2/s^2]; NaN where
-        the estimate did not converge or is outside.
+        Velocity of the air over the ground [m/s], and covariance of its error [m^2/s^2]; NaN for
+        the status "not_converged" or "outside".
     mean, mean_covariance : ndarray, shape (3,), (3, 3)
-        Mean wind [m/s], and covariance of its error [m^2/s^2]; NaN if less than half of the samples
-        have a wind.
+        Mean wind [m/s], and covariance of its error [m^2/s^2]; NaN if fewer than half of the
+        samples have a wind.
     gusts : ndarray, shape (3,)
         Standard deviation of each component of the wind over the flight [m/s].
     status : ndarray of str, shape (n,)
         "ok"; "extrapolated" outside the data of the fit; "weak" if the 95 % band of a horizontal
-        component is wider than +-2 m/s; "not_converged"; "outside" at more than twice the largest
-        V/(Omega R) of the fit.
+        component is wider than +-2 m/s; "not_converged"; "outside" if V/(Omega R) exceeds twice the
+        maximum of the fit.
     remarks : tuple of str
-        Sentences on doubts about the estimate.
+        Warnings about the estimate, one sentence each.
     """
 
     log: FlightLog
@@ -100,7 +101,7 @@ class WindEstimate:
 
     @property
     def columns(self) -> dict[str, Floats]:
-        """Time, wind, speeds and ends of their 95 % bands (n,), by name with unit."""
+        """Time, wind, airspeed, ground speed and 95 % bands (n,), by column name with unit."""
         through = self.ground_velocity - self.wind
         airspeed = np.linalg.norm(through, axis=1)
         way = through / np.maximum(airspeed, 1e-9)[:, None]
@@ -117,7 +118,7 @@ class WindEstimate:
     @property
     def source(self) -> tuple[float, float, float, float]:
         """Mean horizontal speed and half width of its 95 % band [m/s]; direction from which the
-        mean wind comes, clockwise from north, and half width of its 95 % band [rad].  The direction
+        mean wind blows, clockwise from north, and half width of its 95 % band [rad].  The direction
         is NaN if the band of the speed contains zero."""
         speed = float(np.hypot(*self.mean[:2]))
         along = self.mean[:2] / max(speed, 1e-9)
@@ -130,12 +131,12 @@ class WindEstimate:
 
     @property
     def summary(self) -> str:
-        """Line with mean wind, direction, gusts, share of well-determined samples, and errors of
+        """One line: mean wind, direction, gusts, share of well-determined samples, and errors of
         the airspeed if the log contains a measured airspeed."""
         seconds = self.log.time[-1] - self.log.time[0]
         text = f"well determined: {self.well_determined:.0%} of {seconds:.0f} s"
         if np.isnan(self.mean).any():
-            return f"no mean wind: less than half of the samples have a wind; {text}"
+            return f"no mean wind: fewer than half of the samples have a wind; {text}"
         speed, half, angle, wide = self.source
         way = f"from {math.degrees(angle):.0f} +- {math.degrees(wide):.0f} deg"
         way = way if math.isfinite(angle) else "of undetermined direction"
@@ -166,13 +167,13 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
     vehicle : Vehicle
         The vehicle of the fit.
     log : FlightLog
-        One flight with specific force and ``east``, low-passed at ``file.low_pass``, whose
-        ``velocity`` is that over the ground.
+        One flight with specific force and ``east``, low-passed at ``file.low_pass``.  Its
+        ``velocity`` is the velocity over the ground.
 
     Raises
     ------
     InputError
-        For a fit of other data, and for a log without specific force, heading or samples.
+        For a fit to other data, and for a log without specific force, heading or samples.
     """
     if file.record.kind != "flight":
         fault = f"the fit is a {file.record.kind} fit, which has no covariance of the side forces"
@@ -184,14 +185,14 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
         remedy = "log accelerometer and attitude"
         raise InputError("some samples have no specific force or heading", remedy, log.source)
     every = max(1, round(1.0 / (RATE * float(np.median(np.diff(log.time))))))
-    # The flight has no name, so that no flight of the fit has its thrust scale and clock.
+    # With a name, the flight would get thrust scale and clock of a fitted flight of this name.
     log = replace(log.picked(slice(None, None, every)), flights=("",))
     values, world = of_others(file.values), _world(log)
     wind, scales = np.zeros_like(log.velocity), USUAL
     for step in range(MOST_STEPS):
         air = replace(log, velocity=log.velocity - np.einsum("nwv,nw->nv", world, wind))
         errors = force_errors(file, vehicle, air, values)
-        assert errors is not None  # the fit is one of flights
+        assert errors is not None  # the kind of the fit is "flight"
         by_air = np.empty_like(world)
         for k, change in enumerate(DIFFERENCE * np.eye(3)):
             more, less = (
@@ -229,7 +230,7 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
     remarks = [*(beyond.sentences("samples") if beyond else ()), *_doubts(found, settled)]
     if errors and errors.excluded:
         names = ", ".join(errors.excluded)
-        remarks.append(f"the bands exclude {names}: the data of the fit do not determine them")
+        remarks.append(f"the bands exclude {names}, which the data of the fit do not determine")
     return WindEstimate(
         log=log,
         wind=np.where(known[:, None], found.wind, np.nan),
@@ -243,16 +244,16 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
 
 
 def _doubts(found: _Smoothed, settled: NDArray[np.bool_]) -> list[str]:
-    """Return sentences on samples that did not converge, and on signs of another vehicle."""
+    """Return remarks on samples that did not converge, and on signs of another vehicle."""
     texts, causes = [], "check mass, battery, and whether this is the vehicle of the fit"
     if not settled.all():
         texts.append(f"the wind did not converge at {np.mean(~settled):.0%} of the samples")
     if found.misfit > MISFIT:
-        fault = f"the residuals are {found.misfit:.2g} times as large as those of the fit"
+        fault = f"the residuals are {found.misfit:.2g} times the residuals of the fit"
         texts.append(f"{fault}: {causes}")
     up = rms(found.wind[:, 2])
     if up > UPDRAFT:
-        texts.append(f"the vertical wind is unusual, {up:.2g} m/s rms: {causes}")
+        texts.append(f"the vertical wind is unusually strong, {up:.2g} m/s rms: {causes}")
     return texts
 
 
@@ -264,34 +265,34 @@ def _world(log: FlightLog) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Kalman filter and smoother.
 #
-# The state contains the wind, the errors along the axes of the vehicle over their standard
-# deviations, and the integral of the wind over time, divided by the duration.  The first column of
-# its mean is the estimate.  The other columns are the derivatives of the estimate with respect to
-# the common parameters.
+# The state contains the wind, the errors along the axes of the vehicle divided by their standard
+# deviations, and the integral of the wind over time divided by the duration.  The first column of
+# the mean of the state is the estimate.  The other columns are the derivatives of the estimate with
+# respect to the common parameters, which are the same for all samples.
 
 WIND, ERROR, MEAN = slice(0, 3), slice(3, 6), slice(6, 9)
 
 
 class _Smoothed(NamedTuple):
-    """Wind (n, 3) [m/s] and its mean (3,) with covariances, and residuals over expectation."""
+    """Wind (n, 3) [m/s] and mean wind (3,) with covariances, and relative residuals."""
 
     wind: Floats
     covariance: Floats
     mean: Floats
     mean_covariance: Floats
-    misfit: float
+    misfit: float  # rms of the residuals over their expected size [-]
 
 
 class _Balance(NamedTuple):
-    """Force balances at n samples, linear in the state, divided by the size of the errors."""
+    """Linearized force balances at n samples, divided by the standard deviations of the errors."""
 
     time: Floats  # [s], (n,)
-    slopes: Floats  # derivatives with respect to the state, (n, 3, 9); zero without loads
+    slopes: Floats  # derivatives with respect to the state, (n, 3, 9); zero without rotor loads
     target: Floats  # forces, and derivatives with respect to P parameters, (n, 3, 1 + P)
 
     @classmethod
     def of(cls, time: Floats, by_wind: Floats, target: Floats) -> _Balance:
-        """Return the balances; samples without loads of the rotors do not count."""
+        """Return the balances; zeros remove samples without rotor loads from the estimate."""
         both = np.concatenate([by_wind, target], axis=-1)
         kept = np.isfinite(both).all(axis=(1, 2), keepdims=True)
         slopes = np.zeros((time.size, 3, 9))
@@ -299,8 +300,8 @@ class _Balance(NamedTuple):
         return cls(time, np.where(kept, slopes, 0.0), np.where(kept, target, 0.0))
 
     def tuned(self, scales: Floats) -> Floats:
-        """Return the most probable logarithms (5,) in the order of ``USUAL``; the search starts at
-        ``scales``."""
+        """Return the most probable scales (5,), logarithms in the order of ``USUAL``; the search
+        starts at ``scales``."""
         from scipy.optimize import minimize
 
         first = max(0, (self.time.size - TUNED_SAMPLES) // 2)
@@ -318,7 +319,7 @@ class _Balance(NamedTuple):
         return np.asarray(found.x)
 
     def moves(self, scales: Floats) -> tuple[Floats, Floats]:
-        """Return the transitions to each sample (n, m, 9, 9) and the variances of their noise
+        """Return the transition matrices to each sample (n, m, 9, 9) and the variances of the noise
         (n, m, 9), for ``scales`` (m, 5)."""
         steps = np.maximum(np.diff(self.time, prepend=self.time[0]), 0.0)[:, None, None]
         kept = np.exp(-steps / np.exp(scales[:, 2:]))
@@ -334,8 +335,8 @@ class _Balance(NamedTuple):
         return move, noise
 
     def filtered(self, scales: Floats) -> tuple[list[tuple[Floats, ...]], Floats]:
-        """Return mean, covariance, gain, innovation and its inverse covariance at each sample, and
-        the logarithms of the likelihoods (m,), for ``scales`` (m, 5)."""
+        """Return mean, covariance, gain, innovation and inverse of its covariance at each sample,
+        and the logarithms of the likelihoods (m,), for ``scales`` (m, 5)."""
         count, place = len(scales), np.arange(9)
         mean = np.zeros((count, 9, self.target.shape[-1]))
         covariance = np.tile(
@@ -361,7 +362,7 @@ class _Balance(NamedTuple):
         return found, likelihood
 
     def smoothed(self, scales: Floats, common: Floats) -> _Smoothed:
-        """Return the smoothed wind for parameters with the covariance ``common`` (P, P).
+        """Return the smoothed wind; ``common`` (P, P) is the covariance of the common parameters.
 
         The recursion (Bierman, Int. J. Control 18, 1973, page 65) inverts no covariance of states.
         """

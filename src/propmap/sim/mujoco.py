@@ -51,10 +51,10 @@ class MujocoRotors:
     ``vehicle.air.density``.  If the vehicle has a ``rotor_inertia``, rotors also exert reaction
     torques when they change speed, and gyroscopic moments.
 
-    With a ``Rotor`` whose inflow is that of Pitt and Peters or uniform, the loads are those of
-    ``DynamicInflow``.  The inflow is steady at the first time of each MjData and after a jump of
-    ``data.time``, such as a reset.  It advances with the time steps, and linearly within a step of
-    RK4.  With another inflow or a table, the loads are quasi-static.
+    A ``Rotor`` with uniform inflow or the inflow of Pitt and Peters has the loads and the inflow
+    states of ``DynamicInflow``.  The inflow is steady at the first time of each MjData and after a
+    jump of ``data.time``, such as a reset.  The inflow advances with the time steps, and linearly
+    within a step of RK4.  With another inflow or a table, the loads are quasi-static.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ class MujocoRotors:
         self._words = np.array(STATUSES if isinstance(loads, Rotor) else TABLE_STATUSES)
         self._codes = np.zeros((2, len(rotors)), np.uint8)
         self._static = _Step(-np.inf, 1.0, np.zeros(0), np.zeros(0))
-        self._steps: WeakKeyDictionary[Any, _Step] = WeakKeyDictionary()  # the last of each MjData
+        self._steps: WeakKeyDictionary[Any, _Step] = WeakKeyDictionary()  # last step per MjData
 
     def __call__(self, model: Any, data: Any) -> None:
         """Add the forces to ``data.qfrc_passive`` if ``model`` is the vehicle's model or a copy."""
@@ -168,10 +168,10 @@ class MujocoRotors:
         return self._forces.wrench(omega, velocity, rates, wind)
 
     def _step(self, data: Any, length: float) -> _Step:
-        """Return the step that starts at the time of ``data``, or an evaluation within the last."""
+        """Return the step that starts at the time of ``data``, or a part of the last step."""
         last = self._steps.get(data, self._static)
-        share = round((data.time - last.start) / last.length, 6)  # without rounding errors
-        if not 0.0 <= share <= 1.0:  # at first, and after a jump of time
+        share = round((data.time - last.start) / last.length, 6)  # data.time accumulates errors
+        if not 0.0 <= share <= 1.0:  # first call for this data, or a jump of time
             share, state, later = 0.0, *np.zeros((2, self._core.inflow_size))
             last = self._steps[data] = _Step(data.time, length, state, later, at_rest=True)
         if share == 0.0:
@@ -280,42 +280,43 @@ class _Speeds:
 
 
 # -------------------------------------------------------------------------------------------------
-# Rotors for a model that has none.
+# Adding rotors to a model without rotors.
 
 
 def attach(
     spec: Any, vehicle: Vehicle, body: str, *, sites: Sequence[str] = (), keep: bool = False
 ) -> tuple[Vehicle, list[str]]:
-    """Add sites and actuators "rotor_1", "rotor_2" ... for ``MujocoRotors`` to an MJCF model.
+    """Add a site and an actuator per rotor ("rotor_1", "rotor_2" ...) to an MJCF model.
 
-    The rotor speeds follow the commands with an assumed lag of 0.05 s (``dynprm``) and are zero in
-    keyframes.  The function sets the density and viscosity of MuJoCo's air to zero.
+    ``MujocoRotors`` then accepts the model.  The rotor speeds follow the commands with an assumed
+    lag of 0.05 s (``dynprm``).  In keyframes, the rotor speeds are zero.  The function sets the
+    density and the viscosity of MuJoCo's air to zero.
 
     Parameters
     ----------
     spec, vehicle : mujoco.MjSpec, Vehicle
         Model to change, such as ``mujoco.MjSpec.from_file(path)``, and vehicle with the rotors.
     body : str
-        Name of the body with a free joint that carries the rotors: x forward, y left, z up.
+        Name of the body with the rotors and a free joint; its axes are x forward, y left, z up.
     sites : sequence of str
-        Existing sites at the hubs, in the order of the rotors; by default the hubs are at the
-        positions of the vehicle file, relative to the model's center of mass.
+        Existing sites at the hubs, in the order of the rotors (default: the positions of the
+        vehicle file, relative to the model's center of mass).
     keep : bool
         Whether to keep the actuators at sites of the body (default: remove them).
 
     Returns
     -------
     tuple of Vehicle and list of str
-        The vehicle with mass and inertia of the model, and the changes, one per line.
+        The vehicle with the mass and inertia of the model, and a line for each change.
 
     Raises
     ------
     InputError
-        For an unknown body, sites off the rotors, and removed actuators that push against them.
+        For an unknown body, sites off the rotors, and removed actuators that oppose the thrust.
     """
     if not isinstance(spec, mujoco.MjSpec):
         raise InputError(f"spec is {type(spec).__name__}", "give mujoco.MjSpec.from_file(path)")
-    # The compiler stores the controls of keyframes by actuator, so those of others remain.
+    # The compiler assigns the controls in keyframes to actuators; other actuators keep theirs.
     model, carrier = spec.compile(), spec.body(body)
     at, _, _ = free_body(model, body)
     if spec.site("rotor_1"):
