@@ -61,6 +61,9 @@ def test_still_air_has_no_wind_and_no_direction() -> None:
     assert (np.abs(found.mean) < found.mean_half_width).all()
     assert math.isnan(found.source[2]) and "undetermined direction" in found.summary
     assert np.hypot(*found.gusts[:2]) < 1.0
+    # A mean of exactly zero has a direction by chance only, and keeps its band.
+    nothing = replace(found, mean=np.zeros(3)).source
+    assert nothing[1] == pytest.approx(found.mean_half_width[0]) and math.isnan(nothing[2])
 
 
 def test_without_drag_the_wind_is_not_determined() -> None:

@@ -121,7 +121,7 @@ class WindEstimate:
         mean wind blows, clockwise from north, and half width of its 95 % band [rad].  The direction
         is NaN if the band of the speed contains zero."""
         speed = float(np.hypot(*self.mean[:2]))
-        along = self.mean[:2] / max(speed, 1e-9)
+        along = self.mean[:2] / speed if speed > 0.0 else np.array([1.0, 0.0])
         ways = np.stack([along, along[::-1] * [-1.0, 1.0]])
         along_band, across_band = bands(ways @ self.mean_covariance[:2, :2] @ ways.T).tolist()
         if not speed > along_band:
