@@ -102,8 +102,14 @@ def source(folder: Path) -> None:
     shutil.copy(ROOT / "CMakeLists.txt", folder)
 
 
+def papers(folder: Path) -> None:
+    """The plain reference of the paper's equations, which a checkout contains."""
+    shutil.copytree(ROOT / "papers", folder / "papers")
+
+
 SUPPLIED: dict[str, Callable[[Path], None]] = {
     "docs/architecture.md": source,
+    "docs/equations.md": papers,
     "docs/how-to/corrections-and-tables.md": polars,
     "docs/how-to/fit-px4.md": px4_logs,
     "docs/how-to/fit-uiuc.md": uiuc_files,
