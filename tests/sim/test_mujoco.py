@@ -237,7 +237,7 @@ def test_each_data_has_its_inflow(fly: Callable[..., Any], integrator: str) -> N
         flown(model, second, 1e-3, until=end, jump=False)
     np.testing.assert_array_equal(one, want)
     assert np.abs(second.qvel - first.qvel).max() > 0.1
-    for steps in (1, 2, 30):  # after so many steps since the last reset
+    for steps in (1, 2, 30):  # number of steps since the last reset
         mujoco.mj_resetData(model, data)
         np.testing.assert_array_equal(flown(model, data, 1e-3), want)
         mujoco.mj_resetData(model, data)
