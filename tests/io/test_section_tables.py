@@ -98,6 +98,13 @@ def csv(angle: np.ndarray) -> str:
     return text
 
 
+def csv_in_thousands(angle: np.ndarray) -> str:
+    text = csv(angle).replace("re,", "Re (x1000),", 1)
+    for reynolds in REYNOLDS:
+        text = text.replace(f"\n{reynolds:g},", f"\n{reynolds / 1e3:g},")
+    return text
+
+
 def javafoil(angle: np.ndarray, unit: str = "[\u00b0]", digits: int = 6) -> str:
     """As copied from JavaFoil: settings, names with Greek letters, and a row of units."""
     text = f"JavaFoil polars\nName = invented\nMach = 0; Re = {REYNOLDS[0]:.0f}; T.U. = 1.0\n"
@@ -119,7 +126,16 @@ def xfoil(angle: np.ndarray, reynolds: float) -> str:
 
 @pytest.mark.parametrize(
     "layout",
-    [aerodyn, aerodyn_15, cactus, csv, qblade, qblade_decomposed, qblade_without_heads],
+    [
+        aerodyn,
+        aerodyn_15,
+        cactus,
+        csv,
+        csv_in_thousands,
+        qblade,
+        qblade_decomposed,
+        qblade_without_heads,
+    ],
 )
 def test_the_same_section_in_every_format(
     tmp_path: Path, layout: Callable[[np.ndarray], str]

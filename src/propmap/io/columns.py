@@ -38,6 +38,7 @@ MOMENT |= _units({"lbft lbfft ftlb ftlbf": POUND * FOOT, "inlbf": POUND * INCH})
 POWER = _units({"w watt watts": 1.0, "kw": 1e3, "mw": 1e-3, "hp": HORSEPOWER})
 VOLT, AMPERE = _units({"v volt volts": 1.0, "mv": 1e-3}), _units({"a amp amps": 1.0, "ma": 1e-3})
 SHARE = {"": 1.0, "percent": 0.01, "%": 0.01}
+REYNOLDS = {"": 1.0} | _units({"k 1000 x1000 1e3 x1e3 103 x103": 1e3, "1e6 x1e6 106 x106": 1e6})
 OTHERS = {"%", "percent", "s", "v", "a", "us", "c", "gw"}  # units of other quantities
 
 
@@ -53,6 +54,7 @@ class Quantity(NamedTuple):
 _TURNS = "(rotor|motor|prop|propeller|shaft|optical|motor optical)"
 _UNITS = {"SPIN": SPIN, "SPEED": SPEED, "ANGLE": ANGLE, "LENGTH": LENGTH, "FORCE": FORCE}
 _UNITS |= {"MOMENT": MOMENT, "POWER": POWER, "VOLT": VOLT, "AMPERE": AMPERE, "SHARE": SHARE}
+_UNITS |= {"REYNOLDS": REYNOLDS}
 
 
 def _quantities() -> dict[str, Quantity]:
@@ -111,8 +113,8 @@ def _words(text: str) -> str:
 
 
 def _parted(name: str) -> Iterator[tuple[str, str, str, int]]:
-    """Yield all splits of a column name into words, unit, and unit as spelled in the file.  The
-    last value is 1 if the words exclude a qualifier, as in "Thrust - Motor 1 (N)", or else 0."""
+    """Yield all splits of a column name into words, unit, unit as spelled in the file, and 1 if the
+    words exclude a qualifier, as in "Thrust - Motor 1 (N)", or 0."""
     text = unicodedata.normalize("NFKC", name[:LONGEST]).strip()
     low = text.lower()
     found = re.fullmatch(r"(.*[\])}>]|.*?)[\s,_]*[\[({<](.*)[\])}>]", low)
@@ -172,7 +174,7 @@ class Header:
                         taken = Taken(order, place, name, written, factor)
                         self.taken.setdefault(column, []).append(taken)
                         return True
-                    if len(words) > 3 and unit not in OTHERS:  # T and Q alone are ambiguous
+                    if len(words) > 1 and unit not in OTHERS and not self._why_not(place):
                         unclear.setdefault(column, name)
         return False
 
