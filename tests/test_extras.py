@@ -137,33 +137,6 @@ def distributions(module: str) -> set[str]:
     return {name.lower().replace("_", "-") for name in found} - {"propmap"}
 
 
-@pytest.mark.slow
-def test_commands_of_the_base_load_what_it_installs(tmp_path: Path) -> None:
-    """All that the extras bring, and the base does not, is hidden."""
-    extra = with_theirs(OF_EXTRAS) - with_theirs(BASE)
-    hidden = {name for name in THEIRS if distributions(name) & extra}
-    commands = [
-        ["--help"],
-        ["demo"],
-        ["predict", "APC 8x6E", *POINT],
-        ["props", "show", "apc-8x6e"],
-        ["table", "apc-8x6e", *ENVELOPE, "-o", "a.npz"],
-        ["show", "a.npz"],
-        ["export", "a.npz", "--to", "c", "-o", "c"],
-        ["sweep", "apc-8x6e", *GRID, "-o", "a.csv"],
-        ["trim", VEHICLE, "--speed", "0,5"],
-        ["explore", "--help"],
-        ["report", "--help"],
-        ["fit", "flight", "--help"],
-    ]
-    out, err = run(commands, hidden, tmp_path)
-    assert err.count("exit 0") == len(commands), err
-    _, *loaded = out[-1].split()
-    assert {"numpy", "rich", "typer"} <= {*loaded}
-    needed = set().union(*(distributions(name) for name in loaded if name in THEIRS))
-    assert needed <= with_theirs(BASE)
-
-
 def imported() -> set[str]:
     """Packages of others that the source imports, but for the type checker alone."""
 

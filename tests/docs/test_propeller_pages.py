@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,8 +16,7 @@ from tools.catalogue.database import read_uiuc_database, refiled
 from tools.catalogue.verdict import summary
 from tools.propeller_pages import listing, population, words
 from tools.propeller_pages.card import card
-from tools.propeller_pages.comparison import compare, error_parts
-from tools.propeller_pages.pages import write
+from tools.propeller_pages.comparison import compare
 
 from .pages import ROOT
 
@@ -108,6 +106,7 @@ def test_a_card_tells_the_bundled_numbers_and_the_verdict(name: str, blades: int
         assert number in plain
     assert f"| {one.rows}, " in plain.replace("| rows ", "") and one.tested in plain
     assert "UIUC Propeller Database" in text
+    assert "nan" not in re.findall(r"[a-z]+", text) and len(text) < 40_000
 
 
 def test_every_propeller_has_the_rows_of_its_fit() -> None:
@@ -129,19 +128,6 @@ def test_rows_kept_are_those_of_the_database() -> None:
     assert measured_rows.as_text([every[name] for name in ROWS]) == kept
 
 
-def test_parts_of_errors() -> None:
-    tested = next(iter(ROWS.values()))
-    still = tested.advance == 0.0
-    first = tested.run == tested.run[0]
-    only_rest = error_parts(tested, np.where(still, 0.01, 0.0))
-    assert only_rest.rest == pytest.approx(1.0) and only_rest.scatter == pytest.approx(0.0)
-    assert error_parts(tested, np.where(first, -0.01, 0.0)).runs == pytest.approx(1.0)
-    tilt = np.where(first, tested.advance - tested.advance[first].mean(), 0.0)
-    assert error_parts(tested, tilt).course == pytest.approx(1.0)
-    lost = np.where(still, 0.01, np.nan)
-    assert error_parts(tested, lost).rest == pytest.approx(1.0)
-
-
 LISTED = listing.listing(all_identified())
 ITEMS = re.findall("<li [^>]*>", LISTED)
 
@@ -155,24 +141,6 @@ def test_the_list_has_every_propeller_and_hides_none() -> None:
     assert not any("hidden" in item for item in ITEMS)
     flagged = sum('class="flagged"' in item for item in ITEMS)
     assert flagged == sum(not one.verdict.endswith("good") for one in all_identified()) > 20
-
-
-@pytest.mark.parametrize(
-    ("typed", "expected"),
-    [
-        ("apc-8x6e", "apc-8x6e"),
-        ("slow flyer 10x4.7", "uiuc-apcsf-10x4.7"),
-        ("nr640 4blades", "uiuc-nr640-5x3.16"),
-        ("gwsdd flagged", "uiuc-gwsdd-5x4.3"),
-    ],
-)
-def test_what_people_type_is_found(typed: str, expected: str) -> None:
-    """Every word begins one of those that the script looks through, which makes "3 blades" one."""
-    every = [text for item in ITEMS for text in re.findall('data-words="([^"]*)"', item)]
-    typed_words = re.split("[ -]", typed)
-    found = [text for text in every if all(f" {word}" in text for word in typed_words)]
-    assert any(text.startswith(f" {expected.replace('-', ' ')} ") for text in found)
-    assert len(found) < 20
 
 
 def test_the_worst_have_reasons_and_cards() -> None:
@@ -197,20 +165,3 @@ def test_the_population_shows_every_propeller_where_it_is() -> None:
     table = population.table()
     assert f"{np.exp(bundled_population('measured').mean[0]):.3f}" in table
     assert f"{np.exp(POPULATION.mean[1]):.3f}" in table
-
-
-@pytest.mark.slow
-def test_the_pages_are_written(tmp_path: Path) -> None:
-    for folder in ("generated", "propellers"):
-        (tmp_path / folder).mkdir()
-    (tmp_path / "propellers" / "no-more.md").write_text("")
-    write(tmp_path)
-    cards = sorted(file.stem for file in (tmp_path / "propellers").iterdir())
-    assert cards == sorted(map(words.page_name, all_identified()))
-    before = {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*.md")}
-    assert max(file.stat().st_size for file in before if file.parent.name == "propellers") < 40_000
-    write(tmp_path)
-    assert before == {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*.md")}
-    for file in before:
-        text = file.read_text(encoding="utf-8")
-        assert "nan" not in re.findall(r"[a-z]+", text), file
