@@ -10,8 +10,6 @@ from papers.gill_dandrea_2017.rotor_drag import (
     dynamic_pressure,
     fits,
     momentum_inflow,
-    plate_fits,
-    ratios,
     sources,
 )
 from papers.gill_dandrea_2017.tunnel import (
@@ -75,23 +73,6 @@ def test_a_factor_and_a_plate_are_told_apart() -> None:
     factor, plate, both = fits(theory, pressure, 0.5 * theory)
     assert plate.area == both.area == 0.0
     assert [factor.factor, both.factor] == pytest.approx([0.5, 0.5])
-
-
-def test_every_form_of_the_drag_is_fitted() -> None:
-    found = plate_fits(_compared(0.5 * DATA.loads["drag"]))
-    assert len({(one.data, one.model) for one in found}) == 4
-    for one in found:
-        assert one.both.error <= min(one.factor.error, one.plate.error) + 1e-12
-        if one.data == OBLIQUE:
-            assert one.factor.factor == pytest.approx(2.0) and one.factor.error < 1e-9
-
-
-def test_ratios_by_angle_are_those_of_the_forms() -> None:
-    for one in ratios(_compared(0.5 * DATA.loads["drag"])):
-        told = [one.ratio, one.lowest, one.highest, one.recommended]
-        assert told == pytest.approx([2.0] * 4)
-        # Both forms differ by a few per cent.
-        assert one.other == pytest.approx(2.0, rel=0.15) and one.other != one.ratio
 
 
 def test_sources_by_shares_that_propellers_have_in_common() -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from papers.gill_dandrea_2017.tunnel import DATA_SETS, Compared, errors, static_constants
-from propmap.catalogue.lookup import Measurement, measurement
+from papers.gill_dandrea_2017.tunnel import Compared, errors
+from propmap.catalogue.lookup import Measurement
 
 
 def _data(thrust: np.ndarray, torque: np.ndarray | None) -> Measurement:
@@ -14,12 +14,6 @@ def _data(thrust: np.ndarray, torque: np.ndarray | None) -> Measurement:
     nothing = np.zeros(3)
     loads = {"thrust": thrust} if torque is None else {"thrust": thrust, "torque": torque}
     return Measurement("d", "apc-8x6e", "measured", 1.2, "", "", omega, speed, nothing, loads)
-
-
-def test_hover_constants_come_from_the_rows_at_rest() -> None:
-    still = static_constants(_data(np.array([1.0, 4.0, -7.0]), None))
-    assert still.k_thrust == pytest.approx(1e-4)
-    assert np.isnan(still.k_torque)
 
 
 def test_errors_of_a_load() -> None:
@@ -33,12 +27,3 @@ def test_errors_of_a_load() -> None:
     assert error.rms_share == pytest.approx(error.rms / np.sqrt(7.0))
     assert error.worst_share == pytest.approx(0.25)
     assert error.within_nine == pytest.approx(2.0 / 3.0)
-
-
-def test_every_data_set_has_a_static_test() -> None:
-    for name in DATA_SETS:
-        data = measurement(name)
-        still = data.speed == 0.0
-        assert still.any()
-        model = static_constants(data).thrust(data.omega[still])
-        assert model == pytest.approx(data.loads["thrust"][still], rel=0.1, abs=0.1)

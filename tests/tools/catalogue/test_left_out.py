@@ -10,7 +10,7 @@ from propmap.catalogue.expected import GEOMETRIES, bundled_population
 from propmap.catalogue.identified import all_identified, identified_without_blade
 from tests.tools.catalogue.test_entries import LOADS, with_data
 from tools.catalogue.database import read_uiuc_database, refiled
-from tools.catalogue.left_out import GROUPS, LeftOut, by_series, left_out, never_measured
+from tools.catalogue.left_out import GROUPS, LeftOut, left_out, never_measured
 
 FAMILIES = ("apcsf", "gwssf", "kyosho", "mae")
 
@@ -59,18 +59,3 @@ def test_what_is_known_makes_errors_smaller_and_bands_hold_most_rows(found: list
         own = [one.found for one in found if one.group == group]
         held = [np.concatenate([one.at_rest, one.moving]) for one in own]
         assert (np.nanmean(held, axis=0) > 0.85).all(), group
-
-
-@with_data
-@pytest.mark.slow
-def test_the_blade_of_the_makers_file_is_better_than_a_mean_one(found: list[LeftOut]) -> None:
-    """For slow flyers, all ten and the three of which no blade was measured."""
-    told = by_series(found, all_identified())
-    assert {name: one["propellers"] for name, one in told.items()} == {
-        "apcsf": 10,
-        "apcsf, no measured blade": 3,
-    }
-    for one in told.values():
-        assert one["maker"][0] < one["mean"][0]
-        assert sum(one["maker_rms"]) < sum(one["mean_rms"])
-    assert np.less(told["apcsf, no measured blade"]["maker"], 0.08).all()
