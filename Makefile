@@ -73,7 +73,7 @@ test: $(READY)
 
 # All readers and the essential physics.
 FAST := tests/io tests/vehicle tests/model tests/catalogue tests/core/test_core.py tests/rotor/test_limits.py \
-	tests/docs/test_equations.py tests/docs/test_equations_are_live.py tests/oracle/test_extended_reference.py
+	tests/docs/test_equations.py tests/oracle/test_extended_reference.py
 
 test-fast: $(READY)
 	$(PYTEST) -m 'not slow' $(FAST)

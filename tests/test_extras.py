@@ -29,7 +29,6 @@ for arguments in json.loads(sys.argv[1]):
 for code in json.loads(sys.argv[2]):
     try: exec(code)
     except ImportError as error: print(error)
-print("loaded", *{{name.partition(".")[0] for name, found in sys.modules.items() if found}})
 """
 POINT = ["--rpm", "6000", "--speed", "10", "--beta", "60"]
 ENVELOPE = ["--rpm", "6000:7000", "--speed", "0:2", "--beta", "0:20", "--tolerance", "10%"]
@@ -90,7 +89,7 @@ def test_a_missing_extra_is_named_in_one_line(extras: set[str], tmp_path: Path) 
     for (extra, command), line, code in zip(needs, told[::2], told[1::2], strict=True):
         assert line.startswith("propmap: error: ") and code == "exit 2", command
         assert line.endswith(missing.format(extra)), command
-    assert out[:-1] == [f"{package[one]} is {missing.format(one)}" for one, _ in imports]
+    assert out == [f"{package[one]} is {missing.format(one)}" for one, _ in imports]
     assert {path.name for path in tmp_path.iterdir()} == files
 
 

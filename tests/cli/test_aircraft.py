@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import xarray
 
-from propmap.aircraft.assumptions import assumption_lines, assumptions
 from propmap.loads import LOADS
 from propmap.table import LoadTable
 from propmap.units import GRAVITY
@@ -117,25 +116,6 @@ def test_choosing(run: Run) -> None:
     assert times == [row["hover_time_s"] for row in rows] == sorted(times, reverse=True)
 
 
-LOWER = VEHICLE[VEHICLE.index("[[rotors]]") :].replace("0.0]", "-0.08]")
-COAXIAL = VEHICLE + LOWER.replace('"c', '"cc').replace('"ccc', '"c')  # against the upper ones
-MOUNTED = POWERED.replace("[esc]\nefficiency = 0.95\n", "") + "[mount]\narea = 0.0008\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (COAXIAL, ("no body drag", "shaft power (no [motor])", "8 rotors above each other: lower")),
-        (MOUNTED, ("lossless speed controllers", "drag of [mount]", "air 1.225 kg/m^3; con")),
-    ],
-    ids=["coaxial", "mounted"],
-)
-def test_assumptions_of_an_aircraft(text: str, words: tuple[str, ...]) -> None:
-    Path("x.toml").write_text(text)
-    lines = assumption_lines(assumptions(read_vehicle("x.toml").vehicle, None))
-    assert all(any(word in line for line in lines) for word in words), lines
-
-
 def test_every_output_lists_the_assumptions(run: Run) -> None:
     run(*TRIM, *QUIET, "-o", "x.txt")
     notes, shown = run(*TRIM, *QUIET, "--format", "csv").err, Path("x.txt").read_text()
@@ -180,11 +160,9 @@ EDGE = POWERED.replace('"cw"', '"?"', 1).replace('"ccw"', '"cw"', 1).replace('"?
     "command",
     [
         ["trim", "NAME", *QUIET],
-        ["trim", "NAME", "--mission", "legs.csv"],
-        ["choose", "NAME", "--speed", "8", "--diameter", "9:9", "--blades", "3", "--top", "1"],
         ["export", "NAME", "--to", "px4", "--speed", "3,6", "-o", "to"],
     ],
-    ids=["trim", "mission", "choose", "export"],
+    ids=["trim", "export"],
 )
 def test_rotors_that_cannot_command_yaw_are_noted(run: Run, command: list[str]) -> None:
     """The front rotors turn ccw, the rear rotors cw: yaw is a multiple of pitch."""

@@ -8,7 +8,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-import propmap
 from propmap.catalogue.expected import POPULATION, bundled_population, coordinates
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, identified
 from tools import measured_rows
@@ -31,62 +30,6 @@ def entry(name: str, blades: int) -> Identified:
     found = identified(name, blades)
     assert found is not None
     return found
-
-
-def plots(text: str) -> dict[str, ElementTree.Element]:
-    """The pictures of a card by what they are said to show."""
-    found = [ElementTree.fromstring(svg) for svg in re.findall(r"<svg .*?</svg>", text)]
-    return {svg.attrib["aria-label"]: svg for svg in found}
-
-
-def axis(svg: ElementTree.Element, kind: str) -> tuple[float, float]:
-    """Slope and offset of values over places along the "x" or the "y" of a plot, by its marks."""
-    marks = []
-    for text in svg.findall("text"):
-        label = (text.text or "").replace("\N{MINUS SIGN}", "-")
-        if text.attrib["class"] == kind and re.fullmatch(r"-?[\d.]+", label):
-            marks.append((float(text.attrib[kind]), float(label)))
-    slope, offset = np.polyfit(*np.array(marks).T, 1)
-    # Letters stand four units below the line that they name.
-    return slope, offset + (4.0 * slope if kind == "y" else 0.0)
-
-
-def drawn(svg: ElementTree.Element, look: str) -> list[np.ndarray]:
-    """Values (n, 2) of each line or set of points, read off the picture."""
-    found = []
-    for path in svg.findall("path"):
-        if path.attrib["class"].split()[0] == look:
-            places = np.array(re.findall(r"[ML]([\d.-]+) ([\d.-]+)", path.attrib["d"]), float)
-            slopes, offsets = np.transpose([axis(svg, "x"), axis(svg, "y")])
-            found.append(slopes * places + offsets)
-    return found
-
-
-@pytest.mark.parametrize(("name", "blades"), SOME)
-def test_pictures_have_the_loads_of_the_rotor_and_the_measured_rows(name: str, blades: int) -> None:
-    one = entry(name, blades)
-    text, tested = card(one, ROWS[one.tested]), ROWS[one.tested]
-    found, moving = plots(text), tested.advance > 0.0
-    rotor = propmap.Rotor(propmap.Model(propmap.propeller(name, blades=blades), one.airfoil))
-    diameter, density = 2.0 * rotor.model.propeller.radius, rotor.model.air.density
-    speeds = [float(rpm) for rpm in re.findall(r'<li class="c\d">(\d+) rpm', text)]
-    for label, measured in (("C_T", tested.thrust), ("C_P", tested.power)):
-        svg = found[f"{label} over J"]
-        curves, points = drawn(svg, "curve"), np.concatenate(drawn(svg, "dots"))
-        # A twentieth of a unit of the picture, in each direction; rpm is written in whole ones.
-        step, aside = (0.06 * abs(axis(svg, kind)[0]) for kind in ("y", "x"))
-        assert len(curves) == len(speeds) >= 2
-        for rpm, curve in zip(speeds, curves, strict=True):
-            turns, some = rpm / 60.0, curve[::6]
-            loads = rotor.loads(2.0 * np.pi * turns, some[:, 0] * turns * diameter, 0.0)
-            expected = loads.thrust / (density * turns**2 * diameter**4)
-            if label == "C_P":
-                expected = 2.0 * np.pi * loads.torque / (density * turns**2 * diameter**5)
-            np.testing.assert_allclose(some[:, 1], expected, atol=step + 0.3 * aside + 1e-5)
-        assert len(points) == moving.sum()
-        np.testing.assert_allclose(np.sort(points[:, 1]), np.sort(measured[moving]), atol=step)
-        still = found[f"{label} at rest over rpm"]
-        assert len(np.concatenate(drawn(still, "dots"))) == (~moving).sum()
 
 
 @pytest.mark.parametrize(("name", "blades"), SOME)

@@ -47,16 +47,6 @@ def exact(count: int = 40) -> Rows:
     return rows_of(model, true_values(model))
 
 
-@pytest.mark.slow
-def test_so_they_do_where_only_few_rows_are_left_over() -> None:
-    """Seven rows for three parameters: the quantile is Student's, 2.8, not 1.96."""
-    model = linear_model(design(7))
-    rows = rows_of(model, true_values(model))
-    share = coverage(rows, THREE, lambda rng: rng.normal(0.0, 0.05, 7))
-    # Robust to unequal noise and fewer rows than ten: a little less sure, never far off.
-    assert (share >= 0.88).all() and (share <= 0.99).all(), share
-
-
 def test_two_loads_with_different_noise() -> None:
     """c_l1 is seen in the noisy load alone, c_l2 in the quiet one, c_d in both."""
     count = 60

@@ -7,7 +7,6 @@ import pytest
 
 import propmap
 from papers.gill_dandrea_2017.rotor_drag import (
-    dynamic_pressure,
     fits,
     momentum_inflow,
     sources,
@@ -45,19 +44,6 @@ def test_momentum_inflow_is_glauert_s() -> None:
     assert found[0] == pytest.approx(3.0)
     assert found[1] == pytest.approx(9.0 / 40.0, rel=1e-3)
     assert found[3] < 0.0
-
-
-def test_the_slipstream_meets_the_plate() -> None:
-    one = _compared(DATA.loads["drag"])
-    nothing = np.zeros(DATA.omega.size)
-    free = dynamic_pressure(one, nothing, 2.0)
-    expected = 0.5 * DATA.air_density * DATA.speed**2 * np.sin(DATA.beta)
-    np.testing.assert_allclose(free, expected, rtol=1e-12)
-    slow = (DATA.speed == 2.0) & (DATA.beta > 1.5)
-    # In slow edgewise flight the inflow is about v_h: the plate's speed is 2 v_h, far above V.
-    still = np.sqrt(DATA.loads["thrust"][slow] / (2.0 * DATA.air_density * np.pi * RADIUS**2))
-    blown = dynamic_pressure(one, DATA.loads["thrust"], 2.0)[slow]
-    np.testing.assert_allclose(blown / free[slow], np.hypot(2.0, 2.0 * still) / 2.0, rtol=0.1)
 
 
 def test_a_factor_and_a_plate_are_told_apart() -> None:
