@@ -119,6 +119,28 @@ def test_the_inverse_is_that_of_python(table: LoadTable, quantity: str) -> None:
     np.testing.assert_allclose(found[:, 1], expected.least, rtol=1e-9)
 
 
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("end", [0, 1])
+def test_the_inverse_answers_the_ends_of_the_envelope(
+    table: LoadTable, end: int, single: bool
+) -> None:
+    compiled = compiled_of(table, single=single)
+    rng = np.random.default_rng(3)
+    count, omega = 100, table.envelope["omega"][end]
+    speed, beta = rng.uniform(0.0, 6.0, count), rng.uniform(0.0, 1.5, count)
+    expected = table.loads(omega, speed, beta)
+    beyond = 1.0 + (1e-4 if single else 1e-9) * (1.0 if end else -1.0)
+    for number, name in enumerate(("thrust", "torque", "power")):
+        value = getattr(expected, name)
+        found, solutions = compiled("omega_for", 2, np.full(count, number), value, speed, beta)
+        assert (solutions >= 1).all()
+        edge = found[:, 0 if end else 1]
+        np.testing.assert_allclose(edge, omega, rtol=2e-5 if single else 1e-11)
+    still = table.loads(omega, 0.0, 0.0).thrust * beyond
+    _, solutions = compiled("omega_for", 2, *np.array([[0.0], [still], [0.0], [0.0]]))
+    assert solutions.tolist() == [0]
+
+
 def test_the_inverse_tells_of_several(ragged: LoadTable) -> None:
     compiled = compiled_of(ragged)
     # 0.016 Omega^2 - 0.08 Omega V_z/R turns at Omega = 2.5 V_z/R = 225 rad/s.
