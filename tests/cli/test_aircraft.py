@@ -61,6 +61,7 @@ def test_wakes_count_unless_they_are_left_out(run: Run) -> None:
     assert front < -10.0 and rear > 10.0
     asked = ["export", "wakes.toml", "--airfoil", "apc-8x6e-2019", "--to", "px4", "-o", "out"]
     refused(run(*asked), "[wakes] is given", "--no-wakes")
+    assert run(*asked, "--no-wakes").code == 0
 
 
 @pytest.mark.slow

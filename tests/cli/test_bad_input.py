@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from propmap.model.airfoil import parameter_set
@@ -47,6 +48,7 @@ FILES: dict[str, bytes] = {
     "stl.dat": b"solid blade\n facet normal 0 0 1\n",
     "aerodyn.dat": b"BlSpn BlCrvAC BlSwpAC BlCrvAng BlTwist BlChord BlAFID\n0 0 0 0 0 1 1\n",
     "bad.npz": b"PK\x03\x04" + bytes(500),
+    "skew.toml": fit_text(covariance=np.array([[1.0, 0.5], [0.1, 1.0]])).encode(),
 }
 PREDICT = ["predict", *ROTOR]
 GRID = ["--rpm", "4000:5000:2", "--speed", "10", "--beta", "80"]
@@ -155,6 +157,22 @@ CASES: list[tuple[list[str], str]] = [
     ([*SIMULATE, "--noise", "-0.01"], "--noise is -0.01"),
     ([*SIMULATE, "--speeds", "10,70"], "70 m/s cannot be flown"),
     ([*SIMULATE, "-o", "flight.txt"], "extension"),
+    (["predict", "apc-8x6e", "--airfoil", "skew.toml", *POINT], "not symmetric"),
+    ([*PREDICT, "--rpm", "4000", "--speed", "1", "--beta", "400"], "more than a turn"),
+    ([*SWEEP, "--rpm", "1:2:1", "--speed", "1", "--beta", "0", "-o", "out.nc"], "N is 1"),
+    ([*SWEEP, "--rpm", "2:1:3", "--speed", "1", "--beta", "0", "-o", "out.nc"], "increase"),
+    ([*SWEEP, "--rpm", "1:9:9999", "--speed", "1:9:9999", "--beta", "0", "-o", "o.nc"], "points"),
+    ([*GOOD, "--loads", "thrust,thrust"], "thrust is named twice"),
+    ([*GOOD, "--weight", "thrust=0"], "the weight of thrust is 0; give a number above 0"),
+    ([*GOOD, "--weight", "thurst=2"], "'thurst' has a weight but is not fitted; fit thrust"),
+    ([*TABLE, "--tolerance", "0.001%"], "must be between 0.20% and 10%"),
+    ([*TRIM, "--climb", "fast"], "cannot be read"),
+    ([*TRIM, "--max-rpm", "0"], "above 0"),
+    ([*CHOOSE, "--speed", "9", "--diameter", "big"], "in inches"),
+    ([*SIMULATE, "--noise", "1"], "times the weight"),
+    ([*SIMULATE, "--velocity-noise", "-1"], "--velocity-noise"),
+    ([*SIMULATE, "--radius", "0"], "radius of the circle is 0 m"),
+    ([*SIMULATE, "--dwell", "0.1"], "each speed lasts 0.1 s"),
 ]
 
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import propmap
+from propmap.loads import LOADS
 from propmap.table import LoadTable, build_table
 
 from .conftest import ROTOR, Run
+from .invented_tables import certificate, invented
 
 SMALL = ["--rpm", "4000:4400", "--speed", "14:16", "--beta", "75:90", "--tolerance", "5%"]
 
@@ -44,6 +47,19 @@ def test_a_table_is_filed_and_its_certificate_and_corrections_shown(
     assert named in Path("to/README-csv.txt").read_text()
     done = run("export", "map.npz", "--to", "c", "-o", "no", *tip_loss)
     assert "--correction does not apply to --to c of" in done.err
+
+
+def test_show_lists_the_certificate(run: Run) -> None:
+    invented(certificate=certificate(unresolved_cells=12)).save("map.npz")
+    shown = run("show", "map.npz").out
+    for text in (
+        "tolerance of 0.50% holds on 4096 points",
+        "unresolved: 12 cells, 0.98% of the envelope",
+        "300 are in the vortex ring state; points without loads: 0",
+    ):
+        assert text in shown
+    row = r"│ +0\.210 % │ +0\.030 % │ +3\.100 % │ +6000 │ +7\.25 │ +45 │"
+    assert len(re.findall(row, shown)) == len(LOADS)
 
 
 def test_an_interrupted_build_leaves_nothing(

@@ -20,7 +20,7 @@ from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import LoadTable
 from propmap.units import RPM
 from propmap.vehicle.files import read_vehicle
-from propmap.vehicle.powertrain import Powertrain
+from propmap.vehicle.powertrain import Battery, Motor, Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 from tests.aircraft.conftest import POWERTRAIN, aircraft_of, quadcopter
 
@@ -388,6 +388,16 @@ def test_the_simulator_s_propeller_pulls_as_the_rotor_does(
         assert abs(apart) < thrust_error + 1e-3
         apart = 2.0 * np.pi * (torque - loads.torque * 1.225 / 1.1) / (force * diameter)
         assert abs(apart) < power_error + 1e-3
+
+
+def test_a_rising_parabola_becomes_a_falling_line() -> None:
+    """PX4 takes no constant of C_T above zero for J^2."""
+    content = invented_content(of=PUSHER)
+    content.coefficients[:, 0] += 0.17 * (content.advance[:, None] * np.cos(content.beta)) ** 2
+    slow = Powertrain(Motor(400.0 * RPM, 0.1, (0.3,)), None, Battery(4, 18000.0))
+    craft = Aircraft(replace(PUSHER, powertrain=slow), LoadTable(content))
+    (found,) = autopilot_parameters(craft, "px4").sets
+    assert found.values["SIH_F_CT2"] == 0.0 and found.values["SIH_F_CT1"] < 0.0
 
 
 def test_a_tailsitter_s_curve_that_is_no_quadratic_is_said() -> None:

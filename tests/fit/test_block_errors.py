@@ -36,6 +36,17 @@ def test_segments_count_as_refits_without_them_say() -> None:
     assert (freedom < 23.0).all() and (freedom > 2.0).all()
 
 
+def test_even_segments_have_all_degrees_of_freedom_and_priors_more() -> None:
+    slopes = np.tile(np.eye(3), (40, 1))
+    group = np.arange(40).repeat(3)
+    residual = np.random.default_rng(7).standard_normal(120)
+    whole = slopes.T @ slopes
+    _, freedom = block_errors(slopes, residual, group, whole, NONE)
+    np.testing.assert_allclose(freedom, 39.0)
+    _, freedom = block_errors(slopes, residual, group, whole + 1e3 * np.eye(3), 1e3 * np.eye(3))
+    assert (freedom > 1000.0).all()
+
+
 @pytest.mark.parametrize(("alike", "least"), [(3, 1.15), (1, 1.0)])
 def test_errors_go_on_past_the_end_of_a_segment(alike: int, least: float) -> None:
     """A mean's variance where errors last three segments of ten rows, and where they last one."""

@@ -12,6 +12,7 @@ import propmap
 from propmap.cli.fit_flight import flight_priors, free_by_default, with_flight_priors
 from propmap.errors import InputError
 from propmap.fit.comparison import compare_flight
+from propmap.fit.fit import range_warnings
 from propmap.fit.flight import ForceModel, balance_rows, body_force, level_rows, wing_values
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.units import GRAVITY
@@ -212,6 +213,16 @@ def test_refusals() -> None:
         model(log(rotors=6))
     winged = model(still, wing=Wing(0.1))
     assert level_rows(winged, Choice(("wing_c_l1",))).measured.size == 2
+
+
+def test_what_the_range_of_speeds_cannot_tell() -> None:
+    def told(*speeds: float) -> list[str]:
+        return range_warnings(level_rows(model(log([(v, 0.0, 0.0) for v in speeds])), TWO))
+
+    assert told(0.0, 5.0, 9.0) == []
+    (hover,), (one,) = told(0.0, 0.3, 0.5), told(7.0, 7.5, 8.0)
+    assert "all data are from hover" in hover
+    assert "all data are from one speed, 7.0 to 8.0 m/s" in one
 
 
 def test_a_wing_takes_the_place_of_the_plate_in_fits() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
+from propmap.fit.least_squares import starts
 from propmap.fit.parameters import EVERY, FIRST_GUESS, SECTION, Choice, Prior
 from propmap.model.airfoil import Airfoil
 
@@ -52,6 +53,18 @@ def test_first_guesses_are_within_bounds_that_a_section_law_accepts() -> None:
     for name, p in SECTION.items():
         for value in (p.lower, p.upper):
             assert getattr(law.with_parameters(**{name: value}), name) == value
+
+
+def test_starts_begin_at_the_first_guess_and_stay_within_bounds() -> None:
+    choice = Choice()
+    found = starts(choice, 50, seed=1)
+    assert len(found) == 50
+    np.testing.assert_array_equal(found[0], choice.first)
+    table = np.array(found)
+    assert (table >= choice.column("lower")).all() and (table <= choice.column("upper")).all()
+    assert np.ptp(table, axis=0).min() > 0.1
+    np.testing.assert_array_equal(table, starts(choice, 50, seed=1))
+    assert (table[1] != starts(choice, 2, seed=2)[1]).any()
 
 
 def test_what_flights_have_for_themselves_is_named_after_them() -> None:

@@ -11,6 +11,7 @@ from propmap.catalogue.expected import (
     POPULATION,
     PopulationPrior,
     airfoil_at,
+    coordinates,
     expected_prior,
 )
 from propmap.catalogue.identified import PARAMETERS
@@ -58,6 +59,26 @@ def test_the_means_are_no_distance_away_and_slopes_are_difference_quotients() ->
         np.testing.assert_allclose(slopes[:, k], (high - low) / (2.0 * step), rtol=1e-6, atol=1e-6)
 
 
+def test_constants_are_spread_as_draws_from_the_coordinates_are() -> None:
+    rng = np.random.default_rng(1)
+    prior = prior_of(expected_prior("apce"))
+    known = prior.distribution
+    place = rng.multivariate_normal(known.mean, known.covariance, 10_000)
+    zero_lift = place[:, PARAMETERS.index("zero_lift_angle")]
+    draws = {
+        "c_l1": np.exp(place[:, PARAMETERS.index("c_l1")]),
+        "zero_lift_angle": zero_lift,
+        # The angle from the chord line is the one that propellers share.
+        "drag_angle": place[:, PARAMETERS.index("drag_angle")] - zero_lift,
+    }
+    for name, values in draws.items():
+        mean, deviation = prior.of_constant(name) or (np.nan, np.nan)
+        # To first order; 10,000 draws tell a deviation to 0.7 %.
+        assert mean == pytest.approx(values.mean(), rel=0.02, abs=1e-4)
+        assert deviation == pytest.approx(values.std(), rel=0.03)
+    assert PRIOR.of_constant("c_p") is None
+
+
 def test_without_data_that_tell_of_them_constants_stay_where_propellers_are() -> None:
     """Rows see c_l1 alone: the others keep mean and deviation, and the verdicts say so."""
     rows = rows_on({"c_l1": np.ones(60)}, np.zeros(60), c_l1=MEAN["c_l1"])
@@ -78,6 +99,20 @@ def test_without_data_that_tell_of_them_constants_stay_where_propellers_are() ->
     assert "times that of the prior" in found.uncertainty.verdicts[0]
     pair = [PARAMETERS.index(name) for name in ("zero_lift_angle", "drag_angle")]
     assert found.uncertainty.correlation[pair[0], pair[1]] < -0.5
+
+
+def test_what_is_learnt_of_one_constant_tells_of_those_that_go_with_it() -> None:
+    """Rows see c_l1 alone; the others follow as conditional means of a normal distribution do."""
+    prior = prior_of(expected_prior(None))
+    known = prior.distribution
+    rows = rows_on({"c_l1": np.ones(60)}, np.zeros(60), c_l1=1.15 * prior.airfoil.c_l1)
+    start = {name: getattr(prior.airfoil, name) for name in PARAMETERS}
+    choice = Choice(PARAMETERS, start=start, expected=prior)
+    found = fit(rows, choice, QUICK)
+    place = coordinates(found.x) - known.mean
+    assert np.abs(known.correlation[0, 1:]).max() > 0.2
+    want = known.covariance[:, 0] / known.covariance[0, 0] * place[0]
+    np.testing.assert_allclose(place, want, atol=2e-3)
 
 
 def precision_of(found: Fitted) -> float:

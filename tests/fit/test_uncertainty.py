@@ -94,6 +94,10 @@ def test_textbook_covariance_and_correlation() -> None:
     np.testing.assert_allclose(sure.correlation, expected_correlation, atol=1e-12)
     np.testing.assert_allclose((sure.high - sure.low) / 2.0, 1.972 * deviation, rtol=1e-3)
     np.testing.assert_allclose((sure.high + sure.low) / 2.0, x)
+    # Seven rows leave four degrees of freedom: Student's quantile is 2.776, not 1.96.
+    few = judged(noisy(exact(7), np.random.default_rng(1).normal(0.0, 0.01, 7)), THREE)[1]
+    half = 2.776 * np.sqrt(np.diag(few.covariance))
+    np.testing.assert_allclose((few.high - few.low) / 2.0, half, rtol=1e-3)
     assert sure.verdicts == ("identified",) * 3 and sure.identified == (True,) * 3
     singular = np.linalg.svd(matrix * SPREADS, compute_uv=False)
     np.testing.assert_allclose(sure.singular_values, singular / singular[0], rtol=1e-9)

@@ -15,7 +15,7 @@ import propmap
 from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData
 from propmap.hover import HoverModel
-from propmap.report.fit_curves import level_flight, tunnel_fit
+from propmap.report.fit_curves import level_flight, steady_parts, tunnel_fit
 from propmap.report.html import HOVER, save
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog, in_vehicle_frame
@@ -96,6 +96,20 @@ def test_level_flight(vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path) ->
     silent = replace(log, specific_force=np.full((3, 3), np.nan))
     legend = level_flight(vehicle, silent, rotor.model.airfoil).axes[5].get_legend()
     assert "measured: pitch angle" in [text.get_text() for text in legend.get_texts()]
+
+
+def test_steady_parts() -> None:
+    log = _log(np.concatenate([np.full(40, 3.0), np.linspace(3.0, 8.0, 20), np.full(40, 8.0)]))
+    figure = steady_parts(log, [slice(0, 40), slice(60, 100)])
+    _has_units(figure)
+    speed, _, rotors = figure.axes
+    for ax in figure.axes:
+        spans = [patch.get_x() + np.array([0.0, patch.get_width()]) for patch in ax.patches]
+        assert np.array(spans) == pytest.approx(np.array([[0.0, 3.9], [6.0, 9.9]]))
+    means = [line.get_ydata()[0] for line in speed.lines if line not in _points(speed)]
+    assert means == pytest.approx([3.0, 8.0])
+    assert rotors.lines[0].get_ydata() == pytest.approx(420.0 * 30.0 / np.pi)
+    assert "2 steady segments, 8 of 10 s" in figure.get_suptitle()
 
 
 def test_tunnel_fit(rotor: propmap.Rotor) -> None:

@@ -123,6 +123,8 @@ FAULTS = [
     ("blades = [2, 3]", "blades = [2.5, 3]", "whole numbers"),
     ("rpm = [6000.0]", "", "rpm is given nowhere"),
     ("speed_mps = [0.0, 10.0, 20.0]", "speed_mps = [-1.0]", "negative"),
+    ("designs = 60", "designs = 1", "designs is 1"),
+    ("diameter_in = [7.0, 9.0]", "diameter_in = [9.0, 7.0]", "do not increase"),
 ]
 
 

@@ -154,6 +154,10 @@ BAD = {
         "another motor",
     ),
     "battery without cells": (MOTOR_TABLE + "[battery]\ncapacity_mAh = 5000\n", "no cells"),
+    "maximum current of 0": (MOTOR_TABLE + "maximum_current = 0\n", "above 0"),
+    "usable share in percent": (MOTOR_TABLE + BATTERY_TABLE + "usable_share = 80\n", "not percent"),
+    "battery in milliohms": (MOTOR_TABLE + BATTERY_TABLE + "resistance = 20\n", "milliohms"),
+    "power drawn negative": (MOTOR_TABLE + BATTERY_TABLE + "auxiliary_power = -5\n", "0 or more"),
 }
 
 

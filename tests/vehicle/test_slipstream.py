@@ -83,6 +83,14 @@ def test_partly_overlapped_disks_by_counting_points(aside: float, speed: float) 
     assert found[1] == pytest.approx(grown * share, abs=4e-3)
 
 
+def test_gains_count_for_cylinders_alone() -> None:
+    other = pair(0.3, wakes=Wakes(3.0, 2.0, 0.5))
+    np.testing.assert_allclose(added(other), added(pair(0.3)), rtol=1e-12)
+    still = np.zeros((1, 3))
+    found = wake_flow(other, Wakes(), hub_flow_at(other, np.ones((1, 2)), still, still), THRUST)
+    assert all(not found.by_gain[name].any() for name in ("ahead", "beside", "downwash"))
+
+
 def test_derivatives_against_differences() -> None:
     made, h = pair(0.4, 0.5), 1e-4
     moving = np.random.default_rng(1).normal([0.0, 0.0, 4.0], 3.0, (30, 3))

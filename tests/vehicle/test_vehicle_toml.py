@@ -149,6 +149,12 @@ CASES = {
         '[mount]\narea = "large"\n[body]',
         "area is 'large', expected a number or a list; write area = an area in m^2",
     ),
+    "negative drag": ("[0.01, 0.01, 0.02]", "[0.01, -1, 0]", "[body]", "areas of 0 or more"),
+    "a gain of upwash below 0": ("ahead = 2.5", "ahead = -1", "[wakes]: ahead is '-1'", "0 to 20"),
+    "sensor in mm": ("[0.02, 0.03, 0.01]", "[20, 30, 10]", "[sensor]", "in m from the center"),
+    "inertia of 0": ("mass = 1.5", "mass = 1.5\ninertia = [2.5e-3, 0.0, 4e-3]", "above zero"),
+    "a rotor's inertia": ("mass = 1.5", "mass = 1.5\nrotor_inertia = -1e-5", "rotor_inertia"),
+    "negative plate": ("[body]", "[body]\nplate_area = -0.01", "0 or more"),
 }
 
 
