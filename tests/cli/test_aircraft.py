@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray
 
+from propmap.aircraft.assumptions import assumption_lines, assumptions
 from propmap.loads import LOADS
 from propmap.table import LoadTable
 from propmap.units import GRAVITY
@@ -115,6 +116,25 @@ def test_choosing(run: Run) -> None:
     rows = told["propellers"]
     times = [row["time_s"] for row in rows]
     assert times == [row["hover_time_s"] for row in rows] == sorted(times, reverse=True)
+
+
+LOWER = VEHICLE[VEHICLE.index("[[rotors]]") :].replace("0.0]", "-0.08]")
+COAXIAL = VEHICLE + LOWER.replace('"c', '"cc').replace('"ccc', '"c')  # against the upper ones
+MOUNTED = POWERED.replace("[esc]\nefficiency = 0.95\n", "") + "[mount]\narea = 0.0008\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (COAXIAL, ("no body drag", "shaft power (no [motor])", "8 rotors above each other: lower")),
+        (MOUNTED, ("lossless speed controllers", "drag of [mount]", "air 1.225 kg/m^3; con")),
+    ],
+    ids=["coaxial", "mounted"],
+)
+def test_assumptions_of_an_aircraft(text: str, words: tuple[str, ...]) -> None:
+    Path("x.toml").write_text(text)
+    lines = assumption_lines(assumptions(read_vehicle("x.toml").vehicle, None))
+    assert all(any(word in line for line in lines) for word in words), lines
 
 
 def test_every_output_lists_the_assumptions(run: Run) -> None:
