@@ -299,9 +299,9 @@ def test_the_rotor_agrees_in_oblique_flow() -> None:
 
 
 POINTS = {
-    "paper": MANY,
-    "recommended": MANY[::2],
-    "recommended with camber": MANY[1::2],  # another section law alone, at what is left
+    "paper": MANY[::2],
+    "recommended": MANY[1::2],
+    "recommended with camber": MANY[1::4],  # the same points with another section law
 }
 
 
@@ -334,19 +334,3 @@ def test_other_models_are_refused() -> None:
     law = LAW.with_parameters(c_l1=8.0, c_l2=10.0, alpha_0=1.0)
     with pytest.raises(pm.InputError, match="the blades are too wide there"):
         reference.loads(pm.Model(wide, law), 600.0, 0.0, 0.0, 20)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        ((-1.0, 0.0, 0.0), "omega is -1.0"),
-        ((600.0, math.nan, 0.0), "v_axial is nan"),
-        ((600.0, 0.0, -2.0), "v_inplane is -2.0"),
-        ((np.array([600.0, 700.0]), 0.0, 0.0), "give one finite number"),
-        ((600.0, 0.0, 0.0, 0), "0 radii"),
-        ((600.0, 0.0, 0.0, 10, 2), "2 azimuths"),
-    ],
-)
-def test_bad_operating_points_are_refused(arguments: Any, told: str) -> None:
-    with pytest.raises(pm.InputError, match=told):
-        reference.loads(MODELS["paper"], *arguments)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from propmap.aircraft.sensitivity import derivatives, power_gradient, spread
 from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.model.propeller import Propeller
-from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.vehicle import Body, Wakes
 
 from .conftest import aircraft_of, quadcopter
@@ -89,20 +87,6 @@ def test_bands_of_power_are_those_of_the_rotors_torque_in_hover() -> None:
     torque = float(loads.std.torque[0] / loads.torque[0])
     share = float(sure.shaft_power[0] / states.shaft_power[0])
     assert abs(torque - 1.5 * thrust) - 1e-3 <= share <= torque + 1.5 * thrust + 1e-3
-
-
-def test_bands_have_no_jumps() -> None:
-    """A step of the differences that is smaller than the loads' jumps shows as a spike."""
-    vehicle = read_vehicle(
-        Path(__file__).parents[2] / "examples" / "aircraft" / "delivery.toml"
-    ).vehicle
-    model = propmap.catalogue_model("uiuc-apcsf-11x4.7")
-    model = propmap.Model(vehicle.propeller, model.airfoil, vehicle.air, model.corrections)
-    craft = Aircraft(vehicle, propmap.Rotor(model))
-    sure = spread(craft, craft.steady(np.array([14.0, 15.0, 16.0])))
-    assert sure is not None
-    before, here, after = sure.shaft_power
-    assert here == pytest.approx(0.5 * (before + after), rel=0.05)
 
 
 def test_nothing_known_and_names_that_are_not_there(aircraft: Aircraft) -> None:

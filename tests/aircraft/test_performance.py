@@ -151,8 +151,6 @@ def test_a_mission_ends_where_the_voltage_is_too_low(vehicle: Vehicle) -> None:
 
 BAD_MISSIONS = {
     "text": ("speed_mps,climb_mps,duration_s\nfast,0,10\n", "line 2"),
-    "no row": ("speed_mps,climb_mps,duration_s\n", "no row"),
-    "no column": ("speed_mps,duration_s\n5,10\n", "climb_mps is missing"),
     "no duration": ("speed_mps,climb_mps,duration_s\n5,0,0\n", "duration_s is 0"),
     "a negative speed": ("speed_mps,climb_mps,duration_s\n-5,0,10\n", "positive"),
 }

@@ -99,18 +99,6 @@ def test_climb_takes_the_power_of_the_climb(vehicle: Vehicle, aircraft: Aircraft
     assert descent.status.tolist() == ["vortex_ring", "ok"]
 
 
-def test_rotors_of_a_hexacopter_share_the_load(vehicle: Vehicle) -> None:
-    places = [(math.cos(a), math.sin(a)) for a in np.radians(np.arange(30.0, 390.0, 60.0))]
-    mounts = tuple(
-        Mount((0.3 * x, 0.3 * y, 0.0), spin=("cw", "ccw")[k % 2]) for k, (x, y) in enumerate(places)
-    )
-    craft = aircraft_of(replace(vehicle, mounts=mounts))
-    states = craft.steady([0.0, 8.0])
-    assert states.status.tolist() == ["ok", "ok"]
-    assert states.rotor_speed[0] == pytest.approx(states.rotor_speed[0, 0], rel=1e-9)
-    assert np.abs(states.moment).max() < 1e-7
-
-
 def test_what_rotors_cannot_balance_is_told(vehicle: Vehicle) -> None:
     """One rotor ahead of a wing: thrust alone; the rest is for control surfaces."""
     single = replace(vehicle, mounts=(Mount((0.1, 0.0, 0.0), spin="ccw"),), mass=0.3)

@@ -113,22 +113,6 @@ def test_uiuc_blades_are_the_published_ones() -> None:
             assert np.rad2deg(blade.twist[i]) == pytest.approx(beta, rel=1e-6)
 
 
-def test_three_measured_blades_of_one_name_are_three_entries() -> None:
-    for stem in ("uiuc-gwsdd-2.5x0.8", "uiuc-gwsdd-5x4.3"):
-        blades = [catalogue.load(f"{stem}{suffix}") for suffix in ("", "-b", "-c")]
-        assert len({b.chord.tobytes() for b in blades}) == 3
-        assert [b.source.split(", ")[-1][:16] for b in blades] == [
-            f"measured blade {i}" for i in (1, 2, 3)
-        ]
-
-
-def test_nr640_stands_at_the_angle_of_its_label() -> None:
-    for name, degrees in {"5x3.16": 15.0, "9x7.72": 20.0}.items():
-        blade = catalogue.load(f"uiuc-nr640-{name}")
-        angle = np.interp(0.75 * blade.radius, blade.station, blade.twist)
-        assert np.rad2deg(angle) == pytest.approx(degrees, abs=1e-4)
-
-
 @with_data
 def test_building_again_gives_the_same_files(tmp_path: Path) -> None:
     (tmp_path / "tools").mkdir()

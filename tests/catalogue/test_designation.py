@@ -13,40 +13,12 @@ from hypothesis import strategies as st
 
 import propmap
 from propmap import catalogue
-from propmap.catalogue.designation import PRIOR, RACING, UNITS, candidates, designation
+from propmap.catalogue.designation import PRIOR, UNITS, candidates, designation
 from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.lookup import designated, meant_by
 from propmap.units import INCH
 
 MM = 1e-3
-
-
-@pytest.mark.parametrize(
-    ("text", "words", "diameter", "pitch", "blades"),
-    [
-        ("magf 10x6", ("magf",), 10 * INCH, 6 * INCH, None),  # Master Airscrew's, not of Gemfan
-        ("apc 10x4.7sf", ("apc", "sf"), 10 * INCH, 4.7 * INCH, None),
-        ("HQ 5 x 4,3 3-blade", ("hq",), 5 * INCH, 4.3 * INCH, 3),
-        ("130x70", (), 130 * MM, 70 * MM, None),
-        ("E-flite 130x70 mm", ("e", "flite"), 130 * MM, 70 * MM, None),
-        ("1045", (), 10 * INCH, 4.5 * INCH, None),
-        ("da4002 5x1.58", ("da4002",), 5 * INCH, 1.58 * INCH, None),
-        ("gwsdd 5.0x4.3 - 2", ("gwsdd",), 5 * INCH, 4.3 * INCH, 2),
-        ("Dantsker 5\u00d73.75", ("dantsker",), 5 * INCH, 3.75 * INCH, None),
-    ],
-)
-def test_designations(
-    text: str,
-    words: tuple[str, ...],
-    diameter: float,
-    pitch: float,
-    blades: int | None,
-) -> None:
-    found = designation(text)
-    assert found is not None
-    assert (found.words, found.blades) == (words, blades)
-    assert text != "magf 10x6" or found.maker == ""
-    assert (found.diameter, found.pitch) == pytest.approx((diameter, pitch), rel=1e-12)
 
 
 NO_SIZE = [
@@ -66,12 +38,9 @@ def test_no_size() -> None:
     ("text", "says"),
     [
         ("0x5", "diameter of 0 m"),
-        ("5x0", "pitch of 0 m"),
         ("5x50", "pitch of 1.27 m"),
         ("5x4x1", "1 blades"),
-        ("T5000", "pitch of 0 m"),
         ("12345", "pitch of 0.0876 m"),
-        ("5040x1", "1 blades"),
         ("apc 10x7", "may be uiuc-apce-10x7, uiuc-apcsf-10x7"),
         ("apc-8x6q", "did you mean apc-8x6e"),
         ("5x", "did you mean apc-5x"),
@@ -88,13 +57,9 @@ def test_refusals_are_one_line(text: str, says: str) -> None:
     [
         ("APC 10x4.7SF", "uiuc-apcsf-10x4.7"),
         ("apc slow flyer 10x4.7", "uiuc-apcsf-10x4.7"),
-        ("apc 8x6e", "apc-8x6e"),
-        ("master airscrew 9x6", "uiuc-ma-9x6"),
         ("master airscrew electric 9x6", "uiuc-mae-9x6"),
         ("kyosho 11x9 2-blade", "uiuc-kyosho-11x9"),
-        ("10x4.7SF", "uiuc-apcsf-10x4.7"),
         ("gwssf 10.0x4.7 - 2", "uiuc-gwssf-10x4.7"),
-        ("12x6e", "apc-12x6e"),
         ("APC 5.1x5E", "apc-5.1x5.0e"),
         ("APC 11x7E 3-blade", "apc-11x7e-3"),
     ],
@@ -121,22 +86,6 @@ def test_a_makers_file_is_not_meant_unless_series_and_blades_are(text: str) -> N
     assert isinstance(found, ExpectedBlade)
     assert any(name.startswith("apc-") for name in found.others)
     assert found.others[0] in found.summary
-
-
-@given(
-    st.floats(1.0, 40.0).map(lambda v: round(v, 2)),
-    st.floats(0.2, 2.0),
-    st.none() | st.integers(2, 8),
-    st.sampled_from(["", "apc ", "HQ "]),
-)
-def test_what_is_written_is_read(
-    diameter: float, ratio: float, blades: int | None, maker: str
-) -> None:
-    pitch = round(diameter * ratio, 2)
-    found = designation(f"{maker}{diameter:g}x{pitch:g}" + (f"x{blades}" if blades else ""))
-    racing = maker == "HQ " and RACING[0] < diameter * INCH < RACING[1]
-    assert found is not None and found.blades == (blades or (3 if racing else None))
-    assert (found.diameter, found.pitch) == pytest.approx((diameter * INCH, pitch * INCH))
 
 
 with Path(__file__).with_name("designations.csv").open(encoding="utf-8") as file:
@@ -216,9 +165,7 @@ def test_digits_are_read_or_listed_for_every_common_size() -> None:
         ("75x40", "75 x 40 in (not 7.5 x 4 in or 75 x 40 mm)"),
         ("1575x610", "1575 x 610 mm"),
         ("52x26x3", "52 x 26 in (not 5.2 x 2.6 in), 3 blades"),
-        ("Gemfan 52x26x3", "5.2 x 2.6 in, 3 blades"),
         ("KDE 5x3", "5 x 3 in, an unusual size for KDE Direct"),
-        ("T-Motor 12x1", "12 x 1 in, an unusual size for T-Motor"),
         ("Hobbywing 36190", "36 x 19 in, two blades assumed"),
     ],
 )
@@ -231,14 +178,10 @@ def test_another_probable_size_and_an_unusual_size_are_noted(text: str, told: st
     ("text", "says"),
     [
         ("31mm 4 blade", "the pitch, or the unit after the pitch, is missing"),
-        ("Gemfan 31mm x4", "the pitch, or the unit after the pitch, is missing"),
         ("1.2 m", "as in 31x20mm"),
         ('12" x 6', "or 12x6in"),
         ("EDF 70x50mm", "is a ducted fan"),
         ("Emax 2306 2400kv", "is a motor; give the propeller, as in 10x4.5"),
-        ("2212 920 KV", "is a motor"),
-        ("2207.5 KV1700", "is a motor"),
-        ("EDF 70mm 12 blades", "is a ducted fan; propmap models propellers without a duct"),
     ],
 )
 def test_a_size_without_pitch_is_refused_without_suggestions(text: str, says: str) -> None:
@@ -251,7 +194,6 @@ ASSUMED = "two blades assumed"
 
 BY_MAKERS = [
     ("51466", 5.1, 4.66, 3, "3 blades if it is from Gemfan: five-digit sizes have three blades"),
-    ("GF51466-3", 5.1, 4.66, 3, "in, 3 blades"),
     ("Gemfan 2036-4", 2.0, 3.6, 4, "2 x 3.6 in, 4 blades"),
     ("5040x3", 5.0, 4.0, 3, "5 x 4 in, 3 blades"),
     ("T5045C", 5.0, 4.5, 3, "3 blades if it is from DALPROP: T marks three blades"),
@@ -264,23 +206,13 @@ BY_MAKERS = [
         "three blades assumed, as for most DALPROP propellers of this size",
     ),
     ("T-Motor T5147", 5.1, 4.7, 3, "3 blades: T sizes below eight inches"),
-    ("T-Motor T5143S-3", 5.1, 4.3, 3, "in, 3 blades"),
-    ("P15x5", 15.0, 5.0, None, ASSUMED),
     ("DJI 9450", 9.4, 5.0, None, ASSUMED),
-    ("HQ T5x4.5x3 V1S", 5.0, 4.5, 3, "in, 3 blades"),
     ("HQ Ethix S3", 5.0, 3.1, 3, "3 blades: S3 is the 5x3.1x3"),
     ("KDE-CF185-TP 18.5x6.3", 18.5, 6.3, 3, "3 blades: TP and TRIPLE mark three blades"),
     ('24.5" x 8.1 DUAL-EDN (KDE)', 24.5, 8.1, 2, "2 blades: DP and DUAL mark two blades"),
-    ("Gemfan 1050 Tri-Blade", 10.0, 5.0, 3, "in, 3 blades"),
-    ("Quad blade 3x2.5", 3.0, 2.5, 4, "in, 4 blades"),
-    ("Fiala 3-Blatt 20x10", 20.0, 10.0, 3, "in, 3 blades"),
-    ("Xoar 3X 9x7 three-bladed", 9.0, 7.0, 3, "in, 3 blades"),
     ("2x 10.5x4.5", 10.5, 4.5, None, ASSUMED),
-    ("4x 5x4.3x3", 5.0, 4.3, 3, "in, 3 blades"),
     ("5x 4x3", 5.0, 4.0, 3, "in, 3 blades"),
-    ("Gemfan 4x 51466", 5.1, 4.66, 3, "five-digit sizes have three blades"),
     ("2212 920KV 1045", 10.0, 4.5, None, ASSUMED),
-    ("T-Motor U8 II KV100 G28x9.2", 28.0, 9.2, None, ASSUMED),
     ('32" x 12', 32.0, 12.0, None, ASSUMED),
     ("1636", 1.6, 3.6, None, "1.6 x 3.6 in (not 16 x 3.6 in), two blades assumed"),
 ]

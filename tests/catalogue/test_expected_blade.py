@@ -23,7 +23,6 @@ from propmap.catalogue.expected import (
     bundled_mean,
     mean_blade,
     measured_shapes,
-    screw_angle,
 )
 from propmap.catalogue.lookup import designated
 from propmap.model.plausibility import at_share, blade_warnings
@@ -66,17 +65,6 @@ def pitch_of(entry: catalogue.Entry) -> float:
     return label.pitch
 
 
-@pytest.mark.parametrize("name", ["uiuc-ef-130x70", "uiuc-union-9x7.72"])
-def test_the_only_one_of_its_series_is_found_again(name: str) -> None:
-    entry, own = catalogue.entry(name), catalogue.load(name)
-    mean = bundled_mean((entry.family,))
-    found = mean.propeller("again", own.diameter, pitch_of(entry), own.blades)
-    assert mean.propellers == 1
-    np.testing.assert_allclose(found.station, own.station, rtol=1e-6)
-    np.testing.assert_allclose(found.chord, own.chord, rtol=1e-6)
-    np.testing.assert_allclose(found.twist, own.twist, atol=1e-6)
-
-
 def test_blades_of_one_size_count_as_one_propeller() -> None:
     """Three specimens of the GWS 5x4.3, and the APC 9x6E of its maker and of the database."""
     sizes = [(one.family, one.size) for one in measured_shapes()]
@@ -95,21 +83,6 @@ def test_more_pitch_is_more_twist_everywhere(
     )
     assert (high.twist > low.twist).all()
     np.testing.assert_array_equal(high.chord, low.chord)
-
-
-@given(family, length, st.floats(0.2, 2.0), st.floats(0.3, 3.0))
-def test_size_is_a_scale(of: tuple[str, ...], diameter: float, ratio: float, scale: float) -> None:
-    mean = bundled_mean(of)
-    one, other = (mean.propeller("p", d, ratio * d, 2) for d in (diameter, scale * diameter))
-    np.testing.assert_allclose(other.station, scale * one.station, rtol=1e-12)
-    np.testing.assert_allclose(other.chord, scale * one.chord, rtol=1e-12)
-    np.testing.assert_allclose(other.twist, one.twist, rtol=1e-12)
-    assert one.diameter == pytest.approx(diameter, rel=1e-12)
-
-
-def test_a_screw_advances_by_its_pitch_in_a_turn() -> None:
-    angle = screw_angle(SHARES, 0.8)
-    np.testing.assert_allclose(2.0 * np.pi * (0.5 * SHARES) * np.tan(angle), 0.8, rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", ["uiuc-apce-11x7", "uiuc-ma-11x6"])

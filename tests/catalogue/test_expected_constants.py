@@ -145,14 +145,6 @@ def test_they_are_listed_and_every_name_is_found_again() -> None:
     assert len(search("")) == len(catalogue.entries()) + len(every)
 
 
-def test_their_constants_are_those_of_propellers() -> None:
-    # Strokes of chord and twist that the mean blade lacks are in them.
-    for one in identified_without_blade():
-        assert np.linalg.eigvalsh(one.covariance).min() > 0.0, one.propeller
-        assert 2.0 < one.airfoil.c_l1 < 11.0 and 0.0 < one.airfoil.c_d0 < 0.12, one.propeller
-        assert one.thrust_rms < 0.009 and one.power_rms < 0.008
-
-
 CONSTANTS = np.array([5.3, 2.4, 2.6, 0.23, -0.045, 0.024, -0.019, 0.12, -0.35, 0.07])
 
 

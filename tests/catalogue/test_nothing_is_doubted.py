@@ -48,7 +48,6 @@ def doubts(
     ]
 
 
-@pytest.mark.slow
 def test_every_set_of_the_uiuc_database() -> None:
     """Thrust with torque, thrust alone and torque alone."""
     stations: dict[str, Table] = {}
@@ -84,7 +83,6 @@ def test_every_set_of_the_uiuc_database() -> None:
     assert judged == 134
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["apc_8x6e_published_fit", "apc_8x6e_published_polynomials"])
 def test_oblique_flow(name: str) -> None:
     rows = table(f"oblique/{name}.csv")

@@ -62,6 +62,7 @@ def test_wakes_count_unless_they_are_left_out(run: Run) -> None:
     assert front < -10.0 and rear > 10.0
     asked = ["export", "wakes.toml", "--airfoil", "apc-8x6e-2019", "--to", "px4", "-o", "out"]
     refused(run(*asked), "[wakes] is given", "--no-wakes")
+    assert run(*asked, "--no-wakes").code == 0
 
 
 @pytest.mark.slow
@@ -180,11 +181,9 @@ EDGE = POWERED.replace('"cw"', '"?"', 1).replace('"ccw"', '"cw"', 1).replace('"?
     "command",
     [
         ["trim", "NAME", *QUIET],
-        ["trim", "NAME", "--mission", "legs.csv"],
-        ["choose", "NAME", "--speed", "8", "--diameter", "9:9", "--blades", "3", "--top", "1"],
         ["export", "NAME", "--to", "px4", "--speed", "3,6", "-o", "to"],
     ],
-    ids=["trim", "mission", "choose", "export"],
+    ids=["trim", "export"],
 )
 def test_rotors_that_cannot_command_yaw_are_noted(run: Run, command: list[str]) -> None:
     """The front rotors turn ccw, the rear rotors cw: yaw is a multiple of pitch."""

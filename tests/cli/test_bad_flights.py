@@ -20,7 +20,7 @@ from .conftest import Run, refused
 
 RATE, DURATION = 50.0, 10.0
 GOOD = agile.agile(RATE, DURATION)
-V, W, F, P = (agile.VECTORS[name] for name in ("velocity", "rates", "specific_force", "position"))
+V, W, F = (agile.VECTORS[name] for name in ("velocity", "rates", "specific_force"))
 Q, ROTORS = agile.QUATERNION, agile.ROTORS
 Columns = dict[str, Floats]
 LONGEST = 500
@@ -82,7 +82,6 @@ Case = tuple[Callable[[Columns], Columns], str, str]
 IN_FRD = (1, -1, -1)
 MISTAKES: dict[str, Case] = {
     "gyro in degrees": (scaled(W, 57.29578), "(p, q, r) are in degrees per second", "to rad/s"),
-    "gyro in FRD": (scaled(W, *IN_FRD), "(p, q, r) are along the axes of FRD", "y and z"),
     "IMU in FRD": (
         lambda c: scaled(F, *IN_FRD)(scaled(W, *IN_FRD)(c)),
         "rates (p, q, r) and specific_force (ax, ay, az) are along the axes of FRD",
@@ -97,7 +96,6 @@ MISTAKES: dict[str, Case] = {
     "attitude in FRD and NED": (in_frd_and_ned, "rotates FRD to NED, but the", "same frames"),
     "velocity in world axes": (in_world(V), "along world axes, not body", 'velocity_in = "world"'),
     "velocity in km/h": (scaled(V, 3.6), "is in km/h", "convert it to m/s"),
-    "positions": (copied(V, *P), "contains positions", "columns of the velocity"),
     "stated in world axes: an altitude for a climb rate": (
         lambda c: put(c, V, np.column_stack([vectors(in_world(V)(c), V)[:, :2], c["pz"]])),
         "the third component of velocity (vx, vy, vz) is an altitude",
@@ -111,7 +109,6 @@ MISTAKES: dict[str, Case] = {
     "gravity taken off": (gravity_off, "gravity is subtracted from specific", "in hover"),
     "accelerometer upside down": (scaled(F, -1), "points down in hover", "change its sign"),
     "accelerometer in world axes": (in_world(F), "along world axes, not body", "of the body"),
-    "accelerometer in g": (scaled(F, 1 / 9.80665), "is in units of g", "m/s^2"),
     "time twice as slow": (scaled(("t",), 2.0), "the times are 2 times", "in seconds"),
     "rotors in another order": (
         copied(ROTORS, "m2", "m4", "m1", "m3"),

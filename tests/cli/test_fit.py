@@ -205,14 +205,6 @@ def test_uiuc_s_static_files_and_no_file_to_write(run: Run, tmp_path: Path) -> N
     assert refused.code == 2 and "propmap fit tunnel" in refused.err
 
 
-def test_the_battery_s_power_is_pointed_out(run: Run) -> None:
-    rpm = np.arange(3000.0, 7000.0, 500.0)
-    rows = np.stack([rpm, 9e-8 * rpm**2, 1.6 * 1.5e-9 * rpm**3 * np.pi / 30.0], axis=1)
-    np.savetxt("electric.csv", rows, delimiter=",", header="rpm,thrust_N,power_W", comments="")
-    done = run("fit", "static", "electric.csv", *PROP, *NARROW)
-    assert done.code == 0 and "if it is battery power" in " ".join(done.out.split())
-
-
 FIVE = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
 
 

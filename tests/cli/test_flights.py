@@ -11,14 +11,12 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.cli.fit_flight import read_flights
 from propmap.fit.comparison import AxisErrors, FittedStep, RecordedFlight, Step
 from propmap.flight.simulate import trim
 from propmap.flight.steady import operating_points, steady_segments
 from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.log_readers import read_flight_log
 from tests.flight import agile
-from tests.io.samples_csv import rewritten
 
 from .conftest import Run, refused
 from .fit_inputs import FREE, LEVEL, QUICK, VEHICLE, fitted
@@ -65,20 +63,6 @@ def test_without_steady_segments_all_forces_are_fitted(run: Run) -> None:
     longer = ["--seconds", "3", "--method", "level", "-o", "no.toml"]
     refused(run("fit", "flight", *vehicle, *quick, *longer), "no steady segment of 3 s")
     assert not Path("no.toml").exists()
-
-
-@pytest.mark.parametrize("dialect", ["tabs", "decimal commas of a spreadsheet"])
-def test_tables_and_logs_of_spreadsheets(dialect: str) -> None:
-    Path("vehicle.toml").write_text(agile.vehicle())
-    file, plain, other = read_vehicle("vehicle.toml"), Path("plain.csv"), Path("other.csv")
-    names = "speed_mps,note,pitch_deg,rpm_1,rpm_2,rpm_3,rpm_4"
-    agile.write(LOG, Path("log.csv"))
-    for text in (f"{names}\n0.5,a,0,9000.5,9100,9200,9300\n", Path("log.csv").read_text()):
-        plain.write_text(text)
-        other.write_bytes(rewritten(plain.read_text(), dialect).encode())
-        want, found = (read_flights([path], file, "auto").log for path in (plain, other))
-        for field in ("velocity", "rates", "up", "specific_force", "rotor_speed"):
-            np.testing.assert_array_equal(getattr(found, field), getattr(want, field))
 
 
 ASKED: list[dict[str, Any]] = []

@@ -13,7 +13,6 @@ from typing import Any
 import propmap
 from propmap import catalogue
 from propmap.catalogue.identified import PARAMETERS, identified, identified_without_blade
-from propmap.catalogue.lookup import catalogue_model
 
 from .conftest import POINT, ROTOR, Run
 
@@ -44,21 +43,6 @@ def test_props_show_tells_the_identified_constants(run: Run) -> None:
         assert f"{value:.4f}" in row and f"{deviation:.4f}" in row
     for text in (f"verdict: {one.verdict}", one.tested, f"{one.rpm_high:.0f} rpm", "with 2 and 4"):
         assert text in out
-
-
-def test_props_show_tells_what_is_expected_of_others(run: Run) -> None:
-    def lift(name: str) -> str:
-        law = catalogue_model(name).airfoil
-        assert isinstance(law, propmap.Airfoil)
-        return f"{law.c_l1:.4f}"
-
-    words = " ".join(run("props", "show", "apc-8x6sf").out.split())
-    assert lift("apc-8x6sf") in words and "of its family, apcsf" in words
-    other = run("props", "show", "apc 12x7sf")
-    assert lift("apc 12x7sf") in other.out and "no measured blade" in other.err
-    shown = run("props", "show", "HQ 5x4.3x3")
-    assert "HQ 5x4.3x3: 3 blades" in shown.out and "source: not measured" in shown.out
-    assert "read as 5 x 4.3 in, 3 blades; no blade of HQProp was measured" in shown.err
 
 
 def test_airfoil_shown_is_an_airfoil_file(run: Run, tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from propmap.report.html import PAGE, REPORT_FILES
 from propmap.table import LoadTable
 
 from .conftest import Run
-from .fit_inputs import LEVEL, QUICK, VEHICLE, fit_record
+from .fit_inputs import fit_record
 from .invented_tables import certificate, invented, without_figures
 
 pytestmark = pytest.mark.usefixtures("pictures_as_they_fall")
@@ -84,22 +84,6 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Pa
     Path("new.csv").write_text(tunnel_csv.read_text() + "5000,6,0,1.5,0.03\n")
     assert run("report", tunnel_fit, "-o", "out", "--data", "new.csv").code == 0
     assert "which test the fit: new.csv" in page_of(folder)
-
-
-@pytest.mark.slow
-def test_a_fit_of_level_flights(run: Run, tmp_path: Path) -> None:
-    Path("vehicle.toml").write_text(VEHICLE)
-    Path("level.csv").write_text(LEVEL)
-    vehicle = ["--vehicle", "vehicle.toml"]
-    assert run("fit", "flight", "level.csv", *vehicle, *QUICK, "-o", "fit.toml").code == 0
-    done = run("report", "fit.toml", "-o", "out", "--data", "level.csv", *vehicle)
-    assert (done.code, done.err) == (0, "")
-    text = page_of(tmp_path / "out")
-    assert "torque and moments of a single rotor were not measured" in text
-    rows = rows_of(tmp_path / "out" / "fit-measured.csv")
-    error = [float(r["model_vertical_force_N"]) - float(r["weight_N"]) for r in rows]
-    want = fit_record(Path("fit.toml"))["residuals"]["vertical_force"]["rms"]
-    assert np.sqrt(np.mean(np.square(error))) == pytest.approx(want, rel=0.02)
 
 
 def certified(**changed: object) -> LoadTable:

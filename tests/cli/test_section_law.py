@@ -10,9 +10,9 @@ import pytest
 import xarray
 
 import propmap
-from propmap.catalogue.expected import ExpectedBlade, expected_constants, size_of
+from propmap.catalogue.expected import expected_constants, size_of
 from propmap.catalogue.identified import identified
-from propmap.catalogue.lookup import designated, meant_by
+from propmap.catalogue.lookup import meant_by
 from propmap.model.corrections import TYPICAL_AREA, TYPICAL_FACTOR
 from tests.io import samples
 
@@ -66,22 +66,6 @@ def test_constants_of_the_family_or_of_all(
     assert loads["thrust_N"] == pytest.approx(thrust_with(prop, law), rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("prop", "family", "blades", "said"),
-    [
-        ("5x4.3x3", None, 3, "read as 5 x 4.3 in, 3 blades; no manufacturer is named"),
-        ("APC 12x6.5E", "apce", 2, "read as 12 x 6.5 in, two blades assumed (for three, add"),
-    ],
-)
-def test_a_designation(run: Run, prop: str, family: str | None, blades: int, said: str) -> None:
-    loads, told = predicted(run, prop)
-    assert told.startswith(f"note: {said}")
-    blade, meant = propmap.propeller(prop), designated(prop)
-    assert isinstance(meant, ExpectedBlade) and (meant.family, blade.blades) == (family, blades)
-    law = expected_constants(family, size_of(meant, blade), meant.geometry, blades).airfoil
-    assert loads["thrust_N"] == pytest.approx(thrust_with(prop, law, blades), rel=1e-9)
-
-
 def test_a_blade_of_its_maker(run: Run) -> None:
     assert "blade of the manufacturer's file" in predicted(run, "APC 5x4E-3")[1]
 
@@ -99,20 +83,6 @@ def test_a_file_of_apc_has_the_constants_of_its_series(title: str, says: str, ru
     assert says in predicted(run, "./mine.PE0", "--no-bands")[1]
 
 
-def test_a_file_with_a_number_of_blades_in_its_title(run: Run, tmp_path: Path) -> None:
-    path = tmp_path / "blade.csv"
-    rows = "0.01,0.01,30\n0.03,0.013,20\n0.05,0.012,16\n0.0635,0.006,12\n"
-    path.write_text(f"# name: HQ 5x4.3x3\nradius_m,chord_m,twist_deg\n{rows}")
-    point = ["predict", str(path), "--rpm", "9000", "--speed", "0", "--beta", "0"]
-    assert "note: 3 blades, from the title of the file\n" in run(*point).err
-    said = run(*point, "--blades", "2").err
-    assert "note: the title states 3 blades; 2 are used, from --blades\n" in said
-    assert "title" not in run(*point, "--blades", "3").err
-    path.write_text("# blades: 2\n" + path.read_text())
-    told = "note: the title states 3 blades; 2 are used, from the data of the file\n"
-    assert told in run(*point).err
-
-
 def test_drag_is_that_of_the_installed_rotor_or_of_bare_blades(run: Run) -> None:
     (whole, _), (bare, _) = (predicted(run, "apc 8x6e", *more) for more in ([], ["--bare"]))
     blades = bare["drag_N"]
@@ -125,17 +95,6 @@ def test_drag_is_that_of_the_installed_rotor_or_of_bare_blades(run: Run) -> None
     # Nothing else is known of the mount: a factor of about two either way.
     assert 0.25 < whole["drag_std_N"] / whole["drag_N"] < 0.45
     assert bare["drag_std_N"] < 0.15 * blades
-
-
-def test_output_says_which_drag_it_is(run: Run) -> None:
-    stated = ["--correction", "installed:factor=2,area_m2=0.001"]
-    told = [
-        " ".join(run("predict", "apc 8x6e", *POINT, *more).out.split())
-        for more in ([], ["--bare"], stated)
-    ]
-    assert f"of the installed rotor: {TYPICAL_FACTOR[0]:g} (+- " in told[0]
-    assert "that of bare blades" in told[1] and "correction installed" in told[1]
-    assert "with a drag area of 10 cm^2 in the slipstream" in told[2]
 
 
 PLATE = ["apc-8x6e", "--airfoil", "plate.csv"]

@@ -12,7 +12,7 @@ import xarray
 
 import propmap
 from propmap.cli import sweep
-from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints
+from propmap.io.csv import OperatingPoints
 
 from .conftest import ROTOR, Run, refused
 
@@ -65,24 +65,6 @@ def test_nothing_is_left_when_writing_is_interrupted(
     done = run(*SWEEP, "out.nc")
     assert (done.code, done.err.count("\n")) == (130, 1)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_standard_deviations_are_variables_with_units(run: Run) -> None:
-    asked = ["sweep", "apc 10x5e", "--rpm", "5000", "--speed", "5", "--beta", "60:80:2"]
-    assert run(*asked, "--std-by-source", "-o", "out.nc").code == 0
-    with xarray.open_dataset("out.nc", engine="h5netcdf") as found:
-        assert found["thrust_std"].attrs["units"] == "N"
-        assert found["thrust_std"].attrs["long_name"].startswith("standard deviation of")
-        assert found["roll_moment_std"].attrs["units"] == "N m"
-        assert found["power_std_tunnel"].attrs["long_name"].endswith("from tunnel only")
-        expected = found["thrust_std"].values.ravel()
-    assert run(*asked, "-o", "out.csv").code == 0
-    assert [float(row["thrust_std_N"]) for row in rows_of("out.csv")] == expected.tolist()
-    assert run(*SWEEP, "out.csv", "--no-bands", "--force").code == 0
-    rows = rows_of("out.csv")
-    assert len(rows) == 8 and tuple(rows[0])[: len(PREDICT_COLUMNS)] == PREDICT_COLUMNS
-    assert "std" not in "".join(rows[0])
-    assert [row["beta_deg"] for row in rows[:2]] == ["80.0", "90.0"]
 
 
 def test_a_sweep_is_streamed_and_announced(run: Run) -> None:

@@ -6,41 +6,14 @@ import csv
 import json
 import subprocess
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from examples.demo import Comparison
-from propmap.catalogue.lookup import Measurement
 from propmap.fit.least_squares import rms
-from propmap.typing import Floats
 
 from .pages import ROOT
-
-
-def test_error_figures() -> None:
-    truth, found = np.array([3.0, -4.0, 9.0]), np.array([4.0, -4.0, 0.0])
-    none = np.zeros(3)
-
-    def compared(measured: Floats, other: Mapping[str, Floats]) -> Comparison:
-        data = Measurement("d", "p", "fit", 1.2, "", "", none, none, none, {"thrust": measured})
-        models = {"mine": {"thrust": found}, "zero": {"thrust": none}}
-        return Comparison(data, models, np.full(3, "ok"), other)
-
-    both = compared(truth, {"thrust": np.array([3.0, -3.0, 0.0])})
-    (errors,) = both.errors(np.array([True, True, False]))
-    assert (errors.load, errors.unit, errors.points) == ("thrust", "N", 2)
-    assert errors.measured_rms == pytest.approx(np.sqrt(12.5))
-    mine, zero = errors.models["mine"], errors.models["zero"]
-    assert (mine.rms, mine.relative_rms) == pytest.approx((np.sqrt(0.5), 0.2))
-    assert (mine.worst, mine.mean, mine.predicted_rms) == pytest.approx((1.0, 0.5, 4.0))
-    assert (zero.worst, zero.relative_rms, zero.predicted_rms) == (4.0, pytest.approx(1.0), 0.0)
-    # One of two points differs by 1 between both forms of the data.
-    assert errors.band == pytest.approx(0.2)
-    (still,) = compared(none, {}).errors(np.full(3, True))
-    assert still.models["mine"].relative_rms is still.band is None
 
 
 @pytest.mark.slow

@@ -96,15 +96,6 @@ def test_errors_are_shares_of_static_loads(invented: LoadTable) -> None:
     assert samples.static["roll_moment"] == pytest.approx(np.asarray(still.thrust) * RADIUS)
 
 
-@pytest.mark.parametrize("target", ["multinomial", "gazebo", "rotorpy", "jsbsim"])
-def test_a_table_without_hover_is_refused(tmp_path: Path, target: str) -> None:
-    fast = LoadTable(invented_content(speed=2.0))
-    # The advance axis still begins at zero; the envelope does not.
-    with pytest.raises(InputError, match=r"begins at 2 m/s.*--speed 0:"):
-        export_table(fast, target, tmp_path / "to")
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_maps_without_climb_or_axial_flight_are_refused(tmp_path: Path) -> None:
     content = invented_content(beta=(3.0, np.pi))
     content.cells[:] = 1

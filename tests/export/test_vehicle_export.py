@@ -13,7 +13,6 @@ import pytest
 
 import propmap
 from propmap import InputError, VehicleForces
-from propmap.cli import main
 from propmap.export import export_vehicle
 from propmap.export.files import identifier, vehicle_name
 from propmap.model.corrections import Installed
@@ -240,37 +239,3 @@ density = 1.2
 """ + "".join(
     f'[[rotors]]\nposition = {list(mount.position)}\nspin = "{mount.spin}"\n' for mount in UP
 )
-
-
-def test_by_command(
-    table: LoadTable,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    text = TEXT.replace("blade.csv", "apc-8x6e").replace("[air]\ndensity = 1.2\n", "")
-    Path("quad.toml").write_text(text)
-    table.save("map.npz")
-
-    def run(*arguments: str) -> tuple[int, str, str]:
-        code = main(["export", *arguments])
-        told = capsys.readouterr()
-        return code, told.out, told.err
-
-    code, out, err = run("quad.toml", "--table", "map.npz", "--to", "c", "-o", "c")
-    assert code == 0 and "wrote c/vehicle_2_inch_test.h" in out
-    assert err.count("\n") == 2 and "rotors in each other's wakes" in err
-    assert "vehicle_2_inch_test_wakes(" in Path("c/vehicle_2_inch_test.h").read_text()
-    run("quad.toml", "--table", "map.npz", "--to", "c", "-o", "still", "--no-wakes")
-    assert "_wakes(" not in Path("still/vehicle_2_inch_test.h").read_text()
-    assert "; no wakes." in " ".join(Path("still/README-c.txt").read_text().split())
-    for arguments, message in (
-        (("--to", "mujoco", "--table", "map.npz"), "the vehicle file has no inertia"),
-        (("--to", "c", "--table", "map.npz", "--prop", "apc-8x6e"), "--prop does not apply"),
-        (("--to", "c", "--table", "map.npz", "--charge", "1"), "--charge does not apply"),
-        (("--to", "c", "--table", "none.npz"), "none.npz"),
-    ):
-        code, _, err = run("quad.toml", *arguments, "-o", "out")
-        assert code == 2 and message in err and err.count("\n") == 1, err
-        assert not Path("out").exists()

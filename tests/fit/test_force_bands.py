@@ -14,7 +14,6 @@ from propmap.fit.comparison import (
     FlightForces,
     compare_forces,
     force_errors,
-    useless,
 )
 from propmap.fit.files import FitFile
 from propmap.fit.flight import CLOCK_DEVIATION, ForceModel
@@ -82,10 +81,3 @@ def test_the_share_of_samples_in_the_band() -> None:
     found = compare_forces(VEHICLE, LOG, FlightForces(model, model), None, deviations)
     shares = [found[f"force_{axis}_N"].in_band for axis in "xyz"]
     assert shares == pytest.approx([1.0, 0.8, 1.0])
-
-
-def test_a_moment_that_errs_like_none_is_not_to_be_used() -> None:
-    (told,) = useless("moment_z", 1.05)
-    assert told.startswith("the error of moment_z is 105 % of the measured moment")
-    assert told.endswith("do not use the modeled moment")
-    assert not useless("moment_z", 0.95) and not useless("force_y", 1.5)

@@ -172,12 +172,3 @@ def test_workers_make_the_same_bootstrap() -> None:
     np.testing.assert_array_equal(here.bootstrapped, there.bootstrapped)
     other = fit(decaying(0.03), THREE, replace(settings, seed=5))
     assert (other.bootstrapped != here.bootstrapped).any()
-
-
-def test_the_bootstrap_agrees_with_the_gauss_newton_deviation() -> None:
-    found = fit(decaying(0.03), THREE, Settings(starts=1, folds=0, bootstrap=100))
-    assert found.bootstrapped.shape == (100, 3)
-    deviation = np.sqrt(np.diag(found.uncertainty.covariance))
-    # 100 repeats know a deviation to 7 %; 60 rows are few for a bootstrap.
-    np.testing.assert_allclose(np.std(found.bootstrapped, axis=0), deviation, rtol=0.3)
-    np.testing.assert_allclose(np.mean(found.bootstrapped, axis=0), found.x, atol=0.2)

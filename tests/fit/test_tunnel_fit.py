@@ -131,18 +131,6 @@ def test_the_bundled_constants_are_those_of_the_polynomials() -> None:
         assert abs(fitted.x[k] - getattr(bundled, name)) < 0.1 * half, name
 
 
-def test_one_annulus_theory_predicts_the_other_s_roll_moment() -> None:
-    """The campaign's blade-element model has another annulus theory, no measurements."""
-    published = read_tunnel(["gill-dandrea-2019-8x6e-fit"], PROPELLER, AIR)
-    fitted = done(published, (*FIVE, "drag_factor"), ("thrust", "torque", "drag"))
-    found = compare_tunnel(model_with(MODEL, fitted.fitted.values), published)
-    # The campaign's drag has more in it than the blades': see the documents on rotor drag.
-    limits = {"thrust_N": 0.04, "torque_Nm": 0.04, "roll_moment_Nm": 0.03, "drag_N": 0.06}
-    for name, limit in limits.items():
-        assert found[name].all.relative_rms <= limit, name
-    assert 2.0 <= fitted.fitted.values["drag_factor"] <= 2.5
-
-
 def rows_for(data: TunnelData, **options: object) -> Rows:
     choice = options.pop("choice", Choice(FIVE))
     return tunnel_rows(MODEL, data, choice, **options)  # type: ignore[arg-type]

@@ -88,20 +88,6 @@ def test_a_rotor_that_spins_up_turns_the_vehicle_against_its_spin() -> None:
         np.testing.assert_allclose(moment[0], [0.0, 0.0, sign * 1000.0 * 2e-5], atol=1e-12)
 
 
-def test_rotors_behind_a_center_that_lies_forward_turn_the_nose_down() -> None:
-    """The center of mass 1 cm ahead of the hubs, by their positions or as a parameter."""
-    behind = tuple(
-        replace(one, position=(one.position[0] - 0.01, *one.position[1:])) for one in BODY.mounts
-    )
-    values = FIRST_GUESS | LAW_VALUES
-    for vehicle, more in ((replace(BODY, mounts=behind), {}), (BODY, {"center_x": 0.01})):
-        found = ForceModel(vehicle, HOVER, LAW).at(values | more, ())
-        thrust = float(found.force[0, 2])
-        assert thrust > 1.0
-        # About y to the left, a positive moment turns the nose down.
-        np.testing.assert_allclose(found.moment[0], [0.0, 0.01 * thrust, 0.0], atol=1e-9)
-
-
 def test_turning_changes_no_forces_and_needs_the_inertia() -> None:
     log, bare = manoeuvre(0, 20), replace(BODY, inertia=None)
     values = FIRST_GUESS | LAW_VALUES

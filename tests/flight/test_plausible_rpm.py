@@ -30,8 +30,6 @@ def rotor() -> Rotor:
     ("factor", "unit", "parts"),
     [
         (1.0 / RPM, "rad/s", ["rpm read as rad/s", 'write rotor_unit = "rpm"']),
-        (1.0 / RPM, None, ["rpm read as rad/s", 'rotor_unit = "rpm", or "erpm" and pole_pairs']),
-        (RPM, "rpm", ["rad/s read as rpm", 'write rotor_unit = "rad/s"']),
         (12.0, "rpm", ["electrical rpm", "pole_pairs"]),
         (7.0 / RPM, "rad/s", ["electrical rpm", 'write rotor_unit = "erpm" and pole_pairs (']),
         (7.0, "erpm", ["pole_pairs looks too small", "correct pole_pairs"]),

@@ -10,22 +10,12 @@ from papers.gill_dandrea_2017.level_circles import (
     Case,
     Circles,
     circles,
-    first_crossing,
     hover_failure,
     quadrotor,
-    static_inflow,
 )
-from papers.gill_dandrea_2017.paper import blade
-from propmap.loads import LOADS
 from propmap.units import GRAVITY
 
 SPEED = np.array([0.0, 2.0, 4.0, 6.0, 8.0])
-
-
-def test_first_crossing() -> None:
-    assert first_crossing(SPEED, np.array([-1.0, -1.0, 1.0, -1.0, 1.0])) == pytest.approx(3.0)
-    assert first_crossing(SPEED, np.array([-1.0, -3.0, -2.0, -1.0, 0.0])) == pytest.approx(8.0)
-    assert first_crossing(SPEED, np.array([1.0, 2.0, -1.0, -2.0, -3.0])) is None
 
 
 def test_where_the_hover_model_fails() -> None:
@@ -39,27 +29,6 @@ def test_where_the_hover_model_fails() -> None:
     assert failure.sign_changes == pytest.approx(7.0)
     below = Circles(**(nothing | {"speed": SPEED, "hover_error": -2.0 * GRAVITY * SPEED / 100}))
     assert hover_failure(below, mass=2.0).sign_changes is None
-
-
-def test_static_inflow_carries_a_quarter_of_the_weight() -> None:
-    case = Case(0.8, 0.0)
-    vehicle, v = quadrotor(case), static_inflow(case)
-    disk = np.pi * vehicle.propeller.radius**2
-    assert 4.0 * 2.0 * vehicle.air.density * disk * v**2 == pytest.approx(0.8 * GRAVITY)
-
-
-def test_blades_at_other_stations_have_the_same_loads() -> None:
-    law = propmap.airfoil("paper-stiff").with_parameters(zero_lift_angle=-0.07)
-    speed, beta = np.array([0.0, 6.0, 6.0, 14.0]), np.radians([0.0, 30.0, 90.0, 90.0])
-    for name in ("apc-8x4.5mr", "apc-11x7e"):
-        own = propmap.Rotor(propmap.Model(propmap.propeller(name), law)).loads(600.0, speed, beta)
-        other = propmap.Rotor(propmap.Model(blade(name), law)).loads(600.0, speed, beta)
-        for load in LOADS:
-            expected, most = getattr(own, load), 1e-3 * np.abs(getattr(own, load)).max()
-            assert getattr(other, load) == pytest.approx(expected, abs=most), (name, load)
-    half, full = blade("apc-8x4.5mr", 0.05), blade("apc-8x4.5mr")
-    assert half.radius == pytest.approx(0.05)
-    assert half.chord.max() / 0.05 == pytest.approx(full.chord.max() / 0.1016, rel=1e-6)
 
 
 def test_circles_balance_weight_and_drag() -> None:

@@ -1,4 +1,4 @@
-"""`make reproduce` writes one whole page and its numbers, the same ones every time."""
+"""`make reproduce` writes one whole page and its numbers."""
 
 from __future__ import annotations
 
@@ -35,23 +35,18 @@ def test_other_folders_are_refused_before_any_work(
 
 
 @pytest.mark.slow
-def test_the_page_and_its_numbers_twice(tmp_path: Path) -> None:
-    folders = [tmp_path / "first", tmp_path / "second"]
-    for folder in folders:
-        done = subprocess.run(
-            [sys.executable, "-m", "papers.gill_dandrea_2017", "-o", str(folder)],
-            cwd=ROOT, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        assert done.stdout.startswith(f"wrote {folder / PAGE}")
-    assert {p.name for p in tmp_path.iterdir()} == {"first", "second"}
-    for folder in folders:
-        assert {p.name for p in folder.iterdir()} == FILES
-    _is_whole(folders[0])
-    for name in FILES - {PAGE, "times.csv"}:
-        first, second = ((folder / name).read_bytes() for folder in folders)
-        assert first == second, name
-    _says_what_was_found(folders[0])
+def test_the_page_and_its_numbers(tmp_path: Path) -> None:
+    folder = tmp_path / "new"
+    done = subprocess.run(
+        [sys.executable, "-m", "papers.gill_dandrea_2017", "-o", str(folder)],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"wrote {folder / PAGE}")
+    assert {p.name for p in tmp_path.iterdir()} == {"new"}
+    assert {p.name for p in folder.iterdir()} == FILES
+    _is_whole(folder)
+    _says_what_was_found(folder)
 
 
 def _is_whole(folder: Path) -> None:
@@ -95,19 +90,3 @@ def _says_what_was_found(folder: Path) -> None:
         if float(r["inflow_over_speed"]) < 0.1:
             low, high = float(r["fin_chord_line_N"]), float(r["fin_zero_lift_line_N"])
             assert 0.8 * low < float(r["theory_N"]) < 1.25 * high
-    for r in rows("rotor-drag-by-angle.csv"):
-        for name in (
-            "polynomials_over_theory",
-            "polynomials_over_recommended",
-            "model_over_theory",
-        ):
-            assert 1.7 < float(r[name]) < 2.7, (name, r)
-    theory, *others = rows("rotor-drag-sources.csv")
-    for r in others:
-        share = float(r["incidence_H_over_mu"]) / float(theory["incidence_H_over_mu"])
-        assert 1.7 < share < 2.3 if r["source"].startswith("2019") else 0.75 < share < 1.25, r
-    for r in rows("rotor-drag-plate.csv"):
-        factor, plate, both = (
-            float(r[f"{part}_rms_over_rms_measured"]) for part in ("factor", "plate", "both")
-        )
-        assert 0.0 < both <= min(0.12, factor + 1e-9, plate + 1e-9)

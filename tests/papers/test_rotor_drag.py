@@ -7,11 +7,8 @@ import pytest
 
 import propmap
 from papers.gill_dandrea_2017.rotor_drag import (
-    dynamic_pressure,
     fits,
     momentum_inflow,
-    plate_fits,
-    ratios,
     sources,
 )
 from papers.gill_dandrea_2017.tunnel import (
@@ -49,19 +46,6 @@ def test_momentum_inflow_is_glauert_s() -> None:
     assert found[3] < 0.0
 
 
-def test_the_slipstream_meets_the_plate() -> None:
-    one = _compared(DATA.loads["drag"])
-    nothing = np.zeros(DATA.omega.size)
-    free = dynamic_pressure(one, nothing, 2.0)
-    expected = 0.5 * DATA.air_density * DATA.speed**2 * np.sin(DATA.beta)
-    np.testing.assert_allclose(free, expected, rtol=1e-12)
-    slow = (DATA.speed == 2.0) & (DATA.beta > 1.5)
-    # In slow edgewise flight the inflow is about v_h: the plate's speed is 2 v_h, far above V.
-    still = np.sqrt(DATA.loads["thrust"][slow] / (2.0 * DATA.air_density * np.pi * RADIUS**2))
-    blown = dynamic_pressure(one, DATA.loads["thrust"], 2.0)[slow]
-    np.testing.assert_allclose(blown / free[slow], np.hypot(2.0, 2.0 * still) / 2.0, rtol=0.1)
-
-
 def test_a_factor_and_a_plate_are_told_apart() -> None:
     generator = np.random.default_rng(26)
     theory, pressure = generator.random((2, 50)) * np.array([[0.4], [90.0]])
@@ -75,23 +59,6 @@ def test_a_factor_and_a_plate_are_told_apart() -> None:
     factor, plate, both = fits(theory, pressure, 0.5 * theory)
     assert plate.area == both.area == 0.0
     assert [factor.factor, both.factor] == pytest.approx([0.5, 0.5])
-
-
-def test_every_form_of_the_drag_is_fitted() -> None:
-    found = plate_fits(_compared(0.5 * DATA.loads["drag"]))
-    assert len({(one.data, one.model) for one in found}) == 4
-    for one in found:
-        assert one.both.error <= min(one.factor.error, one.plate.error) + 1e-12
-        if one.data == OBLIQUE:
-            assert one.factor.factor == pytest.approx(2.0) and one.factor.error < 1e-9
-
-
-def test_ratios_by_angle_are_those_of_the_forms() -> None:
-    for one in ratios(_compared(0.5 * DATA.loads["drag"])):
-        told = [one.ratio, one.lowest, one.highest, one.recommended]
-        assert told == pytest.approx([2.0] * 4)
-        # Both forms differ by a few per cent.
-        assert one.other == pytest.approx(2.0, rel=0.15) and one.other != one.ratio
 
 
 def test_sources_by_shares_that_propellers_have_in_common() -> None:

@@ -98,6 +98,20 @@ def test_level_flight(vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path) ->
     assert "measured: pitch angle" in [text.get_text() for text in legend.get_texts()]
 
 
+def test_steady_parts() -> None:
+    log = _log(np.concatenate([np.full(40, 3.0), np.linspace(3.0, 8.0, 20), np.full(40, 8.0)]))
+    figure = steady_parts(log, [slice(0, 40), slice(60, 100)])
+    _has_units(figure)
+    speed, _, rotors = figure.axes
+    for ax in figure.axes:
+        spans = [patch.get_x() + np.array([0.0, patch.get_width()]) for patch in ax.patches]
+        assert np.array(spans) == pytest.approx(np.array([[0.0, 3.9], [6.0, 9.9]]))
+    means = [line.get_ydata()[0] for line in speed.lines if line not in _points(speed)]
+    assert means == pytest.approx([3.0, 8.0])
+    assert rotors.lines[0].get_ydata() == pytest.approx(420.0 * 30.0 / np.pi)
+    assert "2 steady segments, 8 of 10 s" in figure.get_suptitle()
+
+
 def test_tunnel_fit(rotor: propmap.Rotor) -> None:
     speed = np.array([13.0, 14.0, 15.0, 14.0])
     omega = np.array([420.0, 420.0, 420.0, 400.0])
@@ -122,17 +136,3 @@ def test_tunnel_fit(rotor: propmap.Rotor) -> None:
     assert [line.get_ydata()[0] for line in _lines(second, dashed=True)] == [0.0]
     with pytest.raises(InputError, match="no load to draw"):
         tunnel_fit(TunnelData("t.csv", omega, speed, speed, {"thrust": thrust * np.nan}), rotor)
-
-
-def test_steady_parts() -> None:
-    log = _log(np.concatenate([np.full(40, 3.0), np.linspace(3.0, 8.0, 20), np.full(40, 8.0)]))
-    figure = steady_parts(log, [slice(0, 40), slice(60, 100)])
-    _has_units(figure)
-    speed, _, rotors = figure.axes
-    for ax in figure.axes:
-        spans = [patch.get_x() + np.array([0.0, patch.get_width()]) for patch in ax.patches]
-        assert np.array(spans) == pytest.approx(np.array([[0.0, 3.9], [6.0, 9.9]]))
-    means = [line.get_ydata()[0] for line in speed.lines if line not in _points(speed)]
-    assert means == pytest.approx([3.0, 8.0])
-    assert rotors.lines[0].get_ydata() == pytest.approx(420.0 * 30.0 / np.pi)
-    assert "2 steady segments, 8 of 10 s" in figure.get_suptitle()

@@ -79,7 +79,7 @@ def test_loads_do_not_jump_with_the_section_parameters(name: str) -> None:
     assert _largest_jump(thrust / thrust[60]) < 1e-4
 
 
-DESCENTS = [180.0, 178.0, 175.0, 170.0, 165.0, 155.0, 145.0, 130.0, 115.0, 105.0, 95.0]
+DESCENTS = [180.0, 178.0, 165.0, 145.0, 130.0, 95.0]
 SOONER = {"paper-soft": (130.0,), "paper-apc": (165.0,), "paper-stiff": ()}
 
 

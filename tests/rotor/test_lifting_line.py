@@ -8,12 +8,9 @@ import pytest
 from benchmarks.lifting_line import checks
 from benchmarks.lifting_line.compare import (
     CONSTANTS,
-    OMEGA,
     Point,
-    by_free_wake,
     by_rigid_wake,
     by_theory,
-    model,
 )
 from benchmarks.lifting_line.wake import Resolution
 
@@ -51,23 +48,3 @@ def test_roll_in_oblique_flow_is_that_of_a_lifting_line() -> None:
     assert miss < 0.5 * abs(annulus.roll_moment - line.roll_moment)
     assert line.pitch_moment * harmonic.pitch_moment > 0.0
     assert harmonic.drag == pytest.approx(line.drag, rel=0.25)
-
-
-@pytest.mark.slow
-def test_hover_thrust_of_a_lifting_line_is_a_little_below_momentums() -> None:
-    """The loss at tip and root, and the swirl, take off at most a seventh."""
-    (annulus,) = by_theory([Point(0.0, 0.0)])["annulus"]
-    found = checks.hover(model(), OMEGA, Resolution(stations=10, phases=24, turns=8))
-    assert 6.0 / 7.0 * annulus.thrust < found.thrust < annulus.thrust
-    assert 1.0 < found.power_factor < 1.35
-
-
-@pytest.mark.slow
-def test_a_free_wake_comes_to_rest_near_a_rigid_one_where_the_stream_is_fast() -> None:
-    found = by_free_wake(
-        CONSTANTS, Point(15.0, 30.0), 1.0, Resolution(stations=6, phases=12, turns=3)
-    )
-    assert found.moved[-1] < 0.2 * found.moved[0]
-    for load in ("thrust", "torque", "roll_moment"):
-        assert getattr(found.end, load) == pytest.approx(getattr(found.start, load), rel=0.05)
-    assert found.end.roll_moment != found.start.roll_moment

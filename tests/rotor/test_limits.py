@@ -10,7 +10,6 @@ import pytest
 import propmap as pm
 from propmap.hover import HoverModel
 from propmap.loads import LOADS
-from propmap.results import STATUSES
 from propmap.rotor import Rotor
 
 BLADE = pm.propeller("apc-8x6e")
@@ -100,34 +99,6 @@ def test_hover_model_is_the_rotor_at_rest(rotor: Rotor) -> None:
     assert float(model.thrust(600.0)) == pytest.approx(float(still.thrust), rel=1e-12)
     assert float(model.torque(600.0)) == pytest.approx(float(still.torque), rel=1e-12)
     assert float(model.thrust(300.0)) == pytest.approx(float(still.thrust) / 4, rel=1e-12)
-
-
-CASES = {
-    "paper-soft": pm.Model(BLADE, pm.airfoil("paper-soft")),
-    "another blade": pm.Model(pm.propeller("uiuc-gwsdd-5x4.3"), APC),
-    "all corrections": pm.Model(
-        BLADE,
-        APC,
-        corrections=tuple(map(pm.correction, ("pitt-peters", "blade-to-hub", "radial-friction"))),
-    ),
-}
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_random_points_are_finite_or_say_why(name: str) -> None:
-    points, rng, model = 1_500, np.random.default_rng(1), CASES[name]
-    omega = rng.uniform(0.0, 150.0, points) / model.propeller.radius
-    speed, beta = rng.uniform(0.0, 40.0, points), rng.uniform(0.0, np.pi, points)
-    loads = pm.Rotor(model).loads(omega, speed, beta)
-    lost = loads.status == "not_converged"
-    for load in (*LOADS, "power"):
-        values = getattr(loads, load)
-        assert np.isfinite(values[~lost]).all()
-        assert np.isnan(values[lost]).all()
-    assert {"ok", "multiple_roots", "windmill", "vortex_ring"} <= set(loads.status) <= set(STATUSES)
-    assert lost.sum() == 0
-    for share in (loads.reverse_flow, loads.vortex_ring):
-        assert np.all((share >= 0.0) & (share <= 1.0))
 
 
 def test_rest_is_rest(rotor: Rotor) -> None:

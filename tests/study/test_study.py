@@ -115,21 +115,16 @@ GOOD = EXAMPLE.read_text()
 
 FAULTS = [
     ('method = "latin-hypercube"', 'method = "sobol"', "method is 'sobol'"),
-    ("designs = 60", "designs = 1", "designs is 1"),
-    ("designs = 60", "designs = 2.5", "designs is '2.5', expected a whole number"),
     ('method = "latin-hypercube"', 'method = "full-factorial"', "designs is given"),
-    ("diameter_in = [7.0, 9.0]", "diameter_in = [9.0, 7.0]", "do not increase"),
     ("diameter_in = [7.0, 9.0]", "diameter_in = [7.0, 8.0, 9.0]", "a Latin hypercube two values"),
-    ("diameter_in = [7.0, 9.0]", "diameter_in = [-7.0, 9.0]", "diameter is negative"),
     ("diameter_in = [7.0, 9.0]", "diametre_in = [7.0, 9.0]", "did you mean diameter_in"),
-    ("diameter_in = [7.0, 9.0]", "diameter_in = 'wide'", "expected a number or a list"),
     ("pitch_in = [4.0, 7.0]", "diameter_m = [0.1, 0.2]", "given twice"),
     ("chord_scale = [0.8, 1.2]", "chord_scale = [0.8, 90.0]", "the design with"),
     ("blades = [2, 3]", "blades = [2.5, 3]", "whole numbers"),
     ("rpm = [6000.0]", "", "rpm is given nowhere"),
     ("speed_mps = [0.0, 10.0, 20.0]", "speed_mps = [-1.0]", "negative"),
-    ("schema = 1", "schema = 2", "schema is"),
-    ("[vary]", "[vary", "not TOML"),
+    ("designs = 60", "designs = 1", "designs is 1"),
+    ("diameter_in = [7.0, 9.0]", "diameter_in = [9.0, 7.0]", "do not increase"),
 ]
 
 

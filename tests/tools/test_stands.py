@@ -12,33 +12,10 @@ import pytest
 import propmap as pm
 from propmap.catalogue import expected
 from propmap.catalogue.lookup import meant_by
-from tools.stands import Measured, best_deviation, main, read_stands, shift_of
+from tools.stands import main, read_stands, shift_of
 
 STANDS = Path(__file__).resolve().parents[3] / "shared" / "data" / "static" / "stands.csv"
 needs_data = pytest.mark.skipif(not STANDS.exists(), reason="needs the reference data")
-
-
-def test_normal_errors_have_their_own_deviation() -> None:
-    errors = np.random.default_rng(1).normal(0.0, 0.2, 20_000)
-    assert best_deviation(errors) == pytest.approx(0.2, rel=0.02)
-
-
-def test_shift_and_deviations_are_found_again() -> None:
-    dice = np.random.default_rng(2)
-    scatter = dice.multivariate_normal([0.0, 0.0], [[1.0, 0.7], [0.7, 1.0]], 6000)
-    of_kind = [("kde", 2, 0.1), ("hq", 2, 0.3), ("kde", 3, 0.1), ("hq", 3, 0.2)]
-    every = []
-    for k, one in enumerate(scatter):
-        maker, blades, deviation = of_kind[k % 4]
-        torque = np.nan if k % 3 == 0 else -0.2 + deviation * one[1]
-        errors = np.array([-0.1 + deviation * one[0], torque])
-        every.append(Measured((maker, 0.4, 0.1, blades), errors))
-    found = shift_of(every)
-    assert found.mean == pytest.approx([-0.1, -0.2], abs=0.01)
-    wanted = {"carbon": 0.1, "two blades": 0.3, "three blades and more": 0.2}
-    for kind, deviation in wanted.items():
-        assert found.deviations[kind] == pytest.approx(deviation, rel=0.06)
-    assert found.correlation == pytest.approx(0.7, abs=0.05)
 
 
 @pytest.mark.parametrize(

@@ -75,14 +75,6 @@ def test_all_that_is_missing_is_named(tmp_path: Path) -> None:
     assert f"a.bin: {missing}" in message and "set LOG_BITMASK to log the missing" in message
 
 
-def test_instances_of_another_count_are_an_error(tmp_path: Path) -> None:
-    """Six controllers, and no parameter that says what they turn."""
-    path = tmp_path / "a.bin"
-    outputs = dict.fromkeys(range(1, 5), 1) | {5: None, 6: None}
-    message = message_of(path, vehicle_with(write_dataflash(LOG, path, outputs=outputs), tmp_path))
-    assert "the log has 6 rotor speeds, of which 1, 2, 3, 4 are not always zero; the veh" in message
-
-
 @pytest.mark.parametrize("content", [b"\x93\x11junk" * 99, b"\xa3\x95\x80" * 99])
 def test_junk_is_refused(content: bytes, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "a.bin").write_bytes(content)

@@ -110,22 +110,6 @@ def test_the_table_is_the_cylinder_averaged_over_the_disk() -> None:
     np.testing.assert_allclose(found, exact, atol=0.06)
 
 
-def test_smooth_as_a_wake_sweeps_over_the_other_disks() -> None:
-    """Pitching forward at 12 m/s turns the wakes from below the others to above them."""
-    quad_rotor = square(0.15)
-    pitch = np.linspace(-0.6, 0.9, 3001)
-    velocity = 12.0 * np.stack([np.cos(pitch), 0.1 + 0.0 * pitch, np.sin(pitch)], axis=1)
-    # A constant inflow: its own limit in descent is another matter.
-    thrust, step = thrusts(quad_rotor, len(pitch)), pitch[1] - pitch[0]
-    away = velocity[:, 2] + 1.5 > 0.0
-    for wakes in (ONE, Wakes(3.0, 0.5, 0.4)):
-        added = wake_flow(quad_rotor, wakes, flow_of(quad_rotor, velocity), thrust).added[away]
-        slope = np.diff(added, axis=0) / step
-        assert np.max(np.abs(np.diff(added, axis=0))) < 0.03
-        # A jump would not shrink with the step: between steps the slope changes by little.
-        assert np.max(np.abs(np.diff(slope, axis=0))) < 0.03 * np.max(np.abs(slope))
-
-
 def test_derivatives_against_differences() -> None:
     quad, rng = square(0.15), np.random.default_rng(3)
     flow = flow_of(quad, rng.normal(0.0, 4.0, (30, 3)) + np.array([0.0, 0.0, 3.0]))

@@ -11,7 +11,6 @@ import propmap as pm
 from propmap import catalogue
 from propmap.catalogue.expected import GEOMETRIES, bundled_population, parse_populations
 from propmap.catalogue.identified import identified
-from propmap.errors import InputError
 from tests.io.samples_csv import rewritten
 from tests.tools.catalogue.test_identification import coefficients
 from tools.catalogue.__main__ import main
@@ -46,28 +45,6 @@ def test_rows_are_sorted_by_propeller_and_numbered_by_run(tmp_path: Path) -> Non
     by_semicolon = tmp_path / "other.csv"
     by_semicolon.write_bytes(rewritten(HEADER + ROWS, "semicolons, decimal commas").encode())
     np.testing.assert_array_equal(read_uiuc_database(by_semicolon)[0].thrust, one.thrust)
-
-
-def test_bad_tables_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for text, message in (
-        ("PropName,BladeName,Family,B,J,N,CT\n", "there is no column CP"),
-        (HEADER + ROWS.replace("0.08,0.05,0.4", "x,1,1", 1), "line 3: CT is 'x'"),
-    ):
-        with pytest.raises(InputError, match=message):
-            read_uiuc_database(written(tmp_path, text))
-    with pytest.raises(InputError, match="no such file"):
-        read_uiuc_database(tmp_path / "none.csv")
-    with pytest.raises(InputError, match="the columns are not those"):
-        parse_identified("a,b\n1,2\n", "here")
-    lines = FILE.read_text(encoding="utf-8").splitlines()[:2]
-    bad = "\n".join([lines[0], lines[1].replace(",2,", ",two,", 1)])
-    with pytest.raises(InputError, match="line 2"):
-        parse_identified(bad, "here")
-    loads = written(tmp_path, "rpm,thrust\n1,2\n")
-    with pytest.raises(SystemExit) as ended:
-        main([str(loads), "-o", str(tmp_path / "out.csv")])
-    assert ended.value.code == 2 and "there is no column PropName" in capsys.readouterr().err
-    assert not (tmp_path / "out.csv").exists()
 
 
 def test_files_are_small_and_read_back_the_same() -> None:

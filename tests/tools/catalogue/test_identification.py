@@ -63,20 +63,6 @@ def test_without_rows_that_say_anything_the_prior_is_left(tested: MeasuredPropel
     assert "from the prior" in verdict(tested, found)
 
 
-def test_derivatives_are_central_differences(tested: MeasuredPropeller) -> None:
-    test = AxialTest(BLADE, tested)
-    _, slopes = test.modeled(TRUTH)
-    for k in range(len(PARAMETERS)):
-        step = 1e-4 * np.abs(TRUTH[k]) * np.eye(TRUTH.size)[k]
-        ends = [test.modeled(TRUTH + sign * step)[0] for sign in (1.0, -1.0)]
-        difference = (ends[0] - ends[1]) / (2.0 * step[k])
-        size = np.abs(difference).max(axis=1, keepdims=True)
-        apart = np.abs(slopes[:, k] - difference) / size
-        assert np.median(apart) < 1e-4
-        # At the shoulder of stall, see "known limits" of the theory, a row may leave the others.
-        assert np.quantile(apart, 0.95) < 0.01
-
-
 def test_repeated_runs_that_disagree_are_told(found: Identification) -> None:
     thrust = np.where(RUN == 2, 1.12, 1.0) * np.interp(ADVANCE, [0.0, 0.7], [0.1, 0.0])
     tested = made(thrust, 0.5 * thrust + 0.02)

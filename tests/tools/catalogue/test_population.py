@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 import propmap.catalogue.expected as settings
 from propmap.catalogue.expected import (
@@ -11,16 +10,14 @@ from propmap.catalogue.expected import (
     Member,
     Population,
     Size,
-    bundled_population,
     coordinate_covariance,
     coordinates,
     family_prior,
     likeness,
     member,
 )
-from propmap.catalogue.identified import all_identified, one_of_each
+from propmap.catalogue.identified import all_identified
 from propmap.typing import Floats
-from tools.catalogue.identification import whitening
 from tools.catalogue.population import population_of
 
 DEVIATION = POPULATION.deviation
@@ -79,18 +76,6 @@ def test_the_population_of_made_up_propellers_is_found_again() -> None:
         np.testing.assert_allclose(apart / np.outer(DEVIATION, DEVIATION), 0.0, atol=tolerance)
 
 
-def test_a_further_propeller_is_where_its_prior_says() -> None:
-    """Standardised by mean and covariance its coordinates have variance 1, with siblings or not."""
-    members, places = drawn(150, 0.1)
-    for siblings in (0, 3):
-        found = []
-        for k in range(0, len(members), len(SIZES)):
-            prior = family_prior(members[k + 1 : k + 1 + siblings], TRUTH, SIZES[0])
-            found.append(whitening(prior) @ (places[k] - prior.mean))
-        np.testing.assert_allclose(np.mean(np.square(found), axis=0), 1.0, atol=0.3)
-        np.testing.assert_allclose(np.mean(found, axis=0), 0.0, atol=0.3)
-
-
 def test_a_sibling_says_more_the_more_is_known_of_it_and_the_closer_its_size_is() -> None:
     alone = family_prior([], TRUTH, SIZES[1])
     np.testing.assert_allclose(alone.mean, TRUTH.mean + TRUTH.shift(SIZES[1]))
@@ -106,12 +91,6 @@ def test_a_sibling_says_more_the_more_is_known_of_it_and_the_closer_its_size_is(
     assert (near > np.sqrt(settings.OWN_SHARE * np.diag(TRUTH.within))).all()
 
 
-def test_the_trend_ends_with_the_data() -> None:
-    huge, large = (bundled_population().shift(size) for size in ((3.0, 1.875), (2.0, 1.25)))
-    assert np.isfinite(huge).all()
-    np.testing.assert_allclose(huge, large)
-
-
 def test_a_member_is_its_posterior_without_its_prior() -> None:
     one = all_identified()[0]
     found, place = member(one), coordinates(one.constants)
@@ -121,21 +100,3 @@ def test_a_member_is_its_posterior_without_its_prior() -> None:
     # It is centered at the constants, although the prior drew them towards its mean.
     np.testing.assert_allclose(found.pull, found.precision @ place)
     assert np.linalg.eigvalsh(found.precision).min() > -1e-9 * found.precision.max()
-
-
-@pytest.mark.slow
-def test_likeness_is_as_the_data_have_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The likelihood of all constants is less by a factor of e^3 at least with other settings."""
-    members = [member(one) for one in one_of_each(all_identified())]
-    start = bundled_population()
-    _, chosen = population_of(members, start.errors, start, 15)
-    for name, other in (
-        ("OWN_SHARE", 0.06),
-        ("OWN_SHARE", 0.75),
-        ("LIKENESS_WIDTH", (0.1, 0.1)),
-        ("LIKENESS_WIDTH", (1.5, 1.5)),
-    ):
-        with monkeypatch.context() as patch:
-            patch.setattr(settings, name, other)
-            _, changed = population_of(members, start.errors, start, 40)
-        assert changed < chosen - 3.0, (name, other)
