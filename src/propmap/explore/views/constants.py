@@ -20,7 +20,6 @@ from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData
 from propmap.model.airfoil import CONSTANTS, Airfoil
 from propmap.model.model import Model
-from propmap.report.fit_curves import tunnel_fit
 from propmap.report.html import COLORS
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -120,6 +119,8 @@ class ConstantsView(view.View):
         data = session.measured(values["data"])
         if data is None:
             raise InputError("there are no measured loads", "select or open measured loads")
+        from propmap.report.fit_curves import tunnel_fit
+
         return tunnel_fit(data, rotor_of(model_of(session, values))).csv()
 
     def more(self) -> list[Any]:
