@@ -28,6 +28,9 @@ BAD_FILES = {
     "blade.csv": b"radius_m,chord_m,twist_deg\n0.1,0.01,10\n",
     "../../etc/cron.d/x.toml": b"c_l1 = 'a'",
     "nul\x00.toml": b"c_l1 = 1",
+    "one cell.csv": b"a" * 200_000,
+    "one cell.pe0": b"a" * 200_000,
+    "10,000 columns.csv": f"thrust_N,{','.join(map(str, range(10_000)))}\n1\n".encode(),
 }
 
 
@@ -56,7 +59,7 @@ def test_one_tab_does_not_see_the_file_of_another(application: Application, shel
     assert "secret.csv" in str(application.page("/loads", f"?{query}")[0])
     assert "secret.csv" not in str(application.page("/loads", "?prop=apc-8x6e")[0])
     guessed, _ = application.page("/loads", "?prop=apc-8x6e&file-data=guess")
-    assert "has deleted a dropped file" in str(guessed)
+    assert "no longer stores a dropped file" in str(guessed)
 
 
 def test_foreign_names_are_refused(application: Application) -> None:
