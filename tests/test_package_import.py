@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 import propmap
 
 HEAVY = ("jax", "scipy", "matplotlib", "xarray", "pandas", "pydantic", "numpy.ma")
@@ -43,3 +45,13 @@ def test_a_command_loads_no_other() -> None:
         f"from propmap.cli import main; assert main(['predict', 'APC 8x6E', *{point}]) == 0"
     )
     assert not loaded & {*HEAVY, "msgspec", "propmap.cli.fit", "propmap.cli.trim", "propmap.fit"}
+
+
+def test_the_explorer_draws_without_scipy_and_matplotlib() -> None:
+    pytest.importorskip("dash")
+    loaded = _modules_after(
+        "from propmap.explore.app import Application, Session, Shelf\n"
+        "from propmap.explore.views import VIEWS\n"
+        "Application(Session(), VIEWS, Shelf())"
+    )
+    assert "propmap.explore.views.disk" in loaded and not loaded & {"scipy", "matplotlib"}

@@ -224,6 +224,12 @@ class Inflow:
     reverse: NDArray[np.bool_]
     normal_force: Floats
 
+    def share_of_disk(self, region: NDArray[np.bool_]) -> float:
+        """Return the fraction of the disk from root to tip [-] that a ``region`` (S, P) covers."""
+        around = region[:, :-1].mean(axis=1)
+        area = np.trapezoid(around * self.radius, self.radius)
+        return float(area / np.trapezoid(self.radius, self.radius))
+
 
 @dataclass(frozen=True)
 class SearchReport:

@@ -6,13 +6,18 @@ import base64
 import json
 import random
 import string
+import subprocess
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+import propmap
 from propmap.errors import InputError
 from propmap.explore.app import LIVE, Application, is_loopback
-from propmap.explore.session import MOST_BYTES, Session, Shelf, read_upload
+from propmap.explore.session import MOST_BYTES, Recipe, Session, Shelf, read_upload
+from propmap.io.geometry import propeller_toml
 
 from .conftest import with_file
 
@@ -28,6 +33,9 @@ BAD_FILES = {
     "blade.csv": b"radius_m,chord_m,twist_deg\n0.1,0.01,10\n",
     "../../etc/cron.d/x.toml": b"c_l1 = 'a'",
     "nul\x00.toml": b"c_l1 = 1",
+    "one cell.csv": b"a" * 200_000,
+    "one cell.pe0": b"a" * 200_000,
+    "10,000 columns.csv": f"thrust_N,{','.join(map(str, range(10_000)))}\n1\n".encode(),
 }
 
 
@@ -56,7 +64,27 @@ def test_one_tab_does_not_see_the_file_of_another(application: Application, shel
     assert "secret.csv" in str(application.page("/loads", f"?{query}")[0])
     assert "secret.csv" not in str(application.page("/loads", "?prop=apc-8x6e")[0])
     guessed, _ = application.page("/loads", "?prop=apc-8x6e&file-data=guess")
-    assert "has deleted a dropped file" in str(guessed)
+    assert "no longer stores a dropped file" in str(guessed)
+    lost = "?prop=apc-8x6e&rpm=5000&file-data=lost"
+    again = f"data:;base64,{base64.b64encode(ROWS).decode()}"
+    for address in (
+        application.uploaded(lost, again, "mine.csv")[0],
+        application.chosen(lost, "apc-10x5e", "known", "")[0],
+        application.removed(lost, "data"),
+    ):
+        assert "file-data=lost" not in address
+        assert not application.page("/loads", address)[1].get("empty")
+
+
+def test_the_copied_command_runs_no_line_of_a_file_and_replaces_no_file(tmp_path: Path) -> None:
+    given = read_upload("-blade.toml", propeller_toml(propmap.propeller("apc-8x6e")).encode())
+    given = replace(given, data=given.data + b"# END\nEND_OF_FILE\ntouch ran\n")
+    command = Recipe(Session().with_file(given, "x")).shell()
+    subprocess.run(["bash", "-c", command], cwd=tmp_path, check=True)
+    assert [file.name for file in tmp_path.iterdir()] == ["blade.toml"]
+    assert (tmp_path / "blade.toml").read_bytes() == given.data
+    mine = Session().with_file(replace(given, path="blade.toml"), "x")
+    assert Recipe(mine, blade=propmap.propeller("apc-8x6e")).prop == "new-blade.toml"
 
 
 def test_foreign_names_are_refused(application: Application) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import base64
+import csv
+import io
 import subprocess
 import sys
 from pathlib import Path
@@ -119,6 +121,23 @@ def test_numbers_and_curves_are_those_of_a_rotor() -> None:
     drawn = np.frombuffer(base64.b64decode(curve["y"]["bdata"]), np.float64)
     want = rotor.loads(5000.0 * RPM, np.linspace(0.0, 20.0, 31), np.pi / 2.0).drag
     np.testing.assert_allclose(drawn, want, rtol=1e-12)
+
+
+def test_equal_thrust_is_equal_or_missing_with_the_reason() -> None:
+    """At 100 rpm and 20 m/s the first propeller brakes more than the second can."""
+    view, session = BY_NAME["compare"], Session()
+    for given, lost in (({"rpm": "5000", "b": "apc 20x10e"}, 0), ({"rpm": "100"}, 27)):
+        values, found = _answer(session, view, equal="thrust", **given)
+        rows = list(csv.DictReader(io.StringIO(view.text(session, values, "compare.csv"))))
+        first, second = rows[:31], rows[31:]
+        gaps = [row["thrust_N"] == "" for row in second]
+        assert sum(gaps) == lost == sum(row["status"] == "no equal thrust" for row in second)
+        assert any("no equal thrust" in line for line in found.remarks) == bool(lost)
+        most = max(abs(float(row["thrust_N"])) for row in first)
+        for one, other, gap in zip(first, second, gaps, strict=True):
+            if not gap:
+                off = float(one["thrust_N"]) - float(other["thrust_N"])
+                assert abs(off) < 1e-3 * most
 
 
 DRAGGED = {"chord-2": "120", "twist-4": "-2"}

@@ -29,7 +29,7 @@ from werkzeug.serving import BaseWSGIServer, make_server
 
 from propmap.errors import InputError
 from propmap.explore.page import INDEX, failed, legend, page, remarks, table, view_page
-from propmap.explore.session import KNOWN, MOST_BYTES, Recent, Session, Shelf, read_upload
+from propmap.explore.session import FILE, KNOWN, Recent, Session, Shelf, read_upload
 from propmap.explore.view import View, values_of
 
 send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
@@ -60,11 +60,15 @@ class Application:
         # Fills the caches, so the first page in the browser appears sooner.
         self.page("/", "")
 
-    def session(self, search: Any) -> Session:
-        """Return the session of an address; raise ``InputError`` for an invalid address."""
+    def session(self, search: Any, *, lost: bool = False) -> Session:
+        """Return the session of an address; raise ``InputError`` for an invalid address, and for
+        files that the server no longer stores, unless these may be ``lost``."""
         if search is not None and not isinstance(search, str):
             raise InputError("the address is invalid", "open the start page /")
-        return Session.of(query_of(search), self.first, self.shelf)
+        query = query_of(search)
+        if lost:
+            query = {k: v for k, v in query.items() if not k.startswith(FILE) or v in self.shelf}
+        return Session.of(query, self.first, self.shelf)
 
     def view(self, path: Any) -> View:
         """Return the view of an address, or the first view for an unknown address."""
@@ -119,7 +123,7 @@ class Application:
     def chosen(self, here: Any, prop: Any, law: Any, physics: Any) -> tuple[Any, str]:
         """Return the address for other propeller, constants or physics, and an error message."""
         try:
-            session = self.session(here)
+            session = self.session(here, lost=True)
             if (prop, law, physics) == (session.name, session.law, session.physics):
                 # The callback also runs when the page was just drawn.
                 return no_update, ""
@@ -131,7 +135,7 @@ class Application:
                 gone += ["file-fit", "file-constants"]
             query = {
                 name: value
-                for name, value in {**query_of(here), **session.query()}.items()
+                for name, value in {**settings_of(here), **session.query()}.items()
                 if name not in gone and not name.startswith(OF_BLADE)
             }
             query |= {"prop": str(prop or session.prop), "law": str(law or KNOWN)}
@@ -144,19 +148,14 @@ class Application:
     def uploaded(self, here: Any, content: Any, name: Any) -> tuple[Any, str]:
         """Return the address with an uploaded file, and an error message."""
         try:
-            _, comma, body = str(content).partition(",")
-            if not comma or len(body) > 1.4 * MOST_BYTES:
-                found = "the file is too large" if comma else "there is no file"
-                remedy = f"give a file of at most {MOST_BYTES / 1e6:g} MB"
-                raise InputError(found, remedy, str(name)[-80:])
             try:
-                data = b64decode(body, validate=True)
+                data = b64decode(str(content).partition(",")[2], validate=True)
             except ValueError:
                 raise InputError("the upload is damaged", "drop the file again") from None
             given = read_upload(str(name), data)
-            session = self.session(here).with_file(given, self.shelf.put(given))
+            session = self.session(here, lost=True).with_file(given, self.shelf.put(given))
             session.model  # noqa: B018 - raises for invalid choices
-            query = {k: v for k, v in query_of(here).items() if not k.startswith("file-")}
+            query = settings_of(here)
             if given.kind in ("geometry", "fit", "vehicle"):
                 query.pop("rpm", None)
             if given.kind == "data":
@@ -167,7 +166,7 @@ class Application:
 
     def removed(self, here: Any, kind: str) -> str:
         """Return the address without a file."""
-        query = {**query_of(here), **self.session(here).query()}
+        query = {**settings_of(here), **self.session(here, lost=True).query()}
         query.pop(f"file-{kind}", None)
         return f"?{urlencode(query)}"
 
@@ -234,13 +233,13 @@ class Application:
         @app.callback(
             Output("address", "search", allow_duplicate=True),
             Output("trouble", "children", allow_duplicate=True),
-            Input("upload", "contents"), State("upload", "filename"), State("here", "data"),
+            Input("dropped", "data"), State("here", "data"),
             prevent_initial_call=True,
         )  # fmt: skip
-        def _uploaded(content: Any, name: Any, here: Any) -> Any:
-            if content is None:
+        def _uploaded(file: Any, here: Any) -> Any:
+            if not file:
                 raise PreventUpdate
-            return self.uploaded(here, content, name)
+            return self.uploaded(here, _mapping(file).get("content"), _mapping(file).get("name"))
 
         @app.callback(
             Output("address", "search", allow_duplicate=True),
@@ -280,6 +279,11 @@ class Application:
 def query_of(search: str | None) -> dict[str, str]:
     """Return the parameters of an address such as ``?a=1&b=2``."""
     return dict(parse_qsl((search or "").lstrip("?"), keep_blank_values=True, max_num_fields=100))
+
+
+def settings_of(search: str | None) -> dict[str, str]:
+    """Return the parameters of an address without files."""
+    return {key: value for key, value in query_of(search).items() if not key.startswith(FILE)}
 
 
 def _mapping(value: Any) -> dict[str, Any]:
@@ -496,6 +500,11 @@ def register_in_the_browser(app: Dash) -> None:
         "settled",
         Output("void", "className"), Output({"menu": ALL}, "href"),
         Input("answered", "data"), State({"menu": ALL}, "id"),
+    )  # fmt: skip
+    here(
+        "dropped",
+        Output("dropped", "data"), Output("trouble", "children", allow_duplicate=True),
+        Input("upload", "contents"), State("upload", "filename"),
     )  # fmt: skip
     here("theme", Output("theme", "title"), Input("theme", "n_clicks"))
     here(

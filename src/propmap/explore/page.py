@@ -18,13 +18,7 @@ html: Any = dash.html
 dcc: Any = dash.dcc
 
 LAYOUT = {"displayModeBar": False, "responsive": True, "doubleClick": "reset"}
-STORES = ("base", "here", "settled", "answered")
-HEIGHTS = {
-    (False, False): "255px",
-    (True, False): "300px",
-    (False, True): "min(86vw, 460px)",
-    (True, True): "min(86vw, 560px)",
-}  # height of a graph by (wide, tall); fixed, so the page does not move when a graph is drawn
+STORES = ("base", "here", "settled", "answered", "dropped")
 EMPTY: Mapping[str, Any] = {"data": [], "layout": {"paper_bgcolor": "rgba(0,0,0,0)"}}
 KINDS = {
     "geometry": "propeller",
@@ -210,9 +204,8 @@ def _place(graph: Graph, answer: Answer) -> Any:
         )
         for kind in ("svg", "png")
     ]  # fmt: skip
-    size, own = {"height": HEIGHTS[(graph.wide, graph.tall)]}, {"graph": graph.name}
     shown = {"figure": figure or EMPTY, "config": {**LAYOUT, **edits}}
-    drawing = dcc.Graph(id=own, className="graph", style=size, **shown)
+    drawing = dcc.Graph(id={"graph": graph.name}, className="graph", **shown)
     caption = html.Figcaption([html.Span(graph.label), *saves])
     inside = html.Div(drawing, role="img", **{"aria-label": graph.label})
     place: dict[str, Any] = {"id": {"place": graph.name}, "hidden": figure is None}

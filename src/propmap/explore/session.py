@@ -244,7 +244,7 @@ def read_upload(name: str, data: bytes) -> Given:
     Messages of ``InputError`` contain only the last part of ``name``, not the folder.
     """
     plain = (
-        re.sub(r"[^\w.+ -]", "_", Path(name.replace("\\", "/")).name)[-80:].lstrip(".") or "file"
+        re.sub(r"[^\w.+ -]", "_", Path(name.replace("\\", "/")).name)[-80:].lstrip(".-") or "file"
     )
     if len(data) > MOST_BYTES:
         fault = f"the file has {len(data) / 1e6:.1f} MB, expected at most {MOST_BYTES / 1e6:g}"
@@ -271,7 +271,7 @@ def _read(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
         return "table", LoadTable.load(path)
     if ending == ".toml":
         return _read_toml(path, trusted=trusted)
-    lines = read_lines(path, "file")
+    lines = read_lines(path, "geometry or measurement")
     first = next((line for line in lines if line.strip()), "")
     loads = ending == ".csv" and columns_in(first, ("rpm", *LOAD_COLUMNS))
     if looks_like_coefficients(path) or loads:
@@ -281,7 +281,7 @@ def _read(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
 
 
 def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
-    text = "\n".join(read_lines(path, "TOML file"))
+    text = "\n".join(read_lines(path, "TOML"))
     try:
         fields = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
@@ -338,11 +338,14 @@ class Shelf:
         self._files.put(token, given)
         return token
 
+    def __contains__(self, token: str) -> bool:
+        return self._files.get(token) is not None
+
     def get(self, token: str) -> Given:
         """Return the file with a name; raise ``InputError`` if it was deleted."""
         given = self._files.get(token)
         if given is None:
-            raise InputError("the server has deleted a dropped file", "drop the file again")
+            raise InputError("the server no longer stores a dropped file", "drop the file again")
         return given
 
 
@@ -421,7 +424,12 @@ class Recipe:
         return self._write(one.name, one.data.decode("utf-8-sig", "replace"))
 
     def _write(self, name: str, text: str) -> str:
-        self._texts[name] = text if text.endswith("\n") else text + "\n"
+        # Keep files of the same name apart, and the files of the command line unchanged.
+        text = text if text.endswith("\n") else text + "\n"
+        paths = {one.path for one in self.session.files.values()}
+        while self._texts.get(name, text) != text or name in paths:
+            name = f"new-{name}"
+        self._texts[name] = text
         return name
 
     def predict(self, values: Mapping[str, Any]) -> list[str]:
@@ -439,10 +447,7 @@ class Recipe:
 
     def shell(self, *commands: Sequence[str]) -> str:
         """Return shell lines that write the required files and run the propmap commands."""
-        lines = [
-            f"cat > {shlex.quote(name)} <<'END_OF_FILE'\n{text}END_OF_FILE"
-            for name, text in self._texts.items()
-        ]
+        lines = [written_by_shell(name, text) for name, text in self._texts.items()]
         lines += [shlex.join(["propmap", *command]) for command in commands]
         return "\n".join(lines)
 
@@ -465,6 +470,12 @@ class Recipe:
             lines.append(f"model = propmap.Model(blade, law{self._air})")
         lines.append("rotor = propmap.Rotor(model)")
         return "\n".join([*lines, rest.strip(), ""])
+
+
+def written_by_shell(name: str, text: str) -> str:
+    """Return a command that writes a text file; no line of the file ends the command."""
+    end = "END_OF_FILE" if "END_OF_FILE" not in text else secrets.token_hex(8)
+    return f"cat > {shlex.quote(name)} <<'{end}'\n{text}{end}"
 
 
 def number(value: float) -> str:

@@ -6,7 +6,7 @@ import base64
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from propmap.report.html import COLORS
 from propmap.units import RPM
 
 if TYPE_CHECKING:
-    from dash import Dash
+    from propmap.explore.app import Application
 
 Figure = dict[str, Any]  # data and layout for Plotly
 
@@ -61,16 +61,6 @@ class Download:
     label: str
 
 
-class Host(Protocol):
-    """Interface of the application to the views: Dash, background fits and sessions."""
-
-    dash: Dash
-    jobs: Any
-
-    def session(self, search: Any) -> Session:
-        """Read the session of an address."""
-
-
 class View:
     """A page of the application: controls and the answer to a question about the session."""
 
@@ -109,7 +99,7 @@ class View:
         """Return further elements below the controls."""
         return []
 
-    def register(self, application: Host) -> None:
+    def register(self, application: Application) -> None:
         """Register the callbacks of the elements in ``more``."""
 
 
@@ -244,10 +234,6 @@ STATUS_MARKS = {
     "reversed": ("triangle-down", COLORS[3]),
     "vortex_ring": ("square", COLORS[1]),
     "not_converged": ("x", "#CC0000"),
-    "unresolved": ("diamond", COLORS[1]),
-    "clamped": ("square", COLORS[3]),
-    "no_value": ("x", "#CC0000"),
-    "outside": ("x", GRAY),
 }  # marker and color of points with a status other than "ok"
 
 # Axis titles, units and labels of the loads and the power.

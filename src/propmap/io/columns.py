@@ -105,6 +105,7 @@ class Taken(NamedTuple):
 
 GREEK = str.maketrans({"\u03c9": "omega", "\u03b2": "beta", "\u03b1": "alpha", "\u03b8": "theta"})
 LONGEST = 80  # number of characters of a name that are compared
+MOST = 40  # largest number of names in a message
 
 
 def _words(text: str) -> str:
@@ -127,6 +128,12 @@ def _parted(name: str) -> Iterator[tuple[str, str, str, int]]:
             if not qualified or not SIDE.search(low, len(words), end):
                 plain = re.sub("[^a-z0-9%]", "", low[start:stop].replace("°", "deg"))
                 yield _words(words), plain, text[start:stop].strip(" -"), qualified
+
+
+def _shortened(texts: Sequence[str]) -> str:
+    """Return a list for a message, with at most ``MOST`` of the ``texts``."""
+    more = len(texts) - MOST
+    return ", ".join(texts[:MOST]) + (f" and {more} more" if more > 0 else "")
 
 
 class Header:
@@ -152,12 +159,13 @@ class Header:
 
         A match except for the unit is added to ``unclear``.
         """
+        if name in wanted:
+            self.taken.setdefault(name, []).append(Taken(-1, place, name, "", 1.0))
+            return True
+        parts = list(_parted(name))
         for column in wanted:
             quantity, own = QUANTITIES[column], column.rpartition("_")[0]
-            if name == column:
-                self.taken.setdefault(column, []).append(Taken(-1, place, name, "", 1.0))
-                return True
-            for words, unit, written, qualified in _parted(name):
+            for words, unit, written, qualified in parts:
                 for rank, names in enumerate(quantity.names):
                     core = f"({AROUND} )?(?P<core>{names})( ({AROUND}|[1-9]))?"
                     found = re.fullmatch(core, words)
@@ -206,7 +214,7 @@ class Header:
             near = "".join(f"like {c}" for c in difflib.get_close_matches(name, QUANTITIES, n=1))
             mean = self._why_not(place) or means.get(name) or near
             shown.append(f"{quoted(name)} ({mean})" if mean else quoted(name))
-        return f"the columns are {', '.join(shown) or 'not named'}"
+        return f"the columns are {_shortened(shown) or 'not named'}"
 
     def _why_not(self, place: int) -> str:
         """Return why a column is not the quantity that it resembles; empty for all other names."""
@@ -231,5 +239,5 @@ class Header:
             if place not in mine:
                 why = self._why_not(place)
                 left.append(f"{quoted(name)} ({why})" if why else quoted(name))
-        parts += [f"not used: {', '.join(left)}"] if left else []
+        parts += [f"not used: {_shortened(left)}"] if left else []
         return [f"columns: {'; '.join(parts)}"] if parts else []

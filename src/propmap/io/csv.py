@@ -173,7 +173,7 @@ def is_comment(line: str) -> bool:
 def _uncovered(comment: str, separator: str) -> str:
     """Return a comment without the quotes and the empty fields that a spreadsheet adds."""
     if comment.lstrip().startswith('"'):
-        return next(_reader([comment.lstrip()], separator), [""])[0]
+        return (_cells(comment.lstrip(), separator) or [""])[0]
     return comment.rstrip(f" {separator}")
 
 
@@ -189,7 +189,15 @@ def _rows(lines: Iterable[str], separator: str, where: str) -> list[tuple[int, l
 
 
 def _names(header: str, separator: str) -> list[str]:
-    return [cell.strip().lower() for cell in next(_reader([header], separator), [])]
+    return [cell.lower() for cell in _cells(header, separator)]
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    """Return the cells of a line, or none if one is longer than a ``csv.reader`` accepts."""
+    try:
+        return [cell.strip() for cell in next(_reader([line], separator), [])]
+    except csv.Error:
+        return []
 
 
 def _reader(lines: Iterable[str], separator: str, *, strict: bool = False) -> Any:

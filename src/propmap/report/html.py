@@ -17,18 +17,19 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 import propmap
 from propmap.errors import InputError
 from propmap.io.csv import check_place, replacing
 from propmap.loads import LOADS
+
+if TYPE_CHECKING:  # the explorer needs only the colors of this module
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 MINUS, MISSING = "\N{MINUS SIGN}", "\N{EN DASH}"  # for negative and missing numbers
 DIGITS = 6  # significant digits in CSV files: the accuracy of the loads
@@ -257,14 +258,18 @@ BAND: dict[str, Any] = {"alpha": 0.25, "linewidth": 0.0}
 
 
 @contextmanager
-def style() -> Iterator[None]:
-    """Apply the style of the package in a block or a decorated function only."""
-    with mpl.rc_context(fname=Path(__file__).with_name("propmap.mplstyle")):
+def style(settings: Any = None) -> Iterator[None]:
+    """Apply the style of the package, then ``settings``, in a block or a decorated function."""
+    from matplotlib import rc_context
+
+    with rc_context(settings, fname=Path(__file__).with_name("propmap.mplstyle")):
         yield
 
 
 def new_figure(width: float, height: float) -> Figure:
     """Return an empty figure of this size [inches] with automatic layout."""
+    from matplotlib.figure import Figure
+
     return Figure(figsize=(width, height), layout="constrained")
 
 
@@ -282,6 +287,8 @@ def marked(k: int) -> dict[str, Any]:
 
 def key(label: str, **look: Any) -> Line2D:
     """Return a line with this style for a legend."""
+    from matplotlib.lines import Line2D
+
     return Line2D([], [], label=label, **look)
 
 
@@ -330,7 +337,6 @@ def as_svg(figure: Figure) -> bytes:
     The figure looks the same on all machines, and equal figures give equal bytes.
     """
     text = io.BytesIO()
-    fixed: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "propmap"}
-    with style(), mpl.rc_context(fixed):
+    with style({"svg.fonttype": "path", "svg.hashsalt": "propmap"}):
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
     return text.getvalue()

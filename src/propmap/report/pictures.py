@@ -179,16 +179,9 @@ def _regions(ax: Any, field: Inflow) -> list[Line2D]:
                 linewidths=look["linewidth"], linestyles=look["linestyle"],
             )  # fmt: skip
         color = "0.5" if look["color"] == "white" else look["color"]
-        label = f"{name}: {100.0 * share_of_disk(field, region):.2g} % of the disk"
+        label = f"{name}: {100.0 * field.share_of_disk(region):.2g} % of the disk"
         handles.append(Line2D([], [], **{**look, "color": color}, label=label))
     return handles
-
-
-def share_of_disk(field: Inflow, region: NDArray[np.bool_]) -> float:
-    """Return the fraction of the disk from root to tip that a region covers [-]."""
-    around = region[:, :-1].mean(axis=1)
-    area = np.trapezoid(around * field.radius, field.radius)
-    return float(area / np.trapezoid(field.radius, field.radius))
 
 
 def _directions(ax: Any, tip: float, *, oblique: bool) -> None:

@@ -2,8 +2,9 @@
 (function () {
   "use strict";
   const PAUSE = 350; // [ms] without a move after which the page requests bands, tables and texts
+  const MOST = 5e6; // [bytes] largest file that the server reads
   const LOST = 8000; // [ms] timeout of a request
-  let base = null, busy = 0, wanted = null, serial = 0, timer = null;
+  let base = null, busy = 0, wanted = null, serial = 0, timer = null, online = true;
 
   const props = (id, values) => window.dash_clientside.set_props(id, values);
 
@@ -17,10 +18,16 @@
     const body = JSON.stringify({ tab, serial: mine, view: base.view, search: search(values), values });
     const lost = AbortSignal.timeout(LOST);
     fetch("/_live", { method: "POST", headers: { "Content-Type": "application/json" }, body, signal: lost })
-      .then((answer) => (answer.ok ? answer.json() : {}))
+      .then((answer) => answer.json())
       .then((found) => (mine === busy ? draw(found.figures || {}) : null))
-      .catch(() => null)
+      .then(() => reached(true), () => reached(false))
       .then(() => requestAnimationFrame(() => setTimeout(() => free(mine), 0)));
+  }
+
+  function reached(now) {
+    const text = "The server does not answer, so the figures and numbers show earlier settings. Run propmap explore again.";
+    if (now !== online) props("trouble", { children: now ? "" : text });
+    online = now;
   }
 
   function draw(figures) {
@@ -151,6 +158,14 @@
         for (const [name, value] of Object.entries(before))
           if (!same(value, last[name])) props({ control: name }, { value });
         return no;
+      },
+      // Runs when a file was opened or dropped; larger files do not go to the server, which refuses them.
+      dropped(content, name) {
+        const no = window.dash_clientside.no_update;
+        if (!content) return [no, no];
+        const size = 0.75 * (content.length - content.indexOf(","));
+        if (size > MOST) return [no, `${name}: the file has ${(1e-6 * size).toFixed(1)} MB, expected at most 5 MB; give a smaller file`];
+        return [{ name, content }, `reading ${name} …`];
       },
       ticking(job) {
         return !job;

@@ -15,7 +15,7 @@ from propmap.aircraft.performance import rows as state_rows
 from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.explore import view
-from propmap.explore.session import Session, axis, number, rotor_of
+from propmap.explore.session import Session, axis, number, rotor_of, written_by_shell
 from propmap.explore.view import Answer, Control, Download, Graph, Slider, Table, Values, digits
 from propmap.io.csv import csv_text, number_or_none
 from propmap.report.html import COLORS
@@ -85,7 +85,7 @@ class AircraftView(view.View):
         lines = []
         if not given.path:
             text = given.data.decode("utf-8-sig", "replace").rstrip("\n")
-            lines.append(f"cat > '{given.name}' <<'END_OF_FILE'\n{text}\nEND_OF_FILE")
+            lines.append(written_by_shell(given.name, f"{text}\n"))
         law = [] if session.law == "known" else ["--airfoil", session.law]
         physics = ["--model", session.physics] if session.physics else []
         options = [

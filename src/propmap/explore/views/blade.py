@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from propmap.explore import view
 from propmap.explore.session import Recipe, Session, rotor_of
@@ -102,6 +101,8 @@ def model_of(session: Session, values: Values) -> Model:
     twists = [values[f"twist-{k}"] for k in range(len(PLACES))]
     if set(chords) == {100.0} and set(twists) == {0.0}:
         return model
+    from scipy.interpolate import PchipInterpolator
+
     share = np.clip(blade.station / blade.radius, PLACES[0], PLACES[-1])
     factor = PchipInterpolator(PLACES, np.array(chords) / 100.0)(share)
     more = PchipInterpolator(PLACES, np.radians(twists))(share)

@@ -21,6 +21,7 @@ ITEMS = ("a", "b", "c", "d")
 GIVEN, TABLE = "this", "table"  # names of the session's own propeller and table
 NAME = "compare.csv"
 SHOWN = ("thrust", "power", "drag", "torque")
+SAME_THRUST = 1e-3  # largest difference of equal thrusts, relative to the largest thrust
 
 
 class Item(NamedTuple):
@@ -79,7 +80,8 @@ class CompareView(view.View):
                 axes = view.AXES["speed"], f"{view.TITLES[name]}{words}"
                 here = [view.upright(values["speed"])]
                 shown[f"{name}{suffix}"] = view.curves(speed, lines, *axes, shapes=here, zero=True)
-        return Answer(shown, [_table(items, values)] if settled else [], (), key)
+        tables = [_table(items, values)] if settled else []
+        return Answer(shown, tables, _gaps(items, every), key)
 
     def shell(self, session: Session, values: Values) -> str:
         """Return a sweep command for each item, at equal rpm."""
@@ -149,27 +151,44 @@ def _omegas(items: Sequence[Item], values: Values, speed: Any) -> list[Any]:
 
 
 def _for_thrust(item: Item, wanted: Any, first: Any, speed: Any, beta: float) -> Any:
-    """Return the rotational speeds for ``wanted`` thrust from six secant steps from ``first``."""
-    before, after = first, 1.02 * first
-    off = item.loads(before, speed, beta).thrust - wanted
-    for _ in range(6):
-        now = item.loads(after, speed, beta).thrust - wanted
-        with np.errstate(all="ignore"):
-            step = now * (after - before) / (now - off)
-        step = np.where(np.isfinite(step), step, 0.0)
-        before, off = after, now
-        after = np.clip(after - step, 0.3 * first, 3.0 * first)
-    return after
+    """Return the rotational speeds for ``wanted`` thrust nearest to ``first``; NaN without one."""
+    from scipy.optimize.elementwise import bracket_root, find_root
+
+    def excess(omega: Any, along: Any, thrust: Any) -> Any:
+        return item.loads(omega, along, beta).thrust - thrust
+
+    args, limits = (speed, wanted), {"xmin": 0.02 * first, "xmax": 10.0 * first}
+    near = bracket_root(excess, 0.98 * first, 1.02 * first, args=args, maxiter=20, **limits)
+    found = find_root(excess, near.bracket, args=args, tolerances={"xrtol": 1e-6})
+    # The search also ends where the thrust jumps past the wanted one, for example at stall.
+    equal = np.abs(found.f_x) <= SAME_THRUST * np.fmax.reduce(np.abs(wanted))
+    return np.where(found.success & equal, found.x, np.nan)
 
 
 def _loads(items: Sequence[Item], omegas: Sequence[Any], speed: Any, values: Values) -> list[Any]:
-    """Return loads, power and status of each item; tables do not contain the power."""
+    """Return loads, power and status of each item; NaN and a status without equal thrust.
+
+    The power is computed from the torque, since tables do not contain it.
+    """
     found = []
     for one, omega in zip(items, omegas, strict=True):
-        loads = one.loads(omega, speed, np.radians(values["beta"]))
-        own = {name: getattr(loads, name) for name in LABELS if name != "power"}
-        found.append(SimpleNamespace(**own, power=loads.torque * omega, status=loads.status))
+        equal = np.isfinite(omega)
+        loads = one.loads(np.where(equal, omega, 1.0), speed, np.radians(values["beta"]))
+        own = {n: np.where(equal, getattr(loads, n), np.nan) for n in LABELS if n != "power"}
+        status = np.where(equal, loads.status, "no equal thrust")
+        found.append(SimpleNamespace(**own, power=own["torque"] * omega, status=status))
     return found
+
+
+def _gaps(items: Sequence[Item], every: Sequence[Any]) -> list[str]:
+    """Return a remark on each status of an item whose points have no loads."""
+    remarks = []
+    for one, loads in zip(items, every, strict=True):
+        lost = loads.status[np.isnan(loads.thrust)].tolist()
+        for status in sorted(set(lost)):
+            where = f"{lost.count(status)} of {view.CURVE} airspeeds"
+            remarks.append(f"{one.name}: no loads at {where}, status: {status}")
+    return remarks
 
 
 def _table(items: Sequence[Item], values: Values) -> Table:
@@ -188,6 +207,7 @@ def _with_difference(found: Sequence[float]) -> list[str]:
     first, *others = found
     cells = [view.digits(first)]
     for value in others:
-        change = f" ({100.0 * (value / first - 1.0):+.1f} %)" if abs(first) > 1e-9 else ""
+        known = abs(first) > 1e-9 and np.isfinite(value)
+        change = f" ({100.0 * (value / first - 1.0):+.1f} %)" if known else ""
         cells.append(f"{view.digits(value)}{change}")
     return cells

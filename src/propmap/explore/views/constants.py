@@ -12,15 +12,14 @@ from dash.exceptions import PreventUpdate
 
 from propmap.errors import InputError
 from propmap.explore import view
-from propmap.explore.app import Job
+from propmap.explore.app import Application, Job
 from propmap.explore.session import CONSTANTS_FILE, Recipe, Session, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, Several, Slider, Table, Values
-from propmap.fit.least_squares import Rows
+from propmap.fit.least_squares import Rows, rms_known
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData
 from propmap.model.airfoil import CONSTANTS, Airfoil
 from propmap.model.model import Model
-from propmap.report.fit_curves import tunnel_fit
 from propmap.report.html import COLORS
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -120,6 +119,8 @@ class ConstantsView(view.View):
         data = session.measured(values["data"])
         if data is None:
             raise InputError("there are no measured loads", "select or open measured loads")
+        from propmap.report.fit_curves import tunnel_fit
+
         return tunnel_fit(data, rotor_of(model_of(session, values))).csv()
 
     def more(self) -> list[Any]:
@@ -127,7 +128,7 @@ class ConstantsView(view.View):
         button = html.Button("fit now", id="fit", n_clicks=0)
         return [button, html.P("", id="progress", role="status")]
 
-    def register(self, application: view.Host) -> None:
+    def register(self, application: Application) -> None:
         """Register the start of a fit and the display of its progress."""
         app = application.dash
 
@@ -235,11 +236,11 @@ def _errors(data: TunnelData, before: Any, now: Any) -> Table:
     """Return a table of the rms errors of two sets of loads on the data."""
     rows = []
     for name, measured in data.loads.items():
-        size = np.sqrt(np.nanmean(measured**2))
-        cells = []
+        cells, size = [], rms_known(measured)
         for loads in (before, now):
-            off = np.sqrt(np.nanmean((getattr(loads, name) - measured) ** 2))
-            cells.append(f"{view.digits(off)} ({100.0 * off / size:.1f} %)")
+            off = rms_known(getattr(loads, name) - measured)
+            share = 100.0 * off / size if size else np.nan
+            cells.append(f"{view.digits(off)} ({share:.1f} %)")
         rows.append([view.LABELS[name], *cells, view.UNITS[name]])
     caption = f"Rms errors on {data.source}; in brackets: relative to the rms of the load"
     return Table(("", BEFORE[0], AFTER[0], "unit"), rows, caption)
@@ -292,7 +293,7 @@ class SliderFit(NamedTuple):
         errors = []
         for k, name in enumerate(fitted.rows.names):
             modeled, measured = fitted.compared(k)
-            off = np.sqrt(np.nanmean((modeled - measured) ** 2) / np.nanmean(measured**2))
+            off = rms_known(modeled - measured) / rms_known(measured)
             errors.append(f"{name} {100.0 * off:.1f} %")
         half = 1.96 * np.sqrt(np.diag(fitted.uncertainty.covariance))
         constants = [

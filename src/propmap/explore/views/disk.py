@@ -14,7 +14,6 @@ from propmap.explore.session import Recipe, Session, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, OneOf, Slider, Values
 from propmap.io.csv import disk_csv
 from propmap.report.html import COLORS
-from propmap.report.pictures import share_of_disk
 from propmap.results import Inflow
 from propmap.table.interpolation import bilinear
 from propmap.typing import Floats
@@ -75,7 +74,7 @@ class DiskView(view.View):
             shown[name] = view.curves(MM * radius, lines, "radius y [mm]", title, xaxis=axis)
         share = {"stalled": field.stalled, "in reverse flow": field.reverse}
         words = ", ".join(
-            f"{name} {100.0 * share_of_disk(field, at):.2g} %" for name, at in share.items()
+            f"{name} {100.0 * field.share_of_disk(at):.2g} %" for name, at in share.items()
         )
         key = [
             (f"at ψ = {5 * psi}°", COLORS[0]),
