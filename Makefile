@@ -2,6 +2,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 TOOLS_READY := $(VENV)/tools-ready
+BUILT := $(VENV)/built
 READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
@@ -34,15 +35,21 @@ $(ZIG_TOOLS): $(TOOLS_READY)
 	printf '#!/bin/sh\nexec "$(abspath $(BIN))/python" -m ziglang $(@F) "$$@"\n' >$@
 	chmod +x $@
 
-# Build with the tools of $(VENV), so that only changed parts of the core are compiled again.
-$(READY): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
-	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,figures,jax,logs,mjx,mujoco,netcdf,targets$(if $(WITH_DOCS),$(COMMA)docs)]'
+# Build with the tools of $(VENV), so that only changed parts of the core are compiled again.  The demo needs no other extra.
+EDITABLE := $(INSTALL) --no-build-isolation --editable
+$(BUILT): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
+	$(EDITABLE) '.[figures]'
+	touch $@
+
+# After a change of the core, the rule above suffices.
+$(READY): constraints.txt pyproject.toml | $(BUILT)
+	$(EDITABLE) '.[cluster,dev,explore,figures,jax,logs,mjx,mujoco,netcdf,targets$(if $(WITH_DOCS),$(COMMA)docs)]'
 	touch $@ $(if $(WITH_DOCS),$(DOCS_READY))
 
 # If CI sets WITH_DOCS, the rule above already installs the extra `docs`.
 COMMA := ,
 $(DOCS_READY): $(READY)
-	$(INSTALL) --no-build-isolation --editable '.[docs]'
+	$(EDITABLE) '.[docs]'
 	touch $@
 
 # Skip WISDEM's dependencies, about ninety packages: only CCBlade is compared, which needs none of them.
@@ -50,7 +57,7 @@ $(PEERS_READY): $(READY)
 	$(INSTALL) --no-deps wisdem
 	touch $@
 
-build: $(READY)
+build: $(BUILT)
 
 # Let glibc reuse memory for NumPy's large arrays, instead of requesting new pages for each array.  Other C libraries
 # ignore these variables.
@@ -62,7 +69,7 @@ export MALLOC_TOP_PAD_ ?= 16777216
 WORKERS := 2
 PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile
 
-demo: $(READY)
+demo: $(BUILT)
 	$(BIN)/python examples/demo.py -o propmap-demo
 
 reproduce: $(READY)

@@ -26,7 +26,9 @@ def test_the_version_is_one() -> None:
     deposited = json.loads(text_of(".zenodo.json"))
     newest = re.search(r"^## (\S+)", text_of("CHANGELOG.md"), re.MULTILINE)
     assert newest
-    stated = {newest[1], cited("version"), deposited["version"]}
+    recipe = re.search(r'set version = "(.*)"', text_of("recipe/meta.yaml"))
+    assert recipe
+    stated = {newest[1], cited("version"), deposited["version"], recipe[1]}
     assert stated == {propmap.__version__}
 
 
@@ -40,3 +42,19 @@ def test_the_description_is_one() -> None:
     assert people == [person["name"] for person in project["authors"]]
     for identifier in deposited["related_identifiers"]:
         assert f"doi: {identifier['identifier']}" in text_of("CITATION.cff")
+
+
+def test_the_recipe_requires_what_the_package_requires() -> None:
+    project = tomllib.loads(text_of("pyproject.toml"))
+    sections = dict(re.findall(r"^  (\w+):\n((?:    - .*\n)+)", text_of("recipe/meta.yaml"), re.M))
+
+    def missing(section: str, wanted: list[str]) -> set[str]:
+        listed = set(re.findall(r"- ([^#{\n]*[^#{\s])", sections[section]))
+        return {re.sub("([>~]=)", r" \1", name) for name in wanted} ^ listed
+
+    assert missing("run", project["project"]["dependencies"]) == {"python"}
+    assert missing("host", project["build-system"]["requires"]) == {"python", "pip"}
+    assert f"- propmap = {project['project']['scripts']['propmap']}\n" in text_of(
+        "recipe/meta.yaml"
+    )
+    assert f"summary: {project['project']['description']}\n" in text_of("recipe/meta.yaml")

@@ -1,4 +1,4 @@
-"""Install a wheel outside the checkout; print sizes and times, and test the installation.
+"""Install a wheel outside the checkout; print sizes, hashes and times; test the installation.
 
 Usage: python tools/try_wheel.py DIST
 
@@ -18,6 +18,7 @@ import tarfile
 import tempfile
 import time
 import venv
+from hashlib import sha256
 from pathlib import Path
 
 LARGEST = 300.0  # maximum size of the environment without extras [MB]
@@ -87,7 +88,8 @@ def main(dist: Path) -> None:
 
         pip = f"python -m pip install --quiet --constraint {source / 'constraints.txt'}"
         for file in (sdist, wheel):
-            print(f"{file.name}: {file.stat().st_size / 1e6:.1f} MB")
+            content = file.read_bytes()
+            print(f"{file.name}: {len(content) / 1e6:.1f} MB, sha256 {sha256(content).hexdigest()}")
         before = size(place)
         run(f"{pip} {wheel}", work)
         base = size(place)

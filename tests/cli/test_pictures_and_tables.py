@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import io
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +27,15 @@ def test_planform(run: Run, tmp_path: Path) -> None:
     assert done.code == 0 and done.err.endswith(f"wrote {path}\n")
     assert path.read_bytes().startswith(b"%PDF")
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_home_that_cannot_be_written_is_not_mentioned(tmp_path: Path) -> None:
+    others = {k: v for k, v in os.environ.items() if k not in ("MPLCONFIGDIR", "XDG_CONFIG_HOME")}
+    done = subprocess.run(
+        [sys.executable, "-m", "propmap", "plot", "planform", "uiuc-apce-9x6", "-o", "blade.svg"],
+        cwd=tmp_path, env=others | {"HOME": os.devnull}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr.splitlines()) == (0, ["wrote blade.svg"])
 
 
 def test_map_with_measured_points(run: Run, tmp_path: Path) -> None:

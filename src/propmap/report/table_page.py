@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -214,7 +213,9 @@ def load_lines(table: LoadTable, omega: float, still: dict[str, float]) -> html.
                 solid, dotted = np.where(ring, np.nan, values), np.where(ring, values, np.nan)
                 ax.plot(speed, solid, color=html.COLORS[k], **html.MODEL)
                 ax.plot(speed, dotted, color=html.COLORS[k], linestyle=":", linewidth=1.1)
-                _mark(ax, k, speed, values)
+                # Markers, because in-plane loads of axial flow coincide at zero.
+                points = {"markersize": 4.0, "markevery": (6 + 3 * k, 24)}
+                ax.plot(speed, values, linestyle="none", **points, **html.marked(k))
             ax.set_ylabel(load.title)
             ax.margins(x=0.02)
         for ax in axes[-1]:
@@ -224,12 +225,6 @@ def load_lines(table: LoadTable, omega: float, still: dict[str, float]) -> html.
         return figure
 
     return html.FigureRecord("table-loads", groups, draw)
-
-
-def _mark(ax: Axes, k: int, speed: Floats, values: Floats) -> None:
-    """Add markers to curve ``k``, because in-plane loads of axial flow coincide at zero."""
-    every = slice(6 + 3 * k, None, 24)
-    ax.plot(speed[every], values[every], markersize=4.0, linestyle="none", **html.marked(k))
 
 
 def load_maps(table: LoadTable, omega: float) -> html.FigureRecord:
