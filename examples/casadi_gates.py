@@ -91,10 +91,8 @@ def planned(plan):
     slopes = casadi.Function("slopes", [state, omega, length], by)
     problem, count = casadi.Opti(), STEPS * len(GATES)
     lengths = problem.variable(len(GATES))
-    states, speeds = (
-        problem.variable(13, count + 1),
-        problem.variable(4, count),
-    )  # speeds over HOVER
+    states = problem.variable(13, count + 1)
+    speeds = problem.variable(4, count)  # over HOVER
     each = [lengths[k // STEPS] / STEPS for k in range(count)]
     # The small second term excludes jumps of the rotor speeds.
     jumps = casadi.sumsqr(speeds[:, 1:] - speeds[:, :-1])

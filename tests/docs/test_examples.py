@@ -25,6 +25,7 @@ EXPORTED = {
     "rotorpy_dynamic_inflow.py": (None, "rotorpy"),
     "casadi_drag.py": ("multinomial", "casadi"),
     "casadi_gates.py": ("multinomial", "casadi"),
+    "gymnasium_hover.py": (None, "gymnasium"),
     "learn_forward_flight.py": (None, "mujoco"),
     "hover_in_mujoco.py": (None, "mujoco"),
 }
