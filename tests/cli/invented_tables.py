@@ -16,7 +16,9 @@ def invented(**more: Any) -> LoadTable:
     """Loads that grow with the advance ratio, without a model; ``more`` entries of ``info``."""
     advance, beta = np.linspace(0.0, 0.4, 9), np.linspace(0.0, np.pi, 9)
     first = np.linspace(0.016, 0.004, len(LOADS))
-    loads = first + advance[:, None, None] * np.ones((9, 1))
+    inplane = [load.inplane for load in LOADS.values()]
+    across = np.where(inplane, (advance[:, None] * np.sin(beta))[..., None], 1.0)
+    loads = (first + advance[:, None, None]) * np.round(across, 15)
     return LoadTable(
         TableContent(
             advance=advance,

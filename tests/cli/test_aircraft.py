@@ -207,17 +207,19 @@ def test_a_table_need_not_have_the_speed_that_is_tried_first(run: Run) -> None:
     sha = blade.fingerprint()
     described = {"name": blade.name, "radius_m": blade.radius, "geometry_sha256": sha}
     medium = {"density_kg_m3": air.density, "viscosity_Pa_s": air.viscosity}
-    content = replace(content, info={"propeller": described, "air": medium})
     at_rest = content.coefficients[0, list(LOADS).index("thrust"), 0, 0]
     per_square = at_rest * air.density * np.pi * blade.radius**4
     hover = np.sqrt(vehicle.mass * GRAVITY / 4.0 / per_square) * 30.0 / np.pi
     omega = np.array([6000.0, 8000.0]) * np.pi / 30.0
+    speed = np.array([0.0, content.advance[-1] * omega[0] * blade.radius])
+    info = {"propeller": described, "air": medium}
+    content = replace(content, omega=omega, speed=speed, info=info)
     asked = ["trim", quadrotor, "--table", "map.npz", "--speed", "0:4:2", "--format", "csv"]
-    LoadTable(replace(content, omega=omega)).save("map.npz")
+    LoadTable(content).save("map.npz")
     done = run(*asked)
     still = next(csv.DictReader(io.StringIO(done.out)))
     assert float(still["rpm_1"]) == pytest.approx(hover, rel=1e-4)
     Path("map.npz").unlink()
-    LoadTable(replace(content, omega=omega, speed=np.array([3.0, 6.0]))).save("map.npz")
+    LoadTable(replace(content, speed=np.array([3.0, speed[1]]))).save("map.npz")
     outside = "the rotors have no loads (outside); give loads that cover hover"
     assert outside in run(*asked).err

@@ -24,6 +24,8 @@ EXPORTED = {
     "rotorpy_hover.py": ("rotorpy", "rotorpy"),
     "rotorpy_dynamic_inflow.py": (None, "rotorpy"),
     "casadi_drag.py": ("multinomial", "casadi"),
+    "casadi_gates.py": ("multinomial", "casadi"),
+    "gymnasium_hover.py": (None, "gymnasium"),
     "learn_forward_flight.py": (None, "mujoco"),
     "hover_in_mujoco.py": (None, "mujoco"),
 }
@@ -67,7 +69,15 @@ def hover_is_stabilized(text: str) -> None:
     assert distances[0] == 1.5 and distances[-1] < 1e-3
 
 
+def gates_are_passed(text: str) -> None:
+    """The polynomial passes the gates much closer than the hover model, in little more time."""
+    found = re.findall(r": (\S+) s, .* at most (\S+) m from the plan", text)
+    (duration, off), (sooner, farther) = np.array(found, float)
+    assert sooner < duration < 1.05 * sooner and off < 0.08 < 0.2 < farther
+
+
 CHECKS = {
+    "casadi_gates.py": gates_are_passed,
     "hover_in_mujoco.py": hover_is_stabilized,
     "differentiate_rotor.py": derivatives_agree,
     "rotorpy_dynamic_inflow.py": thrust_shoots_over,
@@ -82,7 +92,9 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def table() -> LoadTable:
     """Coarse, and wide enough for the examples."""
-    model = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
+    recommended = propmap.correction("pitt-peters"), propmap.correction("radial-friction")
+    model = propmap.Model(blade, law, corrections=recommended)
     ranges = {"omega": (250.0, 1000.0), "speed": (0.0, 9.0), "beta": (0.0, np.pi)}
     brief = {"tolerance": 0.05, "certificate_points": 512}
     return build_table(propmap.Rotor(model), **ranges, **brief)

@@ -73,7 +73,8 @@ def invented_content(
     if gap:
         coefficients[:, :, 15:18, 20:25] = np.nan
         cells[3:6, 12:20], cells[8:10, 2:9] = 1, 2
-    propeller = {"name": name, "blades": 3, "radius_m": RADIUS, "geometry_sha256": "0"}
+    radius = RADIUS
+    propeller = {"name": name, "blades": 3, "radius_m": radius, "geometry_sha256": "0"}
     air = {"density_kg_m3": 1.2, "viscosity_Pa_s": 1.8e-5}
     if of is not None:
         blade, radius = of.propeller, float(of.propeller.radius)
@@ -84,7 +85,7 @@ def invented_content(
         advance=advance,
         beta=angle,
         omega=np.array([200.0, 1000.0]),
-        speed=np.array([speed, advance[-1] * 200.0 * RADIUS]),
+        speed=np.array([speed, advance[-1] * 200.0 * radius]),
         coefficients=coefficients.astype(np.float32).astype(np.float64),
         cells=cells,
         info={"propeller": propeller, "air": air},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import propmap
 from propmap import InputError, VehicleForces
@@ -199,6 +201,47 @@ def test_rotorpy_flies_the_same(
                 np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-9)
 
 
+@pytest.mark.slow
+def test_rotorpy_s_simulation_tracks_a_circle_in_wind(
+    table_of_plain: LoadTable, tmp_path: Path
+) -> None:
+    """RotorPy's controller flies the exported vehicle, and the flight obeys Newton's law."""
+    package("rotorpy")
+    from rotorpy.controllers.quadrotor_control import SE3Control
+    from rotorpy.environments import Environment
+    from rotorpy.trajectories.circular_traj import ThreeDCircularTraj
+    from rotorpy.vehicles.hummingbird_params import quad_params
+    from rotorpy.wind.default_winds import SinusoidWind
+
+    vehicle = replace(PLAIN, inertia=(0.004, 0.005, 0.008))
+    export_vehicle(vehicle, table_of_plain, "rotorpy", tmp_path)
+    module = runpy.run_path(str(tmp_path / "test_quad_rotorpy.py"))
+    parameters = {"tau_m": 0.02, **module["vehicle_params"]}
+    flown = module["Vehicle"](parameters)
+    hover = np.sqrt(vehicle.mass * 9.81 / 4.0 / parameters["k_eta"])
+    flown.initial_state = {name: np.zeros(3) for name in ("v", "w", "wind")} | {
+        **{"x": np.array([1.5, 0.0, 0.0]), "q": np.array([0.0, 0.0, 0.0, 1.0])},
+        "rotor_speeds": np.full(4, hover),
+    }
+    control, circle = (
+        SE3Control(quad_params | parameters),
+        ThreeDCircularTraj(radius=[1.5, 1.5, 0.5]),
+    )
+    found = Environment(flown, control, circle, SinusoidWind()).run(t_final=5.0, plot=False)
+    time, state = found["time"], found["state"]
+    assert found["exit"].name == "TIMEOUT" and time[-1] >= 5.0
+    off = np.linalg.norm(state["x"] - found["flat"]["x"], axis=1)
+    assert off[300:].max() < 0.06 and np.ptp(state["wind"], axis=0).max() > 1.5
+    turn = Rotation.from_quat(state["q"])
+    velocity, wind = (turn.inv().apply(state[name]) for name in ("v", "wind"))
+    given = state["rotor_speeds"], velocity, state["w"], wind
+    force = VehicleForces(vehicle, table_of_plain).wrench(*given).force
+    acceleration = turn.apply(force) / vehicle.mass - [0.0, 0.0, 9.81]
+    # The trapezoidal rule over two steps of 10 ms.
+    want = np.cumsum(0.5 * np.diff(time)[:, None] * (acceleration[1:] + acceleration[:-1]), axis=0)
+    np.testing.assert_allclose(state["v"][1:] - state["v"][0], want, atol=0.01)
+
+
 WRONG: dict[str, tuple[Vehicle, str, str]] = {
     "another propeller": (
         replace(PLAIN, propeller=propmap.propeller("apc-8x6e")), "c", "the table is for"
@@ -210,6 +253,10 @@ WRONG: dict[str, tuple[Vehicle, str, str]] = {
     "six rotors": (
         replace(PLAIN, mounts=(*UP, Mount((0.3, 0.0, 0.0)), Mount((-0.3, 0.0, 0.0)))),
         "rotorpy", "has 6 rotors, RotorPy's Multirotor 4",
+    ),
+    "one spin": (
+        replace(PLAIN, mounts=tuple(replace(mount, spin="cw") for mount in UP)),
+        "rotorpy", "cannot set the thrust and all three moments",
     ),
     "another target": (PLAIN, "jsbsim", "is not made from a vehicle, but from a table"),
     "no target": (PLAIN, "x-plane", "there is no target"),

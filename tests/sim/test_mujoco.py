@@ -421,9 +421,9 @@ def test_rollouts_in_threads_are_the_flights(fly: Callable[..., Any], on_core: b
     data.act[:], data.qvel[0] = 600.0, 1.0
     start = np.empty(mujoco.mj_stateSize(model, kind))
     mujoco.mj_getState(model, data, start, kind)
-    commands = np.broadcast_to(np.linspace(580.0, 640.0, 4)[:, None, None], (4, 50, 4)).copy()
-    threads = [mujoco.MjData(model) for _ in range(2)]
-    states, _ = rollout.rollout(model, threads, np.tile(start, (4, 1)), commands)
+    commands = np.broadcast_to(np.linspace(580.0, 640.0, 8)[:, None, None], (8, 50, 4)).copy()
+    threads = [mujoco.MjData(model) for _ in range(8)]
+    states, _ = rollout.rollout(model, threads, np.tile(start, (8, 1)), commands)
     for command, found in zip(commands, states, strict=True):
         mujoco.mj_setState(model, data, start, kind)
         data.ctrl[:] = command[0]
@@ -434,19 +434,19 @@ def test_rollouts_in_threads_are_the_flights(fly: Callable[..., Any], on_core: b
 
 @pytest.mark.filterwarnings("ignore:.*QACC")
 def test_a_rollout_without_loads_stops_in_its_thread(fly: Callable[..., Any]) -> None:
-    """MuJoCo resets the flight and repeats its state to the end; the other flight goes on."""
+    """MuJoCo resets the flight and repeats its state to the end; the other flights go on."""
     rollout = package("mujoco.rollout")
     model, data, forces = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN))
     kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
     data.act[:] = 600.0
     start = np.empty(mujoco.mj_stateSize(model, kind))
     mujoco.mj_getState(model, data, start, kind)
-    commands = np.full((2, 80, 4), 600.0)
-    commands[1] = 100.0  # slower than the table
-    threads = [mujoco.MjData(model) for _ in range(2)]
-    states, _ = rollout.rollout(model, threads, np.tile(start, (2, 1)), commands)
-    np.testing.assert_allclose(states[0, -1, 0], 0.08)
-    assert states[1, -1, 0] == 0.001 and forces.worst_status == ("outside",) * 4
+    commands = np.full((16, 80, 4), 600.0)
+    commands[::2] = 100.0  # slower than the table
+    threads = [mujoco.MjData(model) for _ in range(8)]
+    states, _ = rollout.rollout(model, threads, np.tile(start, (16, 1)), commands)
+    np.testing.assert_allclose(states[1::2, -1, 0], 0.08)
+    assert (states[::2, -1, 0] == 0.001).all() and forces.worst_status == ("outside",) * 4
 
 
 GOOD = mjcf(PLAIN)

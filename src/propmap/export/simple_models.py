@@ -90,11 +90,15 @@ ROTORS = 4  # RotorPy's Multirotor inverts the matrix from its rotors' thrusts t
 def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
     """Return a module that calls ``VehicleForces``, the table and the note.
 
-    Raises ``InputError`` unless there are four rotors, and for a table of another propeller or air.
+    Raises ``InputError`` unless four rotors set thrust and moments, and for another table.
     """
     if len(vehicle.mounts) != ROTORS:
         found = f"the vehicle has {len(vehicle.mounts)} rotors, RotorPy's Multirotor {ROTORS}"
         raise InputError(found, "write your own multirotor with propmap.VehicleForces")
+    directions = [-spin_sign(mount.spin) for mount in vehicle.mounts]
+    if np.linalg.matrix_rank([np.ones(ROTORS), directions, *vehicle.hub_positions.T[:2]]) < ROTORS:
+        found = "the rotors cannot set the thrust and all three moments independently"
+        raise InputError(found, "check spins and positions: RotorPy's Multirotor inverts a matrix")
     Rotors.of(vehicle, table)
     name, rotor = files.vehicle_name(vehicle, table), files.identifier(table)
     module = files.rendered(
@@ -103,7 +107,7 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
         v=name,
         vehicle=vehicle,
         made=literal(dataclasses.replace(vehicle, powertrain=Powertrain())),
-        directions=[-spin_sign(mount.spin) for mount in vehicle.mounts],
+        directions=directions,
         fitted=fit_rotor(table, files.sample(table)),
     )
     return {

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import zlib
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile, ZipFile, is_zipfile
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 
@@ -21,22 +22,24 @@ from propmap.table.interpolation import TableContent
 FORMAT = "propmap-table"
 FORMAT_VERSION = 1
 
-ARRAYS = ("advance", "beta", "omega", "speed", "coefficients", "cells")
+ARRAYS = dict.fromkeys(("advance", "beta", "omega", "speed"), "f8") | {
+    "coefficients": "f4",
+    "cells": "u1",
+    "deviations": "f4",  # optional
+}
+"""Names and types of the arrays of a file, in either byte order."""
 
-SINGLE = ("coefficients", "deviations")  # in single precision; deviations are optional
-MOST_BYTES = 200_000_000  # largest size of a file
 MOST_UNPACKED = 400_000_000  # largest size of its arrays according to the zip directory [bytes]
 
+_DAMAGED = BadZipFile, zlib.error
 _REMEDY = "give a file written by `propmap table`"
 
 
 def write_table(content: TableContent, path: str | os.PathLike[str]) -> None:
     """Write a table to a .npz file atomically, with ``info`` as JSON text."""
     about = {"format": FORMAT, "format_version": FORMAT_VERSION, "sha256": content.sha256}
-    arrays: dict[str, Any] = {name: getattr(content, name) for name in ARRAYS}
-    for name in SINGLE:
-        if getattr(content, name) is not None:
-            arrays[name] = getattr(content, name).astype(np.float32)
+    known = {name: getattr(content, name) for name in ARRAYS}
+    arrays: dict[str, Any] = {n: x.astype(ARRAYS[n]) for n, x in known.items() if x is not None}
     text = np.array(json.dumps({**content.info, **about}, allow_nan=False, ensure_ascii=False))
     with replacing(Path(path)) as part, part.open("xb") as file:
         np.savez_compressed(file, info=text, **arrays)
@@ -46,23 +49,14 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
     """Read a table; raise ``InputError`` for a missing, damaged, foreign or newer file."""
     where = os.fspath(path)
     try:
-        if Path(where).stat().st_size > MOST_BYTES:
-            fault = f"the file is larger than {MOST_BYTES / 1e6:g} MB, so it is not a table"
-            raise InputError(fault, _REMEDY, where)
-        # Opened here, since NumPy does not close a file that it cannot read.
         with Path(where).open("rb") as stream:
-            if is_zipfile(stream):
-                announced = sum(part.file_size for part in ZipFile(stream).infolist())
-                if announced > MOST_UNPACKED:
-                    size = f"the file unpacks to {announced / 1e9:.1f} GB, more than any table"
-                    raise InputError(size, _REMEDY, where)
+            announced = sum(part.file_size for part in ZipFile(stream).infolist())
+            if announced > MOST_UNPACKED:
+                size = f"the file unpacks to {announced / 1e9:.1f} GB, more than any table"
+                raise InputError(size, _REMEDY, where)
             stream.seek(0)
-            file = np.load(stream, allow_pickle=False)
-            if not isinstance(file, np.lib.npyio.NpzFile):
-                raise InputError("the file is a single array, not a table", _REMEDY, where)
-            known = (*ARRAYS, *SINGLE, "info")
-            with file:
-                read = {name: file[name] for name in file.files if name in known}
+            with np.load(stream, allow_pickle=False) as file:
+                read = {name: file[name] for name in file.files if name in (*ARRAYS, "info")}
     except InputError:
         raise
     except FileNotFoundError:
@@ -71,17 +65,15 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
         reason = error.strerror or str(error)
         found = f"cannot read the file: {reason}"
         raise InputError(found, "check the path and the file", where) from None
-    except (ValueError, EOFError, KeyError, BadZipFile, zlib.error, RuntimeError, MemoryError):
+    except (ValueError, TypeError, LookupError, EOFError, RuntimeError, MemoryError, *_DAMAGED):
         # NumPy and zipfile raise these for truncated, altered, pickled, encrypted or foreign files.
         raise InputError("the file is not a table, or it is damaged", _REMEDY, where) from None
     info = _info(read, where)
     stated = info.pop("sha256", None)
     try:
         arrays: dict[str, Any] = {}
-        for name in dict.fromkeys((*ARRAYS, *SINGLE)):
-            if name not in read:
-                continue
-            if read[name].dtype.kind != ("u" if name == "cells" else "f"):
+        for name in read.keys() - {"info"}:
+            if read[name].dtype.str[1:] != ARRAYS[name]:
                 raise InputError(f"{name} has values of the wrong type ({read[name].dtype})")
             arrays[name] = read[name].astype(np.uint8 if name == "cells" else np.float64)
         content = TableContent(**arrays, info=info)
@@ -110,14 +102,17 @@ def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
     if info.get("loads", list(LOADS)) != list(LOADS):
         fault = f"the table contains {quoted(info['loads'])}, this propmap has {', '.join(LOADS)}"
         raise InputError(fault, "build the table again", where)
-    missing = [name for name in ARRAYS if name not in found]
+    missing = [name for name in ARRAYS if name not in (*found, "deviations")]
     if missing:
         raise InputError(f"the table has no {missing[0]}", _REMEDY, where)
     certificate = info.get("certificate")
     if certificate:
         lacking = [field.name for field in fields(Certificate) if not _states(certificate, field)]
         if lacking:
-            fault = f"the table's certificate does not contain {lacking[0]}"
+            fault = f"the table's certificate does not contain a valid {lacking[0]}"
+            raise InputError(fault, "build the table again", where)
+        if max(certificate["max_error"].values()) > certificate["tolerance"]:
+            fault = "the errors in the table's certificate exceed its tolerance"
             raise InputError(fault, "build the table again", where)
     return dict(info)
 
@@ -130,12 +125,12 @@ def _states(certificate: Any, field: Field[Any]) -> bool:
     newer = field.default is not MISSING or field.default_factory is not MISSING
     if newer and value in (None, {}):
         return True
-    numbers = [value]
+    numbers: list[Any] = [value]
     if str(field.type).startswith("dict"):
         if not (isinstance(value, dict) and sorted(value) == sorted(LOADS)):
             return False
         numbers = list(value.values())
-    return all(isinstance(n, (int, float)) and not isinstance(n, bool) for n in numbers)
+    return all(type(n) in (int, float) and 0.0 <= n < math.inf for n in numbers)
 
 
 def write_netcdf(content: TableContent, path: str | os.PathLike[str]) -> None:

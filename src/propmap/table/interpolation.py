@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.typing import Floats
+from propmap.units import SPEED_OF_SOUND
 
 PARITY = np.array([-1.0 if load.inplane else 1.0 for load in LOADS.values()])
 """Parity of the loads across beta = 0 and pi: -1 for in-plane loads, which are odd, otherwise 1."""
@@ -49,15 +50,16 @@ class TableContent:
         }
         if self.deviations is not None:
             shapes["deviations"] = shapes["coefficients"]
-            if (self.deviations < 0.0).any():
-                raise InputError("a standard deviation is negative")
+            if ((self.deviations < 0.0) | np.isinf(self.deviations)).any():
+                raise InputError("a standard deviation is negative or infinite")
         for name, shape in shapes.items():
             found = getattr(self, name).shape
             if found != shape:
                 raise InputError(f"{name} has shape {found}, expected {shape}")
         for name in ("advance", "beta", "omega", "speed"):
             values = getattr(self, name)
-            if not (np.isfinite(values).all() and (np.diff(values) > 0.0).all()):
+            # The interpolation divides by the distances of the knots.
+            if not (np.isfinite(values).all() and (np.diff(values) > 1e-9 * abs(values[-1])).all()):
                 raise InputError(f"the values of {name} do not increase")
         if min(n, m) < 4:
             raise InputError(f"the table has {n} x {m} knots, expected at least 4 on each axis")
@@ -65,13 +67,30 @@ class TableContent:
             raise InputError("omega must be positive, and speed and advance must not be negative")
         if self.beta[0] < 0.0 or self.beta[-1] > np.pi:
             raise InputError("beta must be between 0 and pi")
-        if np.isinf(self.coefficients).any():
-            raise InputError("a coefficient is infinite")
         if (self.cells > VORTEX_RING_BIT + UNRESOLVED_BIT).any():
             raise InputError(f"a cell has the flags {self.cells.max()}, expected 0 to 3")
         for name, value in (("radius", self.radius), ("density", self.density)):
-            if isinstance(value, bool) or not (isinstance(value, float) and 0.0 < value < np.inf):
+            if not (isinstance(value, float) and 0.0 < value < np.inf):
                 raise InputError(f"{name} is {value!r}, expected a positive number")
+        # The envelope determines the ends of the advance ratio: a value in another unit moves them.
+        with np.errstate(over="ignore", divide="ignore"):
+            least, most = self.speed / (self.omega[::-1] * self.radius)
+        if self.advance[0] > least * (1.0 + 1e-6) or not np.isclose(self.advance[-1], most, 1e-6):
+            found = f"advance is {self.advance[0]:g} to {self.advance[-1]:g}, but speed, omega and "
+            raise InputError(f"{found}radius allow {least:g} to {most:g}")
+        if self.omega[1] * self.radius > SPEED_OF_SOUND:
+            raise InputError(f"the tip moves at {self.omega[1] * self.radius:g} m/s, above Mach 1")
+        # Twice the dynamic pressure at the tip, times the disk area: no blade has such loads.
+        size = np.abs(self.coefficients)
+        if (size > 1.0 + np.square(self.advance[:, None])).any():
+            raise InputError("a coefficient is too large for a rotor")
+        lost = np.isnan(self.coefficients)
+        if (lost.any(axis=1) != lost.all(axis=1)).any():
+            raise InputError("a knot has values for some of the loads only")
+        axial = np.zeros((n, m), bool)
+        axial[self.advance == 0.0], axial[:, [0, -1]] = True, on_planes(self.beta)
+        if (size[:, PARITY < 0.0][..., axial] > 1e-6 * np.fmax.reduce(size, axis=None)).any():
+            raise InputError("an in-plane load is not zero in axial flow")
 
     @property
     def sha256(self) -> str:
