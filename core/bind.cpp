@@ -4,12 +4,10 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <thread>
 #include <variant>
@@ -32,10 +30,30 @@ using namespace propmap;
 
 namespace {
 
+using Array = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Numbers = nb::ndarray<nb::numpy, double>;
+using Shape = std::vector<std::size_t>;
 // Operating points: a row for each variable of `Flow`, a column for each point.
 using Points = nb::ndarray<const double, nb::shape<Flow<double>::variables, -1>, nb::c_contig, nb::device::cpu>;
+
+// Vectors (N, 3), one per row.
+using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+Vector3 vector(const double* from) { return {from[0], from[1], from[2]}; }
+double* keep(const Vector3& v, double* to) { return std::copy(v.begin(), v.end(), to); }
+constexpr Vector3 up{0.0, 0.0, 1.0};  // the thrust in the rotor frame
+
+// Raise propmap.errors.InputError.
+[[noreturn]] void refuse(const std::string& found, const std::string& remedy = "") {
+    const nb::object error = nb::module_::import_("propmap.errors").attr("InputError");
+    PyErr_SetObject(error.ptr(), error(found, remedy).ptr());
+    throw nb::python_error();
+}
+void expect(const char* name, std::size_t found, std::size_t wanted, bool at_least = false) {  // numbers in an array
+    if (found == wanted || (at_least && found > wanted)) return;
+    refuse("the array " + std::string(name) + " has the length " + std::to_string(found),
+           "give " + std::string(at_least ? "at least " : "") + std::to_string(wanted));
+}
 
 Flow<double> point(const Points& points, std::size_t k) {  // point k
     Flow<double> flow{};
@@ -48,65 +66,107 @@ std::vector<double> array_of(const nb::handle& from) {  // a copy of the array
     const auto v = nb::cast<Vector>(from);
     return {v.data(), v.data() + v.size()};
 }
+std::vector<double> array_of(const nb::dict& from, const char* name, std::size_t size) {
+    auto found = array_of(from[name]);
+    expect(name, found.size(), size);
+    return found;
+}
 double number(const nb::dict& from, const char* name, double otherwise = 0.0) {  // number `name`, or `otherwise`
     return from.contains(name) ? nb::cast<double>(from[name]) : otherwise;
 }
 
-Numbers make_array(std::initializer_list<std::size_t> shape, double*& data) {  // filled with zeros
+Numbers make_array(Shape shape, double*& data, std::size_t last = 0) {  // filled with zeros; `last` adds an axis
+    if (last > 0) shape.push_back(last);
     std::size_t size = 1;
     for (std::size_t n : shape) size *= n;
     auto* memory = new double[std::max<std::size_t>(size, 1)]();
     data = memory;
-    return Numbers(memory, shape.size(), shape.begin(),
+    return Numbers(memory, shape.size(), shape.data(),
                    nb::capsule(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); }));
 }
+
+// Numbers of a call in Python: a float or an array, with `each` numbers per point along the last axis, or without this
+// axis if `each` is 0.  The points broadcast as in NumPy.  `...` counts as zero.
+class Argument {
+  public:
+    Argument(const char* name, nb::handle from, std::size_t each = 0, bool negative = true)
+        : name_(name), from_(from), each_(each) {
+        if (!given()) return;
+        const bool plain = std::string_view(Py_TYPE(from.ptr())->tp_name) == "numpy.ndarray";
+        if (PyFloat_Check(from.ptr())) number_ = PyFloat_AS_DOUBLE(from.ptr());
+        else if (!plain || !nb::try_cast(from, array_, false)) number_ = NAN;
+        const auto good = [&](double x) { return std::isfinite(x) && (negative || x >= 0.0); };
+        const double* first = array_.is_valid() ? array_.data() : &number_;
+        if (!std::all_of(first, first + (array_.is_valid() ? array_.size() : 1), good)) {
+            const nb::object converted = nb::module_::import_("propmap.operating_points").attr("numbers");
+            array_ = nb::cast<Array>(converted(name, from, negative));
+        }
+        if (each > 0 && (!array_.is_valid() || array_.ndim() == 0 || array_.shape(axes()) != each))
+            refuse(text() + ": its last axis must have " + std::to_string(each) + " values");
+    }
+    bool given() const { return from_.ptr() != Py_Ellipsis; }
+
+    // The shape of the points of all arguments.
+    static Shape shape_of(std::initializer_list<const Argument*> all) {
+        Shape shape;
+        for (const Argument* a : all)
+            if (a->axes() > shape.size()) shape.insert(shape.begin(), a->axes() - shape.size(), 1);
+        for (const Argument* a : all)
+            for (std::size_t d = 0; d < a->axes(); ++d) {
+                std::size_t& n = shape[shape.size() - a->axes() + d];
+                if (n == 1) n = a->array_.shape(d);
+                else if (a->array_.shape(d) != 1 && a->array_.shape(d) != n) {
+                    std::string found;
+                    for (const Argument* b : all) found += (found.empty() ? "" : ", ") + b->text();
+                    refuse("shapes cannot be broadcast together: " + found);
+                }
+            }
+        return shape;
+    }
+
+    const double* at(std::size_t k, const Shape& shape) const {  // the numbers of point k
+        std::size_t place = 0, step = std::max<std::size_t>(each_, 1);
+        for (std::size_t d = axes(), n = shape.size(); d-- > 0; step *= array_.shape(d), k /= shape[n])
+            if (--n; array_.shape(d) > 1) place += k % shape[n] * step;
+        return (array_.is_valid() ? array_.data() : &number_) + place;
+    }
+
+  private:
+    std::size_t axes() const { return array_.is_valid() ? array_.ndim() - (each_ > 0) : 0; }
+    std::string text() const {  // name and shape
+        const nb::object shape = nb::module_::import_("numpy").attr("shape")(from_);
+        return std::string(name_) + " has shape " + nb::cast<std::string>(nb::str(shape));
+    }
+
+    const char* name_;
+    nb::handle from_;
+    std::size_t each_;
+    double number_ = 0.0;
+    Array array_;
+};
 
 // Call `one(k)` for all k below `count`, on this number of threads, and stop at a signal such as Ctrl-C.
 // No result depends on the number of threads.  Threads end with the call, so that a process may fork between calls.
 void for_each_point(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
-    constexpr auto patience = std::chrono::milliseconds(50);
     std::atomic<std::size_t> next{0};
     std::atomic<bool> stop{false};
-    const std::size_t chunk = std::clamp<std::size_t>(count / (8 * std::max(threads, 1)), 1, 64);
-    const int helpers = int(std::min<std::size_t>(std::max(threads, 1), (count + 31) / 32));
-    const auto heard_signal = [] {
-        nb::gil_scoped_acquire held;
-        return PyErr_CheckSignals() != 0;
+    const std::size_t chunk = std::clamp<std::size_t>(count / (8 * std::size_t(std::max(threads, 1))), 1, 16);
+    const auto work = [&](bool listens) {
+        auto last = std::chrono::steady_clock::now();
+        for (std::size_t first; !stop && (first = next.fetch_add(chunk)) < count;) {
+            for (std::size_t k = first; k < std::min(first + chunk, count) && !stop; ++k) one(k);
+            if (!listens || std::chrono::steady_clock::now() - last <= std::chrono::milliseconds(50)) continue;
+            const nb::gil_scoped_acquire held;
+            if (PyErr_CheckSignals() != 0) stop = true;
+            last = std::chrono::steady_clock::now();
+        }
     };
     {
-        nb::gil_scoped_release free;
-        if (helpers <= 1) {
-            auto last = std::chrono::steady_clock::now();
-            for (std::size_t k = 0; k < count && !stop; ++k) {
-                one(k);
-                if (k % 16 == 15 && std::chrono::steady_clock::now() - last > patience) {
-                    stop = heard_signal();
-                    last = std::chrono::steady_clock::now();
-                }
-            }
-        } else {
-            std::mutex guard;
-            std::condition_variable ended;
-            int running = helpers;
-            std::vector<std::thread> pool;
-            for (int t = 0; t < helpers; ++t)
-                pool.emplace_back([&] {
-                    for (std::size_t first; !stop && (first = next.fetch_add(chunk)) < count;)
-                        for (std::size_t k = first; k < std::min(first + chunk, count) && !stop; ++k) one(k);
-                    const std::lock_guard lock(guard);
-                    if (--running == 0) ended.notify_one();
-                });
-            std::unique_lock lock(guard);
-            while (running > 0) {
-                ended.wait_for(lock, patience);
-                if (running == 0 || stop) continue;
-                lock.unlock();
-                if (heard_signal()) stop = true;
-                lock.lock();
-            }
-            lock.unlock();
-            for (auto& t : pool) t.join();
-        }
+        const nb::gil_scoped_release free;
+        std::vector<std::thread> others;
+        for (std::size_t t = 1; t < std::min<std::size_t>(std::max(threads, 1), (count + 31) / 32); ++t) others.emplace_back(work, false);
+        work(true);
+        for (auto& t : others) t.join();
     }
     if (stop) throw nb::python_error();
 }
@@ -153,6 +213,11 @@ template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
 
     static Law read(const nb::dict& from) {  // the law of this kind
         const auto kind = nb::cast<std::string>(from["kind"]);
+        if (from.contains("angle")) {
+            const auto angles = array_of(from["angle"]).size(), rows = array_of(from["reynolds"]).size();
+            expect("angle", angles, 4, true), expect("reynolds", rows, 1, true);
+            for (const char* name : {"lift", "drag"}) array_of(from, name, angles * rows);
+        }
         Law law;
         const auto try_one = [&]<class One>(One one) {
             if (kind != One::kind) return;
@@ -179,6 +244,7 @@ const std::map<std::string, InflowShape> inflow_shapes = {
 Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) {
     double* found;
     const std::size_t n = alpha.size();
+    expect("reynolds", reynolds.size(), n);
     auto array = make_array({2, n}, found);
     std::visit([&](const auto& law) {
         for (std::size_t k = 0; k < n; k += width) {
@@ -203,35 +269,15 @@ Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) 
 class CoreRotor {
   public:
     CoreRotor(const nb::dict& blade, const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine)
-        : blade_(std::make_unique<BladeShape>(
-              make_blade(array_of(blade["station"]), array_of(blade["chord"]), array_of(blade["twist"]),
-                         nb::cast<int>(blade["blades"]), nb::cast<double>(blade["root"])))),
-          solver_(make(law, air, corrections, fine)) {}
+        : blade_(std::make_unique<BladeShape>(shape(blade))), solver_(make(law, air, corrections, fine)) {}
 
-    nb::tuple loads(const Points& points, int threads) const {  // loads (6, N), and (5, N) from `keep`
+    // Loads and the numbers of `keep`, (11, N), and the derivatives (6, P, N) of loads with respect to the P `names`.
+    nb::tuple loads(const Points& points, const std::vector<std::string>& names, int threads) const {
         const std::size_t n = points.shape(1);
-        double *loads, *other;
-        auto load_array = make_array({Loads<double>::count, n}, loads), others = make_array({5, n}, other);
-        std::visit([&](const auto& solver) {
-            for_each_point(n, threads, [&](std::size_t k) {
-                thread_local Solution s;
-                solver.solve(point(points, k), s);
-                for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
-                keep(s, solver.rotor(), other, k, n);
-            });
-        }, solver_);
-        return nb::make_tuple(load_array, others);
-    }
-
-    nb::tuple gradients(const std::vector<std::string>& names, const Points& points,
-                        int threads) const {  // loads (6, N), and derivatives (6, P, N)
-        const std::size_t n = points.shape(1), p = names.size();
-        double *loads, *slopes;
-        auto load_array = make_array({Loads<double>::count, n}, loads);
-        auto slope_array = make_array({Loads<double>::count, p, n}, slopes);
-        std::visit([&](const auto& solver) { differentiate(solver, names, points, threads, loads, slopes); },
-                   solver_);
-        return nb::make_tuple(load_array, slope_array);
+        double *found, *slopes;
+        auto found_array = make_array({kept, n}, found), slope_array = make_array({Loads<double>::count, names.size(), n}, slopes);
+        std::visit([&](const auto& solver) { differentiate(solver, names, points, threads, found, slopes); }, solver_);
+        return nb::make_tuple(found_array, slope_array);
     }
 
     Numbers hover_inflow(Vector omega, int threads) const {  // v_i0 [m/s], (N)
@@ -249,57 +295,45 @@ class CoreRotor {
         }, solver_);
     }
 
-    // Static states of the inflow (N, size).  `directions` of flight (N, 3) and `spins` (N) are in the rotor frame.
-    Numbers inflow_steady(const Points& points, Vector directions, Vector spins, int threads) const {
-        const std::size_t n = points.shape(1), size = inflow_size();
-        check_sizes(n, directions.size() == 3 * n && spins.size() == n);
-        double* states;
-        auto array = make_array({n, size}, states);
+    // States (..., size) after steps of `time` (...) [s], or the rates of the `state` (..., size) if `time` is `...`, or static
+    // states if `state` is `...`; and rows (..., 17) before the step: force and moment on the vehicle in the rotor frame, and
+    // the numbers of `keep`.  `spin` (...) is 1 for counter-clockwise.
+    nb::tuple inflow_motion(nb::handle of_state, nb::handle of_time, nb::handle of_omega, nb::handle of_velocity, nb::handle of_spin,
+                            int threads) const {
+        const std::size_t size = inflow_size(), row = 6 + kept;
+        const Argument state("state", of_state, size), time("dt", of_time, 0, false), omega("omega", of_omega, 0, false);
+        const Argument velocity("velocity", of_velocity, 3), spin("spin", of_spin);
+        const Shape shape = Argument::shape_of({&omega, &velocity, &state, &time, &spin});
+        double *moved, *rows;
+        auto moved_array = make_array(shape, moved, size), row_array = make_array(shape, rows, row);
         std::visit([&](const auto& solver) {
-            for_each_point(n, threads, [&](std::size_t k) {
-                dynamic(solver).steady(point(points, k), heading(directions, spins, k), states + size * k);
+            for_each_point(row_array.size() / row, threads, [&, inflow = dynamic(solver)](std::size_t k) {
+                HubFlow hub = hub_flow(up, vector(velocity.at(k, shape)));
+                if (hub.inplane == 0.0) hub.ahead = {1.0, 0.0, 0.0};
+                const Flow<double> flow{*omega.at(k, shape), hub.axial, hub.inplane};
+                const Heading heading{hub.ahead[0], hub.ahead[1], *spin.at(k, shape)};
+                double *to = moved + size * k, *into = rows + row * k;
+                if (!state.given()) inflow.steady(flow, heading, to);
+                const Solution& s = inflow.move(flow, heading, state.given() ? state.at(k, shape) : to, *time.at(k, shape),
+                                                state.given() && !time.given() ? to : nullptr, time.given() ? to : nullptr);
+                const Wrench w = hub_wrench(up, heading.spin, hub.ahead, s.result.loads);
+                keep(s, solver.rotor(), ::keep(w.moment, ::keep(w.force, into)), 0, 1);
             });
         }, solver_);
-        return array;
+        return nb::make_tuple(moved_array, row_array);
     }
 
-    // Rates of the `states` (N, size), and states after steps of `times` (N) [s]; loads (6, N); and (5, N) from `keep`.
-    nb::tuple inflow_motion(const Points& points, Vector states, Vector directions, Vector spins, Vector times, int threads) const {
-        const std::size_t n = points.shape(1), size = inflow_size();
-        check_sizes(n, states.size() == size * n && directions.size() == 3 * n && spins.size() == n && times.size() == n);
-        double *rates, *later, *loads, *other;
-        auto rate_array = make_array({n, size}, rates), laters = make_array({n, size}, later);
-        auto load_array = make_array({Loads<double>::count, n}, loads), others = make_array({5, n}, other);
+    // Fields over the disk at one operating point, for S radii, at most `most_nodes`: rows (S, 4) and (S, P, 6) of `DiskField`.
+    nb::tuple disk_field(const Points& points, const std::vector<double>& radii, const std::vector<double>& psi) const {
+        expect("points", points.shape(1), 1), expect("radii", std::min(radii.size(), std::size_t(most_nodes)), radii.size());
+        double *mean, *local;
+        auto means = make_array({radii.size(), 4}, mean), locals = make_array({radii.size(), psi.size(), 6}, local);
         std::visit([&](const auto& solver) {
-            for_each_point(n, threads, [&](std::size_t k) {
-                const Solution& s = dynamic(solver).move(point(points, k), heading(directions, spins, k), states.data() + size * k,
-                                                         times.data()[k], rates + size * k, later + size * k);
-                for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
-                keep(s, solver.rotor(), other, k, n);
-            });
-        }, solver_);
-        return nb::make_tuple(rate_array, laters, load_array, others);
-    }
-
-    // Fields over the disk at one operating point, by name: (S,) or (S, P), for 1 to `most_nodes` radii.
-    nb::dict disk_field(const Points& points, const std::vector<double>& radii, const std::vector<double>& psi) const {
-        return std::visit([&](const auto& solver) {
             Solution s;
             solver.solve(point(points, 0), s);
-            const DiskField f = propmap::disk_field(solver, s, radii, psi);
-            nb::dict result;
-            const auto tell = [&](const char* name, const std::vector<double>& values, bool around) {
-                double* data;
-                result[name] = around ? make_array({radii.size(), psi.size()}, data) : make_array({radii.size()}, data);
-                std::copy(values.begin(), values.end(), data);
-            };
-            tell("inflow", f.inflow, false), tell("thrust", f.thrust, false);
-            tell("drag", f.drag, false), tell("torque", f.torque, false);
-            tell("local_inflow", f.local_inflow, true), tell("alpha", f.alpha, true);
-            tell("past_stall", f.past_stall, true), tell("u_tangential", f.u_tangential, true);
-            tell("u_normal", f.u_normal, true), tell("normal_force", f.normal_force, true);
-            return result;
+            if (!radii.empty()) propmap::disk_field(solver, s, radii, psi, mean, local);
         }, solver_);
+        return nb::make_tuple(means, locals);
     }
 
     // Thrust [N] of fully attached blades: a fast first estimate.
@@ -315,6 +349,7 @@ class CoreRotor {
 
     // The solution at one operating point: nodes with inflow and residual, and the edges of the panels.
     nb::dict solution(const Points& points) const {
+        expect("points", points.shape(1), 1);
         return std::visit([&](const auto& solver) {
             Solution s;
             solver.solve(point(points, 0), s);
@@ -337,29 +372,20 @@ class CoreRotor {
                 folds.append(!s.disk.moves[k] ? "" : kinds[int(s.disk.fold[k].kind)]);
             }
             result["fold"] = folds, result["azimuths"] = 2 * s.psi.count;
-            result["v_hover"] = s.flow.v_hover, result["windmill"] = s.windmill;
+            result["windmill"] = s.windmill;
             return result;
         }, solver_);
     }
 
-    // Compute the loads at one operating point, and return the status.
-    Status loads_at(const Flow<double>& flow, Loads<double>& into) const {
-        thread_local Solution s;
-        std::visit([&](const auto& solver) { solver.solve(flow, s); }, solver_);
-        into = s.result.loads;
-        return s.result.status;
-    }
-
-    // Compute the loads in a `state` of the inflow and the state `later` after a step of `time` [s]; return the status.
-    // If `at_rest`, first set the state to the static solution.
+    // Compute the loads and return the status.  With a `state` of the inflow, the loads are those in this state, or in the
+    // static state if `at_rest`, which is then written to `state`; `later` receives the state after a step of `time` [s].
     Status loads_in(const Flow<double>& flow, const Heading& heading, bool at_rest, double time, double* state, double* later,
                     Loads<double>& into) const {
-        thread_local std::vector<double> rates;
+        thread_local Solution still;
         return std::visit([&](const auto& solver) {
-            const auto inflow = dynamic(solver);
-            rates.resize(inflow.size());
-            if (at_rest) inflow.steady(flow, heading, state);
-            const Solution& s = inflow.move(flow, heading, state, time, rates.data(), later);
+            if (!state) solver.solve(flow, still);
+            else if (at_rest) dynamic(solver).steady(flow, heading, state);
+            const Solution& s = state ? dynamic(solver).move(flow, heading, state, time, nullptr, later) : still;
             into = s.result.loads;
             return s.result.status;
         }, solver_);
@@ -373,17 +399,19 @@ class CoreRotor {
         std::call_once(nodes_found_, [&] { nodes_ = nodes_for(solver); });
         return {solver, nodes_};
     }
-    static Heading heading(Vector directions, Vector spins, std::size_t k) {
-        return {directions.data()[3 * k], directions.data()[3 * k + 1], spins.data()[k]};
-    }
-    static void check_sizes(std::size_t n, bool good) {
-        if (!good) throw nb::value_error(("the arrays do not fit to " + std::to_string(n) + " points").c_str());
+    static BladeShape shape(const nb::dict& blade) {
+        const auto station = array_of(blade["station"]);
+        expect("station", station.size(), 3, true);
+        const auto chord = array_of(blade, "chord", station.size()), twist = array_of(blade, "twist", station.size());
+        return make_blade(station, chord, twist, nb::cast<int>(blade["blades"]), nb::cast<double>(blade["root"]));
     }
 
-    // Write status, number of roots, weight of the vortex ring, mean inflow and share of reverse flow of point k of n.
+    // Write the loads, status, number of roots, weight of the vortex ring, mean inflow and share of reverse flow of point k of n.
+    static constexpr std::size_t kept = Loads<double>::count + 5;
     template <class R> static void keep(const Solution& s, const R& rotor, double* into, std::size_t k, std::size_t n) {
         const double known[] = {double(s.result.status), double(s.result.roots), s.result.ring, s.result.mean_inflow,
                                 reverse_flow_share(s.flow, rotor.root(), rotor.tip())};
+        for (int j = 0; j < Loads<double>::count; ++j, into += n) into[k] = s.result.loads.begin()[j];
         for (double value : known) into[k] = value, into += n;
     }
 
@@ -412,15 +440,15 @@ class CoreRotor {
         return r;
     }
 
-    template <template <class> class LawOf>  // loads (6, N) and their derivatives (6, P, N)
+    template <template <class> class LawOf>  // as in `loads`
     static void differentiate(const RotorSolver<LawOf>& solver, const std::vector<std::string>& names, const Points& points,
-                              int threads, double* loads, double* slopes) {
+                              int threads, double* kept_numbers, double* slopes) {
         const std::size_t n = points.shape(1), p = names.size();
         Rotor<double, LawOf> example = solver.rotor();
         Flow<double> still{};
         std::vector<int> which;         // numbers with respect to which the solution is differentiated
         std::vector<std::size_t> place;  // the index of each in `names`
-        const auto known = numbers_of(example, still);
+        const auto known = p > 0 ? numbers_of(example, still) : decltype(numbers_of(example, still)){};
         for (std::size_t d = 0; d < p; ++d) {
             std::size_t k = 0;
             while (k < known.size() && names[d] != known[k].first) ++k;
@@ -432,9 +460,9 @@ class CoreRotor {
         for_each_point(n, threads, [&](std::size_t k) {
             thread_local Solution s;
             solver.solve(point(points, k), s);
-            for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
+            keep(s, solver.rotor(), kept_numbers, k, n);
             const bool lost = s.result.status == Status::not_converged;
-            const auto keep = [&](int j, std::size_t d, double slope) {
+            const auto keep_slope = [&](int j, std::size_t d, double slope) {
                 slopes[(j * p + d) * n + k] = lost ? std::nan("") : slope;
             };
             // Drag is linear in `drag_factor` and `mount_area`.  No other load depends on them, nor does the inflow.
@@ -443,7 +471,7 @@ class CoreRotor {
                 const double slope = names[d] == "drag_factor"
                                          ? s.result.blade_drag
                                          : example.density * mount_drag(example, s.flow, s.result.mean_inflow);
-                for (int j = 0; j < Loads<double>::count; ++j) keep(j, d, j == 1 ? slope : 0.0);
+                for (int j = 0; j < Loads<double>::count; ++j) keep_slope(j, d, j == 1 ? slope : 0.0);
             }
             const auto by_some = [&]<int N>(std::integral_constant<int, N>, std::size_t first) {
                 const std::size_t last = std::min(first + N, which.size());
@@ -452,7 +480,7 @@ class CoreRotor {
                 seed<N, LawOf>(solver.rotor(), s.flow, {which.begin() + first, which.begin() + last}, rotor, flow);
                 const auto found = solver.template slopes<N>(s, rotor, flow);
                 for (int j = 0; j < Loads<double>::count; ++j)
-                    for (std::size_t d = first; d < last; ++d) keep(j, place[d], found.begin()[j].d[d - first]);
+                    for (std::size_t d = first; d < last; ++d) keep_slope(j, place[d], found.begin()[j].d[d - first]);
                 return last;
             };
             for (std::size_t first = 0; first < which.size();)
@@ -475,7 +503,15 @@ class CoreTable {
 
     CoreTable(const nb::tuple& advance, const nb::tuple& beta, Values values, Cells cells, const nb::tuple& box, double radius) {
         of_.advance = {array_of(advance[0]), array_of(advance[1])}, of_.beta = {array_of(beta[0]), array_of(beta[1])};
-        of_.values.resize(values.size() / std::tuple_size_v<LoadTable::Row>);
+        constexpr std::size_t each = std::tuple_size_v<LoadTable::Row>;
+        std::size_t axis = 0;
+        for (const TableAxis* a : {&of_.advance, &of_.beta}) {
+            const std::size_t n = a->knots.size();
+            expect("knots", n, 2, true), expect("polynomials", a->polynomials.size(), 16 * (n - 1));
+            expect("values", values.shape(axis), n + 2), expect("cells", cells.shape(axis++), n - 1);
+        }
+        expect("values", values.shape(2), each);
+        of_.values.resize(values.size() / each);
         std::copy_n(values.data(), values.size(), of_.values.front().data());
         for (std::size_t k = 0; k < cells.size(); ++k) of_.cells.push_back(TableStatus(cells.data()[k]));
         for (int k = 0; k < 3; ++k) of_.low[k] = nb::cast<double>(box[k][0]), of_.high[k] = nb::cast<double>(box[k][1]);
@@ -492,25 +528,24 @@ class CoreTable {
         return nb::make_tuple(values, int(f.status));
     }
 
-    // Loads and power (L + 1, N), and codes of the status (N).
-    nb::tuple loads(Vector omega, Vector speed, Vector beta, bool clamp) const {
+    // Loads, power and codes of the status, (L + 2, N).
+    Numbers loads(Vector omega, Vector speed, Vector beta, bool clamp) const {
         const std::size_t n = omega.size();
+        expect("speed", speed.size(), n), expect("beta", beta.size(), n);
         double* to;
-        auto loads = make_array({LoadTable::count + 1, n}, to);
-        auto* codes = new std::uint8_t[std::max<std::size_t>(n, 1)]();
-        nb::capsule owner(codes, [](void* p) noexcept { delete[] static_cast<std::uint8_t*>(p); });
-        nb::ndarray<nb::numpy, std::uint8_t> code_array(codes, {n}, owner);
+        auto found = make_array({LoadTable::count + 2, n}, to);
         for (std::size_t k = 0; k < n; ++k) {
             const auto f = of_.loads(omega.data()[k], speed.data()[k], beta.data()[k], clamp);
             for (int j = 0; j < LoadTable::count; ++j) to[j * n + k] = f.loads.begin()[j];
-            to[LoadTable::count * n + k] = f.loads.torque * f.omega, codes[k] = std::uint8_t(f.status);
+            to[LoadTable::count * n + k] = f.loads.torque * f.omega, to[(LoadTable::count + 1) * n + k] = double(f.status);
         }
-        return nb::make_tuple(loads, code_array);
+        return found;
     }
 
     // Points brought into the envelope (3, N); omega is NaN for points outside.
     Numbers bounded(Vector omega, Vector speed, Vector beta) const {
         const std::size_t n = omega.size();
+        expect("speed", speed.size(), n), expect("beta", beta.size(), n);
         double* to;
         auto points = make_array({3, n}, to);
         for (std::size_t k = 0; k < n; ++k) {
@@ -522,6 +557,7 @@ class CoreTable {
 
     // Values at J and beta with their derivatives (N, 2, 2, 2 L).
     Numbers slopes(Vector advance, Vector beta) const {
+        expect("beta", beta.size(), advance.size());
         double* to;
         auto array = make_array({advance.size(), 2, 2, std::tuple_size_v<LoadTable::Row>}, to);
         for (std::size_t k = 0; k < advance.size(); ++k)
@@ -533,16 +569,12 @@ class CoreTable {
     LoadTable of_;
 };
 
-// Vectors (N, 3), one per row.
-using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-Vector3 vector(const double* from) { return {from[0], from[1], from[2]}; }
-double* keep(const Vector3& v, double* to) { return std::copy(v.begin(), v.end(), to); }
-
 // Return axial and in-plane speed (N) and downstream direction in the disk plane (N, 3) from the velocities of N hubs
 // (N, 3) and the thrust axes of m rotors (m, 3).  Hub k belongs to rotor k % m.
 nb::tuple hub_flows(Vectors axes, Vectors hubs) {
     double *along, *across, *downstream;
     const std::size_t n = hubs.shape(0), m = axes.shape(0);
+    expect("axes", m, 1, true);
     auto axial = make_array({n}, along), inplane = make_array({n}, across), away = make_array({n, 3}, downstream);
     for (std::size_t k = 0; k < n; ++k) {
         const HubFlow flow = hub_flow(vector(axes.data() + 3 * (k % m)), vector(hubs.data() + 3 * k));
@@ -557,6 +589,7 @@ nb::tuple hub_wrenches(Vectors axes, Vector spins, Vectors downstream,
                        nb::ndarray<const double, nb::shape<Loads<double>::count, -1, -1>, nb::c_contig, nb::device::cpu> loads) {
     double *force, *moment;
     const std::size_t p = loads.shape(1), n = loads.shape(2), m = axes.shape(0);
+    expect("axes", m, 1, true), expect("spins", spins.size(), m), expect("downstream", downstream.shape(0), n);
     auto forces = make_array({p, n, 3}, force), moments = make_array({p, n, 3}, moment);
     for (std::size_t k = 0; k < p * n; ++k) {
         Loads<double> one;
@@ -571,7 +604,7 @@ nb::tuple hub_wrenches(Vectors axes, Vector spins, Vectors downstream,
 
 Airframe airframe(const nb::dict& from) {  // the airframe from a dictionary of numbers
     Airframe of{number(from, "density")};
-    const auto drag = array_of(from["drag_area"]), download = array_of(from["download_area"]);
+    const auto drag = array_of(from, "drag_area", 3), download = array_of(from, "download_area", 2);
     std::copy_n(drag.begin(), 3, of.drag_area.begin()), std::copy_n(download.begin(), 2, of.download_area);
     of.lift_area = number(from, "lift_area"), of.plate_area = number(from, "plate_area");
     if (!from.contains("wing")) return of;
@@ -596,25 +629,26 @@ nb::tuple free_stream_forces(const nb::dict& of, Vectors velocity) {
 // A vehicle as a free body in a simulator: forces of the air and of the spinning rotors, for one state at a time.
 class FreeBody {
   public:
-    using State = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
     using Forces = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
     using Codes = nb::ndarray<std::uint8_t, nb::shape<2, -1>, nb::c_contig, nb::device::cpu>;
     using Mounts = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
 
     // Rows of `mounts` (k, 7): position, axis, spin.  `sources` has a rotor or a table for each.
     FreeBody(Mounts mounts, const nb::dict& frame, const nb::list& sources, double heavy, Vector center, bool clamp)
-        : frame_(airframe(frame)), sources_(sources), heavy_(heavy), center_(vector(center.data())), clamp_(clamp) {
+        : frame_(airframe(frame)), sources_(sources), heavy_(heavy), clamp_(clamp) {
+        expect("sources", sources.size(), mounts.shape(0)), expect("center", center.size(), 3);
+        center_ = vector(center.data());
         for (std::size_t k = 0; k < mounts.shape(0); ++k) {
             const double* row = mounts.data() + 7 * k;
             mounts_.push_back({vector(row), vector(row + 3), row[6]});
             const CoreRotor* rotor = nullptr;
             const CoreTable* table = nullptr;
-            if (!nb::try_cast(sources[k], rotor)) table = nb::cast<const CoreTable*>(sources[k]);
-            const int size = rotor ? rotor->inflow_size() : 0;
+            if (!nb::try_cast(sources[k], rotor) || !rotor) table = nb::cast<const CoreTable*>(sources[k]);
+            if (!rotor && !table) refuse("a source of loads is None", "give a Rotor or a Table");
             const Vector3 x = hub_flow(mounts_[k].axis, {1.0, 0.0, 0.0}).ahead, z = {0.0, 0.0, 1.0};
             const bool forward = std::fabs(mounts_[k].axis[0]) > 0.9;  // then x and the axis are nearly parallel
-            of_.push_back({rotor, table, size, forward ? hub_flow(mounts_[k].axis, z).ahead : x});
-            inflow_size_ += size;
+            of_.push_back({rotor, table, forward ? hub_flow(mounts_[k].axis, z).ahead : x});
+            inflow_size_ += rotor ? rotor->inflow_size() : 0;
         }
     }
 
@@ -626,81 +660,52 @@ class FreeBody {
     // have one number per rotor.  The status of each rotor, and its worst status so far, are written to `codes`.
     // `inflow` contains the inflow states of the rotors; `later` receives the states after a step of `time` [s].  If
     // `at_rest`, the states are first set to static solutions.
-    std::optional<std::size_t> push(State pose, State motion, State wind, State omega, State change, State added, Forces forces,
+    std::optional<std::size_t> push(Vector pose, Vector motion, Vector wind, Vector omega, Vector change, Vector added, Forces forces,
                                     Codes codes, Forces inflow, Forces later, double time, bool at_rest) const {
         const std::size_t k_all = mounts_.size();
-        for (const Forces& states : {inflow, later})
-            if (states.size() != inflow_size_) throw nb::value_error("the arrays do not fit to the inflow states of the rotors");
+        expect("pose", pose.size(), 7), expect("motion", motion.size(), 6), expect("wind", wind.size(), 3);
+        expect("omega", omega.size(), k_all), expect("change", change.size(), k_all), expect("added", added.size(), k_all);
+        expect("forces", forces.size(), 6), expect("codes", codes.shape(1), k_all);
+        expect("inflow", inflow.size(), inflow_size_), expect("later", later.size(), inflow_size_);
         const double* q = pose.data() + 3;
         const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
         const Attitude attitude{q[0] / size, {q[1] / size, q[2] / size, q[3] / size}};
         const Vector3 rates = vector(motion.data() + 3);
         const Vector3 through = attitude.to_vehicle(add(vector(motion.data()), -1.0, vector(wind.data())));
         const Vector3 velocity = add(through, 1.0, cross(rates, center_));
-        std::vector<Known> known;
-        for (std::size_t k = 0; k < k_all; ++k) {
-            const HubFlow at = hub_flow(mounts_[k].axis, add(velocity, 1.0, cross(rates, mounts_[k].position)));
-            known.push_back({{std::max(omega.data()[k], 0.0), at.axial + added.data()[k], at.inplane}, at.ahead});
-        }
-        look_up(known, {inflow.data(), later.data(), time, at_rest});
         std::uint8_t *now = codes.data(), *worst = now + k_all;
-        for (std::size_t k = 0; k < k_all; ++k) now[k] = known[k].code, worst[k] = std::max(worst[k], now[k]);
-        Wrench all = vehicle_wrench(mounts_, frame_, velocity, rates,
-                                    [&](std::size_t k, const HubFlow&) { return known[k].loads; });
+        double *state = inflow.data(), *next = later.data();
+        std::optional<std::size_t> lost;
+        Wrench all = vehicle_wrench(mounts_, frame_, velocity, rates, [&](std::size_t k, HubFlow& at) {
+            const auto& [rotor, table, x] = of_[k];
+            const Flow<double> flow{std::max(omega.data()[k], 0.0), at.axial + added.data()[k], at.inplane};
+            Loads<double> loads;
+            if (table != nullptr) {
+                const double speed = std::hypot(flow.v_axial, flow.v_inplane), beta = std::atan2(flow.v_inplane, flow.v_axial);
+                const auto found = table->table().loads(flow.omega, speed, beta, clamp_);
+                loads = found.loads, now[k] = std::uint8_t(found.status);
+            } else {
+                if (at.inplane == 0.0) at.ahead = x;
+                const Heading heading{dot(at.ahead, x), dot(at.ahead, cross(mounts_[k].axis, x)), mounts_[k].spin};
+                const int values = rotor->inflow_size();
+                now[k] = std::uint8_t(rotor->loads_in(flow, heading, at_rest, time, values ? state : nullptr, next, loads));
+                state += values, next += values;
+            }
+            worst[k] = std::max(worst[k], now[k]);
+            if (!lost && (!std::isfinite(loads.thrust) || !std::isfinite(omega.data()[k] + change.data()[k]))) lost = k;
+            return loads;
+        });
+        if (lost) return lost;
         all.moment = add(all.moment, 1.0, spin_moment(mounts_, heavy_, omega.data(), change.data(), rates));
         const Vector3 force = attitude.to_world(all.force), moment = add(all.moment, 1.0, cross(center_, all.force));
-        for (std::size_t k = 0; k < k_all; ++k)
-            if (!std::isfinite(known[k].loads.thrust) || !std::isfinite(omega.data()[k] + change.data()[k])) return k;
         for (int j = 0; j < 3; ++j) forces.data()[j] += force[j], forces.data()[3 + j] += moment[j];
         return {};
     }
 
   private:
-    struct Known {  // flow, loads and status of a rotor
-        Flow<double> flow;
-        Vector3 ahead;
-        Loads<double> loads{};
-        std::uint8_t code = 0;
-    };
-
-    struct Step {  // of the inflow, as in `push`
-        double *state, *later, time;
-        bool at_rest;
-    };
-
-    void look_up(std::vector<Known>& known, Step step) const {
-        for (std::size_t k = 0; k < known.size(); ++k) {
-            const auto& [rotor, table, size, x] = of_[k];
-            auto& [flow, ahead, loads, code] = known[k];
-            if (table != nullptr) {
-                const double speed = std::hypot(flow.v_axial, flow.v_inplane), beta = std::atan2(flow.v_inplane, flow.v_axial);
-                const auto found = table->table().loads(flow.omega, speed, beta, clamp_);
-                loads = found.loads, code = std::uint8_t(found.status);
-                continue;
-            }
-            if (size > 0) {
-                const Vector3 along = flow.v_inplane > 0.0 ? ahead : x;
-                const Heading heading{dot(along, x), dot(along, cross(mounts_[k].axis, x)), mounts_[k].spin};
-                code = std::uint8_t(rotor->loads_in(flow, heading, step.at_rest, step.time, step.state, step.later, loads));
-                step.state += size, step.later += size;
-                continue;
-            }
-            // In symmetric flight, half of the rotors have the same flow and loads as the other half.
-            std::size_t like = 0;
-            while (like < k && !(of_[like].rotor == rotor && alike(known[like].flow, flow))) ++like;
-            if (like < k) loads = known[like].loads, code = known[like].code;
-            else code = std::uint8_t(rotor->loads_at(flow, loads));
-        }
-    }
-    static bool alike(const Flow<double>& a, const Flow<double>& b) {  // equal except for rounding
-        const auto near = [](double x, double y) { return std::fabs(x - y) <= 1e-11 * std::max(std::fabs(x), 1.0); };
-        return near(a.omega, b.omega) && near(a.v_axial, b.v_axial) && near(a.v_inplane, b.v_inplane);
-    }
-
     struct Source {
         const CoreRotor* rotor;
         const CoreTable* table;
-        int inflow_size;  // 0: the loads are those of the static inflow, or of a table
         Vector3 x;        // of the rotor frame
     };
     std::vector<Mount> mounts_;
@@ -721,15 +726,13 @@ NB_MODULE(PROPMAP_MODULE, m) {
     m.def("best_instructions", &best_instructions);
     m.def("section_coefficients", &section_coefficients);
     nb::class_<CoreRotor>(m, "Rotor")
-        .def(nb::init<const nb::dict&, const nb::dict&, const nb::dict&, const nb::dict&, bool>(), nb::arg("blade"),
-             nb::arg("law"), nb::arg("air"), nb::arg("corrections"), nb::arg("fine"))
+        .def(nb::init<const nb::dict&, const nb::dict&, const nb::dict&, const nb::dict&, bool>())
         .def("loads", &CoreRotor::loads)
-        .def("gradients", &CoreRotor::gradients)
         .def("hover_inflow", &CoreRotor::hover_inflow)
         .def("solution", &CoreRotor::solution)
         .def_prop_ro("inflow_size", &CoreRotor::inflow_size)
-        .def("inflow_steady", &CoreRotor::inflow_steady)
-        .def("inflow_motion", &CoreRotor::inflow_motion)
+        .def("inflow_motion", &CoreRotor::inflow_motion, nb::arg().none(), nb::arg().none(), nb::arg().none(),
+             nb::arg().none(), nb::arg(), nb::arg())
         .def("disk_field", &CoreRotor::disk_field)
         .def("attached_thrust", &CoreRotor::attached_thrust)
         .def_prop_ro("span", &CoreRotor::span);

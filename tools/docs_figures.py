@@ -2,8 +2,8 @@
 
 Usage: python -m tools.docs_figures FOLDER
 
-The documentation build calls ``write``.  All figures are drawn from definitions and from
-benchmarks/results/, so the same files give the same pictures.
+The documentation build calls ``write``.  All figures are drawn from definitions, from
+benchmarks/results/ and, for the lag of the inflow, from simulations.
 """
 
 from __future__ import annotations
@@ -15,10 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon
 
+import propmap
 from propmap.io.csv import replacing
 from propmap.report.html import COLORS, MARKERS, key, new_figure, style
 from tools import architecture_picture
@@ -41,6 +43,7 @@ def write(folder: Path) -> None:
         "element": element(),
         "choice": cost_against_error(choice),
         "mission": mission(checked),
+        "inflow_lag": inflow_lag(),
         "architecture": architecture_picture.picture(),
     }
     for name, figure in figures.items():
@@ -219,6 +222,46 @@ def mission(found: dict[str, Any]) -> Figure:
             key("rear rotors", color=INK, linestyle="--"),
         ]
         figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    return figure
+
+
+def inflow_lag() -> Figure:
+    """Draw the thrust of a 10x4.5 propeller with dynamic and with static inflow.
+
+    A step of the tip speed from 50 to 60 m/s in hover, and a brake: within 0.1 s, at 60 and 12 m/s,
+    the disk turns from 20 deg nose down to 25 deg nose up.
+    """
+    rotor = propmap.Rotor(propmap.catalogue_model("10x4.5"))
+    inflow, dt = propmap.DynamicInflow(rotor), 5e-4
+    tip_rate = 1.0 / rotor.model.propeller.radius
+    time = dt * np.arange(-20, 240)
+    nose_up = np.radians(np.clip(-20.0 + 450.0 * time, -20.0, 25.0))
+    braking = 12.0 * np.stack([np.cos(nose_up), 0.0 * time, -np.sin(nose_up)], axis=1)
+    flights = {
+        "step of the rotational speed": (np.where(time < 0.0, 50.0, 60.0), 0.0 * braking),
+        "brake": (np.full(time.size, 60.0), braking),
+    }
+    with style():
+        figure = new_figure(8.4, 3.2)
+        panels = figure.subplots(1, 2)
+        for axes, (name, (tip_speed, velocity)) in zip(panels, flights.items(), strict=True):
+            omega = tip_speed * tip_rate
+            state, lagging = inflow.steady(omega[0], velocity[0]), np.zeros(time.size)
+            for k in range(time.size):
+                wrench, state = inflow.advance(state, dt, omega[k], velocity[k])
+                lagging[k] = wrench.force[2]
+            static = rotor.loads_at_velocity(omega, velocity).thrust
+            axes.plot(1e3 * time, lagging, color=BLUE, linewidth=1.2)
+            axes.plot(1e3 * time, static, color=RED, linewidth=1.2)
+            off = abs(lagging / static - 1.0)
+            last = 1e3 * time[off > 0.01].max(initial=0.0)
+            until = f", above 1 % until {last:.0f} ms" if last > 0.0 else ""
+            found = f"difference up to {100.0 * off.max():.1f} %{until}"
+            axes.set_title(f"{name}\n{found}", fontsize=9.0)
+            axes.set_xlabel("time [ms]")
+            axes.set_ylabel("thrust [N]")
+        handles = [key("dynamic inflow", color=BLUE), key("static inflow", color=RED)]
+        figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 
 

@@ -93,8 +93,8 @@ class Rotors : public sim::System, public sim::ISystemConfigure, public sim::ISy
         auto flow = propmap::hub_flow(axis, array_of(through));
         if (flow.inplane == 0.0) flow.ahead = x;
         const propmap::Heading heading{dot(flow.ahead, x), dot(flow.ahead, cross(axis, x)), rotor.spin};
-        std::vector<double> rates(rotor.inflow.size()), later(rotor.inflow.size());
-        const auto& now = dynamics_.move({omega, flow.axial, flow.inplane}, heading, rotor.inflow.data(), step, rates.data(), later.data());
+        std::vector<double> later(rotor.inflow.size());
+        const auto& now = dynamics_.move({omega, flow.axial, flow.inplane}, heading, rotor.inflow.data(), step, nullptr, later.data());
         const auto wrench = propmap::hub_wrench(axis, rotor.spin, flow.ahead, now.result.loads);
         if (!std::isfinite(dot(wrench.force, wrench.moment))) {
             gzerr << "propmap_rotors: no loads of " << rotor.name << " at " << omega << " rad/s.\n";

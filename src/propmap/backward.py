@@ -62,7 +62,8 @@ def solve(rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats) -> Back
     """
     omega, v_axial, v_inplane, height, ceiling = rows
     turned = np.ascontiguousarray([-omega, -v_axial, v_inplane, ceiling, height])
-    (cambered, found), (plate, other) = (one.loads(turned, cores()) for one in rotors)
+    every = (one.loads(turned, (), cores())[0] for one in rotors)
+    (cambered, found), (plate, other) = (np.split(values, [len(LOADS)]) for values in every)
     rotation = (omega * tip) ** 2
     weight = rotation / (rotation + v_axial**2 + v_inplane**2)
     loads = weight * cambered + (1.0 - weight) * plate

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from types import EllipsisType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
+from propmap.loads import LOADS
 from propmap.model.corrections import InflowShape, PittPeters, name_of
-from propmap.operating_points import FlowPoints, broadcast, forward, split_velocity
-from propmap.results import Loads, Wrench, hub_wrench, spin_sign
+from propmap.operating_points import broadcast
+from propmap.results import Loads, Wrench, spin_sign
 from propmap.rotor import Rotor
 from propmap.tasks import cores
 from propmap.typing import Floats
@@ -70,7 +71,8 @@ class DynamicInflow:
         self.rotor, self.spin = rotor, spin
         every = [spin_sign(each) for each in ([spin] if isinstance(spin, str) else spin)]
         self._sign = np.array(every[0] if isinstance(spin, str) else every)
-        self.size: int = rotor._core.inflow_size
+        self._core = rotor._core
+        self.size: int = self._core.inflow_size
 
     def steady(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
         """Return the steady state (..., size) [m/s] for the largest solution of eq. (11).
@@ -88,9 +90,7 @@ class DynamicInflow:
         InputError
             For values that are not finite, negative ``omega``, and shapes that do not broadcast.
         """
-        points = _StatePoints(self, omega, velocity)
-        found = self.rotor._core.inflow_steady(points.rows, points.heading, points.sign, cores())
-        return points.shaped(found)
+        return self._motion(..., ..., omega, velocity)[0]
 
     def rates(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Floats:
         """Return the time derivative (..., size) [m/s^2] of a state.
@@ -102,8 +102,7 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _StatePoints(self, omega, velocity, state=state)
-        return points.shaped(self._motion(points).rates)
+        return self._motion(state, ..., omega, velocity)[0]
 
     def step(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
@@ -127,8 +126,7 @@ class DynamicInflow:
         InputError
             As in ``steady``, and for a negative ``dt``.
         """
-        points = _StatePoints(self, omega, velocity, state=state, dt=dt)
-        return points.shaped(self._motion(points).later)
+        return self._motion(state, dt, omega, velocity)[0]
 
     def loads(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Loads:
         """Return the loads of the blades in the inflow of a state.
@@ -140,9 +138,10 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _StatePoints(self, omega, velocity, state=state)
-        motion = self._motion(points)
-        return self.rotor._as_loads(motion.loads, motion.found, points.rows[0], points.shape)
+        _, rows = self._motion(state, ..., omega, velocity)
+        shape = rows.shape[:-1]
+        flat, w = rows[..., 6:].reshape(-1, rows.shape[-1] - 6).T, np.broadcast_to(omega, shape)
+        return self.rotor._as_loads(flat[: len(LOADS)], flat[len(LOADS) :], w.ravel(), shape)
 
     def wrench(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Wrench:
         """Return force and moment on the vehicle in the rotor frame, as in ``Rotor.wrench``.
@@ -154,8 +153,7 @@ class DynamicInflow:
         omega, velocity : array_like
             As in ``steady``.
         """
-        points = _StatePoints(self, omega, velocity, state=state)
-        return points.wrench(self._motion(points).loads)
+        return _wrench(self._motion(state, ..., omega, velocity)[1])
 
     def advance(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
@@ -175,9 +173,8 @@ class DynamicInflow:
         InputError
             As in ``step``.
         """
-        points = _StatePoints(self, omega, velocity, state=state, dt=dt)
-        motion = self._motion(points)
-        return points.wrench(motion.loads), points.shaped(motion.later)
+        later, rows = self._motion(state, dt, omega, velocity)
+        return _wrench(rows), later
 
     def linearize(
         self, omega: float, velocity: ArrayLike, state: ArrayLike | None = None
@@ -212,22 +209,28 @@ class DynamicInflow:
         steps = np.full(center.size, STEP * speed)
         steps[self.size] /= tip
         ends = center + np.concatenate([np.diag(steps), np.diag(-steps)])
-        points = _StatePoints(
-            self, ends[:, self.size], ends[:, self.size + 1 :], state=ends[:, : self.size]
-        )
-        motion, n = self._motion(points), center.size
-        wrench = points.wrench(motion.loads)
-        outputs = np.concatenate([wrench.force, wrench.moment], axis=1)
+        n, size = center.size, self.size
+        found, rows = self._motion(ends[:, :size], ..., ends[:, size], ends[:, size + 1 :])
         rates, loads = (
             ((values[:n] - values[n:]) / (2.0 * steps[:, None])).T
-            for values in (motion.rates, outputs)
+            for values in (found, rows[:, :6])
         )
-        size = self.size
         return Linearization(rates[:, :size], rates[:, size:], loads[:, :size], loads[:, size:])
 
-    def _motion(self, points: _StatePoints) -> _Motion:
-        of = points.state, points.heading, points.sign, points.dt
-        return _Motion(*self.rotor._core.inflow_motion(points.rows, *of, cores()))
+    def _motion(
+        self,
+        state: ArrayLike | EllipsisType,
+        dt: ArrayLike | EllipsisType,
+        omega: ArrayLike,
+        velocity: ArrayLike,
+    ) -> tuple[Floats, Floats]:
+        """Return states after ``dt``, rates if it is ``...``, or steady states if ``state`` is.
+
+        Rows (..., 17) contain force, moment, and the results of the core for ``Loads``.
+        """
+        found: tuple[Floats, Floats]
+        found = self._core.inflow_motion(state, dt, omega, velocity, self._sign, cores())
+        return found
 
 
 class Linearization(NamedTuple):
@@ -255,83 +258,5 @@ class Linearization(NamedTuple):
     d: Floats
 
 
-class _Motion(NamedTuple):
-    """Results of the core for N states of the inflow."""
-
-    rates: Floats  # (N, size)
-    later: Floats  # states after the step (N, size)
-    loads: Floats  # (L, N)
-    found: Floats  # status code, roots, vortex ring, mean inflow, reverse flow (5, N)
-
-
-class _StatePoints:
-    """Operating points and states, broadcast and flat."""
-
-    shape: tuple[int, ...]
-
-    def __init__(
-        self,
-        of: DynamicInflow,
-        omega: ArrayLike,
-        velocity: ArrayLike,
-        *,
-        state: ArrayLike | None = None,
-        dt: ArrayLike = 0.0,
-    ) -> None:
-        if self._alone(of, omega, velocity, state, dt):
-            return
-        (given,) = broadcast(state=np.zeros(of.size) if state is None else state)
-        if given.ndim == 0 or given.shape[-1] != of.size:
-            raise InputError(
-                f"state has shape {given.shape}: its last axis must have {of.size} values",
-                "use the result of steady or step",
-            )
-        flow, direction = split_velocity(omega, velocity)
-        forward(flow)
-        (time,) = broadcast(dt=dt)
-        if (time < 0.0).any():
-            raise InputError(f"dt is negative ({time.min():g}): give a step length of 0 s or more")
-        shapes = {
-            "omega": flow.omega.shape,
-            "state": given.shape[:-1],
-            "dt": time.shape,
-            "spin": of._sign.shape,
-        }
-        try:
-            self.shape = np.broadcast_shapes(*shapes.values())
-        except ValueError:
-            found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-            raise InputError(f"shapes cannot be broadcast together: {found}") from None
-
-        def flat(values: Floats) -> Floats:
-            return np.broadcast_to(values, self.shape).ravel()
-
-        self.direction = np.broadcast_to(direction, (*self.shape, 3))
-        self.heading, self.sign = self.direction.ravel(), flat(of._sign)
-        self.rows = FlowPoints(flat(flow.omega), flat(flow.v_axial), flat(flow.v_inplane)).rows
-        self.dt, self.state = flat(time), np.broadcast_to(given, (*self.shape, of.size)).ravel()
-
-    def _alone(
-        self, of: DynamicInflow, omega: Any, velocity: ArrayLike, state: Any, dt: Any
-    ) -> bool:
-        """Set the single point of a simulator without broadcasting; return False for others."""
-        numbers = isinstance(omega, float) and isinstance(dt, float) and of._sign.ndim == 0
-        if not (numbers and omega >= 0.0 and 0.0 <= dt < math.inf):
-            return False
-        if type(state) is not np.ndarray or state.dtype != np.float64 or state.shape != (of.size,):
-            return False
-        flow, self.direction = split_velocity(omega, velocity)
-        if flow.omega.shape or not math.isfinite(state.sum()):
-            return False
-        self.shape = ()
-        self.rows, self.heading, self.state = flow.rows, self.direction, np.ascontiguousarray(state)
-        self.sign, self.dt = of._sign.reshape(1), np.array([dt])
-        return True
-
-    def shaped(self, states: Floats) -> Floats:
-        """Return ``states`` (N, size) in the shape (..., size) of the points."""
-        return states.reshape(*self.shape, -1)
-
-    def wrench(self, loads: Floats) -> Wrench:
-        """Return the wrenches of loads (L, N) in the rotor frame."""
-        return hub_wrench(loads, self.direction, self.sign)
+def _wrench(rows: Floats) -> Wrench:
+    return Wrench(rows[..., :3], rows[..., 3:6])

@@ -82,11 +82,12 @@ def components(velocity: ArrayLike) -> dict[str, Floats]:
     return {f"v{axis}": vector[..., k] for k, axis in enumerate("xyz")}
 
 
-def rates_of(name: str, values: ArrayLike) -> Floats:
-    """Return checked rotational speeds [rad/s] of an argument ``name``; none may be negative."""
-    (w,) = broadcast(**{name: values})
-    _refuse_negative(name, w, SPIN_REMEDY)
-    return w
+def numbers(name: str, values: ArrayLike, negative: bool) -> Floats:
+    """Return the finite numbers of an argument ``name``; without ``negative``, refuse these."""
+    (found,) = broadcast(**{name: values})
+    if not negative:
+        _refuse_negative(name, found, SPIN_REMEDY if name == "omega" else "give 0 or more")
+    return np.asarray(found, order="C")
 
 
 def resolved(

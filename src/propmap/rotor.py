@@ -23,7 +23,7 @@ from propmap.operating_points import (
     along_and_across,
     broadcast,
     forward,
-    rates_of,
+    numbers,
     resolved,
     split_velocity,
 )
@@ -252,9 +252,10 @@ class Rotor:
         points = self._allowed(points)
         shape = points.omega.shape
         core = self._core if GROWTHS.isdisjoint(wanted) else self._core_of_growth
-        loads, slopes = core.gradients(wanted, points.rows, cores())
+        found, slopes = core.loads(points.rows, wanted, cores())
         return results.LoadGradients(
-            loads.reshape(len(LOADS), *shape), slopes.reshape(len(LOADS), len(wanted), *shape)
+            found[: len(LOADS)].reshape(len(LOADS), *shape),
+            slopes.reshape(len(LOADS), len(wanted), *shape),
         )
 
     def attached_thrust(
@@ -301,7 +302,7 @@ class Rotor:
 
         The inflow is computed from the static thrust of this rotor.
         """
-        w = rates_of("omega", omega)
+        w = numbers("omega", omega, negative=False)
         return self._core.hover_inflow(np.ascontiguousarray(w.ravel()), cores()).reshape(w.shape)
 
     def inflow(
@@ -334,12 +335,15 @@ class Rotor:
         if (y < root).any() or (y > tip).any():
             raise InputError(f"radius must lie between {root:g} and {tip:g} m")
         starts = range(0, max(y.size, 1), RADII_TOGETHER)
-        parts = [y[k : k + RADII_TOGETHER] for k in starts]
-        # The core requires at least one radius.
-        fields = [self._core.disk_field(rows, list(part) or [tip], list(psi)) for part in parts]
-        sums = {name: f"{name}_per_radius" for name in ("thrust", "drag", "torque")}
-        joined = {name: np.concatenate([field[name] for field in fields]) for name in fields[0]}
-        found = {sums.get(name, name): values[: y.size] for name, values in joined.items()}
+        parts = [self._core.disk_field(rows, y[k : k + RADII_TOGETHER], psi) for k in starts]
+        means, local = (
+            np.moveaxis(np.concatenate(each), -1, 0) for each in zip(*parts, strict=True)
+        )
+        names = (
+            *("inflow", "thrust_per_radius", "drag_per_radius", "torque_per_radius"),
+            *("local_inflow", "alpha", "past_stall", "u_tangential", "u_normal", "normal_force"),
+        )
+        found = dict(zip(names, (*means, *local), strict=True))
         stalled, reverse = found["past_stall"] > 0.0, found["u_tangential"] < 0.0
         return results.Inflow(radius=y, azimuth=psi, stalled=stalled, reverse=reverse, **found)
 
@@ -394,10 +398,13 @@ class Rotor:
         deviations (L, N) of points with negative omega, or None without such points."""
         turns_back = rows[0] < 0.0
         if not turns_back.any():
-            return *self._core.loads(rows, cores()), None
+            found, _ = self._core.loads(rows, (), cores())
+            return found[: len(LOADS)], found[len(LOADS) :], None
         tip = self.model.span[1]
         back = backward.solve(self._backward, tip, rows[:, turns_back])
-        loads, found = self._core.loads(np.where(turns_back, 0.0, rows), cores())
+        loads, found = np.split(
+            self._core.loads(np.where(turns_back, 0.0, rows), (), cores())[0], [len(LOADS)]
+        )
         deviations = np.zeros_like(loads)
         loads[:, turns_back], found[:, turns_back] = back.loads, back.found
         deviations[:, turns_back] = back.deviations

@@ -14,9 +14,12 @@ import numpy as np
 import pytest
 
 import propmap as pm
+from propmap import core
 from propmap.loads import LOADS
 from propmap.results import STATUSES
 from propmap.tasks import on_cores
+from propmap.vehicle.vehicle import Body
+from propmap.vehicle.vehicle_forces import airframe
 
 NAMES = ("zero_lift_angle", "chord_scale", "omega", "v_axial", "v_inplane", "untwist")
 
@@ -211,6 +214,139 @@ def test_any_call_gives_loads_or_a_refusal(call: str) -> None:
         warnings.simplefilter("ignore")
         with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
             assert pool.submit(answered, call).result() >= (1 if call == "inflow" else 5)
+
+
+STATION = np.linspace(0.02, 0.1, 5)
+BLADE = {"station": STATION, "chord": STATION, "twist": STATION, "blades": 2, "root": 0.02}
+AIR = {"density": 1.2, "viscosity": 1.8e-5}
+FRAME = airframe(Body(), None, 1.2)
+AXIS = np.array([0.0, 1.0])
+FLAT = np.zeros(16)
+KNOTS = (AXIS, FLAT)
+TABLE = (np.zeros((4, 4, 12)), np.zeros((1, 1), np.uint8), ((0.0, 1.0),) * 3, 0.1)
+
+
+def law(kind: str = "paper") -> dict[str, Any]:
+    return dict(rotor(kind).model.airfoil.core_law())
+
+
+def with_one(given: dict[str, Any], name: str) -> Callable[[np.ndarray], dict[str, Any]]:
+    return lambda array: given | {name: array}
+
+
+def push(which: int) -> Callable[[np.ndarray], Any]:
+    """A call of a free body with one rotor, whose argument ``which`` is another array."""
+    mount = np.array([[0.1, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0]])
+    body = core.FreeBody(mount, FRAME, [rotor()._core], 0.0, np.zeros(3), False)
+    state, codes = np.zeros(body.inflow_size), np.zeros((2, 1), np.uint8)
+    one = np.ones(1)
+    given = [np.eye(7)[3], np.zeros(6), np.zeros(3), one, one, one, np.zeros(6), codes, state]
+
+    def call(array: np.ndarray) -> Any:
+        arrays = [*given, state.copy()]
+        arrays[which] = np.zeros((2, len(array)), np.uint8) if which == 7 else array
+        return body.push(*arrays, 0.01, True)
+
+    return call
+
+
+def table(*change: Any) -> Callable[[np.ndarray], Any]:
+    def call(array: np.ndarray) -> Any:
+        given: list[Any] = [KNOTS, KNOTS, *TABLE]
+        for at, make in change:
+            given[at] = make(array)
+        return core.Table(*given)
+
+    return call
+
+
+def bound_calls() -> dict[str, tuple[int, Callable[[np.ndarray], Any]]]:
+    """Calls of all functions of the core with one array that must have this length."""
+    full, plate = core.Table(KNOTS, KNOTS, *TABLE), law("table")
+    rows = points(3)
+    mount = np.array([[0.1, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0]])
+    up, three = np.eye(3)[2:], np.zeros((3, 3))
+    loads = np.zeros((6, 1, 3))
+    one = rotor()._core
+    calls: dict[str, tuple[int, Callable[[np.ndarray], Any]]] = {
+        "reynolds": (3, lambda x: core.section_coefficients(law(), np.ones(3), x)),
+        "points solution": (1, lambda x: one.solution(np.ones((5, len(x))))),
+        "points field": (1, lambda x: one.disk_field(np.ones((5, len(x))), [0.05], [0.0])),
+        "speed": (3, lambda x: full.loads(rows[0], x, rows[2], False)),
+        "beta": (3, lambda x: full.loads(rows[0], rows[1], x, False)),
+        "speed bounded": (3, lambda x: full.bounded(rows[0], x, rows[2])),
+        "beta bounded": (3, lambda x: full.bounded(rows[0], rows[1], x)),
+        "beta slopes": (3, lambda x: full.slopes(rows[0], x)),
+        "spins": (1, lambda x: core.hub_wrenches(up, x, three, loads)),
+        "downstream": (3, lambda x: core.hub_wrenches(up, np.ones(1), np.ones((len(x), 3)), loads)),
+        "center": (3, lambda x: core.FreeBody(mount, FRAME, [one], 0.0, x, False)),
+        "sources": (1, lambda x: core.FreeBody(mount, FRAME, [one] * len(x), 0.0, three[0], False)),
+        "polynomials": (16, table((0, lambda x: (AXIS, x)))),
+        "values": (4, table((2, lambda x: np.zeros((4, len(x), 12))))),
+        "values rows": (4, table((2, lambda x: np.zeros((len(x), 4, 12))))),
+        "values loads": (12, table((2, lambda x: np.zeros((4, 4, len(x)))))),
+        "cells": (1, table((3, lambda x: np.zeros((1, len(x)), np.uint8)))),
+    }
+    for name in ("chord", "twist"):
+        given = with_one(BLADE, name)
+        calls[name] = (5, lambda x, of=given: core.Rotor(of(x), law(), AIR, {}, False))
+    for name in ("lift", "drag"):
+        given = with_one(plate, name)
+        calls[name] = (73, lambda x, of=given: core.section_coefficients(of(x), FLAT, FLAT))
+    for name, size in (("drag_area", 3), ("download_area", 2)):
+        given = with_one(FRAME, name)
+        calls[name] = (size, lambda x, of=given: core.free_stream_forces(of(x), three))
+    size = one.inflow_size
+    lengths = {"pose": 7, "motion": 6, "wind": 3, "omega": 1, "change": 1, "added": 1, "forces": 6}
+    lengths |= {"codes": 1, "inflow": size, "later": size}
+    for k, (name, length) in enumerate(lengths.items()):
+        calls[name] = (length, push(k))
+    return calls
+
+
+def test_arrays_of_another_length_are_refused_by_name() -> None:
+    """Otherwise the core would read memory beyond the array."""
+    for name, (length, call) in bound_calls().items():
+        call(np.ones(length))
+        for wrong in {0, length - 1, length + 1, 100_000} - {length}:
+            with pytest.raises(pm.InputError, match=f"array {name.split()[0]} has the length"):
+                call(np.ones(wrong))
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: core.Rotor({**BLADE, "station": STATION[:2]}, law(), AIR, {}, False),
+        lambda: core.section_coefficients({**law("table"), "angle": FLAT[:0]}, FLAT, FLAT),
+        lambda: table((0, lambda _: (AXIS[:1], FLAT[:0])))(FLAT),
+        lambda: core.hub_flows(np.zeros((0, 3)), np.zeros((2, 3))),
+        lambda: core.hub_wrenches(np.zeros((0, 3)), FLAT[:0], FLAT[:0].reshape(0, 3), FLAT[:0]),
+        lambda: rotor()._core.disk_field(np.ones((5, 1)), np.full(1101, 0.05), [0.0]),
+    ],
+)
+def test_arrays_too_short_or_too_long_are_refused(call: Callable[[], Any]) -> None:
+    with pytest.raises((pm.InputError, TypeError), match=r"has the length|incompatible function"):
+        call()
+
+
+def test_empty_and_huge_arrays_have_results_of_their_size() -> None:
+    one, inflow = rotor("paper")._core, pm.DynamicInflow(rotor("paper"))
+    full = core.Table(KNOTS, KNOTS, *TABLE)
+    for count in (0, 3_000):
+        rows, vectors, ones = np.zeros((5, count)), np.zeros((count, 3)), np.ones(count)
+        assert one.loads(rows, (), 1)[0].shape == (11, count)
+        assert one.loads(rows, ["omega"], 1)[1].shape == (6, 1, count)
+        assert one.attached_thrust(rows).shape == one.hover_inflow(0.0 * ones, 1).shape == (count,)
+        assert full.loads(ones, ones, ones, False).shape == (8, count)
+        assert full.bounded(ones, ones, ones).shape == (3, count)
+        assert full.slopes(ones, ones).shape == (count, 2, 2, 12)
+        assert core.section_coefficients(law(), ones, ones).shape == (2, count)
+        assert core.hub_flows(np.eye(3), vectors)[0].shape == (count,)
+        assert core.free_stream_forces(FRAME, vectors)[1].shape == (count, 3)
+        states = np.zeros((count, inflow.size))
+        assert inflow.step(states, 0.01, 0.0 * ones, vectors).shape == states.shape
+        field = one.disk_field(np.ones((5, 1)), ones[:1000] * 0.05, ones[:0])
+        assert field[1].shape == (min(count, 1000), 0, 6)
 
 
 @pytest.mark.parametrize(("count", "psi"), [(0, None), (3, [0.3]), (1101, None)])

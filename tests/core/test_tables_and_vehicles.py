@@ -65,19 +65,6 @@ def test_a_free_body_has_the_forces_of_its_vehicle() -> None:
         assert STATUSES[codes[0, 1]] == "outside" and (forces == 1.0).all()
 
 
-def test_states_of_the_inflow_of_another_size_are_refused() -> None:
-    rows = np.array([[0.1, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0]])
-    rotor = propmap.Rotor(propmap.catalogue_model("apc-8x6e"))._core
-    free = core.FreeBody(rows, airframe(Body(), None, 1.2), [rotor], 0.0, np.zeros(3), False)
-    one, states = np.array([600.0]), np.zeros(rotor.inflow_size)
-    given = (np.eye(7)[3], np.zeros(6), np.zeros(3), one, 0.0 * one, 0.0 * one, np.zeros(6))
-    codes = np.zeros((2, 1), np.uint8)
-    for inflow, later in ((states[1:], states), (states, states[1:]), (states[:0], states[:0])):
-        with pytest.raises(ValueError, match="do not fit"):
-            free.push(*given, codes, inflow.copy(), later.copy(), 0.01, True)
-    assert free.push(*given, codes, states, states.copy(), 0.01, True) is None
-
-
 def test_what_is_no_source_of_loads() -> None:
     rows = np.array([[0.1, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0]])
     with pytest.raises(RuntimeError):

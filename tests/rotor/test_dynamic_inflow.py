@@ -307,10 +307,23 @@ def test_impossible_arguments_are_refused() -> None:
         inflow.step(np.zeros(inflow.size), -1e-3, OMEGA, STILL)
     with pytest.raises(pm.InputError, match="a single operating point of a single rotor"):
         inflow.linearize(OMEGA, STILL, np.zeros((2, inflow.size)))
-    with pytest.raises(ValueError, match="do not fit"):
-        inflow.rotor._core.inflow_motion(
-            np.ones((5, 2)), np.zeros(3), np.zeros(6), np.ones(2), np.zeros(2), 1
-        )
+    states = np.zeros((3, inflow.size))
+    with pytest.raises(pm.InputError, match=r"broadcast together: .*state has shape \(3, 51\)"):
+        inflow.step(states, 1e-3, [OMEGA, OMEGA], STILL)
+    for name, given in {"omega": (None, STILL), "velocity": (OMEGA, None)}.items():
+        with pytest.raises(pm.InputError, match=f"{name} contains a value that is not finite"):
+            inflow.rates(states, *given)
+    with pytest.raises(pm.InputError, match="dt contains a value that is not finite"):
+        inflow.step(states, None, OMEGA, STILL)  # type: ignore[arg-type]
+
+
+def test_states_of_any_layout_and_type_have_the_same_step() -> None:
+    inflow = dynamic(spin=["ccw", "cw"])
+    state = inflow.steady(OMEGA, OBLIQUE[:2]).astype(np.float32).astype(np.float64)
+    want = inflow.step(state, 1e-3, OMEGA, OBLIQUE[:2])
+    strided = np.repeat(state, 2, axis=1)[:, ::2]
+    for one in (state.astype(np.float32), np.asfortranarray(state), strided, state.tolist()):
+        np.testing.assert_array_equal(inflow.step(one, 1e-3, 600, OBLIQUE[:2].tolist()), want)
 
 
 def test_a_rotor_at_rest_does_not_depend_on_the_previous_point() -> None:

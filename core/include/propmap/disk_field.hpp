@@ -5,21 +5,14 @@
 
 namespace propmap {
 
-// Fields at S radii [m] and P azimuths [rad].  Arrays (S, P) are stored row by row.
-struct DiskField {
-    std::vector<double> inflow;                  // v_i, mean over azimuth [m/s], (S)
-    std::vector<double> thrust, drag, torque;    // per radius [N/m], [N/m], [N], (S)
-    std::vector<double> local_inflow;            // with harmonics [m/s], (S, P)
-    std::vector<double> alpha;                   // angle of attack from the chord line [rad]
-    std::vector<double> past_stall;              // angle of attack minus stall angle [rad]; positive where stalled
-    std::vector<double> u_tangential, u_normal;  // eqs. (1) and (2) [m/s]
-    std::vector<double> normal_force;            // along the axis, per radius of one blade [N/m]
-};
-
-// Compute the fields at 1 to `most_nodes` radii [m], at the operating point whose solution is `s`.
+// Compute the fields over the disk at 1 to `most_nodes` radii [m] and at the azimuths `psi` [rad], at the operating point
+// whose solution is `s`.  Each radius has 4 numbers in `mean`: v_i, mean over azimuth [m/s], and thrust, drag and torque per
+// radius [N/m], [N/m], [N].  Each azimuth at each radius has 6 numbers in `local`: v_i with harmonics [m/s]; the angle of
+// attack from the chord line, and the same minus the stall angle, positive where stalled [rad]; (1) and (2) [m/s]; and the
+// force along the axis per radius of one blade [N/m].
 template <template <class> class LawOf>
-DiskField disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector<double>& radii,
-                     const std::vector<double>& psi) {
+void disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector<double>& radii, const std::vector<double>& psi,
+                double* mean, double* local) {
     const auto& rotor = solver.rotor();
     const bool around = solver.has_harmonics(s);
     const auto& f = s.flow;
@@ -34,7 +27,6 @@ DiskField disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::v
         }));
     solve_nodes(solver.annuli(s), disk, nullptr, false);
     const double ring = vortex_ring::weight(f), ring_inflow = vortex_ring::inflow(f);
-    DiskField field;
     for (int g = 0; g < disk.groups; ++g) {
         const auto& at = disk.at[g];
         const Lanes v = (1.0 - ring) * disk.inflow[g] + ring * ring_inflow;
@@ -45,31 +37,25 @@ DiskField disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::v
             loads.drag += more.drag, loads.torque += more.torque;
         }
         for (int k = 0; k < width && g * width + k < disk.nodes; ++k) {
-            field.inflow.push_back(v[k] + s.harmonics.mean);
-            field.thrust.push_back(rotor.density * loads.thrust[k]);
-            field.drag.push_back(rotor.density * loads.drag[k]);
-            field.torque.push_back(rotor.density * loads.torque[k]);
+            *mean++ = v[k] + s.harmonics.mean;
+            for (const Lanes& load : {loads.thrust, loads.drag, loads.torque}) *mean++ = rotor.density * load[k];
             const double y = at.radius[k], reynolds = at.reynolds_per_speed[k];
             const double zero_lift = value(rotor.law.zero_lift_angle_at(reynolds * f.omega * y));
             for (double azimuth : psi) {
                 const double sine = std::sin(azimuth), share = y / rotor.tip();
-                const double local = v[k] + s.harmonics.mean + share * (s.harmonics.lateral * sine +
-                                                                        s.harmonics.longitudinal * std::cos(azimuth));
-                const double u_t = f.omega * y + f.v_inplane * sine, u_p = f.v_axial + local;
+                const double inflow = v[k] + s.harmonics.mean + share * (s.harmonics.lateral * sine +
+                                                                         s.harmonics.longitudinal * std::cos(azimuth));
+                const double u_t = f.omega * y + f.v_inplane * sine, u_p = f.v_axial + inflow;
                 const double line_sine = at.line.sine[k], line_cosine = at.line.cosine[k];
                 const double angle = std::atan2(line_sine * u_t - line_cosine * u_p, line_cosine * u_t + line_sine * u_p);
                 const double side = angle < 0.0 ? -1.0 : 1.0;
                 const double stall = value(rotor.law.stall_angle(reynolds * std::hypot(u_t, u_p), side));
-                field.local_inflow.push_back(local);
-                field.alpha.push_back(std::remainder(angle + zero_lift, 2.0 * pi));
-                field.past_stall.push_back(side * (angle - stall));
-                field.u_tangential.push_back(u_t), field.u_normal.push_back(u_p);
-                const auto force = element_forces(rotor, at, f, broadcast(local), sine).normal;
-                field.normal_force.push_back(rotor.density * force[k]);
+                const auto force = element_forces(rotor, at, f, broadcast(inflow), sine).normal;
+                for (double x : {inflow, std::remainder(angle + zero_lift, 2.0 * pi), side * (angle - stall), u_t, u_p, rotor.density * force[k]})
+                    *local++ = x;
             }
         }
     }
-    return field;
 }
 
 // Thrust [N] of fully attached blades without drag: a fast first estimate.

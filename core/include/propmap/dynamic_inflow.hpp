@@ -80,15 +80,12 @@ template <template <class> class LawOf> class DynamicInflow {
         solver_->solve_at_nodes(at, nodes_, s);
         const double along[3] = {s.harmonics.mean, s.harmonics.lateral, s.harmonics.longitudinal};
         heading.in_rotor_frame(along, state);
-        const bool lost = s.result.status == Status::not_converged;
-        for (int k = 0; k < size(); ++k) {
-            if (k >= harmonics_first) state[k] = s.disk.inflow[(k - harmonics_first) / width][(k - harmonics_first) % width];
-            if (lost) state[k] = std::nan("");
-        }
+        for (int k = 0; k < nodes_; ++k) state[harmonics_first + k] = s.disk.inflow[k / width][k % width];
+        if (s.result.status == Status::not_converged) std::fill_n(state, size(), std::nan(""));
     }
 
     // Return loads and status in a `state`, and write the `rates` [m/s^2] and the state `later` after a step of `time`
-    // [s].  The returned solution is valid until the next call in the same thread.
+    // [s], unless they are null.  The returned solution is valid until the next call in the same thread.
     const Solution& move(const Flow<double>& at, const Heading& heading, const double* state, double time, double* rates,
                          double* later) const {
         thread_local Solution s;
@@ -99,28 +96,28 @@ template <template <class> class LawOf> class DynamicInflow {
         const bool around = rotor.inflow_shape != InflowShape::uniform &&
                             (at.v_inplane > 0.0 || h[0] != 0.0 || h[1] != 0.0 || h[2] != 0.0);
         solver_->prepare(at, s);
+        s.harmonics = {h[0], h[1], h[2]};
         if (around && s.psi.count < 8) s.psi = azimuths(16);  // gradients need several azimuths
-        s.disk.several = false;
-        single_panel(s.disk, rotor.root(), radius, nodes_);
-        place_nodes(rotor, at.omega, s.disk);
-        const int groups = s.disk.groups;
-        for (int k = 0; k < groups * width; ++k)
-            s.disk.inflow[k / width][k % width] = state[harmonics_first + std::min(k, nodes_ - 1)];
+        solver_->start_at(s, nodes_);
 
         // Each annulus steps by the exponential of its linearized rate.  Stalled blades, or an inflow against the flow
         // through the disk, may have a slope of any sign.  The slope is therefore limited to at least half of the
         // mass-flow parameter in size.
         const auto of = solver_->annuli(s);
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
-        double thrust_without = 0.0;
-        for (int g = 0; g < groups; ++g) {
+        Loads<double> total{};
+        // Derivatives of T by v_0, and of L by v_s or of M by v_c.  The mean over azimuth of the slope times sin^2(psi) is
+        // taken as half of the mean slope.  These derivatives only limit the steps of the harmonics.
+        double by_mean = 0.0, by_gradient = 0.0;
+        double thrust_without = 0.0, area = 0.0, through_area = 0.0;
+        for (int g = 0; g < s.disk.groups; ++g) {
             const auto& station = s.disk.at[g];
-            const Lanes v = s.disk.inflow[g];
+            const Lanes& weight = s.disk.weight[g];
+            Lanes v;
+            for (int k = 0; k < width; ++k) v[k] = state[harmonics_first + std::min(g * width + k, nodes_ - 1)];
             const Dual<Lanes, 1> inflow{v, {broadcast(1.0)}};
-            const auto thrust = annulus_thrust(rotor, station, s.flow, inflow, s.psi);
-            const auto residual = thrust - wake_thrust(rotor, station.radius, s.flow, s.windmill, inflow);
-            const Lanes in_ring = ring > 0.0 ? annulus_thrust(rotor, station, s.flow, (1.0 - ring) * v + ring * ring_inflow, s.psi) : thrust.v;
-            thrust_without += sum(s.disk.weight[g] * in_ring);
+            const auto uniform = loads_of(rotor, station, turn_forces(rotor, station, s.flow, inflow, s.psi));
+            const auto residual = uniform.thrust - wake_thrust(rotor, station.radius, s.flow, s.windmill, inflow);
             const Lanes through = s.flow.v_axial + v;
             const Lanes least = 2.0 * pi * station.radius * square_root(speed_squared(s.flow.v_inplane, through));
             const Lanes slope = maximum(-residual.d[0], least), per_mass = 3.0 / (16.0 * radius * station.radius);
@@ -130,52 +127,59 @@ template <template <class> class LawOf> class DynamicInflow {
             step = step > most ? most : (step < -most ? -most : step);
             for (int k = 0; k < width && g * width + k < nodes_; ++k) {
                 const int to = harmonics_first + g * width + k;
-                rates[to] = residual.v[k] * per_mass[k];
-                later[to] = state[to] + step[k];
+                if (rates) rates[to] = residual.v[k] * per_mass[k];
+                if (later) later[to] = state[to] + step[k];
             }
-        }
 
-        // Compute the loads with the harmonics of the state, and the derivatives of the loads by the harmonics.
-        s.harmonics = {h[0], h[1], h[2]};
-        solver_->find_loads_at(s, around);
-        solver_->set_status(s, false);
-        double rate[3]{}, change[3]{};
-        if (around) move_harmonics(s, thrust_without, time, rate, change);
-        const double speed = at.omega * radius + s.mean.speed();
-        double next[3];
-        for (int k = 0; k < 3; ++k) {
-            next[k] = h[k] + change[k];
-            if (std::fabs(next[k]) < negligible * speed) next[k] = 0.0;
+            // Loads in the inflow with the vortex ring and with harmonics.
+            const Lanes used = ring > 0.0 ? (1.0 - ring) * v + ring * ring_inflow : v;
+            Loads<Lanes> loads;
+            for (int k = 0; k < Loads<Lanes>::count; ++k) loads.begin()[k] = uniform.begin()[k].v;
+            if (ring > 0.0) loads = loads_of(rotor, station, turn_forces(rotor, station, s.flow, used, s.psi));
+            thrust_without += sum(weight * loads.thrust);
+            if (around) loads = loads_of(rotor, station, turn_forces(rotor, station, s.flow, used, s.psi, s.harmonics));
+            const Loads<Lanes> friction = rotor.radial_friction && at.v_inplane > 0.0
+                                              ? radial_friction(rotor, station, s.flow, used, s.psi) : Loads<Lanes>{};
+            for (int k = 0; k < Loads<double>::count; ++k)
+                total.begin()[k] += sum(weight * (loads.begin()[k] + friction.begin()[k]));
+            const Lanes part = weight * station.radius;
+            area += sum(part), through_area += sum(part * used);
+            by_mean += sum(weight * uniform.thrust.d[0]);
+            by_gradient += sum(0.5 / radius * part * station.radius * uniform.thrust.d[0]);
         }
-        heading.in_rotor_frame(rate, rates);
-        heading.in_rotor_frame(next, later);
+        s.mean = {at.omega, at.v_axial, at.v_inplane, through_area / area};
+        s.result.ring = ring, s.result.mean_inflow = s.mean.inflow;
+        s.blade_loads = total;
+        s.result.blade_drag = rotor.density * total.drag;
+        complete_loads(rotor, s.flow, s.mean.inflow, total);
+        s.result.loads = total;
+        solver_->set_status(s, false);
+
+        // Each harmonic steps by the exponential of its linearized rate.  If stalled blades amplify the harmonic, the
+        // step omits the part of the blades in the slope.
+        const auto gains = harmonic_response(rotor.inflow_shape, s.mean, radius), response = solver_->faded(gains, 1.0 - ring);
+        const auto& l = s.blade_loads;
+        const auto wanted = response.harmonics({l.thrust, l.roll_moment, -l.pitch_moment}, thrust_without);
+        const double target[3] = {wanted.mean, wanted.lateral, wanted.longitudinal};
+        const double mass = 8.0 / 3.0 * std::pow(radius, 3), inertia = 16.0 / 45.0 * std::pow(radius, 4);
+        const double lag[3] = {mass * gains.mean_by_thrust, inertia * gains.by_roll, inertia * gains.by_rear};  // [s]
+        const double by_itself[3] = {response.mean_by_thrust * by_mean, response.by_roll * by_gradient, response.by_rear * by_gradient};
+        const double least_harmonic = negligible * (at.omega * radius + s.mean.speed());
+        double rate[3], next[3];
+        for (int k = 0; k < 3; ++k) {
+            // In edgewise flight without inflow, v_c has no time constant: it follows the loads immediately.
+            const double per = 1.0 / std::max(lag[k], 1e-6), decay = 1.0 - std::min(by_itself[k], 0.0);
+            const double missing = around ? target[k] - h[k] : 0.0;
+            rate[k] = per * missing;
+            next[k] = h[k] - missing / decay * std::expm1(-per * decay * time);
+            if (std::fabs(next[k]) < least_harmonic) next[k] = 0.0;
+        }
+        if (rates) heading.in_rotor_frame(rate, rates);
+        if (later) heading.in_rotor_frame(next, later);
         return s;
     }
 
   private:
-    void move_harmonics(const Solution& s, double thrust_without, double time, double (&rate)[3], double (&change)[3]) const {
-        const auto& rotor = solver_->rotor();
-        const double radius = rotor.tip(), mass = 8.0 / 3.0 * std::pow(radius, 3), inertia = 16.0 / 45.0 * std::pow(radius, 4);
-        const auto gains = harmonic_response(rotor.inflow_shape, s.mean, radius);
-        const double h[3] = {s.harmonics.mean, s.harmonics.lateral, s.harmonics.longitudinal};
-        // In edgewise flight without inflow, v_c has no time constant: it follows the loads immediately.
-        const double per[3] = {1.0 / (mass * gains.mean_by_thrust), 1.0 / (inertia * gains.by_roll),
-                               1.0 / std::max(inertia * gains.by_rear, 1e-6)};
-        const auto response = solver_->faded(gains, 1.0 - s.result.ring);
-        const auto& l = s.blade_loads;
-        const auto wanted = response.harmonics({l.thrust, l.roll_moment, -l.pitch_moment}, thrust_without);
-        const double target[3] = {wanted.mean, wanted.lateral, wanted.longitudinal};
-        // Each harmonic steps by the exponential of its linearized rate.  If stalled blades amplify the harmonic, the
-        // step omits the part of the blades in the slope.
-        const double by_itself[3] = {response.mean_by_thrust * s.by[0].thrust, response.by_roll * s.by[1].roll_moment,
-                                     response.by_thrust * s.by[2].thrust - response.by_rear * s.by[2].pitch_moment};
-        for (int k = 0; k < 3; ++k) {
-            const double decay = 1.0 - std::min(by_itself[k], 0.0);
-            rate[k] = per[k] * (target[k] - h[k]);
-            change[k] = (target[k] - h[k]) / decay * -std::expm1(-per[k] * decay * time);
-        }
-    }
-
     const RotorSolver<LawOf>* solver_;
     int nodes_;
 };

@@ -252,7 +252,7 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
     for (std::size_t row = 0; row < rows; ++row) {
         const std::size_t k = std::upper_bound(t.knots.begin(), t.knots.end(), attached) - t.knots.begin() - 1;
         const double* l = &lift[row * knots + k];
-        t.attached_slope += (l[0] + (attached - t.knots[k]) / (t.knots[k + 1] - t.knots[k]) * (l[1] - l[0])) / attached / rows;
+        t.attached_slope += (l[0] + (attached - t.knots[k]) / (t.knots[k + 1] - t.knots[k]) * (l[1] - l[0])) / attached / double(rows);
     }
     return t;
 }

@@ -87,15 +87,17 @@ struct Mount {
 };
 
 // Force of the air on a vehicle, and moment about its center of mass, at its `velocity` through the air [m/s] and its
-// angular velocity `rates` [rad/s].  `loads(k, flow)` returns the loads of rotor k.
+// angular velocity `rates` [rad/s].  `loads(k, flow)` returns the loads of rotor k.  Without in-plane flow, it may set
+// `flow.ahead`, along which these loads act.
 template <class LoadsOf>
 Wrench vehicle_wrench(const std::vector<Mount>& mounts, const Airframe& frame, const Vector3& velocity, const Vector3& rates,
                       LoadsOf loads) {
     Wrench all{add(frame.body_force(velocity), 1.0, frame.wing_force(velocity)), {}};
     for (std::size_t k = 0; k < mounts.size(); ++k) {
         const Mount& m = mounts[k];
-        const HubFlow flow = hub_flow(m.axis, add(velocity, 1.0, cross(rates, m.position)));
-        const Wrench one = hub_wrench(m.axis, m.spin, flow.ahead, loads(k, flow));
+        HubFlow flow = hub_flow(m.axis, add(velocity, 1.0, cross(rates, m.position)));
+        const Loads<double> of = loads(k, flow);
+        const Wrench one = hub_wrench(m.axis, m.spin, flow.ahead, of);
         all.force = add(all.force, 1.0, one.force);
         all.moment = add(add(all.moment, 1.0, one.moment), 1.0, cross(m.position, one.force));
     }

@@ -312,8 +312,8 @@ class LoadTable:
 
     def _points(self, omega: Floats, speed: Floats, beta: Floats, clamp: bool) -> TableLoads:
         points = (np.ascontiguousarray(each.ravel()) for each in (omega, speed, beta))
-        rows, code = self._core.loads(*points, clamp)
-        return TableLoads(*(row.reshape(omega.shape) for row in (*rows, code)))
+        *rows, code = self._core.loads(*points, clamp)
+        return TableLoads(*(row.reshape(omega.shape) for row in (*rows, code.astype(np.uint8))))
 
     def _inside(self, omega: Floats, speed: Floats, beta: Floats) -> Floats:
         """Return omega, speed and beta in 0...pi (3, ...): points outside the envelope by rounding

@@ -13,7 +13,7 @@ from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.envelope import Envelope
 from propmap.model.model import Model
-from propmap.operating_points import broadcast, rates_of
+from propmap.operating_points import broadcast, numbers
 from propmap.results import STATUSES
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -131,7 +131,11 @@ class VehicleForces:
         k = len(self._rotors)
         vectors = {"velocity": velocity, "rates": rates, "wind": wind}
         can_reverse = self._rotors.wakes is None and self._can_reverse
-        given = {"omega": broadcast(omega=omega)[0] if can_reverse else rates_of("omega", omega)}
+        given = {
+            "omega": broadcast(omega=omega)[0]
+            if can_reverse
+            else numbers("omega", omega, negative=False)
+        }
         given |= {name: broadcast(**{name: vector})[0] for name, vector in vectors.items()}
         for name, array in given.items():
             count, what = (3, "x, y, z") if name in vectors else (k, f"the {k} rotor speeds")

@@ -41,7 +41,7 @@ upwash equals the inflow of the source rotor: the largest velocity outside a cyl
 at its surface."""
 
 SLOW = 0.5  # in-plane velocity [m/s] above which the gains ahead and beside differ clearly
-STEPS = 40  # steps of Newton's method, which converges monotonically from above
+STEPS = 40  # most steps of Newton's method, which converges monotonically from above
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,9 @@ def glauert_inflow(
         through = axial + v
         speed = np.sqrt(inplane**2 + through**2 + 1e-12)
         slope = speed + v * through / speed
-        v = np.maximum(v - (v * speed - square) / np.maximum(slope, 1e-6), 0.0)
+        before, v = v, np.maximum(v - (v * speed - square) / np.maximum(slope, 1e-6), 0.0)
+        if (abs(before - v) <= 1e-14 * v).all():
+            break
     through = axial + v
     speed = np.sqrt(inplane**2 + through**2 + 1e-12)
     slope = 1.0 / (2.0 * disk * np.maximum(speed + v * through / speed, 1e-6))
@@ -112,7 +114,7 @@ def added_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) ->
     """
     inflow, _ = _inflow(vehicle, flow, thrust)
     seen, _ = _seen(vehicle, wakes, flow, inflow)
-    along = _along(vehicle, flow.velocity)
+    along = _along(vehicle, flow)
     upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
     rising, _ = _rising(seen)
     gained = downwash_gains(vehicle, wakes) * (seen - rising) + _limited(upwash * rising)[0]
@@ -137,7 +139,7 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
     inflow, by_thrust = _inflow(vehicle, flow, thrust)
     seen, by_share = _seen(vehicle, wakes, flow, inflow, slope=True)
     rising, slope = _rising(seen)
-    along = _along(vehicle, flow.velocity)
+    along = _along(vehicle, flow)
     upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
     lifted, share = _limited(upwash * rising)
     down = downwash_gains(vehicle, wakes)
@@ -177,20 +179,25 @@ def _limited(upwash: Floats) -> tuple[Floats, Floats]:
     return LARGEST_UPWASH * relative, 1.0 - relative**2
 
 
-def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
+def _along(vehicle: Vehicle, flow: HubFlow) -> Floats:
     """Return the weight of the gain ahead (n, target, source) [-]: 1 in flight direction, 0 beside.
 
     The weight is the squared cosine between the source's in-plane velocity and the direction to the
     target in the source's disk plane.  It tends to 0 at velocities below ``SLOW``, since ahead and
     beside are undefined at rest.
     """
-    position, axis = vehicle.hub_positions, vehicle.rotor_axes
+    aligned = np.einsum("nsk,tsk->nts", flow.velocity, _directions(vehicle.mounts)) ** 2
+    return aligned / (flow.inplane**2 + SLOW**2)[:, None, :]
+
+
+@functools.lru_cache(maxsize=64)
+def _directions(mounts: tuple[Mount, ...]) -> Floats:
+    """Return unit vectors (target, source, 3) from source to target in the source's disk plane."""
+    position, axis = (np.array([getattr(m, of) for m in mounts]) for of in ("position", "axis"))
     offset = position[:, None] - position[None]
     offset = offset - np.sum(offset * axis, axis=-1, keepdims=True) * axis
     length = np.linalg.norm(offset, axis=-1)
-    unit = offset / np.where(length > 1e-9, length, 1.0)[..., None]
-    speed2 = np.sum(np.square(np.cross(velocity, axis)), axis=-1)
-    return np.einsum("nsk,tsk->nts", velocity, unit) ** 2 / (speed2 + SLOW**2)[:, None, :]
+    return offset / np.where(length > 1e-9, length, 1.0)[..., None]
 
 
 def _seen(
