@@ -4,8 +4,9 @@ Usage: python -m tools.flight_bands FOLDER
 
 FOLDER contains the flights of two vehicles, one CSV file each: neuralfly_CONTROLLER_WIND.csv
 (O'Connell et al., Neural-Fly, Science Robotics 2022) and the two neurobem_*.csv (Bauersfeld et al.,
-NeuroBEM, RSS 2021).  Each flight is predicted by a fit of the other flights of the vehicle, and the
-flights in the fastest wind also by a fit of the flights in slower wind.  The tool varies the
+NeuroBEM, RSS 2021).  Each NeuroBEM flight, and each Neural-Fly flight in the fastest wind, is
+predicted by a fit of the other flights of the vehicle.  The flights in the fastest wind are also
+predicted by a fit of the flights in slower wind.  The tool varies the
 deviations of the trim [rad] and of the drag between flights, see ``propmap.fit.comparison``.  The
 interval score is that of ``tools.coverage``, over the weight, as a mean over flights.
 """
@@ -46,10 +47,10 @@ def splits(folder: Path) -> Iterator[tuple[str, list[Path], list[Path]]]:
     """Yield a vehicle file, the flights to fit, and the flights to predict."""
     first = [folder / f"neurobem_{name}.csv" for name in (SLOW, FAST)]
     second = [folder / f"neuralfly_{one}_{wind}.csv" for wind in SPEEDS for one in CONTROLLERS]
-    for vehicle, every in ((NEUROBEM, first), (NEURALFLY, second)):
-        for one in every:
-            yield vehicle, [path for path in every if path is not one], [one]
-    yield NEURALFLY, second[:-2], second[-2:]
+    slow, fast = second[:-2], second[-2:]
+    yield from ((NEUROBEM, first[:k] + first[k + 1 :], [one]) for k, one in enumerate(first))
+    yield from ((NEURALFLY, [*slow, fast[1 - k]], [one]) for k, one in enumerate(fast))
+    yield NEURALFLY, slow, fast
 
 
 def held_out(vehicle: str, fit: Path, path: Path, name: str) -> HeldOut:

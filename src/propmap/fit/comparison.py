@@ -283,17 +283,6 @@ def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list
     return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(flight.AXES)]
 
 
-def compare_flight(
-    vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
-) -> dict[str, SpeedErrors]:
-    """Return the errors of the modeled forces and moments on a vehicle, by name with unit.
-
-    ``flight_forces`` models them, with the same ``vehicle``, ``log``, ``law`` and ``values``.  The
-    measured values follow from ``log``.
-    """
-    return compare_forces(vehicle, log, flight_forces(vehicle, log, law, values))
-
-
 def compare_level(
     vehicle: Vehicle,
     log: FlightLog,
