@@ -13,7 +13,8 @@ measurements of one propeller are replaced by their median.  The medians over th
 shift of ``propmap.catalogue.expected``.  The standard deviation of each kind minimizes the mean
 interval score of the 95 % bands (Gneiting, Raftery, J. Am. Stat. Assoc. 102, 2007).  It is then
 widened by the t distribution, and includes differences between stands.  The bands of diameters
-outside those on stands widen with the slope of the errors over log(diameter).
+outside those on stands widen with the slope of the errors over log(diameter).  Below, the slope
+follows from a smaller propeller, see ``TINY``.
 
 Each propeller is then predicted without its own measurements.  The tool prints, by kind, the median
 error of thrust and torque, half the width of the 95 % bands, and the share of propellers inside.
@@ -21,7 +22,6 @@ error of thrust and torque, half the width of the 95 % bands, and the share of p
 
 from __future__ import annotations
 
-import csv
 import json
 import sys
 from collections.abc import Sequence
@@ -36,6 +36,7 @@ from propmap.catalogue.expected import (
     CARBON,
     LARGE,
     STAND_DEVIATIONS,
+    STAND_SIZES,
     airfoil_at,
     bundled_mean,
     expected_prior,
@@ -48,6 +49,7 @@ from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import INCH, RPM
 from tools.catalogue.left_out import BAND
+from tools.coverage import rows_of
 
 DENSITY = 1.20  # [kg/m^3], where none was recorded
 SLOW = 0.35  # smallest rotor speed, as a fraction of the highest
@@ -58,6 +60,10 @@ and magnitude of the median.  Beyond them, the rotor speeds are wrong and the ro
 
 DOUBTFUL = ("SUSPECT", "UNVERIFIED", "EXCLUDE")
 IN_DATABASE = ("apc", "graupner", "aeronaut")  # manufacturers of series of the UIUC database
+
+
+TINY = ("Crazyflie 2 propeller 46 mm", 0.047 / INCH, 0.017 / INCH)
+"""Name in the file, and the size [in] in the designation 47x17 mm.  The file has no pitch."""
 
 
 class Measured(NamedTuple):
@@ -76,9 +82,8 @@ class Measured(NamedTuple):
 
 def read_stands(path: Path) -> list[Measured]:
     """Read the propellers of the file, each with the median over its measurements."""
-    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] != "#"]
     groups: dict[tuple[str, ...], list[dict[str, str]]] = {}
-    for row in csv.DictReader(lines):
+    for row in rows_of(path):
         doubtful = any(word in row["note"] for word in DOUBTFUL)
         if row["pitch_in"] and not doubtful and row["maker"].lower() not in IN_DATABASE:
             tester = row["note"].rpartition("tester ")[2] if "tester " in row["note"] else ""
@@ -188,6 +193,20 @@ def size_trend(every: Sequence[Measured]) -> float:
     return float(np.sqrt(np.mean(squares)))
 
 
+def tiny_trend(path: Path, found: Shift) -> float:
+    """Return the slope over log(diameter) below the diameters of two-blade propellers.
+
+    With this slope, the error of the thrust of ``TINY`` equals its standard deviation.
+    """
+    name, diameter, pitch = TINY
+    size = {"diameter_in": str(diameter), "pitch_in": str(pitch)}
+    one = _measured([row | size for row in rows_of(path) if row["name"] == name])
+    assert one is not None
+    error, deviation = one.errors[0] - found.mean[0], found.deviations["two blades"][0]
+    beyond = np.log(STAND_SIZES["two blades"][0] / diameter)
+    return float(np.sqrt(error**2 - deviation**2) / beyond)
+
+
 def main(path: Path) -> None:
     """Print the held-out errors, then the numbers of propmap.catalogue.expected."""
     every = read_stands(path)
@@ -214,6 +233,7 @@ def main(path: Path) -> None:
     print(f"STAND_CORRELATION = {found.correlation:.2f}")
     print(f"STAND_SIZES = {json.dumps(diameters(every))}")
     print(f"SIZE_TREND = {size_trend(every):.2f}")
+    print(f"TINY_TREND = {tiny_trend(path, found):.2f}")
 
 
 if __name__ == "__main__":

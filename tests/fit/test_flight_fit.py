@@ -11,7 +11,7 @@ import pytest
 import propmap
 from propmap.cli.fit_flight import flight_priors, free_by_default, with_flight_priors
 from propmap.errors import InputError
-from propmap.fit.comparison import compare_flight
+from propmap.fit.comparison import compare_forces, flight_forces
 from propmap.fit.fit import range_warnings
 from propmap.fit.flight import ForceModel, balance_rows, body_force, level_rows, wing_values
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
@@ -185,7 +185,8 @@ def test_balance_rows_are_three_per_sample(moving: ForceModel) -> None:
 
 def test_the_comparison_sees_what_the_rows_see(moving: ForceModel) -> None:
     more = {"drag_area_x": 0.02, "wake_ahead": 1.8}
-    found = compare_flight(moving.vehicle, moving.log, LAW, more)
+    forces = flight_forces(moving.vehicle, moving.log, LAW, more)
+    found = compare_forces(moving.vehicle, moving.log, forces)
     assert tuple(found) == ("force_x_N", "force_y_N", "force_z_N")
     off = moving.at(VALUES | more, TWO.free).force - moving.log.specific_force * moving.vehicle.mass
     for k, name in enumerate(found):
@@ -203,7 +204,7 @@ def test_refusals() -> None:
     with pytest.raises(InputError, match=r"some samples have no specific force .* --method level"):
         balance_rows(model(unmeasured), TWO)
     with pytest.raises(InputError, match="no specific force to compare with"):
-        compare_flight(vehicle(), unmeasured, LAW, {})
+        compare_forces(vehicle(), unmeasured, flight_forces(vehicle(), unmeasured, LAW, {}))
     # A table of operating points has none, and needs none.
     assert level_rows(model(unmeasured), TWO).measured.size == 2
     for rows in (level_rows, balance_rows):

@@ -10,6 +10,7 @@ import pytest
 import propmap
 from propmap.fit.comparison import (
     BAND,
+    DRAG_DEVIATION,
     PER_FLIGHT_DEVIATION,
     FlightForces,
     compare_forces,
@@ -61,6 +62,8 @@ def test_a_band_is_made_of_all_that_is_not_known() -> None:
         if name != "clock_offset":
             moved = forces(LAW, **{name: values[name] + h})
             squares = squares + (deviation * (moved - here) / h) ** 2
+    # The rotors pull along z, so drag acts along x and y.
+    squares = squares + np.square(DRAG_DEVIATION * here * [1.0, 1.0, 0.0])
     squares = squares + (CLOCK_DEVIATION * VEHICLE.mass * LOG.specific_force_rate) ** 2
     # Measured forces of the made-up fit have a root mean square of 1 along each axis.
     growth = np.maximum(np.sum(here**2, axis=1, keepdims=True) / 3.0, 1.0)

@@ -40,8 +40,9 @@ LAG, GAIN, STEEPEST = 0.06, 1.5, 0.9
 MODEL_ERROR, CORRELATED = 0.02, 0.4
 """Error of the force along each axis, as a share of the weight, and its correlation time [s]."""
 
-TRIM, SCALE = 0.03, 0.02
-"""Standard deviations over flights of the accelerometer's tilts [rad] and of the thrust scale."""
+TRIM, SCALE, DRAG = 0.01, 0.02, 0.10
+"""Standard deviations over flights of the accelerometer's tilts [rad], of the thrust scale, and of
+a factor on the force along x and y."""
 
 PATHS = {"hover": (0.0, 0.0, 0.3), "cruise": (7.0, 0.1, 0.3), "aggressive": (5.0, 1.3, 0.6)}
 """Speed [m/s] and frequency [rad/s] of the path, and rate of the heading [rad/s]."""
@@ -128,7 +129,7 @@ def flights(
 ) -> list[Windy]:
     """Fly a path of ``PATHS`` in mean winds (m, 3) [m/s], east, north, up, with gusts.
 
-    Flights that are ``differing`` have their own trim and thrust scale.
+    Flights that are ``differing`` have their own trim, thrust scale and drag.
     """
     rng = np.random.default_rng(seed)
     count, steps = len(wind), round(seconds / STEP)
@@ -137,9 +138,10 @@ def flights(
     rotor = Rotor(Model(VEHICLE.propeller, LAW, VEHICLE.air))
     per_square = 4.0 * HoverModel.from_rotor(rotor).k_thrust
     # Draws of exactly this standard deviation: with few flights, coverage would vary by chance.
-    drawn = rng.standard_normal((count, 3))
+    drawn = rng.standard_normal((count, 4))
     drawn *= differing / np.sqrt(np.mean(drawn**2, axis=0))
-    scale, tilt = 1.0 + SCALE * drawn[:, :1], TRIM * drawn[:, 1:]
+    scale, tilt = 1.0 + SCALE * drawn[:, :1], TRIM * drawn[:, 1:3]
+    scale = scale * (1.0 + DRAG * drawn[:, 3:] * [1.0, 1.0, 0.0])
     speed, frequency, yawing = PATHS[path]
     velocity, error = np.zeros((count, 3)), np.zeros((count, 3))
     push = np.tile([0.0, 0.0, GRAVITY], (count, 1))  # lagged command of the specific force

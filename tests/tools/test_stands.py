@@ -59,6 +59,16 @@ def test_the_numbers_are_those_that_the_tool_prints(capsys: pytest.CaptureFixtur
         assert printed["STAND_DEVIATIONS"][kind] == pytest.approx(deviations, abs=1e-3)
         assert tuple(printed["STAND_SIZES"][kind]) == expected.STAND_SIZES[kind]
     assert printed["SIZE_TREND"] == expected.SIZE_TREND
+    assert printed["TINY_TREND"] == expected.TINY_TREND
+
+
+def test_the_band_of_a_tiny_propeller_contains_the_measured_thrust() -> None:
+    """A Crazyflie rotor has 0.070 N at 17,174 rpm (Bitcraze, four rotors on a scale)."""
+    for text, blades in (("47x17mm", None), ("47x17mm", 2)):
+        loads = pm.Rotor(pm.catalogue_model(text, blades)).loads(17_174.0 * pm.units.RPM, 0.0, 0.0)
+        low, high = loads.interval(0.95)
+        assert low.thrust < 0.070 < high.thrust
+        assert "4 to 40 in were measured" in meant_by(text, blades).summary
 
 
 @needs_data

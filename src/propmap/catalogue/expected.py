@@ -68,7 +68,8 @@ class ExpectedBlade:
         "carbon"."""
         if not self.families and self.wanted.maker in CARBON and self.wanted.diameter >= LARGE:
             return "carbon"
-        if not self.families and (self.wanted.maker or self.wanted.blades):
+        tiny = self.wanted.diameter < SMALLEST
+        if not self.families and (self.wanted.maker or self.wanted.blades or tiny):
             return "multirotor"
         return "family" if self.shape.families == self.families[:1] else "population"
 
@@ -171,7 +172,7 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 # held_out.toml explains the numbers, which ``python -m tools.stands`` computes.
 
 _STANDS = _HELD_OUT["stands"]
-STANDS, SIZE_TREND = _STANDS["propellers"], _STANDS["size_trend"]
+STANDS, SIZE_TREND, TINY_TREND = (_STANDS[k] for k in ("propellers", "size_trend", "tiny_trend"))
 STAND_SHIFT, STAND_CORRELATION = np.array(_STANDS["shift"]), _STANDS["correlation"]
 STAND_DEVIATIONS, STAND_ERRORS, STAND_SIZES = (
     {kind: tuple(row[key]) for kind, row in _STANDS["kinds"].items()}
@@ -182,6 +183,7 @@ STAND_TIP_SPEED = 100.0  # tip speed [m/s] at which the static loads get this di
 MULTIROTOR = ("multirotor", "carbon")  # values of ``geometry`` with a prior from stands
 
 LARGE = 0.2921  # smallest diameter [m] of a large propeller, 11.5 in
+SMALLEST = 0.0569  # smallest diameter [m] in the UIUC database, 2.24 in
 
 CARBON = tuple(maker.name for maker in MAKERS if maker.carbon)
 """Manufacturers whose ``LARGE`` propellers have similar loads."""
@@ -227,8 +229,9 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
         gain = prior.covariance @ slopes.T @ np.linalg.inv(before)
         place = prior.mean + gain @ (target - loads + slopes @ (place - prior.mean))
     low, high = np.array(STAND_SIZES[kind]) * INCH
-    beyond = np.log(max(low / size[0], size[0] / high, 1.0))
-    deviation = np.hypot(STAND_DEVIATIONS[kind], SIZE_TREND * beyond)
+    trend = SIZE_TREND if size[0] > low or kind == "carbon" else TINY_TREND
+    beyond = trend * np.log(max(low / size[0], size[0] / high, 1.0))
+    deviation = np.hypot(STAND_DEVIATIONS[kind], beyond)
     wanted = np.outer(deviation, deviation) * [[1.0, STAND_CORRELATION], [STAND_CORRELATION, 1.0]]
     wanted -= TUNNEL_GAIN**2 * np.eye(2)
     if doubt > 0.0:

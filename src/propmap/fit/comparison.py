@@ -140,13 +140,13 @@ def flight_forces(
 PER_FLIGHT_DEVIATION = {
     "thrust_scale": flight.OVER_FLIGHTS,
     flight.CLOCK: flight.CLOCK_DEVIATION,
-    **dict.fromkeys(flight.TILT, 0.03),  # [rad], trim of attitudes, and errors of marker frames
+    **dict.fromkeys(flight.TILT, 0.01),  # [rad], trim of attitudes, and errors of marker frames
 }
+DRAG_DEVIATION = 0.10  # of a factor on the force across the mean rotor axis: drag and airspeed
 """Prior standard deviations of parameters that differ from flight to flight.
 
-The mean tilts of one vehicle flown with two controllers differ by 0.01, 0.005 and 0.06 rad in wind
-of 0, 4.2 and 8.5 m/s (Neural-Fly, ``tools.throttle_flights``).  This corresponds to 0.025 rad per
-flight.  The value is rounded up because three pairs are few."""
+Tilts and factor minimize the interval score over held-out flights of two vehicles
+(``tools.flight_bands``)."""
 
 BAND = 1.96  # half width of a 95 % band, in standard deviations
 
@@ -158,7 +158,7 @@ class ForceErrors(NamedTuple):
     """
 
     loads: Floats  # (n, 6)
-    slopes: Floats  # derivatives with respect to the parameters, (P, n, 6)
+    slopes: Floats  # derivatives with respect to the parameters, the last a drag factor, (P, n, 6)
     covariance: Floats  # of the parameters, with their differences between flights, (P, P)
     left: Floats  # standard deviations of all other errors, (n, 6); NaN for loads not fitted
     excluded: tuple[str, ...]  # free parameters that the data of the fit do not determine
@@ -209,8 +209,12 @@ def force_errors(
     names = (*known.names, *PER_FLIGHT_DEVIATION)
     free = tuple(dict.fromkeys(names))
     loads, by_free = fitted_forces(file, vehicle, log, values, free)
-    slopes = by_free[[free.index(name) for name in names]]
-    covariance = np.diag(np.square([0.0] * len(known.names) + [*PER_FLIGHT_DEVIATION.values()]))
+    axis = vehicle.rotor_axes.sum(axis=0)
+    axis /= max(float(np.linalg.norm(axis)), 1e-9)
+    across = np.pad(loads[:, :3] - np.outer(loads[:, :3] @ axis, axis), ((0, 0), (0, 3)))
+    slopes = np.stack([*(by_free[free.index(name)] for name in names), across])
+    spread = [*PER_FLIGHT_DEVIATION.values(), DRAG_DEVIATION]
+    covariance = np.diag(np.square([0.0] * len(known.names) + spread))
     covariance[: len(known.names), : len(known.names)] = known.matrix
     beyond = file.beyond(hub_flow(vehicle, log)[:3], vehicle.propeller.radius)
     fitted = {one.name: one for one in record.loads}
@@ -277,17 +281,6 @@ def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list
     off = forces.model[:, :3] - vehicle.mass * log.specific_force
     block = log.segments(flight.CORRELATED)
     return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(flight.AXES)]
-
-
-def compare_flight(
-    vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
-) -> dict[str, SpeedErrors]:
-    """Return the errors of the modeled forces and moments on a vehicle, by name with unit.
-
-    ``flight_forces`` models them, with the same ``vehicle``, ``log``, ``law`` and ``values``.  The
-    measured values follow from ``log``.
-    """
-    return compare_forces(vehicle, log, flight_forces(vehicle, log, law, values))
 
 
 def compare_level(

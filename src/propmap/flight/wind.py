@@ -27,9 +27,7 @@ from propmap.vehicle.log import FlightLog, hub_flow
 from propmap.vehicle.vehicle import Vehicle
 
 COMPONENTS = ("east", "north", "up")
-WELL = 2.0
-"""Largest half width [m/s] of the 95 % bands of well-determined horizontal components.  A trim of
-the attitude by 0.03 rad alone changes the wind of the Neural-Fly quadrotor by 1.5 m/s."""
+WELL = 2.0  # largest half width [m/s] of the 95 % bands of well-determined horizontal components
 
 RATE = 5.0  # largest number of samples per second: errors of adjacent samples are similar
 FIRST = 20.0  # prior standard deviation of the horizontal wind at the start [m/s]
