@@ -13,9 +13,10 @@ from propmap import core
 
 LOADS = """
 import importlib.util, sys
+from pathlib import Path
 import numpy as np
 
-name = sys.argv[2].split(".")[0].rpartition("/")[2]
+name = Path(sys.argv[2]).name.split(".")[0]
 spec = importlib.util.spec_from_file_location(f"propmap.{name}", sys.argv[2])
 module = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(module)
