@@ -32,7 +32,7 @@ from propmap.vehicle.files import read_vehicle
 from tools.catalogue.left_out import BAND, interval_score
 from tools.wind_of_flights import CONTROLLERS, FAST, NEURALFLY, NEUROBEM, SLOW, SPEEDS, fitted
 
-TRIMS, DRAGS = (0.005, 0.01, 0.015, 0.02, 0.03), (0.0, 0.05, 0.10, 0.15)
+TRIMS, DRAGS = (0.005, 0.0075, 0.01, 0.0125, 0.015, 0.03), (0.0, 0.08, 0.10, 0.12, 0.14)
 
 
 class HeldOut(NamedTuple):
