@@ -86,7 +86,7 @@ def main(folder: str) -> None:
             np.nanmean(interval_score(f.error, f.deviations[trim, drag]), axis=0) for f in every
         ]
         x, y, z = np.mean(each, axis=0)
-        print(f"{trim:.3f} {drag:.2f}   {x:.4f} {y:.4f} {z:.4f}   {(x + y) / 2.0:.4f}")
+        print(f"{trim:.4f} {drag:.2f}   {x:.4f} {y:.4f} {z:.4f}   {(x + y) / 2.0:.4f}")
     now = comparison.PER_FLIGHT_DEVIATION[TILT[0]], comparison.DRAG_DEVIATION
     print("share of the samples in the 95 % band along x, y, z")
     for one in every:
