@@ -32,7 +32,7 @@ from propmap.vehicle.files import read_vehicle
 from tools.catalogue.left_out import BAND, interval_score
 from tools.wind_of_flights import CONTROLLERS, FAST, NEURALFLY, NEUROBEM, SLOW, SPEEDS, fitted
 
-TRIMS, DRAGS = (0.005, 0.01, 0.015, 0.02, 0.03), (0.0, 0.05, 0.10, 0.15)
+TRIMS, DRAGS = (0.005, 0.0075, 0.01, 0.0125, 0.015, 0.03), (0.0, 0.08, 0.10, 0.12, 0.14)
 
 
 class HeldOut(NamedTuple):
@@ -86,7 +86,7 @@ def main(folder: str) -> None:
             np.nanmean(interval_score(f.error, f.deviations[trim, drag]), axis=0) for f in every
         ]
         x, y, z = np.mean(each, axis=0)
-        print(f"{trim:.3f} {drag:.2f}   {x:.4f} {y:.4f} {z:.4f}   {(x + y) / 2.0:.4f}")
+        print(f"{trim:.4f} {drag:.2f}   {x:.4f} {y:.4f} {z:.4f}   {(x + y) / 2.0:.4f}")
     now = comparison.PER_FLIGHT_DEVIATION[TILT[0]], comparison.DRAG_DEVIATION
     print("share of the samples in the 95 % band along x, y, z")
     for one in every:

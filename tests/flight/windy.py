@@ -40,7 +40,7 @@ LAG, GAIN, STEEPEST = 0.06, 1.5, 0.9
 MODEL_ERROR, CORRELATED = 0.02, 0.4
 """Error of the force along each axis, as a share of the weight, and its correlation time [s]."""
 
-TRIM, SCALE, DRAG = 0.01, 0.02, 0.10
+TRIM, SCALE, DRAG = 0.01, 0.02, 0.12
 """Standard deviations over flights of the accelerometer's tilts [rad], of the thrust scale, and of
 a factor on the force along x and y."""
 
