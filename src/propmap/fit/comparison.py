@@ -137,17 +137,6 @@ def flight_forces(
     )
 
 
-PER_FLIGHT_DEVIATION = {
-    "thrust_scale": flight.OVER_FLIGHTS,
-    flight.CLOCK: flight.CLOCK_DEVIATION,
-    **dict.fromkeys(flight.TILT, 0.03),  # [rad], trim of attitudes, and errors of marker frames
-}
-"""Prior standard deviations of parameters that differ from flight to flight.
-
-The mean tilts of one vehicle flown with two controllers differ by 0.01, 0.005 and 0.06 rad in wind
-of 0, 4.2 and 8.5 m/s (Neural-Fly, ``tools.throttle_flights``).  This corresponds to 0.025 rad per
-flight.  The value is rounded up because three pairs are few."""
-
 BAND = 1.96  # half width of a 95 % band, in standard deviations
 
 
@@ -206,11 +195,11 @@ def force_errors(
     known = known.of(
         [name for name in known.names if parameters.general(name) not in parameters.PER_FLIGHT]
     )
-    names = (*known.names, *PER_FLIGHT_DEVIATION)
+    names = (*known.names, *parameters.PER_FLIGHT)
     free = tuple(dict.fromkeys(names))
     loads, by_free = fitted_forces(file, vehicle, log, values, free)
     slopes = by_free[[free.index(name) for name in names]]
-    covariance = np.diag(np.square([0.0] * len(known.names) + [*PER_FLIGHT_DEVIATION.values()]))
+    covariance = np.diag(np.square([0.0] * len(known.names) + [*parameters.PER_FLIGHT.values()]))
     covariance[: len(known.names), : len(known.names)] = known.matrix
     beyond = file.beyond(hub_flow(vehicle, log)[:3], vehicle.propeller.radius)
     fitted = {one.name: one for one in record.loads}

@@ -59,7 +59,19 @@ ROTOR_SPEED = "rotor_speed_scale"
 BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
 """Parameters that act only in flight, without the wing: the table ``[fit.body]`` of fit files."""
 
-PER_FLIGHT = ("thrust_scale", "clock_offset")  # one per flight, as in ``thrust_scale[FLIGHT]``
+PER_FLIGHT = {
+    "thrust_scale": 0.02,  # batteries, payloads and temperatures
+    "clock_offset": 0.01,  # [s]; sensor filters delay by some milliseconds
+    # [rad], trim of attitudes, and errors of marker frames
+    "sensor_tilt_x": 0.03,
+    "sensor_tilt_y": 0.03,
+}
+"""Parameters with one value per flight, as in ``thrust_scale[FLIGHT]``, and their prior standard
+deviations over flights.
+
+The mean tilts of one vehicle flown with two controllers differ by 0.01, 0.005 and 0.06 rad in wind
+of 0, 4.2 and 8.5 m/s (Neural-Fly, ``tools.throttle_flights``).  This corresponds to 0.025 rad per
+flight.  The value is rounded up because three pairs are few."""
 
 EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
 _NOT_ALWAYS = FLEX | INSTALLED | WAKES | THROTTLE
