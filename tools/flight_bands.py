@@ -7,7 +7,7 @@ FOLDER contains the flights of two vehicles, one CSV file each: neuralfly_CONTRO
 NeuroBEM, RSS 2021).  Each NeuroBEM flight, and each Neural-Fly flight in the fastest wind, is
 predicted by a fit of the other flights of the vehicle.  The flights in the fastest wind are also
 predicted by a fit of the flights in slower wind.  The tool varies the
-deviations of the trim [rad] and of the drag between flights, see ``propmap.fit.comparison``.  The
+deviations of the trim [rad] and of the drag between flights.  The
 interval score is that of ``tools.coverage``, over the weight, as a mean over flights.
 """
 
@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.cli.fit_flight import read_flights
-from propmap.fit import comparison
+from propmap.fit import comparison, parameters
 from propmap.fit.files import read_fit
 from propmap.fit.flight import TILT
 from propmap.typing import Floats
@@ -87,7 +87,7 @@ def main(folder: str) -> None:
         ]
         x, y, z = np.mean(each, axis=0)
         print(f"{trim:.4f} {drag:.2f}   {x:.4f} {y:.4f} {z:.4f}   {(x + y) / 2.0:.4f}")
-    now = comparison.PER_FLIGHT_DEVIATION[TILT[0]], comparison.DRAG_DEVIATION
+    now = parameters.PER_FLIGHT[TILT[0]], comparison.DRAG_DEVIATION
     print("share of the samples in the 95 % band along x, y, z")
     for one in every:
         inside = np.mean(np.abs(one.error) <= BAND * one.deviations[now], axis=0)

@@ -13,7 +13,7 @@ the weight (Omega R)^2/((Omega R)^2 + V^2), so the loads are continuous at Omega
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,10 +42,10 @@ class Backward(NamedTuple):
 
 def more_twist(model: Model) -> tuple[float, float]:
     """Return the additional twist [rad] of the upside-down blades, with and without camber."""
-    # A section table contains the lift in flow from the trailing edge, so it requires no camber.
-    law: Any = model.airfoil
-    camber = 2.0 * law.zero_lift_angle if isinstance(law, Airfoil) else 0.0
-    return np.pi + camber, np.pi
+    if not isinstance(model.airfoil, Airfoil):
+        # A section table contains the lift in flow from the trailing edge.
+        return np.pi, np.pi
+    return np.pi + 2.0 * model.airfoil.zero_lift_angle, np.pi
 
 
 def solve(rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats) -> Backward:

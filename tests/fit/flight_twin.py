@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import propmap
-from propmap.fit.flight import OVER_FLIGHTS, ForceModel, balance_rows
+from propmap.fit.flight import ForceModel, balance_rows
 from propmap.fit.least_squares import Rows
 from propmap.fit.moments import measured_moment
-from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice, Prior
+from propmap.fit.parameters import FIRST_GUESS, PER_FLIGHT, SECTION, Choice, Prior
 from propmap.model.airfoil import parameter_set
 from propmap.typing import Floats
 from propmap.units import GRAVITY
@@ -68,7 +68,7 @@ BEFOREHAND: dict[str, float] = {
     **dict.fromkeys(("clock_offset[1]", "clock_offset[2]"), 0.01),
     **dict.fromkeys(("wake_ahead", "wake_beside", "wake_downwash"), 1.0),
     "wake_share": 0.5,
-    **dict.fromkeys(SCALES, OVER_FLIGHTS),
+    **dict.fromkeys(SCALES, PER_FLIGHT["thrust_scale"]),
 }
 """Deviation of what is known of each before a fit."""
 
@@ -147,7 +147,7 @@ class Twin:
     def noisy(self, seed: int, size: Noise) -> tuple[Rows, Choice, dict[str, float]]:
         """Rows, what is free with priors that err as much as they say, and the truth."""
         rng = np.random.default_rng(seed)
-        scales = {name: 1.0 + OVER_FLIGHTS * rng.standard_normal() for name in SCALES}
+        scales = {name: 1.0 + PER_FLIGHT["thrust_scale"] * rng.standard_normal() for name in SCALES}
         truth = TRUTH | scales
         means = {
             name: truth[name] + deviation * rng.standard_normal()

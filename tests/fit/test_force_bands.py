@@ -11,14 +11,13 @@ import propmap
 from propmap.fit.comparison import (
     BAND,
     DRAG_DEVIATION,
-    PER_FLIGHT_DEVIATION,
     FlightForces,
     compare_forces,
     force_errors,
 )
 from propmap.fit.files import FitFile
-from propmap.fit.flight import CLOCK_DEVIATION, ForceModel
-from propmap.fit.parameters import FIRST_GUESS, SECTION
+from propmap.fit.flight import ForceModel
+from propmap.fit.parameters import FIRST_GUESS, PER_FLIGHT, SECTION
 from tests.fit.fit_records import load, parameter, record
 from tests.fit.flight_twin import VEHICLE, manoeuvre
 
@@ -58,13 +57,13 @@ def test_a_band_is_made_of_all_that_is_not_known() -> None:
     steeper = LAW.with_parameters(c_l1=LAW.c_l1 + h)
     here = forces(LAW)
     squares = SPREAD**2 * ((forces(steeper) - here) / h) ** 2
-    for name, deviation in PER_FLIGHT_DEVIATION.items():
+    for name, deviation in PER_FLIGHT.items():
         if name != "clock_offset":
             moved = forces(LAW, **{name: values[name] + h})
             squares = squares + (deviation * (moved - here) / h) ** 2
     # The rotors pull along z, so drag acts along x and y.
     squares = squares + np.square(DRAG_DEVIATION * here * [1.0, 1.0, 0.0])
-    squares = squares + (CLOCK_DEVIATION * VEHICLE.mass * LOG.specific_force_rate) ** 2
+    squares = squares + (PER_FLIGHT["clock_offset"] * VEHICLE.mass * LOG.specific_force_rate) ** 2
     # Measured forces of the made-up fit have a root mean square of 1 along each axis.
     growth = np.maximum(np.sum(here**2, axis=1, keepdims=True) / 3.0, 1.0)
     wanted = np.sqrt(squares + growth * np.square(LEFT))

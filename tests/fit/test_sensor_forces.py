@@ -20,6 +20,7 @@ from propmap.fit.flight import (
     of_others,
     sensor_force,
 )
+from propmap.fit.parameters import of_flight
 from propmap.units import GRAVITY
 from propmap.vehicle.log import FlightLog, joined
 from propmap.vehicle.vehicle import Mount, Vehicle
@@ -71,6 +72,13 @@ def test_a_turned_sensor_with_a_bias_reads_the_force_in_its_own_axes() -> None:
     # To first order in the angles.
     np.testing.assert_allclose(found, VEHICLE.mass * wanted, atol=2e-3)
     np.testing.assert_allclose(np.einsum("k,knj->nj", [*angles, *bias], slopes), found, atol=1e-12)
+    # With a trim of its own, one flight of two is turned.
+    both = joined([log, log])
+    own = of_flight(TILT[0], both.flights[1])
+    trimmed, slopes = sensor_force(VEHICLE, both, {own: 0.004}, (own, TILT[0]))
+    turned, _ = sensor_force(VEHICLE, log, {TILT[0]: 0.004}, ())
+    np.testing.assert_allclose(trimmed, np.concatenate([0.0 * turned, turned]))
+    np.testing.assert_allclose(0.004 * slopes, [trimmed, np.concatenate([turned, 0.0 * turned])])
     # They need no time derivatives, as the sensor's place does.
     bare = replace(log, angular_acceleration=np.full_like(log.rates, np.nan))
     np.testing.assert_array_equal(sensor_force(VEHICLE, bare, values, names)[0], found)

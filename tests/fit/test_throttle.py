@@ -14,7 +14,7 @@ from propmap.errors import InputError
 from propmap.fit.files import read_fit
 from propmap.fit.flight import ForceModel
 from propmap.fit.least_squares import Rows
-from propmap.fit.parameters import FIRST_GUESS, THROTTLE, Choice
+from propmap.fit.parameters import FIRST_GUESS, THROTTLE, Choice, general
 from propmap.report.fit_page import notes
 from propmap.vehicle.throttle import CURVE, HOVER_DRIVE, LAG, USUAL, ThrottleCurve, lagged
 from tests.flight.commands import LAG as MOTORS_LAG
@@ -124,9 +124,10 @@ def test_what_is_free_by_default_and_by_a_prior(
 
     monkeypatch.setattr("propmap.cli.fit_flight.fit", fit)
     log, vehicle = str(folder / f"seen_{kind}.csv"), str(folder / f"{kind}.toml")
-    more = ["--prior", "sensor_bias_z=0:0.1", "--fix", "motor_lag=0.03"]
+    more = ["--prior", "sensor_bias_z=0:0.1", "--fix", "motor_lag=0.03", "--fix", "sensor_tilt_y=0"]
     way = ["--method", "balance", "-o", str(folder / "none.toml")]
     assert main(["fit", "flight", log, "--vehicle", vehicle, *more, *way]) == 2
-    driven = {"throttle_speed", "throttle_expo", "sensor_tilt_x", "sensor_tilt_y"}
-    assert "sensor_bias_z" in seen[0] and "motor_lag" not in seen[0]
-    assert driven & {*seen[0]} == (driven if kind == "throttle" else set())
+    driven, free = {"throttle_speed", "throttle_expo"}, {general(name) for name in seen[0]}
+    assert {"sensor_bias_z", "thrust_scale", "sensor_tilt_x"} <= free
+    assert not {"motor_lag", "sensor_tilt_y"} & free
+    assert driven & free == (driven if kind == "throttle" else set())

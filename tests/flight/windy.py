@@ -12,6 +12,8 @@ from pathlib import Path
 import msgspec
 import numpy as np
 from scipy.spatial.transform import Rotation
+from scipy.special import ndtri
+from scipy.stats.qmc import LatinHypercube
 
 import propmap
 from propmap.fit.files import FitFile
@@ -40,6 +42,9 @@ LAG, GAIN, STEEPEST = 0.06, 1.5, 0.9
 MODEL_ERROR, CORRELATED = 0.02, 0.4
 """Error of the force along each axis, as a share of the weight, and its correlation time [s]."""
 
+LEFT = 1.08 * MODEL_ERROR
+"""Error of the low-passed force with the true constants, with noise of the accelerometer."""
+
 TRIM, SCALE, DRAG = 0.01, 0.02, 0.12
 """Standard deviations over flights of the accelerometer's tilts [rad], of the thrust scale, and of
 a factor on the force along x and y."""
@@ -48,11 +53,8 @@ PATHS = {"hover": (0.0, 0.0, 0.3), "cruise": (7.0, 0.1, 0.3), "aggressive": (5.0
 """Speed [m/s] and frequency [rad/s] of the path, and rate of the heading [rad/s]."""
 
 
-FREE = ("c_l1", "c_d", "zero_lift_angle", "c_d0", "drag_factor", "mount_area")
-SCALES = tuple(f"thrust_scale[{path}]" for path in PATHS)
-QUICK = ("--free", ",".join((*FREE, *SCALES)), "--starts", "1", "--samples", "300")
-"""Options of fits to one flight on each path; the wakes do not act on other rotors."""
-
+QUICK = ("--method", "balance", "--starts", "1", "--samples", "300")
+"""Options of fits to one flight on each path."""
 
 CUTOFF = 6.0
 """Low-pass of the flights [Hz]."""
@@ -61,9 +63,8 @@ CUTOFF = 6.0
 def fit_of(law: propmap.Airfoil = LAW, **changed: object) -> FitFile:
     """A fit with the true constants, whose error is that of the simulation."""
     weight = VEHICLE.mass * GRAVITY
-    left = MODEL_ERROR * weight
-    one = load("force_x", left, weight, left)
-    one = msgspec.structs.replace(one, relative_rms=MODEL_ERROR)
+    one = load("force_x", LEFT * weight, weight, LEFT * weight)
+    one = msgspec.structs.replace(one, relative_rms=LEFT)
     entries = {
         "kind": "flight",
         "parameters": [
@@ -137,9 +138,8 @@ def flights(
     forces = propmap.VehicleForces(VEHICLE, Rotor(Model(VEHICLE.propeller, LAW, VEHICLE.air)))
     rotor = Rotor(Model(VEHICLE.propeller, LAW, VEHICLE.air))
     per_square = 4.0 * HoverModel.from_rotor(rotor).k_thrust
-    # Draws of exactly this standard deviation: with few flights, coverage would vary by chance.
-    drawn = rng.standard_normal((count, 4))
-    drawn *= differing / np.sqrt(np.mean(drawn**2, axis=0))
+    # One draw in each of ``count`` intervals of equal probability: coverage varies less by chance.
+    drawn = differing * ndtri(LatinHypercube(4, rng=rng).random(count))
     scale, tilt = 1.0 + SCALE * drawn[:, :1], TRIM * drawn[:, 1:3]
     scale = scale * (1.0 + DRAG * drawn[:, 3:] * [1.0, 1.0, 0.0])
     speed, frequency, yawing = PATHS[path]

@@ -248,7 +248,9 @@ def _readings(maker: Maker, found: re.Match[str]) -> tuple[list[Reading], str | 
         if (k == 1.0 or diameter % 10.0)
         and (j == 1.0 or pitch % 10.0 or (k > 1.0 and pitch < 100.0))
     ]
-    metric = PRIOR["no_unit"] + (PRIOR["unusual"] if maker.name else 0.0)
+    metric = PRIOR["no_unit"]
+    if maker.name:
+        metric += PRIOR["unusual"]
     return [*sizes, Reading(diameter, pitch, "mm", metric)], blades
 
 

@@ -137,16 +137,9 @@ def flight_forces(
     )
 
 
-PER_FLIGHT_DEVIATION = {
-    "thrust_scale": flight.OVER_FLIGHTS,
-    flight.CLOCK: flight.CLOCK_DEVIATION,
-    **dict.fromkeys(flight.TILT, 0.01),  # [rad], trim of attitudes, and errors of marker frames
-}
-DRAG_DEVIATION = 0.12  # of a factor on the force across the mean rotor axis: drag and airspeed
-"""Prior standard deviations of parameters that differ from flight to flight.
-
-The interval score of tilts and factor over held-out flights of two vehicles is within 1 % of the
-smallest (``tools.flight_bands``)."""
+DRAG_DEVIATION = 0.12
+"""Standard deviation over flights of a factor on the force across the mean rotor axis, as drag and
+airspeed differ.  Its choice is that of the tilts in ``parameters.PER_FLIGHT``."""
 
 BAND = 1.96  # half width of a 95 % band, in standard deviations
 
@@ -206,14 +199,14 @@ def force_errors(
     known = known.of(
         [name for name in known.names if parameters.general(name) not in parameters.PER_FLIGHT]
     )
-    names = (*known.names, *PER_FLIGHT_DEVIATION)
+    names = (*known.names, *parameters.PER_FLIGHT)
     free = tuple(dict.fromkeys(names))
     loads, by_free = fitted_forces(file, vehicle, log, values, free)
     axis = vehicle.rotor_axes.sum(axis=0)
     axis /= max(float(np.linalg.norm(axis)), 1e-9)
     across = np.pad(loads[:, :3] - np.outer(loads[:, :3] @ axis, axis), ((0, 0), (0, 3)))
     slopes = np.stack([*(by_free[free.index(name)] for name in names), across])
-    spread = [*PER_FLIGHT_DEVIATION.values(), DRAG_DEVIATION]
+    spread = [*parameters.PER_FLIGHT.values(), DRAG_DEVIATION]
     covariance = np.diag(np.square([0.0] * len(known.names) + spread))
     covariance[: len(known.names), : len(known.names)] = known.matrix
     beyond = file.beyond(hub_flow(vehicle, log)[:3], vehicle.propeller.radius)

@@ -474,7 +474,6 @@ def _force(vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]) -> Flo
 
 OFFSET = ("sensor_x", "sensor_y", "sensor_z")
 CLOCK = "clock_offset"
-CLOCK_DEVIATION = 0.01  # prior standard deviation [s]; sensor filters delay by some milliseconds
 TILT = ("sensor_tilt_x", "sensor_tilt_y")
 BIAS = ("sensor_bias_x", "sensor_bias_y", "sensor_bias_z")
 
@@ -492,13 +491,15 @@ def sensor_force(
     own = np.array([values.get(name, 0.0) for name in OFFSET])
     place, late = own + vehicle.sensor, at_samples(CLOCK, values, log)
     force, slopes = np.zeros((len(log), 3)), np.zeros((len(free), len(log), 3))
-    for name, axis in (*zip(TILT, np.eye(3), strict=False), *zip(BIAS, np.eye(3), strict=True)):
-        if name not in free and not values.get(name):
+    for name, axis in zip((*TILT, *BIAS), np.eye(3)[[0, 1, 0, 1, 2]], strict=True):
+        each = at_samples(name, values, log)[:, None]
+        mine = [row for row, one in enumerate(free) if general(one) == name]
+        if not mine and not each.any():
             continue  # steady operating points have no specific force
-        turned = -np.cross(axis, log.specific_force) if name in TILT else axis
-        force += vehicle.mass * values.get(name, 0.0) * turned
-        if name in free:
-            slopes[free.index(name)] = vehicle.mass * turned
+        by_name = vehicle.mass * (-np.cross(axis, log.specific_force) if name in TILT else axis)
+        force += each * by_name
+        for row in mine:
+            slopes[row] = by_name * samples_of(free[row], values, log)[:, None]
     fitted = own.any() or late.any() or any(general(name) in (*OFFSET, CLOCK) for name in free)
     points = not np.isfinite(log.angular_acceleration).any()
     if not fitted and (points or not place.any()):
@@ -556,10 +557,9 @@ LEAST_HOVER = 0.5
 
 NAME = "thrust_scale"
 
-OVER_FLIGHTS, IN_HOVER = 0.02, 0.01
-"""Prior standard deviations of the scale, for flights without and with hover.  The first is the
-effect of batteries, payloads and temperatures.  The second is the difference between half seconds
-of hover at the start and end of a flight: 0.7 and 1.2 % in the two flights of examples/neurobem."""
+IN_HOVER = 0.01
+"""Prior standard deviation of the scale of a flight with hover.  Half seconds of hover at the start
+and end of a flight differ by 0.7 and 1.2 % in the two flights of examples/neurobem."""
 
 RANGE = (0.9, 1.1)
 """Range of scales that are applied; outside, the mass or the unit of the rotor speeds is wrong."""
@@ -623,7 +623,7 @@ class HoverScale:
             return {}
         names = [of_flight(NAME, flight) for flight in self.flights]
         known = {name: Prior(scale, IN_HOVER) for name, scale in self.scales.items()}
-        return {name: known.get(name, Prior(1.0, OVER_FLIGHTS)) for name in names}
+        return {name: known.get(name, Prior(1.0, PER_FLIGHT[NAME])) for name in names}
 
     def reference_at(self, values: Mapping[str, float]) -> float | None:
         """Return the hover ratio of a flight with scale 1 [N s^2], from the fitted ``values``."""
@@ -635,7 +635,7 @@ class HoverScale:
 
 
 # -------------------------------------------------------------------------------------------------
-# Parameters with one value per flight of a log: thrust scale and clock offset.
+# Parameters with one value per flight of a log: thrust scale, clock offset and trim.
 
 
 def of_each(name: str, log: FlightLog) -> tuple[str, ...]:

@@ -1,16 +1,17 @@
 """Wind over a flight: the velocity of the air, estimated from the forces on a fitted vehicle.
 
-A Kalman smoother estimates the wind and the errors of the modeled force.  The force is linearized
-about each new estimate until convergence.  The horizontal wind is a random walk; the vertical wind
-varies about zero.  The error along each axis of the vehicle is a first-order Markov process, as
-large as the error of the fit on held-out segments.  Errors of the fitted parameters and differences
-between flights (trim of the attitude, thrust scale, clock) are the same for all samples.  These
-errors widen the bands; the flight does not correct the parameters.
+A Kalman smoother estimates the wind and the errors of the modeled force.  A linear regression over
+the band of each new estimate replaces the force until convergence.  The horizontal wind is a random
+walk; the vertical wind varies about zero.  The error along each axis of the vehicle is a
+first-order Markov process, as large as the error of the fit on held-out segments.  Errors of the
+fitted parameters and differences between flights (trim of the attitude, thrust scale, clock) are
+the same for all samples.  These errors widen the bands; the flight does not correct the parameters.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -39,9 +40,10 @@ errors along x, y, z [s].  Near the ground, the intensity is 0.001 to 1 m^2/s^3,
 0.05 to 2 m^2/s^2.  The correlation times of the residuals of flight fits are 0.1 to 2 s."""
 
 WHITE = 0.1  # standard deviation of the error that is independent in each sample, over the total
-DIFFERENCE = 0.5  # wind step of central differences [m/s], similar to the error of the estimate
-MOST_STEPS, LONGEST_STEP = 20, 3.0  # most linearizations, and largest wind change in each [m/s]
-TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # most linearizations and samples used to tune the scales
+GUESS = 0.3  # standard deviation of the wind for the first regression [m/s]
+MOST_STEPS, LONGEST_STEP = 20, 3.0  # most regressions, and largest wind change in each [m/s]
+WHOLE_STEPS = 3  # regressions after which the steps become smaller
+TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # most regressions and samples used to tune the scales
 FURTHEST = 2.0  # largest V/(Omega R) of an estimate, relative to the maximum of the fit [-]
 SETTLED = 0.1  # largest last change of a converged sample, relative to its standard deviation [-]
 MISFIT, UPDRAFT = 1.5, 2.0
@@ -187,22 +189,22 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
     log = replace(log.picked(slice(None, None, every)), flights=("",))
     values, world = of_others(file.values), _world(log)
     wind, scales = np.zeros_like(log.velocity), USUAL
+    spread = np.tile(GUESS**2 * np.eye(3), (len(log), 1, 1))
+
+    def through(air: Floats) -> FlightLog:
+        return replace(log, velocity=log.velocity - np.einsum("nwv,nw->nv", world, air))
+
     for step in range(MOST_STEPS):
-        air = replace(log, velocity=log.velocity - np.einsum("nwv,nw->nv", world, wind))
+        air = through(wind)
         errors = force_errors(file, vehicle, air, values)
         assert errors is not None  # the kind of the fit is "flight"
-        by_air = np.empty_like(world)
-        for k, change in enumerate(DIFFERENCE * np.eye(3)):
-            more, less = (
-                fitted_forces(file, vehicle, replace(air, velocity=moved), values).force
-                for moved in (air.velocity + change, air.velocity - change)
-            )
-            by_air[..., k] = (more - less) / (2.0 * DIFFERENCE)
-        by_wind = -by_air @ world.swapaxes(1, 2)
-        off = vehicle.mass * log.specific_force - errors.loads[:, :3]
+        force, by_wind, curved = _regression(
+            lambda near: fitted_forces(file, vehicle, through(near), values).force, wind, spread
+        )
+        off = vehicle.mass * log.specific_force - force
         off += np.einsum("nfw,nw->nf", by_wind, wind)
         target = np.stack([off, *errors.slopes[..., :3]], axis=-1)
-        size = errors.left[:, :3, None]
+        size = np.sqrt(errors.left[:, :3] ** 2 + curved)[..., None]
         balance = _Balance.of(log.time, by_wind / size, target / size)
         if 0 < step < TUNED_STEPS:
             scales = balance.tuned(scales)
@@ -211,9 +213,10 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
         settled = np.all(BAND * np.abs(move) <= SETTLED * bands(found.covariance), axis=1)
         if step > 1 and settled.all():
             break
-        # Half steps end oscillations between two linearizations.
-        share = 1.0 if step < TUNED_STEPS else 0.5
+        # Without ever smaller steps, some estimates oscillate between two regressions.
+        share = WHOLE_STEPS / max(step, WHOLE_STEPS)
         wind = wind + np.clip(share * move, -LONGEST_STEP, LONGEST_STEP)
+        spread = spread + share * (found.covariance - spread)
     beyond = file.beyond(hub_flow(vehicle, air)[:3], vehicle.propeller.radius)
     far = np.zeros_like(settled) if beyond is None else beyond.reach > FURTHEST
     known = settled & ~far
@@ -239,6 +242,23 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
         status=status,
         remarks=tuple(remarks),
     )
+
+
+def _regression(
+    force: Callable[[Floats], Floats], wind: Floats, spread: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Return mean (n, 3) and slopes (n, 3, 3) of a linear regression of ``force``, and variances
+    (n, 3) that it does not explain, over a ``wind`` (n, 3) with covariance ``spread`` (n, 3, 3).
+
+    Posterior linearization of Garcia-Fernandez, Svensson and Sarkka (IEEE Transactions on Automatic
+    Control 62, 2017, page 2056).
+    """
+    root, distance = np.linalg.cholesky(spread), math.sqrt(3.0)
+    steps = distance * np.moveaxis(root, -1, 0)
+    points = np.stack([force(wind + step) for step in (*steps, *-steps)], axis=-1)
+    by_root = (points[..., :3] - points[..., 3:]) / (2.0 * distance)
+    left = np.maximum(np.var(points, axis=-1) - np.sum(by_root**2, axis=-1), 0.0)
+    return np.mean(points, axis=-1), by_root @ np.linalg.inv(root), left
 
 
 def _doubts(found: _Smoothed, settled: NDArray[np.bool_]) -> list[str]:
@@ -282,7 +302,7 @@ class _Smoothed(NamedTuple):
 
 
 class _Balance(NamedTuple):
-    """Linearized force balances at n samples, divided by the standard deviations of the errors."""
+    """Linear force balances at n samples, divided by the standard deviations of the errors."""
 
     time: Floats  # [s], (n,)
     slopes: Floats  # derivatives with respect to the state, (n, 3, 9); zero without rotor loads

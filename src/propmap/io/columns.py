@@ -114,8 +114,8 @@ def _words(text: str) -> str:
 
 
 def _parted(name: str) -> Iterator[tuple[str, str, str, int]]:
-    """Yield all splits of a column name into words, unit, unit as spelled in the file, and 1 if the
-    words exclude a qualifier, as in "Thrust - Motor 1 (N)", or 0."""
+    """Yield all splits of a column name into words, unit, unit as spelled in the file, and number
+    of qualifiers that the words exclude: 1 for "Thrust - Motor 1 (N)" without "Motor 1"."""
     text = unicodedata.normalize("NFKC", name[:LONGEST]).strip()
     low = text.lower()
     found = re.fullmatch(r"(.*[\])}>]|.*?)[\s,_]*[\[({<](.*)[\])}>]", low)
