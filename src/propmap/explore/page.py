@@ -229,7 +229,7 @@ def legend(entries: Sequence[tuple[str, str]]) -> list[Any]:
 
 def table(found: Table) -> Any:
     """Return the element of a table."""
-    heads = [html.Th(head, scope="col") for head in found.heads]
+    heads = [html.Th(head, scope="col") if head else html.Td() for head in found.heads]
     rows = [
         html.Tr([html.Th(row[0], scope="row"), *(html.Td(cell) for cell in row[1:])])
         for row in found.rows
