@@ -12,7 +12,7 @@ import uuid
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -133,7 +133,7 @@ class Evaluation(ABC):
         """Compute and store the missing parts of a ``layout`` with ``workers`` or in this process;
         call ``progress`` with the number of finished tasks and of all tasks."""
         total = parts_count(layout.shape, layout.chunk)
-        with store.alone():
+        with store.alone() if isinstance(store, Store) else nullcontext():
             for done in stream(workers or InTurn(), self, store, layout):
                 if progress is not None:
                     progress(done, total)
@@ -508,10 +508,6 @@ class InMemory:
             name: np.full(layout.shape, _unfilled(kind), kind)
             for name, (kind, _) in layout.quantities.items()
         }
-
-    def alone(self) -> AbstractContextManager[None]:
-        """Return a context without effect, since no other run has access."""
-        return nullcontext()
 
     def __getstate__(self) -> dict[str, Any]:
         """Return nothing, since workers need no data of the store."""
