@@ -50,7 +50,7 @@ def test_what_is_wrong_is_told_before_anything_listens() -> None:
         for arguments, words in (
             ("missing.toml", "no such file"),
             ("--host no.such.host.example", "cannot listen"),
-            (f"--port {taken.getsockname()[1]}", "is in use"),
+            (f"--port {taken.getsockname()[1]}", "already in use"),
         ):
             command = [sys.executable, "-m", "propmap", "explore", "--no-browser"]
             done = subprocess.run([*command, *arguments.split()], capture_output=True, text=True)

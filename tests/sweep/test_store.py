@@ -5,6 +5,10 @@ from __future__ import annotations
 import errno
 import gc
 import operator
+import signal
+import subprocess
+import sys
+import time
 import tracemalloc
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +19,7 @@ import pytest
 import xarray
 
 import propmap
+from propmap.cli.sweep import check_store
 from propmap.errors import InputError
 from propmap.rotor import Rotor
 from propmap.sweep.points import PointList, chunk_shape, parts_along
@@ -126,6 +131,35 @@ def test_a_full_disk_loses_nothing(
     before = finished(path)
     assert swept(path) == whole
     assert before.items() <= finished(path).items()
+
+
+def test_a_second_run_on_a_store_is_refused(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    pytest.importorskip("fcntl")
+    path = tmp_path / "map.zarr"
+    with Store.create(path, sweep().layout()).alone():
+        writing = path / "thrust" / "c.partial"
+        writing.touch()
+        for second in (lambda: swept(path), lambda: check_store(path, force=True)):
+            with pytest.raises(InputError, match="another run is writing to this store"):
+                second()
+        assert writing.exists()
+    assert swept(path) == whole and not writing.exists()
+
+
+@pytest.mark.slow
+def test_ten_kills_at_random_moments_lose_nothing(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    rng, path, killed = np.random.default_rng(3), tmp_path / "map.zarr", []
+    command = [sys.executable, "-m", "tests.sweep.small_sweep", str(path)]
+    for _ in range(10):
+        process = subprocess.Popen(command)
+        before, more = len(finished(path)), rng.integers(3)
+        while process.poll() is None and len(finished(path)) < before + more:
+            time.sleep(1e-3)
+        time.sleep(rng.uniform(0.0, 0.02 if path.exists() else 2.0))
+        process.kill()
+        killed.append(process.wait() == -signal.SIGKILL)
+    assert sum(killed) >= 5 and len(finished(path)) > 0
+    assert swept(path) == whole
 
 
 class Ones:

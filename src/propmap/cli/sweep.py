@@ -7,7 +7,7 @@ import shutil
 import sys
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -33,10 +33,6 @@ from propmap.sweep.run import (
 )
 from propmap.typing import Floats
 
-if TYPE_CHECKING:
-    pass
-
-
 # -------------------------------------------------------------------------------------------------
 # Runs into a Zarr store, new or resumed; the command prints size and time first.
 
@@ -52,9 +48,10 @@ Yes = Annotated[
 def check_store(path: Path, *, force: bool) -> None:
     """Raise ``InputError`` if a store can be neither created nor resumed; ``force`` deletes it."""
     if check_place(path, str(path)):
-        begun(path)
+        store = Store(path, begun(path)["run"])
         if force:
-            shutil.rmtree(path)
+            with store.alone():
+                shutil.rmtree(path)
 
 
 def opened(path: Path, layout: Layout) -> Store:

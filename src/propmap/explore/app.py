@@ -372,12 +372,8 @@ def listen(app: Flask, host: str, port: int | None, first: int) -> BaseWSGIServe
                 listener.listen(64)
                 return make_server(name, one, app, threaded=True, fd=listener.fileno())
             except OSError as error:
-                taken = error.errno == errno.EADDRINUSE
-                if taken and one != tried[-1]:
+                if error.errno == errno.EADDRINUSE and one != tried[-1]:
                     continue
-                if taken:
-                    found = f"port {one} of {host} is in use"
-                    raise InputError(found, "give another port with --port") from None
                 reason = error.strerror or str(error)
                 found = f"cannot listen on {host}, port {one}: {reason}"
                 raise InputError(found, "give another --host or --port") from None
@@ -443,23 +439,19 @@ class Job:
         self.done = True
 
 
-class Jobs:
+class Jobs(Recent[Job]):
     """The last fits of a server, which run one at a time."""
 
     def __init__(self) -> None:
-        self._kept = Recent[Job](MOST)
+        super().__init__(MOST)
         self._in_turn = ThreadPoolExecutor(max_workers=1)
 
     def begin(self, work: Callable[[Job], Mapping[str, float]]) -> str:
         """Run ``work`` in a thread, and return the name of the job."""
         name, job = secrets.token_urlsafe(12), Job()
-        self._kept.put(name, job)
+        self.put(name, job)
         self._in_turn.submit(job.run, work)
         return name
-
-    def get(self, name: str) -> Job | None:
-        """Return the job with a name, or None."""
-        return self._kept.get(name)
 
 
 MOST_TABS = 1000  # maximum number of stored tabs

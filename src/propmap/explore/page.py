@@ -143,7 +143,8 @@ def _settings(controls: Sequence[Control], values: Values) -> list[Any]:
     """Return all controls; a frame at the place of the first one encloses each group."""
     found: dict[tuple[str, str], list[Any]] = {}
     for control in controls:
-        key = control.group, "" if control.group else control.name
+        group = control.group if isinstance(control, Slider) else ""
+        key = group, "" if group else control.name
         found.setdefault(key, []).append(_setting(control, values[control.name]))
     return [
         html.Fieldset([html.Legend(group), *parts]) if group else parts[0]
@@ -229,7 +230,7 @@ def legend(entries: Sequence[tuple[str, str]]) -> list[Any]:
 
 def table(found: Table) -> Any:
     """Return the element of a table."""
-    heads = [html.Th(head, scope="col") for head in found.heads]
+    heads = [html.Th(head, scope="col") if head else html.Td() for head in found.heads]
     rows = [
         html.Tr([html.Th(row[0], scope="row"), *(html.Td(cell) for cell in row[1:])])
         for row in found.rows

@@ -44,7 +44,6 @@ from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.table.query import LoadTable
 from propmap.units import RPM
-from propmap.vehicle.vehicle import Vehicle
 
 DEFAULT = "apc-8x6e"
 KNOWN = "known"  # value of ``law`` for the best available constants of the propeller
@@ -120,16 +119,6 @@ class Session:
         return None if one is None else one.found
 
     @property
-    def table(self) -> LoadTable | None:
-        """Return the table, or None."""
-        return self.given("table")
-
-    @property
-    def vehicle(self) -> Vehicle | None:
-        """Return the vehicle, or None."""
-        return self.given("vehicle")
-
-    @property
     def model(self) -> Model:
         """Return the model from propeller, constants, air and corrections."""
         return _model(self)
@@ -183,7 +172,7 @@ def check_law(law: str) -> None:
 def _model(session: Session) -> Model:
     """Return the model with the same constants and corrections as `propmap predict`."""
     blade, files = _blade(session), session.files
-    air = session.vehicle.air if session.vehicle is not None else Air()
+    air = session.given("vehicle").air if session.given("vehicle") is not None else Air()
     if "fit" in files:
         air, law = session.given("fit").model.air, session.given("fit").airfoil
     elif "constants" in files:
@@ -205,7 +194,8 @@ def _blade(session: Session) -> Propeller:
         return session.given("fit").model.propeller
     if "geometry" in session.files:
         return session.given("geometry")
-    return session.vehicle.propeller if session.vehicle is not None else propeller(session.prop)
+    vehicle = session.given("vehicle")
+    return propeller(session.prop) if vehicle is None else vehicle.propeller
 
 
 # -------------------------------------------------------------------------------------------------

@@ -144,7 +144,6 @@ class Text:
     name: str
     label: str
     default: str
-    group: str = ""
 
     def read(self, given: Any) -> str:
         """Return a stripped text; raise ``InputError`` for a long text or another value."""
@@ -161,7 +160,6 @@ class OneOf:
     label: str
     options: tuple[tuple[str, str], ...]
     default: str
-    group: str = ""
 
     def read(self, given: Any) -> str:
         """Return an option; raise ``InputError`` for another value."""
@@ -180,7 +178,6 @@ class Several:
     label: str
     options: tuple[tuple[str, str], ...]
     default: tuple[str, ...]
-    group: str = ""
 
     def read(self, given: Any) -> list[str]:
         """Return the selected options in order; raise ``InputError`` for another value."""
@@ -268,7 +265,7 @@ def band(x: ArrayLike, low: ArrayLike, high: ArrayLike, color: str) -> dict[str,
     r, g, b = (int(color[k : k + 2], 16) for k in (1, 3, 5))
     around = np.concatenate([along, along[::-1]]), np.concatenate([most, least[::-1]])
     look: dict[str, Any] = {"fill": "toself", "fillcolor": f"rgba({r},{g},{b},0.22)"}
-    return _scatter("lines", *around, line={"width": 0}, hoverinfo="skip", showlegend=False, **look)
+    return _scatter("lines", *around, line={"width": 0}, hoverinfo="skip", **look)
 
 
 def points(
@@ -290,7 +287,6 @@ def figure(
     *,
     revision: str = "",
     shapes: Sequence[dict[str, Any]] = (),
-    legend: bool = False,
     **layout: Any,
 ) -> Figure:
     """Return a figure with axis titles; a new ``revision`` resets the zoom."""
@@ -305,8 +301,7 @@ def figure(
             "font": {"size": 12, "color": "#222222", "family": "system-ui, sans-serif"},
             "paper_bgcolor": "rgba(0,0,0,0)",
             "plot_bgcolor": "rgba(0,0,0,0)",
-            "showlegend": legend,
-            "legend": {"orientation": "h", "y": -0.22, "x": 0.0},
+            "showlegend": False,
             "hovermode": "closest",
             "uirevision": revision,
             "shapes": list(shapes),

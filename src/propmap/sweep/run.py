@@ -12,6 +12,7 @@ import uuid
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -132,9 +133,10 @@ class Evaluation(ABC):
         """Compute and store the missing parts of a ``layout`` with ``workers`` or in this process;
         call ``progress`` with the number of finished tasks and of all tasks."""
         total = parts_count(layout.shape, layout.chunk)
-        for done in stream(workers or InTurn(), self, store, layout):
-            if progress is not None:
-                progress(done, total)
+        with store.alone() if isinstance(store, Store) else nullcontext():
+            for done in stream(workers or InTurn(), self, store, layout):
+                if progress is not None:
+                    progress(done, total)
 
     def seconds_per_point(self, workers: Workers) -> float:
         """Return the time of one of the ``workers`` for one operating point [s], from a sample."""
@@ -272,7 +274,8 @@ def sweep_to_store(
     Raises
     ------
     InputError
-        If the store belongs to another model, other points or another version.
+        If the store belongs to another model, other points or another version, or if another run
+        is writing to it.
     """
     path = Path(path)
     sweep = Sweep(rotor, points, bands, by_source, points_per_task)
@@ -319,7 +322,7 @@ def provenance(rotor: Rotor, command: str) -> dict[str, Any]:
 # Each part of the results has one file per quantity.  The file is written under a temporary name
 # and then renamed.  A part is finished when its last file exists.  A killed process or a full disk
 # therefore loses only unfinished parts, and writing a part twice has no effect.  Any number of
-# processes may write, each its own parts.
+# workers of one run may write, each its own parts.
 
 RUN = "propmap_run"  # attribute of the store with the conditions of its results, see ``SAME``
 
@@ -427,8 +430,8 @@ class Store:
 
     @classmethod
     def resume(cls, path: Path, layout: Layout) -> Store:
-        """Open the store of an earlier run and delete its partial files; raise ``InputError`` if
-        the folder is not a store of propmap, or if results would differ."""
+        """Open the store of an earlier run; raise ``InputError`` if the folder is not a store of
+        propmap, or if results would differ."""
         before = begun(path)
         for name, words in SAME.items():
             if before.get(name) != layout.depends_on.get(name):
@@ -437,9 +440,26 @@ class Store:
                 found = f"the store was created with another {words}{version}"
                 remedy = "choose another name, or pass --force to start again"
                 raise InputError(found, remedy, str(path))
-        for left in path.rglob("*.partial"):
-            left.unlink(missing_ok=True)
         return cls(path, before["run"])
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Exclude other runs from the store in a block, and delete partial files of earlier runs;
+        raise ``InputError`` if another run uses the store.  The lock ends with the process."""
+        with (self.path / "zarr.json").open() as file:
+            try:
+                import fcntl
+
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                found = "another run is writing to this store"
+                remedy = "wait until it has ended, or choose another name"
+                raise InputError(found, remedy, str(self.path)) from None
+            except (ImportError, OSError):
+                pass  # Windows and some network disks have no such locks.
+            for left in self.path.rglob("*.partial"):
+                left.unlink(missing_ok=True)
+            yield
 
     @property
     def here(self) -> bool:

@@ -42,7 +42,7 @@ class AircraftView(view.View):
 
     def controls(self, session: Session) -> Sequence[Control]:
         """Return the controls; raise ``InputError`` without a vehicle."""
-        if session.vehicle is None:
+        if session.given("vehicle") is None:
             found = "there is no vehicle"
             raise InputError(found, "open a vehicle file here or with `propmap explore FILE.toml`")
         return [
@@ -125,8 +125,7 @@ class AircraftView(view.View):
 
 
 def _states(session: Session, values: Values) -> tuple[Aircraft, SteadyStates]:
-    assert session.vehicle is not None
-    craft = Aircraft(session.vehicle, rotor_of(session.model), charge=values["charge"])
+    craft = Aircraft(session.given("vehicle"), rotor_of(session.model), charge=values["charge"])
     return craft, craft.steady(np.linspace(0.0, values["top"], ALONG), values["climb"])
 
 

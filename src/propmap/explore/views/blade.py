@@ -177,12 +177,5 @@ def _table(old: Model, new: Model, values: Values) -> Table:
         a, b = float(getattr(before, name)), float(getattr(after, name))
         change = f"{100.0 * (b / a - 1.0):+.1f} %" if abs(a) > 1e-9 else ""
         rows.append([label, view.digits(a), view.digits(b), change, view.UNITS[name]])
-    # Solidity: blade area over disk area.
-    solidity = []
-    for blade in (old.propeller, new.propeller):
-        loaded = blade.station >= blade.root
-        area = blade.blades * np.trapezoid(blade.chord[loaded], blade.station[loaded])
-        solidity.append(view.digits(float(area / (np.pi * blade.radius**2))))
-    rows.append(["solidity", *solidity, "", "-"])
     heads = ("", "original", "changed", "change", "unit")
     return Table(heads, rows, f"At {view.point_words(values)}")

@@ -46,7 +46,7 @@ class CompareView(view.View):
 
     def controls(self, session: Session) -> Sequence[Control]:
         """Return the controls."""
-        other = f"{GIVEN} @ paper-apc" if session.table is None else TABLE
+        other = f"{GIVEN} @ paper-apc" if session.given("table") is None else TABLE
         first = (GIVEN, other, "", "")
         hint = "'this' (the propeller above), NAME, or NAME @ CONSTANTS"
         labels = f"First: {hint}", "Second", "Third", "Fourth"
@@ -125,9 +125,9 @@ def _items(session: Session, values: Values) -> list[Item]:
 def _item(session: Session, text: str) -> Item:
     name, at, law = (part.strip() for part in text.partition("@"))
     if name == TABLE:
-        if session.table is None:
+        if session.given("table") is None:
             raise InputError("there is no table", "open a file written by `propmap table`")
-        return Item(f"table {session.files['table'].name}", session.table.loads, None)
+        return Item(f"table {session.files['table'].name}", session.given("table").loads, None)
     one = session
     if name != GIVEN:
         check_name(name)

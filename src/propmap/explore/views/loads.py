@@ -65,7 +65,6 @@ class LoadsView(view.View):
         still = {**still, "power": np.asarray(still["torque"]) * omega[0]}
         sure = settled and values["bands"] and model.uncertainty is not None
         ends = loads.interval() if sure else ()
-        words = _words(flow, loads) if settled else []
         data = session.measured(values["data"])
         near = near_curves(flow, along, data) if data is not None else []
         if data is not None and not any(which.size for which in near):
@@ -82,10 +81,7 @@ class LoadsView(view.View):
                     traces.append(view.band(x, low, high, COLORS[k]))
             for k, row in enumerate(found):
                 template = f"%{{x:.4g}}: %{{y:.4g}}<extra>{names[k]}</extra>"
-                more: dict[str, Any] = {"hovertemplate": template}
-                if settled:
-                    more = {"text": words[k], "hovertemplate": "%{text}<extra></extra>"}
-                traces.append(view.line(x, row, names[k], COLORS[k], **more))
+                traces.append(view.line(x, row, names[k], COLORS[k], hovertemplate=template))
             hover = np.broadcast_to(still[name], x.shape)
             traces.append(view.line(x, hover, *view.HOVER))
             heights = [found, hover]
@@ -192,21 +188,7 @@ def _flow(axes: Mapping[str, Floats], along: str) -> dict[str, Floats]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Further elements of the figures: texts, points by status, measured points.
-
-
-def _words(flow: Mapping[str, Floats], loads: Loads) -> list[list[str]]:
-    """Return the text under the mouse for each point of each curve."""
-    rows = []
-    for k, i in np.ndindex(flow["rpm"].shape):
-        rpm, speed, beta = (flow[name][k, i] for name in ("rpm", "speed", "beta"))
-        lines = [f"{rpm:.0f} rpm, {speed:.4g} m/s, β {beta:.4g}°: {loads.status[k, i]}"]
-        lines += [
-            f"{view.LABELS[n]} {view.digits(getattr(loads, n)[k, i])} {view.UNITS[n]}"
-            for n in view.TITLES
-        ]
-        rows.append("<br>".join(lines))
-    return [rows[k : k + view.CURVE] for k in range(0, len(rows), view.CURVE)]
+# Further elements of the figures: points by status, measured points.
 
 
 def _by_status(x: Floats, loads: Loads, found: Floats) -> list[dict[str, Any]]:
