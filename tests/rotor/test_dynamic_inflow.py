@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import numpy as np
@@ -339,6 +340,8 @@ def test_states_of_any_layout_and_type_have_the_same_step() -> None:
     strided = np.repeat(state, 2, axis=1)[:, ::2]
     for one in (state.astype(np.float32), np.asfortranarray(state), strided, state.tolist()):
         np.testing.assert_array_equal(inflow.step(one, 1e-3, 600, OBLIQUE[:2].tolist()), want)
+    again = pickle.loads(pickle.dumps(inflow))
+    np.testing.assert_array_equal(again.step(state, 1e-3, OMEGA, OBLIQUE[:2]), want)
 
 
 def test_a_rotor_at_rest_does_not_depend_on_the_previous_point() -> None:
