@@ -109,15 +109,15 @@ class Argument {
     // The shape of the points of all arguments.
     static Shape shape_of(std::initializer_list<const Argument*> all) {
         Shape shape;
-        for (const Argument* a : all)
-            if (a->axes() > shape.size()) shape.insert(shape.begin(), a->axes() - shape.size(), 1);
+        for (const Argument* a : all) shape.resize(std::max(shape.size(), a->axes()), 1);
         for (const Argument* a : all)
             for (std::size_t d = 0; d < a->axes(); ++d) {
                 std::size_t& n = shape[shape.size() - a->axes() + d];
                 if (n == 1) n = a->array_.shape(d);
                 else if (a->array_.shape(d) != 1 && a->array_.shape(d) != n) {
                     std::string found;
-                    for (const Argument* b : all) found += (found.empty() ? "" : ", ") + b->text();
+                    for (const Argument* b : all)
+                        if (b->given()) found += (found.empty() ? "" : ", ") + b->text();
                     refuse("shapes cannot be broadcast together: " + found);
                 }
             }
@@ -210,6 +210,7 @@ template <class List> struct Variants;  // types over all section laws
 template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
     using Law = std::variant<LawOf<double>...>;
     using Solver = std::variant<RotorSolver<LawOf>...>;
+    using Motion = std::variant<std::monostate, DynamicInflow<LawOf>...>;
 
     static Law read(const nb::dict& from) {  // the law of this kind
         const auto kind = nb::cast<std::string>(from["kind"]);
@@ -229,7 +230,6 @@ template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
         return law;
     }
 };
-using AnyLaw = Variants<Laws>::Law;
 using AnySolver = Variants<Laws>::Solver;
 
 const std::map<std::string, InflowShape> inflow_shapes = {
@@ -307,7 +307,7 @@ class CoreRotor {
         double *moved, *rows;
         auto moved_array = make_array(shape, moved, size), row_array = make_array(shape, rows, row);
         std::visit([&](const auto& solver) {
-            for_each_point(row_array.size() / row, threads, [&, inflow = dynamic(solver)](std::size_t k) {
+            for_each_point(row_array.size() / row, threads, [&, &inflow = dynamic(solver)](std::size_t k) {
                 HubFlow hub = hub_flow(up, vector(velocity.at(k, shape)));
                 if (hub.inplane == 0.0) hub.ahead = {1.0, 0.0, 0.0};
                 const Flow<double> flow{*omega.at(k, shape), hub.axial, hub.inplane};
@@ -394,11 +394,11 @@ class CoreRotor {
     nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }  // [m]
 
   private:
-    // The dynamic inflow.  The number of its nodes is found on first use.
-    template <template <class> class LawOf> DynamicInflow<LawOf> dynamic(const RotorSolver<LawOf>& solver) const {
-        std::call_once(nodes_found_, [&] { nodes_ = nodes_for(solver); });
-        return {solver, nodes_};
+    template <template <class> class LawOf> const DynamicInflow<LawOf>& dynamic(const RotorSolver<LawOf>& solver) const {
+        std::call_once(motion_made_, [&] { motion_ = DynamicInflow<LawOf>(solver); });
+        return std::get<DynamicInflow<LawOf>>(motion_);
     }
+
     static BladeShape shape(const nb::dict& blade) {
         const auto station = array_of(blade["station"]);
         expect("station", station.size(), 3, true);
@@ -491,8 +491,8 @@ class CoreRotor {
 
     std::unique_ptr<BladeShape> blade_;
     AnySolver solver_;
-    mutable std::once_flag nodes_found_;
-    mutable int nodes_ = 0;
+    mutable std::once_flag motion_made_;
+    mutable Variants<Laws>::Motion motion_;  // made on first use
 };
 
 // A load table: knots and polynomials of both axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), limits (3, 2).
@@ -520,26 +520,25 @@ class CoreTable {
 
     const LoadTable& table() const { return of_; }
 
-    // Loads and power at one point, and the code of the status.
-    nb::tuple point(double omega, double speed, double beta, bool clamp) const {
+    // Loads, power and the code of the status at one point.
+    std::array<double, LoadTable::count + 2> point(double omega, double speed, double beta, bool clamp) const {
         const auto f = of_.loads(omega, speed, beta, clamp);
-        std::array<double, LoadTable::count + 1> values;
-        *std::copy_n(f.loads.begin(), LoadTable::count, values.begin()) = f.loads.torque * f.omega;
-        return nb::make_tuple(values, int(f.status));
+        std::array<double, LoadTable::count + 2> found;
+        auto* rest = std::copy_n(f.loads.begin(), LoadTable::count, found.data());
+        rest[0] = f.loads.torque * f.omega, rest[1] = double(f.status);
+        return found;
     }
 
-    // Loads, power and codes of the status, (L + 2, N).
-    Numbers loads(Vector omega, Vector speed, Vector beta, bool clamp) const {
+    Numbers loads(Vector omega, Vector speed, Vector beta, bool clamp) const {  // the numbers of `point`, (L + 2, N)
         const std::size_t n = omega.size();
         expect("speed", speed.size(), n), expect("beta", beta.size(), n);
         double* to;
-        auto found = make_array({LoadTable::count + 2, n}, to);
+        auto array = make_array({LoadTable::count + 2, n}, to);
         for (std::size_t k = 0; k < n; ++k) {
-            const auto f = of_.loads(omega.data()[k], speed.data()[k], beta.data()[k], clamp);
-            for (int j = 0; j < LoadTable::count; ++j) to[j * n + k] = f.loads.begin()[j];
-            to[LoadTable::count * n + k] = f.loads.torque * f.omega, to[(LoadTable::count + 1) * n + k] = double(f.status);
+            const auto found = point(omega.data()[k], speed.data()[k], beta.data()[k], clamp);
+            for (std::size_t j = 0; j < found.size(); ++j) to[j * n + k] = found[j];
         }
-        return found;
+        return array;
     }
 
     // Points brought into the envelope (3, N); omega is NaN for points outside.
@@ -671,7 +670,7 @@ class FreeBody {
         const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
         const Attitude attitude{q[0] / size, {q[1] / size, q[2] / size, q[3] / size}};
         const Vector3 rates = vector(motion.data() + 3);
-        const Vector3 through = attitude.to_vehicle(add(vector(motion.data()), -1.0, vector(wind.data())));
+        const Vector3 through = attitude.turned(add(vector(motion.data()), -1.0, vector(wind.data())), -1.0);
         const Vector3 velocity = add(through, 1.0, cross(rates, center_));
         std::uint8_t *now = codes.data(), *worst = now + k_all;
         double *state = inflow.data(), *next = later.data();
@@ -697,7 +696,7 @@ class FreeBody {
         });
         if (lost) return lost;
         all.moment = add(all.moment, 1.0, spin_moment(mounts_, heavy_, omega.data(), change.data(), rates));
-        const Vector3 force = attitude.to_world(all.force), moment = add(all.moment, 1.0, cross(center_, all.force));
+        const Vector3 force = attitude.turned(all.force, 1.0), moment = add(all.moment, 1.0, cross(center_, all.force));
         for (int j = 0; j < 3; ++j) forces.data()[j] += force[j], forces.data()[3 + j] += moment[j];
         return {};
     }

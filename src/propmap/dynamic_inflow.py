@@ -71,8 +71,7 @@ class DynamicInflow:
         self.rotor, self.spin = rotor, spin
         every = [spin_sign(each) for each in ([spin] if isinstance(spin, str) else spin)]
         self._sign = np.array(every[0] if isinstance(spin, str) else every)
-        self._core = rotor._core
-        self.size: int = self._core.inflow_size
+        self.size: int = rotor._core.inflow_size
 
     def steady(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
         """Return the steady state (..., size) [m/s] for the largest solution of eq. (11).
@@ -229,7 +228,7 @@ class DynamicInflow:
         Rows (..., 17) contain force, moment, and the results of the core for ``Loads``.
         """
         found: tuple[Floats, Floats]
-        found = self._core.inflow_motion(state, dt, omega, velocity, self._sign, cores())
+        found = self.rotor._core.inflow_motion(state, dt, omega, velocity, self._sign, cores())
         return found
 
 

@@ -291,8 +291,13 @@ def bound_calls() -> dict[str, tuple[int, Callable[[np.ndarray], Any]]]:
         given = with_one(BLADE, name)
         calls[name] = (5, lambda x, of=given: core.Rotor(of(x), law(), AIR, {}, False))
     for name in ("lift", "drag"):
-        given = with_one(plate, name)
-        calls[name] = (73, lambda x, of=given: core.section_coefficients(of(x), FLAT, FLAT))
+        given, good = with_one(plate, name), plate[name]
+        calls[name] = (
+            good.size,
+            lambda x, of=given, good=good: core.section_coefficients(
+                of(np.resize(good, len(x))), FLAT, FLAT
+            ),
+        )
     for name, size in (("drag_area", 3), ("download_area", 2)):
         given = with_one(FRAME, name)
         calls[name] = (size, lambda x, of=given: core.free_stream_forces(of(x), three))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import numpy as np
@@ -324,6 +325,25 @@ def test_states_of_any_layout_and_type_have_the_same_step() -> None:
     strided = np.repeat(state, 2, axis=1)[:, ::2]
     for one in (state.astype(np.float32), np.asfortranarray(state), strided, state.tolist()):
         np.testing.assert_array_equal(inflow.step(one, 1e-3, 600, OBLIQUE[:2].tolist()), want)
+    again = pickle.loads(pickle.dumps(inflow))
+    np.testing.assert_array_equal(again.step(state, 1e-3, OMEGA, OBLIQUE[:2]), want)
+
+
+@pytest.mark.parametrize("name", ["APC 8x6E", "paper-soft"])
+def test_the_vortex_ring_is_that_of_the_static_solution(name: str) -> None:
+    """In slow descent and in forward flight, a step omits the static inflow at rest."""
+    soft = name == "paper-soft"
+    inflow = dynamic(name) if soft else pm.DynamicInflow(pm.Rotor(pm.catalogue_model(name)))
+    random, count = np.random.default_rng(11), 400
+    omega = np.geomspace(5.0, 300.0, count) / R
+    hover = inflow.rotor.hover_inflow(omega)[:, None]
+    velocity = hover * random.uniform([0.0, 0.0, -2.2], [1.6, 0.0, 0.0], (count, 3))
+    found = inflow.loads(inflow.steady(omega, velocity), omega, velocity)
+    static = inflow.rotor.loads_at_velocity(omega, velocity)
+    assert 0.2 < (static.vortex_ring > 0.0).mean() < 0.9
+    np.testing.assert_allclose(found.vortex_ring, static.vortex_ring, rtol=1e-9)
+    at_rest = inflow.rotor.loads(omega, 0.0, 0.0).thrust
+    assert np.quantile(abs(found.thrust - static.thrust) / at_rest, 0.95) < 5e-3
 
 
 def test_a_rotor_at_rest_does_not_depend_on_the_previous_point() -> None:

@@ -61,16 +61,18 @@ template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& 
         }
         return true;
     };
-    for (int count : counts)
-        if (close(count)) return count;
-    return counts[std::size(counts) - 1];
+    return *std::find_if(std::begin(counts), std::end(counts) - 1, close);
 }
 
 // Dynamic inflow of a rotor, at a fixed number of nodes.
 template <template <class> class LawOf> class DynamicInflow {
   public:
-    explicit DynamicInflow(const RotorSolver<LawOf>& solver) : DynamicInflow(solver, nodes_for(solver)) {}
-    DynamicInflow(const RotorSolver<LawOf>& solver, int nodes) : solver_(&solver), nodes_(nodes) {}
+    explicit DynamicInflow(const RotorSolver<LawOf>& solver) : solver_(&solver), nodes_(nodes_for(solver)) {
+        for (double tip_speed = slowest_tip; tip_speed <= fastest_tip; tip_speed *= 1.5) {
+            const double omega = tip_speed / solver.rotor().tip(), ratio = solver.hover_inflow(omega) / omega;
+            least_ = std::min(least_, 0.8 * ratio), most_ = std::max(most_, 1.25 * ratio);
+        }
+    }
 
     int size() const { return harmonics_first + nodes_; }  // of a state [m/s]
 
@@ -95,19 +97,18 @@ template <template <class> class LawOf> class DynamicInflow {
         heading.along_flight(state, h);
         const bool around = rotor.inflow_shape != InflowShape::uniform &&
                             (at.v_inplane > 0.0 || h[0] != 0.0 || h[1] != 0.0 || h[2] != 0.0);
-        solver_->prepare(at, s);
+        prepare(at, s);
         s.harmonics = {h[0], h[1], h[2]};
         if (around && s.psi.count < 8) s.psi = azimuths(16);  // gradients need several azimuths
         solver_->start_at(s, nodes_);
 
-        // Each annulus steps by the exponential of its linearized rate.  Stalled blades, or an inflow against the flow
-        // through the disk, may have a slope of any sign.  The slope is therefore limited to at least half of the
-        // mass-flow parameter in size.
+        // Annuli and harmonics step by the exponential of their linearized rates.  Stalled blades, or an inflow against the
+        // flow through the disk, may have a slope of any sign.  The slope of an annulus is therefore limited to at least half
+        // of the mass-flow parameter in size.
         const auto of = solver_->annuli(s);
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
         Loads<double> total{};
-        // Derivatives of T by v_0, and of L by v_s or of M by v_c.  The mean over azimuth of the slope times sin^2(psi) is
-        // taken as half of the mean slope.  These derivatives only limit the steps of the harmonics.
+        // Derivatives of T by v_0, and of L by v_s or M by v_c, for the decay of harmonics: sin^2(psi) counts as its mean, 1/2.
         double by_mean = 0.0, by_gradient = 0.0;
         double thrust_without = 0.0, area = 0.0, through_area = 0.0;
         for (int g = 0; g < s.disk.groups; ++g) {
@@ -118,8 +119,7 @@ template <template <class> class LawOf> class DynamicInflow {
             const Dual<Lanes, 1> inflow{v, {broadcast(1.0)}};
             const auto uniform = loads_of(rotor, station, turn_forces(rotor, station, s.flow, inflow, s.psi));
             const auto residual = uniform.thrust - wake_thrust(rotor, station.radius, s.flow, s.windmill, inflow);
-            const Lanes through = s.flow.v_axial + v;
-            const Lanes least = 2.0 * pi * station.radius * square_root(speed_squared(s.flow.v_inplane, through));
+            const Lanes least = 2.0 * pi * station.radius * square_root(speed_squared(at.v_inplane, at.v_axial + v));
             const Lanes slope = maximum(-residual.d[0], least), per_mass = 3.0 / (16.0 * radius * station.radius);
             const Lanes share = 1.0 - power_of_two(maximum(slope * per_mass * (-1.44269504088896340736 * time), broadcast(-100.0)));
             const Lanes most = 0.3 * speed_scale(of, station);
@@ -149,17 +149,13 @@ template <template <class> class LawOf> class DynamicInflow {
         }
         s.mean = {at.omega, at.v_axial, at.v_inplane, through_area / area};
         s.result.ring = ring, s.result.mean_inflow = s.mean.inflow;
-        s.blade_loads = total;
-        s.result.blade_drag = rotor.density * total.drag;
-        complete_loads(rotor, s.flow, s.mean.inflow, total);
         s.result.loads = total;
+        complete_loads(rotor, s.flow, s.mean.inflow, s.result.loads);
         solver_->set_status(s, false);
 
-        // Each harmonic steps by the exponential of its linearized rate.  If stalled blades amplify the harmonic, the
-        // step omits the part of the blades in the slope.
+        // If stalled blades amplify a harmonic, its step omits the part of the blades in the slope.
         const auto gains = harmonic_response(rotor.inflow_shape, s.mean, radius), response = solver_->faded(gains, 1.0 - ring);
-        const auto& l = s.blade_loads;
-        const auto wanted = response.harmonics({l.thrust, l.roll_moment, -l.pitch_moment}, thrust_without);
+        const auto wanted = response.harmonics({total.thrust, total.roll_moment, -total.pitch_moment}, thrust_without);
         const double target[3] = {wanted.mean, wanted.lateral, wanted.longitudinal};
         const double mass = 8.0 / 3.0 * std::pow(radius, 3), inertia = 16.0 / 45.0 * std::pow(radius, 4);
         const double lag[3] = {mass * gains.mean_by_thrust, inertia * gains.by_roll, inertia * gains.by_rear};  // [s]
@@ -180,8 +176,23 @@ template <template <class> class LawOf> class DynamicInflow {
     }
 
   private:
+    // Prepare the solution as `RotorSolver` does, but without the static inflow where neither the vortex ring nor the
+    // windmill branch can depend on it: in slow descent, and in forward flight.
+    void prepare(const Flow<double>& at, Solution& s) const {
+        const double least = least_ * at.omega, most = most_ * at.omega, tip_speed = at.omega * solver_->rotor().tip();
+        const bool slow = at.v_axial >= vortex_ring::onset * least;
+        const bool swept = at.v_axial >= vortex_ring::windmill_below * least && at.v_inplane >= vortex_ring::nose * most;
+        Flow<double> flow = at;
+        if ((slow || swept) && tip_speed >= slowest_tip && tip_speed <= fastest_tip) flow.v_axial = std::max(at.v_axial, 0.0);
+        solver_->prepare(flow, s);
+        s.flow.v_axial = at.v_axial;
+        if (flow.v_axial != at.v_axial) s.flow.v_hover = least;
+    }
+
+    static constexpr double slowest_tip = 10.0, fastest_tip = 250.0;  // tip speeds [m/s] for which the limits below hold
     const RotorSolver<LawOf>* solver_;
     int nodes_;
+    double least_ = INFINITY, most_ = 0.0;  // limits of the static inflow over omega [m]
 };
 
 }  // namespace propmap

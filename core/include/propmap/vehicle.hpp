@@ -116,16 +116,12 @@ inline Vector3 spin_moment(const std::vector<Mount>& mounts, double heavy, const
     return add(add({}, -1.0, cross(rates, momentum)), -1.0, by_speed);
 }
 
-// A unit quaternion (w, x, y, z) that rotates vectors from the frame of the vehicle to the frame of the world.
+// A unit quaternion (w, x, y, z).
 struct Attitude {
     double w;
     Vector3 v;
 
-    Vector3 to_world(const Vector3& x) const { return turned(x, 1.0); }
-    Vector3 to_vehicle(const Vector3& x) const { return turned(x, -1.0); }
-
-  private:
-    Vector3 turned(const Vector3& x, double way) const {
+    Vector3 turned(const Vector3& x, double way) const {  // from the vehicle to the world for way = 1, and back for -1
         const Vector3 twice = add({}, 2.0 * way, cross(v, x));
         return add(add(x, w, twice), way, cross(v, twice));
     }

@@ -253,7 +253,8 @@ class _Speeds:
                     'set dyntype="filter", with the lag [s] as dynprm, or "none"',
                 )
         limited, ends = model.actuator_ctrllimited[found] > 0, model.actuator_ctrlrange[found].T
-        self._ctrl, (self._low, self._high) = found, np.where(limited, ends, [[0.0], [np.inf]])
+        self._ctrl = np.array(found)
+        self._low, self._high = np.where(limited, ends, [[0.0], [np.inf]])
         lagging = {int(model.actuator_dyntype[k]) in lags for k in found}
         if len(lagging) > 1:
             fault = "some of the rotors' actuators have a lag, others have none"

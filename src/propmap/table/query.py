@@ -209,8 +209,8 @@ class LoadTable:
             and isinstance(speed, (float, int))
             and isinstance(beta, (float, int))
         ):
-            values, code = self._core.point(omega, speed, beta, clamp)
-            return TableLoads(*values, code)
+            *values, code = self._core.point(omega, speed, beta, clamp)
+            return TableLoads(*values, int(code))
         w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         if w.ndim == 0:
             return self.loads(float(w), float(v), float(b), clamp=clamp)
