@@ -70,7 +70,7 @@ def accelerator(found: dict[str, Any]) -> str:
     # The last two columns were measured once, on an H100; see the page.
     rows = (
         ("loads", "points", "1100", "610"),
-        ("loads_with_derivatives", "points with three derivatives of each load", "670", ""),
+        ("loads_with_derivatives", "points with derivatives", "670", ""),
         ("steps", "steps of a quadrotor", "578", ""),
         ("steps_with_gradient", f"steps with the gradient through {found['steps']}", "184", ""),
     )
