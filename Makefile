@@ -7,7 +7,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-slow lint types sanitize bench bench-sim docs build wheels clean
+.PHONY: demo reproduce test test-fast test-slow lint types sanitize bench bench-sim docs build wheels matrix clean
 
 # Keep the bytecode of imported modules even if the environment disables it, because the tests start some hundred processes.
 # --no-compile stops pip from compiling modules that are never imported.
@@ -109,13 +109,20 @@ sanitize: $(READY)
 		PYTHONPATH=$(SANITIZED)/site:$$(echo $(VENV)/lib/python3*/site-packages) $(BIN)/python -S -m pytest \
 		tests/core/test_core.py tests/core/test_tables_and_vehicles.py -k 'not bit'
 
+SDIST := rm -rf dist && $(BIN)/python -c 'from scikit_build_core.build import build_sdist; build_sdist("dist")'
+
 # Build an sdist and a wheel for every processor of this kind, and test both without a checkout.
 wheels: $(TOOLS_READY) $(ZIG_TOOLS)
-	rm -rf dist
-	$(BIN)/python -c 'from scikit_build_core.build import build_sdist; build_sdist("dist")'
+	$(SDIST)
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir dist \
 		--config-settings=cmake.define.PROPMAP_PORTABLE=ON dist/*.tar.gz
 	$(BIN)/python -u tools/try_wheel.py dist
+
+# Test the sdist with other Pythons, dependencies and compilers; for example `make matrix PYTHONS='3.12 path/to/python3.14'`.
+matrix: $(TOOLS_READY) $(ZIG_TOOLS)
+	$(INSTALL) uv ziglang
+	$(SDIST)
+	$(BIN)/python -u tools/matrix.py dist $(PYTHONS)
 
 # Measure the times on the documentation pages, or run one measurement with its arguments, for example
 # `make bench ONLY=choice` and `make bench ONLY='table fine'`.  The matrices of the lifting line are too small for several threads.

@@ -415,14 +415,8 @@ class CoreRotor {
         for (double value : known) into[k] = value, into += n;
     }
 
-    AnySolver make(const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine) {
-        const Accuracy& accuracy = fine ? fine_accuracy : standard_accuracy;
-        return std::visit([&]<template <class> class LawOf>(const LawOf<double>& found) -> AnySolver {
-            return RotorSolver<LawOf>(rotor<LawOf>(found, air, corrections), accuracy);
-        }, Variants<Laws>::read(law));
-    }
-
-    template <template <class> class LawOf>  // the rotor from dictionaries of numbers
+    // The rotor from dictionaries of numbers.  It precedes `make`, because clang 19 omits a member template that follows its use.
+    template <template <class> class LawOf>
     Rotor<double, LawOf> rotor(const LawOf<double>& law, const nb::dict& air, const nb::dict& with) {
         Rotor<double, LawOf> r;
         if (with.contains("blade-to-hub")) *blade_ = continued_to(*blade_, number(with, "blade-to-hub"));
@@ -438,6 +432,12 @@ class CoreRotor {
         r.law.stall_delay = number(with, "stall-delay"), r.law.speed_of_sound = number(with, "prandtl-glauert");
         r.radial_friction = with.contains("radial-friction");
         return r;
+    }
+
+    AnySolver make(const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine) {
+        const Accuracy& accuracy = fine ? fine_accuracy : standard_accuracy;
+        return std::visit([&](const auto& found) -> AnySolver { return RotorSolver(rotor(found, air, corrections), accuracy); },
+                          Variants<Laws>::read(law));
     }
 
     template <template <class> class LawOf>  // as in `loads`

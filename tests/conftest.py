@@ -5,6 +5,11 @@ from __future__ import annotations
 import signal
 
 import pytest
+from hypothesis import settings
+
+# Tests must not depend on the load of the machine.
+settings.register_profile("untimed", settings(deadline=None))
+settings.load_profile("untimed")
 
 
 def pytest_configure(config: pytest.Config) -> None:  # noqa: ARG001 - as pytest calls it

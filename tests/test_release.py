@@ -24,12 +24,13 @@ def cited(key: str) -> str:
 def test_the_version_is_one() -> None:
     assert re.fullmatch(r"\d+\.\d+\.\d+(rc\d+)?", propmap.__version__)
     deposited = json.loads(text_of(".zenodo.json"))
-    newest = re.search(r"^## (\S+)", text_of("CHANGELOG.md"), re.MULTILINE)
+    newest = re.search(r"^## (\S+) \((\S+)\)", text_of("CHANGELOG.md"), re.MULTILINE)
     assert newest
     recipe = re.search(r'set version = "(.*)"', text_of("recipe/meta.yaml"))
     assert recipe
     stated = {newest[1], cited("version"), deposited["version"], recipe[1]}
     assert stated == {propmap.__version__}
+    assert newest[2] == cited("date-released")
 
 
 def test_the_description_is_one() -> None:

@@ -64,6 +64,7 @@ def write(folder: Path) -> None:
     found = {
         name: json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
         for name in (
+            "accelerator",
             "after_static",
             "aircraft",
             "choice",
@@ -127,6 +128,7 @@ def write(folder: Path) -> None:
         "lifting-line-variation": lifting_line_tables.variation(found["lifting_line"]),
         "lifting-line-everywhere": lifting_line_tables.everywhere(found["lifting_line"]),
         "mjx": performance_tables.mjx(found["mjx"]),
+        "performance-accelerator": performance_tables.accelerator(found["accelerator"]),
         "performance-options": performance_tables.options(found["options"]),
         "performance-peers": performance_tables.peers(found["peers"]),
         "drag-effects": drag_effects_table(drag_effects()),

@@ -62,3 +62,32 @@ def mjx(found: dict[str, Any]) -> str:
         rate = found["vehicles_per_second"][name] / 1e6
         lines.append(f"| {words} | {found['milliseconds'][name]:.1f} | {rate:.2f} |")
     return "\n".join(lines)
+
+
+def accelerator(found: dict[str, Any]) -> str:
+    """Tabulate the speed of tables and quadrotors in JAX, and the error of single precision."""
+    place = found["machine"]
+    # The last two columns were measured once, on an H100; see the page.
+    rows = (
+        ("loads", "points", "1100", "610"),
+        ("loads_with_derivatives", "points with derivatives", "670", ""),
+        ("steps", "steps of a quadrotor", "578", ""),
+        ("steps_with_gradient", f"steps with the gradient through {found['steps']}", "184", ""),
+    )
+    lines = [
+        f"Millions per second, for {found['points']:,} points and {found['vehicles']:,} quadrotors "
+        f"({place['cpu']}, {place['cores']} cores, load {place['load_before']} at the start, JAX "
+        f"{place['jax']}), and for 1,000,000 points and 262,144 quadrotors (H100).",
+        "",
+        f"| | {place['device']}, single | double | H100, single | double |",
+        "|---|---:|---:|---:|---:|",
+    ]
+    for name, words, *once in rows:
+        each = [found["per_second"][precision][name] for precision in ("single", "double")]
+        cells = [f"{1e-6 * rate:.2g}" for rate in each]
+        lines.append(f"| {words} | {' | '.join((*cells, *once))} |")
+    lines += ["", "| load | single minus double precision, largest share of the static load |"]
+    lines.append("|---|---:|")
+    for name, apart in found["single_minus_double"].items():
+        lines.append(f"| {name.replace('_', ' ')} | {apart:.1e} |")
+    return "\n".join(lines)

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from propmap.vehicle.vehicle_forces import VehicleForces as VehicleForces
     from propmap.vehicle.vehicle_forces import VehicleWrench as VehicleWrench
 
-__version__ = "1.0.0rc1"
+__version__ = "1.0.0"
 
 _PUBLIC = {
     "catalogue.lookup": "airfoil catalogue_model propeller",

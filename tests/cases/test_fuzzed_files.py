@@ -85,7 +85,7 @@ EDITS = st.lists(
     max_size=3,
 )
 Edits = list[tuple[float, int, str]]
-QUIET: Any = {"deadline": None, "suppress_health_check": [HealthCheck.function_scoped_fixture]}
+QUIET: Any = {"suppress_health_check": [HealthCheck.function_scoped_fixture]}
 
 
 def damaged(content: bytes, edits: Edits) -> bytes:

@@ -194,9 +194,7 @@ def test_unknown_format(written: Writer, content: str) -> None:
     assert "give an APC PE0 file, a UIUC geometry file" in message_of(lambda: propeller(path))
 
 
-@settings(
-    max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     content=st.sampled_from([CSV, UIUC, PE0, TOML]),
     where=st.floats(0.0, 1.0),

@@ -44,7 +44,7 @@ sections = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=20, deadline=None, derandomize=True)
+@settings(max_examples=20, derandomize=True)
 @given(sections, st.floats(-0.2, 0.2))
 def test_random_laws_are_the_equations(section: Section, zero_lift_angle: float) -> None:
     """Camber, footnote 1 and the lift of a plate past stall included."""

@@ -46,9 +46,7 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[bytes, Veh
     return found
 
 
-@settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(name=st.sampled_from(["log.csv", "log.ulg", "log.bin", "log.bag"]), edits=BYTES)
 def test_one_line_or_a_right_reading(
     logs: dict[str, tuple[bytes, VehicleFile]],
