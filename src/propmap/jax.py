@@ -52,10 +52,7 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 
 
 def real_arrays(dtype: Any, **given: tuple[Any, int]) -> list[Any]:
-    """Return arrays from pairs of values and the length of the last axis, 0 for any length.
-
-    Raise ``InputError`` for complex values and other lengths, which JAX accepts.
-    """
+    """Return arrays from pairs of values and the length of their last axis, 0 for any length."""
     found = []
     for name, (x, count) in given.items():
         if jnp.iscomplexobj(x):
