@@ -160,7 +160,7 @@ def exchanged(coefficients: np.ndarray, one: int, other: int) -> np.ndarray:
         (lambda h, _: h["propeller"].update(radius_m=-1.0), "radius is -1.0"),
         (lambda h, _: h["propeller"].update(radius_m=100.0), "advance is 0 to 0.435275, but"),
         (lambda _, a: a.update(speed=3.6 * a["speed"]), "radius allow 0 to 1.56699"),
-        (lambda h, _: h.update(certificate={"points": 1}), "wrong: tolerance is missing"),
+        (lambda h, _: h.update(certificate={"points": 1}), "certificate: tolerance is missing"),
         (lambda h, _: h["certificate"].update(points=np.nan), "points is missing or not a number"),
         (lambda h, _: h["certificate"].update(points=-1), "points is missing or not a number"),
         (lambda h, _: h["certificate"].update(tolerance=1e-4), "the errors exceed the tolerance"),

@@ -31,12 +31,7 @@ ARRAYS = dict.fromkeys(("advance", "beta", "omega", "speed"), "f8") | {
 
 MOST_UNPACKED = 400_000_000  # largest size of its arrays according to the zip directory [bytes]
 
-LATER = (
-    "search_points",
-    "max_omega",
-    "max_speed",
-    "max_beta",
-)  # not in certificates of earlier versions
+LATER = "search_points max_omega max_speed max_beta"  # not in certificates of earlier versions
 _DAMAGED = BadZipFile, zlib.error
 _REMEDY = "give a file written by `propmap table`"
 
@@ -109,27 +104,26 @@ def _info(found: dict[str, Any]) -> dict[str, Any]:
     missing = [name for name in ARRAYS if name not in (*found, "deviations")]
     if missing:
         raise InputError(f"the table has no {missing[0]}", _REMEDY)
-    wrong = _fault(info["certificate"]) if info.get("certificate") else ""
-    if wrong:
-        raise InputError(f"the table's certificate is wrong: {wrong}", "build the table again")
+    if info.get("certificate"):
+        _check(info["certificate"])
     return dict(info)
 
 
-def _fault(certificate: Any) -> str:
-    """Return the error in a certificate, or an empty text."""
+def _check(certificate: Any) -> None:
+    """Raise ``InputError`` for a ``certificate`` with wrong numbers, or that does not hold."""
     for field in fields(Certificate):
         try:
             value = certificate.get(field.name)
-            if field.name in LATER and not value:
+            if field.name in LATER.split() and not value:
                 continue
             by_load = str(field.type).startswith("dict")
             numbers = [value[load] for load in LOADS] if by_load else [value]
         except (AttributeError, TypeError, KeyError):
             numbers = [None]
         if not all(type(n) in (int, float) and 0.0 <= n < math.inf for n in numbers):
-            return f"{field.name} is missing or not a number from 0"
-    largest = max(certificate["max_error"][load] for load in LOADS)
-    return "" if largest <= certificate["tolerance"] else "the errors exceed the tolerance"
+            raise InputError(f"certificate: {field.name} is missing or not a number from 0")
+    if max(certificate["max_error"][load] for load in LOADS) > certificate["tolerance"]:
+        raise InputError("certificate: the errors exceed the tolerance")
 
 
 def write_netcdf(content: TableContent, path: str | os.PathLike[str]) -> None:
