@@ -3,8 +3,9 @@
 Usage: python -m tools.flight_held_out VEHICLE.toml FLIGHT.csv FLIGHT.csv
 
 The tool fits each flight with `propmap fit flight` and checks the fit on the other flight with
-`propmap check`.  For comparison, it fits a linear model of the moments.  It also computes the
-frequency response of the measured moments to differences of the rotor thrusts.  It writes
+`propmap check`.  For comparison, it adds inflow states to the loads of the fit, and it fits a
+linear model of the moments.  It also computes the frequency response of the measured moments to
+differences of the rotor thrusts.  It writes
 benchmarks/results/flight_held_out.json.
 """
 
@@ -22,15 +23,21 @@ from typing import Any
 import numpy as np
 from scipy.signal import csd
 
+from propmap.catalogue.lookup import airfoil
 from propmap.cli.fit_flight import BODY_PLATE, read_flights
+from propmap.dynamic_inflow import DynamicInflow
+from propmap.fit import comparison
 from propmap.fit.files import read_fit
-from propmap.fit.flight import HoverScale
+from propmap.fit.flight import AXES, MOMENTS, HoverScale, wakes_with
 from propmap.fit.least_squares import rms
 from propmap.fit.moments import FACTORS, measured_moment
 from propmap.io.csv import replacing
+from propmap.model.model import Model
+from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.files import VehicleFile, read_vehicle
-from propmap.vehicle.log import DERIVATIVE_CUTOFF, FlightLog, hub_flow
+from propmap.vehicle.log import DERIVATIVE_CUTOFF, FlightLog, hub_flow, low_pass
+from propmap.vehicle.wakes import in_wakes
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "flight_held_out.json"
 EDGES = (0.0, 0.5, 1.0, 3.0, 14.0)  # edges of the frequency bands [Hz]
@@ -45,6 +52,7 @@ def main(vehicle: str, *flights: str) -> None:
             loads = fit_and_check(vehicle, seen, unseen, fit)
             found = read_fit(fit)
             # The same fit with a body force proportional to |v_z| v_z instead of V v_z.
+            lagging = errors_with_inflow_states(fit, unseen, file)
             free = ",".join(found.record.free).replace(BODY_PLATE, "drag_area_z")
             given = ("--free", free, "--prior-from", "population")
             quadratic = fit_and_check(vehicle, seen, unseen, fit, *given)
@@ -63,6 +71,7 @@ def main(vehicle: str, *flights: str) -> None:
                     "propmap": one["rms"],
                     "hover_model": one["hover_rms"],
                     "linear": linear.get(load),
+                    "inflow_states": lagging[load],
                     "quadratic_along_z": quadratic[name]["rms"],
                     "in_band": one["in_band"],
                 }
@@ -79,6 +88,41 @@ def fit_and_check(vehicle: str, seen: str, unseen: str, fit: Path, *options: str
     told("fit", "flight", seen, "--vehicle", vehicle, "-o", str(fit), *options)
     text = told("check", str(fit), unseen, "--vehicle", vehicle, "--format", "json")
     return dict(json.loads(text)["loads"])
+
+
+def errors_with_inflow_states(fit: Path, unseen: str, file: VehicleFile) -> dict[str, float]:
+    """Return rms errors of a fit on the other flight with the inflow of `DynamicInflow`, by load.
+
+    The states advance with the recorded rotor speeds and velocities, in the wakes of the fit.  The
+    difference from the steady loads is low-passed like all signals.
+    """
+    vehicle, fitted, law = file.vehicle, read_fit(fit), airfoil(fit)
+    raw, log = (low_passed(unseen, file, cutoff) for cutoff in (0.0, fitted.low_pass))
+    values, _ = comparison.values_for(fitted, vehicle, raw, [Path(unseen)])
+    model, wakes = Model(vehicle.propeller, law, vehicle.air), wakes_with(vehicle, values)
+    flow = hub_flow(vehicle, raw)
+    assert wakes is not None
+    near = in_wakes(vehicle, wakes, model, flow)
+    spins = [mount.spin for mount in vehicle.mounts]
+    rotor, steps = Rotor(model), np.diff(raw.time, append=raw.time[-1])
+    dynamic = DynamicInflow(rotor, spin=spins)
+    state = dynamic.steady(near.omega[0], near.velocity[0])
+    change = np.zeros((len(raw), len(spins), 6))
+    for k, step in enumerate(steps):
+        found, state = dynamic.advance(state, step, near.omega[k], near.velocity[k])
+        change[k] = np.concatenate([found.force, found.moment], axis=1)
+    for k, spin in enumerate(spins):
+        steady = rotor.wrench(near.omega[:, k], near.velocity[:, k], spin)
+        change[:, k] -= np.concatenate([steady.force, steady.moment], axis=1)
+    change[..., 3:] += np.cross(flow.position, change[..., :3])
+    step = float(np.median(steps))
+    relative, padding = 2.0 * fitted.low_pass * step, round(2.0 / (fitted.low_pass * step))
+    moved = low_pass(change.sum(axis=1), relative, padding)
+    moved[:, 3:] *= sum(values[name] * axes for name, axes in FACTORS.items())
+    predicted = comparison.flight_forces(vehicle, log, law, values).model + moved
+    both = vehicle.mass * log.specific_force, measured_moment(vehicle, log)
+    off = predicted - np.concatenate(both, axis=1)
+    return {name: rms(off[:, k]) for k, name in enumerate((*AXES, *MOMENTS))}
 
 
 def told(*command: str) -> str:

@@ -28,6 +28,8 @@ class RotorForces(LeafSystem):
 
     def __init__(self, forces, body, time_constant):
         super().__init__()
+        if not time_constant > 0.0:
+            raise ValueError(f"time_constant is {time_constant} s: give a positive number")
         self.forces, self.body, self.time_constant = forces, body, time_constant
         k = len(forces.vehicle.mounts)
         self.poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]())

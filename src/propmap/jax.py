@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.errors import require
+from propmap.errors import InputError, require
 from propmap.loads import FLOW, LOADS
 from propmap.rotor import Rotor
 from propmap.typing import Floats
@@ -46,9 +46,22 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
     constants and blade, use ``Rotor.gradients``.  If ``Rotor.gradients`` refuses a value, the
     computation stops with the message of ``Rotor.gradients``.
     """
-    dtype = jnp.result_type(float)
-    given = [jnp.asarray(value, dtype) for value in (omega, v_axial, v_inplane)]
+    flow = {"omega": (omega, 0), "v_axial": (v_axial, 0), "v_inplane": (v_inplane, 0)}
+    given = real_arrays(jnp.result_type(float), **flow)
     return jnp.moveaxis(_loads(rotor, *jnp.broadcast_arrays(*given)), -1, 0)
+
+
+def real_arrays(dtype: Any, **given: tuple[Any, int]) -> list[Any]:
+    """Return arrays from pairs of values and the length of their last axis, 0 for any length."""
+    found = []
+    for name, (x, count) in given.items():
+        if jnp.iscomplexobj(x):
+            raise InputError(f"{name} is complex", "give real numbers")
+        found.append(jnp.asarray(x, dtype))
+        if count and found[-1].shape[-1:] != (count,):
+            remedy = f"its last axis must hold {count}"
+            raise InputError(f"{name} has shape {found[-1].shape}", remedy)
+    return found
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))

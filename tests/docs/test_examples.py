@@ -115,6 +115,38 @@ def test_drake_s_example_slows_down() -> None:
     assert (np.diff([10.0, *forward]) < -0.2).all() and (np.diff([0.0, *pitching]) < -0.3).all()
 
 
+@pytest.mark.parametrize(
+    ("command", "lag", "message"),
+    [
+        ([np.nan] * 4, 0.03, "not finite"),
+        ([np.inf] * 4, 0.03, "not finite"),
+        ([-2000.0] * 4, 0.03, "no loads at this operating point .*outside"),
+        ([700.0] * 3, 0.03, "size=4 for input port 'command'"),
+        ([700.0] * 4, -0.03, "time_constant is -0.03 s"),
+        ([700.0] * 4, np.nan, "time_constant is nan s"),
+    ],
+)
+def test_drake_s_example_refuses_bad_input(
+    table: LoadTable, command: list[float], lag: float, message: str
+) -> None:
+    package("pydrake")
+    from examples.drake.rotor_forces import Simulator, flying
+
+    vehicle = propmap.read_vehicle(EXAMPLES / "quadrotor.toml").vehicle
+
+    def fly() -> None:
+        diagram = flying(propmap.VehicleForces(vehicle, table), lag)
+        simulator = Simulator(diagram)
+        context = simulator.get_mutable_context()
+        rotors = diagram.GetSubsystemByName("rotors").GetMyMutableContextFromRoot(context)
+        rotors.SetContinuousState([700.0] * 4)
+        diagram.GetInputPort("command").FixValue(context, command)
+        simulator.AdvanceTo(0.2)
+
+    with pytest.raises((ValueError, RuntimeError), match=message):
+        fly()
+
+
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_an_example_runs(name: str, table: LoadTable, tmp_path: Path) -> None:
     target, needed = EXPORTED.get(name, (None, None))

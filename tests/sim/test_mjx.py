@@ -86,6 +86,20 @@ def test_it_is_the_wrench_of_numpy(x64: bool, tolerance: float) -> None:
         np.testing.assert_allclose(held.force[row], at_end[row], rtol=0.0, atol=tolerance * size)
 
 
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -500.0])
+def test_bad_numbers_have_no_loads(bad: float) -> None:
+    """In each speed, velocity, rate and wind; NaN also clamped."""
+    forces, good = JaxForces.from_vehicle(VEHICLE, TABLE), states(1)
+    for part, array in enumerate(good):
+        for k in range(array.shape[1]):
+            given = [np.array(x[0]) for x in good]
+            given[part][k] = bad
+            for clamp in (False, True) if np.isnan(bad) else (False,):
+                found = WRENCH(forces, *given, clamp=clamp)
+                assert STATUSES[int(found.code)] == "outside"
+                assert not np.isfinite([found.force, found.moment]).any()
+
+
 def differentiated() -> Callable[..., tuple[Any, ...]]:
     """Values and derivatives of a number of which all of force and moment is a part."""
     forces = JaxForces.from_vehicle(VEHICLE, TABLE)
@@ -238,6 +252,20 @@ WRONG: dict[str, tuple[Callable[[], Any], str]] = {
     "a number for a velocity": (
         lambda: JaxForces.from_vehicle(VEHICLE, TABLE).wrench([500.0] * 4, 3.0),
         "velocity has shape ()",
+    ),
+    "a complex wind": (
+        lambda: JaxForces.from_vehicle(VEHICLE, TABLE).wrench(
+            [500.0] * 4, [0.0] * 3, wind=[1j] * 3
+        ),
+        "wind is complex; give real numbers",
+    ),
+    "a velocity of two components": (
+        lambda: JaxForces.from_vehicle(VEHICLE, TABLE).table.loads_at_velocity(500.0, [1.0, 2.0]),
+        "velocity has shape (2,); its last axis must hold 3",
+    ),
+    "one command": (
+        lambda: rotors_on(model_of()).apply(None, [500.0] * 4, [500.0]),
+        "commands has shape (1,); its last axis must hold 4",
     ),
     "no such body": (
         lambda: rotors_on(model_of(), body="drone"),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
 
 from propmap.errors import InputError, quoted, require
+from propmap.jax import real_arrays
 from propmap.model.airfoil import Airfoil
 from propmap.results import spin_sign
 from propmap.table import JaxTable, LoadTable
@@ -94,15 +95,13 @@ class JaxForces:
         Raises
         ------
         InputError
-            If a last axis does not have k speeds, or x, y, z.
+            If a last axis does not have k speeds, or x, y, z; for complex values.
         """
-        given = {"omega": omega, "velocity": velocity, "rates": rates, "wind": wind}
-        counts = (len(self.vehicle.mounts), 3, 3, 3)
-        arrays = {name: jnp.asarray(x, self.table.lows.dtype) for name, x in given.items()}
-        for (name, x), count in zip(arrays.items(), counts, strict=True):
-            if x.shape[-1:] != (count,):
-                raise InputError(f"{name} has shape {x.shape}", f"its last axis must hold {count}")
-        omega, moving, turning, air = arrays.values()
+        omega, moving, turning, air = real_arrays(
+            self.table.lows.dtype,
+            omega=(omega, len(self.vehicle.mounts)),
+            **{"velocity": (velocity, 3), "rates": (rates, 3), "wind": (wind, 3)},
+        )
         through, place, axis = moving - air, self.vehicle.hub_positions, self.vehicle.rotor_axes
         hubs = through[..., None, :] + jnp.cross(turning[..., None, :], place)
         axial = jnp.sum(hubs * axis, axis=-1)
@@ -233,6 +232,8 @@ class MjxRotors:
     ) -> tuple[Any, Any, Any]:
         """Write the aerodynamic force and moment to ``xfrc_applied``; call it before ``mjx.step``.
 
+        Raises ``InputError`` as ``JaxForces.wrench``.
+
         Parameters
         ----------
         data : mjx.Data
@@ -253,10 +254,12 @@ class MjxRotors:
         code : array of int
             As for ``JaxWrench``.
         """
+        given = {"omega": (omega, len(self.momenta)), "commands": (commands, len(self.momenta))}
+        omega, commands, wind = real_arrays(self.step.dtype, **given, wind=(wind, 3))
         turn = Rotation.from_quat(jnp.roll(data.qpos[self.qpos + 3 : self.qpos + 7], -1))
         moving, rates = data.qvel[self.dof : self.dof + 3], data.qvel[self.dof + 3 : self.dof + 6]
         velocity = turn.apply(moving, inverse=True) + jnp.cross(rates, self.center)
-        air = turn.apply(jnp.asarray(wind), inverse=True)
+        air = turn.apply(wind, inverse=True)
         found = self.forces.wrench(omega, velocity, rates, air, clamp=clamp)
         after = commands + self.left * (omega - commands)
         change = (after - omega) / self.step

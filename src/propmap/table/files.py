@@ -6,7 +6,7 @@ import json
 import math
 import os
 import zlib
-from dataclasses import MISSING, Field, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile, ZipFile
@@ -31,6 +31,7 @@ ARRAYS = dict.fromkeys(("advance", "beta", "omega", "speed"), "f8") | {
 
 MOST_UNPACKED = 400_000_000  # largest size of its arrays according to the zip directory [bytes]
 
+LATER = "search_points max_omega max_speed max_beta"  # not in certificates of earlier versions
 _DAMAGED = BadZipFile, zlib.error
 _REMEDY = "give a file written by `propmap table`"
 
@@ -68,10 +69,9 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
     except (ValueError, TypeError, LookupError, EOFError, RuntimeError, MemoryError, *_DAMAGED):
         # NumPy and zipfile raise these for truncated, altered, pickled, encrypted or foreign files.
         raise InputError("the file is not a table, or it is damaged", _REMEDY, where) from None
-    info = _info(read, where)
-    stated = info.pop("sha256", None)
     try:
-        arrays: dict[str, Any] = {}
+        info = _info(read)
+        stated, arrays = info.pop("sha256", None), dict[str, Any]()
         for name in read.keys() - {"info"}:
             if read[name].dtype.str[1:] != ARRAYS[name]:
                 raise InputError(f"{name} has values of the wrong type ({read[name].dtype})")
@@ -81,56 +81,49 @@ def read_table(path: str | os.PathLike[str]) -> TableContent:
             raise InputError("the numbers do not match the checksum")
         return content
     except InputError as error:
-        raise InputError(error.found, "the file is damaged; build the table again", where) from None
+        remedy = error.remedy or "the file is damaged; build the table again"
+        raise InputError(error.found, remedy, where) from None
 
 
-def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
+def _info(found: dict[str, Any]) -> dict[str, Any]:
     """Check the format, loads, arrays and certificate of a file, and return its ``info``."""
     try:
         info = json.loads(str(found["info"][()]))
         name, version = info.pop("format"), info.pop("format_version")
     except (KeyError, ValueError, TypeError, AttributeError, RecursionError):
-        raise InputError("the file does not describe a table", _REMEDY, where) from None
+        raise InputError("the file does not describe a table", _REMEDY) from None
     if name != FORMAT:
-        raise InputError(f"the format is {quoted(name)}, expected {FORMAT!r}", _REMEDY, where)
+        raise InputError(f"the format is {quoted(name)}, expected {FORMAT!r}", _REMEDY)
     if version != FORMAT_VERSION:
-        raise InputError(
-            f"the table's format version is {quoted(version)}, this propmap reads {FORMAT_VERSION}",
-            "install the propmap version that wrote it, or build the table again",
-            where,
-        )
+        fault = f"the table's format version is {quoted(version)}, this propmap reads "
+        remedy = "install the propmap version that wrote it, or build the table again"
+        raise InputError(f"{fault}{FORMAT_VERSION}", remedy)
     if info.get("loads", list(LOADS)) != list(LOADS):
         fault = f"the table contains {quoted(info['loads'])}, this propmap has {', '.join(LOADS)}"
-        raise InputError(fault, "build the table again", where)
+        raise InputError(fault, "build the table again")
     missing = [name for name in ARRAYS if name not in (*found, "deviations")]
     if missing:
-        raise InputError(f"the table has no {missing[0]}", _REMEDY, where)
-    certificate = info.get("certificate")
-    if certificate:
-        lacking = [field.name for field in fields(Certificate) if not _states(certificate, field)]
-        if lacking:
-            fault = f"the table's certificate does not contain a valid {lacking[0]}"
-            raise InputError(fault, "build the table again", where)
-        if max(certificate["max_error"].values()) > certificate["tolerance"]:
-            fault = "the errors in the table's certificate exceed its tolerance"
-            raise InputError(fault, "build the table again", where)
+        raise InputError(f"the table has no {missing[0]}", _REMEDY)
+    if info.get("certificate"):
+        _check(info["certificate"])
     return dict(info)
 
 
-def _states(certificate: Any, field: Field[Any]) -> bool:
-    """Return whether a ``field`` of a certificate is valid, or absent in an older certificate."""
-    if not isinstance(certificate, dict):
-        return False
-    value = certificate.get(field.name)
-    newer = field.default is not MISSING or field.default_factory is not MISSING
-    if newer and value in (None, {}):
-        return True
-    numbers: list[Any] = [value]
-    if str(field.type).startswith("dict"):
-        if not (isinstance(value, dict) and sorted(value) == sorted(LOADS)):
-            return False
-        numbers = list(value.values())
-    return all(type(n) in (int, float) and 0.0 <= n < math.inf for n in numbers)
+def _check(certificate: Any) -> None:
+    """Raise ``InputError`` for a ``certificate`` with wrong numbers, or that does not hold."""
+    for field in fields(Certificate):
+        try:
+            value = certificate.get(field.name)
+            if field.name in LATER.split() and not value:
+                continue
+            by_load = str(field.type).startswith("dict")
+            numbers = [value[load] for load in LOADS] if by_load else [value]
+        except (AttributeError, TypeError, KeyError):
+            numbers = [None]
+        if not all(type(n) in (int, float) and 0.0 <= n < math.inf for n in numbers):
+            raise InputError(f"certificate: {field.name} is missing or not a number from 0")
+    if max(certificate["max_error"][load] for load in LOADS) > certificate["tolerance"]:
+        raise InputError("certificate: the errors exceed the tolerance")
 
 
 def write_netcdf(content: TableContent, path: str | os.PathLike[str]) -> None:

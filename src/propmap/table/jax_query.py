@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap.errors import require
+from propmap.jax import real_arrays
 from propmap.table.interpolation import NO_VALUE, OUTSIDE, cell_codes, interval_polynomials
 from propmap.table.query import SLACK, TORQUE, JaxLoads, LoadTable, cartesian_slopes, chain_rule
 
@@ -81,7 +82,7 @@ class JaxTable(NamedTuple):
         clamp : bool
             As in ``loads``; outside, the derivatives with respect to the velocity are zero.
         """
-        velocity = jnp.asarray(velocity)
+        (velocity,) = real_arrays(self.lows.dtype, velocity=(velocity, 3))
         x, y, axial = velocity[..., 0], velocity[..., 1], velocity[..., 2]
         inplane = _length(x, y)
         w, v, b, inside = self._bounded(
@@ -104,9 +105,8 @@ class JaxTable(NamedTuple):
         return jnp.where(inside, known, OUTSIDE)
 
     def _bounded(self, omega: Any, speed: Any, beta: Any) -> tuple[Any, Any, Any, Any]:
-        given = jnp.broadcast_arrays(
-            *(jnp.asarray(x, self.lows.dtype) for x in (omega, speed, beta))
-        )
+        points = {"omega": (omega, 0), "speed": (speed, 0), "beta": (beta, 0)}
+        given = jnp.broadcast_arrays(*real_arrays(self.lows.dtype, **points))
         held = [jnp.clip(x, self.lows[k], self.highs[k]) for k, x in enumerate(given)]
         slack = max(SLACK, 4.0 * float(np.finfo(self.lows.dtype).eps))
         near = [
