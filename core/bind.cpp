@@ -298,11 +298,11 @@ class CoreRotor {
     // States (..., size) after steps of `time` (...) [s], or the rates of the `state` (..., size) if `time` is `...`, or static
     // states if `state` is `...`; and rows (..., 17) before the step: force and moment on the vehicle in the rotor frame, and
     // the numbers of `keep`.  `spin` (...) is 1 for counter-clockwise.
-    nb::tuple inflow_motion(nb::handle of_state, nb::handle of_time, nb::handle of_omega, nb::handle of_velocity, nb::handle of_spin,
-                            int threads) const {
+    nb::tuple inflow_motion(nb::handle x, nb::handle dt, nb::handle w, nb::handle v, nb::handle turning, int threads) const {
         const std::size_t size = inflow_size(), row = 6 + kept;
-        const Argument state("state", of_state, size), time("dt", of_time, 0, false), omega("omega", of_omega, 0, false);
-        const Argument velocity("velocity", of_velocity, 3), spin("spin", of_spin);
+        expect("state", size, harmonics_first, true);
+        const Argument state("state", x, size), time("dt", dt, 0, false), omega("omega", w, 0, false);
+        const Argument velocity("velocity", v, 3), spin("spin", turning);
         const Shape shape = Argument::shape_of({&omega, &velocity, &state, &time, &spin});
         double *moved, *rows;
         auto moved_array = make_array(shape, moved, size), row_array = make_array(shape, rows, row);
@@ -316,14 +316,14 @@ class CoreRotor {
                 if (!state.given()) inflow.steady(flow, heading, to);
                 const Solution& s = inflow.move(flow, heading, state.given() ? state.at(k, shape) : to, *time.at(k, shape),
                                                 state.given() && !time.given() ? to : nullptr, time.given() ? to : nullptr);
-                const Wrench w = hub_wrench(up, heading.spin, hub.ahead, s.result.loads);
-                keep(s, solver.rotor(), ::keep(w.moment, ::keep(w.force, into)), 0, 1);
+                const Wrench on = hub_wrench(up, heading.spin, hub.ahead, s.result.loads);
+                keep(s, solver.rotor(), ::keep(on.moment, ::keep(on.force, into)), 0, 1);
             });
         }, solver_);
         return nb::make_tuple(moved_array, row_array);
     }
 
-    // Fields over the disk at one operating point, for S radii, at most `most_nodes`: rows (S, 4) and (S, P, 6) of `DiskField`.
+    // Fields over the disk at one operating point, for S radii, at most `most_nodes`: arrays (S, 4) and (S, P, 6).
     nb::tuple disk_field(const Points& points, const std::vector<double>& radii, const std::vector<double>& psi) const {
         expect("points", points.shape(1), 1), expect("radii", std::min(radii.size(), std::size_t(most_nodes)), radii.size());
         double *mean, *local;

@@ -318,6 +318,11 @@ def test_arrays_of_another_length_are_refused_by_name() -> None:
                 call(np.ones(wrong))
 
 
+def without_dynamics() -> Any:
+    blade, coleman = pm.propeller("apc-8x6e"), (pm.correction("coleman"),)
+    return pm.Rotor(pm.Model(blade, pm.airfoil("paper-apc"), corrections=coleman))._core
+
+
 @pytest.mark.parametrize(
     "call",
     [
@@ -327,6 +332,7 @@ def test_arrays_of_another_length_are_refused_by_name() -> None:
         lambda: core.hub_flows(np.zeros((0, 3)), np.zeros((2, 3))),
         lambda: core.hub_wrenches(np.zeros((0, 3)), FLAT[:0], FLAT[:0].reshape(0, 3), FLAT[:0]),
         lambda: rotor()._core.disk_field(np.ones((5, 1)), np.full(1101, 0.05), [0.0]),
+        lambda: without_dynamics().inflow_motion(..., ..., 600.0, np.zeros(3), np.ones(1), 1),
     ],
 )
 def test_arrays_too_short_or_too_long_are_refused(call: Callable[[], Any]) -> None:
