@@ -32,7 +32,7 @@ DiskField disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::v
         disk.at[g] = station_at(rotor, f.omega, each_lane([&](int k) {
             return radii[std::min<std::size_t>(g * width + k, radii.size() - 1)];
         }));
-    solve_nodes(solver.annuli(s), disk, nullptr, false);
+    solve_nodes(solver.annuli(s), disk, {});
     const double ring = vortex_ring::weight(f), ring_inflow = vortex_ring::inflow(f);
     DiskField field;
     for (int g = 0; g < disk.groups; ++g) {

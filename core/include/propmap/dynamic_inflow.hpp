@@ -137,7 +137,7 @@ template <template <class> class LawOf> class DynamicInflow {
 
         // Compute the loads with the harmonics of the state, and the derivatives of the loads by the harmonics.
         s.harmonics = {h[0], h[1], h[2]};
-        solver_->find_loads_at(s, around);
+        solver_->find_loads(s, around, false);
         solver_->set_status(s, false);
         double rate[3]{}, change[3]{};
         if (around) move_harmonics(s, thrust_without, time, rate, change);
