@@ -1,4 +1,4 @@
-"""Draw the figures of the documentation: angles, a blade element, results, architecture.
+"""Draw the figures of the documentation: angles, blade element, results, root search, architecture.
 
 Usage: python -m tools.docs_figures FOLDER
 
@@ -21,7 +21,7 @@ from matplotlib.patches import Arc, Circle, Polygon
 
 from propmap.io.csv import replacing
 from propmap.report.html import COLORS, MARKERS, key, new_figure, style
-from tools import architecture_picture
+from tools import architecture_picture, root_search_pictures
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 BLUE, RED, GREEN, PINK = COLORS[:4]
@@ -42,6 +42,9 @@ def write(folder: Path) -> None:
         "choice": cost_against_error(choice),
         "mission": mission(checked),
         "architecture": architecture_picture.picture(),
+        "root-search-one": root_search_pictures.one_root(),
+        "root-search-three": root_search_pictures.three_roots(),
+        "root-search-fold": root_search_pictures.fold(),
     }
     for name, figure in figures.items():
         with (
