@@ -12,6 +12,7 @@
 #include <thread>
 #include <variant>
 
+#include "propmap/derivatives.hpp"
 #include "propmap/disk_field.hpp"
 #include "propmap/dynamic_inflow.hpp"
 #include "propmap/instructions.hpp"
@@ -366,10 +367,10 @@ class CoreRotor {
             }
             result["edge"] = make_array({std::size_t(s.disk.panels) + 1}, edge);
             nb::list folds;
-            const char* kinds[] = {"fold", "shoulder", "angle"};
+            const char* kinds[] = {"", "fold", "shoulder", "angle"};
             for (int k = 0; k <= s.disk.panels; ++k) {
-                edge[k] = s.disk.edge[k];
-                folds.append(!s.disk.moves[k] ? "" : kinds[int(s.disk.fold[k].kind)]);
+                edge[k] = s.disk.edge[k].radius;
+                folds.append(kinds[int(s.disk.edge[k].kind)]);
             }
             result["fold"] = folds, result["azimuths"] = 2 * s.psi.count;
             result["windmill"] = s.windmill;
@@ -478,7 +479,7 @@ class CoreRotor {
                 Rotor<Dual<double, N>, LawOf> rotor;
                 Flow<Dual<double, N>> flow;
                 seed<N, LawOf>(solver.rotor(), s.flow, {which.begin() + first, which.begin() + last}, rotor, flow);
-                const auto found = solver.template slopes<N>(s, rotor, flow);
+                const auto found = load_slopes<N>(solver, s, rotor, flow);
                 for (int j = 0; j < Loads<double>::count; ++j)
                     for (std::size_t d = first; d < last; ++d) keep_slope(j, place[d], found.begin()[j].d[d - first]);
                 return last;

@@ -93,6 +93,7 @@ html_sidebars = {
         "tutorial",
         "choosing",
         "theory",
+        "root-search",
         "equations",
         "validation",
         "architecture",

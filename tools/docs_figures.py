@@ -1,4 +1,4 @@
-"""Draw the figures of the documentation: angles, a blade element, results, architecture.
+"""Draw the figures of the documentation: angles, blade element, results, root search, architecture.
 
 Usage: python -m tools.docs_figures FOLDER
 
@@ -23,7 +23,7 @@ from matplotlib.patches import Arc, Circle, Polygon
 import propmap
 from propmap.io.csv import replacing
 from propmap.report.html import COLORS, MARKERS, key, new_figure, style
-from tools import architecture_picture
+from tools import architecture_picture, root_search_pictures
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 BLUE, RED, GREEN, PINK = COLORS[:4]
@@ -45,6 +45,9 @@ def write(folder: Path) -> None:
         "mission": mission(checked),
         "inflow_lag": inflow_lag(),
         "architecture": architecture_picture.picture(),
+        "root-search-one": root_search_pictures.one_root(),
+        "root-search-three": root_search_pictures.three_roots(),
+        "root-search-fold": root_search_pictures.fold(),
     }
     for name, figure in figures.items():
         with (

@@ -121,3 +121,11 @@ def test_the_tests_exist(subject: str, cell: str) -> None:
         file = before or file
         text = (ROOT / "tests" / file).read_text(encoding="utf-8")
         assert name.startswith("test_") and f"\ndef {name}(" in text, f"{subject}: {word}"
+
+
+def test_names_on_the_page_about_the_root_search_are_in_the_headers() -> None:
+    page = (ROOT / "docs" / "root-search.md").read_text(encoding="utf-8")
+    headers = " ".join(path.read_text(encoding="utf-8") for path in HEADERS.glob("*.hpp"))
+    names = set(re.findall(r"`(?:\w+::)?([a-zA-Z_]+)`", page))
+    assert len(names) > 20
+    assert {name for name in names if not re.search(rf"\b{name}\b", headers)} == set()

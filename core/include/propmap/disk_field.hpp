@@ -24,7 +24,7 @@ void disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector
         disk.at[g] = station_at(rotor, f.omega, each_lane([&](int k) {
             return radii[std::min<std::size_t>(g * width + k, radii.size() - 1)];
         }));
-    solve_nodes(solver.annuli(s), disk, nullptr, false);
+    solve_nodes(solver.annuli(s), disk, {});
     const double ring = vortex_ring::weight(f), ring_inflow = vortex_ring::inflow(f);
     for (int g = 0; g < disk.groups; ++g) {
         const auto& at = disk.at[g];

@@ -144,13 +144,14 @@ template <class R, class St, class F>
         const Lanes v = even + lateral * psi.sine[k] + longitudinal * (side * psi.cosine[k]);
         return element_flow(at, flow, Dual<Lanes, 1>{v, {broadcast(1.0)}}, psi.sine[k]);
     };
-    auto behind = flow_at(0, 1.0);
+    const bool symmetric = harmonics.longitudinal == 0.0;  // then the forces at the front are those at the rear
+    auto behind = flow_at(0, 1.0), before = behind;
     for (int k = 0; k < psi.count; ++k) {
         const double sine = psi.sine[k], cosine = psi.cosine[k];
-        const auto before = flow_at(k, -1.0);
+        if (!symmetric) before = flow_at(k, -1.0);
         const auto rear = forces_in(rotor, at, behind);
         if (k + 1 < psi.count) behind = flow_at(k + 1, 1.0);
-        const auto front = forces_in(rotor, at, before);
+        const auto front = symmetric ? rear : forces_in(rotor, at, before);
         const auto both = [&](const auto& r, const auto& f, Turn<Lanes>& force, Turn<Lanes>& slope, Turn<Lanes>& square) {
             add(force, Lanes(r.v + f.v), Lanes(r.v - f.v), sine, cosine);
             const Lanes even_slope = r.d[0] + f.d[0], odd_slope = r.d[0] - f.d[0];

@@ -53,6 +53,12 @@ inline bool any(Mask m) {
     return r != 0;
 }
 
+inline double sum(Lanes x) {  // over all lanes
+    double total = 0.0;
+    for (int k = 0; k < width; ++k) total += x[k];
+    return total;
+}
+
 inline double absolute(double x) { return std::fabs(x); }
 inline Lanes absolute(Lanes x) { return std::bit_cast<Lanes>(std::bit_cast<Mask>(x) & 0x7fffffffffffffff); }
 

@@ -92,4 +92,27 @@ template <class S> HarmonicResponse<S> harmonic_response(InflowShape shape, cons
     return r;
 }
 
+// Newton step of the harmonics toward harmonics = response(loads), by Cramer's rule.  `wanted` is the right-hand side
+// minus the left-hand side, `by` the derivatives of the loads with respect to the harmonics.
+template <class S>
+Harmonics<S> harmonics_step(const HarmonicResponse<double>& r, const Loads<double> (&by)[3], const S (&wanted)[3]) {
+    double m[3][3];
+    for (int k = 0; k < 3; ++k) {
+        m[0][k] = (k == 0) - r.mean_by_thrust * by[k].thrust;
+        m[1][k] = (k == 1) - r.by_roll * by[k].roll_moment;
+        m[2][k] = (k == 2) - r.by_thrust * by[k].thrust + r.by_rear * by[k].pitch_moment;
+    }
+    const auto minor = [&](int i, int j) {
+        const int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+        return m[a][c] * m[b][d] - m[a][d] * m[b][c];
+    };
+    double determinant = 0.0;
+    for (int j = 0; j < 3; ++j) determinant += m[0][j] * minor(0, j);
+    const double per = 1.0 / (determinant == 0.0 ? 1e-30 : determinant);
+    const auto solved = [&](int j) {
+        return S(per * (minor(0, j) * wanted[0] + minor(1, j) * wanted[1] + minor(2, j) * wanted[2]));
+    };
+    return {solved(0), solved(1), solved(2)};
+}
+
 }  // namespace propmap

@@ -1,0 +1,187 @@
+// Derivatives of the loads of a rotor by forward mode, through eq. (11), the harmonics and the edges of the panels.
+//
+// The dual numbers in a rotor and a flow define the directions.  The root of (11), the folds and the harmonics are
+// differentiated by the implicit function theorem at the solution; no search is repeated.
+#pragma once
+
+#include "rotor.hpp"
+
+namespace propmap {
+
+// Sum over lanes.
+template <int N> Dual<double, N> sum(const Dual<Lanes, N>& x) {
+    Dual<double, N> total{sum(x.v), {}};
+    for (int k = 0; k < N; ++k) total.d[k] = sum(x.d[k]);
+    return total;
+}
+
+template <int N, template <class> class LawOf> using DualRotor = Rotor<Dual<double, N>, LawOf>;
+
+// Radii and weights of the nodes, with derivatives, because nodes move with the edges of panels.
+template <class S> struct MovingNodes {
+    using T = decltype(Lanes{} * S{});
+    std::vector<T> radius, weight;
+
+    MovingNodes(const Disk& disk, const std::array<S, most_folds + 2>& edge) : radius(disk.groups), weight(disk.groups) {
+        disk.for_each_node([&](int node, int panel, const PanelRule& rule, int k) {
+            const S length = edge[panel + 1] - edge[panel];
+            const S y = edge[panel] + length * rule.place[k], w = length * (node < disk.nodes ? rule.weight[k] : 0.0);
+            T &r = radius[node / width], &wide = weight[node / width];
+            const int lane = node % width;
+            r.v[lane] = y.v, wide.v[lane] = w.v;
+            for (int d = 0; d < directions_of<S>; ++d) r.d[d][lane] = y.d[d], wide.d[d][lane] = w.d[d];
+        });
+    }
+};
+
+// The residual at the inflow for which the mean angle of attack is the stall angle.
+template <class R, class Y, class F> auto residual_at_stall(const R& rotor, const Y& radius, const F& flow, const Solution& s) {
+    const auto at = station_at(rotor, flow.omega, radius);
+    const auto turning = flow.omega * at.radius;
+    const auto speed = square_root(turning * turning + 0.5 * (flow.v_inplane * flow.v_inplane));
+    const double reynolds = value(at.reynolds_per_speed)[0] * value(flow.omega) * value(at.radius)[0];
+    const auto phi = at.line - angle_from(broadcast(0.0) + rotor.law.stall_angle(reynolds, s.folds.side));
+    const auto inflow = speed * sine(phi) / cosine(phi) - flow.v_axial;
+    return annulus_thrust(rotor, at, flow, inflow, s.psi) - wake_thrust(rotor, at.radius, flow, s.windmill, inflow);
+}
+
+// The radius of an edge with its derivatives.  At a fold, two values stay zero: the residual g, and C, which is dg/dv_i at
+// a top and the second difference of g over v_i at a shoulder.
+template <int N, template <class> class LawOf>
+Dual<double, N> moving_radius(const RotorSolver<LawOf>& solver, const Solution& s, const DualRotor<N, LawOf>& rotor,
+                              const Flow<Dual<double, N>>& flow, const Edge& edge) {
+    Dual<double, N> radius{edge.radius, {}};
+    if (edge.kind == Edge::Kind::fixed) return radius;
+    const Lanes y = broadcast(edge.radius);
+    const Dual<Lanes, 1> moved{y, {broadcast(1.0)}};
+    if (edge.kind == Edge::Kind::angle) {
+        const Dual<Lanes, N> g = residual_at_stall(rotor, y, flow, s);
+        const Dual<Lanes, 1> along = residual_at_stall(solver.rotor(), moved, s.flow, s);
+        for (int d = 0; d < N; ++d) radius.d[d] = -g.d[d][0] / along.d[0][0];
+        return radius;
+    }
+    const auto of = solver.annuli(s);
+    const bool top = edge.kind == Edge::Kind::top;
+    const Lanes apart = each_lane([](int k) { return k == 0 ? 1.0 : k == 2 ? -1.0 : 0.0; }) * fold_spacing(of, top);
+    const auto inflow_at = [&](const auto& radius, const auto& flow) {
+        const auto turning = flow.omega * radius;
+        return edge.inflow + apart * (square_root(turning * turning + flow.v_inplane * flow.v_inplane) + absolute(flow.v_axial));
+    };
+    const auto residual = [&](const auto& rotor, const auto& radius, const auto& flow) {
+        const auto v = inflow_at(radius, flow);
+        return annulus_thrust(rotor, station_at(rotor, flow.omega, radius), flow, v, s.psi) -
+               wake_thrust(rotor, radius, flow, s.windmill, v);
+    };
+    const Dual<Lanes, N> g = residual(rotor, y, flow);
+    const Dual<Lanes, 1> along = residual(solver.rotor(), moved, s.flow);
+    const Lanes slope = of.residual(of.station(y), inflow_at(y, s.flow)).d[0];
+    const auto difference = [](Lanes x) { return x[0] - 2.0 * x[1] + x[2]; };
+    const double g_v = top ? 0.0 : slope[1], c_v = top ? 1.0 : difference(slope);
+    const double g_y = along.d[0][1], c_y = top ? 0.0 : difference(along.d[0]);
+    const double determinant = g_v * c_y - g_y * c_v;
+    const double per = determinant != 0.0 ? 1.0 / determinant : 0.0;
+    for (int d = 0; d < N; ++d) {
+        const double g_p = g.d[d][1], c_p = top ? 0.0 : difference(g.d[d]);
+        radius.d[d] = per * (g_p * c_v - g_v * c_p);
+    }
+    return radius;
+}
+
+// The inflow at moving nodes, blended with the vortex-ring inflow, and its mean over the disk.
+template <int N> struct MovingInflow {
+    std::vector<Dual<Lanes, N>> at;
+    Dual<double, N> mean;
+};
+template <int N, template <class> class LawOf>
+MovingInflow<N> moving_inflow(const RotorSolver<LawOf>& solver, const Solution& s, const DualRotor<N, LawOf>& rotor,
+                              const Flow<Dual<double, N>>& flow, const MovingNodes<Dual<double, N>>& nodes, const Azimuths& psi) {
+    using S = Dual<double, N>;
+    using T = Dual<Lanes, N>;
+    MovingInflow<N> inflow;
+    const auto of = solver.annuli(s);
+    const S ring = vortex_ring::weight(flow), ring_inflow = vortex_ring::inflow(flow);
+    S area{}, through{};
+    for (int g = 0; g < s.disk.groups; ++g) {
+        const Lanes v = s.disk.inflow[g];
+        const auto at = station_at(rotor, flow.omega, nodes.radius[g]);
+        const T change = annulus_thrust(rotor, at, flow, v, psi) - wake_thrust(rotor, nodes.radius[g], flow, s.windmill, v);
+        const Lanes slope = of.residual(s.disk.at[g], v).d[0];
+        T moved{v, {}};
+        for (int d = 0; d < N; ++d) moved.d[d] = slope == 0.0 ? Lanes{} : -change.d[d] / slope;
+        inflow.at.push_back(value(ring) > 0.0 ? T(moved * (1.0 - ring) + ring * ring_inflow) : moved);
+        const T part = nodes.weight[g] * nodes.radius[g];
+        area += sum(part), through += sum(T(part * inflow.at[g]));
+    }
+    inflow.mean = through / area;
+    return inflow;
+}
+
+// Add the change of the harmonics to the `loads` of the blades, whose thrust without harmonics is `without`.
+template <int N, template <class> class LawOf>
+void add_moving_harmonics(const RotorSolver<LawOf>& solver, const Solution& s, const DualRotor<N, LawOf>& rotor,
+                          const Flow<Dual<double, N>>& flow, const MovingInflow<N>& inflow, const Azimuths& psi,
+                          const Dual<double, N>& without, Loads<Dual<double, N>>& loads) {
+    using S = Dual<double, N>;
+    std::vector<Lanes> values;
+    for (const auto& v : inflow.at) values.push_back(v.v);
+    std::vector<double> integrand(2 * most_nodes);
+    Loads<double> unused, by[3];
+    solver.loads_and_slopes(s, psi, values, s.harmonics, unused, by, integrand.data());
+    const double tip = solver.rotor().tip();
+    const DiskFlow<S> mean{flow.omega, flow.v_axial, flow.v_inplane, inflow.mean};
+    const auto response = solver.faded(harmonic_response(rotor.inflow_shape, mean, tip), S(1.0 - vortex_ring::weight(flow)));
+    const auto h = response.harmonics({loads.thrust, loads.roll_moment, S(-loads.pitch_moment)}, without);
+    S wanted[3] = {h.mean, h.lateral, h.longitudinal};
+    for (S& w : wanted) w.v = 0.0;
+    const auto now = solver.faded(harmonic_response(rotor.inflow_shape, s.mean, tip), 1.0 - s.result.ring);
+    const auto step = harmonics_step<S>(now, by, wanted);
+    const S steps[3] = {step.mean, step.lateral, step.longitudinal};
+    for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < Loads<S>::count; ++k) loads.begin()[k] += by[j].begin()[k] * steps[j];
+}
+
+// Derivatives of the loads [N], [N m] at the operating point whose solution is `s`.
+template <int N, template <class> class LawOf>
+Loads<Dual<double, N>> load_slopes(const RotorSolver<LawOf>& solver, const Solution& s, const DualRotor<N, LawOf>& rotor,
+                                   Flow<Dual<double, N>> flow) {
+    using S = Dual<double, N>;
+    using T = Dual<Lanes, N>;
+    if (s.flow.v_axial < 0.0) {
+        // The static inflow depends on the rotor and on Omega, but not on the velocity.
+        Solution still;
+        solver.solve({s.flow.omega, 0.0, 0.0}, still);
+        const auto at_rest = load_slopes<N>(solver, still, rotor, Flow<S>{flow.omega, S{}, S{}});
+        flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor.density)), rotor.tip());
+    }
+    // Derivatives with respect to in-plane velocity contain the mean of sin^2(psi), which needs several azimuths.
+    const Azimuths psi = s.psi.count > 1 ? s.psi : azimuths(8);
+    std::array<S, most_folds + 2> edge;
+    for (int k = 0; k <= s.disk.panels; ++k) edge[k] = moving_radius<N>(solver, s, rotor, flow, s.disk.edge[k]);
+    const MovingNodes<S> nodes(s.disk, edge);
+    const auto inflow = moving_inflow<N>(solver, s, rotor, flow, nodes, psi);
+    const bool around = rotor.inflow_shape != InflowShape::uniform;
+    Loads<S> total{};
+    S without{};
+    for (int g = 0; g < s.disk.groups; ++g) {
+        const auto at = station_at(rotor, flow.omega, nodes.radius[g]);
+        const auto add_up = [&](const auto& per_radius) {
+            for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += sum(T(nodes.weight[g] * per_radius.begin()[k]));
+        };
+        if (around) {
+            add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow.at[g], psi, s.harmonics)));
+            without += sum(T(nodes.weight[g] * annulus_thrust(rotor, at, flow, inflow.at[g], psi)));
+        } else {
+            add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow.at[g], psi)));
+        }
+        if (rotor.radial_friction) add_up(radial_friction(rotor, at, flow, inflow.at[g], psi));
+    }
+    if (around) add_moving_harmonics<N>(solver, s, rotor, flow, inflow, psi, without, total);
+    complete_loads(rotor, flow, inflow.mean, total);
+    // In axial flow, in-plane forces and moments about in-plane axes change only with the in-plane velocity.
+    for (int d = 0; d < N && s.flow.v_inplane == 0.0; ++d)
+        if (flow.v_inplane.d[d] == 0.0)
+            for (S* load : {&total.drag, &total.roll_moment, &total.side_force, &total.pitch_moment}) load->d[d] = 0.0;
+    return total;
+}
+
+}  // namespace propmap
