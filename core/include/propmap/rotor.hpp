@@ -50,9 +50,7 @@ struct Solution {
     Azimuths psi;  // over which (5) to (7) are averaged
     bool windmill = false;  // whether (11) has the windmill branch
     Harmonics<double> harmonics{};
-    Loads<double> by[3];  // derivatives of loads per density with respect to the harmonics, if there are any
     DiskFlow<double> mean;
-    Loads<double> blade_loads;  // per density, without mount, ground and ceiling
     double thrust_tail = 0.0, torque_tail = 0.0;  // size of the last Legendre coefficients, see `tail`
     Result result;
 };
@@ -221,16 +219,13 @@ template <template <class> class LawOf> class RotorSolver {
         }
     }
 
-    // Compute the loads of a disk whose inflow is known.  If it varies `around` the disk, the harmonics are found, too, or
-    // are those of `s`.
-    void find_loads(Solution& s) const { find_loads(s, has_harmonics(s), true); }
-    void find_loads(Solution& s, bool around, bool find_them) const {
+    // Compute the loads of a disk whose inflow is known, and the harmonics of this inflow.
+    void find_loads(Solution& s) const {
         thread_local std::vector<Lanes> inflow;
         thread_local std::vector<double> integrand(2 * most_nodes);
+        const bool around = has_harmonics(s);
         blend(s, inflow);
-        Loads<double> total{};
-        if (around && find_them) total = find_harmonics(s, inflow, s.result.ring, integrand.data());
-        else if (around) loads_and_slopes(s, s.psi, inflow, s.harmonics, total, s.by, integrand.data());
+        const auto total = around ? find_harmonics(s, inflow, s.result.ring, integrand.data()) : Loads<double>{};
         add_loads(s, inflow, around, total, integrand.data());
     }
 
@@ -311,7 +306,6 @@ template <template <class> class LawOf> class RotorSolver {
             if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
                 add_up(radial_friction(rotor_, at, s.flow, inflow[g], s.psi));
         }
-        s.blade_loads = total;
         s.result.blade_drag = rotor_.density * total.drag;
         complete_loads(rotor_, s.flow, s.mean.inflow, total);
         s.result.loads = total;
@@ -360,7 +354,6 @@ template <template <class> class LawOf> class RotorSolver {
             if (!std::isfinite(size)) break;
         }
         s.harmonics = h;
-        std::copy(std::begin(by), std::end(by), s.by);
         if (!(size <= harmonics_close))
             for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] = std::nan("");
         return loads;
