@@ -140,9 +140,10 @@ def main(dist: Path, pythons: tuple[str, ...]) -> None:
                 found = ("", "", "", "", f"not run: {missing}")
             except subprocess.CalledProcessError as error:
                 tested = "pytest" in error.cmd and "-m" in error.cmd
-                last = (error.stdout + error.stderr).strip().rpartition("\n")[2].strip()
+                lines = (error.stdout + error.stderr).strip().splitlines()
+                reason = next((line for line in lines if line.startswith("error: ")), lines[-1])
                 failed |= tested
-                found = ("", "", "", "", last if tested else f"not run: {last}")
+                found = ("", "", "", "", lines[-1] if tested else f"not run: {reason}")
             print(f"| {' | '.join((*case, *found))} |", flush=True)
     sys.exit(failed)
 
