@@ -21,7 +21,7 @@ TUNNELS = (
     "The two tunnels differ in axial flow. In the 2019 tunnel, the static thrust is 8 % larger, "
     "and thrust decreases with speed like the drag of a stand with a drag area of 47 cm^2. The "
     "bands exclude these measurement errors. After their removal, the bands contain 91 % of the "
-    "thrust values and 99 % of the torque values in oblique flow (docs/how-to/uncertainty.md, "
+    "thrust values and 96 % of the torque values in oblique flow (docs/how-to/uncertainty.md, "
     "python -m tools.coverage)."
 )
 

@@ -248,8 +248,10 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
         **{
             one: parameters.Prior(parameters.EVERY[name].start, deviation)
             for name, deviation in parameters.PER_FLIGHT.items()
-            for one in (name, *flight.of_each(name, log))
+            for one in flight.of_each(name, log)
         },
+        "clock_offset": parameters.Prior(0.0, parameters.PER_FLIGHT["clock_offset"]),
+        "thrust_scale": parameters.Prior(1.0, parameters.PER_FLIGHT["thrust_scale"]),
         **dict.fromkeys(CENTER, parameters.Prior(0.0, CENTER_SHARE * arm)),
         "rotor_inertia": parameters.Prior(0.0, heavy),
         **scale.priors,
@@ -261,16 +263,17 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
 
     Fits to steady segments (``level``) vary the four constants of the paper.  Fits to whole
     flights also vary the drag of the rotor mounts, which replaces the body drag in the disk plane,
-    the body drag along z, the accelerometer, the wakes of several rotors on each other, and clock,
-    trim and thrust scale of each flight of the ``log``.
+    the body drag along z, the accelerometer, the wakes of several rotors on each other, and for
+    each flight of the ``log`` the clock and, with several flights, the thrust scale.
     """
     if level:
         return PAPER_FOUR
     turning = tuple(parameters.TURNING) if vehicle.inertia else ()
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(parameters.INSTALLED)
     wakes = tuple(parameters.WAKES) if len(vehicle.mounts) > 1 else ()
-    own = [one for name in parameters.PER_FLIGHT for one in flight.of_each(name, log)]
-    own += CURVE if log.commanded else ()
+    scales = flight.of_each("thrust_scale", log) if len(log.flights) > 1 else ()
+    driven = (*CURVE, *flight.TILT) if log.commanded else ()
+    own = (*flight.of_each("clock_offset", log), *scales, *driven)
     # The model of a wing already has the force of an inclined plate.
     body = BODY_ALONG_Z if vehicle.wing is None else ("drag_area_z", *BODY_ALONG_Z[1:])
     return (*BLADE, *parameters.FLEX, *mount, *body, *flight.OFFSET, *turning, *wakes, *own)
@@ -346,8 +349,9 @@ def fit_flight(
 ) -> None:
     """Fit section constants to flight logs of a vehicle.
 
-    With --method balance, the fit also estimates clock offset, trim of the attitude and thrust
-    scale of each flight. The fit does not estimate wind; state the wind in the vehicle file.
+    With --method balance, the fit also estimates a clock offset for each flight and, for two or
+    more flights, a thrust scale for each flight. The fit does not estimate wind; state the wind in
+    the vehicle file.
     """
     check_outputs(output, asked.picture, segments_picture)
     base = opt.constants(name_or_file) if name_or_file else None

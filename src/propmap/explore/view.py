@@ -6,7 +6,7 @@ import base64
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from propmap.report.html import COLORS
 from propmap.units import RPM
 
 if TYPE_CHECKING:
-    from propmap.explore.app import Application
+    from dash import Dash
 
 Figure = dict[str, Any]  # data and layout for Plotly
 
@@ -61,6 +61,16 @@ class Download:
     label: str
 
 
+class Host(Protocol):
+    """Interface of the application to the views: Dash, background fits and sessions."""
+
+    dash: Dash
+    jobs: Any
+
+    def session(self, search: Any) -> Session:
+        """Read the session of an address."""
+
+
 class View:
     """A page of the application: controls and the answer to a question about the session."""
 
@@ -99,7 +109,7 @@ class View:
         """Return further elements below the controls."""
         return []
 
-    def register(self, application: Application) -> None:
+    def register(self, application: Host) -> None:
         """Register the callbacks of the elements in ``more``."""
 
 

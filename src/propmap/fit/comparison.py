@@ -231,9 +231,30 @@ def compare_forces(
 ) -> dict[str, SpeedErrors]:
     """Return the errors of forces and moments of a flight by name with unit.
 
-    The measured forces are mass times specific force.  The measured moments turn the vehicle and
-    need its inertia.  ``beyond`` contains the distances of samples from the envelope of the fit,
-    ``deviations`` (n, 6) the standard deviations.  ``InputError`` without specific force.
+    The measured forces are mass times specific force.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Its mass scales the specific force.  Measured moments require its inertia.
+    log : FlightLog
+        Flight with n samples.
+    forces : FlightForces
+        Predicted forces and moments, from ``flight_forces``.
+    beyond : Beyond, optional
+        Distances of the samples from the envelope of the fit.
+    deviations : (n, 6) array, optional
+        Standard deviations of the predicted forces [N] and moments [N m].
+
+    Returns
+    -------
+    dict of str to SpeedErrors
+        Errors [N] or [N m] along each axis.
+
+    Raises
+    ------
+    InputError
+        For a log without specific force.
     """
     measured = np.concatenate(
         [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1

@@ -12,7 +12,7 @@ from dash.exceptions import PreventUpdate
 
 from propmap.errors import InputError
 from propmap.explore import view
-from propmap.explore.app import Application, Job
+from propmap.explore.app import Job
 from propmap.explore.session import CONSTANTS_FILE, Recipe, Session, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, Several, Slider, Table, Values
 from propmap.fit.least_squares import Rows, rms_known
@@ -128,7 +128,7 @@ class ConstantsView(view.View):
         button = html.Button("fit now", id="fit", n_clicks=0)
         return [button, html.P("", id="progress", role="status")]
 
-    def register(self, application: Application) -> None:
+    def register(self, application: view.Host) -> None:
         """Register the start of a fit and the display of its progress."""
         app = application.dash
 
