@@ -220,7 +220,7 @@ template <class R> void first_inflows(const Annuli<R>& of, const Station<Lanes>&
     }
     const auto turn = turning_points(f.v_axial, f.v_inplane);
     for (double v : {0.0, -f.v_axial, turn.first, turn.second}) add(v);  // no air passes the disk at v_i = -V cos(beta)
-    for (double times : {10.0, 1e4}) add(times * whole - f.v_axial), add(-times * whole - f.v_axial);
+    for (double far : {10.0 * speed, 1e4 * whole}) add(far - f.v_axial), add(-far - f.v_axial);
     const auto at_end = samples.at.begin() + samples.count;
     std::sort(samples.at.begin(), at_end, [](const Sample& a, const Sample& b) { return a.inflow > b.inflow; });
     samples.count = int(std::unique(samples.at.begin(), at_end, [&](const Sample& a, const Sample& b) {
@@ -509,9 +509,9 @@ template <class R> double fold_spacing(const Annuli<R>& of, bool top) { return t
 template <class R>
 std::optional<Edge> newton_fold(const Annuli<R>& of, const Hump& low, const Hump& high, double y, double v, bool top, bool all_azimuths) {
     static_assert(width >= 4);
-    const double speed = std::hypot(of.flow.omega * y, of.flow.v_inplane) + std::fabs(of.flow.v_axial), farthest = 0.02 * speed;
     for (int step = 0; step < (top ? 20 : 12); ++step) {
-        const double wide = fold_spacing(of, top) * speed, aside = 1e-6 * y;
+        const double speed = std::hypot(of.flow.omega * y, of.flow.v_inplane) + std::fabs(of.flow.v_axial);
+        const double wide = fold_spacing(of, top) * speed, farthest = 0.02 * speed, aside = 1e-6 * y;
         const Lanes radius = each_lane([&](int k) { return k == 3 ? y - aside : y; });
         const Lanes inflow = each_lane([&](int k) { return v + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
         const auto g = of.residual(of.station(radius), inflow, all_azimuths ? of.psi : of.few);
