@@ -104,22 +104,13 @@ template <template <class> class LawOf> class RotorSolver {
         prepare(at, s);
         const double advance = advance_ratio(at), sharper = sharpness();
         const bool follow = advance <= (at.v_axial < 0.0 ? follow_descent_below : follow_below);
-        int searched = 0;  // number of azimuths of the known folds
-        if (!attached_at(s, accuracy_.free)) {
-            search_folds(s, follow);
-            solve_stalled(s, follow, follow ? accuracy_.stalled : accuracy_.fast);
-            if (follow) searched = s.psi.count;
-        }
+        if (!attached_at(s, accuracy_.free)) solve_stalled(s, follow, follow ? accuracy_.stalled : accuracy_.fast);
         find_loads(s);
         const double squared = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;  // a sharper stall needs lower limits
         double limit = accuracy_.largest_tail / squared;
         for (std::size_t times = 0; times < accuracy_.finer.size() && tail_share(s) > limit; ++times) {
             s.psi = azimuths(at.v_inplane == 0.0 ? 1 : accuracy_.azimuths_at(advance, sharper, int(times) + 1));
-            if (searched != s.psi.count) {
-                start_at(s, accuracy_.free);
-                search_folds(s, true);
-                searched = s.psi.count;
-            }
+            start_at(s, accuracy_.free);
             solve_stalled(s, true, accuracy_.finer[times].nodes);
             find_loads(s);
             limit = accuracy_.finer[times].largest_tail / (times + 1 < accuracy_.finer.size() ? squared : 1.0);
@@ -146,7 +137,7 @@ template <template <class> class LawOf> class RotorSolver {
     // Solve an operating point at `count` nodes of a single panel, whether the blade stalls or not.
     void solve_at_nodes(const Flow<double>& at, int count, Solution& s) const {
         prepare(at, s);
-        if (!attached_at(s, count)) search_folds(s, false), solve_stalled(s, false, count);
+        if (!attached_at(s, count)) solve_stalled(s, false, count);
         find_loads(s);
         set_status(s, false);
     }
@@ -165,14 +156,14 @@ template <template <class> class LawOf> class RotorSolver {
         return advance_ratio(s.flow) <= reversed_above && solve_attached(annuli(s), s.disk, s.near_stall);
     }
 
-    void search_folds(Solution& s, bool follow) const { find_folds(annuli(s), s.disk, s.near_stall, follow, s.folds); }
-
     // Solve (11) if the blade may stall, at `count` nodes of panels that `follow` stall or of a single panel.
     void solve_stalled(Solution& s, bool follow, int count) const {
+        const auto of = annuli(s);
+        find_folds(of, s.disk, s.near_stall, follow, s.folds);
         if (follow) make_panels(s.folds, rotor_.root(), rotor_.tip(), count, s.disk);
         else single_panel(s.disk, rotor_.root(), rotor_.tip(), count);
         place_nodes(rotor_, s.flow.omega, s.disk);
-        solve_nodes(annuli(s), s.disk, s.folds);
+        solve_nodes(of, s.disk, s.folds);
     }
 
     // The larger of the tails of thrust and torque, relative to the static load at Omega or, if larger, at V/R.
