@@ -185,8 +185,8 @@ struct Cubic {
 // The result of a scan at one radius.
 struct Scan {
     int roots = 0;     // number of sign changes
-    double low, high;  // bracket of the largest root [m/s], if there is one
-    double guess;      // estimate of this root from the cubic in the bracket [m/s]
+    double low = 0.0, high = 0.0;  // bracket of the largest root [m/s], if there is one
+    double guess = 0.0;  // estimate of this root from the cubic in the bracket [m/s]
 };
 
 struct Samples {

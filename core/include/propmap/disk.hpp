@@ -10,7 +10,7 @@
 
 namespace propmap {
 
-inline constexpr int most_nodes = 1100;  // the largest number in `Accuracy` (rotor.hpp), 960, and two more per panel
+inline constexpr int most_nodes = 1100;  // the largest number in `Accuracy` (quadrature.hpp), 960, and two more per panel
 inline constexpr int most_folds = 12;    // largest number of folds at which panels meet
 inline constexpr int block = 4;  // consecutive nodes, marked near stall together; unlike `width`, the same on all processors
 static_assert(width % block == 0);
