@@ -124,10 +124,11 @@ def test_what_is_free_by_default_and_by_a_prior(
 
     monkeypatch.setattr("propmap.cli.fit_flight.fit", fit)
     log, vehicle = str(folder / f"seen_{kind}.csv"), str(folder / f"{kind}.toml")
-    more = ["--prior", "sensor_bias_z=0:0.1", "--fix", "motor_lag=0.03", "--fix", "sensor_tilt_y=0"]
+    more = ["--prior", "sensor_bias_z=0:0.1", "--prior", "sensor_tilt_y[seen]=0:0.01"]
+    more += ["--fix", "motor_lag=0.03", "--fix", "sensor_tilt_x=0"]
     way = ["--method", "balance", "-o", str(folder / "none.toml")]
     assert main(["fit", "flight", log, "--vehicle", vehicle, *more, *way]) == 2
     driven, free = {"throttle_speed", "throttle_expo"}, {general(name) for name in seen[0]}
-    assert {"sensor_bias_z", "thrust_scale", "sensor_tilt_x"} <= free
-    assert not {"motor_lag", "sensor_tilt_y"} & free
+    assert {"sensor_bias_z", "sensor_tilt_y"} <= free
+    assert not {"motor_lag", "sensor_tilt_x", "thrust_scale"} & free
     assert driven & free == (driven if kind == "throttle" else set())

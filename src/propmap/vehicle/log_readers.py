@@ -203,6 +203,8 @@ def _csv_table(path: Path, where: str, wanted: Collection[str]) -> Any:
         skip_blank_lines=False,
         encoding="utf-8-sig",
     )
+    if cells.empty:
+        raise InputError("no line is readable: a quote may be open", "export the log again", where)
     cells.index += start + 1  # line numbers
     named = int(np.flatnonzero(cells.iloc[0].notna()).max(initial=-1)) + 1
     beyond = np.flatnonzero(cells.iloc[:, named:].notna().any(axis=1))
