@@ -76,7 +76,7 @@ def measure() -> dict[str, Any]:
         omega=(4500.0 * RPM, 10000.0 * RPM),
         speed=(0.0, 20.0),
         beta=(0.0, np.pi),
-        tolerance=0.01,
+        tolerance=0.025,
     )
     model = mujoco.MjModel.from_xml_string(MJCF)
     on_table = MjxRotors.from_vehicle(vehicle, table, model, "quad", time_constant=0.03)
