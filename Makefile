@@ -35,13 +35,13 @@ $(ZIG_TOOLS): $(TOOLS_READY)
 	printf '#!/bin/sh\nexec "$(abspath $(BIN))/python" -m ziglang $(@F) "$$@"\n' >$@
 	chmod +x $@
 
-# Build with the tools of $(VENV), so that only changed parts of the core are compiled again.  The demo needs no other extra.
+# Build with the tools of $(VENV), so that only changed parts of the core are compiled again.  The demo needs `figures`.
 EDITABLE := $(INSTALL) --no-build-isolation --editable
 $(BUILT): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
 	$(EDITABLE) '.[figures]'
 	touch $@
 
-# After a change of the core, the rule above suffices.
+# After a change of the core, the rule for $(BUILT) is sufficient.
 $(READY): constraints.txt pyproject.toml | $(BUILT)
 	$(EDITABLE) '.[cluster,dev,explore,figures,jax,logs,mjx,mujoco,netcdf,targets$(if $(WITH_DOCS),$(COMMA)docs)]'
 	touch $@ $(if $(WITH_DOCS),$(DOCS_READY))
@@ -95,10 +95,10 @@ lint: $(READY)
 types: $(READY)
 	$(BIN)/mypy
 
-# Call the core in every way on a build that stops at memory errors and undefined behavior.  Python itself is built without
-# the sanitizers, so LD_PRELOAD loads their library and the C++ library first.  Python leaks memory on purpose.  Without
-# `site` (-S), Python imports the package of this build instead of the editable one.  The excluded tests compare many points
-# bit by bit; they check no other memory.
+# Call all of the core in a build that stops at memory errors and undefined behavior.  Python itself is built without the
+# sanitizers, so LD_PRELOAD loads their library and the C++ library first.  Python leaks memory on purpose.  Without `site`
+# (-S), Python imports the package of this build instead of the editable one.  The excluded tests compare many points bit by
+# bit; they use no memory that the other tests do not use.
 SANITIZED := build/sanitize
 sanitize: $(READY)
 	$(if $(ZIG),$(error `make sanitize` needs g++ 12 or later, which brings the checks; install it))

@@ -1,8 +1,8 @@
-"""Speed of tables and of many quadrotors where JAX computes, in single and in double precision.
+"""Measure the speed of tables and of many quadrotors in JAX, in single and double precision.
 
-``make bench ONLY=accelerator``.  JAX selects the accelerator; without one, the benchmark prints
-that it measures the processor.  Each time is the least wall time of several repeats of a compiled
-call.  The table is that of ``benchmarks.table``.  Writes results/accelerator.json.
+Run ``make bench ONLY=accelerator``.  JAX selects the accelerator; if there is none, the benchmark
+measures the processor.  Each time is the least wall time of several calls of a compiled function.
+The table is that of ``benchmarks.table``.  The benchmark writes results/accelerator.json.
 """
 
 from __future__ import annotations
@@ -31,20 +31,20 @@ GRAVITY = 9.81  # [m/s^2]
 
 
 def seconds_of(call: Callable[..., Any], *arguments: Any) -> float:
-    """Least time of a compiled ``call`` until its arrays are computed [s]."""
+    """Return the least time of a compiled ``call`` until its arrays are computed [s]."""
     compiled = jax.jit(call)
     wait: Any = jax.block_until_ready
     return least_seconds(lambda: wait(compiled(*arguments)), REPEATS, time.perf_counter)
 
 
 def loads(table: JaxTable, omega: Any, speed: Any, beta: Any) -> Any:
-    """All loads of a table at the points, (L, n)."""
+    """Return all loads of a table at n points, (L, n)."""
     found = table.loads(omega, speed, beta)
     return jnp.stack([getattr(found, name) for name in LOADS])
 
 
 def slopes(table: JaxTable, *point: Any) -> Any:
-    """All loads and their three derivatives at the points."""
+    """Return all loads at the points, with their derivatives along the three coordinates."""
 
     def along(k: int) -> Any:
         tangents = [jnp.full_like(x, float(i == k)) for i, x in enumerate(point)]
@@ -54,7 +54,7 @@ def slopes(table: JaxTable, *point: Any) -> Any:
 
 
 def flown(forces: JaxForces, omega: Any, state: Any) -> Any:
-    """State of free quadrotors after ten steps at constant rotor speeds.
+    """Return the state of free quadrotors after ten steps at constant rotor speeds.
 
     The state is the velocity [m/s] and the angular velocity [rad/s] in the vehicle frame, and the
     direction of gravity in this frame, (n, 3) each.
@@ -75,13 +75,13 @@ def flown(forces: JaxForces, omega: Any, state: Any) -> Any:
 
 
 def climbed(forces: JaxForces, omega: Any, state: Any) -> Any:
-    """Sum of the upward velocities after ten steps, a number with a gradient in every input."""
+    """Return the sum of the upward velocities after ten steps; it depends on every input."""
     velocity, _, down = flown(forces, omega, state)
     return -jnp.sum(velocity * down)
 
 
 def measure() -> dict[str, Any]:
-    """All figures."""
+    """Return all results."""
     device = jax.devices()[0]
     place = machine() | {"jax": jax.__version__, "device": device.device_kind}
     table, rotor, _ = built(0.005, "standard")
@@ -126,13 +126,13 @@ def main() -> None:
     """Measure, print and write."""
     found = measure()
     if found["platform"] == "cpu":
-        print("JAX found no accelerator; these are the figures of the processor")
+        print("JAX found no accelerator; the benchmark measured the processor")
     print(found["machine"]["device"], f"JAX {jax.__version__}")
     for name in ("single", "double"):
         for what, rate in found["per_second"][name].items():
             print(f"{name} precision, {what.replace('_', ' ')}: {rate:.3g} per second")
     worst = max(found["single_minus_double"].values())
-    print(f"largest difference of both precisions: {worst:.1e} of the static load")
+    print(f"largest difference between the precisions: {worst:.1e} of the static load")
     print(write_results("accelerator.json", found))
 
 

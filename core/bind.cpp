@@ -42,7 +42,7 @@ using Points = nb::ndarray<const double, nb::shape<Flow<double>::variables, -1>,
 using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 Vector3 vector(const double* from) { return {from[0], from[1], from[2]}; }
 double* keep(const Vector3& v, double* to) { return std::copy(v.begin(), v.end(), to); }
-constexpr Vector3 up{0.0, 0.0, 1.0};  // the thrust in the rotor frame
+constexpr Vector3 up{0.0, 0.0, 1.0};  // direction of the thrust in the rotor frame
 
 // Raise propmap.errors.InputError.
 [[noreturn]] void refuse(const std::string& found, const std::string& remedy = "") {
@@ -50,10 +50,10 @@ constexpr Vector3 up{0.0, 0.0, 1.0};  // the thrust in the rotor frame
     PyErr_SetObject(error.ptr(), error(found, remedy).ptr());
     throw nb::python_error();
 }
-void expect(const char* name, std::size_t found, std::size_t wanted, bool at_least = false) {  // numbers in an array
+void expect(const char* name, std::size_t found, std::size_t wanted, bool at_least = false) {  // check a length
     if (found == wanted || (at_least && found > wanted)) return;
     refuse("the array " + std::string(name) + " has the length " + std::to_string(found),
-           "give " + std::string(at_least ? "at least " : "") + std::to_string(wanted));
+           "give " + std::string(at_least ? "at least " : "") + std::to_string(wanted) + " elements");
 }
 
 Flow<double> point(const Points& points, std::size_t k) {  // point k
@@ -76,7 +76,7 @@ double number(const nb::dict& from, const char* name, double otherwise = 0.0) { 
     return from.contains(name) ? nb::cast<double>(from[name]) : otherwise;
 }
 
-Numbers make_array(Shape shape, double*& data, std::size_t last = 0) {  // filled with zeros; `last` adds an axis
+Numbers make_array(Shape shape, double*& data, std::size_t last = 0) {  // zeros; `last` > 0 adds an axis of this length
     if (last > 0) shape.push_back(last);
     std::size_t size = 1;
     for (std::size_t n : shape) size *= n;
@@ -86,8 +86,8 @@ Numbers make_array(Shape shape, double*& data, std::size_t last = 0) {  // fille
                    nb::capsule(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); }));
 }
 
-// Numbers of a call in Python: a float or an array, with `each` numbers per point along the last axis, or without this
-// axis if `each` is 0.  The points broadcast as in NumPy.  `...` counts as zero.
+// An argument of a call in Python: a float or an array.  If `each` > 0, the last axis contains `each` numbers per point.
+// Points broadcast as in NumPy.  `...` is read as zero.
 class Argument {
   public:
     Argument(const char* name, nb::handle from, std::size_t each = 0, bool negative = true)
@@ -107,7 +107,7 @@ class Argument {
     }
     bool given() const { return from_.ptr() != Py_Ellipsis; }
 
-    // The shape of the points of all arguments.
+    // The broadcast shape of the points of all arguments.
     static Shape shape_of(std::initializer_list<const Argument*> all) {
         Shape shape;
         for (const Argument* a : all) shape.resize(std::max(shape.size(), a->axes()), 1);
@@ -296,9 +296,9 @@ class CoreRotor {
         }, solver_);
     }
 
-    // States (..., size) after steps of `time` (...) [s], or the rates of the `state` (..., size) if `time` is `...`, or static
-    // states if `state` is `...`; and rows (..., 17) before the step: force and moment on the vehicle in the rotor frame, and
-    // the numbers of `keep`.  `spin` (...) is 1 for counter-clockwise.
+    // Return states (..., size) after steps of `time` (...) [s]; rates of `state` if `time` is `...`; static states if
+    // `state` is `...`.  Also return rows (..., 17) before the step: force and moment on the vehicle in the rotor frame,
+    // and the numbers of `keep`.  `spin` (...) is 1 for counter-clockwise.
     nb::tuple inflow_motion(nb::handle x, nb::handle dt, nb::handle w, nb::handle v, nb::handle turning, int threads) const {
         const std::size_t size = inflow_size(), row = 6 + kept;
         expect("state", size, harmonics_first, true);
@@ -378,8 +378,8 @@ class CoreRotor {
         }, solver_);
     }
 
-    // Compute the loads and return the status.  With a `state` of the inflow, the loads are those in this state, or in the
-    // static state if `at_rest`, which is then written to `state`; `later` receives the state after a step of `time` [s].
+    // Compute the loads and return the status.  The inflow is that in `state`, or static if `state` is null.  If
+    // `at_rest`, the static state is first written to `state`.  `later` receives the state after a step of `time` [s].
     Status loads_in(const Flow<double>& flow, const Heading& heading, bool at_rest, double time, double* state, double* later,
                     Loads<double>& into) const {
         thread_local Solution still;

@@ -12,8 +12,8 @@ import propmap
 from propmap.vehicle.vehicle import Body, Mount
 
 GATES = np.array([[6.0, 2.0, 1.5], [10.0, -3.0, 2.5], [16.0, 0.0, 1.0]])  # m, from the start
-HOVER = 675.0  # about the rotor speed of hover, the unit of the rotor speeds in the plan [rad/s]
-SLOWEST, FASTEST, LIMIT = 400.0, 880.0, 950.0  # rotor speeds of the plan, and limit in flight
+HOVER = 675.0  # approximate rotor speed in hover [rad/s], the unit of speeds in the plan
+SLOWEST, FASTEST, LIMIT = 400.0, 880.0, 950.0  # [rad/s]; limits in the plan, and in flight
 STEPS = 12  # from gate to gate
 WEIGHTS = np.diag([20.0] * 3 + [2.0] * 3 + [20.0] * 4 + [0.5] * 3), 2e-4 * np.eye(4)  # of the LQR
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -71,7 +71,7 @@ def motion(state, pushed, spun):
 
 
 def runge_kutta(rate, state, length):
-    """Return the state after a step of the fourth order."""
+    """Return the state after one Runge-Kutta step of fourth order."""
     a = rate(state)
     b = rate(state + length / 2 * a)
     c = rate(state + length / 2 * b)
@@ -92,9 +92,9 @@ def planned(plan):
     problem, count = casadi.Opti(), STEPS * len(GATES)
     lengths = problem.variable(len(GATES))
     states = problem.variable(13, count + 1)
-    speeds = problem.variable(4, count)  # over HOVER
+    speeds = problem.variable(4, count)  # as multiples of HOVER
     each = [lengths[k // STEPS] / STEPS for k in range(count)]
-    # The small second term excludes jumps of the rotor speeds.
+    # The small second term prevents jumps of the rotor speeds.
     jumps = casadi.sumsqr(speeds[:, 1:] - speeds[:, :-1])
     problem.minimize(casadi.sum1(lengths) + 2e-3 * jumps)
     start = np.zeros(13)
@@ -130,7 +130,7 @@ def planned(plan):
 
 
 def flown_on_full_model(times, plan, speeds, gains, parts=5):
-    """Return the states (n, 13) of the flight that follows a plan, with the loads of the rotor."""
+    """Return the states (n, 13) of a flight along a plan, simulated with all rotor loads."""
     forces = propmap.VehicleForces(quad, rotor)
     state, states = plan[0], [plan[0]]
     for length, wanted, feed, gain in zip(times, plan[:-1], speeds, gains, strict=True):

@@ -14,7 +14,7 @@ MJCF = """<mujoco><option timestep="0.002"/><worldbody><body name="quad"><freejo
 HOVER, RANGE = (
     675.0,
     200.0,
-)  # rotor speed of the action 0, and its change up to the action 1 [rad/s]
+)  # rotor speed for action 0, and its increase at action 1 [rad/s]
 STEPS = 10  # of the simulation per step of the environment
 FAR = 5.0  # distance at which an episode ends [m]
 
@@ -53,7 +53,7 @@ class Hover(gymnasium.Env):
         """Fly for 20 ms; the reward is larger if the quadrotor is close, level and slow."""
         self.data.ctrl[:] = HOVER + RANGE * np.clip(action, -1.0, 1.0)
         self.model.opt.wind[:] = 0.99 * self.model.opt.wind + self.np_random.normal(0.0, 0.3, 3)
-        mujoco.set_mjcb_passive(self.forces)  # global: another environment can have set its own
+        mujoco.set_mjcb_passive(self.forces)  # global, so every environment must set its own
         mujoco.mj_step(self.model, self.data, STEPS)
         mujoco.set_mjcb_passive(None)
         seen = self.observation()

@@ -14,7 +14,7 @@ Oblique flow: catalogue predictions are compared with the loads of the APC 8x6E 
 force of 20 propellers (2019 campaign), and with the loads of a 10x4.7 Slow Flyer (second tunnel).
 First, the tool removes the errors of each campaign that its axial rows reveal, see
 ``CampaignErrors``, and the error ``TORQUE_ARM``.  The remaining error is attributed to the theory.
-Its shares minimize the score, with at least 90 % of the rows of each campaign inside the bands.
+The shares of this error minimize the score with at least 90 % of each campaign inside the bands.
 Lines with "held out" use the shares of the other campaign alone.  In the second tunnel the axes of
 the moments are inferred.
 """
@@ -64,7 +64,7 @@ NEAR_REST = 0.02
 """Minimum advance ratio of a row in oblique flow."""
 
 TORQUE_ARM = 0.0155
-"""Error of the torque in the second tunnel, over the advance ratio and the thrust [m].
+"""Error of the torque in the second tunnel, divided by the advance ratio and the thrust [m].
 
 This tunnel tested two rotors that turn in opposite directions.  Their torque residuals have the
 same sign in the axes of the balance, 0.013 to 0.018 m, so the balance causes them.  The value is

@@ -231,8 +231,8 @@ def mission(found: dict[str, Any]) -> Figure:
 def inflow_lag() -> Figure:
     """Draw the thrust of a 10x4.5 propeller with dynamic and with static inflow.
 
-    A step of the tip speed from 50 to 60 m/s in hover, and a brake: within 0.1 s, at 60 and 12 m/s,
-    the disk turns from 20 deg nose down to 25 deg nose up.
+    Left: the tip speed steps from 50 to 60 m/s in hover.  Right: to brake at a tip speed of
+    60 m/s and an airspeed of 12 m/s, the disk turns from 20 deg nose down to 25 deg up in 0.1 s.
     """
     rotor = propmap.Rotor(propmap.catalogue_model("10x4.5"))
     inflow, dt = propmap.DynamicInflow(rotor), 5e-4

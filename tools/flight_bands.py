@@ -1,4 +1,4 @@
-"""Print coverage and score of the bands of flight fits on held-out flights, by their deviations.
+"""Print coverage and score of the bands of flight fits on held-out flights.
 
 Usage: python -m tools.flight_bands FOLDER
 
@@ -6,9 +6,9 @@ FOLDER contains the flights of two vehicles, one CSV file each: neuralfly_CONTRO
 (O'Connell et al., Neural-Fly, Science Robotics 2022) and the two neurobem_*.csv (Bauersfeld et al.,
 NeuroBEM, RSS 2021).  Each NeuroBEM flight, and each Neural-Fly flight in the fastest wind, is
 predicted by a fit of the other flights of the vehicle.  The flights in the fastest wind are also
-predicted by a fit of the flights in slower wind.  The tool varies the
-deviations of the trim [rad] and of the drag between flights.  The
-interval score is that of ``tools.coverage``, over the weight, as a mean over flights.
+predicted by a fit of the flights in slower wind.  The tool varies the standard deviations, over
+flights, of the trim [rad] and of a factor on the drag.  It prints the mean over flights of the
+interval score of ``tools.coverage``, divided by the weight.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ TRIMS, DRAGS = (0.005, 0.0075, 0.01, 0.0125, 0.015, 0.03), (0.0, 0.08, 0.10, 0.1
 
 
 class HeldOut(NamedTuple):
-    """Errors of the force on a held-out flight, and their standard deviations, over the weight."""
+    """Errors of the force on a held-out flight and their deviations, divided by the weight."""
 
     name: str
     error: Floats  # (n, 3)
-    deviations: dict[tuple[float, float], Floats]  # (n, 3) by deviations of trim and drag
+    deviations: dict[tuple[float, float], Floats]  # (n, 3), by deviations of trim and drag
 
 
 def splits(folder: Path) -> Iterator[tuple[str, list[Path], list[Path]]]:
@@ -80,7 +80,7 @@ def main(folder: str) -> None:
             fit = fitted(seen, vehicle, Path(place) / f"{k}.toml")
             among = f"fit of {len(seen)}"
             every += [held_out(vehicle, fit, path, f"{path.stem}, {among}") for path in unseen]
-    print("trim [rad], drag [-]; mean score over the weight: x, y, z; x and y")
+    print("trim [rad], drag [-]; mean score / weight along x, y, z; mean of x and y")
     for trim, drag in itertools.product(TRIMS, DRAGS):
         each = [
             np.nanmean(interval_score(f.error, f.deviations[trim, drag]), axis=0) for f in every

@@ -2,8 +2,8 @@
 
 Usage: python -m tools.matrix DIST [PYTHON ...]
 
-DIST contains one sdist.  PYTHON, in ascending order, is a version or the path of an interpreter;
-the default is 3.11 to 3.14, from PATH or pyenv.  Each Python is tested with the oldest and with
+DIST contains one sdist.  Each PYTHON is a version or the path of an interpreter, in ascending
+order (default: 3.11 to 3.14, from PATH or pyenv).  Each Python is tested with the oldest and with
 the newest dependencies that ``pyproject.toml`` allows and that have wheels.  The first Python is
 also tested with a core compiled by clang (from PATH) and by Zig.  The tests are those that need no
 extra.  The table names the environments that were not available.
@@ -21,7 +21,7 @@ from pathlib import Path
 
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 AGES = {"oldest": "lowest-direct", "newest": "highest"}
-"""Dependencies, and the resolution of uv that selects them."""
+"""Age of the dependencies, and the resolution of uv that selects them."""
 
 TESTS = (
     "tests/core/test_core.py",
@@ -75,7 +75,7 @@ class Matrix:
         ).stdout.strip()
 
     def uv(self, *command: object, **variables: str) -> str:
-        """Run uv, which downloads no Python."""
+        """Run uv without downloads of Python."""
         uv = (sys.executable, "-m", "uv", "--quiet", "--no-python-downloads")
         return self.run(*uv, *command, **variables)
 
@@ -120,7 +120,7 @@ def main(dist: Path, pythons: tuple[str, ...]) -> None:
     cases = [(python, "c++", age) for python in pythons for age in AGES]
     cases += [(pythons[0], compiler, "newest") for compiler in ("clang++", "zig")]
     heads = (
-        "asked for",
+        "requested",
         "compiler",
         "dependencies",
         "version",

@@ -1,8 +1,8 @@
 """Draw the residual of eq. (11), its humps and a fold, for docs/root-search.md.
 
-``tools.docs_figures`` writes the pictures.  The residual is that of the plain Python of the paper,
-``papers.gill_dandrea_2017.reference``, which shares no code with the core.  The rotor is an
-APC 8x6E in hover at 6000 rpm, with the section constants ``paper-soft``.
+``tools.docs_figures`` writes the pictures.  The plain Python reference
+(``papers.gill_dandrea_2017.reference``) computes the residual, without code of the core.  The rotor
+is an APC 8x6E in hover at 6000 rpm, with the section constants ``paper-soft``.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ ATTACHED, THREE_ROOTS, STALLED = 0.045, 0.0340, 0.0300
 
 
 def case() -> reference.Case:
-    """Return the rotor in hover."""
+    """Return the case of the rotor in hover."""
     model = pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-soft"))
     return reference.make_case(model, OMEGA, 0.0, 0.0, 1, 4)
 
 
 def residual(of: reference.Case, radius: float, inflow: Floats) -> Floats:
-    """Compute g, thrust of the blades (5) minus momentum thrust (10), per radius [N/m]."""
+    """Compute g, thrust of the blades (5) minus momentum thrust (10), per meter of radius [N/m]."""
     blades = reference.annulus_thrust(of, radius, inflow)
     return np.asarray(blades - reference.momentum_thrust(of, radius, inflow))
 

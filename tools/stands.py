@@ -13,8 +13,8 @@ measurements of one propeller are replaced by their median.  The medians over th
 shift of ``propmap.catalogue.expected``.  The standard deviation of each kind minimizes the mean
 interval score of the 95 % bands (Gneiting, Raftery, J. Am. Stat. Assoc. 102, 2007).  It is then
 widened by the t distribution, and includes differences between stands.  The bands of diameters
-outside those on stands widen with the slope of the errors over log(diameter).  Below, the slope
-follows from a smaller propeller, see ``TINY``.
+outside those on stands widen with the slope of the errors over log(diameter).  Below these
+diameters, the slope follows from one smaller propeller, ``TINY``.
 
 Each propeller is then predicted without its own measurements.  The tool prints, by kind, the median
 error of thrust and torque, half the width of the 95 % bands, and the share of propellers inside.
@@ -63,7 +63,7 @@ IN_DATABASE = ("apc", "graupner", "aeronaut")  # manufacturers of series of the 
 
 
 TINY = ("Crazyflie 2 propeller 46 mm", 0.047 / INCH, 0.017 / INCH)
-"""Name in the file, and the size [in] in the designation 47x17 mm.  The file has no pitch."""
+"""Name in the file, and size [in] by the designation 47x17 mm.  The file contains no pitch."""
 
 
 class Measured(NamedTuple):

@@ -3,10 +3,10 @@
 Usage: python tools/try_wheel.py DIST
 
 DIST contains one wheel and one sdist.  The script installs the wheel without extras into a new
-environment in a temporary folder.  There it runs commands that need no extra and commands that need
-one, the getting-started page, and the tests of the sdist that depend on the installed files: all
-builds of the core, bundled data, loads.  Then it installs two extras and runs the commands that
-need them.  Finally it deletes the folder.
+environment in a temporary folder.  There it runs commands, of which some need an extra, and the
+getting-started page.  It runs the tests of the sdist that depend on the installed files (builds of
+the core, bundled data, loads).  Then it installs two extras and runs the commands that need them.
+Finally it deletes the folder.
 """
 
 from __future__ import annotations

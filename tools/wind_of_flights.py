@@ -3,10 +3,10 @@
 Usage: python -m tools.wind_of_flights FOLDER
 
 The twins are simulated flights in gusts.  Their estimates use the true constants of the vehicle, or
-fits to simulated flights in still air.  The true wind has the low-pass of the flights.  The real
-flights are in the folder: neuralfly_CONTROLLER_WIND.csv (O'Connell et al.,
-Neural-Fly, Science Robotics 2022) and the two neurobem_*.csv (Bauersfeld et al., NeuroBEM, RSS
-2021), as one CSV file each.  Writes benchmarks/results/wind.json.
+fits to simulated flights in still air.  The true wind is low-pass filtered like the flights.
+FOLDER contains the real flights, one CSV file each: neuralfly_CONTROLLER_WIND.csv (O'Connell et
+al., Neural-Fly, Science Robotics 2022) and the two neurobem_*.csv (Bauersfeld et al., NeuroBEM, RSS
+2021).  The tool writes benchmarks/results/wind.json.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ def twins(place: Path) -> list[dict[str, Any]]:
 
 
 def still(place: Path, seed: int) -> FitFile:
-    """A fit to one simulated flight in still air on each path."""
+    """Return a fit to one simulated flight in still air on each path."""
     vehicle, logs = place / "twin.toml", [place / f"{seed}-{path}.csv" for path in windy.PATHS]
     # All rotors of the simulation turn at one speed, so its moments do not balance.
     text = re.sub("(?m)^inertia.*\n", "", vehicle_text(log_table(4)))
@@ -123,7 +123,7 @@ def still(place: Path, seed: int) -> FitFile:
 
 
 def gusty(fits: Sequence[FitFile], path: str, gust: float, count: int) -> dict[str, Any]:
-    """Errors over the simulated flights on one path, ``count`` flights for each fit."""
+    """Return errors over the simulated flights on one path, ``count`` flights for each fit."""
     found, truth = [], []
     for seed, fit in enumerate(fits):
         of_gust = int(10 * gust)

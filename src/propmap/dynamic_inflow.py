@@ -223,9 +223,9 @@ class DynamicInflow:
         omega: ArrayLike,
         velocity: ArrayLike,
     ) -> tuple[Floats, Floats]:
-        """Return states after ``dt``, rates if it is ``...``, or steady states if ``state`` is.
+        """Return states after ``dt``, rates (``dt`` = ...) or steady states (``state`` = ...).
 
-        Rows (..., 17) contain force, moment, and the results of the core for ``Loads``.
+        Also return rows (..., 17) of force, moment, and the core's results for ``Loads``.
         """
         found: tuple[Floats, Floats]
         found = self.rotor._core.inflow_motion(state, dt, omega, velocity, self._sign, cores())

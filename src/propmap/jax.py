@@ -52,14 +52,14 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 
 
 def real_arrays(dtype: Any, **given: tuple[Any, int]) -> list[Any]:
-    """Return arrays from pairs of values and the length of their last axis, 0 for any length."""
+    """Return arrays of the values, given with the length of their last axis (0: any length)."""
     found = []
     for name, (x, count) in given.items():
         if jnp.iscomplexobj(x):
             raise InputError(f"{name} is complex", "give real numbers")
         found.append(jnp.asarray(x, dtype))
         if count and found[-1].shape[-1:] != (count,):
-            remedy = f"its last axis must hold {count}"
+            remedy = f"its last axis must have {count} values"
             raise InputError(f"{name} has shape {found[-1].shape}", remedy)
     return found
 

@@ -83,7 +83,7 @@ def components(velocity: ArrayLike) -> dict[str, Floats]:
 
 
 def numbers(name: str, values: ArrayLike, negative: bool) -> Floats:
-    """Return the finite numbers of an argument ``name``; without ``negative``, refuse these."""
+    """Return the finite numbers of an argument; refuse numbers below 0 unless ``negative``."""
     (found,) = broadcast(**{name: values})
     if not negative:
         _refuse_negative(name, found, SPIN_REMEDY if name == "omega" else "give 0 or more")

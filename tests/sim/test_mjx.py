@@ -247,7 +247,7 @@ WRONG: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "three speeds": (
         lambda: JaxForces.from_vehicle(VEHICLE, TABLE).wrench([500.0] * 3, [0.0] * 3),
-        "omega has shape (3,); its last axis must hold 4",
+        "omega has shape (3,); its last axis must have 4 values",
     ),
     "a number for a velocity": (
         lambda: JaxForces.from_vehicle(VEHICLE, TABLE).wrench([500.0] * 4, 3.0),
@@ -261,11 +261,11 @@ WRONG: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "a velocity of two components": (
         lambda: JaxForces.from_vehicle(VEHICLE, TABLE).table.loads_at_velocity(500.0, [1.0, 2.0]),
-        "velocity has shape (2,); its last axis must hold 3",
+        "velocity has shape (2,); its last axis must have 3 values",
     ),
     "one command": (
         lambda: rotors_on(model_of()).apply(None, [500.0] * 4, [500.0]),
-        "commands has shape (1,); its last axis must hold 4",
+        "commands has shape (1,); its last axis must have 4 values",
     ),
     "no such body": (
         lambda: rotors_on(model_of(), body="drone"),

@@ -1,16 +1,16 @@
 // The hybrid inflow v_i(y) of an annulus: the largest root of eq. (11), element thrust (5) = momentum thrust (10).
 //
-// docs/root-search.md explains the search with pictures, in the words and in the order of this file:
+// docs/root-search.md explains the search with pictures, in the terms and the order of this file.  The terms:
 // - Residual g(v_i): (5) minus (10).  It is negative for all v_i above the largest root.
-// - Top: the local maximum of g near stall.  Shoulder: without a top, the inflow near stall at which g is flattest.
+// - Top: the local maximum of g near stall.  Shoulder: if there is none, the inflow near stall at which g is flattest.
 // - Hump: the top or, if there is none, the shoulder.  Height of the hump: the residual there.
 // - Attached branch: the inflows above the hump.  Stalled branch: the inflows below the hump.  At negative angles of
-//   attack the names are kept, although flow is stalled above the hump.
+//   attack, both branches keep these names, although flow is stalled above the hump.
 //   If the height is positive, the largest root is above the hump; if it is negative, below the hump.
 // - Fold: a radius at which the height is zero.  At a fold with a top, the largest root jumps from one branch to the
 //   other.  At a fold with a shoulder, it varies most steeply along the blade.
 //
-// Each lane of `Lanes` is a radius, or an inflow at a radius.
+// Each lane of `Lanes` contains the value at one radius, or at one inflow of a radius.
 #pragma once
 
 #include <array>
@@ -28,12 +28,12 @@ template <class R> struct Annuli {
     const R& rotor;
     Flow<double> flow;
     Azimuths psi;   // over which (5) is averaged
-    Azimuths few;   // a smaller set, for evaluations far from a root
+    Azimuths few;   // fewer azimuths, for evaluations far from a root
     bool windmill;  // whether the windmill branch of momentum theory applies, see wake.hpp
 
     Station<Lanes> station(Lanes radius) const { return station_at(rotor, flow.omega, radius); }
 
-    // The residual per radius and density [m^3/s^2], with its derivative with respect to the inflow.
+    // The residual per meter of radius, divided by the density [m^3/s^2], with its derivative by the inflow.
     Dual<Lanes, 1> residual(const Station<Lanes>& at, Lanes inflow, const Azimuths& over) const {
         const Dual<Lanes, 1> v{inflow, {broadcast(1.0)}};
         return annulus_thrust(rotor, at, flow, v, over) -
@@ -52,13 +52,13 @@ template <class R> struct Annuli {
             return value(rotor.law.stall_angle(at.reynolds_per_speed[k] * flow.omega * at.radius[k], side));
         });
     }
-    // Whether the residual bends near stall only.  Lift of some laws bends again in deep stall.  In descent with tip or
-    // hub loss, the residual also bends where no air passes the disk, because Prandtl's factor peaks at 1 there.
+    // Whether the slope of the residual changes quickly (g bends) near stall only.  Lift of some laws also bends
+    // in deep stall.  In descent with tip or hub loss, Prandtl's factor peaks at 1 and bends g at v_i = -V cos(beta).
     bool bends_near_stall_only() const {
         return rotor.law.plain_stall && rotor.law.stall_delay == 0.0 &&
                !(flow.v_axial < 0.0 && (rotor.tip_loss || rotor.hub_radius > 0.0));
     }
-    // Distances between samples near stall, relative to those for the paper's M = 50: a sharper stall needs smaller ones.
+    // Spacing of samples near stall, relative to that for the paper's M = 50: a sharper stall needs closer samples.
     double stall_scale() const { return std::min(rotor.law.stall_width() / 0.02, 1.0); }
 };
 
@@ -66,7 +66,7 @@ template <class R> Lanes speed_scale(const Annuli<R>& of, const Station<Lanes>& 
     return of.rms_speed(at) + std::fabs(of.flow.v_axial);
 }
 
-// Angle of attack from zero lift [rad] at the velocity (U_T, U_P).
+// Angle of attack relative to zero lift [rad] at the velocity (U_T, U_P).
 inline Lanes angle_at(const Station<Lanes>& at, Lanes u_t, Lanes u_p) {
     const Lanes per = inverse_square_root(u_t * u_t + u_p * u_p + 1e-30);
     return radians(at.line - Angle<Lanes>{u_p * per, u_t * per, {}});
@@ -80,8 +80,8 @@ template <class R> Lanes inflow_at_angle(const Annuli<R>& of, const Station<Lane
 
 // --- Attached flow -------------------------------------------------------------------------------------------------
 
-// First guess of the inflow [m/s], for attached flow without drag: v W = k (U_T^2 theta - U_T U_P), where W is the
-// square root in (10) and k = N_b c_l1 c/(8 pi y), with the Reynolds factor on c_l1.  Four Newton steps start above the solution.
+// First guess of the inflow [m/s].  In attached flow without drag, (11) is v W = k (U_T^2 theta - U_T U_P).  W is the
+// square root in (10), k = N_b c_l1 c/(8 pi y), with the Reynolds factor on c_l1.  Four Newton steps start above the root.
 template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes>& at) {
     const auto& f = of.flow;
     const Lanes speed = of.rms_speed(at);
@@ -97,7 +97,7 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
     return v;
 }
 
-// Return the lanes whose root v is in attached flow at all azimuths, so that no root lies above it.
+// Return the lanes whose root v is in attached flow at all azimuths and therefore is the largest root.
 // If v >= 0, (5) decreases and (10) increases with v_i above v.  If v < 0, lift is negative; (5) still decreases and (10)
 // still increases up to v_i = 0, if no element stalls in between.  Above v_i = 0, the two thrusts have opposite signs.
 template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>& at, Lanes v) {
@@ -127,14 +127,14 @@ struct Sample {
 // Compute the residual of each sample, at the radius in its lane of `at`.  Samples are packed into full vectors.
 struct Request {
     int lane;
-    Sample* sample;  // with the inflow
+    Sample* sample;  // contains the inflow, receives the residual
 };
 template <class R>
 void evaluate(const Annuli<R>& of, const Station<Lanes>& at, std::span<const Request> asked, const Azimuths& over) {
     const auto columns = std::bit_cast<std::array<Lanes, sizeof(at) / sizeof(Lanes)>>(at);
     auto packed = columns;
     Lanes inflow;
-    std::array<int, width> lane;  // of `at`, in each lane of `packed`
+    std::array<int, width> lane;  // for each lane of `packed`: the lane of `at` that it contains
     for (int k = 0; k < width; ++k) lane[k] = k;
     for (std::size_t first = 0; first < asked.size(); first += width) {
         for (int k = 0; k < width; ++k) {
@@ -204,8 +204,8 @@ struct Samples {
     }
 };
 
-// Choose the first inflows of a scan: equally spaced inflow angles, closer ones around both stall angles, where the
-// residual bends most, and special inflows.  The outermost inflows are so large that no root is outside.
+// Choose the first inflows of a scan: equally spaced inflow angles, closer angles around both stall angles, and special
+// inflows.  The residual bends most near stall.  No root is outside the outermost inflows.
 template <class R> void first_inflows(const Annuli<R>& of, const Station<Lanes>& at, double speed, Samples& samples) {
     const auto& f = of.flow;
     const double whole = speed + std::fabs(f.v_axial), line = radians(at.line)[0];
@@ -228,8 +228,8 @@ template <class R> void first_inflows(const Annuli<R>& of, const Station<Lanes>&
     }) - samples.at.begin());
 }
 
-// Whether two more roots may hide between two samples: the cubic has an extreme between residuals of opposite signs,
-// or an extreme of the opposite sign or close to zero between residuals of the same sign.
+// Whether two more roots may hide between two samples.  Between residuals of opposite signs, any extreme of the cubic
+// may hide roots.  Between residuals of the same sign, an extreme of the other sign or close to zero may hide roots.
 inline bool may_hide_roots(const Sample& from, const Sample& to) {
     const Cubic cubic(from, to);
     const double g0 = from.residual, g1 = to.residual, end = cubic.slope(1.0);
@@ -242,13 +242,13 @@ inline bool may_hide_roots(const Sample& from, const Sample& to) {
         const double there = cubic.at(t[e]);
         if ((there < 0.0) != (g0 < 0.0) || std::fabs(there) < close_to_zero * std::min(std::fabs(g0), std::fabs(g1))) return true;
     }
-    // An extreme may be sharper than that of the cubic.  The tangents at both samples bound it.
+    // The residual may have a sharper extreme than the cubic.  The tangents at both samples bound this extreme.
     const double met = (g1 - g0 - end) / (cubic.a - end);
     return opposed && ((g0 + cubic.a * met) < 0.0) != (g0 < 0.0) && met > 0.0 && met < 1.0;
 }
 
-// Scan the residual over all inflows at one radius.  Every change of sign is a root.  Intervals that may hide two more
-// roots are sampled again, until none is left.
+// Scan the residual over all inflows at one radius.  Every change of sign encloses a root.  Intervals that may hide two
+// more roots are sampled again, until no such interval is left.
 template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples) {
     const Station<Lanes> at = of.station(broadcast(radius));
     const double v_axial = std::fabs(of.flow.v_axial), speed = std::max(of.rms_speed(at)[0], 0.1 * v_axial + 1e-9);
@@ -312,30 +312,30 @@ struct Hump {
     double share;          // |height| over the momentum thrust
     double inflow;         // v_i at the hump [m/s]
     double past_stall;     // mean angle of attack at the hump minus the stall angle [rad]; nearly constant along the blade
-    double below;          // the same angle at the first sample below the hump with a positive residual; NaN if there is none
+    double below;          // the same difference at the first sample below with a positive residual; NaN without one
     bool top;              // the hump is a top, not a shoulder
     bool clear;            // there is no other maximum between the hump and the sample of `below`
     bool single_root;      // the residual decreases with v_i at all samples, so (11) has one root
     bool three_roots;      // the residual is positive at the hump and negative at a sample below
 };
 
-// The top or shoulder of the residual between samples.
+// A top or shoulder of the residual, interpolated between samples.
 struct Peak {
     double inflow = std::nan(""), height = std::nan("");
     bool top = false;
     bool known() const { return inflow == inflow; }
 };
 
-// Find the top that decides on which branch the largest root is: the first one above zero or, if there is none, the
-// highest one.  (With the first one always, attached intervals near the tip were missed: 0.9 % of static thrust.)
-// Without a top, return the shoulder.
+// Find the top that decides on which branch the largest root is: the first top with a positive height or, if there is
+// none, the highest top.  If there is no top, return the shoulder.  (With the first top always, the search missed
+// attached intervals near the tip, and thrust erred by 0.9 % of static thrust.)
 inline Peak deciding_peak(std::span<const Sample> samples) {
     Peak best;
     double flattest = INFINITY;
     for (std::size_t k = 0; k + 1 < samples.size() && !(best.top && best.height > 0.0); ++k) {
         const double gap = samples[k].inflow - samples[k + 1].inflow;
         const Cubic cubic(samples[k], samples[k + 1]);
-        // There is a maximum if the derivative changes from positive at t = 0 to negative where it is smallest.
+        // The cubic has a maximum if its derivative is positive at t = 0 and its smallest derivative is negative.
         double t = cubic.c > 0.0 ? std::clamp(-0.5 * cubic.b / cubic.c, 0.0, 1.0) : cubic.b + cubic.c > 0.0 ? 0.0 : 1.0;
         const double least = cubic.slope(t);
         const bool top = cubic.a > 0.0 && least < 0.0;
@@ -351,12 +351,12 @@ inline Peak deciding_peak(std::span<const Sample> samples) {
     return best;
 }
 
-// Distance between the three samples by which a peak is refined [rad], and the share of it by which the peak may move
-// in the last of three refinements.  (With a single one, 14 of 5,000 random points moved, one by 0.24 % of the static load.)
+// Spacing of the three samples that refine a peak [rad].  A peak that moves by more than `refined_within` of it is
+// refined again, three times in all.  (With one refinement, 14 of 5,000 random points moved, one by 0.24 % of static load.)
 inline constexpr double refined_by = 0.012, refined_within = 0.9;
 
-// Find the peaks again from three samples around each, in the lanes `open`.  A lane is open until its peak stays between
-// the samples.
+// Refine the peaks in the lanes `open`, from three samples around each peak.  A lane remains open until its peak stays
+// between the samples.
 template <class R>
 void refine_peaks(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths& over, std::array<bool, width>& open,
                   Peak (&peak)[width]) {
@@ -378,14 +378,14 @@ void refine_peaks(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths&
     }
 }
 
-// Offsets from the stall angle at which a hump is searched, as multiples of a factor of at most 1 [rad].
+// Offsets from the stall angle [rad], at which the residual is sampled to find a hump.  `stall_spread` multiplies them.
 inline constexpr double near_offsets[] = {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15};
-// Further offsets in deep stall: for a stalled blade (without them, more nodes are scanned), and for any blade if the
-// residual may bend again (with fewer, thrust erred by 4 % of static thrust).
+// Further offsets in deep stall: `past_offsets` for a stalled blade (without them, more nodes are scanned), and
+// `bent_offsets` for any blade whose residual may bend again (with fewer, thrust erred by 4 % of static thrust).
 inline constexpr double past_offsets[] = {0.25, 0.45, 0.85}, bent_offsets[] = {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85};
 
-// The factor on these offsets.  It is larger in forward flight: some azimuths stall before others, so the annulus stalls
-// over a wider range of mean angles.
+// The factor on `near_offsets`, at most 1.  It is larger in forward flight: some azimuths stall before others, so the
+// annulus stalls over a wider range of mean angles.
 template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>& at, Lanes stall) {
     const Lanes rise = absolute((at.line - angle_from(stall)).sine);  // sin(phi) at stall
     return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
@@ -417,7 +417,7 @@ struct LaneSamples {
     }
 };
 
-// Describe the residual below the peak.  `below` becomes an inflow.
+// Set the members of `hump` that describe the residual below the peak; `hump.below` is an inflow here, not an angle.
 inline void look_below(std::span<const Sample> samples, const Peak& peak, Hump& hump) {
     bool falls = true, rising = false;
     hump.below = std::nan(""), hump.clear = true, hump.three_roots = false;
@@ -501,11 +501,11 @@ struct Edge {
     double inflow = 0.0;  // v_i at a fold [m/s]
 };
 
-// Spacing of the three inflows between which differences at a fold are computed, relative to the speed.
+// Spacing of the three inflows for the differences at a fold, relative to the speed of the air.
 template <class R> double fold_spacing(const Annuli<R>& of, bool top) { return top ? 2e-4 : 0.004 * of.stall_scale(); }
 
 // Solve for the fold between the humps `low` and `high` by Newton's method, from the radius y and the inflow v.  One
-// evaluation gives all derivatives: three lanes differ in v, the fourth in y.
+// evaluation is sufficient for all derivatives: three lanes differ in v, the fourth in y.
 template <class R>
 std::optional<Edge> newton_fold(const Annuli<R>& of, const Hump& low, const Hump& high, double y, double v, bool top, bool all_azimuths) {
     static_assert(width >= 4);
@@ -536,7 +536,7 @@ std::optional<Edge> newton_fold(const Annuli<R>& of, const Hump& low, const Hump
     return {};
 }
 
-// Whether this fold is at the hump `above` zero.  Newton's method may converge to another hump, at another angle of attack.
+// Whether this fold belongs to `above`, the hump with a positive height.  Newton's method may converge to another hump.
 // (Without this test, 9 of 10,000 random points moved by up to 3e-4 of the static load.)
 template <class R> bool same_hump(const Annuli<R>& of, const Edge& fold, const Hump& above, double side) {
     const auto at = of.station(broadcast(fold.radius));
@@ -544,7 +544,7 @@ template <class R> bool same_hump(const Annuli<R>& of, const Edge& fold, const H
     return !above.top || std::fabs(angle[0] - of.stall_angle(at, side)[0] - above.past_stall) <= 0.03;
 }
 
-// Shorten the interval between two humps with heights of opposite signs by humps at four radii within `share` +- `spread`.
+// Shorten the interval between humps with heights of opposite signs: compute humps at four radii in `share` +- `spread`.
 template <class R> void narrow(const Annuli<R>& of, Hump& low, Hump& high, double share, double spread, double side) {
     constexpr int looks = 4;
     Hump inside[width];
@@ -593,7 +593,7 @@ template <class R> Edge fold_between(const Annuli<R>& of, Hump low, Hump high, d
         if (fold && (narrowing >= 6 || same_hump(of, *fold, low.height > 0.0 ? low : high, side))) return *fold;
         // At 20,000 random oblique points in climb, there was no top between two shoulders.
         if (!low.top && !high.top && of.flow.v_axial >= 0.0) break;
-        // At first, the fold is close to the interpolated one.  (With 0.25 always, 3 of 10,000 random points moved by 2e-4.)
+        // At first, the interpolated fold is close.  (With 0.25 always, 3 of 10,000 random points moved by 2e-4.)
         narrow(of, low, high, share(), narrowing < 2 ? 0.05 : 0.25, side);
         if (high.radius - low.radius < 1e-9 * high.radius) break;
     }

@@ -45,8 +45,8 @@ template <class R, class Y, class F> auto residual_at_stall(const R& rotor, cons
     return annulus_thrust(rotor, at, flow, inflow, s.psi) - wake_thrust(rotor, at.radius, flow, s.windmill, inflow);
 }
 
-// The radius of an edge with its derivatives.  At a fold, two values stay zero: the residual g, and C, which is dg/dv_i at
-// a top and the second difference of g over v_i at a shoulder.
+// The radius of an edge with its derivatives.  At a fold, the residual g and a second value C stay zero.  C is dg/dv_i
+// at a top, and the second difference of g over v_i at a shoulder.
 template <int N, template <class> class LawOf>
 Dual<double, N> moving_radius(const RotorSolver<LawOf>& solver, const Solution& s, const DualRotor<N, LawOf>& rotor,
                               const Flow<Dual<double, N>>& flow, const Edge& edge) {
@@ -116,7 +116,7 @@ MovingInflow<N> moving_inflow(const RotorSolver<LawOf>& solver, const Solution& 
     return inflow;
 }
 
-// Add the change of the harmonics to the `loads` of the blades, whose thrust without harmonics is `without`.
+// Add the effect of the harmonics' derivatives to the `loads` of the blades; `without` is the thrust without harmonics.
 template <int N, template <class> class LawOf>
 void add_moving_harmonics(const RotorSolver<LawOf>& solver, const Solution& s, const DualRotor<N, LawOf>& rotor,
                           const Flow<Dual<double, N>>& flow, const MovingInflow<N>& inflow, const Azimuths& psi,
@@ -153,7 +153,7 @@ Loads<Dual<double, N>> load_slopes(const RotorSolver<LawOf>& solver, const Solut
         const auto at_rest = load_slopes<N>(solver, still, rotor, Flow<S>{flow.omega, S{}, S{}});
         flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor.density)), rotor.tip());
     }
-    // Derivatives with respect to in-plane velocity contain the mean of sin^2(psi), which needs several azimuths.
+    // Derivatives with respect to in-plane velocity contain the mean of sin^2(psi), which requires several azimuths.
     const Azimuths psi = s.psi.count > 1 ? s.psi : azimuths(8);
     std::array<S, most_folds + 2> edge;
     for (int k = 0; k <= s.disk.panels; ++k) edge[k] = moving_radius<N>(solver, s, rotor, flow, s.disk.edge[k]);

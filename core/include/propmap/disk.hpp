@@ -1,8 +1,8 @@
 // The inflow v_i over the disk, at the nodes of one or more panels along the blade.
 //
 // A node is a radius at which (11) is solved.  A panel is a part of the blade with its own Gauss-Legendre nodes.  Panels
-// follow stall if they meet at folds: the inflow jumps there, or varies steeply.  annulus.hpp defines hump, height and
-// fold; docs/root-search.md explains the search.
+// that meet at folds follow stall, because the inflow jumps or varies steeply at a fold.  annulus.hpp defines hump,
+// height and fold; docs/root-search.md explains the search.
 #pragma once
 
 #include "annulus.hpp"
@@ -10,9 +10,9 @@
 
 namespace propmap {
 
-inline constexpr int most_nodes = 1100;  // the largest number in `Accuracy` (quadrature.hpp), 960, and two more per panel
+inline constexpr int most_nodes = 1100;  // the largest number in `Accuracy` (quadrature.hpp), 960, and two per panel
 inline constexpr int most_folds = 12;    // largest number of folds at which panels meet
-inline constexpr int block = 4;  // consecutive nodes, marked near stall together; unlike `width`, the same on all processors
+inline constexpr int block = 4;  // consecutive nodes, marked near stall together; unlike `width`, equal on all processors
 static_assert(width % block == 0);
 
 // --- Panels and nodes ----------------------------------------------------------------------------------------------
@@ -39,7 +39,7 @@ struct Disk {
         return chosen;
     }
 
-    // Call `each(node, panel, rule, k)` for all nodes; lanes after the last node repeat its panel and k.
+    // Call `each(node, panel, rule, k)` for node k of each panel.  Lanes after the last node repeat its panel and k.
     template <class F> void for_each_node(F each) const {
         int node = 0, panel = 0, k = 0;
         for (; node < groups * width; ++node) {
@@ -76,13 +76,13 @@ inline void single_panel(Disk& disk, double root, double tip, int nodes) {
 struct Folds {
     double side = 1.0;  // 1 if the blade stalls at positive angles of attack, -1 at negative angles
     int count = 0;
-    std::array<Edge, most_folds> edge;  // folds, or edges in place of them
+    std::array<Edge, most_folds> edge;  // folds, or edges that replace them
     std::vector<Hump> humps;            // in order of increasing radius
 };
 
 // Make panels that meet at the folds.  There are at least three panels; fixed edges replace missing folds.
 inline void make_panels(const Folds& folds, double root, double tip, int nodes, Disk& disk) {
-    constexpr double in_place[] = {0.25, 0.6};  // of the first and the second fold, as shares of the length
+    constexpr double in_place[] = {0.25, 0.6};  // shares of the length, for edges that replace the first and second fold
     auto& edge = disk.edge;
     edge[0] = {root};
     std::copy_n(folds.edge.begin(), folds.count, edge.begin() + 1);
@@ -91,7 +91,7 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
     edge[panels] = {tip};
     std::sort(edge.begin(), edge.begin() + panels, [](const Edge& a, const Edge& b) { return a.radius < b.radius; });
     disk.panels = panels;
-    // Three panels share nodes by length, at least `least` each.  With 12 nodes in a long inner panel, errors reached 0.13 %.
+    // Each of three panels has `least` nodes plus a share by length.  With 12 in a long inner panel, errors reached 0.13 %.
     constexpr int least = 8;
     int left = nodes;
     for (int p = panels - 1; p >= 0; --p) {
@@ -105,8 +105,8 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
 
 // --- Attached flow and Newton's method -----------------------------------------------------------------------------
 
-// `inflow` is a root of (11) in attached flow.  Return whether any of these lanes has smaller roots: then its residual
-// past stall is negative.  To save time, the residual for sin(psi) = 0 alone is tested first.
+// Return whether (11) has smaller roots than `inflow`, a root in attached flow, in any of these lanes.  If so, the
+// residual past stall is negative.  To save time, the residual for sin(psi) = 0 alone is tested first.
 template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes inflow, Mask lanes) {
     if (!any(lanes)) return false;
     const Lanes stall = of.stall_angle(at, 1.0);
@@ -187,7 +187,7 @@ template <class R> void look_at(const Annuli<R>& of, const std::vector<double>& 
     std::sort(folds.humps.begin(), folds.humps.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
 }
 
-// Choose every `every`-th node of the blocks, with both ends of the blade.
+// Choose the radii of every `every`-th node of the blocks, and radii close to the ends of the blade.
 inline void radii_in_blocks(const Disk& disk, const std::vector<bool>& blocks, int every, std::vector<double>& radii) {
     const double root = disk.edge[0].radius, tip = disk.edge[disk.panels].radius;
     const double inset = 1e-5 * (tip - root);  // a fold may lie between an end of the blade and the node next to it
@@ -203,12 +203,12 @@ inline void radii_in_blocks(const Disk& disk, const std::vector<bool>& blocks, i
         if (all.size() <= 8 || k % every == 0 || k + 1 == all.size()) radii.push_back(all[k]);
 }
 
-// A height is small below the first share of the momentum thrust.  Below the second share, it may change its sign between
-// two measured stations of the blade.  (Without the second one, 3 of 5,000 random points moved, one by 0.8 %.)
+// Shares of the momentum thrust.  Heights below `small_height` are small.  Heights below `touching_height` may change
+// sign between two measured stations of the blade.  (Without that limit, 3 of 5,000 random points moved, one by 0.8 %.)
 inline constexpr double small_height = 0.3, touching_height = 0.04;
 
-// Choose the blocks next to those near stall, unless the nearest height is large and positive and stays above half of
-// it up to the block.
+// Choose the blocks next to blocks near stall.  Exclude a block if the nearest height is positive and large, and if
+// its slope reduces it by less than half up to the block.
 inline std::vector<bool> blocks_beside(const Disk& disk, const std::vector<bool>& near_stall, const std::vector<Hump>& humps) {
     std::vector<bool> chosen(disk.blocks());
     for (int b = 0; b < disk.blocks(); ++b) {
@@ -224,7 +224,7 @@ inline std::vector<bool> blocks_beside(const Disk& disk, const std::vector<bool>
     return chosen;
 }
 
-// The share of the gap between two humps at which another hump is computed, because folds may hide there; 0 for none.
+// The share of the gap between two humps at which another hump is computed, because folds may hide there; 0 for no hump.
 // The height in between is interpolated by a cubic from values and derivatives.
 inline double place_between(const Hump& a, const Hump& b, double tip) {
     const double gap = b.radius - a.radius;
@@ -232,7 +232,7 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
     const Cubic cubic(a.height, a.slope * gap, b.height, b.slope * gap);
     const bool crosses = (a.height < 0.0) != (b.height < 0.0);
     const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
-    // Two folds may hide at an extreme of opposite sign or near zero.  Between small heights far apart, any may hide two.
+    // An extreme of opposite sign or near zero may hide two folds; between small heights far apart, any extreme may hide two.
     double t[2];
     for (int e = cubic.extremes(t) - 1; e >= 0; --e) {
         const double there = cubic.at(t[e]);
@@ -248,7 +248,7 @@ inline double place_between(const Hump& a, const Hump& b, double tip) {
 }
 
 // Search for folds in the blocks near stall; in all other blocks, flow is attached.  If panels will not `follow` the
-// folds, find the humps alone.
+// folds, find only the humps.
 template <class R>
 void find_folds(const Annuli<R>& of, Disk& disk, const std::vector<bool>& near_stall, bool follow, Folds& folds) {
     const double root = of.rotor.root(), tip = of.rotor.tip();
@@ -257,7 +257,7 @@ void find_folds(const Annuli<R>& of, Disk& disk, const std::vector<bool>& near_s
     const auto& line = of.station(broadcast(out)).line;
     folds.side = line.sine[0] * of.flow.omega * out - line.cosine[0] * of.flow.v_axial < 0.0 ? -1.0 : 1.0;
     folds.humps.clear(), folds.count = 0;
-    // Because derivatives are known, every second node is sufficient; every fourth, if panels do not follow stall.
+    // Heights have derivatives, so every second node is sufficient, or every fourth if panels do not follow stall.
     const int every = follow ? 2 : 4;
     thread_local std::vector<double> radii;
     radii_in_blocks(disk, near_stall, every, radii), look_at(of, radii, folds);
@@ -289,14 +289,14 @@ void find_folds(const Annuli<R>& of, Disk& disk, const std::vector<bool>& near_s
 struct Forecast {
     Mask known{};   // whether there are humps nearby; if not, nothing else is known
     Mask single{};  // both humps are shoulders and the residual decreases with v_i: (11) has one root
-    Mask clear{};   // neither hump has another maximum below it before the residual is positive again
+    Mask clear{};   // there is no other maximum of g between either hump and its `below`
     Mask attached{}, stalled{};  // the root is above the hump, or below it; both are false if either is possible
     Lanes hump, below;  // v_i of the hump, and a smaller v_i at which the residual is positive; NaN if unknown
 };
 template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, const Station<Lanes>& at) {
     Forecast f{};
     const auto& humps = folds.humps;
-    const double reach = 0.12 * of.rotor.tip();  // farthest hump
+    const double reach = 0.12 * of.rotor.tip();  // largest distance to the nearest hump
     if (humps.empty() || !any((at.radius >= humps.front().radius - reach) & (at.radius <= humps.back().radius + reach))) return f;
     Lanes past = broadcast(std::nan("")), below = past;
     for (int k = 0; k < width; ++k) {
@@ -325,7 +325,7 @@ template <class R> Forecast forecast(const Annuli<R>& of, const Folds& folds, co
     f.hump = inflow_at_angle(of, at, stall + past), f.below = inflow_at_angle(of, at, stall + below);
     f.known &= f.hump == f.hump;
     if (!of.bends_near_stall_only()) f.single = f.clear = Mask{};
-    // Near the hub, hub loss removes momentum thrust and humps vary quickly.  Forecasts there led to a smaller root.
+    // Near the hub, hub loss removes momentum thrust and humps vary quickly.  Forecasts there led to smaller roots.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) f.known &= at.radius > 1.5 * hub;
     // Deep in reverse flow, stall covers most azimuths, and the stall angle does not predict the roots.
     f.known &= of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius);
@@ -351,7 +351,7 @@ template <class R> Mask top_below_zero(const Annuli<R>& of, const Station<Lanes>
     return asked;
 }
 
-// Return the lanes whose root v is on the branch of the forecast, so that it is the largest root.
+// Return the lanes whose root v is on the branch of the forecast and therefore is the largest root.
 template <class R> Mask as_forecast(const Annuli<R>& of, const Station<Lanes>& at, const Forecast& f, double side, Lanes v, Mask asked) {
     // Above this inflow, (10) increases with v_i.
     const auto turn = turning_points(of.flow.v_axial, of.flow.v_inplane);
@@ -361,7 +361,7 @@ template <class R> Mask as_forecast(const Annuli<R>& of, const Station<Lanes>& a
     const Mask settled = asked & ((v > f.hump + near) | f.single | (f.attached & (v > f.hump - near)));
     const Mask beneath = asked & f.clear & (v < f.hump + near) & (side < 0.0 ? v == v : v > f.below - near);
     Mask stalled = f.stalled;
-    // If the neighboring heights have opposite signs and no fold lies between, compute the top at the node.
+    // If the neighboring heights have opposite signs but no fold is between them, compute the top at the node.
     if (side > 0.0) stalled |= top_below_zero(of, at, beneath & ~(settled | f.stalled | f.attached), f.hump);
     return settled | (stalled & beneath);
 }

@@ -40,7 +40,7 @@ inline constexpr double negligible = 1e-13;  // harmonics below this share of th
 
 // Return the smallest number of nodes with an accurate static thrust in climb, hover and slow descent, with and without
 // in-plane flow.  The reference is the thrust with panels that follow stall; the difference is at most 0.2 % of the
-// thrust at rest.  A fold between two nodes acts as if it were in the middle between these nodes.  Blades that stall
+// thrust at rest.  A fold between two nodes has the effect of a fold in the middle of them.  Blades that stall
 // abruptly therefore require many nodes.
 template <template <class> class LawOf> int nodes_for(const RotorSolver<LawOf>& solver) {
     constexpr int counts[] = {24, 48, 96, 192};
@@ -87,7 +87,7 @@ template <template <class> class LawOf> class DynamicInflow {
     }
 
     // Return loads and status in a `state`, and write the `rates` [m/s^2] and the state `later` after a step of `time`
-    // [s], unless they are null.  The returned solution is valid until the next call in the same thread.
+    // [s], unless these pointers are null.  The returned solution is valid until the next call in the same thread.
     const Solution& move(const Flow<double>& at, const Heading& heading, const double* state, double time, double* rates,
                          double* later) const {
         thread_local Solution s;
@@ -102,13 +102,13 @@ template <template <class> class LawOf> class DynamicInflow {
         if (around && s.psi.count < 8) s.psi = azimuths(16);  // gradients need several azimuths
         solver_->start_at(s, nodes_);
 
-        // Annuli and harmonics step by the exponential of their linearized rates.  Stalled blades, or an inflow against the
-        // flow through the disk, may have a slope of any sign.  The slope of an annulus is therefore limited to at least half
-        // of the mass-flow parameter in size.
+        // Annuli and harmonics step by the exponential of their linearized rates.  If blades stall, or if the inflow
+        // opposes the flow through the disk, the slope of an annulus may have either sign.  The step therefore uses a
+        // slope of at least half of the mass-flow parameter in size.
         const auto of = solver_->annuli(s);
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
         Loads<double> total{};
-        // Derivatives of T by v_0, and of L by v_s or M by v_c, for the decay of harmonics: sin^2(psi) counts as its mean, 1/2.
+        // For the decay of harmonics: dT/dv_0, and dL/dv_s or dM/dv_c with sin^2(psi) replaced by its mean, 1/2.
         double by_mean = 0.0, by_gradient = 0.0;
         double thrust_without = 0.0, area = 0.0, through_area = 0.0;
         for (int g = 0; g < s.disk.groups; ++g) {
@@ -153,7 +153,7 @@ template <template <class> class LawOf> class DynamicInflow {
         complete_loads(rotor, s.flow, s.mean.inflow, s.result.loads);
         solver_->set_status(s, false);
 
-        // If stalled blades amplify a harmonic, its step omits the part of the blades in the slope.
+        // If stalled blades amplify a harmonic, the slope for its step excludes the contribution of the blades.
         const auto gains = harmonic_response(rotor.inflow_shape, s.mean, radius), response = solver_->faded(gains, 1.0 - ring);
         const auto wanted = response.harmonics({total.thrust, total.roll_moment, -total.pitch_moment}, thrust_without);
         const double target[3] = {wanted.mean, wanted.lateral, wanted.longitudinal};
@@ -176,8 +176,8 @@ template <template <class> class LawOf> class DynamicInflow {
     }
 
   private:
-    // Prepare the solution as `RotorSolver` does, but without the static inflow where neither the vortex ring nor the
-    // windmill branch can depend on it: in slow descent, and in forward flight.
+    // Prepare the solution as `RotorSolver` does.  In slow descent and in forward flight, omit the static inflow,
+    // because neither the vortex ring nor the windmill branch depends on it there.
     void prepare(const Flow<double>& at, Solution& s) const {
         const double least = least_ * at.omega, most = most_ * at.omega, tip_speed = at.omega * solver_->rotor().tip();
         const bool slow = at.v_axial >= vortex_ring::onset * least;

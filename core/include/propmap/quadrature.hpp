@@ -16,7 +16,7 @@ struct Accuracy {
         int azimuths;    // over a full turn
     };
     std::vector<Share> azimuths;
-    int free, stalled, fast;  // radial nodes: if the blade does not stall, if panels follow stall, if they do not
+    int free, stalled, fast;  // radial nodes: without stall, with panels that follow stall, with a single panel in stall
     double largest_tail;      // relative to the static load; a point with a larger tail is evaluated again
     struct Finer {
         int nodes;
@@ -29,7 +29,7 @@ struct Accuracy {
     static int place_of(int count) {
         return int(std::lower_bound(std::begin(counts), std::end(counts), count) - std::begin(counts));
     }
-    // The number of azimuths, in proportion to the sharpness of stall.  `times` counts the evaluations before this
+    // The number of azimuths, proportional to the sharpness of stall.  `times` counts the evaluations before this
     // one.  From times = 2 on, each evaluation uses the next larger number in `counts`.
     int azimuths_at(double advance, double sharper, int times) const {
         std::size_t k = 0;
@@ -50,9 +50,9 @@ inline const Accuracy fine_accuracy{
 
 // Nodes and weights of one panel, relative to its length, and the Legendre polynomials that estimate the error.
 //
-// The nodes are Gauss-Legendre nodes t, mapped to be dense near the tip of a single panel or, less strongly, near both
-// edges of each of several panels (`both`).  The reason: inflow near a fold and chord near the tip vary as the square
-// root of the distance.
+// Gauss-Legendre nodes t are mapped, because inflow near a fold and chord near the tip vary as the square root of the
+// distance.  On a single panel, the mapped nodes are dense near the tip.  On each of several panels (`both`), they are
+// dense near both edges, less strongly.
 struct PanelRule {
     static constexpr int tail = 4;  // number of last Legendre coefficients, whose size indicates the error
     std::vector<double> place, weight;
@@ -100,7 +100,7 @@ struct AzimuthRule {
     }
 };
 
-// Return the rule that is constructed from this number.  It is constructed on first use and stored.
+// Return the rule with this number.  The rule is constructed on first use and stored.
 template <class Rule> const Rule& rule_of(int number) {
     static std::mutex guard;
     static std::map<int, Rule> rules;

@@ -1,7 +1,7 @@
 // Loads of a rotor at any operating point, eqs. (13) to (15), with a status.
 //
 // Eq. (11) is solved at nodes, the quadrature radii of one or more panels along the blade.  Panels follow stall if they
-// meet at folds, the radii at which stall begins or ends (disk.hpp).  Harmonics: inflow that varies around the disk.
+// meet at folds, the radii at which stall begins or ends (disk.hpp).  Harmonics describe how inflow varies with azimuth.
 #pragma once
 
 #include "disk.hpp"
@@ -17,19 +17,19 @@ inline constexpr double follow_below = 0.24, follow_descent_below = 0.45, revers
 // Above this speed [m/s], loads are NaN, because rounding of squared speeds removes all smaller terms.
 inline constexpr double fastest_flow = 1e6;
 
-// In order of severity: if several apply, the last one is returned.  The Python package sets `reversed`.
+// Statuses in order of severity; if several apply, the solver returns the last.  The Python package sets `reversed`.
 enum class Status : unsigned char { ok, multiple_roots, windmill, coarse, reversed, vortex_ring, not_converged };
 
 struct Result {  // at an operating point
     Loads<double> loads;  // [N], [N m]
     Status status = Status::ok;
     int roots = 1;        // number of roots of (11): 1, or 3 if some node has several
-    double ring = 0.0;    // weight of the vortex-ring inflow in the inflow used, 0 to 1
+    double ring = 0.0;    // weight of the vortex-ring inflow in the blended inflow, 0 to 1
     double mean_inflow = 0.0;  // over the area of the disk [m/s]
     double blade_drag = 0.0;  // drag [N] of the bare blades, without `drag_factor` and mount
 };
 
-// Longest last Newton step of the harmonics, relative to tip speed plus air speed.  The loads are corrected for this
+// Largest last Newton step of the harmonics, relative to tip speed plus air speed.  The loads are corrected for this
 // step to first order; the error, of second order, is at most 3e-8 of the static loads.
 inline constexpr double harmonics_close = 2e-5;
 
@@ -61,8 +61,8 @@ template <template <class> class LawOf> class RotorSolver {
     using Modeled = Rotor<double, LawOf>;
 
     RotorSolver(Modeled rotor, const Accuracy& accuracy) : rotor_(std::move(rotor)), accuracy_(accuracy) {
-        // Static loads over Omega^2, by which tails are divided.  They are small if the blade stalls at rest: mean
-        // coefficients of at least 0.1 (lift) and 0.01 (force against the rotation) are assumed.
+        // Tails are divided by the static loads over Omega^2.  Static loads are small if the blade stalls at rest, so
+        // mean coefficients are assumed to be at least 0.1 (lift) and 0.01 (force against the rotation).
         const double omega = 100.0 / rotor_.tip();
         Solution at_rest;
         at_rest.flow = {omega, 0.0, 0.0};
@@ -82,7 +82,7 @@ template <template <class> class LawOf> class RotorSolver {
 
     const Modeled& rotor() const { return rotor_; }
 
-    // Set the flow, with the static inflow in descent, the branch of momentum theory and the azimuths.
+    // Set the flow (in descent with the static inflow), the branch of momentum theory and the azimuths.
     void prepare(const Flow<double>& at, Solution& s) const {
         s.flow = at;
         s.flow.v_hover = at.v_axial < 0.0 ? hover_inflow(at.omega) : 0.0;
@@ -94,7 +94,7 @@ template <template <class> class LawOf> class RotorSolver {
     double advance_ratio(const Flow<double>& at) const {  // V sin(beta)/(Omega R)
         return at.v_inplane == 0.0 ? 0.0 : at.v_inplane / (at.omega * rotor_.tip());
     }
-    double sharpness() const { return 0.02 / rotor_.law.stall_width(); }  // of stall, relative to the paper's
+    double sharpness() const { return 0.02 / rotor_.law.stall_width(); }  // of stall, relative to that of the paper
 
     // Solve an operating point.
     void solve(const Flow<double>& at, Solution& s) const {
@@ -118,7 +118,7 @@ template <template <class> class LawOf> class RotorSolver {
         set_status(s, tail_share(s) > accuracy_.finer.back().largest_tail);
     }
 
-    // The solution with this inflow [m/s] at all nodes: zero without any flow, NaN if the flow is too fast.
+    // Set this inflow [m/s] at all nodes: zero for a rotor at rest in still air, NaN if the flow is too fast.
     void set_inflow(const Flow<double>& at, double inflow, Solution& s) const {
         s.flow = at, s.flow.v_hover = 0.0;
         s.result = Result{};
@@ -181,7 +181,7 @@ template <template <class> class LawOf> class RotorSolver {
         return static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
     }
 
-    // Eq. (11) at this point.  The set `few` has a quarter of the azimuths, but at least 8.
+    // Eq. (11) at this point.  `few` contains a quarter of the azimuths, but at least 8.
     Annuli<Modeled> annuli(const Solution& s) const {
         const Azimuths few = s.psi.count > 4 ? azimuths(std::max(8, 2 * (s.psi.count / 4))) : s.psi;
         return {rotor_, s.flow, s.psi, few, s.windmill};
@@ -313,8 +313,8 @@ template <template <class> class LawOf> class RotorSolver {
         s.torque_tail = rotor_.density * tail(s, integrand + most_nodes);
     }
 
-    // Solve for the harmonics and the loads, which depend on each other: three equations, Newton's method from zero,
-    // first over few azimuths.  Usually the next step, over all azimuths, is the last one (see `harmonics_close`).
+    // Solve for the harmonics and the loads, which depend on each other.  Newton's method solves three equations from
+    // zero, first over few azimuths.  Usually it needs one more step, over all azimuths (see `harmonics_close`).
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
         const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();

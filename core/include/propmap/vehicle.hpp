@@ -24,7 +24,7 @@ struct Wrench {
 // The flow at a hub that moves through the air.
 struct HubFlow {
     double axial = 0.0, inplane = 0.0;  // V cos(beta), V sin(beta) >= 0 [m/s]
-    Vector3 ahead{};                    // unit vector along the in-plane velocity; zero where there is none
+    Vector3 ahead{};                    // unit vector along the in-plane velocity; zero without in-plane velocity
 };
 
 // `axis` is the unit vector along the thrust; `velocity` is that of the hub through the air [m/s].
@@ -54,7 +54,7 @@ struct Airframe {
     double density;  // of the air [kg/m^3]
     Vector3 drag_area{};
     double lift_area = 0.0, plate_area = 0.0, download_area[2]{};
-    double wing_area = 0.0, incidence = 0.0, span = 0.0;  // span 0: without induced drag
+    double wing_area = 0.0, incidence = 0.0, span = 0.0;  // for span 0, induced drag is omitted
     BlendedLaw<double> wing{};                            // eq. (3)
 
     // Lift acts across the flow, in the plane of symmetry: (-v_z, 0, v_x) is its direction times V.
@@ -87,8 +87,8 @@ struct Mount {
 };
 
 // Force of the air on a vehicle, and moment about its center of mass, at its `velocity` through the air [m/s] and its
-// angular velocity `rates` [rad/s].  `loads(k, flow)` returns the loads of rotor k.  Without in-plane flow, it may set
-// `flow.ahead`, along which these loads act.
+// angular velocity `rates` [rad/s].  `loads(k, flow)` returns the loads of rotor k.  Without in-plane flow, `loads`
+// may set `flow.ahead`, the direction of the in-plane loads.
 template <class LoadsOf>
 Wrench vehicle_wrench(const std::vector<Mount>& mounts, const Airframe& frame, const Vector3& velocity, const Vector3& rates,
                       LoadsOf loads) {
@@ -105,7 +105,7 @@ Wrench vehicle_wrench(const std::vector<Mount>& mounts, const Airframe& frame, c
 }
 
 // Moment of the spinning rotors on the vehicle: their angular momentum turns with the vehicle and changes with their
-// speed.  Each has the moment of inertia `heavy` [kg m^2], the speed `omega` [rad/s] and its rate `change` [rad/s^2].
+// speed.  A rotor has the moment of inertia `heavy` [kg m^2], the speed `omega` [rad/s] and its rate `change` [rad/s^2].
 inline Vector3 spin_moment(const std::vector<Mount>& mounts, double heavy, const double* omega, const double* change,
                            const Vector3& rates) {
     Vector3 momentum{}, by_speed{};

@@ -61,8 +61,8 @@ class Application:
         self.page("/", "")
 
     def session(self, search: Any, *, lost: bool = False) -> Session:
-        """Return the session of an address; raise ``InputError`` for an invalid address, and for
-        files that the server no longer stores, unless these may be ``lost``."""
+        """Return the session of an address.  Raise ``InputError`` for an invalid address and,
+        unless ``lost``, for files that the server no longer stores."""
         if search is not None and not isinstance(search, str):
             raise InputError("the address is invalid", "open the start page /")
         query = query_of(search)
@@ -282,7 +282,7 @@ def query_of(search: str | None) -> dict[str, str]:
 
 
 def settings_of(search: str | None) -> dict[str, str]:
-    """Return the parameters of an address without files."""
+    """Return the parameters of an address, except for its files."""
     return {key: value for key, value in query_of(search).items() if not key.startswith(FILE)}
 
 

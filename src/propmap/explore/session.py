@@ -414,7 +414,7 @@ class Recipe:
         return self._write(one.name, one.data.decode("utf-8-sig", "replace"))
 
     def _write(self, name: str, text: str) -> str:
-        # Keep files of the same name apart, and the files of the command line unchanged.
+        # Rename a file whose name belongs to another text or to a file of the command line.
         text = text if text.endswith("\n") else text + "\n"
         paths = {one.path for one in self.session.files.values()}
         while self._texts.get(name, text) != text or name in paths:
@@ -463,7 +463,7 @@ class Recipe:
 
 
 def written_by_shell(name: str, text: str) -> str:
-    """Return a command that writes a text file; no line of the file ends the command."""
+    """Return a command that writes a text file, with an end mark that the text excludes."""
     end = "END_OF_FILE" if "END_OF_FILE" not in text else secrets.token_hex(8)
     return f"cat > {shlex.quote(name)} <<'{end}'\n{text}{end}"
 

@@ -90,7 +90,7 @@ ROTORS = 4  # RotorPy's Multirotor inverts the matrix from its rotors' thrusts t
 def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
     """Return a module that calls ``VehicleForces``, the table and the note.
 
-    Raises ``InputError`` unless four rotors set thrust and moments, and for another table.
+    Raises ``InputError`` unless four rotors set thrust and moments, or for an unsuitable table.
     """
     if len(vehicle.mounts) != ROTORS:
         found = f"the vehicle has {len(vehicle.mounts)} rotors, RotorPy's Multirotor {ROTORS}"
@@ -98,7 +98,7 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> files.Files:
     directions = [-spin_sign(mount.spin) for mount in vehicle.mounts]
     if np.linalg.matrix_rank([np.ones(ROTORS), directions, *vehicle.hub_positions.T[:2]]) < ROTORS:
         found = "the rotors cannot set the thrust and all three moments independently"
-        raise InputError(found, "check spins and positions: RotorPy's Multirotor inverts a matrix")
+        raise InputError(found, "check spins and positions: RotorPy requires an invertible matrix")
     Rotors.of(vehicle, table)
     name, rotor = files.vehicle_name(vehicle, table), files.identifier(table)
     module = files.rendered(

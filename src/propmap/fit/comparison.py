@@ -138,8 +138,8 @@ def flight_forces(
 
 
 DRAG_DEVIATION = 0.12
-"""Standard deviation over flights of a factor on the force across the mean rotor axis, as drag and
-airspeed differ.  Its choice is that of the tilts in ``parameters.PER_FLIGHT``."""
+"""Standard deviation over flights of a factor on the force across the mean rotor axis, for
+differences in drag and airspeed.  ``parameters.PER_FLIGHT`` explains the choice of the value."""
 
 BAND = 1.96  # half width of a 95 % band, in standard deviations
 
@@ -151,7 +151,7 @@ class ForceErrors(NamedTuple):
     """
 
     loads: Floats  # (n, 6)
-    slopes: Floats  # derivatives with respect to the parameters, the last a drag factor, (P, n, 6)
+    slopes: Floats  # derivatives by the parameters, of which the last is a drag factor, (P, n, 6)
     covariance: Floats  # of the parameters, with their differences between flights, (P, P)
     left: Floats  # standard deviations of all other errors, (n, 6); NaN for loads not fitted
     excluded: tuple[str, ...]  # free parameters that the data of the fit do not determine

@@ -558,8 +558,8 @@ LEAST_HOVER = 0.5
 NAME = "thrust_scale"
 
 IN_HOVER = 0.01
-"""Prior standard deviation of the scale of a flight with hover.  Half seconds of hover at the start
-and end of a flight differ by 0.7 and 1.2 % in the two flights of examples/neurobem."""
+"""Prior standard deviation of the scale of a flight with hover.  In the two flights of
+examples/neurobem, the scales of hover at the start and at the end differ by 0.7 and 1.2 %."""
 
 RANGE = (0.9, 1.1)
 """Range of scales that are applied; outside, the mass or the unit of the rotor speeds is wrong."""

@@ -61,16 +61,16 @@ BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
 
 PER_FLIGHT = {
     "thrust_scale": 0.02,  # batteries, payloads and temperatures
-    "clock_offset": 0.01,  # [s]; sensor filters delay by some milliseconds
-    # [rad], trim of attitudes, and errors of marker frames
+    "clock_offset": 0.01,  # [s]; sensor filters cause delays of some milliseconds
+    # [rad]; trim of the attitude, and errors of marker frames
     "sensor_tilt_x": 0.01,
     "sensor_tilt_y": 0.01,
 }
 """Parameters with one value per flight, as in ``thrust_scale[FLIGHT]``, and their prior standard
 deviations over flights.
 
-The interval score of the tilts over held-out flights of two vehicles, together with that of the
-drag (``comparison.DRAG_DEVIATION``), is within 1 % of the smallest (``tools.flight_bands``)."""
+With these tilts and ``comparison.DRAG_DEVIATION``, the interval score over held-out flights of two
+vehicles is within 1 % of the smallest score (``tools.flight_bands``)."""
 
 EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT | THROTTLE
 _NOT_ALWAYS = FLEX | INSTALLED | WAKES | THROTTLE

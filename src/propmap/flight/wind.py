@@ -1,11 +1,11 @@
 """Wind over a flight: the velocity of the air, estimated from the forces on a fitted vehicle.
 
-A Kalman smoother estimates the wind and the errors of the modeled force.  A linear regression over
-the band of each new estimate replaces the force until convergence.  The horizontal wind is a random
-walk; the vertical wind varies about zero.  The error along each axis of the vehicle is a
-first-order Markov process, as large as the error of the fit on held-out segments.  Errors of the
-fitted parameters and differences between flights (trim of the attitude, thrust scale, clock) are
-the same for all samples.  These errors widen the bands; the flight does not correct the parameters.
+A Kalman smoother estimates the wind and the errors of the modeled force.  It is repeated until
+convergence, with a linear regression of the force over the band of the last estimate.  Horizontal
+wind is a random walk; vertical wind varies about zero.  The error along each axis of the vehicle is
+a first-order Markov process, as large as the error of the fit on held-out segments.  Errors of the
+parameters and differences between flights (trim of the attitude, thrust scale, clock) are the same
+for all samples.  These errors widen the bands; the flight does not correct the parameters.
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ errors along x, y, z [s].  Near the ground, the intensity is 0.001 to 1 m^2/s^3,
 
 WHITE = 0.1  # standard deviation of the error that is independent in each sample, over the total
 GUESS = 0.3  # standard deviation of the wind for the first regression [m/s]
-MOST_STEPS, LONGEST_STEP = 20, 3.0  # most regressions, and largest wind change in each [m/s]
+MOST_STEPS, LONGEST_STEP = 20, 3.0  # most regressions, largest wind change in each [m/s]
 WHOLE_STEPS = 3  # regressions after which the steps become smaller
-TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # most regressions and samples used to tune the scales
+TUNED_STEPS, TUNED_SAMPLES = 6, 1500  # at most this many regressions and samples tune scales
 FURTHEST = 2.0  # largest V/(Omega R) of an estimate, relative to the maximum of the fit [-]
 SETTLED = 0.1  # largest last change of a converged sample, relative to its standard deviation [-]
 MISFIT, UPDRAFT = 1.5, 2.0
@@ -213,7 +213,7 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
         settled = np.all(BAND * np.abs(move) <= SETTLED * bands(found.covariance), axis=1)
         if step > 1 and settled.all():
             break
-        # Without ever smaller steps, some estimates oscillate between two regressions.
+        # With steps of constant size, some estimates oscillate between two regressions.
         share = WHOLE_STEPS / max(step, WHOLE_STEPS)
         wind = wind + np.clip(share * move, -LONGEST_STEP, LONGEST_STEP)
         spread = spread + share * (found.covariance - spread)
@@ -247,11 +247,11 @@ def estimate_wind(file: FitFile, vehicle: Vehicle, log: FlightLog) -> WindEstima
 def _regression(
     force: Callable[[Floats], Floats], wind: Floats, spread: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Return mean (n, 3) and slopes (n, 3, 3) of a linear regression of ``force``, and variances
-    (n, 3) that it does not explain, over a ``wind`` (n, 3) with covariance ``spread`` (n, 3, 3).
+    """Regress ``force`` linearly over a ``wind`` (n, 3) with covariance ``spread`` (n, 3, 3) and
+    return mean (n, 3), slopes (n, 3, 3) and variances (n, 3) that the slopes do not explain.
 
-    Posterior linearization of Garcia-Fernandez, Svensson and Sarkka (IEEE Transactions on Automatic
-    Control 62, 2017, page 2056).
+    This is the posterior linearization of Garcia-Fernandez, Svensson and Sarkka (IEEE Transactions
+    on Automatic Control 62, 2017, page 2056).
     """
     root, distance = np.linalg.cholesky(spread), math.sqrt(3.0)
     steps = distance * np.moveaxis(root, -1, 0)

@@ -114,8 +114,8 @@ def _words(text: str) -> str:
 
 
 def _parted(name: str) -> Iterator[tuple[str, str, str, int]]:
-    """Yield all splits of a column name into words, unit, unit as spelled in the file, and number
-    of qualifiers that the words exclude: 1 for "Thrust - Motor 1 (N)" without "Motor 1"."""
+    """Yield all splits of a column name: words, unit, unit as spelled in the file, and number of
+    qualifiers left out of the words, for example 1 for "Thrust - Motor 1 (N)" without "Motor 1"."""
     text = unicodedata.normalize("NFKC", name[:LONGEST]).strip()
     low = text.lower()
     found = re.fullmatch(r"(.*[\])}>]|.*?)[\s,_]*[\[({<](.*)[\])}>]", low)
@@ -131,7 +131,7 @@ def _parted(name: str) -> Iterator[tuple[str, str, str, int]]:
 
 
 def _shortened(texts: Sequence[str]) -> str:
-    """Return a list for a message, with at most ``MOST`` of the ``texts``."""
+    """Return a comma-separated list of at most ``MOST`` of the ``texts``, for a message."""
     more = len(texts) - MOST
     return ", ".join(texts[:MOST]) + (f" and {more} more" if more > 0 else "")
 

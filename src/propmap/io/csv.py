@@ -193,7 +193,7 @@ def _names(header: str, separator: str) -> list[str]:
 
 
 def _cells(line: str, separator: str) -> list[str]:
-    """Return the cells of a line, or none if one is longer than a ``csv.reader`` accepts."""
+    """Return the cells of a line, or an empty list if ``csv.reader`` refuses a long cell."""
     try:
         return [cell.strip() for cell in next(_reader([line], separator), [])]
     except csv.Error:

@@ -213,7 +213,7 @@ def load_lines(table: LoadTable, omega: float, still: dict[str, float]) -> html.
                 solid, dotted = np.where(ring, np.nan, values), np.where(ring, values, np.nan)
                 ax.plot(speed, solid, color=html.COLORS[k], **html.MODEL)
                 ax.plot(speed, dotted, color=html.COLORS[k], linestyle=":", linewidth=1.1)
-                # Markers, because in-plane loads of axial flow coincide at zero.
+                # Add markers, because in-plane loads of axial flow coincide at zero.
                 points = {"markersize": 4.0, "markevery": (6 + 3 * k, 24)}
                 ax.plot(speed, values, linestyle="none", **points, **html.marked(k))
             ax.set_ylabel(load.title)

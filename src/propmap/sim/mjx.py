@@ -95,7 +95,7 @@ class JaxForces:
         Raises
         ------
         InputError
-            If a last axis does not have k speeds, or x, y, z; for complex values.
+            For complex values, and if a last axis does not have k speeds or three components.
         """
         omega, moving, turning, air = real_arrays(
             self.table.lows.dtype,
@@ -232,7 +232,7 @@ class MjxRotors:
     ) -> tuple[Any, Any, Any]:
         """Write the aerodynamic force and moment to ``xfrc_applied``; call it before ``mjx.step``.
 
-        Raises ``InputError`` as ``JaxForces.wrench``.
+        Raises ``InputError`` for the same inputs as ``JaxForces.wrench``.
 
         Parameters
         ----------

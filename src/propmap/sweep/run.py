@@ -322,7 +322,7 @@ def provenance(rotor: Rotor, command: str) -> dict[str, Any]:
 # Each part of the results has one file per quantity.  The file is written under a temporary name
 # and then renamed.  A part is finished when its last file exists.  A killed process or a full disk
 # therefore loses only unfinished parts, and writing a part twice has no effect.  Any number of
-# workers of one run may write, each its own parts.
+# workers of one run may write at once, because each worker writes other parts.
 
 RUN = "propmap_run"  # attribute of the store with the conditions of its results, see ``SAME``
 
@@ -430,8 +430,8 @@ class Store:
 
     @classmethod
     def resume(cls, path: Path, layout: Layout) -> Store:
-        """Open the store of an earlier run; raise ``InputError`` if the folder is not a store of
-        propmap, or if results would differ."""
+        """Open the store of an earlier run.  Raise ``InputError`` if the folder is not a store of
+        propmap, or if this run would compute other results."""
         before = begun(path)
         for name, words in SAME.items():
             if before.get(name) != layout.depends_on.get(name):

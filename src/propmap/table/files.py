@@ -110,7 +110,7 @@ def _info(found: dict[str, Any]) -> dict[str, Any]:
 
 
 def _check(certificate: Any) -> None:
-    """Raise ``InputError`` for a ``certificate`` with wrong numbers, or that does not hold."""
+    """Raise ``InputError`` for invalid numbers, and for errors that exceed the tolerance."""
     for field in fields(Certificate):
         try:
             value = certificate.get(field.name)
@@ -121,7 +121,7 @@ def _check(certificate: Any) -> None:
         except (AttributeError, TypeError, KeyError):
             numbers = [None]
         if not all(type(n) in (int, float) and 0.0 <= n < math.inf for n in numbers):
-            raise InputError(f"certificate: {field.name} is missing or not a number from 0")
+            raise InputError(f"certificate: {field.name} is missing or not a finite number >= 0")
     if max(certificate["max_error"][load] for load in LOADS) > certificate["tolerance"]:
         raise InputError("certificate: the errors exceed the tolerance")
 

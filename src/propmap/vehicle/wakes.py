@@ -41,7 +41,7 @@ upwash equals the inflow of the source rotor: the largest velocity outside a cyl
 at its surface."""
 
 SLOW = 0.5  # in-plane velocity [m/s] above which the gains ahead and beside differ clearly
-STEPS = 40  # most steps of Newton's method, which converges monotonically from above
+STEPS = 40  # largest number of Newton steps, which converge monotonically from above
 
 
 @dataclass(frozen=True, eq=False)

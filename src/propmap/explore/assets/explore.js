@@ -159,7 +159,7 @@
           if (!same(value, last[name])) props({ control: name }, { value });
         return no;
       },
-      // Runs when a file was opened or dropped; larger files do not go to the server, which refuses them.
+      // Runs when a file is opened or dropped. Larger files are refused here, because the server refuses them too.
       dropped(content, name) {
         const no = window.dash_clientside.no_update;
         if (!content) return [no, no];

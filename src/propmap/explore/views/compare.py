@@ -21,7 +21,7 @@ ITEMS = ("a", "b", "c", "d")
 GIVEN, TABLE = "this", "table"  # names of the session's own propeller and table
 NAME = "compare.csv"
 SHOWN = ("thrust", "power", "drag", "torque")
-SAME_THRUST = 1e-3  # largest difference of equal thrusts, relative to the largest thrust
+SAME_THRUST = 1e-3  # largest difference between equal thrusts, relative to the largest thrust
 
 
 class Item(NamedTuple):
@@ -151,7 +151,7 @@ def _omegas(items: Sequence[Item], values: Values, speed: Any) -> list[Any]:
 
 
 def _for_thrust(item: Item, wanted: Any, first: Any, speed: Any, beta: float) -> Any:
-    """Return the rotational speeds for ``wanted`` thrust nearest to ``first``; NaN without one."""
+    """Return the rotational speeds nearest to ``first`` for the ``wanted`` thrust, or NaN."""
     from scipy.optimize.elementwise import bracket_root, find_root
 
     def excess(omega: Any, along: Any, thrust: Any) -> Any:
@@ -160,13 +160,13 @@ def _for_thrust(item: Item, wanted: Any, first: Any, speed: Any, beta: float) ->
     args, limits = (speed, wanted), {"xmin": 0.02 * first, "xmax": 10.0 * first}
     near = bracket_root(excess, 0.98 * first, 1.02 * first, args=args, maxiter=20, **limits)
     found = find_root(excess, near.bracket, args=args, tolerances={"xrtol": 1e-6})
-    # The search also ends where the thrust jumps past the wanted one, for example at stall.
+    # The search also ends where thrust jumps past the wanted value, for example at stall.
     equal = np.abs(found.f_x) <= SAME_THRUST * np.fmax.reduce(np.abs(wanted))
     return np.where(found.success & equal, found.x, np.nan)
 
 
 def _loads(items: Sequence[Item], omegas: Sequence[Any], speed: Any, values: Values) -> list[Any]:
-    """Return loads, power and status of each item; NaN and a status without equal thrust.
+    """Return loads, power and status of each item; loads without equal thrust are NaN.
 
     The power is computed from the torque, since tables do not contain it.
     """
@@ -181,7 +181,7 @@ def _loads(items: Sequence[Item], omegas: Sequence[Any], speed: Any, values: Val
 
 
 def _gaps(items: Sequence[Item], every: Sequence[Any]) -> list[str]:
-    """Return a remark on each status of an item whose points have no loads."""
+    """Return a remark for each item and each status of its points without loads."""
     remarks = []
     for one, loads in zip(items, every, strict=True):
         lost = loads.status[np.isnan(loads.thrust)].tolist()
