@@ -100,7 +100,7 @@ def main(dist: Path) -> None:
             run(f"propmap {command.format(source=source)}", work, code)
         where = run("python -c 'import propmap; print(propmap.__file__)'", work)
         assert str(place) in where, where
-        run(f"{pip} pytest", work)
+        run(f"{pip} pytest hypothesis", work)
         test(PAGE)
         test(TESTS)
         run(f"{pip} '{wheel}[{EXTRAS}]'", work)
