@@ -45,7 +45,7 @@ SPEEDS = {"nowind": 0.0, "35wind": 4.2, "70wind": 8.5}
 """Nominal wind against the first axis of the world, by the name of the flight [m/s]."""
 CONTROLLERS, SLOW, FAST = ("NF", "baseline"), "20210218171908", "20210218172600"
 GUSTS, SECONDS = (1.0, 3.0, 6.0), 25.0
-TWINS, FITS, TWINS_OF_FIT = 12, 2, 3  # simulated flights and fits in each row
+TWINS, FITS, TWINS_OF_FIT = 36, 6, 6  # simulated flights and fits in each row
 
 
 def main(folder: str) -> None:
@@ -85,9 +85,9 @@ def row(name: str, found: Sequence[WindEstimate], truth: Sequence[Floats]) -> di
         "in_band": rounded((np.abs(off) <= half)[known].mean(axis=0), 3),
         "half_width": rounded(half[known].mean(axis=0)),
         "mean_error": rounded(
-            np.sqrt(np.mean(np.square(means), axis=0)) if len(means) > 1 else means[0]
+            np.sqrt(np.nanmean(np.square(means), axis=0)) if len(means) > 1 else means[0]
         ),
-        "mean_half_width": rounded(np.mean(widths, axis=0)),
+        "mean_half_width": rounded(np.nanmean(widths, axis=0) if len(means) > 1 else widths[0]),
         "mean_in_band": rounded(np.mean(inside, axis=0)),
         "well_determined": round(float(np.mean([w.well_determined for w in found])), 3),
     }
