@@ -72,7 +72,7 @@ def test_a_turned_sensor_with_a_bias_reads_the_force_in_its_own_axes() -> None:
     # To first order in the angles.
     np.testing.assert_allclose(found, VEHICLE.mass * wanted, atol=2e-3)
     np.testing.assert_allclose(np.einsum("k,knj->nj", [*angles, *bias], slopes), found, atol=1e-12)
-    # With a trim of its own, one flight of two is turned.
+    # A trim of the second flight turns the force at the samples of this flight only.
     both = joined([log, log])
     own = of_flight(TILT[0], both.flights[1])
     trimmed, slopes = sensor_force(VEHICLE, both, {own: 0.004}, (own, TILT[0]))
