@@ -10,14 +10,12 @@
 #include <chrono>
 #include <functional>
 #include <thread>
-#include <variant>
 
-#include "propmap/derivatives.hpp"
 #include "propmap/disk_field.hpp"
 #include "propmap/dynamic_inflow.hpp"
 #include "propmap/instructions.hpp"
-#include "propmap/laws.hpp"
 #include "propmap/vehicle.hpp"
+#include "slopes.hpp"
 
 namespace nb = nanobind;
 using namespace propmap;
@@ -172,34 +170,6 @@ void for_each_point(std::size_t count, int threads, const std::function<void(std
     if (stop) throw nb::python_error();
 }
 
-constexpr int together = 8, a_few = 3;  // derivatives per pass; `a_few` in the last passes
-
-// The numbers of blade, flow, law and mount with respect to which loads can be differentiated, with their names.
-template <class S, template <class> class LawOf>
-std::vector<std::pair<std::string, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<S>& flow) {
-    std::vector<std::pair<std::string, S*>> all{{"chord_scale", &rotor.change.chord_scale},
-                                                {"twist_offset", &rotor.change.twist_offset},
-                                                {"untwist", &rotor.change.untwist}};
-    flow.each_variable([&](const char* name, S& number) { all.emplace_back(name, &number); });
-    rotor.law.each_number([&](const char* name, S& number) { all.emplace_back(name, &number); });
-    if (rotor.installed) all.emplace_back("drag_factor", &rotor.drag_factor), all.emplace_back("mount_area", &rotor.mount_area);
-    return all;
-}
-
-// Copy rotor and flow to dual numbers; direction d is the derivative with respect to number which[d].
-template <int N, template <class> class LawOf>
-void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<int>& which,
-          Rotor<Dual<double, N>, LawOf>& to, Flow<Dual<double, N>>& flow) {
-    static_cast<RotorSettings&>(to) = from;
-    static_cast<LiftCorrections&>(to.law) = from.law;
-    flow.v_hover = {from_flow.v_hover, {}};
-    const auto old = numbers_of(from, from_flow);
-    const auto now = numbers_of(to, flow);
-    for (std::size_t k = 0; k < now.size(); ++k) *now[k].second = {*old[k].second, {}};
-    for (std::size_t d = 0; d < which.size(); ++d) now[which[d]].second->d[d] = 1.0;
-    to.law.copy_fixed(from.law);
-}
-
 // The dictionary from which a law reads its numbers.
 struct Source {
     const nb::dict& from;
@@ -210,7 +180,6 @@ struct Source {
 template <class List> struct Variants;  // types over all section laws
 template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
     using Law = std::variant<LawOf<double>...>;
-    using Solver = std::variant<RotorSolver<LawOf>...>;
     using Motion = std::variant<std::monostate, DynamicInflow<LawOf>...>;
 
     static Law read(const nb::dict& from) {  // the law of this kind
@@ -231,7 +200,6 @@ template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
         return law;
     }
 };
-using AnySolver = Variants<Laws>::Solver;
 
 const std::map<std::string, InflowShape> inflow_shapes = {
     {"uniform", InflowShape::uniform},
@@ -277,7 +245,21 @@ class CoreRotor {
         const std::size_t n = points.shape(1);
         double *found, *slopes;
         auto found_array = make_array({kept, n}, found), slope_array = make_array({Loads<double>::count, names.size(), n}, slopes);
-        std::visit([&](const auto& solver) { differentiate(solver, names, points, threads, found, slopes); }, solver_);
+        std::vector<std::size_t> which;
+        for (const auto known = names.empty() ? names : names_of(solver_); const auto& name : names) {
+            which.push_back(std::find(known.begin(), known.end(), name) - known.begin());
+            if (which.back() == known.size()) throw nb::key_error(name.c_str());
+        }
+        std::visit([&](const auto& solver) {
+            for_each_point(n, threads, [&](std::size_t k) {
+                thread_local Solution s, at_rest;
+                solver.solve(point(points, k), s);
+                keep(s, solver.rotor(), found, k, n);
+                if (which.empty()) return;
+                if (s.flow.v_axial < 0.0) solver.solve({s.flow.omega, 0.0, 0.0}, at_rest);
+                write_slopes(solver_, s, at_rest, which, slopes + k, n);
+            });
+        }, solver_);
         return nb::make_tuple(found_array, slope_array);
     }
 
@@ -439,55 +421,6 @@ class CoreRotor {
         const Accuracy& accuracy = fine ? fine_accuracy : standard_accuracy;
         return std::visit([&](const auto& found) -> AnySolver { return RotorSolver(rotor(found, air, corrections), accuracy); },
                           Variants<Laws>::read(law));
-    }
-
-    template <template <class> class LawOf>  // as in `loads`
-    static void differentiate(const RotorSolver<LawOf>& solver, const std::vector<std::string>& names, const Points& points,
-                              int threads, double* kept_numbers, double* slopes) {
-        const std::size_t n = points.shape(1), p = names.size();
-        Rotor<double, LawOf> example = solver.rotor();
-        Flow<double> still{};
-        std::vector<int> which;         // numbers with respect to which the solution is differentiated
-        std::vector<std::size_t> place;  // the index of each in `names`
-        const auto known = p > 0 ? numbers_of(example, still) : decltype(numbers_of(example, still)){};
-        for (std::size_t d = 0; d < p; ++d) {
-            std::size_t k = 0;
-            while (k < known.size() && names[d] != known[k].first) ++k;
-            if (k == known.size()) throw nb::key_error(names[d].c_str());
-            const double* number = known[k].second;
-            if (number != &example.mount_area && number != &example.drag_factor) which.push_back(int(k)), place.push_back(d);
-        }
-        example.mount_area = 1.0;
-        for_each_point(n, threads, [&](std::size_t k) {
-            thread_local Solution s;
-            solver.solve(point(points, k), s);
-            keep(s, solver.rotor(), kept_numbers, k, n);
-            const bool lost = s.result.status == Status::not_converged;
-            const auto keep_slope = [&](int j, std::size_t d, double slope) {
-                slopes[(j * p + d) * n + k] = lost ? std::nan("") : slope;
-            };
-            // Drag is linear in `drag_factor` and `mount_area`.  No other load depends on them, nor does the inflow.
-            for (std::size_t d = 0; d < p; ++d) {
-                if (names[d] != "mount_area" && names[d] != "drag_factor") continue;
-                const double slope = names[d] == "drag_factor"
-                                         ? s.result.blade_drag
-                                         : example.density * mount_drag(example, s.flow, s.result.mean_inflow);
-                for (int j = 0; j < Loads<double>::count; ++j) keep_slope(j, d, j == 1 ? slope : 0.0);
-            }
-            const auto by_some = [&]<int N>(std::integral_constant<int, N>, std::size_t first) {
-                const std::size_t last = std::min(first + N, which.size());
-                Rotor<Dual<double, N>, LawOf> rotor;
-                Flow<Dual<double, N>> flow;
-                seed<N, LawOf>(solver.rotor(), s.flow, {which.begin() + first, which.begin() + last}, rotor, flow);
-                const auto found = load_slopes<N>(solver, s, rotor, flow);
-                for (int j = 0; j < Loads<double>::count; ++j)
-                    for (std::size_t d = first; d < last; ++d) keep_slope(j, place[d], found.begin()[j].d[d - first]);
-                return last;
-            };
-            for (std::size_t first = 0; first < which.size();)
-                first = which.size() - first > a_few ? by_some(std::integral_constant<int, together>{}, first)
-                                                     : by_some(std::integral_constant<int, a_few>{}, first);
-        });
     }
 
     std::unique_ptr<BladeShape> blade_;

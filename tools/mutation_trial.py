@@ -200,9 +200,14 @@ def build_core(mutants: list[Mutant]) -> list[Mutant]:
     options = [f"-D{name}={value}" for name, value in defined.items()]
     subprocess.run([cmake, "-G", "Ninja", "-S", source, "-B", build, *options], check=True)
     commands = json.loads((build / "compile_commands.json").read_text())
-    command = next(c["command"] for c in commands if c["file"].endswith("bind.cpp"))
-    check = shlex.split(f"{command} -fsyntax-only -Werror=vla -w -fmax-errors=0")
-    while errors := subprocess.run(check, cwd=build, capture_output=True, text=True).stderr:
+    checks = [
+        shlex.split(f"{c['command']} -fsyntax-only -Werror=vla -w -fmax-errors=0")
+        for c in commands
+        if "/source/core/" in c["file"]
+    ]
+    while errors := "".join(
+        subprocess.run(check, cwd=build, capture_output=True, text=True).stderr for check in checks
+    ):
         named = {int(n) for n in re.findall(r"\b900\d{3}\b", errors)}
         lines = set(re.findall(r"(\w+\.hpp):(\d+):\d+: error", errors))
         bad = [

@@ -140,18 +140,16 @@ void add_moving_harmonics(const RotorSolver<LawOf>& solver, const Solution& s, c
         for (int k = 0; k < Loads<S>::count; ++k) loads.begin()[k] += by[j].begin()[k] * steps[j];
 }
 
-// Derivatives of the loads [N], [N m] at the operating point whose solution is `s`.
+// Derivatives of the loads [N], [N m] at the operating point whose solution is `s`.  In descent they require the solution
+// `at_rest` for the same Omega: the static inflow depends on the rotor and on Omega, but not on the velocity.
 template <int N, template <class> class LawOf>
-Loads<Dual<double, N>> load_slopes(const RotorSolver<LawOf>& solver, const Solution& s, const DualRotor<N, LawOf>& rotor,
-                                   Flow<Dual<double, N>> flow) {
+Loads<Dual<double, N>> load_slopes(const RotorSolver<LawOf>& solver, const Solution& s, const Solution& at_rest,
+                                   const DualRotor<N, LawOf>& rotor, Flow<Dual<double, N>> flow) {
     using S = Dual<double, N>;
     using T = Dual<Lanes, N>;
     if (s.flow.v_axial < 0.0) {
-        // The static inflow depends on the rotor and on Omega, but not on the velocity.
-        Solution still;
-        solver.solve({s.flow.omega, 0.0, 0.0}, still);
-        const auto at_rest = load_slopes<N>(solver, still, rotor, Flow<S>{flow.omega, S{}, S{}});
-        flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor.density)), rotor.tip());
+        const S thrust = load_slopes<N>(solver, at_rest, at_rest, rotor, Flow<S>{flow.omega, S{}, S{}}).thrust;
+        flow.v_hover = static_inflow(S(thrust * (1.0 / rotor.density)), rotor.tip());
     }
     // Derivatives with respect to in-plane velocity contain the mean of sin^2(psi), which requires several azimuths.
     const Azimuths psi = s.psi.count > 1 ? s.psi : azimuths(8);
