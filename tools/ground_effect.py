@@ -5,7 +5,8 @@ Usage: python -m tools.ground_effect ROWS
 ROWS is the file ground_ceiling_wall.csv of the reference data: thrust of 10-inch and 12-inch
 propellers by throttle and distance.  A thrust ratio is the thrust over the thrust at the largest
 distance and the same throttle.  It is divided by the squared ratio of the two rotational speeds.
-The constants are fitted by least squares to the medians over the throttles.
+The constants minimize the largest relative deviation from the medians over the throttles: about
+one radius from a ceiling, the two propellers differ by more than the throttles of each.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import curve_fit
+from scipy.optimize import minimize
 
 from propmap.typing import Floats
 
@@ -40,32 +41,29 @@ def read_rows(path: Path, effect: str) -> dict[tuple[float, float], Floats]:
     return {key: np.array(values) for key, values in found.items()}
 
 
-def ground(distance: Floats, gain: float, reach: float) -> Floats:
-    """Return the factor on the thrust at n heights in radii."""
-    return np.asarray(1.0 + gain * np.exp(-((distance / reach) ** 2)))
-
-
-def ceiling(distance: Floats, gain: float, reach: float) -> Floats:
-    """Return the factor on the thrust at n distances below a ceiling in radii."""
+def factor(distance: Floats, gain: float, reach: float) -> Floats:
+    """Return the factor on the thrust at n distances in radii."""
     return np.asarray(1.0 + gain * np.exp(-distance / reach))
 
 
-EFFECTS = {"ground": ground, "ceiling": ceiling}
-
-
-def constants(effect: str, ratios: dict[tuple[float, float], Floats]) -> tuple[float, float]:
+def constants(ratios: dict[tuple[float, float], Floats]) -> tuple[float, float]:
     """Fit gain [-] and reach [radii] of an effect to the medians of the ``ratios``."""
     distance = np.array([distance for _, distance in ratios])
     medians = np.array([np.median(values) for values in ratios.values()])
-    gain, reach = curve_fit(EFFECTS[effect], distance, medians, (0.2, 1.0))[0]
-    return float(gain), float(reach)
+
+    def largest(constants: Floats) -> float:
+        return float(np.abs(factor(distance, *constants) / medians - 1.0).max())
+
+    precise = {"xatol": 1e-6, "fatol": 1e-9, "maxiter": 5000}
+    found = minimize(largest, (0.2, 1.0), method="Nelder-Mead", options=precise)
+    return float(found.x[0]), float(found.x[1])
 
 
 def main(path: Path) -> None:
     """Print the tables and the constants."""
-    for effect, factor in EFFECTS.items():
+    for effect in ("ground", "ceiling"):
         ratios = read_rows(path, effect)
-        gain, reach = constants(effect, ratios)
+        gain, reach = constants(ratios)
         print(f"{effect}: diameter, in   distance/R   median, lowest, highest   factor")
         for (size, distance), values in ratios.items():
             own = float(factor(np.array(distance), gain, reach))

@@ -125,8 +125,8 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
         share = OBLIQUE[name] * float(known.another_tunnel) * advance
         found[name] = np.hypot(own, share * np.abs(by_name[name]))
     # The lengths of the effects are those of ground_effect.hpp.
-    ground = NEAR_GROUND * np.exp(-((at.height / (0.97 * blade.radius)) ** 2))
-    ground = np.hypot(ground, NEAR_GROUND * np.exp(-at.ceiling / (1.39 * blade.radius)))
+    ground = NEAR_GROUND * np.exp(-at.height / (0.686 * blade.radius))
+    ground = np.hypot(ground, NEAR_GROUND * np.exp(-at.ceiling / (1.61 * blade.radius)))
     share = np.hypot(ground, RING * _ring(model, at, by_name["thrust"]))
     found["thrust"] = np.hypot(found["thrust"], share * np.abs(by_name["thrust"]))
     return np.stack([found[name] for name in LOADS])

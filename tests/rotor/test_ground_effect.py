@@ -26,20 +26,20 @@ def rotor(request: pytest.FixtureRequest) -> pm.Rotor:
 
 def factor(rotor: pm.Rotor, height: float, speed: np.ndarray, inflow: np.ndarray) -> np.ndarray:
     """Factor on the thrust as docs/theory.md states it; ``speed`` is that in the disk plane."""
-    near = 0.31 * np.exp(-((height / (0.97 * rotor.model.propeller.radius)) ** 2))
+    near = 0.424 * np.exp(-height / (0.686 * rotor.model.propeller.radius))
     return np.asarray(1.0 + near / (1.0 + (speed / inflow) ** 2))
 
 
 def test_factor_in_hover_and_in_forward_flight(rotor: pm.Rotor) -> None:
     radius = rotor.model.propeller.radius
     still = rotor.loads(OMEGA, 0.0, 0.0)
-    for height in (0.3 * radius, radius, 2.0 * radius, 7.99 * radius, 8.01 * radius):
+    for height in (0.3 * radius, radius, 2.0 * radius, 27.4 * radius, 27.5 * radius):
         near = rotor.loads(OMEGA, 0.0, 0.0, height=height)
         wanted = factor(rotor, height, np.zeros(()), still.mean_inflow)
         np.testing.assert_allclose(near.thrust / still.thrust, wanted, rtol=1e-12)
-    for distance in (0.3 * radius, radius, 59.9 * radius, 60.1 * radius):
+    for distance in (0.3 * radius, radius, 64.3 * radius, 64.5 * radius):
         near = rotor.loads(OMEGA, 0.0, 0.0, ceiling=distance)
-        wanted = 1.0 + 0.185 * np.exp(-distance / (1.39 * radius))
+        wanted = 1.0 + 0.148 * np.exp(-distance / (1.61 * radius))
         np.testing.assert_allclose(near.thrust / still.thrust, wanted, rtol=1e-12)
     speed, height = np.array([0.5, 2.0, 5.0, 12.0]), 0.12
     far = rotor.loads(OMEGA, speed, 1.3)
@@ -62,16 +62,15 @@ def test_factors_are_those_of_measured_static_thrust(
     rotor: pm.Rotor, effect: str, name: str
 ) -> None:
     radius, ratios = rotor.model.propeller.radius, read_rows(ROWS, effect)
-    fitted = {"ground": (0.31, 0.97), "ceiling": (0.185, 1.39)}[effect]
-    assert constants(effect, ratios) == pytest.approx(fitted, abs=0.005)
+    fitted = {"ground": (0.424, 0.686), "ceiling": (0.148, 1.61)}[effect]
+    assert constants(ratios) == pytest.approx(fitted, abs=0.003)
     still = rotor.loads(OMEGA, 0.0, 0.0)
     apart = []
     for (_, distance), measured in ratios.items():
         further: Any = {name: distance * radius}
         near = rotor.loads(OMEGA, 0.0, 0.0, **further)
         apart.append(float(near.thrust / still.thrust / np.median(measured)) - 1.0)
-    # Farther than two radii, the reference rows scatter by as much; at a ceiling the sizes differ.
-    assert len(apart) == 8 and np.sort(np.abs(apart))[-2] < 0.03 and np.abs(apart).max() < 0.04
+    assert len(apart) == 8 and np.abs(apart).max() < 0.03
 
 
 def test_all_ways_of_asking_agree(rotor: pm.Rotor) -> None:

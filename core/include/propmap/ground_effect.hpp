@@ -5,25 +5,26 @@
 
 namespace propmap {
 
-// Thrust at height h divided by thrust far from the ground: 1 + 0.31 exp(-(h/0.97 R)^2)/(1 + (V/v_i)^2), where V is the
-// speed in the disk plane and v_i the mean inflow far from the ground.
-// The constants were fitted to static thrust at equal rotational speed, at 0.33 R and more (tools/ground_effect.py).
-// The image model of Cheeseman & Bennett (ARC R&M 3021, 1955), 1/(1 - (R/4h)^2), predicts 1.7 at 0.39 R; the measured
-// factor is 1.27.  The dependence on V is that of Cheeseman & Bennett.  Callers reject heights below 0.3 R.
-template <class S> S ground_effect(double tip, const Flow<S>& flow, const S& mean_inflow) {
-    if (value(flow.height) > 8.0 * tip) return S{} + 1.0;  // the exponential underflows
+// Thrust at the distance d from a surface divided by thrust far from it: 1 + gain exp(-d/reach)/(1 + (V/v_i)^2), where V
+// is the speed in the disk plane and v_i the mean inflow far from the surface.
+// The constants were fitted to static thrust at equal rotational speed, at 0.33 R and more (tools/ground_effect.py).  The
+// image model of Cheeseman & Bennett (ARC R&M 3021, 1955), 1/(1 - (R/4h)^2), predicts 1.7 at 0.39 R from the ground; the
+// measured factor is 1.27.  The dependence on V near the ground is that of Cheeseman & Bennett, and is assumed at a
+// ceiling.  Callers reject distances below 0.3 R.
+template <class S>
+S surface_effect(double gain, double reach, const S& distance, const Flow<S>& flow, const S& mean_inflow) {
+    if (value(distance) > 40.0 * reach) return S{} + 1.0;  // the exponential is below rounding
     const S inflow = square(mean_inflow), away = square(flow.v_inplane) + speed_floor * speed_floor;
-    const S near = power_of_two(-1.44269504088896340736 * square(S(flow.height / (0.97 * tip))));
-    return 1.0 + 0.31 * near * (inflow / (inflow + away));
+    const S near = power_of_two(S(-1.44269504088896340736 / reach * distance));
+    return 1.0 + gain * near * (inflow / (inflow + away));
 }
 
-// Thrust at the distance c below a ceiling divided by thrust far from it: 1 + 0.185 exp(-c/1.39 R)/(1 + (V/v_i)^2), with
-// constants from the same measurements.  The dependence on V is assumed to be that near the ground.
+template <class S> S ground_effect(double tip, const Flow<S>& flow, const S& mean_inflow) {
+    return surface_effect(0.424, 0.686 * tip, flow.height, flow, mean_inflow);
+}
+
 template <class S> S ceiling_effect(double tip, const Flow<S>& flow, const S& mean_inflow) {
-    if (value(flow.ceiling) > 60.0 * tip) return S{} + 1.0;  // the exponential is below rounding
-    const S inflow = square(mean_inflow), away = square(flow.v_inplane) + speed_floor * speed_floor;
-    const S near = power_of_two(S(-1.44269504088896340736 / (1.39 * tip) * flow.ceiling));
-    return 1.0 + 0.185 * near * (inflow / (inflow + away));
+    return surface_effect(0.148, 1.61 * tip, flow.ceiling, flow, mean_inflow);
 }
 
 }  // namespace propmap
