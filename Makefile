@@ -35,13 +35,13 @@ $(ZIG_TOOLS): $(TOOLS_READY)
 	printf '#!/bin/sh\nexec "$(abspath $(BIN))/python" -m ziglang $(@F) "$$@"\n' >$@
 	chmod +x $@
 
-# Build with the tools of $(VENV), so that only changed parts of the core are compiled again.  The demo needs `figures`.
+# Build with the tools of $(VENV), so that Ninja compiles only changed parts of the core.  The demo needs `figures`.
 EDITABLE := $(INSTALL) --no-build-isolation --editable
 $(BUILT): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
 	$(EDITABLE) '.[figures]'
 	touch $@
 
-# After a change of the core, the rule for $(BUILT) is sufficient.
+# $(BUILT) is an order-only prerequisite: a change of the core does not install the extras again.
 $(READY): constraints.txt pyproject.toml | $(BUILT)
 	$(EDITABLE) '.[cluster,dev,explore,figures,jax,logs,mjx,mujoco,netcdf,targets$(if $(WITH_DOCS),$(COMMA)docs)]'
 	touch $@ $(if $(WITH_DOCS),$(DOCS_READY))
@@ -95,10 +95,10 @@ lint: $(READY)
 types: $(READY)
 	$(BIN)/mypy
 
-# Call all of the core in a build that stops at memory errors and undefined behavior.  Python itself is built without the
-# sanitizers, so LD_PRELOAD loads their library and the C++ library first.  Python leaks memory on purpose.  Without `site`
-# (-S), Python imports the package of this build instead of the editable one.  The excluded tests compare many points bit by
-# bit; they use no memory that the other tests do not use.
+# Call all functions of the core in a build that stops at memory errors and undefined behavior.  Python itself is built
+# without the sanitizers, so LD_PRELOAD loads their library and the C++ library first.  Python leaks memory on purpose.
+# Without `site` (-S), Python imports the package of this build instead of the editable one.  The excluded tests compare
+# many points bit by bit; the other tests use the same memory.
 SANITIZED := build/sanitize
 sanitize: $(READY)
 	$(if $(ZIG),$(error `make sanitize` needs g++ 12 or later, which brings the checks; install it))
@@ -111,7 +111,7 @@ sanitize: $(READY)
 
 SDIST := rm -rf dist && $(BIN)/python -c 'from scikit_build_core.build import build_sdist; build_sdist("dist")'
 
-# Build an sdist and a wheel for every processor of this kind, and test both without a checkout.
+# Build an sdist, and a wheel for every processor of this architecture; test both without a checkout.
 wheels: $(TOOLS_READY) $(ZIG_TOOLS)
 	$(SDIST)
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir dist \
