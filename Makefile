@@ -35,10 +35,14 @@ $(ZIG_TOOLS): $(TOOLS_READY)
 	printf '#!/bin/sh\nexec "$(abspath $(BIN))/python" -m ziglang $(@F) "$$@"\n' >$@
 	chmod +x $@
 
-# Build with the tools of $(VENV), so that Ninja compiles only changed parts of the core.  The demo needs `figures`.
+# Build with the tools of $(VENV), so that Ninja compiles only changed parts of the core.  The demo needs `figures`.  The
+# dependencies are installed while the compiler runs.
 EDITABLE := $(INSTALL) --no-build-isolation --editable
+DEPENDENCIES := p = __import__("tomllib").load(open("pyproject.toml", "rb"))["project"]; \
+	print(*p["dependencies"], *p["optional-dependencies"]["figures"], sep="\n")
 $(BUILT): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
-	$(EDITABLE) '.[figures]'
+	$(BIN)/python -c '$(DEPENDENCIES)' >$(VENV)/dependencies.txt
+	$(INSTALL) --requirement $(VENV)/dependencies.txt & $(EDITABLE) . --no-deps && wait $$!
 	touch $@
 
 # $(BUILT) is an order-only prerequisite: a change of the core does not install the extras again.
