@@ -61,7 +61,7 @@ def assumptions(
 
 def assumption_lines(found: dict[str, str]) -> list[str]:
     """Return the texts of ``assumptions`` in two lines."""
-    constants = textwrap.shorten(found["constants"], 40, placeholder=" ...")
+    constants = textwrap.shorten(found["constants"], 100, placeholder=" ...")
     return [
         f"assumed: {'; '.join(found[name] for name in ('body_drag', 'power', 'rotors'))}",
         f"{found['propeller']}; air {found['air']}; constants: {constants}; {found['wakes']}",
