@@ -55,9 +55,9 @@ def parameters(aircraft: Aircraft, flights: autopilot.Flights) -> autopilot.Auto
         left_out.append(
             autopilot.NotWritten(
                 "MOT_THST_EXPO",
-                f"{why}. A speed controller that regulates the rotor speed in proportion to the "
-                f"output would have {regulated:.2f} between MOT_SPIN_MIN {SPIN_MIN:g} and "
-                f"MOT_SPIN_MAX {SPIN_MAX:g}. A controller that linearizes the thrust would have 0",
+                f"{why}. With a speed controller that regulates the rotor speed in proportion to "
+                f"the output, the value is {regulated:.2f} between MOT_SPIN_MIN {SPIN_MIN:g} and "
+                f"MOT_SPIN_MAX {SPIN_MAX:g}. With a controller that linearizes the thrust, it is 0",
             )
         )
     else:

@@ -66,8 +66,8 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
     real, left_out = [*drag, *places, moment_ratio(vehicle, still, flights)], []
     curve, why = known_curve(aircraft)
     if curve is None:
-        regulated = "A speed controller that regulates the rotor speed, in proportion to the signal"
-        left_out.append(NotWritten("THR_MDL_FAC", f"{why}. {regulated}, would have 1"))
+        regulated = "With a speed controller that regulates the rotor speed, the value is 1"
+        left_out.append(NotWritten("THR_MDL_FAC", f"{why}. {regulated}"))
         left_out.append(
             NotWritten("CA_ROTORn_CT", f"{why}: full-signal thrust is unknown. {NORMALIZED}")
         )
@@ -239,7 +239,7 @@ def simulator(
     if pattern != SIH_QUAD or not equal.all():
         return [], (
             "the simulator only models a quadrotor in X with equal arms. Rotors 1 to 4 are front "
-            "right, back left, front left, back right, the first two counter-clockwise. This "
+            "right, back left, front left, back right; rotors 1 and 2 turn counter-clockwise. This "
             "vehicle differs"
         )
     weight = vehicle.mass * GRAVITY
@@ -300,7 +300,7 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
     size = density * turns**2 * diameter**4
     pulls = np.logical_and.accumulate(thrust > 0.0, axis=1)
     if pulls[-1].sum() < RATIOS.size // 20:
-        found = "at full throttle, the loads in axial flow from rest have no thrust"
+        found = "at full throttle, the thrust is not positive at rest or in slow axial flow"
         raise InputError(found, "check the propeller, or give a table from --speed 0 and --beta 0")
     still = static_loads(aircraft, curve.full_speed)
     rest = [still.std_of(1.0 / still.thrust, 0.0), still.std_of(0.0, 1.0 / still.torque)]
@@ -322,9 +322,9 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
         share, at = float(error.max() / value.max()), float(ratio[error.argmax()])
         title, law = f"SIH_F_C{letter}0, _C{letter}1, _C{letter}2", f"C_{letter}"
         holds = (
-            f"Range: J from 0 to {ratio.max():.2f}, where thrust or the table ends, and throttle "
-            f"of a quarter or more. Error within {error.max():.4f}, {share:.1%} of the largest "
-            f"{law}. At larger J, and in backward flight, the quadratic extrapolates."
+            f"Range: J from 0 to {ratio.max():.2f}, where the thrust reaches 0 or the table ends, "
+            f"and throttle of a quarter or more. Error within {error.max():.4f}, {share:.1%} of "
+            f"the largest {law}. At larger J, and in backward flight, the quadratic extrapolates."
         )
         if std is not None:
             holds += f" The model's standard deviation at rest is {std:.1%}."
