@@ -89,8 +89,8 @@ class JaxForces:
             Velocity of the center of mass over the ground [m/s], angular velocity of the vehicle
             [rad/s], and wind velocity over the ground [m/s], in the vehicle frame.
         clamp : bool
-            Whether to use the loads of the nearest point outside the table, in place of NaN; the
-            code remains ``outside``.
+            Whether a rotor outside the table has the loads of the nearest point of the table
+            instead of NaN; the code remains ``outside``.
 
         Raises
         ------
