@@ -151,7 +151,7 @@ def performance(
     """
     speed = states.speed
     if speed.size < 2 or not (np.diff(speed) > 0.0).all():
-        raise InputError("the speeds must rise", "give two or more speeds, each once")
+        raise InputError("the speeds must increase", "give two or more speeds, each once")
     if not math.isfinite(wind):
         raise InputError(f"the wind is {wind}", "give a headwind in m/s, negative for a tailwind")
     end, limit, known = searched(aircraft, states, climb)
