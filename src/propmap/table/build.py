@@ -422,8 +422,8 @@ def starting_axes(
 
 
 def refine(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> Refined:
-    """Insert knots until the middles of intervals and cells are within the tolerance; mark cells of
-    the finest size that are not.  Raise ``InputError`` for more than ``MOST_KNOTS``."""
+    """Insert knots until the middles of intervals and cells are within the tolerance; mark other
+    cells of the finest size.  Raise ``InputError`` for more than ``MOST_KNOTS``."""
     model.stage = "placing knots"
     for _ in range(ROUNDS):
         _refine_lines(model, advance, beta, tolerance)
