@@ -108,8 +108,8 @@ class DynamicInflow:
     ) -> Floats:
         """Return the state (..., size) [m/s] after a time step.
 
-        Each annulus and each harmonic changes by the exponential of its own linearized rate.  The
-        step is stable for any step length.
+        The step solves the linearized equation of each annulus and of each harmonic exactly.  It is
+        stable for any step length.
 
         Parameters
         ----------
@@ -242,13 +242,14 @@ class Linearization(NamedTuple):
     Attributes
     ----------
     a : ndarray, shape (n, n)
-        Derivatives of the rates by the state [1/s].
+        Derivatives of the rates with respect to the state [1/s].
     b : ndarray, shape (n, 4)
-        Derivatives of the rates by the inputs [m/(s rad)], [1/s].
+        Derivatives of the rates with respect to the inputs [m/(s rad)], [1/s].
     c : ndarray, shape (6, n)
-        Derivatives of the outputs by the state [N s/m], [N s].
+        Derivatives of the outputs with respect to the state [N s/m], [N s].
     d : ndarray, shape (6, 4)
-        Derivatives of the outputs by the inputs [N s/rad], [N s/m], [N m s/rad], [N s].
+        Derivatives of the outputs with respect to the inputs [N s/rad], [N s/m], [N m s/rad],
+        [N s].
     """
 
     a: Floats
