@@ -115,7 +115,7 @@ def test_the_filter_expects_the_force_of_level_flight(
     for way, flown, axis in (("forward", vehicle, 0), ("sideways", turned, 1)):
         states = aircraft_of(flown).steady(speeds, margin=False)
         note = files[f"README-{target}.md"]
-        told = re.search(rf"{way} within [^;]*?over all speeds within ([\d.]+) N", note)
+        told = re.search(rf"{way} at most [^;]*?and at most ([\d.]+) N at all speeds", note)
         assert told
         worst = float(told[1])
         assert worst < 0.1 * vehicle.mass

@@ -44,7 +44,7 @@ FILTER = DragFilter(
     # PX4's script mc_wind_estimator_tuning.py writes 0 for larger values.
     largest=200.0,
     source="PX4-Autopilot src/modules/ekf2/EKF/aid_sources/drag/drag_fusion.cpp, Ekf::fuseDrag",
-    between="In flight between x and y an ellipse interpolates the coefficients. ",
+    between="In directions between x and y, an ellipse interpolates the coefficients. ",
 )
 
 SIGNALS = np.linspace(0.0, 1.0, 101)  # signals at which the thrust curve is fitted
@@ -130,8 +130,8 @@ def _gazebo(flights: Flights, still: StaticLoads) -> str:
         "Gazebo's multicopter motor model has thrust = motorConstant omega^2 and torque = "
         f"momentConstant thrust. In hover, at {speed:.0f} rad/s, motorConstant is "
         f"{still.thrust / speed**2:.4g} N s^2 and momentConstant "
-        f"{still.torque / still.thrust:.4g} m. `propmap export TABLE --to gazebo` writes both, and "
-        "drag and rolling moment, from a table of the propeller."
+        f"{still.torque / still.thrust:.4g} m. `propmap export TABLE --to gazebo` writes these "
+        "coefficients, and those of drag and rolling moment, from a table of the propeller."
     )
 
 
@@ -186,8 +186,8 @@ def moment_ratio(vehicle: Vehicle, still: StaticLoads, flights: Flights) -> Expl
         unit="m",
         std=still.std_of(-arm / still.thrust, 1.0 / still.thrust),
         meaning=(
-            "Torque = CA_ROTORn_KM times thrust. Positive for a rotor that turns counter-clockwise "
-            "seen from above: its reaction torque turns the vehicle clockwise."
+            "Torque = CA_ROTORn_KM times thrust. The value is positive for a rotor that turns "
+            "counter-clockwise seen from above: its reaction turns the vehicle clockwise."
         ),
         source=f"{ROTORS}, computeEffectivenessMatrix, and module.yaml",
         holds=(
