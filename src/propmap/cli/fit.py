@@ -107,8 +107,8 @@ class FitChoice:
         bool,
         Option(
             "--accept",
-            help="Write the fit even if it is implausible: if an rms error exceeds a third of the "
-            "rms thrust, vertical force or torque, or two section constants are at their bounds.",
+            help="Write the fit even if an rms error exceeds a third of the rms thrust, vertical "
+            "force or torque, or if two section constants are at their bounds.",
         ),
     ] = False
 

@@ -208,7 +208,7 @@ LowPass = Annotated[
     Option(
         "--low-pass",
         metavar="HZ",
-        help="Cut-off frequency in Hz of the low-pass filter of all signals, for --method balance; "
+        help="Cut-off frequency in Hz of the low-pass filter of the signals of whole flights; "
         "0 for no filter (default: 6).",
     ),
 ]
@@ -465,8 +465,8 @@ def fit_terms_page(
         str | None,
         Option(
             metavar="COLUMNS",
-            help="Compare with another model: three columns of the CSV logs, separated by commas, "
-            "with its forces along x, y, z in N (default: the columns ending in _fx, _fy, _fz).",
+            help="Compare with another model: columns of the CSV logs, separated by commas, with "
+            "its forces along x, y, z in N (default: the columns ending in _fx, _fy, _fz).",
         ),
     ] = None,
 ) -> None:
