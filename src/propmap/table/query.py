@@ -372,8 +372,8 @@ def chain_rule(
 ) -> tuple[Any, Any, Any, Any]:
     """Return loads, d/d omega, d/d speed, and d/d beta divided by the speed, (..., L).
 
-    ``found`` is the result of the core's ``Table.slopes``; ``omega`` [rad/s], J and Omega R [m/s]
-    are its point, ``root`` is its Omega^(-1/2) minus that of the least omega, and ``where`` is the
+    ``found`` is the result of the core's ``Table.slopes`` at ``omega`` [rad/s], J and
+    Omega R [m/s]; ``root`` is Omega^(-1/2) minus its value at the least omega.  ``where`` is the
     function of NumPy or JAX."""
     both = found[..., :HALF] + root[..., None, None, None] * found[..., HALF:]
     value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
