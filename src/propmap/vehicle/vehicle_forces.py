@@ -286,9 +286,8 @@ class Rotors:
 
         All motions have the rotor speeds ``omega`` (n, k) [rad/s]; their hub velocities are
         ``velocity`` (s, n, k, 3) [m/s].  ``change`` is the relative step of a rotor speed for the
-        difference quotients.  The derivatives (n, k, 3) of the total force [N s] and of the moment
-        about the center of mass [N m s] are those of the first motion, and include the change of
-        the wakes.
+        difference quotients.  The derivatives (n, k, 3) of the total force [N s] and moment [N m s]
+        are for the first motion, and include the change of the wakes.
         """
         s, n, k = velocity.shape[:3]
         first, faster = np.arange(n), np.arange(s * n, (s + 1) * n)

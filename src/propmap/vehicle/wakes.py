@@ -468,8 +468,8 @@ PARALLEL = 0.9  # least cosine between the axes of rotors above each other
 def depth_below(source: Mount, target: Mount, radius: float) -> float:
     """Return the depth of ``target`` below an overlapping ``source`` in radii; negative if above.
 
-    The depth is 0 if the rotors do not overlap as seen along the axis of the ``source``, if their
-    axes are not parallel, or if the rotors are coplanar.
+    The depth is 0 for rotors that are coplanar, have axes that are not parallel, or do not overlap
+    in the view along the axis of the ``source``.
     """
     frame = frame_of(source.axis)
     x, y, height = frame @ (np.subtract(target.position, source.position) / radius)
