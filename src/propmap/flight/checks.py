@@ -46,9 +46,9 @@ def check_rotor_speed(
     """Return warnings if the thrust from the rotor speeds in slow flight differs from the weight.
 
     The ``rotor`` has a nominal section law.  ``rotor_unit`` is the unit in the vehicle file,
-    "rad/s", "rpm" or "erpm"; it distinguishes errors of similar size.  Raise an ``InputError`` if
-    a rotor stands still, if a wrong unit of speeds or mass explains the difference, or if the
-    thrust is less than a fifth or more than five times the weight.
+    "rad/s", "rpm" or "erpm"; it distinguishes errors of similar size.  Raise ``InputError`` if a
+    rotor stands still, if a wrong unit explains the difference, or if the thrust is outside 0.2 to
+    5 times the weight.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:
