@@ -536,9 +536,9 @@ _ANGLES = np.array([name in ("zero_lift_angle", "drag_angle") for name in PARAME
 def equivalent(blade: Propeller, other: Propeller) -> Floats:
     """Return the change of coordinates (P,) from a ``blade`` to the ``other``, for equal loads.
 
-    It consists of the logarithm of the mean chord ratio, and minus the mean difference of the twist
-    [rad], both weighted with radius squared and the chord of ``other``.  Both blades have the same
-    radius.
+    It consists of the logarithm of the mean chord ratio, and of minus the mean difference of the
+    twist [rad].  Radius squared and the chord of ``other`` weight both means.  Both blades have the
+    same radius.
     """
     share = other.station / other.radius
     share = share[share >= INNERMOST]
