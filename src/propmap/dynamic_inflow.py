@@ -28,8 +28,8 @@ class DynamicInflow:
     """Inflow as a state that lags behind changes of rotor speed and velocity.
 
     A state is an array (..., ``size``) [m/s].  Its first three values are the harmonics in the
-    rotor frame of ``Rotor.wrench``: the mean, and the increases from hub to tip along x and along
-    y.  The other values are the inflows of the annuli at fixed radii, positive against the thrust.
+    rotor frame of ``Rotor.wrench``: the mean, and the increases from hub to tip along x and y.
+    The other values are the inflows of the annuli at fixed radii, positive against the thrust.
     If all rates of a state vanish, the state solves eq. (11), as ``rotor.loads`` does.  If
     blades stall, eq. (11) can have several solutions, and the final state of a simulation can
     differ from the largest solution, which ``rotor.loads`` uses.  The equations are in
