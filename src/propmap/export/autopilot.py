@@ -349,7 +349,7 @@ class DragFilter:
                         f"{self.largest:g} is written as 0, which disables this term."
                     ),
                     source=self.source,
-                    holds=f"Its range is the range of {self.momentum}: use both together.",
+                    holds=f"Valid in the range of {self.momentum}: use both together.",
                 )
             )
         return kinds, comparisons

@@ -66,8 +66,8 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
     real, left_out = [*drag, *places, moment_ratio(vehicle, still, flights)], []
     curve, why = known_curve(aircraft)
     if curve is None:
-        regulated = "With a speed controller that regulates the rotor speed, the value is 1"
-        left_out.append(NotWritten("THR_MDL_FAC", f"{why}. {regulated}"))
+        regulated = "If the speed controller makes the rotor speed proportional to the signal"
+        left_out.append(NotWritten("THR_MDL_FAC", f"{why}. {regulated}, the value is 1"))
         left_out.append(
             NotWritten("CA_ROTORn_CT", f"{why}: full-signal thrust is unknown. {NORMALIZED}")
         )
