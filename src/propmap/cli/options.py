@@ -66,7 +66,7 @@ Radius = Annotated[
     float | None, Option("--radius", help="Tip radius in m, if the file does not state it.")
 ]
 RootCutout = Annotated[
-    float | None, Option("--root-cutout", help="Radius at which the loads of the blade begin in m.")
+    float | None, Option("--root-cutout", help="Radius in m at which the loads of the blade begin.")
 ]
 Corrections = Annotated[
     list[str] | None,
