@@ -71,7 +71,7 @@ def deviations(
 
 
 def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
-    """Return standard deviations (L, N) by source, without those of section constants and blade."""
+    """Return standard deviations (L, N) by source, except section constants and blade."""
     known = model.uncertainty
     if known is None:
         return {}

@@ -28,8 +28,8 @@ class DynamicInflow:
     """Inflow as a state that lags behind changes of rotor speed and velocity.
 
     A state is an array (..., ``size``) [m/s].  Its first three values are the harmonics in the
-    rotor frame of ``Rotor.wrench``: the mean, and the increases from hub to tip along x and along
-    y.  The other values are the inflows of the annuli at fixed radii, positive against the thrust.
+    rotor frame of ``Rotor.wrench``: the mean, and the increases from hub to tip along x and y.
+    The other values are the inflows of the annuli at fixed radii, positive against the thrust.
     If all rates of a state vanish, the state solves eq. (11), as ``rotor.loads`` does.  If
     blades stall, eq. (11) can have several solutions, and the final state of a simulation can
     differ from the largest solution, which ``rotor.loads`` uses.  The equations are in
@@ -108,8 +108,8 @@ class DynamicInflow:
     ) -> Floats:
         """Return the state (..., size) [m/s] after a time step.
 
-        Each annulus and each harmonic changes by the exponential of its own linearized rate.  The
-        step is stable for any step length.
+        The step solves the linearized equation of each annulus and of each harmonic exactly.  It is
+        stable for any step length.
 
         Parameters
         ----------
@@ -242,13 +242,14 @@ class Linearization(NamedTuple):
     Attributes
     ----------
     a : ndarray, shape (n, n)
-        Derivatives of the rates by the state [1/s].
+        Derivatives of the rates with respect to the state [1/s].
     b : ndarray, shape (n, 4)
-        Derivatives of the rates by the inputs [m/(s rad)], [1/s].
+        Derivatives of the rates with respect to the inputs [m/(s rad)], [1/s].
     c : ndarray, shape (6, n)
-        Derivatives of the outputs by the state [N s/m], [N s].
+        Derivatives of the outputs with respect to the state [N s/m], [N s].
     d : ndarray, shape (6, 4)
-        Derivatives of the outputs by the inputs [N s/rad], [N s/m], [N m s/rad], [N s].
+        Derivatives of the outputs with respect to the inputs [N s/rad], [N s/m], [N m s/rad],
+        [N s].
     """
 
     a: Floats

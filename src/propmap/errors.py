@@ -62,7 +62,7 @@ TOML_FILES = {  # kinds of TOML files and their use, by a key that only this kin
 
 
 def refuse_other_toml(keys: Collection[str], own: Collection[str], what: str, where: str) -> None:
-    """Raise ``InputError`` if ``keys`` are from another file than a ``what`` with ``own`` keys."""
+    """Raise ``InputError`` if ``keys`` are from a file other than a ``what``, with ``own`` keys."""
     for key, (kind, use) in TOML_FILES.items():
         if key in keys and key not in own:
             raise InputError(f"this is {kind}, not a {what}", use, where)

@@ -52,7 +52,7 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 
 
 def real_arrays(dtype: Any, **given: tuple[Any, int]) -> list[Any]:
-    """Return arrays of the values, given with the length of their last axis (0: any length)."""
+    """Return the values as arrays; each comes with the length of its last axis, or 0 for any."""
     found = []
     for name, (x, count) in given.items():
         if jnp.iscomplexobj(x):

@@ -137,10 +137,10 @@ class Rotor:
             axial descent.  beta and 2 pi - beta are mirror images with the same loads.
         **further
             ``height`` of the disk above level ground, and distance of a level ``ceiling`` above the
-            disk [m], 0.3 R or more; None far away.  The ground multiplies the thrust by
-            1 + 0.31 exp(-(h/0.97R)^2)/(1 + (V sin(beta)/v_i)^2), where v_i is the mean inflow, and
-            the ceiling by 1 + 0.185 exp(-c/1.39R)/(1 + (V sin(beta)/v_i)^2) (fitted to static
-            thrust, docs/theory.md).  The other loads do not change.
+            disk [m], 0.3 R or more; None if far away.  The ground multiplies the thrust by
+            1 + 0.31 exp(-(h/0.97R)^2)/(1 + (V sin(beta)/v_i)^2), where v_i is the mean inflow.  The
+            factor of the ceiling is 1 + 0.185 exp(-c/1.39R)/(1 + (V sin(beta)/v_i)^2).  Both are
+            fitted to static thrust (docs/theory.md).  The other loads do not change.
 
         Raises
         ------

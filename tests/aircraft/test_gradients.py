@@ -94,7 +94,7 @@ def test_nothing_known_and_names_that_are_not_there(aircraft: Aircraft) -> None:
     model = propmap.Model(vehicle.propeller, propmap.airfoil("paper-apc"), vehicle.air)
     bare = Aircraft(vehicle, propmap.Rotor(model))
     assert spread(bare, bare.steady(np.zeros(1))) is None
-    with pytest.raises(InputError, match="no derivative by 'kv'"):
+    with pytest.raises(InputError, match="no derivative for 'kv'"):
         power_gradient(aircraft, aircraft.steady(np.zeros(1)), ("kv",))
     wakes = aircraft_of(quadcopter(wakes=Wakes()))
     with pytest.raises(InputError, match="rotors with wakes"):

@@ -58,7 +58,7 @@ def test_top_speed_is_at_its_limit(weak: Aircraft, found: Performance) -> None:
     limited = rows(edge)[1]
     assert limited["rpm_1"] is None and limited["thrust_4_N"] is None
     assert not any(isinstance(v, float) and math.isnan(v) for v in limited.values())
-    with pytest.raises(InputError, match="rise"):
+    with pytest.raises(InputError, match="must increase"):
         performance(weak, weak.steady([5.0, 5.0], margin=False))
 
 

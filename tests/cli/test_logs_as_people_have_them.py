@@ -36,7 +36,7 @@ PROFILE |= dict.fromkeys(
 """Decimation of each topic in PX4's default profile: velocities and rotor speeds at 10 Hz."""
 
 DRIVEN = commands(LOG, noise=0.01)
-FROM_THROTTLE = "rotor speeds are computed from throttle by a fitted curve"
+FROM_THROTTLE = "a fitted curve converts throttle to rotor speed"
 
 
 def px4() -> str:

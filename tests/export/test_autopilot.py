@@ -115,7 +115,7 @@ def test_the_filter_expects_the_force_of_level_flight(
     for way, flown, axis in (("forward", vehicle, 0), ("sideways", turned, 1)):
         states = aircraft_of(flown).steady(speeds, margin=False)
         note = files[f"README-{target}.md"]
-        told = re.search(rf"{way} within [^;]*?over all speeds within ([\d.]+) N", note)
+        told = re.search(rf"{way} at most [^;]*?and at most ([\d.]+) N at all speeds", note)
         assert told
         worst = float(told[1])
         assert worst < 0.1 * vehicle.mass
@@ -192,8 +192,8 @@ def test_what_is_not_known_is_left_out_and_said(tmp_path: Path) -> None:
     assert "THR_MDL_FAC" not in px4 and "_CT" not in px4 and "CA_ROTOR0_KM" in px4
     assert "MOT_" not in ardupilot
     told = "THR_MDL_FAC: the vehicle file has no [motor] and no [battery]."
-    assert told in text["README-px4.md"] and "would have 1" in text["README-px4.md"]
-    assert "would have 0.73 between MOT_SPIN_MIN 0.15" in text["README-ardupilot.md"]
+    assert told in text["README-px4.md"] and "the value is 1" in text["README-px4.md"]
+    assert "the value is 0.73 between MOT_SPIN_MIN 0.15" in text["README-ardupilot.md"]
 
 
 def test_the_simulator_leans_as_the_model_does(aircraft: Aircraft, files: dict[str, str]) -> None:
@@ -280,7 +280,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         "rotors 1 and 5 are above each other",
     ),
     "a pusher": ({"mounts": (*PLACES, Mount((-0.3, 0.0, 0.0), (1.0, 0.0, 0.0)))}, "not upward"),
-    "all leaning forward": ({"mounts": tilted(0.1)}, "the rotors' thrust is not along z"),
+    "all leaning forward": ({"mounts": tilted(0.1)}, "the rotors' thrust has a component"),
     "one spin for all": (
         {"mounts": tuple(replace(mount, spin="cw") for mount in PLACES)},
         "cannot hover without a moment",
@@ -313,10 +313,10 @@ def test_speeds_that_are_not_flown_are_named(tmp_path: Path) -> None:
     craft = aircraft_of(in_px4_order(), maximum_rotor_speed=680.0)
     export_autopilot(craft, "px4", tmp_path, speeds=np.array([4.0, 8.0, 30.0]))
     assert (
-        "30 m/s is not flown: beyond the largest rotor speed."
+        "No level flight at 30 m/s: beyond the largest rotor speed."
         in (tmp_path / "README-px4.md").read_text()
     )
-    with pytest.raises(InputError, match="give two or more that can"):
+    with pytest.raises(InputError, match="give two or more possible speeds"):
         autopilot_parameters(craft, "px4", np.array([30.0, 40.0]))
     with pytest.raises(InputError, match="fewer than two speeds"):
         autopilot_parameters(craft, "px4", np.array([0.0, 5.0]))
@@ -421,5 +421,5 @@ def test_a_propeller_without_full_throttle_or_thrust_is_refused() -> None:
     ):
         autopilot_parameters(aircraft_of(PUSHER), "ardupilot")
     backwards = replace(PUSHER.propeller, twist=-PUSHER.propeller.twist)
-    with pytest.raises(InputError, match="have no thrust; check the propeller"):
+    with pytest.raises(InputError, match="slow axial flow; check the propeller"):
         autopilot_parameters(aircraft_of(replace(PUSHER, propeller=backwards)), "px4")

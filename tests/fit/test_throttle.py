@@ -94,7 +94,7 @@ def test_only_a_fit_with_a_curve_checks_a_log_without_rotor_speeds(
 
     assert check("throttle", "throttle") == 0
     told = capsys.readouterr()
-    assert "in 95 % band" in " ".join(told.out.split()) and "from throttle" in told.err
+    assert "in 95 % band" in " ".join(told.out.split()) and "converts throttle" in told.err
     assert check("speeds", "throttle") == 2
     assert "the fit used measured rotor speeds" in capsys.readouterr().err
     # Measured rotor speeds need no curve.

@@ -487,7 +487,7 @@ WRONG: dict[str, tuple[str, dict[str, Any], str]] = {
     ),
     "no actuators": (
         GOOD.replace("<worldbody>", '<option><flag actuation="disable"/></option><worldbody>'),
-        {}, "disables actuators"
+        {}, "disables the actuators"
     ),
     "one text for names": (GOOD, {"names": "rotor_1"}, "names is 'rotor_1', one text"),
     "z down": (
@@ -708,7 +708,9 @@ def test_an_exported_vehicle_hovers(
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "test_quad.xml"))
     assert model.body_mass.sum() == pytest.approx(vehicle.mass, rel=1e-12)
     np.testing.assert_allclose(model.body("test_quad").inertia, INERTIA, rtol=1e-12)
-    assert "0.05 s: assumed" in " ".join((tmp_path / "README-mujoco.txt").read_text().split())
+    assert "assumed time constant of 0.05 s" in " ".join(
+        (tmp_path / "README-mujoco.txt").read_text().split()
+    )
 
 
 ONE_SPIN = tuple(replace(mount, spin="cw") for mount in PLAIN.mounts)

@@ -151,7 +151,7 @@ def performance(
     """
     speed = states.speed
     if speed.size < 2 or not (np.diff(speed) > 0.0).all():
-        raise InputError("the speeds must rise", "give two or more speeds, each once")
+        raise InputError("the speeds must increase", "give two or more speeds, each once")
     if not math.isfinite(wind):
         raise InputError(f"the wind is {wind}", "give a headwind in m/s, negative for a tailwind")
     end, limit, known = searched(aircraft, states, climb)
@@ -357,7 +357,7 @@ def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, 
         ("battery_current_A", states.battery_current, "A", "current of the battery"),
         ("battery_voltage_V", states.battery_voltage, "V", "voltage under load"),
         ("thrust_margin", states.thrust_margin, "1",
-         "thrust at the first limit over needed thrust"),
+         "maximum thrust over required thrust"),
         ("residual", states.residual, "1", "unbalanced share of the weight"),
     )  # fmt: skip
     found = {name: StateColumn(values, unit, words) for name, values, unit, words in table}

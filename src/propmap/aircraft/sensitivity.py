@@ -146,8 +146,7 @@ def spread(aircraft: Aircraft, states: SteadyStates) -> StateChange | None:
 
     Errors of the loads, see ``propmap.Loads.std_by_source``, are assumed to be equal at all rotors.
     Errors of the section constants are correlated by their covariance matrix.  Errors of model and
-    tunnel are assumed to be independent between loads, and so are the errors of the loads of a
-    table.
+    tunnel, and errors of the loads of a table, are assumed to be independent between loads.
 
     Parameters
     ----------
@@ -192,17 +191,17 @@ def _has_errors(source: Any) -> bool:
 def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[StateChange]:
     """Return derivatives of the states with respect to section constants and geometry."""
     if DIAMETER in names and responses.aircraft.vehicle.wakes is not None:
-        found = f"there is no derivative by {DIAMETER!r} for rotors with wakes on each other"
+        found = f"rotors with wakes on each other have no derivative for {DIAMETER!r}"
         raise InputError(found, "ignore the wakes: --no-wakes, or Vehicle(..., wakes=None)")
     changes = []
     for source, which in responses.aircraft.rotors.sources:
         if not isinstance(source, Rotor):
-            found = f"there is no derivative by {names[0]!r}: the loads are from a table"
+            found = f"loads from a table have no derivative for {names[0]!r}"
             raise InputError(found, f"give the aircraft a Rotor, or names of {', '.join(VEHICLE)}")
         known = (*(name for name in source.parameters if name not in FlowPoints._fields), DIAMETER)
         unknown = [name for name in names if name not in known]
         if unknown:
-            found = f"there is no derivative by {unknown[0]!r}"
+            found = f"there is no derivative for {unknown[0]!r}"
             raise InputError(found, f"choose from {', '.join((*VEHICLE, *known))}")
         changes.append((_slopes_of(source, names), which))
     return responses.to_each(changes, len(names))
@@ -255,7 +254,7 @@ ChangesAt = Callable[[FlowPoints], Floats]  # D changes of the L loads at N poin
 
 class Responses:
     """Derivatives of steady states by the implicit function theorem: with unknowns x and unbalanced
-    shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp.  Derivatives of r by x are difference quotients.
+    shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp.  dr/dx is a difference quotient.
     """
 
     def __init__(self, aircraft: Aircraft, states: SteadyStates) -> None:

@@ -261,7 +261,7 @@ class Aircraft:
         )
 
     def _thrust_margin(self, omega: Floats, velocity: Floats) -> Floats:
-        """Return the thrust at the first limit over the present thrust (n,), with a common factor
+        """Return the maximum thrust over the present thrust (n,), with a common factor
         on all rotor speeds."""
         count, rotors = omega.shape
 

@@ -1,7 +1,7 @@
 """The propellers of the catalogue.
 
-Measured blades and a few others have one TOML file each in ``propellers/``.  Blades from the files
-of their manufacturer APC are in one table, see ``apc``.
+Measured blades and a few others have one TOML file each in ``propellers/``.  Blades from geometry
+files of APC are in one table, see ``apc``.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def entry(name: str) -> Entry:
 def of_makers_file(title: str, blades: int, diameter_m: float) -> Entry | None:
     """Return the entry of the propeller in an APC file with this ``title``.
 
-    It is the entry of the catalogue if there is one; None if the title names no known series.
+    A title outside the catalogue has a new entry; None if the title names no known series.
     """
     name = name_of(title)
     if name in _names():

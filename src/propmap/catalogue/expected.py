@@ -218,8 +218,8 @@ def after_stands(size: Size, kind: str, blades: int, doubt: float = 0.0) -> Popu
 
     Static thrust and torque then follow the distribution measured on stands, which includes the
     tunnel term of ``propmap.bands``.  The variance does not change in directions of the coordinates
-    that do not affect the static loads.  Outside the diameters on stands, it grows with the
-    logarithm of the diameter.
+    that do not affect the static loads.  Outside the diameters on stands, the variance
+    grows with the logarithm of the diameter.
     """
     prior = family_prior([], bundled_population("population"), size)
     place, target = prior.mean, static_loads(prior.mean, size, blades)[0] + STAND_SHIFT
@@ -263,8 +263,8 @@ def expected_constants(
 
     By default, the family is unknown and the size is ``MEDIUM``.  ``geometry`` is the origin of the
     blade: "measured"; "maker", the manufacturer's file; "family" or "population", the mean blade of
-    the family or of all families.  "multirotor" and "carbon" also mean the latter, with a prior
-    from stands for this number of ``blades`` and this ``doubt``, as in ``Designation``.
+    the family or of all families.  "multirotor" and "carbon" mean the blade of all families with
+    a prior from stands for this number of ``blades`` and this ``doubt``, as in ``Designation``.
     """
     prior = expected_prior(family, size, geometry, blades, doubt)
     members = _members(family, geometry)
@@ -341,8 +341,8 @@ def siblings(family: str | None, without: str | None = None) -> int:
 def size_of(meant: Meant, blade: Propeller) -> Size:
     """Return diameter and pitch [m] from the label of a result of ``lookup.meant_by``.
 
-    For a file, ``meant`` is None and the blade gives the size: its pitch at 0.75 R exceeds labels
-    by 3 % of the diameter on average.
+    For a file, ``meant`` is None and the size is computed from the blade, whose pitch at 0.75 R
+    exceeds labels by 3 % of the diameter on average.
     """
     if isinstance(meant, ExpectedBlade):
         return meant.wanted.diameter, meant.wanted.pitch
@@ -383,7 +383,7 @@ def on_measured_blade(one: Identified) -> Member:
 def on_makers_blade(
     prior: PopulationPrior, family: str | None, without: str = ""
 ) -> PopulationPrior:
-    """Return the distribution of constants for blades of files, from that for measured blades.
+    """Return the distribution for manufacturers' blades from the distribution for measured blades.
 
     The mean difference of the two blades excludes the propeller with the name ``without``.
     """
@@ -536,9 +536,9 @@ _ANGLES = np.array([name in ("zero_lift_angle", "drag_angle") for name in PARAME
 def equivalent(blade: Propeller, other: Propeller) -> Floats:
     """Return the change of coordinates (P,) from a ``blade`` to the ``other``, for equal loads.
 
-    It consists of the logarithm of the mean chord ratio, and minus the mean difference of the twist
-    [rad], both weighted with radius squared and the chord of ``other``.  Both blades have the same
-    radius.
+    It consists of the logarithm of the mean chord ratio, and of minus the mean difference of the
+    twist [rad].  Radius squared and the chord of ``other`` weight both means.  Both blades have the
+    same radius.
     """
     share = other.station / other.radius
     share = share[share >= INNERMOST]

@@ -120,7 +120,7 @@ def named_without_blade(name: str) -> Identified | None:
 
 
 def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
-    """Keep one entry per tested propeller: that of a measured blade if any, with the best fit."""
+    """Keep the best fit per tested propeller; a fit with a measured blade precedes any other."""
     best: dict[str, Identified] = {}
     for one in sorted(entries, key=lambda one: (one.geometry != "measured", badness(one))):
         best.setdefault(one.tested, one)

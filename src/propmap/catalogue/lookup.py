@@ -127,8 +127,8 @@ def _of_apc_file(path: Path) -> catalogue.Entry | None:
 def designated(text: str) -> catalogue.Entry | expected.ExpectedBlade:
     """Return the catalogue propeller for a designation, with its number of blades, or a prediction.
 
-    A size alone selects no catalogue propeller.  A blade from a manufacturer's file requires its
-    series, and its number of blades if that is not 2.  Raise ``InputError`` for other text, an
+    A size alone selects no catalogue propeller.  Only the series and, unless it is 2, the number of
+    blades select a blade from a manufacturer's file.  Raise ``InputError`` for other text, an
     unknown name in the form of a catalogue name, and a designation that fits several series.
     """
     wanted = designation.designation(text)

@@ -196,8 +196,8 @@ def _table(task: ranking.Task, judged: list[ranking.Judged], caution: str) -> ou
     caption = (
         "+-: one standard deviation, from the section constants alone; beats next: probability "
         "that a propeller is better than the next one; 1 beats it: probability that the first "
-        "propeller is better than this one; margin: thrust at the first limit divided by the "
-        "weight, in hover; doubtful constants: see --format csv for the reason"
+        "propeller is better than this one; margin: maximum thrust divided by the weight, "
+        "in hover; doubtful constants: see --format csv for the reason"
     )
     spare = ("hover [min]", f"{cruise} [min]", "margin", "top [m/s]", "1 beats it", f"{cruise} [W]")
     title = f"ranked by {task.words} [{unit}]{caution}"

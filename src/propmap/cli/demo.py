@@ -18,11 +18,11 @@ other propellers:     propmap props
 a table of loads:     propmap table "{NAME}" --rpm 4000:8000 --speed 0:20 --tolerance 2% -o a.npz"""
 
 TUNNELS = (
-    "The two tunnels differ in axial flow. In the 2019 tunnel, the static thrust is 8 % larger, "
-    "and thrust decreases with speed like the drag of a stand with a drag area of 47 cm^2. The "
-    "bands exclude these measurement errors. After their removal, the bands contain 91 % of the "
-    "thrust values and 96 % of the torque values in oblique flow (docs/how-to/uncertainty.md, "
-    "python -m tools.coverage)."
+    "The two tunnels differ in axial flow. In the 2019 tunnel, the static thrust is 8 % larger. "
+    "The thrust also contains an error in the form of the drag of a stand with a drag area of "
+    "47 cm^2. The bands exclude these measurement errors. After their removal, the bands contain "
+    "91 % of the thrust values and 96 % of the torque values in oblique flow "
+    "(docs/how-to/uncertainty.md, python -m tools.coverage)."
 )
 
 

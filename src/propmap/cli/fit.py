@@ -107,8 +107,8 @@ class FitChoice:
         bool,
         Option(
             "--accept",
-            help="Write an implausible fit: an rms error above a third of the measured thrust, "
-            "vertical force or torque (rms), or two section constants at their bounds.",
+            help="Write the fit even if an rms error exceeds a third of the rms thrust, vertical "
+            "force or torque, or if two section constants are at their bounds.",
         ),
     ] = False
 
@@ -119,7 +119,7 @@ class FitChoice:
         return Settings(self.starts, loss, self.folds, self.bootstrap, self.seed)
 
     def expected(self, prop: str, blade: Propeller, base: Airfoil | None) -> SectionPrior | None:
-        """Return the prior of ``prop``, by default only without ``--free`` and a ``base``."""
+        """Return the prior of ``prop``; by default none with ``--free`` or with a ``base``."""
         by_default = self.free is None and base is None
         return section_prior(self.prior_from, prop, blade, by_default=by_default)
 
@@ -133,7 +133,7 @@ class FitChoice:
         """Return the free and fixed parameters with their priors and start values.
 
         Without ``--free``, the free parameters are ``default``, or the constants of the prior
-        ``expected``. ``base`` and ``also_fixed`` give start values and values of fixed parameters.
+        ``expected``. Start and fixed values are from ``base`` and ``also_fixed``.
         """
         law = base or (expected.airfoil if expected else None)
         given = {name: getattr(law, name) for name in SECTION} if law else {}
@@ -192,8 +192,8 @@ def section_prior(
     wanted: str | None, prop: str, blade: Propeller | None = None, *, by_default: bool
 ) -> SectionPrior | None:
     """Return the prior of the constants of ``prop`` from the propellers that ``--prior-from``
-    names; ``by_default`` applies without this option, and ``blade`` gives the size. Raises
-    ``InputError`` for an unknown family."""
+    names. Without this option, the source is the family if ``by_default``, else none. ``blade``
+    determines the size. Raises ``InputError`` for an unknown family."""
     source = (wanted or ("family" if by_default else "none")).strip().lower()
     if source == "none":
         return None

@@ -48,12 +48,12 @@ from propmap.vehicle.vehicle import Vehicle
 
 ENOUGH_SEGMENTS = 4
 FROM_THROTTLE = (
-    "rotor speeds are computed from throttle by a fitted curve: thrust and drag are less certain "
-    "than with measured rotor speeds, torque and power are hardly known"
+    "a fitted curve converts throttle to rotor speed: thrust and drag are less certain than with "
+    "measured rotor speeds, and the data hardly determine torque and power"
 )
 UNKNOWN_BATTERY = (
-    "there is throttle but no battery voltage, so that thrust drifts as the battery empties: name "
-    "battery_voltage or hover_throttle in [log.columns], or log the voltage"
+    "the log has throttle but no battery voltage, so the thrust at a given throttle drifts as the "
+    "battery empties: name battery_voltage or hover_throttle in [log.columns], or log the voltage"
 )
 
 
@@ -116,10 +116,9 @@ def read_flights(
         rate = 1.0 / float(np.median(np.diff(log.time)))
         if rate < needed:
             remarks.append(
-                f"{log.source}: {rate:.3g} samples per second are too few for a low-pass at "
-                f"{low_pass:g} Hz, which needs {needed:g}, so that the fit uses unfiltered "
-                "samples: log the slowest signal faster, or lower --low-pass to "
-                f"{rate / FEWEST_PER_PERIOD:.2g}"
+                f"{log.source}: unfiltered, because {rate:.3g} samples per second are too few for "
+                f"a low-pass at {low_pass:g} Hz (expected {needed:g}): log the slowest signal "
+                f"faster, or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
             )
     logs = _turning([low_passed(log, low_pass) for log in logs], file.vehicle, curve)
     flying = joined([log.picked(steady.airborne(log)) for log in logs], names)
@@ -146,7 +145,7 @@ def _recorded(
         if curve is None:
             curve = {HOVER_DRIVE: checks.drive_in_hover(logs)}
         if HOVER_DRIVE not in curve:
-            found = "there is throttle but no rotor speed, and the fit used measured rotor speeds"
+            found = "the log has only throttle, but the fit used measured rotor speeds"
             remedy = "compare with a log of rotor speeds, or add logs with throttle to the fit"
             raise InputError(found, remedy, driven[0])
     curve = curve or {}
@@ -209,8 +208,8 @@ LowPass = Annotated[
     Option(
         "--low-pass",
         metavar="HZ",
-        help="Cut-off frequency in Hz of the low-pass filter of the signals of a force balance; 0 "
-        "for no filter (default: 6).",
+        help="Cut-off frequency in Hz of the low-pass filter of the signals of whole flights; "
+        "0 for no filter (default: 6).",
     ),
 ]
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
@@ -230,7 +229,7 @@ ROTOR_SHARE = 0.01
 def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str, parameters.Prior]:
     """Return priors of stall and of all parameters outside the section law, for the vehicle's size.
 
-    With ``hover``, the hover of each flight gives the prior of its thrust scale.
+    With ``hover``, the prior of each thrust scale follows from the hover phases of its flight.
     """
     disk = math.pi * vehicle.propeller.radius**2
     bodies = parameters.Prior(0.0, BODY_SHARE * disk * len(vehicle.mounts))
@@ -262,9 +261,8 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     """Return the parameters that a fit to flights varies by default.
 
     Fits to steady segments (``level``) vary the four constants of the paper.  Fits to whole
-    flights also vary the drag of the rotor mounts, which replaces the body drag in the disk plane,
-    the body drag along z, the accelerometer, the wakes of several rotors on each other, and for
-    each flight of the ``log`` the clock and, with several flights, the thrust scale.
+    flights vary ``BLADE``, and the parameters below that apply to the vehicle and the ``log``.  The
+    drag of the rotor mounts replaces the body drag in the disk plane.
     """
     if level:
         return PAPER_FOUR
@@ -306,7 +304,7 @@ def fit_flight(
         list[Path],
         Argument(
             metavar="LOG...",
-            help="Flight logs (CSV, Parquet, ULog, DataFlash, bag), or level-flight tables.",
+            help="Flight logs (CSV, Parquet, ULog, DataFlash, bag), or CSV tables of level flight.",
         ),
     ],
     vehicle: opt.VehicleOption,
@@ -330,7 +328,7 @@ def fit_flight(
         bool,
         Option(
             "--hover-scale/--no-hover-scale",
-            help="Estimate the prior of the thrust scale of each flight from its hover phases.",
+            help="Use the hover phases of each flight for the prior of its thrust scale.",
         ),
     ] = True,
     body_study: Annotated[
@@ -349,9 +347,9 @@ def fit_flight(
 ) -> None:
     """Fit section constants to flight logs of a vehicle.
 
-    With --method balance, the fit also estimates a clock offset for each flight and, for two or
-    more flights, a thrust scale for each flight. The fit does not estimate wind; state the wind in
-    the vehicle file.
+    With --method balance, the fit also estimates a clock offset and, for two or more flights, a
+    factor on the thrust (thrust scale) for each flight. The fit does not estimate wind; state the
+    wind in the vehicle file.
     """
     check_outputs(output, asked.picture, segments_picture)
     base = opt.constants(name_or_file) if name_or_file else None
@@ -467,17 +465,17 @@ def fit_terms_page(
         str | None,
         Option(
             metavar="COLUMNS",
-            help="Compare with another model: three columns of the CSV logs, separated by commas, "
-            "with its forces along x, y, z in N (default: the columns ending in _fx, _fy, _fz).",
+            help="Compare with another model: columns of the CSV logs, separated by commas, with "
+            "its forces along x, y, z in N (default: the columns ending in _fx, _fy, _fz).",
         ),
     ] = None,
 ) -> None:
     """Report which terms of the model improve a flight fit.
 
-    The command compares a series of models. The first is the hover model. The second fits
-    section constants to the vertical force; each later model adds one term. Each model is fitted
-    to all flights except one and checked on the held-out flight. The report shows the errors of
-    another model, if the logs contain its predictions.
+    The command compares a series of models. The first is the hover model, T = k rpm^2. The second
+    fits section constants to the vertical force; each later model adds one term. Each model is
+    fitted to all flights except one and checked on the held-out flight. The report shows the
+    errors of another model, if the logs contain its predictions.
     """
     from propmap.report.html import PAGE, TERMS_FILES, check_folder, write_folder
 

@@ -66,7 +66,7 @@ Radius = Annotated[
     float | None, Option("--radius", help="Tip radius in m, if the file does not state it.")
 ]
 RootCutout = Annotated[
-    float | None, Option("--root-cutout", help="Inner radius of the loaded blade in m.")
+    float | None, Option("--root-cutout", help="Radius in m at which the loads of the blade begin.")
 ]
 Corrections = Annotated[
     list[str] | None,
@@ -197,7 +197,7 @@ def propeller_noted(
 
 
 def note_reading(prop: str, found: Propeller, asked: int | None = None) -> None:
-    """Note how a PROP that is not a catalogue name was read as ``found`` with ``asked`` blades."""
+    """Note how PROP was interpreted as ``found``, for the number of blades ``asked``."""
     meant = lookup.meant_by(prop, asked)
     if isinstance(meant, ExpectedBlade):
         note(meant.summary)

@@ -50,7 +50,7 @@ def plot_map(
 ) -> None:
     """Draw the loads of a propeller over airspeed.
 
-    Dashed lines show the hover model.
+    Dashed lines show the hover model: thrust and torque proportional to rpm squared.
     """
     point = opt.single_point(rpm, 0.0, 0.0)
     omega = float(point.si[0][0])

@@ -123,7 +123,7 @@ def _points(
     if rpm < 0.0:
         out.note(
             "negative rpm: the propeller turns backward, and its thrust changes sign; no "
-            "measurement confirms these loads; for a propeller of either spin, give a positive rpm"
+            "measurement confirms these loads; for both spins (cw, ccw), give a positive rpm"
         )
     return replace(found, rpm=np.copysign(found.rpm, rpm))
 

@@ -163,7 +163,7 @@ def sweep(
         out.check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
     count = math.prod(axis.size for axis in axes)
     if not streamed and count > MOST_POINTS:
-        found = f"the grid has {count} points, but such a file has at most {MOST_POINTS}"
+        found = f"the grid has {count} points, more than the {MOST_POINTS} of a .nc or .csv file"
         raise InputError(found, "use the file extension .zarr")
     size = POINTS_PER_TASK if streamed else CHUNK
     made = Sweep(choice.rotor(), Grid(*axes), bands, std_by_source, size)

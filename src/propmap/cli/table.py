@@ -30,7 +30,7 @@ def table(
     speed: Annotated[str, Option(metavar="A:B", help="Range of airspeeds in m/s.")],
     output: Annotated[Path, out.output_option("Output file: table (.npz) or NetCDF (.nc).")],
     beta: Annotated[
-        str, Option(metavar="A:B", help=f"{opt.BETA_HELP}: range in degrees, within 0:180.")
+        str, Option(metavar="A:B", help=f"{opt.BETA_HELP} in degrees: range within 0:180.")
     ] = "0:180",
     tolerance: Annotated[
         str,

@@ -260,7 +260,7 @@ def _table(
     columns |= {"thrust margin": cells(states.thrust_margin), "<status": states.status.tolist()}
     climb, bank = float(states.climb[0]), math.degrees(float(states.bank[0]))
     title = f"climb {climb:g} m/s" if climb else (f"bank {bank:g} deg" if bank else "level flight")
-    caption = "rpm: slowest to fastest rotor; thrust margin: T at the first limit / required T"
+    caption = "rpm: slowest to fastest rotor; thrust margin: maximum T / required T"
     if deviations:
         caption += "\n+-: one standard deviation of the power, from the errors of the rotor loads"
     met = [status for status in STATUSES if status != "ok" and status in states.status]

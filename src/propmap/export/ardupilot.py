@@ -36,11 +36,11 @@ EXPO_LIMITS = (-1.0, 1.0)
 REMARKS = [
     "The filter estimates the wind as soon as one of the EK3_DRAG parameters is set (MCOEF above "
     "0.001, BCOEF above 1). Releases before pull request 28495 (merged at the end of 2024) scale "
-    "density and EK3_DRAG_MCOEF with (1.225 / rho)^(1/4) instead of rho / 1.225. The two agree at "
-    "sea level and differ at altitude.",
-    "ArduPilot's documentation is inconsistent: the page airspeed-estimation gives 1.1 to 2.0 for "
-    "EK3_DRAG_MCOEF, the parameter list a range of 0 to 1 and the example 0.1. The code agrees "
-    "with the parameter list.",
+    "density and EK3_DRAG_MCOEF with (1.225 / rho)^(1/4) instead of rho / 1.225. Both factors "
+    "are 1 at sea level and differ at altitude.",
+    "ArduPilot's documentation is inconsistent: for EK3_DRAG_MCOEF, the page airspeed-estimation "
+    "states 1.1 to 2.0, but the parameter list states a range of 0 to 1 (example: 0.1). The code "
+    "agrees with the parameter list.",
 ]
 
 
@@ -55,9 +55,9 @@ def parameters(aircraft: Aircraft, flights: autopilot.Flights) -> autopilot.Auto
         left_out.append(
             autopilot.NotWritten(
                 "MOT_THST_EXPO",
-                f"{why}. A speed controller that regulates the rotor speed in proportion to the "
-                f"output would have {regulated:.2f} between MOT_SPIN_MIN {SPIN_MIN:g} and "
-                f"MOT_SPIN_MAX {SPIN_MAX:g}. A controller that linearizes the thrust would have 0",
+                f"{why}. With a speed controller that regulates the rotor speed in proportion to "
+                f"the output, the value is {regulated:.2f} between MOT_SPIN_MIN {SPIN_MIN:g} and "
+                f"MOT_SPIN_MAX {SPIN_MAX:g}. With a controller that linearizes the thrust, it is 0",
             )
         )
     else:

@@ -271,12 +271,12 @@ def where_it_holds(comparisons: list[DragComparison]) -> str:
         worst = float(abs(comparison.filtered - comparison.full).max())
         if run is None:
             parts.append(
-                f"{where} above {CLOSE:.0%} of the force at all speeds, at most {worst:.2g} N"
+                f"{where} above {CLOSE:.0%} of the force at all speeds, up to {worst:.2g} N"
             )
         else:
             parts.append(
-                f"{where} within {CLOSE:.0%} of the force from {run[0]:g} to {run[1]:g} m/s, over "
-                f"all speeds within {worst:.2g} N"
+                f"{where} at most {CLOSE:.0%} of the force from {run[0]:g} to {run[1]:g} m/s, and "
+                f"at most {worst:.2g} N at all speeds"
             )
     return f"Error in level flight: {'; '.join(parts)}."
 
@@ -323,7 +323,7 @@ class DragFilter:
                 meaning=(
                     f"Specific force against the motion, along x and along y: {self.momentum} "
                     f"{ratio} v, where v is the component of the velocity through the air. This "
-                    "linear term is the drag of the rotors. Below 0.001 the filter ignores it."
+                    "linear term is the drag of the rotors. The filter ignores values below 0.001."
                 ),
                 source=self.source,
                 holds=(
@@ -346,10 +346,10 @@ class DragFilter:
                         f"{name}, where v is the component of the velocity along the axis{whole}. "
                         f"{self.between}{name} is the mass over the drag area of the quadratic "
                         "drag: drag of the body, and nonlinear drag of the rotors. A value above "
-                        f"{self.largest:g} is written as 0, which switches this term off."
+                        f"{self.largest:g} is written as 0, which disables this term."
                     ),
                     source=self.source,
-                    holds=f"Same range as {self.momentum}: use both together.",
+                    holds=f"Valid in the range of {self.momentum}: use both together.",
                 )
             )
         return kinds, comparisons

@@ -44,7 +44,7 @@ FILTER = DragFilter(
     # PX4's script mc_wind_estimator_tuning.py writes 0 for larger values.
     largest=200.0,
     source="PX4-Autopilot src/modules/ekf2/EKF/aid_sources/drag/drag_fusion.cpp, Ekf::fuseDrag",
-    between="In flight between x and y an ellipse interpolates the coefficients. ",
+    between="In directions between x and y, an ellipse interpolates the coefficients. ",
 )
 
 SIGNALS = np.linspace(0.0, 1.0, 101)  # signals at which the thrust curve is fitted
@@ -66,8 +66,8 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
     real, left_out = [*drag, *places, moment_ratio(vehicle, still, flights)], []
     curve, why = known_curve(aircraft)
     if curve is None:
-        regulated = "A speed controller that regulates the rotor speed, in proportion to the signal"
-        left_out.append(NotWritten("THR_MDL_FAC", f"{why}. {regulated}, would have 1"))
+        regulated = "If the speed controller makes the rotor speed proportional to the signal"
+        left_out.append(NotWritten("THR_MDL_FAC", f"{why}. {regulated}, the value is 1"))
         left_out.append(
             NotWritten("CA_ROTORn_CT", f"{why}: full-signal thrust is unknown. {NORMALIZED}")
         )
@@ -130,8 +130,8 @@ def _gazebo(flights: Flights, still: StaticLoads) -> str:
         "Gazebo's multicopter motor model has thrust = motorConstant omega^2 and torque = "
         f"momentConstant thrust. In hover, at {speed:.0f} rad/s, motorConstant is "
         f"{still.thrust / speed**2:.4g} N s^2 and momentConstant "
-        f"{still.torque / still.thrust:.4g} m. `propmap export TABLE --to gazebo` writes both, and "
-        "drag and rolling moment, from a table of the propeller."
+        f"{still.torque / still.thrust:.4g} m. `propmap export TABLE --to gazebo` writes these "
+        "coefficients, and those of drag and rolling moment, from a table of the propeller."
     )
 
 
@@ -186,8 +186,8 @@ def moment_ratio(vehicle: Vehicle, still: StaticLoads, flights: Flights) -> Expl
         unit="m",
         std=still.std_of(-arm / still.thrust, 1.0 / still.thrust),
         meaning=(
-            "Torque = CA_ROTORn_KM times thrust. Positive for a rotor that turns counter-clockwise "
-            "seen from above: its reaction torque turns the vehicle clockwise."
+            "Torque = CA_ROTORn_KM times thrust. The value is positive for a rotor that turns "
+            "counter-clockwise seen from above: its reaction turns the vehicle clockwise."
         ),
         source=f"{ROTORS}, computeEffectivenessMatrix, and module.yaml",
         holds=(
@@ -239,7 +239,7 @@ def simulator(
     if pattern != SIH_QUAD or not equal.all():
         return [], (
             "the simulator only models a quadrotor in X with equal arms. Rotors 1 to 4 are front "
-            "right, back left, front left, back right, the first two counter-clockwise. This "
+            "right, back left, front left, back right; rotors 1 and 2 turn counter-clockwise. This "
             "vehicle differs"
         )
     weight = vehicle.mass * GRAVITY
@@ -300,7 +300,7 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
     size = density * turns**2 * diameter**4
     pulls = np.logical_and.accumulate(thrust > 0.0, axis=1)
     if pulls[-1].sum() < RATIOS.size // 20:
-        found = "at full throttle, the loads in axial flow from rest have no thrust"
+        found = "at full throttle, the thrust is not positive at rest or in slow axial flow"
         raise InputError(found, "check the propeller, or give a table from --speed 0 and --beta 0")
     still = static_loads(aircraft, curve.full_speed)
     rest = [still.std_of(1.0 / still.thrust, 0.0), still.std_of(0.0, 1.0 / still.torque)]
@@ -322,9 +322,9 @@ def forward_propeller(aircraft: Aircraft) -> AutopilotParameters:
         share, at = float(error.max() / value.max()), float(ratio[error.argmax()])
         title, law = f"SIH_F_C{letter}0, _C{letter}1, _C{letter}2", f"C_{letter}"
         holds = (
-            f"Range: J from 0 to {ratio.max():.2f}, where thrust or the table ends, and throttle "
-            f"of a quarter or more. Error within {error.max():.4f}, {share:.1%} of the largest "
-            f"{law}. At larger J, and in backward flight, the quadratic extrapolates."
+            f"Range: J from 0 to {ratio.max():.2f}, where the thrust reaches 0 or the table ends, "
+            f"and throttle of a quarter or more. Error within {error.max():.4f}, {share:.1%} of "
+            f"the largest {law}. At larger J, and in backward flight, the quadratic extrapolates."
         )
         if std is not None:
             holds += f" The model's standard deviation at rest is {std:.1%}."

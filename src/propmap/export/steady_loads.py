@@ -61,16 +61,16 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
     if abs(specific[0]) > AT_REST:
         raise InputError(
             f"at rest the accelerometer reads {specific[0]:.2f} m/s^2 along {axis}: the rotors' "
-            "thrust is not along z, as the drag models of autopilots assume",
+            f"thrust has a component along {axis}, but drag models of autopilots assume none",
             "check axis of the rotors",
         )
     flown = np.flatnonzero(states.found[1:]) + 1
     lost = [k for k in range(1, size) if k not in flown]
     if flown.size < 2:
         raise InputError(
-            f"{flown.size} of the speeds can be flown ({speeds[lost[0] - 1]:g} m/s: "
+            f"the vehicle can fly {flown.size} of the speeds ({speeds[lost[0] - 1]:g} m/s: "
             f"{STATUSES[str(states.status[lost[0]])]})",
-            "give two or more that can, with --speed",
+            "give two or more possible speeds with --speed",
         )
     arm = states.torque.sum(axis=1) / states.thrust.sum(axis=1)
     velocity = in_vehicle_frame(states.speed, 0.0, 0.0, states.pitch, states.roll)[flown]
@@ -100,7 +100,7 @@ def check_hover(aircraft: Aircraft, states: SteadyStates) -> None:
         left = f" (about x, y, z: {', '.join(f'{m:.2g}' for m in moment)} N m)"
     elif _balances(aircraft):
         found = f"the vehicle does not hover: {STATUSES[str(states.status[0])]}"
-        remedy = "or the table, which must include rest at the rotor speeds that carry the mass"
+        remedy = "or the table, which must include zero airspeed at the rotor speeds of hover"
         raise InputError(found, f"check mass, propeller and motor, {remedy}")
     found = f"the rotors cannot hover without a moment{left}"
     raise InputError(found, "check position and spin of each rotor")

@@ -218,8 +218,8 @@ Evaluation = tuple[Floats, Floats]
 RowModel = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
 
 INDEPENDENT = 10.0
-"""Largest number of independent measurements as which the rows of one load count, with a prior
-from other propellers: adjacent rows share the errors of the model and of the test stand."""
+"""Largest weight of the rows of one load, in independent measurements, with a prior from other
+propellers: adjacent rows share the errors of the model and of the test stand."""
 
 INDEPENDENT_AT_REST = 4.0  # the same for static rows, which differ only in rotational speed
 REMEMBERED = 16  # number of stored evaluations, more than one refit needs

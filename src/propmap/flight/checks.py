@@ -30,8 +30,8 @@ QUIET = 0.1  # largest relative difference between specific force and g
 FEWEST_SLOW = 20  # least number of samples of slow flight
 NEAR_UNIT, NEAR_PAIRS = Range(0.75, 1.25), Range(0.9, 1.1)
 """Ratio of corrected speeds to the speeds that carry the weight.  A nominal section law and a
-roughly known blade determine thrust to about 50 % and speed to 25 %.  Several numbers of pole pairs
-then fit, and the nearest is reported.  Few pole pairs must fit closely, because 2 is near 1."""
+roughly known blade determine thrust to about 50 % and speed to 25 %.  If several numbers of pole
+pairs fit, the message contains the nearest.  Few pole pairs must fit closely: 2 is near 1."""
 
 POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 
@@ -46,9 +46,9 @@ def check_rotor_speed(
     """Return warnings if the thrust from the rotor speeds in slow flight differs from the weight.
 
     The ``rotor`` has a nominal section law.  ``rotor_unit`` is the unit in the vehicle file,
-    "rad/s", "rpm" or "erpm"; it distinguishes errors of similar size.  Raise an ``InputError`` if
-    a rotor stands still, if a wrong unit of speeds or mass explains the difference, or if the
-    thrust is less than a fifth or more than five times the weight.
+    "rad/s", "rpm" or "erpm"; it distinguishes errors of similar size.  Raise ``InputError`` if a
+    rotor stands still, if a wrong unit explains the difference, or if the thrust is outside 0.2 to
+    5 times the weight.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:
@@ -82,7 +82,7 @@ def check_rotor_speed(
 
 
 def drive_in_hover(logs: Sequence[FlightLog]) -> float:
-    """Return the mean throttle drive in slow flight, over the logs with throttle."""
+    """Return the mean ``throttle`` in slow flight, over the logs with throttle."""
     parts = [log.throttle[slow_flight(log)] for log in logs if log.commanded]
     return float(np.mean([np.mean(part) for part in parts]))
 
@@ -167,8 +167,8 @@ FEWEST, AGILE = 200, 0.5
 """Least number of samples in flight, and least angular acceleration [rad/s^2], for this check."""
 
 OTHER_VEHICLE = 1.15
-"""Ratio of the thrusts per squared rotor speed of two flights in hover that batteries and air do
-not explain."""
+"""Ratio of thrust over squared rotor speed between two flights in hover; batteries and air explain
+smaller ratios."""
 
 
 def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:

@@ -175,7 +175,7 @@ They differ because the forces jump where the number of azimuths changes with th
 
 
 def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
-    """Return the true values of all parameters of a fit by name; additions to the body are zero.
+    """Return the true values of all parameters of a fit by name; zero for additions to the body.
 
     The drag of mounts is not a parameter if the vehicle file contains it.
     """
@@ -199,8 +199,8 @@ def trim(
 ) -> FlightLog:
     """Return operating points of level circles to the left, nose first, at ``speeds`` (n,) [m/s].
 
-    All rotors have the same speed, because balancing the moments takes only small differences.  The
-    forces are those of a fit.  The circles have a ``radius`` [m], infinite for straight flight.  A
+    All rotors have the same speed, because small differences balance the moments.  The forces
+    are computed as in a fit.  The circles have a ``radius`` [m], infinite for straight flight.  A
     horizontal ``tether`` provides the centripetal force, as in the paper; without a tether, the
     vehicle banks.  A ``disturbance`` (n,) is an additional vertical force on the rotors, as a share
     of the weight; for a fit, it is an error.  ``specific_force`` includes the force of the tether.

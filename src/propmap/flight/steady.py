@@ -42,9 +42,9 @@ class _Piece:
 def airborne(log: FlightLog) -> NDArray[np.bool_]:
     """Return whether the rotors carry the vehicle at each sample (n,).
 
-    On the ground the rotors stand still or idle.  The sum of their squared speeds, to which thrust
-    is proportional, is then far below its median in motion (for a log without motion, below its
-    90th percentile).  The result does not depend on the unit of the speeds, which may be wrong.
+    On the ground, the sum of the squared rotor speeds, to which thrust is proportional, is far
+    below its median in motion.  For a log without motion, the 90th percentile replaces the median.
+    The result does not depend on the unit of the speeds, which may be wrong.
     """
     squares = np.sum(np.square(log.rotor_speed), axis=1)
     moving = log.speed > MOVING

@@ -1,11 +1,11 @@
 """Wind over a flight: the velocity of the air, estimated from the forces on a fitted vehicle.
 
-A Kalman smoother estimates the wind and the errors of the modeled force.  It is repeated until
-convergence, with a linear regression of the force over the band of the last estimate.  Horizontal
-wind is a random walk; vertical wind varies about zero.  The error along each axis of the vehicle is
-a first-order Markov process, as large as the error of the fit on held-out segments.  Errors of the
-parameters and differences between flights (trim of the attitude, thrust scale, clock) are the same
-for all samples.  These errors widen the bands; the flight does not correct the parameters.
+A Kalman smoother estimates the wind and the errors of the modeled force.  It repeats until
+convergence; each pass linearizes the force by regression over the band of the last pass.
+Horizontal wind is a random walk; vertical wind varies about zero.  The error along each axis of the
+vehicle is a first-order Markov process, as large as the error of the fit on held-out segments.
+Errors of the parameters and differences between flights (trim of the attitude, thrust scale, clock)
+are the same for all samples.  They widen the bands; the flight does not correct the parameters.
 """
 
 from __future__ import annotations

@@ -396,7 +396,8 @@ def read_apc_pe0(
 
 NEAR_TIP = 0.97  # share of the radius from which a blade is extrapolated linearly to its tip
 LAW_NOT_READ = (
-    "its section law is not read: constants are chosen as for any other blade, or by --airfoil"
+    "its section law is not read: propmap chooses section constants as for any other blade; "
+    "--airfoil selects others"
 )
 Numbered = list[tuple[int, list[float]]]  # rows of numbers with their line numbers
 Written = tuple[str, float, Numbered, float | None]  # title, blades, rows and tip, in [m] and [deg]

@@ -293,8 +293,8 @@ def _table(place: Path, kind: str, found: Sequence[tuple[str, float, list[Row]]]
             remarks.append("Reynolds number not stated")
         with located(where):
             if not LEAST_REYNOLDS <= reynolds <= LARGEST_REYNOLDS:
-                remedy = "give the Reynolds number of each table in millions if the file is of "
-                remedy += "AeroDyn, and without a factor in all other files"
+                remedy = "give the Reynolds number of each table: in millions in AeroDyn files, "
+                remedy += "without a factor in all other files"
                 raise InputError(f"a Reynolds number is {reynolds:g}", remedy)
             if reynolds in [polar.reynolds for polar in polars]:
                 raise InputError(f"Re = {reynolds:g} occurs twice", "keep one of the tables")

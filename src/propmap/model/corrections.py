@@ -519,7 +519,7 @@ def model_corrections(
 
 
 def as_texts(texts: Any) -> tuple[str, ...] | None:
-    """Return the checked correction texts of a file; None, for unknown ones, stays None."""
+    """Return the checked correction texts of a file, or None for unknown corrections."""
     if texts is None:
         return None
     if not isinstance(texts, (list, tuple)) or not all(isinstance(text, str) for text in texts):
@@ -530,8 +530,8 @@ def as_texts(texts: Any) -> tuple[str, ...] | None:
 def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tuple[str, ...]:
     """Return the corrections for the section law ``section``, with the ``given`` installation.
 
-    Raise ``InputError`` if ``given`` differs from ``own``, the corrections of its fit, None if
-    unknown.
+    Raise ``InputError`` if ``given`` differs from ``own``, the corrections with which the law was
+    fitted (None if unknown).
     """
     wanted, mount = split_mount(as_texts(given) or ())
     if own is None:

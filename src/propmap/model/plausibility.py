@@ -48,13 +48,13 @@ TIP_SPEED = Range(8.0, 255.0)  # of the fastest point [m/s]: measured 26 to 216;
 LIKELY_TIP_SPEED = Range(25.0, 220.0)
 ADVANCE = Range(0.02, 0.7)  # airspeed over tip speed of usual flights; measured up to 0.5
 LOAD_RATIO = Range(1.0 / 2.3, 2.3)
-"""Measured load over the estimate from chord and twist.  Medians of the sets are 0.6 to 1.6 for
-thrust and 0.55 to 2.0 for torque."""
+"""Measured load over the estimate from chord and twist.  Medians of UIUC's 134 sets are 0.6 to
+1.6 for thrust and 0.55 to 2.0 for torque."""
 WRONG_LOAD_RATIO = Range(1.0 / 1.5, 1.5)  # narrower, for loads that are known to be wrong
 WIDE_LOAD_RATIO = Range(1.0 / 3.5, 3.5)  # wider, for loads that nothing else explains
 
 MOST_FOR_THRUST, LEAST_FOR_THRUST = (1.4, 1.95), 0.7
-"""Limits of the torque ratio (torque over its estimate) divided by the thrust ratio; the 134 sets
+"""Limits of the torque ratio (torque over its estimate) divided by the thrust ratio; these sets
 have 0.81 to 1.85.  The first limit applies if power was measured; two sets exceed it."""
 GOOD_ROTOR = 0.8
 """Ratio of ideal power to shaft power above which a large thrust is doubted.  In hover, the ratio
@@ -74,7 +74,7 @@ RADIANS_WITHIN = 1e-3  # tolerance for a multiple of 5 degrees in radians
 
 
 def blade_warnings(propeller: Propeller) -> list[str]:
-    """Warn of radius, chord or twist unlike small propellers, and twist that rises to the tip."""
+    """Warn of radius, chord or twist unusual for small propellers, and twist rising to the tip."""
     radius = propeller.radius
     chord, twist = at_share(propeller, PITCH_STATION)
     found = unusual("the radius", radius, "m", RADIUS, "length", LIKELY_RADIUS)
@@ -101,7 +101,7 @@ def air_warnings(air: Air) -> list[str]:
 
 
 def point_warnings(propeller: Propeller, omega: Floats, speed: Floats, beta: Floats) -> list[str]:
-    """Warn of operating points [rad/s], [m/s], [rad], broadcast to (n,), unlike small propellers.
+    """Warn of operating points [rad/s], [m/s], [rad] (n,) that are unusual for small propellers.
 
     Raise ``InputError`` for a tip speed above the speed of sound, where no model is valid.
     """

@@ -180,7 +180,7 @@ def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[
 
 
 def check_blades(blades: Any) -> int:
-    """Return the number of blades, or raise ``InputError`` unless it is a whole 1 to 12."""
+    """Return the number of blades, or raise ``InputError`` unless it is an integer, 1 to 12."""
     try:
         count = operator.index(blades)
     except TypeError:

@@ -60,8 +60,8 @@ def common_errors(
 ) -> list[str]:
     """Return the unit errors that bring all ``figures`` into a usual range, likeliest first.
 
-    Errors more than ``CLOSE_FACTOR`` farther from the middle of the range than the likeliest are
-    omitted.  The list is empty if a figure is not above 0.
+    Errors farther from the middle of the range than the likeliest, by more than ``CLOSE_FACTOR``,
+    are omitted.  The list is empty if a figure is not above 0.
     """
     if not all(0.0 < value < math.inf for value in figures):
         return []

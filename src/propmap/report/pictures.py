@@ -297,7 +297,7 @@ def power_curves(
     power.set_ylabel("electrical power (thin: shaft power) [W]" if electric else "shaft power [W]")
     pitch.set_ylabel("pitch, nose down [deg]")
     speed.set_ylabel("slowest and fastest rotor [1/min]")
-    margin.set_ylabel("thrust at first limit / required [-]")
+    margin.set_ylabel("maximum thrust / required [-]")
     power.set_ylim(bottom=0.0)
     margin.set_ylim(bottom=0.0)
     if not any(np.isfinite(states.thrust_margin).any() for states in flown):

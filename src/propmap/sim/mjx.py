@@ -57,8 +57,8 @@ class JaxForces:
     def from_vehicle(cls, vehicle: Vehicle, table: LoadTable) -> Self:
         """Convert a ``vehicle`` and the ``table`` of its rotors to JAX.
 
-        Raises ``InputError`` if ``table`` is not a table, for a table of another propeller or air,
-        and for a vehicle with mount drag or wakes, which a table does not include.
+        Raises ``InputError`` for a ``table`` of another type, propeller or air, and for a vehicle
+        with mount drag or wakes, which a table excludes.
         """
         if not isinstance(table, LoadTable):
             raise InputError(f"table is {type(table).__name__}", "give a LoadTable of the rotors")
@@ -89,8 +89,8 @@ class JaxForces:
             Velocity of the center of mass over the ground [m/s], angular velocity of the vehicle
             [rad/s], and wind velocity over the ground [m/s], in the vehicle frame.
         clamp : bool
-            Whether to use the loads of the nearest point outside the table, in place of NaN; the
-            code remains ``outside``.
+            Whether a rotor outside the table has the loads of the nearest point of the table
+            instead of NaN; the code remains ``outside``.
 
         Raises
         ------

@@ -313,7 +313,7 @@ def attach(
     Raises
     ------
     InputError
-        For an unknown body, sites off the rotors, and removed actuators that oppose the thrust.
+        For an unknown body, sites away from the hubs, and removed actuators that oppose the thrust.
     """
     if not isinstance(spec, mujoco.MjSpec):
         raise InputError(f"spec is {type(spec).__name__}", "give mujoco.MjSpec.from_file(path)")
@@ -387,7 +387,7 @@ def _check_options(model: Any) -> None:
     off = mujoco.mjtDisableBit.mjDSBL_ACTUATION | mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
     if model.opt.disableflags & off or model.opt.disableactuator:
         raise InputError(
-            "the model disables actuators or their range, which set the rotor speeds",
+            "the model disables the actuators of the rotors, or their range",
             "remove the flags actuation, clampctrl and actuatorgroupdisable",
         )
 

@@ -261,8 +261,8 @@ NARROWER = np.linspace(0.1, 0.9, 9)  # positions in log(omega) that are tried as
 def check_between_speeds(
     model: CachedModel, ends: tuple[Floats, Floats, Floats], tolerance: float
 ) -> None:
-    """Raise ``InputError`` if the error of the interpolation in omega exceeds the tolerance: the
-    Reynolds number changes the loads too much between the least and the largest omega."""
+    """Raise ``InputError`` if the error of the interpolation in omega exceeds the tolerance.
+    The Reynolds number then changes the loads too much between the least and the largest omega."""
     error, advance, beta = _errors_between(model, ends)
     limit = POINT_SHARE * tolerance
     lost = error > limit
@@ -279,8 +279,8 @@ def check_between_speeds(
     if wider < LARGEST_TOLERANCE:
         remedies.append(f"--tolerance {1.01 * wider:.2%}")
     raise InputError(
-        f"from {slow / RPM:.0f} to {fast / RPM:.0f} rpm the loads change so much with the Reynolds "
-        f"number that interpolation between both ends exceeds {tolerance:.2%} in "
+        f"from {slow / RPM:.0f} to {fast / RPM:.0f} rpm the loads change with the Reynolds number, "
+        f"and the error of interpolation between both ends exceeds {tolerance:.2%} in "
         f"{lost.mean():.0%} of the envelope{_place(advance[lost], beta[lost])}",
         f"use {' or '.join(remedies) or 'a smaller envelope'}",
     )
@@ -422,8 +422,8 @@ def starting_axes(
 
 
 def refine(model: CachedModel, advance: Axis, beta: Axis, tolerance: float) -> Refined:
-    """Insert knots until the middles of intervals and cells are within the tolerance; mark cells of
-    the finest size that are not.  Raise ``InputError`` for more than ``MOST_KNOTS``."""
+    """Insert knots until the middles of intervals and cells are within the tolerance; mark other
+    cells of the finest size.  Raise ``InputError`` for more than ``MOST_KNOTS``."""
     model.stage = "placing knots"
     for _ in range(ROUNDS):
         _refine_lines(model, advance, beta, tolerance)
@@ -501,8 +501,8 @@ GLANCES = 4  # random points per cell of the finest size; such cells occur where
 def find_jumps(
     content: TableContent, model: CachedModel, limit: float, suspects: NDArray[np.bool_]
 ) -> TableContent:
-    """Mark cells in which the error at random points exceeds ``limit``: in the envelope, in the
-    ``suspects`` (n - 1, m - 1), and around marked cells, since jumps seldom occur alone."""
+    """Mark cells in which the error at random points exceeds ``limit``.  The points are in the
+    envelope, in the ``suspects`` (n - 1, m - 1), and in cells around marked ones."""
     model.stage = "looking for jumps"
     rng, table = np.random.default_rng(PATROL_POINTS), LoadTable(content)
     points = verification.quasi_random(table, PATROL_POINTS, seed=PATROL_POINTS)

@@ -81,8 +81,8 @@ PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}  # coordinates in the en
 
 
 def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
-    """Return the operating point, as in ``PLACE``, of the largest error of each load, None if it is
-    zero; empty for certificates of earlier versions."""
+    """Return the operating point, as in ``PLACE``, of the largest error of each load, None for a
+    zero error; empty for certificates of earlier versions."""
     if not found.get("max_omega"):
         return {}
     units = {"max_omega": 1.0 / RPM, "max_speed": 1.0, "max_beta": 1.0 / DEGREE}

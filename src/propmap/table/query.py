@@ -370,10 +370,10 @@ HARDLY_MOVING = 1e-7  # advance ratio below which (d/dbeta)/J is replaced by its
 def chain_rule(
     found: Any, omega: Any, advance: Any, tip_speed: Any, root: Any, where: Callable[..., Any]
 ) -> tuple[Any, Any, Any, Any]:
-    """Return loads and their derivatives by omega, by speed, and by beta over the speed, (..., L).
+    """Return loads, d/d omega, d/d speed, and d/d beta divided by the speed, (..., L).
 
-    ``found`` is the result of the core's ``Table.slopes``; ``omega`` [rad/s], J and Omega R [m/s]
-    are its point, ``root`` is its Omega^(-1/2) minus that of the least omega, and ``where`` is the
+    ``found`` is the result of the core's ``Table.slopes`` at ``omega`` [rad/s], J and
+    Omega R [m/s]; ``root`` is Omega^(-1/2) minus its value at the least omega.  ``where`` is the
     function of NumPy or JAX."""
     both = found[..., :HALF] + root[..., None, None, None] * found[..., HALF:]
     value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
@@ -390,7 +390,7 @@ def chain_rule(
 
 
 def cartesian_slopes(by_speed: Any, by_angle: Any, cosine: Any, sine: Any) -> tuple[Any, Any]:
-    """Return derivatives by axial and in-plane velocity from those by speed and angle (..., L)."""
+    """Return d/d axial and d/d in-plane velocity from d/d speed and d/d angle (..., L)."""
     cosine, sine = cosine[..., None], sine[..., None]
     return by_speed * cosine - by_angle * sine, by_speed * sine + by_angle * cosine
 

@@ -72,7 +72,7 @@ class CachedModel:
         return values, ring
 
     def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
-        """Return loads over static loads at one omega (n, m, L), and 1 in the vortex ring state."""
+        """Return loads over static loads at one omega (n, m, L); 1 in vortex ring state (n, m)."""
         known = self._known[node]
         grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
         new = [point for point in grid if point not in known]

@@ -57,7 +57,7 @@ def read_dataflash(path: Path, log: LogMap) -> Recording:
     - Velocity: XKF1, or NKF1.
     - Rates and specific force: IMU.
     - Rotor speeds: ESC, or RPM, in rpm unless the ``log`` map specifies "erpm".
-      ``SERVOn_FUNCTION`` gives the motor of each controller; other controllers are left out.
+      ``SERVOn_FUNCTION`` assigns controllers to motors; other controllers are left out.
     - Without rotor speeds: the commands of RCOU, assigned in the same way, with the voltage of BAT,
       or CURR.
 

@@ -68,7 +68,7 @@ class Pair:
     def mismatch(self, which: NDArray[np.bool_] | slice = slice(None)) -> float:
         """Return the squared difference over the sum of squares, the largest of the axes.
 
-        Only the samples ``which`` count.  The result is NaN if they move too little.
+        Only the samples ``which`` count.  The result is NaN if the motion is too small.
         """
         a, b = self.expected[which], self.measured[which]
         sizes = np.stack([np.sum(a**2, axis=0), np.sum(b**2, axis=0)])

@@ -59,9 +59,9 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     - ``rotor_speed``, or ``throttle`` with ``throttle_range`` and optionally ``battery_voltage``
       [V] or ``hover_throttle``; columns of blackbox_decode are found automatically.
 
-    All dialects of ``propmap.io.csv`` are read, below any settings.  A row with only empty cells
-    in the columns of a quantity contains no sample of it; other empty cells count as invalid
-    samples.  Raises ``InputError``, for example for text in a column of numbers.
+    All dialects of ``propmap.io.csv`` are read; settings may precede the header.  A row with only
+    empty cells in the columns of a quantity contains no sample of it; other empty cells count as
+    invalid samples.  Raises ``InputError``, for example for text in a column of numbers.
     """
     where = str(path)
     log = _with_blackbox(path, log)

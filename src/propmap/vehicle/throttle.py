@@ -102,7 +102,7 @@ class ThrottleCurve:
     def speeds(
         self, throttle: Floats, by_lag: Floats, measured: Floats
     ) -> tuple[Floats, dict[str, Floats]]:
-        """Return rotor speeds (n, m) [rad/s] and their derivatives by the constants.
+        """Return rotor speeds (n, m) [rad/s] and their derivatives with respect to the constants.
 
         ``throttle`` and its derivative ``by_lag`` are those of a ``FlightLog``.  Samples without
         throttle have the ``measured`` speeds.
@@ -124,9 +124,9 @@ class ThrottleCurve:
 
 
 def lagged(values: Floats, step: float) -> tuple[Floats, Floats]:
-    """Return values (n, m), every ``step`` [s], after the default lag, and derivatives by the lag.
+    """Return lagged values (n, m) every ``step`` [s], and derivatives with respect to the lag.
 
-    Values are assumed to change linearly between samples.
+    The lag is the default.  Values are assumed to change linearly between samples.
     """
     from scipy.signal import lfilter
 

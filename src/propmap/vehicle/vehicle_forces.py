@@ -225,7 +225,7 @@ class Rotors:
 
     @classmethod
     def of(cls, vehicle: Vehicle, loads: LoadSource) -> Rotors:
-        """Return the rotors with loads from a ``Rotor``, which also gives their model, or a table.
+        """Return the rotors with loads from a table, or from a ``Rotor`` and its model.
 
         Raises ``InputError`` if propeller or air differ from the vehicle.
         """
@@ -282,13 +282,12 @@ class Rotors:
     def around(
         self, omega: Floats, velocity: Floats, change: float
     ) -> tuple[RotorWrenches, Floats, Floats]:
-        """Return the wrenches for s motions, and derivatives of the total by each rotor's speed.
+        """Return the wrenches for s motions, and derivatives of the total for each rotor speed.
 
         All motions have the rotor speeds ``omega`` (n, k) [rad/s]; their hub velocities are
-        ``velocity`` (s, n, k, 3) [m/s].  ``change`` is the relative step of the difference quotient
-        by a rotor speed.  The derivatives (n, k, 3) of the total force [N s] and of the moment
-        about the center of mass [N m s] are those of the first motion, and include the change of
-        the wakes.
+        ``velocity`` (s, n, k, 3) [m/s].  ``change`` is the relative step of a rotor speed for the
+        difference quotients.  The derivatives (n, k, 3) of the total force [N s] and moment [N m s]
+        are for the first motion, and include the change of the wakes.
         """
         s, n, k = velocity.shape[:3]
         first, faster = np.arange(n), np.arange(s * n, (s + 1) * n)

@@ -59,7 +59,7 @@ def glauert_inflow(
     """Solve eq. (10) for a disk's uniform inflow v, T = 2 rho A v sqrt(V_in^2 + (V_ax + v)^2).
 
     Arrays are (...): ``thrust`` T [N], ``axial`` V cos(beta) and ``inplane`` V sin(beta) [m/s];
-    ``disk`` is rho A [kg/m].  Return v [m/s] and its derivative by T [m/s/N].  If descent has
+    ``disk`` is rho A [kg/m].  Return v [m/s] and dv/dT [m/s/N].  If descent has
     several solutions, v is the largest one, limited by ``LARGEST_INFLOW``.  Without thrust v is 0;
     it is NaN if an argument is NaN.
     """
@@ -349,8 +349,8 @@ class SeenWake:
     """The velocity induced by the wake of ``source`` at the disk of ``target``.
 
     Both rotors have the ``radius`` [m].  The ``spline`` interpolates the velocity over skew and
-    bearing [rad] of the wake; ``towards`` is the bearing of the target in the source's frame [rad],
-    where the bearing of the spline is zero.  Pairs with equal relative positions share one spline.
+    bearing [rad] of the wake.  Its bearing is measured from ``towards``, the bearing of the target
+    in the source's frame [rad].  Pairs with equal relative positions share one spline.
     The velocity is zero at rotors above the source that overlap it.  With ``slipstreams_alone`` it
     is also zero at rotors that do not overlap the source.
     """
@@ -379,7 +379,7 @@ class SeenWake:
         """Return the velocity against the target's axis per density of circulation [-], (n,).
 
         The air carries the wake along ``direction`` (n, 3), of any length, in the source's frame.
-        With ``skewing``, return the derivative by the wake's angle from straight down [1/rad].
+        With ``skewing``, return the derivative for the wake's angle from straight down [1/rad].
         """
         skew = np.arctan2(np.hypot(direction[:, 0], direction[:, 1]), -direction[:, 2])
         bearing = np.arctan2(direction[:, 1], direction[:, 0]) - self.towards
@@ -468,8 +468,8 @@ PARALLEL = 0.9  # least cosine between the axes of rotors above each other
 def depth_below(source: Mount, target: Mount, radius: float) -> float:
     """Return the depth of ``target`` below an overlapping ``source`` in radii; negative if above.
 
-    The depth is 0 if the rotors do not overlap as seen along the axis of the ``source``, if their
-    axes are not parallel, or if the rotors are coplanar.
+    The depth is 0 for rotors that are coplanar, have axes that are not parallel, or do not overlap
+    in the view along the axis of the ``source``.
     """
     frame = frame_of(source.axis)
     x, y, height = frame @ (np.subtract(target.position, source.position) / radius)
@@ -597,7 +597,7 @@ def axial_velocity(
 def cross(one: Floats, other: Floats) -> Floats:
     """Return cross products (..., 3) of vectors (..., 3), bit for bit equal to ``np.cross``.
 
-    For the few vectors of a vehicle, ``np.cross`` takes ten times as long to handle its axes.
+    For a few vectors, ``np.cross`` takes ten times as long, because it moves axes.
     """
     (a, b, c), (x, y, z) = ((v[..., 0], v[..., 1], v[..., 2]) for v in (one, other))
     return np.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=-1)
