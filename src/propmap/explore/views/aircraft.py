@@ -27,7 +27,7 @@ PANELS = {
     "power": "power [W]",
     "pitch": "pitch, nose down [deg]",
     "rpm": "slowest and fastest rotor [rpm]",
-    "margin": "thrust margin: thrust at the first limit / required thrust [-]",
+    "margin": "thrust margin: maximum thrust / required thrust [-]",
 }
 
 
