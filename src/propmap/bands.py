@@ -29,11 +29,11 @@ TUNNEL_GAIN = 0.015  # standard deviation of thrust and torque between specimens
 OBLIQUE = {"thrust": 0.47, "torque": 0.30}
 """Standard deviation of the error of the theory in oblique flow, divided by the load and by the
 advance ratio V sin(beta)/(Omega R) [-].  The values minimize the interval score over two campaigns
-after removal of the campaign errors."""
+after removal of the balance errors."""
 
 INPLANE = {"roll_moment": 0.35, "side_force": 0.28, "pitch_moment": 0.70}
 """Standard deviation of the loads that vanish in axial tests, divided by thrust times advance
-ratio, and moments also by R [-]."""
+ratio [-].  The moments are also divided by R."""
 
 RING = 0.11
 """Standard deviation of thrust in the vortex ring state, as a fraction of the thrust.

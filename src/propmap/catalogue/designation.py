@@ -36,7 +36,7 @@ class Maker(NamedTuple):
 
 _KNOWN = tomllib.loads(Path(__file__).with_name("makers.toml").read_text(encoding="utf-8"))
 MAKERS = tuple(Maker(**row) for row in _KNOWN["makers"])
-"""Manufacturers with rules on which the pages of shops and manufacturers agree."""
+"""Manufacturers and their designation rules, on which shops and manufacturers agree."""
 
 ANY_MAKER = Maker("", "", (1.0, 80.0), multirotor=False)
 _NAMES = [rf"(?<![a-z])(?:{maker.words})(?![a-z])" for maker in MAKERS]

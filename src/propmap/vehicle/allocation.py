@@ -13,10 +13,10 @@ from propmap.vehicle.vehicle_forces import FORWARD
 AXES = ("thrust", "roll", "pitch", "yaw")
 
 APART = 0.2
-"""Smallest independent share of a commanded axis.  With this share, the axis requires changes of
-thrust that are five times as large as for an independent axis.  With equal spins of diagonal pairs,
-yaw has a share of 0.95 if the front arms are twice as wide as the rear arms.  With equal spins
-along each side, yaw has a share of 0.11 if the front arms are wider by a quarter."""
+"""Smallest share of a commanded axis that is independent of the other axes.  With this share, the
+axis requires changes of thrust five times as large as an independent axis.  With equal spins of
+diagonal pairs, yaw has a share of 0.95 if the front arms are twice as wide as the rear arms.  With
+equal spins along each side, yaw has a share of 0.11 if the front arms are wider by a quarter."""
 NOTHING = 1e-3  # a smaller moment, over thrust and arm, commands no axis
 
 
@@ -32,8 +32,8 @@ class Allocation:
     commanded : list of int
         Rows of ``matrix`` that the rotor speeds command independently; their number is the rank.
     notes : list of str
-        One sentence that names all of thrust, roll, pitch and yaw that the rotor speeds do not
-        command; empty if the rotor speeds command all four.
+        One sentence that lists the axes among thrust, roll, pitch and yaw that the rotor speeds
+        do not command; empty if the rotor speeds command all four.
     """
 
     matrix: Floats

@@ -96,14 +96,15 @@ class Wakes:
     """Interaction of the rotors through their wakes, see ``propmap.vehicle.wakes``.
 
     For overlapping rotors above each other, the slipstream of the upper rotor acts on the lower
-    rotor, without a gain.
+    rotor.  The gains do not apply to slipstreams.
 
     Attributes
     ----------
     ahead, beside, downwash : float
         Gains on the velocity induced by a vortex cylinder [-]: 1 for the value of the cylinder, 0
-        for none.  ``ahead`` applies to upwash at rotors ahead of or behind the source rotor in the
-        flight direction, ``beside`` to upwash at rotors to its side, ``downwash`` to downwash.
+        for none.  ``ahead`` multiplies upwash at rotors ahead of or behind the source rotor in the
+        flight direction.  ``beside`` multiplies upwash at rotors to its side.  ``downwash``
+        multiplies downwash.
     share : float
         Factor on the rotor's inflow in the convection velocity of its wake [-]: 1 at the disk, 2
         far below.
