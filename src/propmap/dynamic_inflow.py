@@ -46,7 +46,7 @@ class DynamicInflow:
     Attributes
     ----------
     size : int
-        Number of values in a state: 3 harmonics and 24 annuli, or up to 192 annuli if the blades
+        Number of values in a state: 3 harmonics and 16 annuli, or up to 192 annuli if the blades
         stall abruptly.
 
     Raises

@@ -48,6 +48,13 @@ def literal() -> LiteralRotor:
     return rotor
 
 
+def nodes(inflow: pm.DynamicInflow) -> np.ndarray:
+    """Radii of the annuli: Gauss nodes t, placed densely near the tip by t (2 - t)."""
+    t = 0.5 * (np.polynomial.legendre.leggauss(inflow.size - 3)[0] + 1.0)
+    radii: np.ndarray = BLADE.station[0] + (R - BLADE.station[0]) * t * (2.0 - t)
+    return radii
+
+
 def rates_of_annuli(literal: LiteralRotor, radii: np.ndarray, inflow: np.ndarray) -> np.ndarray:
     found = [
         literal.residual(y, np.array([v]), literal.azimuth)[0] / RHO
@@ -60,7 +67,7 @@ def test_annuli_move_by_the_residual_over_their_mass(
     attached: pm.DynamicInflow, literal: LiteralRotor
 ) -> None:
     """m dv/dt = residual of (11), from far below the steady inflow and from far above."""
-    radii = attached.rotor.explain(OMEGA, 0.0, 0.0).radius
+    radii = nodes(attached)
     steady = attached.steady(OMEGA, STILL)
     roots = [literal.inflow_root(y)[0] for y in radii]
     np.testing.assert_allclose(steady[3:], roots, rtol=1e-6)
@@ -85,7 +92,7 @@ def test_annuli_move_by_the_residual_over_their_mass(
 def test_eigenvalues_in_hover_are_those_of_annuli_mean_and_gradients(
     attached: pm.DynamicInflow, literal: LiteralRotor
 ) -> None:
-    radii = attached.rotor.explain(OMEGA, 0.0, 0.0).radius
+    radii = nodes(attached)
     steady = attached.steady(OMEGA, STILL)[3:]
     step = 1e-3
     slopes = [rates_of_annuli(literal, radii, steady + by) / (2.0 * step) for by in (step, -step)]
@@ -122,16 +129,17 @@ def test_eigenvalues_in_hover_are_those_of_annuli_mean_and_gradients(
 def test_the_steady_state_of_attached_blades_is_the_static_solution(spin: str) -> None:
     inflow = dynamic(pm.Airfoil(**ATTACHED, name="attached"), spin)
     velocity = np.vstack([OBLIQUE[:2], [0.0, 0.0, 3.0], STILL])
+    assert inflow.size == 3 + 16  # the static solution has 24 nodes: both differ by the quadrature
     state = inflow.steady(OMEGA, velocity)
     wrench = inflow.wrench(state, OMEGA, velocity)
     static = inflow.rotor.wrench(OMEGA, velocity, spin)
-    np.testing.assert_allclose(wrench.force, static.force, rtol=3e-6, atol=1e-9)
-    np.testing.assert_allclose(wrench.moment, static.moment, rtol=3e-6, atol=1e-9)
+    np.testing.assert_allclose(wrench.force, static.force, rtol=2e-4, atol=1e-9)
+    np.testing.assert_allclose(wrench.moment, static.moment, rtol=2e-4, atol=1e-9)
     assert abs(inflow.rates(state, OMEGA, velocity)).max() < 2e-3
     loads = inflow.loads(state, OMEGA, velocity)
     own = inflow.rotor.loads_at_velocity(OMEGA, velocity)
     for name in (*LOADS, "power", "mean_inflow"):
-        np.testing.assert_allclose(getattr(loads, name), getattr(own, name), rtol=3e-6, atol=1e-9)
+        np.testing.assert_allclose(getattr(loads, name), getattr(own, name), rtol=2e-4, atol=1e-9)
     assert (loads.status == own.status).all()
     # In descent, the static solution uses more nodes.
     loads = inflow.loads(inflow.steady(OMEGA, OBLIQUE[2:]), OMEGA, OBLIQUE[2:])
@@ -183,7 +191,10 @@ def test_a_step_of_the_rotor_overshoots_and_settles(attached: pm.DynamicInflow) 
     for _ in range(60):
         wrench, state = attached.advance(state, 1e-3, OMEGA, STILL)
         thrust.append(wrench.force[2])
-    first, end = (attached.rotor.loads(w, 0.0, 0.0).thrust for w in (500.0, OMEGA))
+    ends = (attached.steady(w, STILL) for w in (500.0, OMEGA))
+    first, end = (
+        attached.wrench(x, w, STILL).force[2] for x, w in zip(ends, (500.0, OMEGA), strict=True)
+    )
     assert first < end < thrust[0]
     assert 1.05 < thrust[0] / end < 1.25
     assert (np.diff(thrust) < 1e-12).all()
