@@ -203,11 +203,8 @@ template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
 };
 
 const std::map<std::string, InflowShape> inflow_shapes = {
-    {"uniform", InflowShape::uniform},
-    {"pitt-peters", InflowShape::pitt_peters},
-    {"pitt-peters-gradient", InflowShape::pitt_peters_gradient},
-    {"coleman", InflowShape::coleman},
-    {"white-blake", InflowShape::white_blake},
+    {"uniform", InflowShape::uniform}, {"pitt-peters", InflowShape::pitt_peters}, {"coleman", InflowShape::coleman},
+    {"pitt-peters-gradient", InflowShape::pitt_peters_gradient}, {"white-blake", InflowShape::white_blake},
     {"drees", InflowShape::drees}};
 
 // C_L and C_D (2, N) of a section, at angles of attack from the chord line [rad] and Reynolds numbers.
@@ -430,6 +427,25 @@ class CoreRotor {
     mutable Variants<Laws>::Motion motion_;  // made on first use
 };
 
+TableAxis axis_of(const nb::tuple& from, std::size_t values) {  // the axis from knots and polynomials, for as many values
+    TableAxis axis{array_of(from[0]), array_of(from[1])};
+    const std::size_t n = axis.knots.size();
+    expect("knots", n, 2, true), expect("polynomials", axis.polynomials.size(), 16 * (n - 1)), expect("values", values, n + 2);
+    return axis;
+}
+
+// An array (rows, N) whose column k is `one(k)`.
+template <class One> Numbers columns(std::size_t n, One one) {
+    double* to;
+    constexpr std::size_t rows = std::tuple_size_v<decltype(one(0))>;
+    auto array = make_array({rows, n}, to);
+    for (std::size_t k = 0; k < n; ++k) {
+        const auto found = one(k);
+        for (std::size_t j = 0; j < rows; ++j) to[j * n + k] = found[j];
+    }
+    return array;
+}
+
 // A load table: knots and polynomials of both axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), limits (3, 2).
 class CoreTable {
   public:
@@ -437,15 +453,10 @@ class CoreTable {
     using Cells = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
     CoreTable(const nb::tuple& advance, const nb::tuple& beta, Values values, Cells cells, const nb::tuple& box, double radius) {
-        of_.advance = {array_of(advance[0]), array_of(advance[1])}, of_.beta = {array_of(beta[0]), array_of(beta[1])};
         constexpr std::size_t each = std::tuple_size_v<LoadTable::Row>;
-        std::size_t axis = 0;
-        for (const TableAxis* a : {&of_.advance, &of_.beta}) {
-            const std::size_t n = a->knots.size();
-            expect("knots", n, 2, true), expect("polynomials", a->polynomials.size(), 16 * (n - 1));
-            expect("values", values.shape(axis), n + 2), expect("cells", cells.shape(axis++), n - 1);
-        }
+        of_.advance = axis_of(advance, values.shape(0)), of_.beta = axis_of(beta, values.shape(1));
         expect("values", values.shape(2), each);
+        expect("cells", cells.shape(0), values.shape(0) - 3), expect("cells", cells.shape(1), values.shape(1) - 3);
         of_.values.resize(values.size() / each);
         std::copy_n(values.data(), values.size(), of_.values.front().data());
         for (std::size_t k = 0; k < cells.size(); ++k) of_.cells.push_back(TableStatus(cells.data()[k]));
@@ -467,26 +478,17 @@ class CoreTable {
     Numbers loads(Vector omega, Vector speed, Vector beta, bool clamp) const {  // the numbers of `point`, (L + 2, N)
         const std::size_t n = omega.size();
         expect("speed", speed.size(), n), expect("beta", beta.size(), n);
-        double* to;
-        auto array = make_array({LoadTable::count + 2, n}, to);
-        for (std::size_t k = 0; k < n; ++k) {
-            const auto found = point(omega.data()[k], speed.data()[k], beta.data()[k], clamp);
-            for (std::size_t j = 0; j < found.size(); ++j) to[j * n + k] = found[j];
-        }
-        return array;
+        return columns(n, [&](std::size_t k) { return point(omega.data()[k], speed.data()[k], beta.data()[k], clamp); });
     }
 
     // Points brought into the envelope (3, N); omega is NaN for points outside.
     Numbers bounded(Vector omega, Vector speed, Vector beta) const {
         const std::size_t n = omega.size();
         expect("speed", speed.size(), n), expect("beta", beta.size(), n);
-        double* to;
-        auto points = make_array({3, n}, to);
-        for (std::size_t k = 0; k < n; ++k) {
+        return columns(n, [&](std::size_t k) {
             const auto at = of_.bounded(omega.data()[k], speed.data()[k], beta.data()[k], false);
-            to[k] = at.omega, to[n + k] = at.speed, to[2 * n + k] = at.beta;
-        }
-        return points;
+            return std::array{at.omega, at.speed, at.beta};
+        });
     }
 
     // Values at J and beta with their derivatives (N, 2, 2, 2 L).
@@ -561,33 +563,26 @@ nb::tuple free_stream_forces(const nb::dict& of, Vectors velocity) {
 }
 
 // The wakes of the m rotors of a vehicle on each other.
-class CoreWakes {
+class CoreWakes : public Interaction {
   public:
-    using Tables = nb::ndarray<const double, nb::shape<-1, -1, -1, 4>, nb::c_contig, nb::device::cpu>;
+    using Splines = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 
     // Rows of `frames`: two directions in the disk of each rotor, and its axis.  Rows of `pairs` (target, source): index of
-    // the table, bearing, and whether gains do not apply.  `tables`: nodes of skew and bearing.
-    CoreWakes(Vectors frames, Vectors pairs, Tables tables) {
-        const std::size_t m = frames.shape(0) / 3, size = tables.shape(1) * tables.shape(2);
-        expect("frames", frames.shape(0), 3 * m), expect("pairs", pairs.shape(0), m * m);
-        expect("tables", std::min(tables.shape(1), tables.shape(2)), 2, true);
-        for (std::size_t k = 0; k < m; ++k) {
-            const double* row = frames.data() + 9 * k;
-            of_.frames.push_back({vector(row), vector(row + 3), vector(row + 6)});
-        }
-        for (std::size_t k = 0; k < m * m; ++k) {
-            const double* row = pairs.data() + 3 * k;
-            const bool itself = k % (m + 1) == 0;
-            if (!itself && !(row[0] >= 0.0 && row[0] < double(tables.shape(0)))) refuse("a pair of rotors has no table of its wake");
-            of_.pairs.push_back({itself ? 0 : std::size_t(row[0]), row[1], row[2] != 0.0});
-        }
-        for (std::size_t k = 0; k < tables.shape(0); ++k) {
-            of_.tables.push_back({tables.shape(1), tables.shape(2), std::vector<WakeTable::Node>(size)});
-            std::copy_n(tables.data() + 4 * size * k, 4 * size, of_.tables.back().nodes.front().data());
+    // the spline, bearing, and whether gains do not apply.  `values`: coefficients (spline, skew, bearing).
+    CoreWakes(Vectors axes, Vectors rows, const nb::tuple& skew, const nb::tuple& bearing, Splines values) {
+        const std::size_t m = axes.shape(0) / 3;
+        expect("frames", axes.shape(0), 3 * m), expect("pairs", rows.shape(0), m * m);
+        skews = axis_of(skew, values.shape(1)), bearings = axis_of(bearing, values.shape(2));
+        coefficients.assign(values.data(), values.data() + values.size());
+        for (const double* row = axes.data(); frames.size() < m; row += 9)
+            frames.push_back({vector(row), vector(row + 3), vector(row + 6)});
+        for (const double* row = rows.data(); pairs.size() < m * m; row += 3) {
+            const bool itself = pairs.size() % (m + 1) == 0;
+            if (!itself && !(row[0] >= 0.0 && row[0] < double(values.shape(0)))) refuse("a pair of rotors has no spline of its wake");
+            pairs.push_back({itself ? 0 : std::size_t(row[0]), row[1], row[2] != 0.0});
         }
     }
 
-    const Interaction& interaction() const { return of_; }
     static WakeGains gains(Vector from) {
         expect("gains", from.size(), 5);
         const double* g = from.data();
@@ -597,7 +592,7 @@ class CoreWakes {
     // Inflow (n, m), velocity added at each rotor (n, m), and its derivatives by the gains (4, n, m) and by each thrust
     // (n, m, m).
     nb::tuple flow(Vector gains, Vector axial, Vector inplane, Vectors downstream, Vector thrust) const {
-        const std::size_t m = of_.frames.size(), size = axial.size(), n = size / std::max<std::size_t>(m, 1);
+        const std::size_t m = frames.size(), size = axial.size(), n = size / std::max<std::size_t>(m, 1);
         const WakeGains with = CoreWakes::gains(gains);
         expect("axial", size, n * m), expect("inplane", inplane.size(), size), expect("thrust", thrust.size(), size);
         expect("downstream", downstream.shape(0), size);
@@ -610,16 +605,13 @@ class CoreWakes {
                 at[k] = {axial.data()[j], inplane.data()[j], add({}, -1.0, vector(downstream.data() + 3 * j))};
                 inflow[j] = glauert_inflow(thrust.data()[j], at[k].axial, at[k].inplane, with.disk)[0];
             }
-            of_.effects(with, at.data(), thrust.data() + first, [&](std::size_t target, std::size_t source, const WakeEffect& e) {
+            effects(with, at.data(), thrust.data() + first, [&](std::size_t target, std::size_t source, const WakeEffect& e) {
                 added[first + target] += e.added, by_thrust[(first + target) * m + source] = e.by_thrust;
                 for (std::size_t j = 0; j < 4; ++j) by_gain[j * size + first + target] += e.by_gain[j];
             });
         }
         return all;
     }
-
-  private:
-    Interaction of_;
 };
 
 // A vehicle as a free body in a simulator: forces of the air and of the spinning rotors, for one state at a time.
@@ -633,7 +625,7 @@ class FreeBody {
     FreeBody(Mounts mounts, const nb::dict& frame, const nb::list& sources, double heavy, Vector center, bool clamp,
              const CoreWakes* wakes, Vector gains)
         : frame_(airframe(frame)), sources_(sources), heavy_(heavy), clamp_(clamp), wakes_(wakes) {
-        if (wakes) gains_ = CoreWakes::gains(gains), expect("mounts", mounts.shape(0), wakes->interaction().frames.size());
+        if (wakes) gains_ = CoreWakes::gains(gains), expect("mounts", mounts.shape(0), wakes->frames.size());
         expect("sources", sources.size(), mounts.shape(0)), expect("center", center.size(), 3);
         center_ = vector(center.data());
         for (std::size_t k = 0; k < mounts.shape(0); ++k) {
@@ -685,8 +677,8 @@ class FreeBody {
                 thrust.push_back(of_[k].rotor ? of_[k].rotor->attached(flow) : from_table(*of_[k].table, flow).loads.thrust);
                 if (!lost && !std::isfinite(thrust[k])) lost = k;
             }
-            wakes_->interaction().effects(gains_, flows.data(), thrust.data(),
-                                          [&](std::size_t target, std::size_t, const WakeEffect& e) { added[target] += e.added; });
+            wakes_->effects(gains_, flows.data(), thrust.data(),
+                            [&](std::size_t target, std::size_t, const WakeEffect& e) { added[target] += e.added; });
         }
         Wrench all = vehicle_wrench(mounts_, frame_, velocity, rates, [&](std::size_t k, HubFlow& at) {
             const auto& [rotor, table, x] = of_[k];
@@ -767,7 +759,9 @@ NB_MODULE(PROPMAP_MODULE, m) {
     limits["largest_inflow"] = largest_inflow, limits["full_upwash"] = full_upwash, limits["largest_upwash"] = largest_upwash;
     limits["slow_flow"] = slow_flow, limits["inflow_steps"] = inflow_steps;
     m.attr("wake_limits") = limits;
-    nb::class_<CoreWakes>(m, "Wakes").def(nb::init<Vectors, Vectors, CoreWakes::Tables>()).def("flow", &CoreWakes::flow);
+    nb::class_<CoreWakes>(m, "Wakes")
+        .def(nb::init<Vectors, Vectors, const nb::tuple&, const nb::tuple&, CoreWakes::Splines>())
+        .def("flow", &CoreWakes::flow);
     nb::class_<FreeBody>(m, "FreeBody")
         .def(nb::init<FreeBody::Mounts, const nb::dict&, const nb::list&, double, Vector, bool, const CoreWakes*, Vector>(),
              nb::keep_alive<1, 8>(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg())

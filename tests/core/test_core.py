@@ -251,10 +251,10 @@ def push(which: int) -> Callable[[np.ndarray], Any]:
     return call
 
 
-def wakes(rotors: int = 1, *, skews: int = 2, bearings: int = 2) -> Any:
-    """Wakes with a single table; each rotor has the same frame."""
+def wakes(rotors: int = 1, values: tuple[int, int] = (4, 4)) -> Any:
+    """Wakes with a single spline; each rotor has the same frame."""
     frames, pairs = np.tile(np.eye(3), (rotors, 1)), np.zeros((rotors**2, 3))
-    return core.Wakes(frames, pairs, np.ones((1, skews, bearings, 4)))
+    return core.Wakes(frames, pairs, KNOTS, KNOTS, np.ones((1, *values)))
 
 
 def flow_in_wakes(which: int) -> Callable[[np.ndarray], Any]:
@@ -377,11 +377,11 @@ def without_dynamics() -> Any:
         lambda: core.hub_flows(np.zeros((0, 3)), np.zeros((2, 3))),
         lambda: core.hub_wrenches(np.zeros((0, 3)), FLAT[:0], FLAT[:0].reshape(0, 3), FLAT[:0]),
         lambda: rotor()._core.disk_field(np.ones((5, 1)), np.full(1101, 0.05), [0.0]),
-        lambda: core.Wakes(np.eye(3)[:2], np.zeros((0, 3)), np.ones((1, 2, 2, 4))),
-        lambda: core.Wakes(np.eye(3), np.zeros((2, 3)), np.ones((1, 2, 2, 4))),
+        lambda: core.Wakes(np.eye(3)[:2], FLAT[:0].reshape(0, 3), KNOTS, KNOTS, np.ones((1, 4, 4))),
+        lambda: core.Wakes(np.eye(3), np.zeros((2, 3)), KNOTS, KNOTS, np.ones((1, 4, 4))),
         lambda: wakes(2).flow(np.ones(5), *np.ones((2, 3)), np.ones((3, 3)), np.ones(3)),
-        lambda: wakes(skews=1),
-        lambda: wakes(bearings=1),
+        lambda: wakes(values=(3, 4)),
+        lambda: wakes(values=(4, 5)),
         lambda: without_dynamics().inflow_motion(..., ..., 600.0, np.zeros(3), np.ones(1), 1),
     ],
 )

@@ -1,6 +1,6 @@
 // Interaction of rotors: the axial velocity that the wake of each rotor adds at the other rotors of a vehicle.
 //
-// docs/theory.md, "Rotor wakes" and "Rotors above each other", describes the model.  Tables contain the velocity that a
+// docs/theory.md, "Rotor wakes" and "Rotors above each other", describes the model.  Splines contain the velocity that a
 // wake of unit circulation per length induces, averaged over the disk of another rotor (`vehicle/wakes.py`).
 #pragma once
 
@@ -38,33 +38,6 @@ inline std::array<double, 2> glauert_inflow(double thrust, double axial, double 
     return {std::min(v, most), thrust > 0.0 ? by_thrust : 0.0};
 }
 
-// Velocity per density of circulation over the skew of a wake from straight down to straight up, and over its bearing.
-struct WakeTable {
-    // The value at equally spaced nodes, and its derivatives by skew, by bearing and by both, times the spacing.
-    using Node = std::array<double, 4>;
-    std::size_t skews, bearings;
-    std::vector<Node> nodes;  // (skews, bearings)
-
-    std::array<double, 2> at(double skew, double bearing) const {  // value, and derivative by the skew [1/rad]
-        const double per_radian = double(skews - 1) / pi, turns = bearing / (2.0 * pi);
-        const double x = skew * per_radian, y = (turns - std::floor(turns)) * double(bearings - 1);
-        const auto i = std::min(std::size_t(x), skews - 2), j = std::min(std::size_t(y), bearings - 2);
-        const double t = x - double(i), u = y - double(j);
-        const auto hermite = [](double s) { return Node{(1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s), s * (1.0 - s) * (1.0 - s),
-                                                        s * s * (3.0 - 2.0 * s), s * s * (s - 1.0)}; };
-        const Node across = hermite(t), along = hermite(u);
-        const Node change{6.0 * t * (t - 1.0), 1.0 + t * (3.0 * t - 4.0), 6.0 * t * (1.0 - t), t * (3.0 * t - 2.0)};
-        double found = 0.0, slope = 0.0;
-        for (std::size_t p = 0; p < 2; ++p)
-            for (std::size_t q = 0; q < 2; ++q) {
-                const Node& n = nodes[(i + p) * bearings + j + q];
-                const double flat = n[0] * along[2 * q] + n[2] * along[2 * q + 1], steep = n[1] * along[2 * q] + n[3] * along[2 * q + 1];
-                found += across[2 * p] * flat + across[2 * p + 1] * steep, slope += change[2 * p] * flat + change[2 * p + 1] * steep;
-            }
-        return {found, slope * per_radian};
-    }
-};
-
 struct WakeGains {  // see `Wakes` in Python; and rho A [kg/m]
     double ahead, beside, downwash, share, disk;
 };
@@ -74,16 +47,17 @@ struct WakeEffect {
     double added = 0.0, by_thrust = 0.0, by_gain[4]{};  // by_gain: ahead, beside, downwash, share
 };
 
-// The rotors of a vehicle, and tables of their wakes.
+// The rotors of a vehicle, and splines of their wakes over two angles: the skew from straight down, and the bearing.
 struct Interaction {
     struct Pair {
-        std::size_t table;
-        double bearing;   // of the target in the frame of the source, where the bearing of the table is zero [rad]
+        std::size_t spline;
+        double bearing;   // of the target in the frame of the source, where the bearing of the spline is zero [rad]
         bool slipstream;  // whether the rotors are above each other: gains then do not apply
     };
     std::vector<std::array<Vector3, 3>> frames;  // of each rotor: two directions in the disk, and the axis
     std::vector<Pair> pairs;                     // (target, source)
-    std::vector<WakeTable> tables;
+    TableAxis skews, bearings;
+    std::vector<double> coefficients;  // (spline, skew, bearing)
 
     // Call `each(target, source, effect)` for all pairs of rotors with this flow and thrust [N].  The velocity added by a
     // rotor with unknown thrust is NaN.
@@ -96,13 +70,22 @@ struct Interaction {
             double z = -at.axial - with.share * v;
             if (std::fabs(x) < 1e-9 && std::fabs(y) < 1e-9 && std::fabs(z) < 1e-9) x = y = 0.0, z = -1.0;
             const double aside = std::hypot(x, y), size = aside * aside + z * z;
-            const double skew = std::atan2(aside, -z), bearing = std::atan2(y, x), straighter = -aside * v / size;
+            const auto i = skews.place_of(std::atan2(aside, -z));
+            const double bearing = std::atan2(y, x), straighter = -aside * v / size;
             for (std::size_t target = 0; target < frames.size(); ++target) {
                 if (target == source) continue;
                 WakeEffect e;
                 if (const Pair& pair = pairs[target * frames.size() + source]; !std::isfinite(v + size)) e.added = std::nan("");
                 else {
-                    const auto [seen, by_skew] = tables[pair.table].at(skew, bearing - pair.bearing);
+                    const double turns = (bearing - pair.bearing) / (2.0 * pi);
+                    const auto j = bearings.place_of(2.0 * pi * (turns - std::floor(turns)));
+                    const std::size_t rows = skews.knots.size() + 2, columns = bearings.knots.size() + 2;
+                    const double* row = &coefficients[(pair.spline * rows + i.interval) * columns + j.interval];
+                    double seen = 0.0, by_skew = 0.0;
+                    for (int k = 0; k < 4; ++k, row += columns) {
+                        const double there = j.at[0] * row[0] + j.at[1] * row[1] + j.at[2] * row[2] + j.at[3] * row[3];
+                        seen += i.at[k] * there, by_skew += i.slope[k] * there;
+                    }
                     // The weight of the gain ahead: 1 in flight direction, 0 to the side and at rest.
                     const double away = x * std::cos(pair.bearing) + y * std::sin(pair.bearing);
                     const double along = away * away / (at.inplane * at.inplane + slow_flow * slow_flow);

@@ -7,7 +7,6 @@ include their contribution.  So a query reads only sixteen knots.
 
 from __future__ import annotations
 
-import itertools
 import textwrap
 from collections.abc import Iterable
 from typing import Any, NamedTuple
@@ -225,18 +224,9 @@ def exported_wakes(vehicle: Vehicle, given: Wakes) -> ExportedWakes:
 
 def _axis(knots: Floats, breaks: Floats) -> SplineAxis:
     """Convert cubic splines with ``knots`` to polynomials in the intervals between ``breaks``."""
-    from scipy.interpolate import BSpline
-
-    inside = np.linspace(0.1, 0.9, 4)
-    to_powers = np.linalg.inv(np.vander(inside, increasing=True))
-    every, first = [], []
-    for low, high in itertools.pairwise(breaks):
-        span = int(np.searchsorted(knots, 0.5 * (low + high), side="right")) - 4
-        at = low + inside * (high - low)
-        four = [BSpline.basis_element(knots[j : j + 5])(at) for j in range(span, span + 4)]
-        every.append((to_powers @ np.stack(four, axis=1)).ravel())
-        first.append(span)
-    rounded = np.round(np.array(every), 9) + 0.0
+    first, weights = wakes.interval_weights(knots, breaks)
+    every = weights.reshape(len(weights), -1)
+    rounded = np.round(every, 9) + 0.0
     _, where, kind = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     per_unit = 1.0 / float(breaks[1] - breaks[0])
-    return SplineAxis(per_unit, np.array(first), kind.ravel(), np.array(every)[where])
+    return SplineAxis(per_unit, first, kind.ravel(), every[where])

@@ -87,7 +87,7 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
 
 
 def limits() -> dict[str, float]:
-    """Return the limits of the interaction, for exported code; ``interaction.hpp`` explains them."""
+    """Return the limits in ``interaction.hpp`` by name, for exported code."""
     from propmap import core
 
     return dict(core.wake_limits)
@@ -237,7 +237,7 @@ def wake_geometry(
 
 
 def core_wakes(vehicle: Vehicle, wakes: Wakes) -> tuple[Any, Floats]:
-    """Return the wakes in the form of the core; and the gains, and rho times the disk area."""
+    """Return the wakes for the core; and a vector of the gains, and rho times the disk area."""
     radius = vehicle.propeller.radius
     gains = np.array([*astuple(wakes), vehicle.air.density * np.pi * radius**2])
     return _core_wakes(vehicle.mounts, radius, wakes.slipstreams_alone), gains
@@ -247,15 +247,35 @@ def core_wakes(vehicle: Vehicle, wakes: Wakes) -> tuple[Any, Floats]:
 def _core_wakes(mounts: tuple[Mount, ...], radius: float, slipstreams_alone: bool) -> Any:
     from propmap import core
 
-    geometry = wake_geometry(mounts, radius, slipstreams_alone)
-    pairs = np.stack([geometry.kind, geometry.bearing, geometry.slipstream], axis=-1)
-    bearings = 2.0 * np.pi * np.arange(BEARINGS + 1) / BEARINGS
-    tables = np.empty((len(geometry.splines), SKEWS, BEARINGS + 1, 4))
-    for table, spline in zip(tables, geometry.splines, strict=True):
-        for k, (dx, dy) in enumerate(((0, 0), (1, 0), (0, 1), (1, 1))):
-            spacing = _SKEW[1] ** dx * bearings[1] ** dy
-            table[..., k] = spacing * spline(_SKEW, bearings, dx=dx, dy=dy)
-    return core.Wakes(geometry.frames.reshape(-1, 3), pairs.reshape(-1, 3), tables)
+    frames, kind, bearing, slipstream, splines = wake_geometry(mounts, radius, slipstreams_alone)
+    pairs = np.stack([kind, bearing, slipstream], axis=-1).reshape(-1, 3)
+    axes = []
+    for knots in _slipstream_table(0.0, 0.0, 0.0).tck[:2]:  # of all splines
+        ends = np.unique(knots)
+        _, weights = interval_weights(knots, ends)
+        axes.append((ends, weights.swapaxes(1, 2).ravel()))
+    shape = [len(ends) + 2 for ends, _ in axes]
+    values = np.reshape([spline.get_coeffs() for spline in splines], (len(splines), *shape))
+    return core.Wakes(frames.reshape(-1, 3), pairs, *axes, values)
+
+
+def interval_weights(knots: Floats, breaks: Floats) -> tuple[NDArray[np.intp], Floats]:
+    """Convert a cubic B-spline with ``knots`` to polynomials in n intervals between ``breaks``.
+
+    Return the first of the four coefficients used in each interval (n,), and the polynomials of
+    their weights (n, power, coefficient), of the position from 0 to 1 in the interval.
+    """
+    from scipy.interpolate import BSpline
+
+    inside = np.linspace(0.1, 0.9, 4)
+    to_powers = np.linalg.inv(np.vander(inside, increasing=True))
+    first = np.searchsorted(knots, 0.5 * (breaks[:-1] + breaks[1:]), side="right") - 4
+    weights = []
+    for span, low, high in zip(first, breaks[:-1], breaks[1:], strict=True):
+        at = low + inside * (high - low)
+        four = [BSpline.basis_element(knots[j : j + 5])(at) for j in range(span, span + 4)]
+        weights.append(to_powers @ np.stack(four, axis=1))
+    return first, np.array(weights)
 
 
 def seen_wake(
