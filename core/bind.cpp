@@ -505,19 +505,15 @@ class CoreTable {
     LoadTable of_;
 };
 
-// Return axial and in-plane speed (N) and downstream direction in the disk plane (N, 3) from the velocities of N hubs
-// (N, 3) and the thrust axes of m rotors (m, 3).  Hub k belongs to rotor k % m.
-nb::tuple hub_flows(Vectors axes, Vectors hubs) {
-    double *along, *across, *downstream;
-    const std::size_t n = hubs.shape(0), m = axes.shape(0);
+// Rows (5, N) of axial and in-plane speed and downstream direction in the disk plane, from the velocities of N hubs (N, 3)
+// and the thrust axes of m rotors (m, 3).  Hub k belongs to rotor k % m.
+Numbers hub_flows(Vectors axes, Vectors hubs) {
+    const std::size_t m = axes.shape(0);
     expect("axes", m, 1, true);
-    auto axial = make_array({n}, along), inplane = make_array({n}, across), away = make_array({n, 3}, downstream);
-    for (std::size_t k = 0; k < n; ++k) {
+    return columns(hubs.shape(0), [&](std::size_t k) {
         const HubFlow flow = hub_flow(vector(axes.data() + 3 * (k % m)), vector(hubs.data() + 3 * k));
-        along[k] = flow.axial, across[k] = flow.inplane;
-        for (int j = 0; j < 3; ++j) downstream[3 * k + j] = -flow.ahead[j];
-    }
-    return nb::make_tuple(axial, inplane, away);
+        return std::array{flow.axial, flow.inplane, -flow.ahead[0], -flow.ahead[1], -flow.ahead[2]};
+    });
 }
 
 // Forces, and moments about the hubs, (P, N, 3) each, from loads (L, P, N); arguments as in `hub_flows`.

@@ -402,7 +402,7 @@ def test_empty_and_huge_arrays_have_results_of_their_size() -> None:
         assert full.bounded(ones, ones, ones).shape == (3, count)
         assert full.slopes(ones, ones).shape == (count, 2, 2, 12)
         assert core.section_coefficients(law(), ones, ones).shape == (2, count)
-        assert core.hub_flows(np.eye(3), vectors)[0].shape == (count,)
+        assert core.hub_flows(np.eye(3), vectors).shape == (5, count)
         assert core.free_stream_forces(FRAME, vectors)[1].shape == (count, 3)
         states = np.zeros((count, inflow.size))
         assert inflow.step(states, 0.01, 0.0 * ones, vectors).shape == states.shape

@@ -14,7 +14,6 @@ from propmap.errors import InputError
 from propmap.vehicle.vehicle import SLIPSTREAMS, Mount, Vehicle, Wakes
 from propmap.vehicle.wakes import (
     above_each_other,
-    check_apart,
     hub_flow_at,
     wake_flow,
 )
@@ -113,7 +112,7 @@ def test_who_is_above_whom() -> None:
     across = replace(pair(0.5).mounts[1], axis=(1.0, 0.0, 0.0))
     assert not above_each_other(replace(pair(0.5), mounts=(pair(0.5).mounts[0], across))).any()
     with pytest.raises(InputError, match="apart"):
-        check_apart(pair(0.01))
+        VehicleForces(pair(0.01), Rotor(Model(coaxial.PROPELLER, airfoil("paper-apc"))))
 
 
 def test_the_measured_pair_at_all_speeds() -> None:

@@ -158,9 +158,9 @@ def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
 
     position, axis = vehicle.hub_positions, vehicle.rotor_axes
     spin = np.array([spin_sign(mount.spin) for mount in vehicle.mounts])
-    axial, inplane, downstream = core.hub_flows(axis, np.ascontiguousarray(hubs).reshape(-1, 3))
-    axial, inplane = axial.reshape(omega.shape), inplane.reshape(omega.shape)
-    return HubFlow(omega, axial, inplane, axis, downstream.reshape(hubs.shape), position, spin)
+    found = core.hub_flows(axis, np.ascontiguousarray(hubs).reshape(-1, 3))
+    axial, inplane, *downstream = found.reshape(5, *omega.shape)
+    return HubFlow(omega, axial, inplane, axis, np.stack(downstream, axis=-1), position, spin)
 
 
 def rotor_forces(flow: HubFlow, thrust: Floats, drag: Floats) -> Floats:
