@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # Interaction of the rotors: the axial flow that wakes add at the disks of other rotors.
 #
-# docs/theory.md, "Rotor wakes", describes the model.  The core computes the flow from tables of the
+# docs/theory.md, "Rotor wakes", describes the model.  The core computes the flow from splines of the
 # velocity that a wake induces at other rotors.
 
 
@@ -73,7 +73,8 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
     flow : HubFlow
         Flow of n samples without interaction.
     thrust : ndarray, shape (n, m)
-        Thrust of each rotor without interaction [N].
+        Thrust of each rotor without interaction [N].  NaN if the thrust is unknown; the flow at the
+        other rotors is then NaN.
     """
     of, gains = core_wakes(vehicle, wakes)
     inflow, added, by_gain, by_thrust = of.flow(
