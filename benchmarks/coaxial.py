@@ -20,7 +20,7 @@ from propmap.typing import Floats
 from propmap.units import RPM
 from propmap.vehicle.vehicle import SLIPSTREAMS, Mount, Vehicle
 from propmap.vehicle.vehicle_forces import VehicleForces
-from propmap.vehicle.wakes import added_flow, glauert_inflow, hub_flow_at
+from propmap.vehicle.wakes import hub_flow_at, wake_flow
 
 PROPELLER = Propeller(
     "tmotor-28",
@@ -92,10 +92,10 @@ def ideal_power(height: float) -> float:
     """
     vehicle = pair(height * PROPELLER.radius)
     still, none, thrust = np.zeros((1, 2)), np.zeros((1, 3)), np.ones((1, 2))
-    added = added_flow(vehicle, SLIPSTREAMS, hub_flow_at(vehicle, still, none, none), thrust)
-    disk = vehicle.air.density * np.pi * PROPELLER.radius**2
-    own, alone = (glauert_inflow(thrust, w, still, disk)[0] for w in (added, still))
-    return float(np.sum(added + own) / np.sum(alone))
+    flow = hub_flow_at(vehicle, still, none, none)
+    alone = wake_flow(vehicle, SLIPSTREAMS, flow, thrust)
+    own = wake_flow(vehicle, SLIPSTREAMS, flow.perturbed(alone.added), thrust).inflow
+    return float(np.sum(alone.added + own) / np.sum(alone.inflow))
 
 
 def main() -> None:

@@ -112,6 +112,9 @@ def measure() -> dict[str, float]:
         "table, with wakes": microseconds(lag, flown(together, table)),
         "core, paper's model, dynamic inflow": microseconds(lag, flown(vehicle, rotor)),
         "core, recommended model, dynamic inflow": microseconds(lag, flown(vehicle, full)),
+        "core, recommended model, dynamic inflow, with wakes": microseconds(
+            lag, flown(together, full)
+        ),
         "core, recommended model with the static inflow of Drees": microseconds(
             lag, flown(vehicle, Rotor(static))
         ),

@@ -205,13 +205,16 @@ def gradients(rotors: dict[str, Rotor]) -> dict[str, dict[str, float]]:
 
 def inflow_as_state(rotor: Rotor) -> dict[str, float]:
     """Times of one point [us]: the wrench of the static solution, a step of the dynamic inflow, and
-    wrench and step together, what a simulator asks for."""
+    wrench and step together, what a simulator asks for, also for four rotors in one call."""
     inflow, flight = DynamicInflow(rotor), (600.0, [8.0, 0.0, 2.0])
     state = 0.9 * inflow.steady(*flight)
+    four = DynamicInflow(rotor, spin=("ccw", "ccw", "cw", "cw"))
+    states, speeds, velocities = (np.array([one] * 4) for one in (state, *flight))
     asked = {
         "wrench": lambda: rotor.wrench(*flight),
         "step": lambda: inflow.step(state, 0.002, *flight),
         "advance": lambda: inflow.advance(state, 0.002, *flight),
+        "advance of four rotors": lambda: four.advance(states, 0.002, speeds, velocities),
     }
     return {name: 1e6 * median_seconds(ask, 500) for name, ask in asked.items()}
 

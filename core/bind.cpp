@@ -14,6 +14,7 @@
 #include "propmap/disk_field.hpp"
 #include "propmap/dynamic_inflow.hpp"
 #include "propmap/instructions.hpp"
+#include "propmap/interaction.hpp"
 #include "propmap/vehicle.hpp"
 #include "slopes.hpp"
 
@@ -202,11 +203,8 @@ template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
 };
 
 const std::map<std::string, InflowShape> inflow_shapes = {
-    {"uniform", InflowShape::uniform},
-    {"pitt-peters", InflowShape::pitt_peters},
-    {"pitt-peters-gradient", InflowShape::pitt_peters_gradient},
-    {"coleman", InflowShape::coleman},
-    {"white-blake", InflowShape::white_blake},
+    {"uniform", InflowShape::uniform}, {"pitt-peters", InflowShape::pitt_peters}, {"coleman", InflowShape::coleman},
+    {"pitt-peters-gradient", InflowShape::pitt_peters_gradient}, {"white-blake", InflowShape::white_blake},
     {"drees", InflowShape::drees}};
 
 // C_L and C_D (2, N) of a section, at angles of attack from the chord line [rad] and Reynolds numbers.
@@ -323,11 +321,11 @@ class CoreRotor {
     Numbers attached_thrust(const Points& points) const {
         double* found;
         auto array = make_array({points.shape(1)}, found);
-        std::visit([&](const auto& solver) {
-            for (std::size_t k = 0; k < points.shape(1); ++k)
-                found[k] = propmap::attached_thrust(solver.rotor(), point(points, k));
-        }, solver_);
+        for (std::size_t k = 0; k < points.shape(1); ++k) found[k] = attached(point(points, k));
         return array;
+    }
+    double attached(const Flow<double>& flow) const {
+        return std::visit([&](const auto& solver) { return propmap::attached_thrust(solver.rotor(), flow); }, solver_);
     }
 
     // The solution at one operating point: nodes with inflow and residual, and the edges of the panels.
@@ -429,6 +427,25 @@ class CoreRotor {
     mutable Variants<Laws>::Motion motion_;  // made on first use
 };
 
+TableAxis axis_of(const nb::tuple& from, std::size_t values) {  // the axis from knots and polynomials, for as many values
+    TableAxis axis{array_of(from[0]), array_of(from[1])};
+    const std::size_t n = axis.knots.size();
+    expect("knots", n, 2, true), expect("polynomials", axis.polynomials.size(), 16 * (n - 1)), expect("values", values, n + 2);
+    return axis;
+}
+
+// An array (rows, N) whose column k is `one(k)`.
+template <class One> Numbers columns(std::size_t n, One one) {
+    double* to;
+    constexpr std::size_t rows = std::tuple_size_v<decltype(one(0))>;
+    auto array = make_array({rows, n}, to);
+    for (std::size_t k = 0; k < n; ++k) {
+        const auto found = one(k);
+        for (std::size_t j = 0; j < rows; ++j) to[j * n + k] = found[j];
+    }
+    return array;
+}
+
 // A load table: knots and polynomials of both axes, values (n + 2, m + 2, 2 L), cells (n - 1, m - 1), limits (3, 2).
 class CoreTable {
   public:
@@ -436,15 +453,10 @@ class CoreTable {
     using Cells = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
     CoreTable(const nb::tuple& advance, const nb::tuple& beta, Values values, Cells cells, const nb::tuple& box, double radius) {
-        of_.advance = {array_of(advance[0]), array_of(advance[1])}, of_.beta = {array_of(beta[0]), array_of(beta[1])};
         constexpr std::size_t each = std::tuple_size_v<LoadTable::Row>;
-        std::size_t axis = 0;
-        for (const TableAxis* a : {&of_.advance, &of_.beta}) {
-            const std::size_t n = a->knots.size();
-            expect("knots", n, 2, true), expect("polynomials", a->polynomials.size(), 16 * (n - 1));
-            expect("values", values.shape(axis), n + 2), expect("cells", cells.shape(axis++), n - 1);
-        }
+        of_.advance = axis_of(advance, values.shape(0)), of_.beta = axis_of(beta, values.shape(1));
         expect("values", values.shape(2), each);
+        expect("cells", cells.shape(0), values.shape(0) - 3), expect("cells", cells.shape(1), values.shape(1) - 3);
         of_.values.resize(values.size() / each);
         std::copy_n(values.data(), values.size(), of_.values.front().data());
         for (std::size_t k = 0; k < cells.size(); ++k) of_.cells.push_back(TableStatus(cells.data()[k]));
@@ -466,26 +478,17 @@ class CoreTable {
     Numbers loads(Vector omega, Vector speed, Vector beta, bool clamp) const {  // the numbers of `point`, (L + 2, N)
         const std::size_t n = omega.size();
         expect("speed", speed.size(), n), expect("beta", beta.size(), n);
-        double* to;
-        auto array = make_array({LoadTable::count + 2, n}, to);
-        for (std::size_t k = 0; k < n; ++k) {
-            const auto found = point(omega.data()[k], speed.data()[k], beta.data()[k], clamp);
-            for (std::size_t j = 0; j < found.size(); ++j) to[j * n + k] = found[j];
-        }
-        return array;
+        return columns(n, [&](std::size_t k) { return point(omega.data()[k], speed.data()[k], beta.data()[k], clamp); });
     }
 
     // Points brought into the envelope (3, N); omega is NaN for points outside.
     Numbers bounded(Vector omega, Vector speed, Vector beta) const {
         const std::size_t n = omega.size();
         expect("speed", speed.size(), n), expect("beta", beta.size(), n);
-        double* to;
-        auto points = make_array({3, n}, to);
-        for (std::size_t k = 0; k < n; ++k) {
+        return columns(n, [&](std::size_t k) {
             const auto at = of_.bounded(omega.data()[k], speed.data()[k], beta.data()[k], false);
-            to[k] = at.omega, to[n + k] = at.speed, to[2 * n + k] = at.beta;
-        }
-        return points;
+            return std::array{at.omega, at.speed, at.beta};
+        });
     }
 
     // Values at J and beta with their derivatives (N, 2, 2, 2 L).
@@ -502,19 +505,15 @@ class CoreTable {
     LoadTable of_;
 };
 
-// Return axial and in-plane speed (N) and downstream direction in the disk plane (N, 3) from the velocities of N hubs
-// (N, 3) and the thrust axes of m rotors (m, 3).  Hub k belongs to rotor k % m.
-nb::tuple hub_flows(Vectors axes, Vectors hubs) {
-    double *along, *across, *downstream;
-    const std::size_t n = hubs.shape(0), m = axes.shape(0);
+// Rows (5, N) of axial and in-plane speed and downstream direction in the disk plane, from the velocities of N hubs (N, 3)
+// and the thrust axes of m rotors (m, 3).  Hub k belongs to rotor k % m.
+Numbers hub_flows(Vectors axes, Vectors hubs) {
+    const std::size_t m = axes.shape(0);
     expect("axes", m, 1, true);
-    auto axial = make_array({n}, along), inplane = make_array({n}, across), away = make_array({n, 3}, downstream);
-    for (std::size_t k = 0; k < n; ++k) {
+    return columns(hubs.shape(0), [&](std::size_t k) {
         const HubFlow flow = hub_flow(vector(axes.data() + 3 * (k % m)), vector(hubs.data() + 3 * k));
-        along[k] = flow.axial, across[k] = flow.inplane;
-        for (int j = 0; j < 3; ++j) downstream[3 * k + j] = -flow.ahead[j];
-    }
-    return nb::make_tuple(axial, inplane, away);
+        return std::array{flow.axial, flow.inplane, -flow.ahead[0], -flow.ahead[1], -flow.ahead[2]};
+    });
 }
 
 // Forces, and moments about the hubs, (P, N, 3) each, from loads (L, P, N); arguments as in `hub_flows`.
@@ -559,6 +558,58 @@ nb::tuple free_stream_forces(const nb::dict& of, Vectors velocity) {
     return nb::make_tuple(bodies, wings);
 }
 
+// The wakes of the m rotors of a vehicle on each other.
+class CoreWakes : public Interaction {
+  public:
+    using Splines = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+
+    // Rows of `frames`: two directions in the disk of each rotor, and its axis.  Rows of `pairs` (target, source): index of
+    // the spline, bearing, and whether gains do not apply.  `values`: coefficients (spline, skew, bearing).
+    CoreWakes(Vectors axes, Vectors rows, const nb::tuple& skew, const nb::tuple& bearing, Splines values) {
+        const std::size_t m = axes.shape(0) / 3;
+        expect("frames", axes.shape(0), 3 * m), expect("pairs", rows.shape(0), m * m);
+        skews = axis_of(skew, values.shape(1)), bearings = axis_of(bearing, values.shape(2));
+        coefficients.assign(values.data(), values.data() + values.size());
+        for (const double* row = axes.data(); frames.size() < m; row += 9)
+            frames.push_back({vector(row), vector(row + 3), vector(row + 6)});
+        for (const double* row = rows.data(); pairs.size() < m * m; row += 3) {
+            const bool itself = pairs.size() % (m + 1) == 0;
+            if (!itself && !(row[0] >= 0.0 && row[0] < double(values.shape(0)))) refuse("a pair of rotors has no spline of its wake");
+            pairs.push_back({itself ? 0 : std::size_t(row[0]), row[1], row[2] != 0.0});
+        }
+    }
+
+    static WakeGains gains(Vector from) {
+        expect("gains", from.size(), 5);
+        const double* g = from.data();
+        return {g[0], g[1], g[2], g[3], g[4]};
+    }
+
+    // Inflow (n, m), velocity added at each rotor (n, m), and its derivatives by the gains (4, n, m) and by each thrust
+    // (n, m, m).
+    nb::tuple flow(Vector gains, Vector axial, Vector inplane, Vectors downstream, Vector thrust) const {
+        const std::size_t m = frames.size(), size = axial.size(), n = size / std::max<std::size_t>(m, 1);
+        const WakeGains with = CoreWakes::gains(gains);
+        expect("axial", size, n * m), expect("inplane", inplane.size(), size), expect("thrust", thrust.size(), size);
+        expect("downstream", downstream.shape(0), size);
+        double *inflow, *added, *by_gain, *by_thrust;
+        auto all = nb::make_tuple(make_array({n, m}, inflow), make_array({n, m}, added), make_array({4, n, m}, by_gain),
+                                  make_array({n, m, m}, by_thrust));
+        std::vector<HubFlow> at(m);
+        for (std::size_t first = 0; first < size; first += m) {
+            for (std::size_t k = 0, j = first; k < m; ++k, ++j) {
+                at[k] = {axial.data()[j], inplane.data()[j], add({}, -1.0, vector(downstream.data() + 3 * j))};
+                inflow[j] = glauert_inflow(thrust.data()[j], at[k].axial, at[k].inplane, with.disk)[0];
+            }
+            effects(with, at.data(), thrust.data() + first, [&](std::size_t target, std::size_t source, const WakeEffect& e) {
+                added[first + target] += e.added, by_thrust[(first + target) * m + source] = e.by_thrust;
+                for (std::size_t j = 0; j < 4; ++j) by_gain[j * size + first + target] += e.by_gain[j];
+            });
+        }
+        return all;
+    }
+};
+
 // A vehicle as a free body in a simulator: forces of the air and of the spinning rotors, for one state at a time.
 class FreeBody {
   public:
@@ -566,9 +617,11 @@ class FreeBody {
     using Codes = nb::ndarray<std::uint8_t, nb::shape<2, -1>, nb::c_contig, nb::device::cpu>;
     using Mounts = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
 
-    // Rows of `mounts` (k, 7): position, axis, spin.  `sources` has a rotor or a table for each.
-    FreeBody(Mounts mounts, const nb::dict& frame, const nb::list& sources, double heavy, Vector center, bool clamp)
-        : frame_(airframe(frame)), sources_(sources), heavy_(heavy), clamp_(clamp) {
+    // Rows of `mounts` (k, 7): position, axis, spin.  `sources` has a rotor or a table for each.  `wakes` may be null.
+    FreeBody(Mounts mounts, const nb::dict& frame, const nb::list& sources, double heavy, Vector center, bool clamp,
+             const CoreWakes* wakes, Vector gains)
+        : frame_(airframe(frame)), sources_(sources), heavy_(heavy), clamp_(clamp), wakes_(wakes) {
+        if (wakes) gains_ = CoreWakes::gains(gains), expect("mounts", mounts.shape(0), wakes->frames.size());
         expect("sources", sources.size(), mounts.shape(0)), expect("center", center.size(), 3);
         center_ = vector(center.data());
         for (std::size_t k = 0; k < mounts.shape(0); ++k) {
@@ -589,15 +642,15 @@ class FreeBody {
 
     // Add force (world frame) and moment about the body's origin (body frame) to `forces`.  If a rotor has no finite
     // loads or speed, add nothing and return the first such rotor.  `pose` is position and quaternion; `motion` is the
-    // velocity of the origin in the world frame, and the rates.  `omega`, `change` and `added` (axial flow from wakes)
-    // have one number per rotor.  The status of each rotor, and its worst status so far, are written to `codes`.
-    // `inflow` contains the inflow states of the rotors; `later` receives the states after a step of `time` [s].  If
-    // `at_rest`, the states are first set to static solutions.
-    std::optional<std::size_t> push(Vector pose, Vector motion, Vector wind, Vector omega, Vector change, Vector added, Forces forces,
-                                    Codes codes, Forces inflow, Forces later, double time, bool at_rest) const {
+    // velocity of the origin in the world frame, and the rates.  `omega` and `change` have one number per rotor.  The
+    // status of each rotor, and its worst status so far, are written to `codes`.  `inflow` contains the inflow states
+    // of the rotors; `later` receives the states after a step of `time` [s].  If `at_rest`, the states are first set to
+    // static solutions.
+    std::optional<std::size_t> push(Vector pose, Vector motion, Vector wind, Vector omega, Vector change, Forces forces, Codes codes,
+                                    Forces inflow, Forces later, double time, bool at_rest) const {
         const std::size_t k_all = mounts_.size();
         expect("pose", pose.size(), 7), expect("motion", motion.size(), 6), expect("wind", wind.size(), 3);
-        expect("omega", omega.size(), k_all), expect("change", change.size(), k_all), expect("added", added.size(), k_all);
+        expect("omega", omega.size(), k_all), expect("change", change.size(), k_all);
         expect("forces", forces.size(), 6), expect("codes", codes.shape(1), k_all);
         expect("inflow", inflow.size(), inflow_size_), expect("later", later.size(), inflow_size_);
         const double* q = pose.data() + 3;
@@ -609,13 +662,26 @@ class FreeBody {
         std::uint8_t *now = codes.data(), *worst = now + k_all;
         double *state = inflow.data(), *next = later.data();
         std::optional<std::size_t> lost;
+        thread_local std::vector<double> added, thrust;
+        thread_local std::vector<HubFlow> flows;
+        added.assign(k_all, 0.0);
+        if (wakes_) {
+            flows.clear(), thrust.clear();
+            for (std::size_t k = 0; k < k_all; ++k) {
+                flows.push_back(hub_flow(mounts_[k].axis, add(velocity, 1.0, cross(rates, mounts_[k].position))));
+                const Flow<double> flow{std::max(omega.data()[k], 0.0), flows[k].axial, flows[k].inplane};
+                thrust.push_back(of_[k].rotor ? of_[k].rotor->attached(flow) : from_table(*of_[k].table, flow).loads.thrust);
+                if (!lost && !std::isfinite(thrust[k])) lost = k;
+            }
+            wakes_->effects(gains_, flows.data(), thrust.data(),
+                            [&](std::size_t target, std::size_t, const WakeEffect& e) { added[target] += e.added; });
+        }
         Wrench all = vehicle_wrench(mounts_, frame_, velocity, rates, [&](std::size_t k, HubFlow& at) {
             const auto& [rotor, table, x] = of_[k];
-            const Flow<double> flow{std::max(omega.data()[k], 0.0), at.axial + added.data()[k], at.inplane};
+            const Flow<double> flow{std::max(omega.data()[k], 0.0), at.axial + added[k], at.inplane};
             Loads<double> loads;
             if (table != nullptr) {
-                const double speed = std::hypot(flow.v_axial, flow.v_inplane), beta = std::atan2(flow.v_inplane, flow.v_axial);
-                const auto found = table->table().loads(flow.omega, speed, beta, clamp_);
+                const auto found = from_table(*table, flow);
                 loads = found.loads, now[k] = std::uint8_t(found.status);
             } else {
                 if (at.inplane == 0.0) at.ahead = x;
@@ -641,12 +707,19 @@ class FreeBody {
         const CoreTable* table;
         Vector3 x;        // of the rotor frame
     };
+    LoadTable::Found from_table(const CoreTable& of, const Flow<double>& flow) const {
+        const double speed = std::hypot(flow.v_axial, flow.v_inplane), beta = std::atan2(flow.v_inplane, flow.v_axial);
+        return of.table().loads(flow.omega, speed, beta, clamp_);
+    }
+
     std::vector<Mount> mounts_;
     Airframe frame_;
     nb::list sources_;  // keeps the objects in `of_` alive
     double heavy_;
     Vector3 center_;
     bool clamp_;
+    const CoreWakes* wakes_;
+    WakeGains gains_{};
     std::size_t inflow_size_ = 0;
     std::vector<Source> of_;
 };
@@ -678,8 +751,16 @@ NB_MODULE(PROPMAP_MODULE, m) {
     m.def("hub_flows", &hub_flows);
     m.def("hub_wrenches", &hub_wrenches);
     m.def("free_stream_forces", &free_stream_forces);
+    nb::dict limits;
+    limits["largest_inflow"] = largest_inflow, limits["full_upwash"] = full_upwash, limits["largest_upwash"] = largest_upwash;
+    limits["slow_flow"] = slow_flow, limits["inflow_steps"] = inflow_steps;
+    m.attr("wake_limits") = limits;
+    nb::class_<CoreWakes>(m, "Wakes")
+        .def(nb::init<Vectors, Vectors, const nb::tuple&, const nb::tuple&, CoreWakes::Splines>())
+        .def("flow", &CoreWakes::flow);
     nb::class_<FreeBody>(m, "FreeBody")
-        .def(nb::init<FreeBody::Mounts, const nb::dict&, const nb::list&, double, Vector, bool>())
+        .def(nb::init<FreeBody::Mounts, const nb::dict&, const nb::list&, double, Vector, bool, const CoreWakes*, Vector>(),
+             nb::keep_alive<1, 8>(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg())
         .def_prop_ro("inflow_size", &FreeBody::inflow_size)
         .def("push", &FreeBody::push);
 }

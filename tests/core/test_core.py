@@ -223,6 +223,7 @@ FRAME = airframe(Body(), None, 1.2)
 AXIS = np.array([0.0, 1.0])
 FLAT = np.zeros(16)
 KNOTS = (AXIS, FLAT)
+ALONE = (None, np.zeros(5))  # a free body without wakes
 TABLE = (np.zeros((4, 4, 12)), np.zeros((1, 1), np.uint8), ((0.0, 1.0),) * 3, 0.1)
 
 
@@ -237,15 +238,32 @@ def with_one(given: dict[str, Any], name: str) -> Callable[[np.ndarray], dict[st
 def push(which: int) -> Callable[[np.ndarray], Any]:
     """A call of a free body with one rotor, whose argument ``which`` is another array."""
     mount = np.array([[0.1, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0]])
-    body = core.FreeBody(mount, FRAME, [rotor()._core], 0.0, np.zeros(3), False)
+    body = core.FreeBody(mount, FRAME, [rotor()._core], 0.0, np.zeros(3), False, *ALONE)
     state, codes = np.zeros(body.inflow_size), np.zeros((2, 1), np.uint8)
     one = np.ones(1)
-    given = [np.eye(7)[3], np.zeros(6), np.zeros(3), one, one, one, np.zeros(6), codes, state]
+    given = [np.eye(7)[3], np.zeros(6), np.zeros(3), one, one, np.zeros(6), codes, state]
 
     def call(array: np.ndarray) -> Any:
         arrays = [*given, state.copy()]
-        arrays[which] = np.zeros((2, len(array)), np.uint8) if which == 7 else array
+        arrays[which] = np.zeros((2, len(array)), np.uint8) if which == 6 else array
         return body.push(*arrays, 0.01, True)
+
+    return call
+
+
+def wakes(rotors: int = 1, values: tuple[int, int] = (4, 4)) -> Any:
+    """Wakes with a single spline; each rotor has the same frame."""
+    frames, pairs = np.tile(np.eye(3), (rotors, 1)), np.zeros((rotors**2, 3))
+    return core.Wakes(frames, pairs, KNOTS, KNOTS, np.ones((1, *values)))
+
+
+def flow_in_wakes(which: int) -> Callable[[np.ndarray], Any]:
+    """A call for two samples of two rotors, whose argument ``which`` is another array."""
+    given = [np.ones(5), np.ones(4), np.ones(4), np.ones((4, 3)), np.ones(4)]
+
+    def call(array: np.ndarray) -> Any:
+        other = np.resize(array, (len(array), *given[which].shape[1:]))
+        return wakes(2).flow(*given[:which], other, *given[which + 1 :])
 
     return call
 
@@ -279,14 +297,41 @@ def bound_calls() -> dict[str, tuple[int, Callable[[np.ndarray], Any]]]:
         "beta slopes": (3, lambda x: full.slopes(rows[0], x)),
         "spins": (1, lambda x: core.hub_wrenches(up, x, three, loads)),
         "downstream": (3, lambda x: core.hub_wrenches(up, np.ones(1), np.ones((len(x), 3)), loads)),
-        "center": (3, lambda x: core.FreeBody(mount, FRAME, [one], 0.0, x, False)),
-        "sources": (1, lambda x: core.FreeBody(mount, FRAME, [one] * len(x), 0.0, three[0], False)),
+        "center": (3, lambda x: core.FreeBody(mount, FRAME, [one], 0.0, x, False, *ALONE)),
+        "sources": (
+            1,
+            lambda x: core.FreeBody(mount, FRAME, [one] * len(x), 0.0, three[0], False, *ALONE),
+        ),
+        "gains of a free body": (
+            5,
+            lambda x: core.FreeBody(mount, FRAME, [one], 0.0, three[0], False, wakes(), x),
+        ),
+        "mounts": (
+            1,
+            lambda x: core.FreeBody(
+                np.resize(mount, (len(x), 7)),
+                FRAME,
+                [one] * len(x),
+                0.0,
+                three[0],
+                False,
+                wakes(),
+                np.ones(5),
+            ),
+        ),
         "polynomials": (16, table((0, lambda x: (AXIS, x)))),
         "values": (4, table((2, lambda x: np.zeros((4, len(x), 12))))),
         "values rows": (4, table((2, lambda x: np.zeros((len(x), 4, 12))))),
         "values loads": (12, table((2, lambda x: np.zeros((4, 4, len(x)))))),
         "cells": (1, table((3, lambda x: np.zeros((1, len(x)), np.uint8)))),
     }
+    for k, (name, length) in {
+        0: ("gains", 5),
+        2: ("inplane", 4),
+        3: ("downstream", 4),
+        4: ("thrust", 4),
+    }.items():
+        calls[f"{name} of wakes"] = (length, flow_in_wakes(k))
     for name in ("chord", "twist"):
         given = with_one(BLADE, name)
         calls[name] = (5, lambda x, of=given: core.Rotor(of(x), law(), AIR, {}, False))
@@ -302,7 +347,7 @@ def bound_calls() -> dict[str, tuple[int, Callable[[np.ndarray], Any]]]:
         given = with_one(FRAME, name)
         calls[name] = (size, lambda x, of=given: core.free_stream_forces(of(x), three))
     size = one.inflow_size
-    lengths = {"pose": 7, "motion": 6, "wind": 3, "omega": 1, "change": 1, "added": 1, "forces": 6}
+    lengths = {"pose": 7, "motion": 6, "wind": 3, "omega": 1, "change": 1, "forces": 6}
     lengths |= {"codes": 1, "inflow": size, "later": size}
     for k, (name, length) in enumerate(lengths.items()):
         calls[name] = (length, push(k))
@@ -332,6 +377,11 @@ def without_dynamics() -> Any:
         lambda: core.hub_flows(np.zeros((0, 3)), np.zeros((2, 3))),
         lambda: core.hub_wrenches(np.zeros((0, 3)), FLAT[:0], FLAT[:0].reshape(0, 3), FLAT[:0]),
         lambda: rotor()._core.disk_field(np.ones((5, 1)), np.full(1101, 0.05), [0.0]),
+        lambda: core.Wakes(np.eye(3)[:2], FLAT[:0].reshape(0, 3), KNOTS, KNOTS, np.ones((1, 4, 4))),
+        lambda: core.Wakes(np.eye(3), np.zeros((2, 3)), KNOTS, KNOTS, np.ones((1, 4, 4))),
+        lambda: wakes(2).flow(np.ones(5), *np.ones((2, 3)), np.ones((3, 3)), np.ones(3)),
+        lambda: wakes(values=(3, 4)),
+        lambda: wakes(values=(4, 5)),
         lambda: without_dynamics().inflow_motion(..., ..., 600.0, np.zeros(3), np.ones(1), 1),
     ],
 )
@@ -352,7 +402,7 @@ def test_empty_and_huge_arrays_have_results_of_their_size() -> None:
         assert full.bounded(ones, ones, ones).shape == (3, count)
         assert full.slopes(ones, ones).shape == (count, 2, 2, 12)
         assert core.section_coefficients(law(), ones, ones).shape == (2, count)
-        assert core.hub_flows(np.eye(3), vectors)[0].shape == (count,)
+        assert core.hub_flows(np.eye(3), vectors).shape == (5, count)
         assert core.free_stream_forces(FRAME, vectors)[1].shape == (count, 3)
         states = np.zeros((count, inflow.size))
         assert inflow.step(states, 0.01, 0.0 * ones, vectors).shape == states.shape

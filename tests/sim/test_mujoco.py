@@ -341,14 +341,19 @@ def test_angular_momentum_of_vehicle_and_rotors_is_kept(
 # Loads that are not there, and what is no flight of this model.
 
 
-def test_a_table_that_does_not_cover_the_flight_is_told(fly: Callable[..., Any]) -> None:
-    table = table_of(PLAIN)
-    model, data, forces = fly(mjcf(PLAIN), PLAIN, table)
+@pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])
+def test_a_table_that_does_not_cover_the_flight_is_told(
+    fly: Callable[..., Any], wakes: Any
+) -> None:
+    """With wakes, the flow at the other rotors is unknown too, but they are not the cause."""
+    vehicle = replace(PLAIN, wakes=wakes)
+    model, data, forces = fly(mjcf(vehicle), vehicle, table_of(vehicle))
     data.act[:], data.ctrl[:] = [600.0, 600.0, 150.0, 600.0], 600.0
     with pytest.raises(InputError, match=r"rotor_3 has no loads \(outside\), at 150 rad/s") as told:
         mujoco.mj_step(model, data)
     assert "\n" not in str(told.value) and "clamp=True" in str(told.value)
-    assert forces.status == ("ok", "ok", "outside", "ok")
+    others = "ok" if wakes is None else "outside"
+    assert forces.status == (others, others, "outside", others)
     assert np.isnan(forces.wrench(data).thrust[2])
     mujoco.mj_resetData(model, data)
     data.act[:] = data.ctrl[:] = 600.0
@@ -358,8 +363,12 @@ def test_a_table_that_does_not_cover_the_flight_is_told(fly: Callable[..., Any])
 
 
 @pytest.mark.parametrize("clamp", [False, True])
-def test_a_command_that_is_no_number_is_told(fly: Callable[..., Any], clamp: bool) -> None:
-    model, data, _ = fly(mjcf(PLAIN), PLAIN, table_of(PLAIN), clamp=clamp)
+@pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])
+def test_a_command_that_is_no_number_is_told(
+    fly: Callable[..., Any], wakes: Any, clamp: bool
+) -> None:
+    vehicle = replace(PLAIN, wakes=wakes)
+    model, data, _ = fly(mjcf(vehicle), vehicle, table_of(vehicle), clamp=clamp)
     data.act[:], data.ctrl[:] = 600.0, [600.0, np.nan, 600.0, 600.0]
     with pytest.raises(InputError, match="the command or the speed of rotor_2 is not finite"):
         mujoco.mj_step(model, data)

@@ -13,14 +13,15 @@ from propmap.vehicle.log import FlightLog, hub_flow
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
 from propmap.vehicle.wakes import (
     HubFlow,
-    SeenWake,
-    added_flow,
     axial_velocity,
     frame_of,
-    glauert_inflow,
+    hub_flow_at,
     in_wakes,
+    seen_wake,
     wake_flow,
 )
+from tests.vehicle.test_vehicle_wrench import IN_WAKES, ROTOR
+from tests.vehicle.wrench_by_hand import added_flows, seen_at
 
 PROPELLER = propmap.propeller("apc-8x6e")
 RADIUS = PROPELLER.radius
@@ -49,20 +50,24 @@ def thrusts(made: Vehicle, samples: int, thrust: float = 2.0) -> np.ndarray:
     return np.full((samples, len(made.mounts)), thrust)
 
 
+def inflow_of(thrust: np.ndarray, axial: np.ndarray, inplane: np.ndarray) -> np.ndarray:
+    """Inflow of isolated rotors."""
+    one, still = vehicle((0.0, 0.0, 0.0)), np.zeros((len(thrust), 3))
+    velocity = np.stack([inplane, 0.0 * axial, axial], axis=1)
+    flow = hub_flow_at(one, np.ones((len(thrust), 1)), velocity, still)
+    return wake_flow(one, ONE, flow, thrust[:, None]).inflow[:, 0]
+
+
 def test_glauert_s_inflow_solves_equation_10() -> None:
     rng = np.random.default_rng(0)
     thrust = rng.uniform(0.5, 5.0, 200)
     axial, inplane = rng.uniform(-2.0, 8.0, 200), rng.uniform(0.0, 15.0, 200)
-    v, slope = glauert_inflow(thrust, axial, inplane, DISK)
+    v = inflow_of(thrust, axial, inplane)
     np.testing.assert_allclose(2.0 * DISK * v * np.hypot(inplane, axial + v), thrust, rtol=1e-6)
-    h = 1e-4
-    more, less = (glauert_inflow(thrust + d, axial, inplane, DISK)[0] for d in (h, -h))
-    np.testing.assert_allclose(slope, (more - less) / (2.0 * h), rtol=1e-4)
-    hover, _ = glauert_inflow(np.array([2.0]), np.zeros(1), np.zeros(1), DISK)
+    hover = inflow_of(np.array([2.0]), np.zeros(1), np.zeros(1))
     assert hover[0] == pytest.approx(np.sqrt(2.0 / (2.0 * DISK)), rel=1e-6)
-    none, slope = glauert_inflow(np.array([0.0, -1.0]), np.zeros(2), np.ones(2), DISK)
-    assert not none.any() and not slope.any()
-    steep, _ = glauert_inflow(np.array([2.0]), -10.0 * hover, np.zeros(1), DISK)
+    assert not inflow_of(np.array([0.0, -1.0]), np.zeros(2), np.ones(2)).any()
+    steep = inflow_of(np.array([2.0]), -10.0 * hover, np.zeros(1))
     assert steep[0] <= 2.0 * hover[0] * (1.0 + 1e-12)
 
 
@@ -74,7 +79,7 @@ def test_what_is_far_away_fades_as_the_inverse_square() -> None:
         pair = vehicle((0.0, 0.0, 0.0), tuple(distance * RADIUS * side))
         flow = flow_of(pair, velocity)
         added = wake_flow(pair, ONE, flow, thrusts(pair, 1)).added[0, 1]
-        inflow = float(glauert_inflow(np.array(2.0), flow.axial[0, 0], flow.inplane[0, 0], DISK)[0])
+        inflow = wake_flow(pair, ONE, flow, thrusts(pair, 1)).inflow[0, 0]
         away = -np.array(velocity) - [0.0, 0.0, inflow]
         away /= np.linalg.norm(away)
 
@@ -104,10 +109,27 @@ def test_the_table_is_the_cylinder_averaged_over_the_disk() -> None:
     places = np.array(target.position) / RADIUS + rim.T @ frame_of(target.axis)
     each = axial_velocity(places[None], away[:, None], azimuths=160)
     exact = target.axis[2] * (each @ np.repeat(weight / 52.0, 26))
-    found = SeenWake(source, target, RADIUS).at(away)
+    found = seen_at(seen_wake(source, target, RADIUS), away)
     assert np.sqrt(np.mean((found - exact) ** 2)) < 0.004
     # At most where the wake lies in the disk's plane and its surface cuts the target.
     np.testing.assert_allclose(found, exact, atol=0.06)
+
+
+def test_the_added_flow_is_that_of_each_pair() -> None:
+    """Beside a literal sum with other frames, with the inflow as a root of (10); no descents."""
+    rng, count = np.random.default_rng(9), 40
+    omega = rng.uniform(400.0, 900.0, (count, 3))
+    velocity = rng.normal(0.0, 6.0, (count, 3))
+    velocity[:, 2] = np.where(rng.random(count) < 0.5, 4.0, 1.0)
+    rates, wakes = rng.normal(0.0, 1.0, (count, 3)), IN_WAKES.wakes
+    flow = hub_flow_at(IN_WAKES, omega, velocity, rates)
+    assert wakes is not None and flow.axial.min() > -2.0
+    thrust, _ = ROTOR.attached_thrust(flow.omega, flow.axial, flow.inplane)
+    found = wake_flow(IN_WAKES, wakes, flow, thrust).added
+    hubs = velocity[:, None] + np.cross(rates[:, None], IN_WAKES.hub_positions)
+    want = [added_flows(ROTOR, IN_WAKES, *each) for each in zip(omega, list(hubs), strict=True)]
+    np.testing.assert_allclose(found, want, rtol=0.0, atol=1e-8)
+    assert found.min() < -0.1 and found.max() > 1.0
 
 
 def test_derivatives_against_differences() -> None:
@@ -115,7 +137,6 @@ def test_derivatives_against_differences() -> None:
     flow = flow_of(quad, rng.normal(0.0, 4.0, (30, 3)) + np.array([0.0, 0.0, 3.0]))
     thrust, wakes, h = rng.uniform(1.0, 4.0, (30, 4)), Wakes(2.0, 0.7, 0.4, 0.8), 1e-5
     found = wake_flow(quad, wakes, flow, thrust)
-    np.testing.assert_array_equal(added_flow(quad, wakes, flow, thrust), found.added)
     size = np.max(np.abs(found.added))
     for name, slope in found.by_gain.items():
         both = [replace(wakes, **{name: getattr(wakes, name) + d}) for d in (h, -h)]
@@ -145,6 +166,6 @@ def test_rotors_meet_the_wakes_of_their_attached_thrust() -> None:
     loads = propmap.Rotor(model).loads_at_velocity(
         flow.omega, np.stack([flow.inplane, 0.0 * flow.axial, flow.axial], axis=-1)
     )
-    from_loads = added_flow(quad_rotor, ONE, flow, loads.thrust)
+    from_loads = wake_flow(quad_rotor, ONE, flow, loads.thrust).added
     np.testing.assert_allclose(near.axial - flow.axial, from_loads, rtol=0.08)
     np.testing.assert_array_equal(near.inplane, flow.inplane)

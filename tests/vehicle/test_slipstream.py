@@ -14,9 +14,6 @@ from propmap.errors import InputError
 from propmap.vehicle.vehicle import SLIPSTREAMS, Mount, Vehicle, Wakes
 from propmap.vehicle.wakes import (
     above_each_other,
-    added_flow,
-    check_apart,
-    glauert_inflow,
     hub_flow_at,
     wake_flow,
 )
@@ -38,9 +35,8 @@ def added(vehicle: Vehicle, velocity: object = (0.0, 0.0, 0.0)) -> np.ndarray:
     flow = hub_flow_at(vehicle, np.ones((len(moving), 2)), moving, 0.0 * moving)
     thrust = np.repeat(THRUST, len(moving), axis=0)
     assert vehicle.wakes is not None
-    disk = vehicle.air.density * np.pi * RADIUS**2
-    inflow, _ = glauert_inflow(thrust, flow.axial, flow.inplane, disk)
-    return added_flow(vehicle, vehicle.wakes, flow, thrust) / inflow[:, :1]
+    found = wake_flow(vehicle, vehicle.wakes, flow, thrust)
+    return found.added / found.inflow[:, :1]
 
 
 def test_in_hover_the_lower_meets_the_inflow_of_the_upper_at_any_depth() -> None:
@@ -67,8 +63,9 @@ def test_equal_thrusts_between_the_limits_of_momentum_theory() -> None:
 @pytest.mark.parametrize(("aside", "speed"), [(0.4, 8.0), (1.6, 0.0), (1.0, 3.0)])
 def test_partly_overlapped_disks_by_counting_points(aside: float, speed: float) -> None:
     made, depth = pair(0.5, aside), 0.5
-    disk = made.air.density * np.pi * RADIUS**2
-    inflow = float(glauert_inflow(THRUST[0, 0], np.zeros(1), np.array([speed]), disk)[0][0])
+    moving = np.array([[speed, 0.0, 0.0]])
+    flow = hub_flow_at(made, np.ones((1, 2)), moving, 0.0 * moving)
+    inflow = wake_flow(made, SLIPSTREAMS, flow, THRUST).inflow[0, 0]
     tangent = speed / inflow
     path = depth * np.hypot(1.0, tangent)
     grown = 1.0 + path / np.hypot(1.0, path)
@@ -97,9 +94,8 @@ def test_derivatives_against_differences() -> None:
     flow = hub_flow_at(made, np.ones((30, 2)), moving, 0.0 * moving)
     thrust = np.repeat(THRUST, 30, axis=0)
     found = wake_flow(made, SLIPSTREAMS, flow, thrust)
-    np.testing.assert_array_equal(found.added, added_flow(made, SLIPSTREAMS, flow, thrust))
     step = np.array([h, 0.0])
-    more, less = (added_flow(made, SLIPSTREAMS, flow, thrust + d) for d in (step, -step))
+    more, less = (wake_flow(made, SLIPSTREAMS, flow, thrust + d).added for d in (step, -step))
     slope = (more - less) / (2.0 * h)
     np.testing.assert_allclose(found.by_thrust[:, :, 0], slope, atol=1e-3 * np.abs(slope).max())
 
@@ -116,7 +112,7 @@ def test_who_is_above_whom() -> None:
     across = replace(pair(0.5).mounts[1], axis=(1.0, 0.0, 0.0))
     assert not above_each_other(replace(pair(0.5), mounts=(pair(0.5).mounts[0], across))).any()
     with pytest.raises(InputError, match="apart"):
-        check_apart(pair(0.01))
+        VehicleForces(pair(0.01), Rotor(Model(coaxial.PROPELLER, airfoil("paper-apc"))))
 
 
 def test_the_measured_pair_at_all_speeds() -> None:

@@ -33,6 +33,14 @@ def one_rotor(
     return frame.T @ wrench.force, frame.T @ wrench.moment, loads.thrust, loads.torque
 
 
+def seen_at(wake: tuple[Any, float], away: np.ndarray) -> np.ndarray:
+    """Velocity that a wake carried ``away`` (n, 3), in its rotor's frame, induces at a rotor."""
+    spline, bearing = wake
+    skew = np.arctan2(np.hypot(away[:, 0], away[:, 1]), -away[:, 2])
+    found: np.ndarray = spline.ev(skew, (np.arctan2(away[:, 1], away[:, 0]) - bearing) % math.tau)
+    return found
+
+
 def added_flows(
     rotor: propmap.Rotor, vehicle: Vehicle, omegas: np.ndarray, hubs: list[np.ndarray]
 ) -> list[float]:
@@ -56,7 +64,7 @@ def added_flows(
             inflow = brentq(excess, 0.0, 60.0, xtol=1e-13)
             wake = seen_wake(source, target, radius)
             towards = own_frame(source.axis) @ (-hub - gains.share * inflow * frame[2])
-            seen = float(wake.at(towards[None])[0])
+            seen = float(seen_at(wake, towards[None])[0])
             apart = np.subtract(target.position, source.position)
             beside = apart - (apart @ frame[2]) * frame[2]
             cosine = hub @ beside / np.linalg.norm(beside)

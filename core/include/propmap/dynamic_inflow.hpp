@@ -99,7 +99,7 @@ template <template <class> class LawOf> class DynamicInflow {
                             (at.v_inplane > 0.0 || h[0] != 0.0 || h[1] != 0.0 || h[2] != 0.0);
         prepare(at, s);
         s.harmonics = {h[0], h[1], h[2]};
-        if (around && s.psi.count < 8) s.psi = azimuths(16);  // gradients need several azimuths
+        if (around && s.psi.count < 4) s.psi = azimuths(8);  // gradients need several azimuths
         solver_->start_at(s, nodes_);
 
         // Annuli and harmonics step by the exponential of their linearized rates.  If blades stall, or if the inflow
@@ -117,7 +117,9 @@ template <template <class> class LawOf> class DynamicInflow {
             Lanes v;
             for (int k = 0; k < width; ++k) v[k] = state[harmonics_first + std::min(g * width + k, nodes_ - 1)];
             const Dual<Lanes, 1> inflow{v, {broadcast(1.0)}};
-            const auto uniform = loads_of(rotor, station, turn_forces(rotor, station, s.flow, inflow, s.psi));
+            Loads<Dual<Lanes, 1>> uniform;
+            if (around) uniform.thrust = annulus_thrust(rotor, station, s.flow, inflow, s.psi);
+            else uniform = loads_of(rotor, station, turn_forces(rotor, station, s.flow, inflow, s.psi));
             const auto residual = uniform.thrust - wake_thrust(rotor, station.radius, s.flow, s.windmill, inflow);
             const Lanes least = 2.0 * pi * station.radius * square_root(speed_squared(at.v_inplane, at.v_axial + v));
             const Lanes slope = maximum(-residual.d[0], least), per_mass = 3.0 / (16.0 * radius * station.radius);
@@ -139,7 +141,7 @@ template <template <class> class LawOf> class DynamicInflow {
             thrust_without += sum(weight * loads.thrust);
             if (around) loads = loads_of(rotor, station, turn_forces(rotor, station, s.flow, used, s.psi, s.harmonics));
             const Loads<Lanes> friction = rotor.radial_friction && at.v_inplane > 0.0
-                                              ? radial_friction(rotor, station, s.flow, used, s.psi) : Loads<Lanes>{};
+                                              ? radial_friction(rotor, station, s.flow, used, of.few) : Loads<Lanes>{};
             for (int k = 0; k < Loads<double>::count; ++k)
                 total.begin()[k] += sum(weight * (loads.begin()[k] + friction.begin()[k]));
             const Lanes part = weight * station.radius;

@@ -7,7 +7,6 @@ include their contribution.  So a query reads only sixteen knots.
 
 from __future__ import annotations
 
-import itertools
 import textwrap
 from collections.abc import Iterable
 from typing import Any, NamedTuple
@@ -132,7 +131,7 @@ def singles(blocks: NDArray[np.float32]) -> str:
 # -------------------------------------------------------------------------------------------------
 # Target ``c`` of a vehicle: a C99 header with the aerodynamic force and moment on the vehicle.
 #
-# The loads come from the rotor's header, the wakes from ``wake_geometry``.
+# The loads come from the rotor's header, the wakes from ``exported_wakes``.
 
 
 def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
@@ -153,9 +152,9 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
         values |= {
             "pairs": True,
             "wakes": vehicle.wakes,
-            "wake": wake_geometry(vehicle, vehicle.wakes),
+            "wake": exported_wakes(vehicle, vehicle.wakes),
             "disk": vehicle.air.density * np.pi * vehicle.propeller.radius**2,
-            "cylinder": wakes,
+            "cylinder": wakes.limits(),
         }
     return rendered(
         "vehicle.h",
@@ -191,7 +190,7 @@ class SplineAxis(NamedTuple):
     weights: Floats
 
 
-class WakeGeometry(NamedTuple):
+class ExportedWakes(NamedTuple):
     """The wakes of k rotors on each other, by target and source, with K different splines."""
 
     frames: Floats  # rows: two directions in the disk, and the axis (k, 3, 3)
@@ -204,55 +203,30 @@ class WakeGeometry(NamedTuple):
     around: SplineAxis  # bearing
 
 
-def wake_geometry(vehicle: Vehicle, given: Wakes) -> WakeGeometry:
+def exported_wakes(vehicle: Vehicle, given: Wakes) -> ExportedWakes:
     """Tabulate the ``given`` wakes of a ``vehicle`` with two rotors or more."""
-    mounts, radius = vehicle.mounts, vehicle.propeller.radius
-    k = len(mounts)
-    frames = np.stack([wakes.frame_of(mount.axis) for mount in mounts])
-    kind, bearing, towards = np.zeros((k, k), int), np.zeros((k, k)), np.zeros((k, k, 3))
-    splines: list[object] = []
-    for t, target in enumerate(mounts):
-        for s, source in enumerate(mounts):
-            if t == s:
-                continue
-            seen = wakes.seen_wake(source, target, radius, given.slipstreams_alone)
-            # Pairs with the same geometry share a spline.
-            same = [n for n, spline in enumerate(splines) if spline is seen.spline]
-            if not same:
-                splines.append(seen.spline)
-            kind[t, s] = same[0] if same else len(splines) - 1
-            bearing[t, s] = seen.towards
-            arm = np.subtract(target.position, source.position)
-            beside = arm - (arm @ frames[s, 2]) * frames[s, 2]
-            length = np.linalg.norm(beside)
-            towards[t, s] = beside / (length if length > 1e-9 else 1.0)
-    knots = splines[0].tck[:2]  # type: ignore[attr-defined]
+    radius = vehicle.propeller.radius
+    frames, kind, bearing, slipstream, splines = wakes.wake_geometry(
+        vehicle.mounts, radius, given.slipstreams_alone
+    )
+    turned = np.stack([np.cos(bearing), np.sin(bearing)], axis=-1)
+    towards = np.einsum("tsj,sjk->tsk", turned, frames[:, :2])
+    knots = splines[0].tck[:2]
     skew = _axis(knots[0], np.linspace(0.0, np.pi, wakes.SKEWS))
     around = _axis(knots[1], np.linspace(0.0, 2.0 * np.pi, wakes.BEARINGS + 1))
     used = slice(around.first[0], around.first[-1] + 4)
-    tables = [
-        spline.get_coeffs().reshape(len(knots[0]) - 4, -1)[:, used]  # type: ignore[attr-defined]
-        for spline in splines
-    ]
+    tables = [spline.get_coeffs().reshape(len(knots[0]) - 4, -1)[:, used] for spline in splines]
     around.first[:] -= used.start
-    gains, coefficients = wakes.downwash_gains(vehicle, given), np.stack(tables).astype(np.float32)
-    return WakeGeometry(frames, kind, bearing, towards, gains, coefficients, skew, around)
+    gains, coefficients = np.where(slipstream, 1.0, given.downwash), np.stack(tables)
+    coefficients = coefficients.astype(np.float32)
+    return ExportedWakes(frames, kind, bearing, towards, gains, coefficients, skew, around)
 
 
 def _axis(knots: Floats, breaks: Floats) -> SplineAxis:
     """Convert cubic splines with ``knots`` to polynomials in the intervals between ``breaks``."""
-    from scipy.interpolate import BSpline
-
-    inside = np.linspace(0.1, 0.9, 4)
-    to_powers = np.linalg.inv(np.vander(inside, increasing=True))
-    every, first = [], []
-    for low, high in itertools.pairwise(breaks):
-        span = int(np.searchsorted(knots, 0.5 * (low + high), side="right")) - 4
-        at = low + inside * (high - low)
-        four = [BSpline.basis_element(knots[j : j + 5])(at) for j in range(span, span + 4)]
-        every.append((to_powers @ np.stack(four, axis=1)).ravel())
-        first.append(span)
-    rounded = np.round(np.array(every), 9) + 0.0
+    first, weights = wakes.interval_weights(knots, breaks)
+    every = weights.reshape(len(weights), -1)
+    rounded = np.round(every, 9) + 0.0
     _, where, kind = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     per_unit = 1.0 / float(breaks[1] - breaks[0])
-    return SplineAxis(per_unit, np.array(first), kind.ravel(), np.array(every)[where])
+    return SplineAxis(per_unit, first, kind.ravel(), every[where])

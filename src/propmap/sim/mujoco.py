@@ -29,7 +29,7 @@ from propmap.units import DEGREE
 from propmap.vehicle.throttle import LAG, USUAL
 from propmap.vehicle.vehicle import Mount, Vehicle
 from propmap.vehicle.vehicle_forces import Rotors, VehicleForces, VehicleWrench, airframe
-from propmap.vehicle.wakes import cross
+from propmap.vehicle.wakes import core_wakes, cross
 
 require("mujoco")
 import mujoco  # noqa: E402
@@ -119,8 +119,9 @@ class MujocoRotors:
             float(vehicle.rotor_inertia),
             self._center,
             clamp,
+            *(core_wakes(self.vehicle, vehicle.wakes) if vehicle.wakes else (None, np.zeros(5))),
         )
-        self._rotors, self._alone = rotors, np.zeros(len(rotors))
+        self._rotors = rotors
         self._words = np.array(STATUSES if isinstance(loads, Rotor) else TABLE_STATUSES)
         self._codes = np.zeros((2, len(rotors)), np.uint8)
         self._static = _Step(-np.inf, 1.0, np.zeros(0), np.zeros(0))
@@ -131,14 +132,11 @@ class MujocoRotors:
         if model is not self.model and model.names != self.model.names:
             return
         omega, change = self._speeds.of(data)
-        added = self._alone
-        if self.vehicle.wakes is not None:
-            added = self._rotors.added(np.maximum(omega, 0.0), self._hubs(model, data))
         pose, motion = data.qpos[self._pose], data.qvel[self._motion]
         wind, forces = model.opt.wind, data.qfrc_passive[self._motion]
         step = self._step(data, model.opt.timestep) if self._core.inflow_size else self._static
         lost = self._core.push(
-            pose, motion, wind, omega, change, added, forces, self._codes,
+            pose, motion, wind, omega, change, forces, self._codes,
             step.state, step.later, step.length, step.at_rest,
         )  # fmt: skip
         if lost is not None:

@@ -19,7 +19,6 @@ from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.wakes import (
     HubFlow,
-    added_flow,
     check_apart,
     cross,
     flow_of_hubs,
@@ -261,17 +260,9 @@ class Rotors:
             loads, status = loads_at_hubs(self.sources, flow)
         else:
             alone = self._alone(flow)
-            added = alone.known(added_flow(self.vehicle, self.wakes, flow, alone.thrust))
+            added = wake_flow(self.vehicle, self.wakes, flow, alone.thrust).added
             loads, status = self._in_wakes(flow, added, alone)
         return _as_wrenches(flow, loads, added, status, omega.shape)
-
-    def added(self, omega: Floats, velocity: Floats) -> Floats:
-        """Return the velocity that wakes add to V cos(beta) (..., k) [m/s], as in ``wrenches``."""
-        assert self.wakes is not None
-        flow = self._flow(omega, velocity)
-        alone = self._alone(flow)
-        found = alone.known(added_flow(self.vehicle, self.wakes, flow, alone.thrust))
-        return found.reshape(omega.shape)
 
     def beyond(self, envelope: Envelope, omega: Floats, velocity: Floats) -> NDArray[np.bool_]:
         """Return which rotors (..., k) are outside an ``envelope``, as in ``wrenches``."""
@@ -302,13 +293,11 @@ class Rotors:
             alone = self._alone(flow)
             wake = wake_flow(self.vehicle, self.wakes, flow.part(first), alone.thrust[first])
             rest = slice(n, s * n)
-            others = added_flow(self.vehicle, self.wakes, flow.part(rest), alone.thrust[rest])
+            others = wake_flow(self.vehicle, self.wakes, flow.part(rest), alone.thrust[rest]).added
             again = np.concatenate([np.arange((s + 1) * n), first])
             added = np.concatenate([wake.added, others, wake.added, wake.added + FLOW_STEP])
             flow, thrust = flow.part(again), alone.thrust
-            alone = alone.part(again)
-            added = alone.known(added)
-            loads, status = self._in_wakes(flow, added, alone)
+            loads, status = self._in_wakes(flow, added, alone.part(again))
         here, step = flow.part(first), omega * change
         force, moment = hub_wrenches(here, (loads[:, faster] - loads[:, first]) / step)
         moment = self.moment(force, moment)
@@ -337,17 +326,18 @@ class Rotors:
             return _as_wrenches(flow, loads, added, status, omega.shape)
         alone = self._alone(flow)
         wake = wake_flow(self.vehicle, self.wakes, flow, alone.thrust)
+        here = np.nan_to_num(wake.added)
         more, less = (
-            loads_at_hubs(self.sources, flow.perturbed(wake.added + by))[0]
+            loads_at_hubs(self.sources, flow.perturbed(here + by))[0]
             for by in (FLOW_STEP, -FLOW_STEP)
         )
         # Both flows in one call, since ``changes`` computes its points only once.
         twice = np.tile(np.arange(len(omega)), 2)
-        both = flow.part(twice).perturbed(np.concatenate([np.zeros_like(added), wake.added]))
+        both = flow.part(twice).perturbed(np.concatenate([np.zeros_like(added), here]))
         every, status = loads_at_hubs(changes, both)
-        first, here = every[:, : len(omega)], every[:, len(omega) :]
+        first, in_wakes = every[:, : len(omega)], every[:, len(omega) :]
         follows = np.einsum("nts,ns->nt", wake.by_thrust, first[THRUST])
-        loads = here + (more - less) / (2.0 * FLOW_STEP) * follows
+        loads = in_wakes + (more - less) / (2.0 * FLOW_STEP) * follows
         return _as_wrenches(flow, loads, follows, status[len(omega) :], omega.shape)
 
     def _flow(self, omega: Floats, velocity: Floats) -> HubFlow:
@@ -359,9 +349,9 @@ class Rotors:
         """Return the thrust of the rotors without interaction."""
         if self._attached is None:
             loads, status = loads_at_hubs(self.sources, flow)
-            return _Isolated(np.nan_to_num(loads[THRUST]), np.isnan(loads[THRUST]), status)
+            return _Isolated(loads[THRUST], status)
         thrust, _ = self._attached.attached_thrust(flow.omega, flow.axial, flow.inplane)
-        return _Isolated(thrust, np.zeros(thrust.shape, bool), np.full(thrust.shape, SEVERITY[0]))
+        return _Isolated(thrust, np.full(thrust.shape, SEVERITY[0]))
 
     def _in_wakes(
         self, flow: HubFlow, added: Floats, alone: _Isolated
@@ -374,20 +364,14 @@ class Rotors:
 
 
 class _Isolated(NamedTuple):
-    """Thrust that generates the wakes, a mask of unknown thrust, and the status; (n, k) each."""
+    """Thrust that generates the wakes, NaN if it is unknown, and the status; (n, k) each."""
 
     thrust: Floats
-    lost: NDArray[np.bool_]
     status: NDArray[np.str_]
 
     def part(self, which: NDArray[np.intp]) -> _Isolated:
         """Return the selected states."""
-        return _Isolated(self.thrust[which], self.lost[which], self.status[which])
-
-    def known(self, added: Floats) -> Floats:
-        """Return the ``added`` flow, NaN if the thrust of another rotor is unknown."""
-        others = self.lost.sum(axis=1, keepdims=True) - self.lost
-        return np.where(others > 0, np.nan, added)
+        return _Isolated(self.thrust[which], self.status[which])
 
 
 def _as_wrenches(

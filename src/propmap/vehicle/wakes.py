@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, astuple, dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -24,63 +25,18 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # Interaction of the rotors: the axial flow that wakes add at the disks of other rotors.
 #
-# docs/theory.md, "Rotor wakes", describes the model.  The wake of each rotor is a skewed vortex
-# cylinder.  The mean velocity of the cylinder at another disk, times a gain, adds to V cos(beta).
-
-LARGEST_INFLOW = 2.0
-"""Upper limit of the inflow over the hover inflow at the same thrust [-]: about the measured value
-in the vortex ring state, where momentum theory has no solution."""
-
-UPWASH = 0.005
-"""Upwash per density of circulation above which the upwash gain applies in full [-]; below it, the
-gain changes smoothly to the gain of the downwash."""
-
-LARGEST_UPWASH = 0.5
-"""Upper limit of the upwash per density of circulation, including the gain [-].  At this limit the
-upwash equals the inflow of the source rotor: the largest velocity outside a cylinder, which occurs
-at its surface."""
-
-SLOW = 0.5  # in-plane velocity [m/s] above which the gains ahead and beside differ clearly
-STEPS = 40  # largest number of Newton steps, which converge monotonically from above
+# docs/theory.md, "Rotor wakes", describes the model.  The core computes the flow from splines of the
+# velocity that a wake induces at other rotors.
 
 
 @dataclass(frozen=True, eq=False)
 class WakeFlow:
     """Axial velocity added by the wakes at each of m rotors in n samples, and its derivatives."""
 
+    inflow: Floats  # uniform inflow of each rotor by eq. (10) (n, m) [m/s]
     added: Floats  # (n, m), added to V cos(beta), with gains [m/s]; positive for downwash
     by_gain: dict[str, Floats]  # derivatives (n, m) by the fields of ``Wakes`` [m/s]
     by_thrust: Floats  # derivatives (n, m, m) by the thrust of each rotor, the last axis [m/s/N]
-
-
-def glauert_inflow(
-    thrust: Floats, axial: Floats, inplane: Floats, disk: float
-) -> tuple[Floats, Floats]:
-    """Solve eq. (10) for a disk's uniform inflow v, T = 2 rho A v sqrt(V_in^2 + (V_ax + v)^2).
-
-    Arrays are (...): ``thrust`` T [N], ``axial`` V cos(beta) and ``inplane`` V sin(beta) [m/s];
-    ``disk`` is rho A [kg/m].  Return v [m/s] and dv/dT [m/s/N].  If descent has
-    several solutions, v is the largest one, limited by ``LARGEST_INFLOW``.  Without thrust v is 0;
-    it is NaN if an argument is NaN.
-    """
-    square = np.maximum(thrust, 0.0) / (2.0 * disk)
-    hover = np.sqrt(square)
-    v = hover + np.maximum(-axial, 0.0) * 1.5 + 1e-9
-    for _ in range(STEPS):
-        through = axial + v
-        speed = np.sqrt(inplane**2 + through**2 + 1e-12)
-        slope = speed + v * through / speed
-        before, v = v, np.maximum(v - (v * speed - square) / np.maximum(slope, 1e-6), 0.0)
-        if (abs(before - v) <= 1e-14 * v).all():
-            break
-    through = axial + v
-    speed = np.sqrt(inplane**2 + through**2 + 1e-12)
-    slope = 1.0 / (2.0 * disk * np.maximum(speed + v * through / speed, 1e-6))
-    # The derivative of the hover inflow is infinite at zero thrust, so a least thrust limits it.
-    at_most = LARGEST_INFLOW * hover
-    limit_slope = at_most / np.maximum(2.0 * thrust, 1e-6)
-    slope = np.where(v < at_most, slope, limit_slope)
-    return np.minimum(v, at_most), np.where(thrust > 0.0, slope, 0.0)
 
 
 def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> HubFlow:
@@ -102,24 +58,7 @@ def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> Hub
     """
     check_apart(vehicle)
     thrust, _ = Rotor(model).attached_thrust(flow.omega, flow.axial, flow.inplane)
-    added = added_flow(vehicle, wakes, flow, thrust)
-    return flow._replace(axial=flow.axial + added)
-
-
-def added_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> Floats:
-    """Return the velocity that other wakes add to V cos(beta) at each rotor [m/s], (n, m).
-
-    ``vehicle``, ``wakes``, ``flow`` and ``thrust`` are those of ``wake_flow``, which also computes
-    derivatives and takes twice the time.
-    """
-    inflow, _ = _inflow(vehicle, flow, thrust)
-    seen, _ = _seen(vehicle, wakes, flow, inflow)
-    along = _along(vehicle, flow)
-    upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
-    rising, _ = _rising(seen)
-    gained = downwash_gains(vehicle, wakes) * (seen - rising) + _limited(upwash * rising)[0]
-    found: Floats = np.sum(2.0 * inflow[:, None, :] * gained, axis=2)
-    return found
+    return flow.perturbed(wake_flow(vehicle, wakes, flow, thrust).added)
 
 
 def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> WakeFlow:
@@ -134,97 +73,25 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
     flow : HubFlow
         Flow of n samples without interaction.
     thrust : ndarray, shape (n, m)
-        Thrust of each rotor without interaction [N].
+        Thrust of each rotor without interaction [N].  NaN if the thrust is unknown; the flow at the
+        other rotors is then NaN.
     """
-    inflow, by_thrust = _inflow(vehicle, flow, thrust)
-    seen, by_share = _seen(vehicle, wakes, flow, inflow, slope=True)
-    rising, slope = _rising(seen)
-    along = _along(vehicle, flow)
-    upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
-    lifted, share = _limited(upwash * rising)
-    down = downwash_gains(vehicle, wakes)
-    gained = down * (seen - rising) + lifted
-    steeper = down * (1.0 - slope) + share * upwash * slope
-    twice = 2.0 * inflow[:, None, :]
-    # The velocity is 2 v K(share v): strength and direction of a wake depend on the inflow v.
-    by_inflow = 2.0 * (gained + wakes.share * steeper * by_share)
-    return WakeFlow(
-        added=np.sum(twice * gained, axis=2),
-        by_gain={
-            "ahead": np.sum(twice * along * share * rising, axis=2),
-            "beside": np.sum(twice * (1.0 - along) * share * rising, axis=2),
-            "downwash": np.sum(twice * (seen - rising) * ~above_each_other(vehicle), axis=2),
-            "share": np.sum(twice * steeper * by_share, axis=2),
-        },
-        by_thrust=by_inflow * by_thrust[:, None, :],
+    of, gains = core_wakes(vehicle, wakes)
+    inflow, added, by_gain, by_thrust = of.flow(
+        gains,
+        flow.axial.ravel(),
+        flow.inplane.ravel(),
+        flow.downstream.reshape(-1, 3),
+        np.ascontiguousarray(thrust).ravel(),
     )
+    return WakeFlow(inflow, added, dict(zip(asdict(wakes), by_gain, strict=True)), by_thrust)
 
 
-def _inflow(vehicle: Vehicle, flow: HubFlow, thrust: Floats) -> tuple[Floats, Floats]:
-    """Return the ``glauert_inflow`` of each rotor."""
-    disk = vehicle.air.density * np.pi * vehicle.propeller.radius**2
-    return glauert_inflow(thrust, flow.axial, flow.inplane, disk)
+def limits() -> dict[str, float]:
+    """Return the limits in ``interaction.hpp`` by name, for exported code."""
+    from propmap import core
 
-
-def _rising(seen: Floats) -> tuple[Floats, Floats]:
-    """Return the upwash part of velocities ``seen``, and its derivative; both are continuous."""
-    share = np.clip(-seen / UPWASH, 0.0, 1.0)
-    return seen * share**2 * (3.0 - 2.0 * share), share**2 * (9.0 - 8.0 * share)
-
-
-def _limited(upwash: Floats) -> tuple[Floats, Floats]:
-    """Return upwash per density of circulation, with gain, limited to ``LARGEST_UPWASH``, and the
-    derivative of the limited upwash by ``upwash`` [-]."""
-    relative = np.tanh(upwash / LARGEST_UPWASH)
-    return LARGEST_UPWASH * relative, 1.0 - relative**2
-
-
-def _along(vehicle: Vehicle, flow: HubFlow) -> Floats:
-    """Return the weight of the gain ahead (n, target, source) [-]: 1 in flight direction, 0 beside.
-
-    The weight is the squared cosine between the source's in-plane velocity and the direction to the
-    target in the source's disk plane.  It tends to 0 at velocities below ``SLOW``, since ahead and
-    beside are undefined at rest.
-    """
-    aligned = np.einsum("nsk,tsk->nts", flow.velocity, _directions(vehicle.mounts)) ** 2
-    return aligned / (flow.inplane**2 + SLOW**2)[:, None, :]
-
-
-@functools.lru_cache(maxsize=64)
-def _directions(mounts: tuple[Mount, ...]) -> Floats:
-    """Return unit vectors (target, source, 3) from source to target in the source's disk plane."""
-    position, axis = (np.array([getattr(m, of) for m in mounts]) for of in ("position", "axis"))
-    offset = position[:, None] - position[None]
-    offset = offset - np.sum(offset * axis, axis=-1, keepdims=True) * axis
-    length = np.linalg.norm(offset, axis=-1)
-    return offset / np.where(length > 1e-9, length, 1.0)[..., None]
-
-
-def _seen(
-    vehicle: Vehicle, wakes: Wakes, flow: HubFlow, inflow: Floats, *, slope: bool = False
-) -> tuple[Floats, Floats]:
-    """Return the downward velocity (n, target, source) that each wake induces at each rotor [-].
-
-    The velocity is per density of the wake's circulation.  With ``slope``, the second array is its
-    derivative by ``wakes.share``; otherwise it is zero.
-    """
-    mounts, radius, share = vehicle.mounts, vehicle.propeller.radius, wakes.share
-    alone = wakes.slipstreams_alone
-    found = np.zeros((inflow.shape[0], len(mounts), len(mounts)))
-    by_share = np.zeros_like(found)
-    for source, mount in enumerate(mounts):
-        # The air carries a wake against the velocity of the hub and down the rotor axis.
-        away = -flow.velocity[:, source] @ frame_of(mount.axis).T
-        away[:, 2] -= share * inflow[:, source]
-        away[np.all(np.abs(away) < 1e-9, axis=1)] = 0.0, 0.0, -1.0
-        length2 = np.sum(away**2, axis=1)
-        straighter = -np.hypot(away[:, 0], away[:, 1]) * inflow[:, source] / length2
-        for target, other in enumerate(mounts):
-            if target != source and (wake := seen_wake(mount, other, radius, alone)).acts:
-                found[:, target, source] = wake.at(away)
-                if slope:
-                    by_share[:, target, source] = wake.at(away, skewing=True) * straighter
-    return found, by_share
+    return dict(core.wake_limits)
 
 
 def check_apart(vehicle: Vehicle) -> None:
@@ -292,9 +159,9 @@ def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
 
     position, axis = vehicle.hub_positions, vehicle.rotor_axes
     spin = np.array([spin_sign(mount.spin) for mount in vehicle.mounts])
-    axial, inplane, downstream = core.hub_flows(axis, np.ascontiguousarray(hubs).reshape(-1, 3))
-    axial, inplane = axial.reshape(omega.shape), inplane.reshape(omega.shape)
-    return HubFlow(omega, axial, inplane, axis, downstream.reshape(hubs.shape), position, spin)
+    found = core.hub_flows(axis, np.ascontiguousarray(hubs).reshape(-1, 3))
+    axial, inplane, *downstream = found.reshape(5, *omega.shape)
+    return HubFlow(omega, axial, inplane, axis, np.stack(downstream, axis=-1), position, spin)
 
 
 def rotor_forces(flow: HubFlow, thrust: Floats, drag: Floats) -> Floats:
@@ -345,54 +212,99 @@ _SKEW = np.linspace(0.0, np.pi, SKEWS)
 _AROUND = 2.0 * np.pi * np.arange(BEARINGS) / BEARINGS
 
 
-class SeenWake:
-    """The velocity induced by the wake of ``source`` at the disk of ``target``.
+class WakeGeometry(NamedTuple):
+    """The wakes of k rotors on each other, by target and source."""
 
-    Both rotors have the ``radius`` [m].  The ``spline`` interpolates the velocity over skew and
-    bearing [rad] of the wake.  Its bearing is measured from ``towards``, the bearing of the target
-    in the source's frame [rad].  Pairs with equal relative positions share one spline.
-    The velocity is zero at rotors above the source that overlap it.  With ``slipstreams_alone`` it
-    is also zero at rotors that do not overlap the source.
+    frames: Floats  # rows: two directions in the disk, and the axis (k, 3, 3)
+    kind: NDArray[np.intp]  # index of the spline of each target and source (k, k)
+    bearing: Floats  # of the target in the source's frame, where the spline is at zero [rad] (k, k)
+    slipstream: NDArray[np.bool_]  # whether the rotors are above each other (k, k)
+    splines: list[Any]  # velocities induced by a wake, over its skew and bearing
+
+
+@functools.lru_cache(maxsize=64)
+def wake_geometry(
+    mounts: tuple[Mount, ...], radius: float, slipstreams_alone: bool
+) -> WakeGeometry:
+    """Return the wakes of rotors with this ``radius`` [m]."""
+    k = len(mounts)
+    kind, bearing = np.zeros((k, k), int), np.zeros((k, k))
+    splines: dict[Any, int] = {}
+    for (t, target), (s, source) in itertools.permutations(enumerate(mounts), 2):
+        spline, bearing[t, s] = seen_wake(source, target, radius, slipstreams_alone)
+        kind[t, s] = splines.setdefault(spline, len(splines))
+    frames = np.stack([frame_of(mount.axis) for mount in mounts])
+    return WakeGeometry(frames, kind, bearing, _above_each_other(mounts, radius), list(splines))
+
+
+def core_wakes(vehicle: Vehicle, wakes: Wakes) -> tuple[Any, Floats]:
+    """Return the wakes for the core; and a vector of the gains, and rho times the disk area."""
+    radius = vehicle.propeller.radius
+    gains = np.array([*astuple(wakes), vehicle.air.density * np.pi * radius**2])
+    return _core_wakes(vehicle.mounts, radius, wakes.slipstreams_alone), gains
+
+
+@functools.lru_cache(maxsize=64)
+def _core_wakes(mounts: tuple[Mount, ...], radius: float, slipstreams_alone: bool) -> Any:
+    from propmap import core
+
+    frames, kind, bearing, slipstream, splines = wake_geometry(mounts, radius, slipstreams_alone)
+    pairs = np.stack([kind, bearing, slipstream], axis=-1).reshape(-1, 3)
+    axes = []
+    for knots in _slipstream_table(0.0, 0.0, 0.0).tck[:2]:  # of all splines
+        ends = np.unique(knots)
+        _, weights = interval_weights(knots, ends)
+        axes.append((ends, weights.swapaxes(1, 2).ravel()))
+    shape = [len(ends) + 2 for ends, _ in axes]
+    values = np.reshape([spline.get_coeffs() for spline in splines], (len(splines), *shape))
+    return core.Wakes(frames.reshape(-1, 3), pairs, *axes, values)
+
+
+def interval_weights(knots: Floats, breaks: Floats) -> tuple[NDArray[np.intp], Floats]:
+    """Convert a cubic B-spline with ``knots`` to polynomials in n intervals between ``breaks``.
+
+    Return the first of the four coefficients used in each interval (n,), and the polynomials of
+    their weights (n, power, coefficient), of the position from 0 to 1 in the interval.
     """
+    from scipy.interpolate import BSpline
 
-    def __init__(
-        self, source: Mount, target: Mount, radius: float, slipstreams_alone: bool = False
-    ) -> None:
-        frame = frame_of(source.axis)
-        offset = frame @ (np.subtract(target.position, source.position) / radius)
-        towards = float(np.arctan2(offset[1], offset[0])) if np.hypot(*offset[:2]) > 1e-9 else 0.0
-        c, s = np.cos(towards), np.sin(towards)
-        turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-        self.towards = towards
-        place, axis = turn @ offset, turn @ frame @ np.array(target.axis)
-        # Rounded, so that pairs that differ only by rounding errors share one table.
-        where = tuple(float(x) for x in np.round([*place, *axis], 9) + 0.0)
-        depth = depth_below(source, target, radius)
-        self.acts = depth > 0.0 or not (depth or slipstreams_alone)
-        if self.acts and not depth:
-            self.spline = _table(*where)
-        else:
-            below = (round(depth, 9), where[0], where[5]) if self.acts else (0.0, 0.0, 0.0)
-            self.spline = _slipstream_table(*below)
-
-    def at(self, direction: Floats, *, skewing: bool = False) -> Floats:
-        """Return the velocity against the target's axis per density of circulation [-], (n,).
-
-        The air carries the wake along ``direction`` (n, 3), of any length, in the source's frame.
-        With ``skewing``, return the derivative for the wake's angle from straight down [1/rad].
-        """
-        skew = np.arctan2(np.hypot(direction[:, 0], direction[:, 1]), -direction[:, 2])
-        bearing = np.arctan2(direction[:, 1], direction[:, 0]) - self.towards
-        found: Floats = self.spline.ev(skew, np.mod(bearing, 2.0 * np.pi), dx=int(skewing))
-        return found
+    inside = np.linspace(0.1, 0.9, 4)
+    to_powers = np.linalg.inv(np.vander(inside, increasing=True))
+    first = np.searchsorted(knots, 0.5 * (breaks[:-1] + breaks[1:]), side="right") - 4
+    weights = []
+    for span, low, high in zip(first, breaks[:-1], breaks[1:], strict=True):
+        at = low + inside * (high - low)
+        four = [BSpline.basis_element(knots[j : j + 5])(at) for j in range(span, span + 4)]
+        weights.append(to_powers @ np.stack(four, axis=1))
+    return first, np.array(weights)
 
 
-@functools.lru_cache(maxsize=1024)
 def seen_wake(
     source: Mount, target: Mount, radius: float, slipstreams_alone: bool = False
-) -> SeenWake:
-    """Return a cached ``SeenWake``, which simulations need at every step."""
-    return SeenWake(source, target, radius, slipstreams_alone)
+) -> tuple[Any, float]:
+    """Return the velocity induced by the wake of ``source`` at the disk of ``target``.
+
+    Both rotors have the ``radius`` [m].  The first result is a spline of the velocity against the
+    target's axis per density of circulation [-], over skew and bearing [rad] of the wake.  The
+    second result is the bearing of the target in the source's frame [rad], where the bearing of the
+    spline is zero.  Pairs with equal relative positions share one spline.  The velocity is zero at
+    rotors above the source that overlap it.  With ``slipstreams_alone`` it is also zero at rotors
+    that do not overlap the source.
+    """
+    frame = frame_of(source.axis)
+    offset = frame @ (np.subtract(target.position, source.position) / radius)
+    towards = float(np.arctan2(offset[1], offset[0])) if np.hypot(*offset[:2]) > 1e-9 else 0.0
+    c, s = np.cos(towards), np.sin(towards)
+    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    place, axis = turn @ offset, turn @ frame @ np.array(target.axis)
+    # Rounded, so that pairs that differ only by rounding errors share one table.
+    where = tuple(float(x) for x in np.round([*place, *axis], 9) + 0.0)
+    depth = depth_below(source, target, radius)
+    acts = depth > 0.0 or not (depth or slipstreams_alone)
+    if acts and not depth:
+        return _table(*where), towards
+    below = (round(depth, 9), where[0], where[5]) if acts else (0.0, 0.0, 0.0)
+    return _slipstream_table(*below), towards
 
 
 @functools.lru_cache(maxsize=256)
@@ -488,11 +400,6 @@ def _above_each_other(mounts: tuple[Mount, ...], radius: float) -> NDArray[np.bo
     found: NDArray[np.bool_] = np.array(depths) != 0.0
     found.flags.writeable = False
     return found
-
-
-def downwash_gains(vehicle: Vehicle, wakes: Wakes) -> Floats:
-    """Return the gain of the downwash (target, source), 1 for slipstreams."""
-    return np.where(above_each_other(vehicle), 1.0, wakes.downwash)
 
 
 def slipstream(depth: float, aside: float, skew: Floats, bearing: Floats) -> Floats:
