@@ -212,7 +212,7 @@ template <class R, class St, class F, class V>
         const auto speed = square_root(square);
         const auto reynolds = at.reynolds_per_speed * speed;
         const auto root_re = at.inverse_root * inverse_fourth_root(square);
-        const auto none = 0.0 * speed;
+        const std::remove_const_t<decltype(speed)> none{};
         const Angle<std::remove_const_t<decltype(none)>> zero{value(none), value(none) + 1.0, none};
         const SectionFlow section{zero, zero, speed, reynolds, root_re, at.lift_growth, at.drag_growth};
         return speed * rotor.law.coefficients(section).drag;
