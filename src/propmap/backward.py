@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.loads import LOADS
-from propmap.model.airfoil import Airfoil
+from propmap.model.airfoil import Airfoil, SectionTable
+from propmap.model.corrections import StallDelay
 from propmap.model.model import Model
 from propmap.results import STATUSES
 from propmap.tasks import cores
@@ -41,11 +42,21 @@ class Backward(NamedTuple):
 
 
 def more_twist(model: Model) -> tuple[float, float]:
-    """Return the additional twist [rad] of the upside-down blades, with and without camber."""
-    if not isinstance(model.airfoil, Airfoil):
-        # A section table contains the lift in flow from the trailing edge.
-        return np.pi, np.pi
-    return np.pi + 2.0 * model.airfoil.zero_lift_angle, np.pi
+    """Return the additional twist [rad] of the upside-down blades, with and without camber.
+
+    If the section law has a period of half a turn, the half turn has no effect and is omitted: the
+    core then uses the same nodes in both directions, and the loads are equal except for rounding.
+    """
+    law, half = model.airfoil, np.pi
+    if isinstance(law, Airfoil):
+        half = 0.0 if law.lift_law == "simplified" else np.pi
+        return half + 2.0 * law.zero_lift_angle, half
+    # A section table contains the lift in flow from the trailing edge.
+    if isinstance(law, SectionTable) and model.correction_of(StallDelay) is None:
+        opposite, rows = np.mod(law.angle, 2.0 * np.pi) - np.pi, (*law.lift, *law.drag)
+        there = (np.interp(opposite, law.angle, row) for row in rows)
+        half = 0.0 if np.allclose(list(there), rows, rtol=0.0, atol=1e-12) else np.pi
+    return half, half
 
 
 def solve(rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats) -> Backward:
