@@ -168,7 +168,7 @@ def exchanged(coefficients: np.ndarray, one: int, other: int) -> np.ndarray:
         (lambda _, a: a.update(beta=a["beta"][::-1]), "do not increase"),
         (lambda _, a: a.update(beta=np.degrees(a["beta"])), "between 0 and pi"),
         (lambda _, a: a.update(beta=a["beta"][:-1]), "shape"),
-        (lambda _, a: a.update(omega=-a["omega"][::-1]), "positive"),
+        (lambda _, a: a.update(omega=a["omega"] - 500.0), "must not include 0"),
         (lambda _, a: a.update(coefficients=a["coefficients"] * np.float32(1e3)), "too large"),
         (lambda _, a: a["coefficients"][0, 1].fill(np.nan), "some loads, but not all"),
         (lambda _, a: a.update(deviations=a["deviations"] / np.float32(0)), "infinite"),

@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 def table(
     choice: opt.RotorChoice,
     context: typer.Context,
-    rpm: Annotated[str, Option(metavar="A:B", help="Range of rotational speeds in rpm.")],
+    rpm: Annotated[
+        str, Option(metavar="A:B", help="Range of rotational speeds in rpm; negative: backward.")
+    ],
     speed: Annotated[str, Option(metavar="A:B", help="Range of airspeeds in m/s.")],
     output: Annotated[Path, out.output_option("Output file: table (.npz) or NetCDF (.nc).")],
     beta: Annotated[

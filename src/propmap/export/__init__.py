@@ -105,6 +105,8 @@ ROTOR_TARGETS = _targets("rotor")
 VEHICLE_TARGETS = _targets("vehicle")
 """Targets of ``export_vehicle``."""
 
+KNOTS = ("npz", "nc", "csv")  # targets with the knots of a table, also for backward rotation
+
 AUTOPILOTS = _targets("autopilot")  # targets of ``propmap.export.autopilot.export_autopilot``
 
 
@@ -157,6 +159,10 @@ def export_table(
         For an unknown target, a folder that is not writable, existing files without ``replace``,
         and a table without the operating points that the target needs.
     """
+    if table.envelope["omega"][0] < 0.0 and target not in KNOTS:
+        found = "the table contains loads of a propeller that turns backward"
+        remedy = f"choose one of {', '.join(KNOTS)}, or build a table with a positive --rpm"
+        raise InputError(f"{found}, which {target} does not represent", remedy)
     return _write(find_export(target, "table"), folder, replace, table, **names)
 
 

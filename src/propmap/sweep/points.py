@@ -53,7 +53,7 @@ class _Values:
             if values.ndim != 1 or not values.size or not np.isfinite(values).all():
                 found = f"{name} is not a list of finite numbers [{unit}]"
                 raise InputError(found, "give at least one number")
-            if name != "beta_deg" and (values < 0.0).any():
+            if name == "speed_mps" and (values < 0.0).any():
                 raise InputError(f"{name} is negative", "give 0 or more")
 
 

@@ -120,7 +120,8 @@ def _check(certificate: Any) -> None:
             numbers = [value[load] for load in LOADS] if by_load else [value]
         except (AttributeError, TypeError, KeyError):
             numbers = [None]
-        if not all(type(n) in (int, float) and 0.0 <= n < math.inf for n in numbers):
+        least = -math.inf if field.name == "max_omega" else 0.0
+        if not all(type(n) in (int, float) and least <= n < math.inf for n in numbers):
             raise InputError(f"certificate: {field.name} is missing or not a finite number >= 0")
     if max(certificate["max_error"][load] for load in LOADS) > certificate["tolerance"]:
         raise InputError("certificate: the errors exceed the tolerance")

@@ -492,6 +492,9 @@ def check_table(vehicle: Vehicle, table: Any) -> None:
     described = getattr(table, "info", {}).get("propeller")
     if described is None:
         return
+    if table.envelope["omega"][0] < 0.0:
+        found = "the table contains loads of propellers that turn backward"
+        raise InputError(found, "use a Rotor, or build a table with a positive --rpm")
     if described.get("geometry_sha256") != vehicle.propeller.fingerprint():
         raise InputError(
             f"the table is for {described.get('name')!r}, but the propeller of the vehicle is "
