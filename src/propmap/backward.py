@@ -13,8 +13,6 @@ the weight (Omega R)^2/((Omega R)^2 + V^2), so the loads are continuous at Omega
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from propmap.loads import LOADS
@@ -31,14 +29,6 @@ SIGNS = np.array([1.0 if name in ("drag", "roll_moment") else -1.0 for name in L
 SHARE = 0.15
 """Standard deviation of a load due to the section law, divided by the load.  The value is an
 assumption, because no measurement of a propeller that turns backward was found."""
-
-
-class Backward(NamedTuple):
-    """Loads and other results at N operating points with negative omega."""
-
-    loads: Floats  # in the order of ``LOADS`` (L, N) [N], [N m]
-    found: Floats  # status code, roots, vortex ring, mean inflow, reverse flow (5, N)
-    deviations: Floats  # standard deviations of the loads (L, N) [N], [N m]
 
 
 def more_twist(model: Model) -> tuple[float, float]:
@@ -59,8 +49,10 @@ def more_twist(model: Model) -> tuple[float, float]:
     return half, half
 
 
-def solve(rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats) -> Backward:
-    """Return the loads at operating points (F, N), the rows of ``FlowPoints``, with omega < 0.
+def solve(
+    rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Return the results at operating points (F, N), the rows of ``FlowPoints``, with omega < 0.
 
     Parameters
     ----------
@@ -70,6 +62,12 @@ def solve(rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats) -> Back
         Tip radius [m].
     rows : ndarray, shape (F, N)
         Omega < 0 [rad/s], axial and in-plane velocity [m/s], distances of ground and ceiling [m].
+
+    Returns
+    -------
+    loads, found, deviations : ndarray, shape (L, N), (5, N), (L, N)
+        Loads in the order of ``LOADS``; status code, roots, vortex ring, mean inflow and reverse
+        flow; standard deviations of the loads.
     """
     omega, v_axial, v_inplane, height, ceiling = rows
     turned = np.ascontiguousarray([-omega, -v_axial, v_inplane, ceiling, height])
@@ -83,4 +81,4 @@ def solve(rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats) -> Back
     status, roots = np.maximum(found[:2], other[:2])
     status = np.maximum(status, STATUSES.index("reversed"))
     more = np.stack([status, roots, ring, -inflow, 1.0 - reverse])
-    return Backward(SIGNS * loads, more, deviations)
+    return SIGNS * loads, more, deviations

@@ -402,12 +402,11 @@ class Rotor:
             return found[: len(LOADS)], found[len(LOADS) :], None
         tip = self.model.span[1]
         back = backward.solve(self._backward, tip, rows[:, turns_back])
-        loads, found = np.split(
-            self._core.loads(np.where(turns_back, 0.0, rows), (), cores())[0], [len(LOADS)]
-        )
+        every, _ = self._core.loads(np.where(turns_back, 0.0, rows), (), cores())
+        loads, found = np.split(every, [len(LOADS)])
         deviations = np.zeros_like(loads)
-        loads[:, turns_back], found[:, turns_back] = back.loads, back.found
-        deviations[:, turns_back] = back.deviations
+        for whole, part in zip((loads, found, deviations), back, strict=True):
+            whole[:, turns_back] = part
         return loads, found, deviations
 
     @functools.cached_property

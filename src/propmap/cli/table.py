@@ -137,11 +137,11 @@ def certificate_of(found: LoadTable) -> Iterator[object]:
         columns["parameters, median"] = parameters["median"]
         columns["parameters, 95 %"] = parameters["percentile_95"]
     places = largest_at(errors)
-    heads = [*columns, *(f"at [{unit}]" for unit in PLACE.values() if places)]
+    heads = [*columns, *(f"at [{unit}]" for unit in PLACE.values())]
     rows = []
     for name, title in TITLES.items():
         shares = (f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values())
-        rows.append((title, *shares, *(f"{value:.4g}" for value in places.get(name) or ())))
+        rows.append((title, *shares, *(f"{value:.4g}" for value in places[name] or ())))
     yield out.grid("|".join(["<error / static load", *heads]), rows, "Certificate")
     yield from claims(errors)
     yield from parameter_claims(parameters) if parameters else ()

@@ -102,20 +102,19 @@ def table_errors(
         errors["by the parameters, median"] = parameters["median"]
         errors["by the parameters, 95 %"] = parameters["percentile_95"]
     places = largest_at(found)
-    nowhere = len(PLACE) * [None] if places else []
     slugs = [f"{name.replace(' ', '_').replace(',', '')}_share" for name in errors]
-    at = ["at_rpm", "at_speed_mps", "at_beta_deg"] if places else []
     rows, cells = [], []
     for load, title in TITLES.items():
-        shares, place = [float(one[load]) for one in errors.values()], places.get(load) or nowhere
+        shares = [float(one[load]) for one in errors.values()]
+        place = places[load] or len(PLACE) * [None]
         rows.append((load, *shares, *place))
         shown = [html.number(100.0 * share, 2) for share in shares]
         cells.append((title, *shown, *(html.number(value, 4) for value in place)))
     named = (name.replace("by the parameters", "std. dev. from constants") for name in errors)
     heads = ["error / reference"]
     heads += [f"{name.replace('95 %', '95th percentile')} [%]" for name in named]
-    heads += [f"location of largest error [{unit}]" for unit in PLACE.values() if places]
-    columns = html.columns_of(" ".join(["load", *slugs, *at]), rows)
+    heads += [f"location of largest error [{unit}]" for unit in PLACE.values()]
+    columns = html.columns_of(" ".join(["load", *slugs, "at_rpm at_speed_mps at_beta_deg"]), rows)
     return html.FigureRecord("table-certificate", columns, cells=cells), "|".join(heads)
 
 
