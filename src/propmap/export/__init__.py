@@ -159,10 +159,6 @@ def export_table(
         For an unknown target, a folder that is not writable, existing files without ``replace``,
         and a table without the operating points that the target needs.
     """
-    if table.envelope["omega"][0] < 0.0 and target not in KNOTS:
-        found = "the table contains loads of a propeller that turns backward"
-        remedy = f"choose one of {', '.join(KNOTS)}, or build a table with a positive --rpm"
-        raise InputError(f"{found}, which {target} does not represent", remedy)
     return _write(find_export(target, "table"), folder, replace, table, **names)
 
 
@@ -229,6 +225,14 @@ def export_vehicle(
     return _write(find_export(target, "vehicle"), folder, replace, vehicle, table, **names)
 
 
+def check_direction(loads: object, target: str) -> None:
+    """Raise ``InputError`` if ``loads`` is a table of backward rotation without this ``target``."""
+    if getattr(loads, "backward", False) and target not in KNOTS:
+        found = f"the table is for a propeller that turns backward, which {target} cannot represent"
+        remedy = f"choose one of {', '.join(KNOTS)}, or build a table with a positive --rpm"
+        raise InputError(found, remedy)
+
+
 def _write(
     export: Export, folder: str | os.PathLike[str], replace: bool, *source: object, **names: str
 ) -> list[Path]:
@@ -236,5 +240,7 @@ def _write(
     from propmap.export.files import check_folder, write_files
 
     place = Path(folder)
+    for one in source:
+        check_direction(one, export.target)
     check_folder(place)
     return write_files(export.make()(*source, **names), place, replace=replace)

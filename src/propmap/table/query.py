@@ -182,6 +182,11 @@ class LoadTable:
         return dict(zip(("omega", "speed", "beta"), self._box, strict=True))
 
     @property
+    def backward(self) -> bool:
+        """Whether the propeller turns backward, with omega < 0."""
+        return self._box[0][0] < 0.0
+
+    @property
     def info(self) -> dict[str, Any]:
         """Provenance of the table: propeller, airfoil, air and versions, as plain data."""
         return self.content.info
