@@ -6,7 +6,6 @@ import copy
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -84,9 +83,8 @@ class Aircraft:
     @property
     def notes(self) -> list[str]:
         """Notes on axes that the rotor speeds do not command, and on missing limits."""
-        missing = [] if self.limited else [UNLIMITED]
-        inverted = [] if self.balance.turn > 0.0 else [INVERTED]
-        return [*inverted, *self.balance.allocation.notes, *missing]
+        notes = [*self.balance.allocation.notes, *([] if self.limited else [UNLIMITED])]
+        return notes if self.balance.turn > 0.0 else [INVERTED, *notes]
 
     @property
     def limited(self) -> bool:
@@ -104,7 +102,7 @@ class Aircraft:
         everyone = np.arange(len(self.rotors))
         # Loads of the hover model do not depend on the flow, so wakes have no effect.
         alone = replace(self.vehicle, wakes=None)
-        other.rotors = Rotors(alone, [(HoverLoads(hover), everyone)])
+        other.rotors = Rotors(alone, [(hover, everyone)])
         other.balance = SteadyBalance(self.vehicle, other.rotors)
         other._lost = NOT_FOUND
         return other
@@ -620,17 +618,6 @@ def stalled(vehicle: Vehicle, wing: Wing, flight: SteadyFlight) -> Any:
 
 def _load(vehicle: Vehicle, flight: SteadyFlight) -> Floats:
     return vehicle.mass * GRAVITY / np.cos(flight.bank)
-
-
-class HoverLoads:
-    """Loads of the hover model, T = k_T Omega^2 and Q = k_tau Omega^2, at any velocity."""
-
-    def __init__(self, hover: HoverModel) -> None:
-        self.hover = hover
-
-    def loads_at_velocity(self, omega: Floats, velocity: Floats) -> Any:  # noqa: ARG002
-        """Return loads by name and a ``status``, of the shape of ``omega`` [rad/s]."""
-        return SimpleNamespace(**self.hover.loads(omega), status=np.full(omega.shape, "ok"))
 
 
 # -------------------------------------------------------------------------------------------------
