@@ -132,11 +132,7 @@ class VehicleForces:
         k = len(self._rotors)
         vectors = {"velocity": velocity, "rates": rates, "wind": wind}
         can_reverse = self._rotors.wakes is None and self._can_reverse
-        given = {
-            "omega": broadcast(omega=omega)[0]
-            if can_reverse
-            else numbers("omega", omega, negative=False)
-        }
+        given = {"omega": numbers("omega", omega, negative=can_reverse)}
         given |= {name: broadcast(**{name: vector})[0] for name, vector in vectors.items()}
         for name, array in given.items():
             count, what = (3, "x, y, z") if name in vectors else (k, f"the {k} rotor speeds")
