@@ -15,7 +15,6 @@ from typer import Argument, Option, echo
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError, quoted
-from propmap.typing import Floats
 from propmap.units import RPM
 
 if TYPE_CHECKING:
@@ -48,7 +47,11 @@ def table(
     cluster: opt.Cluster = None,
 ) -> None:
     """Build a table of propeller loads with certified error bounds."""
-    ranges = [_range(name, text) for name, text in (("rpm", rpm), ("speed", speed), ("beta", beta))]
+    ranges = []
+    for name, text in (("rpm", rpm), ("speed", speed), ("beta", beta)):
+        if text.count(":") != 1:
+            raise InputError(f"--{name} {quoted(text)} is not a range", "write A:B, from A to B")
+        ranges.append(opt.parse_axis(f"--{name}", name, text, count=2))
     share = _share("--tolerance", tolerance)
     out.check_output(output, (".npz", ".nc"), keep_existing=not force)
 
@@ -90,13 +93,6 @@ def _share(option: str, text: str) -> float:
     if not (math.isfinite(value) and value > 0.0):
         raise InputError(f"{option} {quoted(text)} is not a fraction", "write 0.5% or 0.005")
     return value
-
-
-def _range(quantity: str, text: str) -> Floats:
-    """Read the ends (2,) of "A:B"."""
-    if text.count(":") != 1:
-        raise InputError(f"--{quantity} {quoted(text)} is not a range", "write A:B, from A to B")
-    return opt.parse_axis(f"--{quantity}", quantity, text, count=2)
 
 
 def show_table(

@@ -105,8 +105,7 @@ ROTOR_TARGETS = _targets("rotor")
 VEHICLE_TARGETS = _targets("vehicle")
 """Targets of ``export_vehicle``."""
 
-KNOTS = ("npz", "nc", "csv")  # targets with the knots of a table, also for backward rotation
-
+KNOTS = ("npz", "nc", "csv")  # targets that represent tables of backward rotation
 AUTOPILOTS = _targets("autopilot")  # targets of ``propmap.export.autopilot.export_autopilot``
 
 

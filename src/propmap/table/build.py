@@ -265,25 +265,23 @@ def check_between_speeds(
     """Raise ``InputError`` if the error of the interpolation in omega exceeds the tolerance: the
     Reynolds number changes the loads too much between the least and the largest omega."""
     error, advance, beta = _errors_between(model, ends)
-    limit = POINT_SHARE * tolerance
+    limit, small = POINT_SHARE * tolerance, 0.5 * MOST_UNRESOLVED
     lost = error > limit
     if lost.mean() <= MOST_UNRESOLVED:
         return
-    (first, last), turn, remedies = ends[0] / RPM, np.sign(ends[0][0]), []
-    slow, fast = np.sort(np.abs(ends[0]))
+    (slow, fast), remedies = np.sort(np.abs(ends[0])), []
     for share in NARROWER:
-        least = slow ** (1.0 - share) * fast**share
-        narrower = (np.sort(turn * np.array([least, fast])), *ends[1:])
-        if np.mean(_errors_between(model, narrower)[0] > limit) <= 0.5 * MOST_UNRESOLVED:
-            rpm = np.sort(turn * np.array([np.ceil(least / RPM / 10.0) * 10.0, fast / RPM]))
-            remedies = [f"--rpm {rpm[0]:.0f}:{rpm[1]:.0f}"]
+        least = np.ceil(slow ** (1.0 - share) * fast**share / RPM / 10.0) * 10.0 * RPM
+        narrower = np.sort(np.sign(ends[0][0]) * np.array([least, fast]))
+        if np.mean(_errors_between(model, (narrower, *ends[1:]))[0] > limit) <= small:
+            remedies = ["--rpm {:.0f}:{:.0f}".format(*(narrower / RPM))]
             break
-    wider = float(np.quantile(error, 1.0 - 0.5 * MOST_UNRESOLVED)) / POINT_SHARE
+    wider = float(np.quantile(error, 1.0 - small)) / POINT_SHARE
     if wider < LARGEST_TOLERANCE:
         remedies.append(f"--tolerance {1.01 * wider:.2%}")
     raise InputError(
-        f"from {first:.0f} to {last:.0f} rpm the loads change so much with the Reynolds "
-        f"number that interpolation between both ends exceeds {tolerance:.2%} in "
+        f"from {ends[0][0] / RPM:.0f} to {ends[0][1] / RPM:.0f} rpm the loads change so much with "
+        f"the Reynolds number that interpolation between both ends exceeds {tolerance:.2%} in "
         f"{lost.mean():.0%} of the envelope{_place(advance[lost], beta[lost])}",
         f"use {' or '.join(remedies) or 'a smaller envelope'}",
     )
