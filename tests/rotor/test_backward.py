@@ -27,6 +27,7 @@ TABLE = pm.SectionTable(
 """The same lift as a table."""
 BLADE = pm.propeller("apc-8x6e")
 ROTOR = pm.Rotor(pm.catalogue_model("APC 8x6E"))
+SYMMETRIC = [pm.Rotor(pm.Model(BLADE, law)) for law in (PLATE, TABLE)]
 VELOCITY = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 2.0], [3.0, -6.0, -1.0], [0.0, 0.0, 9.0]])
 
 
@@ -44,10 +45,13 @@ def test_the_loads_of_a_symmetric_plate_are_those_of_the_rotor_upside_down(
 
 
 @pytest.mark.parametrize("beta", np.radians([0.0, 50.0, 90.0, 140.0, 180.0]))
-def test_loads_in_wind_are_continuous_where_the_rotation_reverses(beta: float) -> None:
+@pytest.mark.parametrize("rotor", [ROTOR, *SYMMETRIC], ids=["catalogue", "plate", "table"])
+def test_loads_in_wind_are_continuous_where_the_rotation_reverses(
+    rotor: pm.Rotor, beta: float
+) -> None:
     step = 1e-3
     omega = np.array([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0]) * step
-    loads = ROTOR.loads(omega, 12.0, beta)
+    loads = rotor.loads(omega, 12.0, beta)
     for name in LOADS:
         values = getattr(loads, name)
         steepest = 3.0 * np.abs(np.diff(values[3:])).max() + 1e-9

@@ -71,7 +71,7 @@ def predict(
     omega, speeds, angles = where.si
     opt.note_points(rotor.model, omega, speeds, angles)
     loads = rotor.loads(omega, speeds, angles, **where.further)
-    if count := int(np.count_nonzero(loads.roots > 1)):
+    if count := int(np.count_nonzero((loads.roots > 1) & (omega >= 0.0))):
         out.note(
             f"multiple_roots in {count} of {omega.size} points: near stall the momentum balance "
             "has several solutions; propmap uses the largest one, which has attached flow"
