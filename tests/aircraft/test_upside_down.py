@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from propmap.aircraft.assumptions import assumptions
 from propmap.aircraft.performance import performance
 from propmap.aircraft.sensitivity import spread
 from propmap.aircraft.trim import Aircraft
@@ -76,6 +77,7 @@ def test_the_forces_balance_the_weight_and_exports_refuse(
     found = VehicleForces(vehicle, back).wrench(hover.rotor_speed, [0.0, 0.0, 0.0])
     np.testing.assert_allclose(found.force, [[0.0, 0.0, -craft.balance.weight]], atol=1e-6)
     assert found.status == ["reversed"] and (hover.rotor_speed < 0.0).all()
+    assert "turning backward" in assumptions(vehicle, back)["rotors"]
     assert performance(craft, craft.steady(np.linspace(0.0, 8.0, 9))).hover is not None
     for export in (
         lambda: export_vehicle(vehicle, back, "gazebo", str(tmp_path)),

@@ -318,7 +318,7 @@ def usual_omega(rotors: Rotors) -> float:
     """Return the speed [rad/s] of ``rotors`` at the usual tip speed, or the nearest in a table."""
     omega, (loads, _) = REFERENCE_TIP_SPEED / rotors.radius, rotors.sources[0]
     if not isinstance(loads, LoadTable):
-        return omega
+        return loads.omega if isinstance(loads, HoverModel) else omega
     low, high = loads.envelope["omega"]
     return min(max(math.copysign(omega, low), low), high)
 
@@ -384,9 +384,9 @@ class SteadyBalance:
         self.patterns = np.vstack([np.ones(len(rotors)), self.allocation.matrix[moments]]).T
         upward = max(float(rotors.axis[:, 2].mean()), 0.2)
         lifted = self.weight / (len(rotors) * upward)
+        self.turn = math.copysign(1.0, turning)  # -1 for rotors that turn backward, else 1
         # Approximate squared rotor speed in hover [rad^2/s^2].
-        self.reference = omega[0, 0] ** 2 * lifted / abs(thrust)
-        self.turn = math.copysign(1.0, thrust)  # -1 for rotors that turn backward, else 1
+        self.reference = turning**2 * lifted / (self.turn * thrust)
 
     def solve(
         self, flight: SteadyFlight, tolerance: float, first: Floats | None = None
