@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.cluster_rotor import LARGE, grid, model
+from propmap.io.csv import OperatingPoints
 from propmap.rotor import Rotor
 from propmap.study.run import Study
-from propmap.sweep.points import Part
 from propmap.sweep.run import POINTS_PER_TASK, Sweep
 
 
@@ -25,7 +25,7 @@ def designs() -> dict[str, Any]:
             sweep = Sweep(Rotor(model("recommended"), accuracy=accuracy), whole)
             rng = np.random.default_rng(2)
             size = POINTS_PER_TASK if accuracy == "standard" else 4096
-            part = Part(
+            part = OperatingPoints(
                 rng.uniform(3000.0, 8000.0, size),
                 rng.uniform(0.0, 20.0, size),
                 rng.uniform(0.0, 180.0, size),

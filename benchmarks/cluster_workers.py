@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.cluster_rotor import LARGE, grid, rotor, usage
 from benchmarks.scheduler_simulation import Costs, efficiency, simulate
 from propmap.cluster import DaskWorkers, connected
-from propmap.sweep.points import Part
+from propmap.io.csv import OperatingPoints
 from propmap.sweep.run import Sweep
 
 WORKERS = (1, 2, 4, 8)
@@ -37,7 +37,7 @@ def _wait(_: None, task: float) -> float:
     return task
 
 
-def _timed_part(sweep: Sweep, part: Part) -> float:
+def _timed_part(sweep: Sweep, part: OperatingPoints) -> float:
     """Processor time of this process [s], which does one task at a time."""
     start = time.process_time()
     sweep.values(part)
@@ -50,7 +50,7 @@ def scheduler() -> dict[str, Any]:
     sweep = Sweep(rotor(), grid(LARGE))
     rng = np.random.default_rng(1)
     some = [
-        Part(rng.uniform(3000.0, 8000.0, SHORT_TASK), *rest)
+        OperatingPoints(rng.uniform(3000.0, 8000.0, SHORT_TASK), *rest)
         for rest in zip(
             rng.uniform(0.0, 20.0, (TASKS, SHORT_TASK)),
             rng.uniform(0.0, 180.0, (TASKS, SHORT_TASK)),

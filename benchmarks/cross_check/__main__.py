@@ -38,7 +38,7 @@ from benchmarks.cross_check.mission import (
 )
 from benchmarks.cross_check.simulators import Drake, MuJoCo, RotorPy, SciPy
 from benchmarks.results_file import machine, write_results
-from propmap.aircraft.trim import Aircraft, HoverLoads
+from propmap.aircraft.trim import Aircraft
 from propmap.flight.simulate import trim
 from propmap.hover import HoverModel
 from propmap.model.airfoil import Airfoil
@@ -257,7 +257,7 @@ def measure() -> dict[str, Any]:
         "table": {"tolerance": TOLERANCE, "max_error": table.certificate["max_error"]},
         "steady": steady(vehicle, table, rotor),
     }
-    for name, loads in (("propmap", table), ("hover", HoverLoads(hover))):
+    for name, loads in (("propmap", table), ("hover", hover)):
         checked, flights = cross_checked(Problem(vehicle, loads, hover, MISSION))
         exact = flights["SciPy"]
         found[name] = checked | {

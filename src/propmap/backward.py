@@ -13,12 +13,11 @@ the weight (Omega R)^2/((Omega R)^2 + V^2), so the loads are continuous at Omega
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from propmap.loads import LOADS
-from propmap.model.airfoil import Airfoil
+from propmap.model.airfoil import Airfoil, SectionTable
+from propmap.model.corrections import StallDelay
 from propmap.model.model import Model
 from propmap.results import STATUSES
 from propmap.tasks import cores
@@ -32,24 +31,28 @@ SHARE = 0.15
 assumption, because no measurement of a propeller that turns backward was found."""
 
 
-class Backward(NamedTuple):
-    """Loads and other results at N operating points with negative omega."""
-
-    loads: Floats  # in the order of ``LOADS`` (L, N) [N], [N m]
-    found: Floats  # status code, roots, vortex ring, mean inflow, reverse flow (5, N)
-    deviations: Floats  # standard deviations of the loads (L, N) [N], [N m]
-
-
 def more_twist(model: Model) -> tuple[float, float]:
-    """Return the additional twist [rad] of the upside-down blades, with and without camber."""
-    if not isinstance(model.airfoil, Airfoil):
-        # A section table contains the lift in flow from the trailing edge.
-        return np.pi, np.pi
-    return np.pi + 2.0 * model.airfoil.zero_lift_angle, np.pi
+    """Return the additional twist [rad] of the upside-down blades, with and without camber.
+
+    If the section law has a period of half a turn, the half turn has no effect and is omitted: the
+    core then uses the same nodes in both directions, and the loads are equal except for rounding.
+    """
+    law, half = model.airfoil, np.pi
+    if isinstance(law, Airfoil):
+        half = 0.0 if law.lift_law == "simplified" else np.pi
+        return half + 2.0 * law.zero_lift_angle, half
+    # A section table contains the lift in flow from the trailing edge.
+    if isinstance(law, SectionTable) and model.correction_of(StallDelay) is None:
+        opposite, rows = np.mod(law.angle, 2.0 * np.pi) - np.pi, (*law.lift, *law.drag)
+        there = (np.interp(opposite, law.angle, row) for row in rows)
+        half = 0.0 if np.allclose(list(there), rows, rtol=0.0, atol=1e-12) else np.pi
+    return half, half
 
 
-def solve(rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats) -> Backward:
-    """Return the loads at operating points (F, N), the rows of ``FlowPoints``, with omega < 0.
+def solve(
+    rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Return the results at operating points (F, N), the rows of ``FlowPoints``, with omega < 0.
 
     Parameters
     ----------
@@ -59,6 +62,12 @@ def solve(rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats) -> Back
         Tip radius [m].
     rows : ndarray, shape (F, N)
         Omega < 0 [rad/s], axial and in-plane velocity [m/s], distances of ground and ceiling [m].
+
+    Returns
+    -------
+    loads, found, deviations : ndarray, shape (L, N), (5, N), (L, N)
+        Loads in the order of ``LOADS``; status code, roots, vortex ring, mean inflow and reverse
+        flow; standard deviations of the loads.
     """
     omega, v_axial, v_inplane, height, ceiling = rows
     turned = np.ascontiguousarray([-omega, -v_axial, v_inplane, ceiling, height])
@@ -72,4 +81,4 @@ def solve(rotors: tuple[CoreRotor, CoreRotor], tip: float, rows: Floats) -> Back
     status, roots = np.maximum(found[:2], other[:2])
     status = np.maximum(status, STATUSES.index("reversed"))
     more = np.stack([status, roots, ring, -inflow, 1.0 - reverse])
-    return Backward(SIGNS * loads, more, deviations)
+    return SIGNS * loads, more, deviations

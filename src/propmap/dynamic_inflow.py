@@ -18,9 +18,6 @@ from propmap.rotor import Rotor
 from propmap.tasks import cores
 from propmap.typing import Floats
 
-HARMONICS = 3
-"""Number of harmonics at the beginning of a state: mean, and gradients along x and y."""
-
 STEP = 2e-6  # step of the central differences in ``linearize``, over tip speed plus airspeed
 
 

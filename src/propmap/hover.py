@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -68,3 +70,7 @@ class HoverModel:
         none = np.zeros_like(omega, dtype=np.float64)
         known = {"thrust": self.thrust(omega), "torque": self.torque(omega)}
         return {name: known.get(name, none) for name in LOADS}
+
+    def loads_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Any:  # noqa: ARG002
+        """Return ``loads`` at ``omega``, and a ``status``; ``velocity`` has no effect."""
+        return SimpleNamespace(**self.loads(omega), status=np.full(np.shape(omega), "ok"))

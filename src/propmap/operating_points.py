@@ -98,14 +98,17 @@ def resolved(
     one: bool = False,
     **further: Unpack[Further],
 ) -> FlowPoints:
-    """Resolve V along and across the axis, exact at multiples of pi/2; ``one`` excludes arrays."""
+    """Resolve V along and across the axis, exact at multiples of pi/2; ``one`` excludes arrays and
+    a negative omega."""
     more = _given(further)
-    alone = None if more else _resolved_alone(omega, speed, beta)
+    alone = None if more or one else _resolved_alone(omega, speed, beta)
     if alone is not None:
         return alone
     w, v, b, *rest = broadcast(omega=omega, speed=speed, beta=beta, **more)
     if one and w.ndim:
         raise InputError("only one operating point is allowed: give scalars")
+    if one:
+        _refuse_negative("omega", w, SPIN_REMEDY)
     _refuse_negative("speed", v, "give a value of 0 or more [m/s], and beta = pi for descent")
     cosine, sine = np.cos(b), np.abs(np.sin(b))
     rounding = 4e-16 * np.maximum(1.0, np.abs(b))
@@ -170,12 +173,6 @@ def _split_alone(omega: ArrayLike, velocity: ArrayLike) -> tuple[FlowPoints, Flo
     across = float(np.hypot(x, y))
     direction = np.array([x / across, y / across, 0.0] if across > 0.0 else [1.0, float(y), 0.0])
     return FlowPoints(np.array(float(omega)), np.array(float(z)), np.array(across)), direction
-
-
-def forward(points: FlowPoints) -> FlowPoints:
-    """Return ``points``; raise ``InputError`` for a negative omega."""
-    _refuse_negative("omega", points.omega, SPIN_REMEDY)
-    return points
 
 
 def _given(further: Further) -> dict[str, Any]:

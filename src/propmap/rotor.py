@@ -22,7 +22,6 @@ from propmap.operating_points import (
     Further,
     along_and_across,
     broadcast,
-    forward,
     numbers,
     resolved,
     split_velocity,
@@ -327,7 +326,7 @@ class Rotor:
         azimuth : array_like, optional
             Azimuth psi [rad]; by default every 5 degrees of a full turn.
         """
-        rows = forward(resolved(omega, speed, beta, one=True)).rows
+        rows = resolved(omega, speed, beta, one=True).rows
         root, tip = self.model.span
         y = broadcast(radius=np.linspace(root, tip, 60) if radius is None else radius)[0].ravel()
         turn = np.linspace(0.0, 2.0 * np.pi, 73)
@@ -363,7 +362,7 @@ class Rotor:
         InputError
             For arrays, and for values that ``loads`` refuses.
         """
-        found = self._core.solution(forward(resolved(omega, speed, beta, one=True)).rows)
+        found = self._core.solution(resolved(omega, speed, beta, one=True).rows)
         return results.SearchReport(
             radius=found["radius"],
             inflow=found["inflow"],
@@ -402,12 +401,11 @@ class Rotor:
             return found[: len(LOADS)], found[len(LOADS) :], None
         tip = self.model.span[1]
         back = backward.solve(self._backward, tip, rows[:, turns_back])
-        loads, found = np.split(
-            self._core.loads(np.where(turns_back, 0.0, rows), (), cores())[0], [len(LOADS)]
-        )
+        every, _ = self._core.loads(np.where(turns_back, 0.0, rows), (), cores())
+        loads, found = np.split(every, [len(LOADS)])
         deviations = np.zeros_like(loads)
-        loads[:, turns_back], found[:, turns_back] = back.loads, back.found
-        deviations[:, turns_back] = back.deviations
+        for whole, part in zip((loads, found, deviations), back, strict=True):
+            whole[:, turns_back] = part
         return loads, found, deviations
 
     @functools.cached_property

@@ -53,6 +53,15 @@ def test_netcdf_holds_the_loads(run: Run, rotor: propmap.Rotor, tmp_path: Path) 
     assert attributes["created"].endswith("+00:00")
 
 
+def test_a_sweep_contains_both_directions_of_rotation(run: Run) -> None:
+    done = run("sweep", *ROTOR, "--rpm", "-4000,4000", *GRID[2:], "-o", "out.csv")
+    assert done.code == 0 and "the propeller turns backward" in done.err
+    rows = rows_of("out.csv")
+    assert [row["status"] == "reversed" for row in rows] == [
+        float(row["rpm"]) < 0.0 for row in rows
+    ]
+
+
 def test_nothing_is_left_when_writing_is_interrupted(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

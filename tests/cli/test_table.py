@@ -14,7 +14,7 @@ import propmap
 from propmap.loads import LOADS
 from propmap.table import LoadTable, build_table
 
-from .conftest import ROTOR, Run
+from .conftest import ROTOR, Run, refused
 from .invented_tables import certificate, invented
 
 SMALL = ["--rpm", "4000:4400", "--speed", "14:16", "--beta", "75:90", "--tolerance", "5%"]
@@ -71,3 +71,8 @@ def test_an_interrupted_build_leaves_nothing(
     monkeypatch.setattr(propmap.Rotor, "loads", stop)
     assert run("table", *ROTOR, *SMALL, "-o", "map.npz").code == 130
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_table_of_both_directions_is_refused(run: Run) -> None:
+    asked = ["--rpm", "-4000:4400", *SMALL[2:], "-o", "map.npz"]
+    refused(run("table", *ROTOR, *asked), "includes 0", "one table for each direction")

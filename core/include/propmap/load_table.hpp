@@ -77,9 +77,10 @@ struct LoadTable {
         Found f{{}, at.omega, at.status};
         std::fill_n(f.loads.begin(), count, NAN);
         if (at.status == TableStatus::outside) return f;
-        const auto i = advance.place_of(at.speed / (at.omega * radius)), j = beta.place_of(at.beta);
+        const double turning = std::fabs(at.omega);  // backward rotation has omega < 0
+        const auto i = advance.place_of(at.speed / (turning * radius)), j = beta.place_of(at.beta);
         const Row row = sum(i.interval, j.interval, i.at, j.at);
-        const double square = at.omega * at.omega, root = 1.0 / std::sqrt(at.omega) - 1.0 / std::sqrt(low[0]);
+        const double square = turning * turning, root = 1.0 / std::sqrt(turning) - 1.0 / std::sqrt(std::fabs(low[0]));
         for (int k = 0; k < count; ++k) f.loads.begin()[k] = square * (row[k] + root * row[count + k]);
         if (std::isnan(f.loads.thrust)) f.status = TableStatus::no_value;
         else if (at.status == TableStatus::ok) f.status = cells[i.interval * (beta.knots.size() - 1) + j.interval];

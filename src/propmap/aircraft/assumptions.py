@@ -48,10 +48,11 @@ def assumptions(
     else:
         section, corrections = loads.info.get("airfoil") or {}, loads.info.get("corrections") or ()
         constants = f"from the table, {section.get('name', 'not stated')}"
+    backward = ", turning backward (not measured)" if getattr(loads, "backward", False) else ""
     return {
         "body_drag": _body_drag(vehicle),
         "power": _power(vehicle),
-        "rotors": _rotors(vehicle, corrections),
+        "rotors": _rotors(vehicle, corrections) + backward,
         "propeller": "each propeller as listed" if loads is None else vehicle.propeller.summary,
         "air": f"{vehicle.air.density:.4g} kg/m^3",
         "constants": constants,

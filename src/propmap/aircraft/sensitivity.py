@@ -356,7 +356,7 @@ class Responses:
     def _outcome(self, unknowns: Floats, flight: SteadyFlight, torque: Floats) -> StateChange:
         """Return the values of a ``StateChange`` for unknowns (n, u) and torques (n, k)."""
         aircraft, balance = self.aircraft, self.aircraft.balance
-        (pitch, roll), omega = unknowns.T[:2], np.sqrt(balance.squares(unknowns))
+        (pitch, roll), omega = unknowns.T[:2], balance.omega(unknowns)
         hubs = balance.motion(pitch, roll, flight)[1]
         power = aircraft.vehicle.powertrain.driven(torque, omega, aircraft.charge).power
         used = aircraft.used(omega, hubs, torque)

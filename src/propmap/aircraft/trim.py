@@ -6,7 +6,6 @@ import copy
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,7 +47,8 @@ class Aircraft:
     vehicle : Vehicle
         Vehicle, from ``read_vehicle(path).vehicle``.
     loads : Rotor or LoadTable
-        Source of the loads of the rotors.
+        Source of the loads of the rotors.  With a table of propellers that turn backward, the
+        vehicle flies upside down: the roll is that of upright flight plus pi.
     maximum_rotor_speed : float
         Largest rotor speed [rad/s], in addition to the limit of the motor.
     charge : float
@@ -83,7 +83,8 @@ class Aircraft:
     @property
     def notes(self) -> list[str]:
         """Notes on axes that the rotor speeds do not command, and on missing limits."""
-        return [*self.balance.allocation.notes, *([] if self.limited else [UNLIMITED])]
+        notes = [*self.balance.allocation.notes, *([] if self.limited else [UNLIMITED])]
+        return notes if self.balance.turn > 0.0 else [INVERTED, *notes]
 
     @property
     def limited(self) -> bool:
@@ -95,16 +96,13 @@ class Aircraft:
     def with_hover_model(self) -> Aircraft:
         """Return this aircraft with the hover model of its rotors: static loads, no rotor drag."""
         other = copy.copy(self)
-        omega = REFERENCE_TIP_SPEED / self.vehicle.propeller.radius
-        if not isinstance(self.loads, Rotor):
-            low, high = self.loads.envelope["omega"]
-            omega = min(max(omega, low), high)
+        omega = usual_omega(self.rotors)
         still = self.loads.loads(omega, 0.0, 0.0)
         hover = HoverModel(float(still.thrust) / omega**2, float(still.torque) / omega**2, omega)
         everyone = np.arange(len(self.rotors))
         # Loads of the hover model do not depend on the flow, so wakes have no effect.
         alone = replace(self.vehicle, wakes=None)
-        other.rotors = Rotors(alone, [(HoverLoads(hover), everyone)])
+        other.rotors = Rotors(alone, [(hover, everyone)])
         other.balance = SteadyBalance(self.vehicle, other.rotors)
         other._lost = NOT_FOUND
         return other
@@ -198,14 +196,15 @@ class Aircraft:
         """
         axial = np.einsum("...kj,kj->...k", velocity, self.rotors.axis)
         across = np.sqrt(np.maximum(np.sum(velocity**2, axis=-1) - axial**2, 0.0))
-        tip = np.hypot(omega * self.rotors.radius + across, axial)
+        turning = np.abs(omega)
+        tip = np.hypot(turning * self.rotors.radius + across, axial)
         powertrain = self.vehicle.powertrain
         motor, battery = powertrain.motor, powertrain.battery
         electric = powertrain.driven(torque, omega, self.charge)
         nothing = np.zeros(omega.shape[0])
         largest = min(self.maximum_rotor_speed, motor.maximum_speed if motor else math.inf)
         found = dict.fromkeys(LIMITS, nothing)
-        found["rpm_limit"] = omega.max(axis=1) / largest
+        found["rpm_limit"] = turning.max(axis=1) / largest
         found["tip_speed_limit"] = tip.max(axis=1) / (FAST_TIP_MACH * SPEED_OF_SOUND)
         if motor is not None:
             current = electric.motor_current.max(axis=1)
@@ -315,6 +314,15 @@ class SteadyFlight(NamedTuple):
         return SteadyFlight(*(array[which] for array in self))
 
 
+def usual_omega(rotors: Rotors) -> float:
+    """Return the speed [rad/s] of ``rotors`` at the usual tip speed, or the nearest in a table."""
+    omega, (loads, _) = REFERENCE_TIP_SPEED / rotors.radius, rotors.sources[0]
+    if not isinstance(loads, LoadTable):
+        return loads.omega if isinstance(loads, HoverModel) else omega
+    low, high = loads.envelope["omega"]
+    return min(max(math.copysign(omega, low), low), high)
+
+
 class Balanced(NamedTuple):
     """Best result for n flights with k rotors, balanced or not."""
 
@@ -361,10 +369,7 @@ class SteadyBalance:
         self.weight = vehicle.mass * GRAVITY
         reach = np.linalg.norm(rotors.position, axis=1).max()
         self.arm = float(max(reach, vehicle.propeller.radius))
-        turning = REFERENCE_TIP_SPEED / rotors.radius
-        for loads, _ in rotors.sources:
-            if isinstance(loads, LoadTable):
-                turning = float(np.clip(turning, *loads.envelope["omega"]))
+        turning = usual_omega(rotors)
         omega = np.full((1, len(rotors)), turning)
         still = rotors.wrenches(omega, np.zeros((*omega.shape, 3)))
         thrust = float(still.thrust.mean())
@@ -379,8 +384,9 @@ class SteadyBalance:
         self.patterns = np.vstack([np.ones(len(rotors)), self.allocation.matrix[moments]]).T
         upward = max(float(rotors.axis[:, 2].mean()), 0.2)
         lifted = self.weight / (len(rotors) * upward)
+        self.turn = math.copysign(1.0, turning)  # -1 for rotors that turn backward, else 1
         # Approximate squared rotor speed in hover [rad^2/s^2].
-        self.reference = omega[0, 0] ** 2 * lifted / thrust
+        self.reference = turning**2 * lifted / (self.turn * thrust)
 
     def solve(
         self, flight: SteadyFlight, tolerance: float, first: Floats | None = None
@@ -395,7 +401,7 @@ class SteadyBalance:
             push = 0.5 * self.vehicle.air.density * area * flight.speed**2 / self.weight
             first = np.zeros((flight.speed.size, 2 + self.patterns.shape[1]))
             first[:, 0] = np.minimum(np.arctan(push), 0.6)
-            first[:, 1] = flight.bank
+            first[:, 1] = flight.bank + (math.pi if self.turn < 0.0 else 0.0)
             first[:, 2] = np.hypot(1.0 / np.cos(flight.bank), push)
 
         def linearized(unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
@@ -424,6 +430,10 @@ class SteadyBalance:
         """Return squared rotor speeds (n, k) [rad^2/s^2] of ``unknowns`` (n, u)."""
         squares = self.reference * (unknowns[:, 2:] @ self.patterns.T)
         return np.maximum(squares, 1e-4 * self.reference)
+
+    def omega(self, unknowns: Floats) -> Floats:
+        """Return rotor speeds (n, k) [rad/s] of ``unknowns`` (n, u)."""
+        return self.turn * np.sqrt(self.squares(unknowns))
 
     def motion(
         self, pitch: Floats, roll: Floats, flight: SteadyFlight
@@ -457,7 +467,7 @@ class SteadyBalance:
     def _linearized(self, unknowns: Floats, flight: SteadyFlight) -> tuple[Floats, Floats]:
         """Return residuals (n, u) and their derivatives (n, u, u)."""
         pitch, roll = unknowns[:, 0], unknowns[:, 1]
-        omega = np.sqrt(self.squares(unknowns))
+        omega = self.omega(unknowns)
         turned = CHANGE * np.array([[0.0], [1.0], [0.0]]), CHANGE * np.array([[0.0], [0.0], [1.0]])
         velocity, hubs, specific = self.motion(pitch + turned[0], roll + turned[1], flight)
         found, force, moment = self.rotors.around(omega, hubs, CHANGE)
@@ -473,7 +483,7 @@ class SteadyBalance:
         """Return the result for the ``unknowns`` (n, u) of n flights, balanced or not."""
         pitch, roll = unknowns[:, 0], unknowns[:, 1]
         velocity, hubs, specific = self.motion(pitch, roll, flight)
-        omega = np.sqrt(self.squares(unknowns))
+        omega = self.omega(unknowns)
         wrenches = self.rotors.wrenches(omega, hubs)
         residual, moment = self._residual(velocity, specific, wrenches)
         return Balanced(pitch, roll, omega, velocity, hubs, wrenches, moment, residual)
@@ -610,17 +620,6 @@ def _load(vehicle: Vehicle, flight: SteadyFlight) -> Floats:
     return vehicle.mass * GRAVITY / np.cos(flight.bank)
 
 
-class HoverLoads:
-    """Loads of the hover model, T = k_T Omega^2 and Q = k_tau Omega^2, at any velocity."""
-
-    def __init__(self, hover: HoverModel) -> None:
-        self.hover = hover
-
-    def loads_at_velocity(self, omega: Floats, velocity: Floats) -> Any:  # noqa: ARG002
-        """Return loads by name and a ``status``, of the shape of ``omega`` [rad/s]."""
-        return SimpleNamespace(**self.hover.loads(omega), status=np.full(omega.shape, "ok"))
-
-
 # -------------------------------------------------------------------------------------------------
 # Steady states of an aircraft, and their statuses.
 
@@ -636,6 +635,10 @@ LIMITS = {
 UNLIMITED = (
     "thrust margin and top speed are unknown: add [battery], or maximum_current or maximum_rpm in "
     "[motor], or pass --max-rpm"
+)
+
+INVERTED = (
+    "the rotors turn backward and the vehicle flies upside down; no measurement confirms this"
 )
 
 JUMP = 2e-3

@@ -416,6 +416,12 @@ def parse_axis(option: str, quantity: str, text: str, count: int | None = None) 
 def note_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
     """Note points [rad/s], [m/s], [rad] that are implausible or beyond the data of the section
     constants; raise ``InputError`` for a supersonic blade tip."""
+    if np.any(omega < 0.0):
+        note(
+            "negative rpm: the propeller turns backward, and its thrust changes sign; no "
+            "measurement confirms these loads; for both spins (cw, ccw), give a positive rpm"
+        )
+        omega = np.abs(omega)
     note_reynolds(model, omega, speed, beta)
     note(*point_warnings(model.propeller, omega, speed, beta))
     known = model.uncertainty

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -70,9 +69,9 @@ def predict(
     chosen = out.chosen_format(format_, output)
     rotor = choice.rotor()
     omega, speeds, angles = where.si
-    opt.note_points(rotor.model, np.abs(omega), speeds, angles)
+    opt.note_points(rotor.model, omega, speeds, angles)
     loads = rotor.loads(omega, speeds, angles, **where.further)
-    if count := int(np.count_nonzero(loads.roots > 1)):
+    if count := int(np.count_nonzero((loads.roots > 1) & (omega >= 0.0))):
         out.note(
             f"multiple_roots in {count} of {omega.size} points: near stall the momentum balance "
             "has several solutions; propmap uses the largest one, which has attached flow"
@@ -119,13 +118,7 @@ def _points(
         return found
     if rpm is None:
         raise InputError("--rpm is missing", "give --rpm, or a file with --points")
-    found = opt.single_point(abs(rpm), speed or 0.0, beta or 0.0, **further)
-    if rpm < 0.0:
-        out.note(
-            "negative rpm: the propeller turns backward, and its thrust changes sign; no "
-            "measurement confirms these loads; for both spins (cw, ccw), give a positive rpm"
-        )
-    return replace(found, rpm=np.copysign(found.rpm, rpm))
+    return opt.single_point(rpm, speed or 0.0, beta or 0.0, **further)
 
 
 def _one_point(

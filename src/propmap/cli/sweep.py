@@ -31,7 +31,6 @@ from propmap.sweep.run import (
     Sweep,
     begun,
 )
-from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
 # Runs into a Zarr store, new or resumed; the command prints size and time first.
@@ -181,20 +180,15 @@ def sweep(
     with opt.workers_of(cluster) as workers, out.progress_bar("tasks") as update:
         made.run(store, layout, workers, update)
     if output.suffix.lower() == ".csv":
-        out.write_text(_as_csv(axes, store), output)
+        values = {name: each.ravel() for name, each in store.values.items()}
+        spread = {column_of(name): each for name, each in values.items() if "_std" in name}
+        loads: Any = SimpleNamespace(**{**values, "status": np.array(STATUSES)[values["status"]]})
+        out.write_text(loads_csv(OperatingPoints.grid(*axes), loads, spread), output)
     else:
         write_dataset(store.dataset(), output, new=not force)
     lost = int(np.sum(store.values["status"] == STATUSES.index("not_converged")))
     remark = f", {lost} not converged" if lost else ""
     echo(f"wrote {output}: {count} points{remark}")
-
-
-def _as_csv(axes: tuple[Floats, Floats, Floats], store: InMemory) -> str:
-    """Return the results of a sweep over ``axes`` [1/min], [m/s], [deg] as CSV."""
-    values = {name: each.ravel() for name, each in store.values.items()}
-    spread = {column_of(name): each for name, each in values.items() if "_std" in name}
-    loads: Any = SimpleNamespace(**{**values, "status": np.array(STATUSES)[values["status"]]})
-    return loads_csv(OperatingPoints.grid(*axes), loads, spread)
 
 
 # -------------------------------------------------------------------------------------------------

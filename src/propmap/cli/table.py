@@ -15,7 +15,6 @@ from typer import Argument, Option, echo
 from propmap.cli import options as opt
 from propmap.cli import output as out
 from propmap.errors import InputError, quoted
-from propmap.typing import Floats
 from propmap.units import RPM
 
 if TYPE_CHECKING:
@@ -26,7 +25,9 @@ if TYPE_CHECKING:
 def table(
     choice: opt.RotorChoice,
     context: typer.Context,
-    rpm: Annotated[str, Option(metavar="A:B", help="Range of rotational speeds in rpm.")],
+    rpm: Annotated[
+        str, Option(metavar="A:B", help="Range of rotational speeds in rpm; negative: backward.")
+    ],
     speed: Annotated[str, Option(metavar="A:B", help="Range of airspeeds in m/s.")],
     output: Annotated[Path, out.output_option("Output file: table (.npz) or NetCDF (.nc).")],
     beta: Annotated[
@@ -46,7 +47,11 @@ def table(
     cluster: opt.Cluster = None,
 ) -> None:
     """Build a table of propeller loads with certified error bounds."""
-    ranges = [_range(name, text) for name, text in (("rpm", rpm), ("speed", speed), ("beta", beta))]
+    ranges = []
+    for name, text in (("rpm", rpm), ("speed", speed), ("beta", beta)):
+        if text.count(":") != 1:
+            raise InputError(f"--{name} {quoted(text)} is not a range", "write A:B, from A to B")
+        ranges.append(opt.parse_axis(f"--{name}", name, text, count=2))
     share = _share("--tolerance", tolerance)
     out.check_output(output, (".npz", ".nc"), keep_existing=not force)
 
@@ -90,13 +95,6 @@ def _share(option: str, text: str) -> float:
     return value
 
 
-def _range(quantity: str, text: str) -> Floats:
-    """Read the ends (2,) of "A:B"."""
-    if text.count(":") != 1:
-        raise InputError(f"--{quantity} {quoted(text)} is not a range", "write A:B, from A to B")
-    return opt.parse_axis(f"--{quantity}", quantity, text, count=2)
-
-
 def show_table(
     source: Annotated[Path, Argument(metavar="TABLE", help="Table of loads (.npz).")],
     format_: out.FormatOption = None,
@@ -135,11 +133,11 @@ def certificate_of(found: LoadTable) -> Iterator[object]:
         columns["parameters, median"] = parameters["median"]
         columns["parameters, 95 %"] = parameters["percentile_95"]
     places = largest_at(errors)
-    heads = [*columns, *(f"at [{unit}]" for unit in PLACE.values() if places)]
+    heads = [*columns, *(f"at [{unit}]" for unit in PLACE.values())]
     rows = []
     for name, title in TITLES.items():
         shares = (f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values())
-        rows.append((title, *shares, *(f"{value:.4g}" for value in places.get(name) or ())))
+        rows.append((title, *shares, *(f"{value:.4g}" for value in places[name] or ())))
     yield out.grid("|".join(["<error / static load", *heads]), rows, "Certificate")
     yield from claims(errors)
     yield from parameter_claims(parameters) if parameters else ()

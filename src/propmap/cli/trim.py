@@ -282,7 +282,7 @@ def _span(rpm: Any) -> str:
     if not np.isfinite(rpm).all():
         return "-"
     low, high = f"{rpm.min():.0f}", f"{rpm.max():.0f}"
-    return low if low == high else f"{low}-{high}"
+    return low if low == high else f"{low}{'-' if rpm.min() > 0.0 else ' to '}{high}"
 
 
 def _named_lines(craft: Aircraft, found: performance.Performance | None) -> list[str]:

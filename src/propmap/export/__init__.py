@@ -105,6 +105,7 @@ ROTOR_TARGETS = _targets("rotor")
 VEHICLE_TARGETS = _targets("vehicle")
 """Targets of ``export_vehicle``."""
 
+KNOTS = ("npz", "nc", "csv")  # targets that represent tables of backward rotation
 AUTOPILOTS = _targets("autopilot")  # targets of ``propmap.export.autopilot.export_autopilot``
 
 
@@ -223,6 +224,14 @@ def export_vehicle(
     return _write(find_export(target, "vehicle"), folder, replace, vehicle, table, **names)
 
 
+def check_direction(loads: object, target: str) -> None:
+    """Raise ``InputError`` if ``loads`` is a table of backward rotation without this ``target``."""
+    if getattr(loads, "backward", False) and target not in KNOTS:
+        found = f"the table is for a propeller that turns backward, which {target} cannot represent"
+        remedy = f"choose one of {', '.join(KNOTS)}, or build a table with a positive --rpm"
+        raise InputError(found, remedy)
+
+
 def _write(
     export: Export, folder: str | os.PathLike[str], replace: bool, *source: object, **names: str
 ) -> list[Path]:
@@ -230,5 +239,7 @@ def _write(
     from propmap.export.files import check_folder, write_files
 
     place = Path(folder)
+    for one in source:
+        check_direction(one, export.target)
     check_folder(place)
     return write_files(export.make()(*source, **names), place, replace=replace)

@@ -15,7 +15,7 @@ from propmap.aircraft.assumptions import assumption_lines, assumptions
 from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.catalogue.identified import identified
 from propmap.errors import InputError
-from propmap.export import find_export
+from propmap.export import check_direction, find_export
 from propmap.export.files import check_folder, filled, vehicle_identifier, write_files
 from propmap.export.steady_loads import (
     AXES,
@@ -185,6 +185,7 @@ def export_autopilot(
     InputError
         As ``autopilot_parameters``, and for a folder that is not writable and existing files.
     """
+    check_direction(aircraft.loads, target)
     place, vehicle = Path(folder), aircraft.vehicle
     check_folder(place)
     found = autopilot_parameters(aircraft, target, speeds)

@@ -275,7 +275,7 @@ def slope(samples: Samples, load: str) -> float:
 
 def middle_omega(table: LoadTable) -> float:
     """Return the omega [rad/s] at which the Reynolds number term omega^(-1/2) is at its middle."""
-    return float(np.mean(table.content.omega**-0.5) ** -2.0)
+    return float(np.copysign(np.mean(table.content.roots) ** -2.0, table.content.omega[0]))
 
 
 def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[ErrorSizes, ErrorSizes]:

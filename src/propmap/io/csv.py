@@ -336,8 +336,8 @@ GIVEN = ("rpm", "speed_mps", "beta_deg")  # columns of an operating point
 PREDICT_COLUMNS = (*GIVEN, *(load.column for load in LOADS.values()), "power_W", "status")
 
 REMEDIES = {
-    "rpm": "give 0 or more revolutions per minute, for both spin directions; propmap predict "
-    "--rpm computes propellers that turn backward",
+    "rpm": "give 0 or more revolutions per minute, for both spin directions; only the option "
+    "--rpm accepts propellers that turn backward",
     "speed": "give 0 or more m/s; beta is the direction, 180 in descent",
     "beta": "give degrees: 0 axial climb, 90 edgewise flight, 180 descent",
     "climb": "give m/s, negative in descent",
@@ -348,7 +348,7 @@ REMEDIES = {
 FURTHER = {"height": "height_m", "ceiling": "ceiling_m"}
 """Columns of the optional quantities of an operating point, see ``operating_points.Further``."""
 
-SIGNED = ("beta", "climb")  # quantities that may be negative
+SIGNED = ("rpm", "beta", "climb")  # quantities that may be negative
 MOST_BETA = 360.0  # largest absolute value [deg]
 
 

@@ -81,7 +81,7 @@ def load_curves(
     if band is not None and band.model.uncertainty is not None:
         shaded = found if band is rotor else band.loads(omega, speed, np.array(betas)[:, None])
         edges = shaded.interval()
-    hover = HoverModel.from_rotor(rotor).loads(omega)
+    hover = HoverModel.from_rotor(rotor).loads(omega if omega > 0.0 else np.nan)
     figure, axes = load_panels(3.3, sharex=True)
     for ax, load in zip(axes.ravel(), LOADS.values(), strict=True):
         ax.axhline(float(hover[load.name]), **HOVER)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from propmap.export.files import evenly
 from propmap.loads import LOADS
 from propmap.report import html
+from propmap.table import interpolation
 from propmap.table.certificate import PLACE, TITLES, claims, largest_at, parameter_claims
 from propmap.table.interpolation import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING, cell_codes
 from propmap.table.query import LoadTable
@@ -34,14 +36,14 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
     info, found = table.info, table.certificate
     parameters, law = info.get("parameter_uncertainty") or {}, info.get("airfoil") or {}
     (w0, w1), speeds, betas = table.envelope.values()
-    omega = float(np.sqrt(w0 * w1))  # geometric mean
+    omega = math.copysign(math.sqrt(w0 * w1), w0)  # geometric mean
     rest = table.loads(omega, 0.0, betas[0])
     still = {
         load.name: 0.0 if load.inplane else float(getattr(rest, load.name))
         for load in LOADS.values()
     }
     points = evenly(table)
-    code = table.loads(*points).code
+    code = table.loads(*points).code % interpolation.REVERSED  # which replaces OK
     records = [table_cells(table), load_lines(table, omega, still), load_maps(table, omega)]
     values = {}
     if found:
@@ -100,20 +102,19 @@ def table_errors(
         errors["by the parameters, median"] = parameters["median"]
         errors["by the parameters, 95 %"] = parameters["percentile_95"]
     places = largest_at(found)
-    nowhere = len(PLACE) * [None] if places else []
     slugs = [f"{name.replace(' ', '_').replace(',', '')}_share" for name in errors]
-    at = ["at_rpm", "at_speed_mps", "at_beta_deg"] if places else []
     rows, cells = [], []
     for load, title in TITLES.items():
-        shares, place = [float(one[load]) for one in errors.values()], places.get(load) or nowhere
+        shares = [float(one[load]) for one in errors.values()]
+        place = places[load] or len(PLACE) * [None]
         rows.append((load, *shares, *place))
         shown = [html.number(100.0 * share, 2) for share in shares]
         cells.append((title, *shown, *(html.number(value, 4) for value in place)))
     named = (name.replace("by the parameters", "std. dev. from constants") for name in errors)
     heads = ["error / reference"]
     heads += [f"{name.replace('95 %', '95th percentile')} [%]" for name in named]
-    heads += [f"location of largest error [{unit}]" for unit in PLACE.values() if places]
-    columns = html.columns_of(" ".join(["load", *slugs, *at]), rows)
+    heads += [f"location of largest error [{unit}]" for unit in PLACE.values()]
+    columns = html.columns_of(" ".join(["load", *slugs, "at_rpm at_speed_mps at_beta_deg"]), rows)
     return html.FigureRecord("table-certificate", columns, cells=cells), "|".join(heads)
 
 
@@ -135,7 +136,7 @@ def table_cells(table: LoadTable) -> html.FigureRecord:
     beta = np.degrees(content.beta)
     lost: Any = np.isnan(content.coefficients).any(axis=(0, 1))
     corners = lost[:-1, :-1] | lost[1:, :-1] | lost[:-1, 1:] | lost[1:, 1:]
-    codes = np.where(corners, np.uint8(NO_VALUE), cell_codes(content))
+    codes = np.where(corners, np.uint8(NO_VALUE), cell_codes(content) % interpolation.REVERSED)
     rank = np.searchsorted(list(KINDS), codes)
 
     def draw() -> Figure:
@@ -148,8 +149,8 @@ def table_cells(table: LoadTable) -> html.FigureRecord:
             cmap=ListedColormap([color for _, color in KINDS.values()]), shading="flat",
             rasterized=True,
         )  # fmt: skip
-        for omega in (w0, float(np.sqrt(w0 * w1)), w1):
-            limit = fastest / (omega * content.radius)
+        for omega in (w0, math.copysign(math.sqrt(w0 * w1), w0), w1):
+            limit = fastest / (abs(omega) * content.radius)
             ax.axvline(limit, color="0.2", linewidth=1.0, linestyle="-.")
             ax.annotate(
                 f"{omega / RPM:.0f} rpm", (limit, 1.0), (-3, -4), textcoords="offset points",

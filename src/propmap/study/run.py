@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap.errors import InputError
+from propmap.io.csv import OperatingPoints
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
-from propmap.sweep.points import AXES, Part, Place
+from propmap.sweep.points import AXES, Place
 from propmap.sweep.run import Evaluation, Values
 from propmap.typing import Floats
 
@@ -172,12 +173,13 @@ class Study(Evaluation):
         rows = {name: values[some] for name, values in self.rows.items()}
         return Designs(rows, dict(self.axes)), some.size * math.prod(self.shape[1:])
 
-    def batches(self, part: Designs) -> Iterator[tuple[Rotor, Part]]:
+    def batches(self, part: Designs) -> Iterator[tuple[Rotor, OperatingPoints]]:
         """Yield each design of a ``part`` with its operating points."""
         for row in zip(*part.rows.values(), strict=True):
             values = dict(zip(part.rows, map(float, row), strict=True))
             axes = [part.axes.get(name, np.array([values.get(name, 0.0)])) for name in OPERATION]
-            yield self.design(values), Part(*np.meshgrid(*axes, indexing="ij"))
+            w, v, b = np.meshgrid(*axes, indexing="ij")
+            yield self.design(values), OperatingPoints(w, v, b)
 
     def values(self, part: Designs) -> Values:
         """Return the quantities to store for a ``part``, over the designs and the shared axes."""

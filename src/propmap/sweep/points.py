@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
+from propmap.io.csv import OperatingPoints
 from propmap.loads import LOADS
 from propmap.results import STATUSES, Loads
 from propmap.typing import Floats
-from propmap.units import RPM
 
 Place = tuple[int, ...]  # index of a task along each dimension
 
@@ -23,19 +23,6 @@ AXES = {
     "speed": ("speed_mps", "m/s", "speed of the hub through the air"),
     "beta": ("beta_deg", "degree", "angle between rotor axis and velocity, 0 in axial climb"),
 }  # coordinate, unit and meaning by dimension of a grid
-
-
-class Part(NamedTuple):
-    """Operating points [1/min], [m/s], [degree] of one task, which broadcast to its shape."""
-
-    rpm: Floats
-    speed_mps: Floats
-    beta_deg: Floats
-
-    @property
-    def si(self) -> tuple[Floats, Floats, Floats]:
-        """Omega [rad/s], V [m/s] and beta [rad]."""
-        return self.rpm * RPM, self.speed_mps, np.radians(self.beta_deg)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +40,7 @@ class _Values:
             if values.ndim != 1 or not values.size or not np.isfinite(values).all():
                 found = f"{name} is not a list of finite numbers [{unit}]"
                 raise InputError(found, "give at least one number")
-            if name != "beta_deg" and (values < 0.0).any():
+            if name == "speed_mps" and (values < 0.0).any():
                 raise InputError(f"{name} is negative", "give 0 or more")
 
 
@@ -76,13 +63,14 @@ class Grid(_Values):
         """Numbers of rotational speeds, airspeeds and angles."""
         return self.rpm.size, self.speed_mps.size, self.beta_deg.size
 
-    def part(self, place: Place, chunk: tuple[int, ...]) -> Part:
-        """Return the part at this ``place``; all parts except the last have shape ``chunk``."""
+    def part(self, place: Place, chunk: tuple[int, ...]) -> OperatingPoints:
+        """Return points that broadcast to the shape of the part at this ``place``; all parts except
+        the last have shape ``chunk``."""
         w, v, b = (
             getattr(self, name)[k * n : (k + 1) * n]
             for k, n, (name, _, _) in zip(place, chunk, AXES.values(), strict=True)
         )
-        return Part(w[:, None, None], v[:, None], b)
+        return OperatingPoints(w[:, None, None], v[:, None], b)
 
 
 class PointList(_Values):
@@ -110,10 +98,10 @@ class PointList(_Values):
         """Number of points."""
         return (self.rpm.size,)
 
-    def part(self, place: Place, chunk: tuple[int, ...]) -> Part:
+    def part(self, place: Place, chunk: tuple[int, ...]) -> OperatingPoints:
         """Return the part at this ``place``; all parts except the last have shape ``chunk``."""
         cut = slice(place[0] * chunk[0], (place[0] + 1) * chunk[0])
-        return Part(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut])
+        return OperatingPoints(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut])
 
 
 Points: TypeAlias = Grid | PointList

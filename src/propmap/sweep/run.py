@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 import propmap
 from propmap.errors import InputError, require
+from propmap.io.csv import OperatingPoints
 from propmap.rotor import Rotor
 from propmap.sweep.points import (
     AXES,
-    Part,
     Place,
     Points,
     attributes,
@@ -83,7 +83,7 @@ class Evaluation(ABC):
         """Return a part that is timed to predict the total time, and its number of points."""
 
     @abstractmethod
-    def batches(self, part: Any) -> Iterable[tuple[Rotor, Part]]:
+    def batches(self, part: Any) -> Iterable[tuple[Rotor, OperatingPoints]]:
         """Return the rotors of a ``part``, each with its operating points."""
 
     def described(self, command: str) -> dict[str, Any]:
@@ -93,7 +93,7 @@ class Evaluation(ABC):
     def values(self, part: Any) -> Values:
         """Return the quantities to store for a ``part``, with the batches along the first axis."""
         each = [
-            quantities(rotor.loads(*points.si), bands=self.bands, by_source=self.by_source)
+            quantities(points.loads(rotor), bands=self.bands, by_source=self.by_source)
             for rotor, points in self.batches(part)
         ]
         stacked = {name: np.stack([one[name] for one in each]) for name in each[0]}
@@ -212,23 +212,24 @@ class Sweep(Evaluation):
             for dim, (name, unit, meaning) in zip(dims, AXES.values(), strict=True)
         }
 
-    def part(self, place: Place, chunk: tuple[int, ...]) -> Part:
+    def part(self, place: Place, chunk: tuple[int, ...]) -> OperatingPoints:
         """Return the operating points at this ``place``; parts have the shape ``chunk``."""
         return self.points.part(place, chunk)
 
-    def sample(self) -> tuple[Part, int]:
+    def sample(self) -> tuple[OperatingPoints, int]:
         """Return evenly chosen operating points, and their number."""
         count = math.prod(self.shape)
         some = np.unique(np.linspace(0, count - 1, min(count, SAMPLE)).astype(np.int64))
         at = np.unravel_index(some, self.shape)
         axes = self.coordinates().values()
-        return Part(*(v[at[self.dims.index(dims[0])]] for dims, v, _ in axes)), some.size
+        w, v, b = (values[at[self.dims.index(dims[0])]] for dims, values, _ in axes)
+        return OperatingPoints(w, v, b), some.size
 
-    def batches(self, part: Part) -> Iterable[tuple[Rotor, Part]]:
+    def batches(self, part: OperatingPoints) -> Iterable[tuple[Rotor, OperatingPoints]]:
         """Return all points of a ``part`` as one batch."""
         return [(self.rotor, part)]
 
-    def values(self, part: Part) -> Values:
+    def values(self, part: OperatingPoints) -> Values:
         """Return the quantities to store for a ``part``, in its shape."""
         return {name: stacked[0] for name, stacked in super().values(part).items()}
 

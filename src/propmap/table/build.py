@@ -73,8 +73,8 @@ def build_table(
         Rotor to tabulate.  If its model has an uncertainty, the table contains the covariance of
         the section constants and the standard deviations of the loads.
     omega, speed, beta : tuple of float
-        Least and largest value of the envelope [rad/s], [m/s], [rad]; omega above 0, beta within
-        0...pi.
+        Least and largest value of the envelope [rad/s], [m/s], [rad]; beta within 0...pi.  All
+        omegas are above 0, or below 0 for a propeller that turns backward.
     tolerance : float
         Largest error as a fraction of the static loads at the same omega.
     leave_out_vortex_ring : bool
@@ -101,8 +101,8 @@ def build_table(
         progress=progress,
         workers=workers,
     )
-    radius = rotor.model.propeller.radius
-    advance = (ends[1][0] / (ends[0][1] * radius), ends[1][1] / (ends[0][0] * radius))
+    slow, fast = np.sort(np.abs(ends[0])) * rotor.model.propeller.radius
+    advance = ends[1][0] / fast, ends[1][1] / slow
     check_between_speeds(model, ends, tolerance)
     axes = starting_axes(model, advance, (float(ends[2][0]), float(ends[2][1])))
     info, left = _provenance(rotor, leave_out_vortex_ring), 1.0
@@ -176,10 +176,11 @@ def _envelope(*ranges: Range) -> tuple[Floats, Floats, Floats]:
         if not (np.isfinite([low, high]).all() and low < high):
             found = f"the range of {name} is {low:g} to {high:g} {unit}"
             raise InputError(found, "give the smaller value first")
-    (slowest, _), (least, _), (first, last) = ranges
-    if slowest <= 0.0:
-        found = f"the least omega is {slowest:g} rad/s, for which the advance ratio is infinite"
-        raise InputError(found, "start at the idle speed")
+    (slowest, fastest), (least, _), (first, last) = ranges
+    if slowest <= 0.0 <= fastest:
+        found = f"omega ranges from {slowest:g} to {fastest:g} rad/s and includes 0, for which the "
+        remedy = "start at the idle speed; build one table for each direction of rotation"
+        raise InputError(f"{found}advance ratio is infinite", remedy)
     if least < 0.0 or first < 0.0 or last > np.pi + 1e-12:
         found = "speed must not be negative, and beta must be between 0 and pi"
         raise InputError(found, "for descent, give beta above pi/2")
@@ -264,23 +265,23 @@ def check_between_speeds(
     """Raise ``InputError`` if the error of the interpolation in omega exceeds the tolerance.
     The Reynolds number then changes the loads too much between the least and the largest omega."""
     error, advance, beta = _errors_between(model, ends)
-    limit = POINT_SHARE * tolerance
+    limit, small = POINT_SHARE * tolerance, 0.5 * MOST_UNRESOLVED
     lost = error > limit
     if lost.mean() <= MOST_UNRESOLVED:
         return
-    (slow, fast), remedies = ends[0], []
+    (slow, fast), remedies = np.sort(np.abs(ends[0])), []
     for share in NARROWER:
-        least = slow ** (1.0 - share) * fast**share
-        narrower = (np.array([least, fast]), *ends[1:])
-        if np.mean(_errors_between(model, narrower)[0] > limit) <= 0.5 * MOST_UNRESOLVED:
-            remedies = [f"--rpm {np.ceil(least / RPM / 10.0) * 10.0:.0f}:{fast / RPM:.0f}"]
+        least = np.ceil(slow ** (1.0 - share) * fast**share / RPM / 10.0) * 10.0 * RPM
+        narrower = np.sort(np.sign(ends[0][0]) * np.array([least, fast]))
+        if np.mean(_errors_between(model, (narrower, *ends[1:]))[0] > limit) <= small:
+            remedies = ["--rpm {:.0f}:{:.0f}".format(*(narrower / RPM))]
             break
-    wider = float(np.quantile(error, 1.0 - 0.5 * MOST_UNRESOLVED)) / POINT_SHARE
+    wider = float(np.quantile(error, 1.0 - small)) / POINT_SHARE
     if wider < LARGEST_TOLERANCE:
         remedies.append(f"--tolerance {1.01 * wider:.2%}")
     raise InputError(
-        f"from {slow / RPM:.0f} to {fast / RPM:.0f} rpm the loads change with the Reynolds number, "
-        f"and the error of interpolation between both ends exceeds {tolerance:.2%} in "
+        f"from {ends[0][0] / RPM:.0f} to {ends[0][1] / RPM:.0f} rpm the loads change with the "
+        f"Reynolds number, and the error of interpolation between both ends exceeds {tolerance:.2%} in "
         f"{lost.mean():.0%} of the envelope{_place(advance[lost], beta[lost])}",
         f"use {' or '.join(remedies) or 'a smaller envelope'}",
     )
@@ -304,18 +305,19 @@ def _errors_between(
     omega, speed, beta = (
         low + (high - low) * u for (low, high), u in zip(ends, PROBED, strict=True)
     )
-    radius, roots = model.rotor.model.propeller.radius, ends[0] ** -0.5
-    advance = speed / (omega * radius)
+    radius, roots = model.rotor.model.propeller.radius, np.abs(ends[0]) ** -0.5
+    advance = speed / (np.abs(omega) * radius)
     share = np.concatenate([[0.0], BETWEEN, [1.0]])[:, None]
-    turning = (roots[0] + share * (roots[1] - roots[0])) ** -2.0
+    turning = np.sign(ends[0][0]) * (roots[0] + share * (roots[1] - roots[0])) ** -2.0
     every, j, b = (x.ravel() for x in np.broadcast_arrays(turning, advance, beta))
-    values = model.loads(every, j * every * radius, b)[0].reshape(len(share), advance.size, -1)
+    flown = j * np.abs(every) * radius
+    values = model.loads(every, flown, b)[0].reshape(len(share), advance.size, -1)
     static = model.static_loads(turning[:, 0])[:, None]
     relative, square = values / turning[..., None] ** 2, turning[..., None] ** 2
     expected = relative[0] + share[..., None] * (relative[-1] - relative[0])
     error = np.abs(expected - relative) * square / static
-    flown = (j * every * radius).reshape(error.shape[:2]) <= ends[1][1]
-    return _largest(np.where(flown[..., None], error, 0.0), (0, 2)), advance, beta
+    inside = flown.reshape(error.shape[:2]) <= ends[1][1]
+    return _largest(np.where(inside[..., None], error, 0.0), (0, 2)), advance, beta
 
 
 # -------------------------------------------------------------------------------------------------
@@ -334,7 +336,7 @@ def deviation_coefficients(rotor: Rotor, content: TableContent) -> Floats:
 
     advance, beta = few(content.advance), few(content.beta)
     omega, j, b = np.meshgrid(content.omega, advance, beta, indexing="ij")
-    found = rotor.loads(omega.ravel(), (j * omega * content.radius).ravel(), b.ravel()).std
+    found = rotor.loads(omega.ravel(), (j * np.abs(omega) * content.radius).ravel(), b.ravel()).std
     values = np.stack([getattr(found, name) for name in LOADS])
     coarse = (values / content.scale[:, None] / omega.ravel() ** 2).reshape(-1, *omega.shape)
     between = bilinear(advance, beta, coarse, content.advance[:, None], content.beta)

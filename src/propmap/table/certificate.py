@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from propmap.loads import LOADS
@@ -39,10 +39,9 @@ class Certificate:
         Number of points of the sample with the status "vortex_ring", which count in the errors,
         and number of points without loads.
     search_points : int
-        Number of points in the search for the largest errors; 0 in tables of earlier versions,
-        which were not searched.
+        Number of points in the search for the largest errors.
     max_omega, max_speed, max_beta : dict of str to float
-        Operating point of ``max_error`` [rad/s], [m/s], [rad]; empty in earlier versions.
+        Operating point of ``max_error`` [rad/s], [m/s], [rad].
     """
 
     tolerance: float
@@ -58,10 +57,10 @@ class Certificate:
     unresolved_rms_error: dict[str, float]
     vortex_ring: int
     no_value: int
-    search_points: int = 0
-    max_omega: dict[str, float] = field(default_factory=dict)
-    max_speed: dict[str, float] = field(default_factory=dict)
-    max_beta: dict[str, float] = field(default_factory=dict)
+    search_points: int
+    max_omega: dict[str, float]
+    max_speed: dict[str, float]
+    max_beta: dict[str, float]
 
     @property
     def holds(self) -> bool:
@@ -81,10 +80,8 @@ PLACE = {"rpm": "1/min", "speed": "m/s", "beta": "deg"}  # coordinates in the en
 
 
 def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
-    """Return the operating point, as in ``PLACE``, of the largest error of each load, None for a
-    zero error; empty for certificates of earlier versions."""
-    if not found.get("max_omega"):
-        return {}
+    """Return the operating point, as in ``PLACE``, of the largest error of each load; None if it is
+    zero."""
     units = {"max_omega": 1.0 / RPM, "max_speed": 1.0, "max_beta": 1.0 / DEGREE}
     places = {
         load: [factor * found[name][load] for name, factor in units.items()] for load in LOADS
@@ -100,11 +97,10 @@ def claims(found: Mapping[str, Any]) -> Iterator[str]:
         f"the tolerance of {found['tolerance']:.2%} holds on {found['points']} points that were "
         f"not used to build the table{outside}"
     )
-    if found.get("search_points"):
-        yield (
-            f"a search for the largest errors used {found['search_points']} more points: in each "
-            "cell of the table, and along paths of increasing error from the worst points"
-        )
+    yield (
+        f"a search for the largest errors used {found['search_points']} more points: in each "
+        "cell of the table, and along paths of increasing error from the worst points"
+    )
     if cells:
         worst = max(found["unresolved_max_error"].values())
         yield (

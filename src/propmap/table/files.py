@@ -31,7 +31,6 @@ ARRAYS = dict.fromkeys(("advance", "beta", "omega", "speed"), "f8") | {
 
 MOST_UNPACKED = 400_000_000  # largest size of its arrays according to the zip directory [bytes]
 
-LATER = "search_points max_omega max_speed max_beta"  # not in certificates of earlier versions
 _DAMAGED = BadZipFile, zlib.error
 _REMEDY = "give a file written by `propmap table`"
 
@@ -114,13 +113,12 @@ def _check(certificate: Any) -> None:
     for field in fields(Certificate):
         try:
             value = certificate.get(field.name)
-            if field.name in LATER.split() and not value:
-                continue
             by_load = str(field.type).startswith("dict")
             numbers = [value[load] for load in LOADS] if by_load else [value]
         except (AttributeError, TypeError, KeyError):
             numbers = [None]
-        if not all(type(n) in (int, float) and 0.0 <= n < math.inf for n in numbers):
+        least = -math.inf if field.name == "max_omega" else 0.0
+        if not all(type(n) in (int, float) and least <= n < math.inf for n in numbers):
             raise InputError(f"certificate: {field.name} is missing or not a finite number >= 0")
     if max(certificate["max_error"][load] for load in LOADS) > certificate["tolerance"]:
         raise InputError("certificate: the errors exceed the tolerance")

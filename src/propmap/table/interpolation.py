@@ -28,7 +28,8 @@ class TableContent:
 
     advance: Floats  # knots of J = V/(Omega R) (n,) [-]
     beta: Floats  # knots (m,) [rad]; the first and the last one limit the envelope
-    omega: Floats  # least and largest of the envelope (2,) [rad/s]
+    omega: Floats  # least and largest of the envelope (2,) [rad/s]; both negative for a propeller
+    # that turns backward, where |Omega| replaces Omega in J and Omega^(-1/2)
     speed: Floats  # least and largest of the envelope (2,) [m/s]
     # The loads at both ends of omega in the order of ``LOADS``, forces over rho pi R^4 Omega^2 and
     # moments over rho pi R^5 Omega^2 (2, L, n, m) [-]; NaN for no value.  Between the ends they are
@@ -63,8 +64,8 @@ class TableContent:
                 raise InputError(f"the values of {name} do not increase")
         if min(n, m) < 4:
             raise InputError(f"the table has {n} x {m} knots, expected at least 4 on each axis")
-        if self.omega[0] <= 0.0 or self.speed[0] < 0.0 or self.advance[0] < 0.0:
-            raise InputError("omega must be positive, and speed and advance must not be negative")
+        if self.omega[0] * self.omega[1] <= 0.0 or self.speed[0] < 0.0 or self.advance[0] < 0.0:
+            raise InputError("omega must not include 0, and speed and advance must not be negative")
         if self.beta[0] < 0.0 or self.beta[-1] > np.pi:
             raise InputError("beta must be between 0 and pi")
         for name, value in (("radius", self.radius), ("density", self.density)):
@@ -72,7 +73,7 @@ class TableContent:
                 raise InputError(f"{name} is {value!r}, expected a positive number")
         # The envelope determines the ends of the advance ratio: a value in another unit moves them.
         with np.errstate(over="ignore", divide="ignore"):
-            least, most = self.speed / (self.omega[::-1] * self.radius)
+            least, most = self.speed / (np.sort(np.abs(self.omega))[::-1] * self.radius)
         if self.advance[0] > least * (1.0 + 1e-6) or not np.isclose(self.advance[-1], most, 1e-6):
             found = f"advance is {self.advance[0]:g} to {self.advance[-1]:g}, but speed, omega and "
             raise InputError(f"{found}radius allow {least:g} to {most:g}")
@@ -83,7 +84,7 @@ class TableContent:
         # Largest possible coefficients: twice the dynamic pressure at the tip times the disk area.
         faults = {
             f"a cell has the flags {self.cells.max()}, expected 0 to 3": self.cells > 3,
-            "the tip is faster than Mach 1": self.omega * self.radius > SPEED_OF_SOUND,
+            "the tip is faster than Mach 1": np.abs(self.omega) * self.radius > SPEED_OF_SOUND,
             "a coefficient is too large": size > 1.0 + np.square(self.advance[:, None]),
             "a knot has some loads, but not all": lost.any(axis=1) != lost.all(axis=1),
             "an in-plane load is not zero in axial flow": across > least,
@@ -124,12 +125,16 @@ class TableContent:
         except (KeyError, TypeError):
             raise InputError(f"the table does not contain {group}.{name}") from None
 
+    @property
+    def roots(self) -> Floats:
+        """Omega^(-1/2) at both ends of the envelope (2,) [s^(1/2)]."""
+        return np.abs(self.omega) ** -0.5
+
     def padded(self) -> Floats:
         """Return loads over Omega^2 at the least omega [N s^2], [N m s^2], then their derivatives
         with respect to Omega^(-1/2), with ghost values on all sides; (n + 2, m + 2, 2 L)."""
         low, high = self.coefficients
-        roots = self.omega**-0.5
-        both = np.concatenate([low, (high - low) / (roots[1] - roots[0])])
+        both = np.concatenate([low, (high - low) / np.diff(self.roots)])
         inside = pad(self.advance, both.transpose(1, 2, 0), None, None)
         parity = np.tile(PARITY, 2)
         ends = (parity if on else None for on in on_planes(self.beta))
@@ -146,15 +151,18 @@ def coefficient_scale(density: float, radius: float) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Status of a point, and bilinear interpolation between knots.
 
-STATUSES = ("ok", "vortex_ring", "unresolved", "clamped", "no_value", "outside")
-"""Names of the status codes, from harmless to fatal; if several apply, a point has the last one."""
+STATUSES = ("ok", "vortex_ring", "unresolved", "clamped", "no_value", "outside", "reversed")
+"""Names of the status codes, from harmless to fatal; if several apply, a point has the last one.
+For a propeller that turns backward, "reversed" replaces "ok"."""
 
-OK, VORTEX_RING, UNRESOLVED, CLAMPED, NO_VALUE, OUTSIDE = range(len(STATUSES))
+OK, VORTEX_RING, UNRESOLVED, CLAMPED, NO_VALUE, OUTSIDE, REVERSED = range(len(STATUSES))
 
 
 def cell_codes(content: TableContent) -> NDArray[np.uint8]:
-    """Return ``OK``, ``VORTEX_RING`` or ``UNRESOLVED`` for each cell (n - 1, m - 1)."""
-    return np.array([OK, VORTEX_RING, UNRESOLVED, UNRESOLVED], np.uint8)[content.cells]
+    """Return the code of each cell (n - 1, m - 1): ``OK`` or ``REVERSED``, ``VORTEX_RING`` or
+    ``UNRESOLVED``."""
+    fine = OK if content.omega[0] > 0.0 else REVERSED
+    return np.array([fine, VORTEX_RING, UNRESOLVED, UNRESOLVED], np.uint8)[content.cells]
 
 
 def bilinear(x: Floats, y: Floats, values: Floats, at_x: Floats, at_y: Floats) -> Floats:
@@ -271,7 +279,7 @@ def points_at(content: TableContent, position: Floats) -> tuple[Floats, Floats, 
     )
     least, most = _omegas(content, advance)
     omega = least + position[:, 2] * (most - least)
-    speed = np.clip(advance * content.radius * omega, *content.speed)
+    speed = np.clip(advance * content.radius * np.abs(omega), *content.speed)
     return omega, speed, beta
 
 
@@ -282,16 +290,17 @@ def positions_of(content: TableContent, omega: Floats, advance: Floats, beta: Fl
         for knots, values in ((content.advance, advance), (content.beta, beta))
     )
     least, most = _omegas(content, advance)
-    share = np.divide(omega - least, most - least, out=np.zeros_like(omega), where=most > least)
+    share = np.divide(omega - least, most - least, out=np.zeros_like(omega), where=most != least)
     return np.clip(np.stack([along, across, share], axis=1), 0.0, most_position(content))
 
 
 def _omegas(content: TableContent, advance: Floats) -> tuple[Floats, Floats]:
-    """Return the least and largest omega (n,) of the envelope for these advance ratios."""
-    (slowest, fastest), per_omega = content.omega, advance * content.radius
+    """Return the omegas (n,) at the ends of the envelope for these advance ratios."""
+    turning, per_omega = np.abs(content.omega), advance * content.radius
     moves = per_omega > 0.0
     bounds = [
         np.divide(speed, per_omega, out=np.full_like(advance, end), where=moves)
-        for speed, end in zip(content.speed, content.omega, strict=True)
+        for speed, end in zip(content.speed, np.sort(turning), strict=True)
     ]
-    return np.clip(bounds[0], slowest, fastest), np.clip(bounds[1], slowest, fastest)
+    slowest, fastest = np.sign(content.omega[0]) * np.clip(bounds, turning.min(), turning.max())
+    return slowest, fastest

@@ -99,7 +99,7 @@ class JaxTable(NamedTuple):
         ``thrust`` is the result of ``loads`` for the same ``omega``, ``speed`` and ``beta``.
         """
         w, v, b, inside = self._bounded(omega, speed, beta)
-        i = jnp.searchsorted(self.advance[1:-1], v / (w * self.radius), side="right")
+        i = jnp.searchsorted(self.advance[1:-1], v / (jnp.abs(w) * self.radius), side="right")
         j = jnp.searchsorted(self.beta[1:-1], b, side="right")
         known = jnp.where(jnp.isnan(thrust), NO_VALUE, self.codes[i, j])
         return jnp.where(inside, known, OUTSIDE)
@@ -110,7 +110,7 @@ class JaxTable(NamedTuple):
         held = [jnp.clip(x, self.lows[k], self.highs[k]) for k, x in enumerate(given)]
         slack = max(SLACK, 4.0 * float(np.finfo(self.lows.dtype).eps))
         near = [
-            jnp.abs(x - y) <= slack * self.highs[k]
+            jnp.abs(x - y) <= slack * jnp.maximum(self.highs[k], -self.lows[k])
             for k, (x, y) in enumerate(zip(given, held, strict=True))
         ]
         return held[0], held[1], held[2], near[0] & near[1] & near[2]
@@ -147,7 +147,7 @@ def _at_jvp(primals: Any, tangents: Any) -> Any:
 def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[Any, Any, Any, Any]:
     """Return loads (..., L) and derivatives with respect to omega, axial and in-plane velocity."""
     speed = jnp.hypot(axial, inplane)
-    tip_speed = omega * table.radius
+    tip_speed = jnp.abs(omega) * table.radius
     advance = speed / tip_speed
     beta = jnp.arctan2(inplane, axial)
     i, across = _weights(table.advance, table.advance_weights, advance)
@@ -158,7 +158,7 @@ def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[An
     pairs = [(across[..., d, :], along[..., e, :]) for d in (0, 1) for e in (0, 1)]
     each = [jnp.einsum("...k,...l,...klc->...c", one, other, block) for one, other in pairs]
     found = jnp.stack(each, axis=-2).reshape(*omega.shape, 2, 2, -1)
-    root = omega**-0.5 - table.lows[0] ** -0.5
+    root = jnp.abs(omega) ** -0.5 - jnp.abs(table.lows[0]) ** -0.5
     value, by_omega, by_speed, by_angle = chain_rule(
         found, omega, advance, tip_speed, root, jnp.where
     )

@@ -55,7 +55,8 @@ class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
         - "clamped": the point is outside the envelope and has the loads of the nearest point;
         - "no_value": NaN, since the model found no loads nearby, or since the table excludes loads
           in the vortex ring state;
-        - "outside": NaN, since the point is outside the envelope.
+        - "outside": NaN, since the point is outside the envelope;
+        - "reversed": the propeller turns backward, see ``propmap.Loads.status``.
         """
         words = np.asarray(interpolation.STATUSES)[self.code]
         return str(words) if words.ndim == 0 else words
@@ -181,6 +182,11 @@ class LoadTable:
         return dict(zip(("omega", "speed", "beta"), self._box, strict=True))
 
     @property
+    def backward(self) -> bool:
+        """Whether the propeller turns backward, with omega < 0."""
+        return self._box[0][0] < 0.0
+
+    @property
     def info(self) -> dict[str, Any]:
         """Provenance of the table: propeller, airfoil, air and versions, as plain data."""
         return self.content.info
@@ -262,14 +268,13 @@ class LoadTable:
         w, v, b = arrays_of(omega=omega, speed=speed, beta=beta)
         rate, speeds, folded = self._inside(w, v, b)
         lost = np.isnan(rate)
-        advance = speeds / (np.where(lost, content.omega[0], rate) * content.radius)
+        advance = speeds / (np.abs(np.where(lost, content.omega[0], rate)) * content.radius)
         at = np.clip(advance, content.advance[0], content.advance[-1])
         ends = interpolation.bilinear(content.advance, content.beta, content.deviations, at, folded)
-        roots = content.omega**-0.5
-        share = (rate**-0.5 - roots[0]) / (roots[1] - roots[0])
+        share = (np.abs(rate) ** -0.5 - content.roots[0]) / np.diff(content.roots)
         scale = content.scale.reshape(-1, *w.ndim * (1,)) * rate**2
         values = (ends[0] * (1.0 - share) + ends[1] * share) * scale
-        return Deviation(*values, values[TORQUE] * rate)
+        return Deviation(*values, values[TORQUE] * np.abs(rate))
 
     def gradient(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Gradient:
         """Return the derivatives of the loads with respect to omega, speed and beta.
@@ -355,8 +360,8 @@ class LoadTable:
     def _derivatives(
         self, omega: Floats, speed: Floats, beta: Floats
     ) -> tuple[Floats, Floats, Floats, Floats]:
-        tip_speed = omega * self.content.radius
-        advance, root = speed / tip_speed, omega**-0.5 - float(self.content.omega[0]) ** -0.5
+        tip_speed = np.abs(omega) * self.content.radius
+        advance, root = speed / tip_speed, np.abs(omega) ** -0.5 - self.content.roots[0]
         found = self._core.slopes(advance, beta)
         return chain_rule(found, omega, advance, tip_speed, root, np.where)
 
@@ -373,8 +378,8 @@ def chain_rule(
     """Return loads, d/d omega, d/d speed, and d/d beta divided by the speed, (..., L).
 
     ``found`` is the result of the core's ``Table.slopes`` at ``omega`` [rad/s], J and
-    Omega R [m/s]; ``root`` is Omega^(-1/2) minus its value at the least omega.  ``where`` is the
-    function of NumPy or JAX."""
+    |Omega| R [m/s]; ``root`` is |Omega|^(-1/2) minus its value at the least omega.  ``where`` is
+    the function of NumPy or JAX."""
     both = found[..., :HALF] + root[..., None, None, None] * found[..., HALF:]
     value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
     by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]
@@ -383,7 +388,7 @@ def chain_rule(
     by_angle = where(resting, mixed, by_beta / where(resting, 1.0, advance))
     square = omega**2
     # dJ/dOmega = -J / Omega; the Reynolds term is linear in Omega^(-1/2).
-    by_root = found[..., 0, 0, HALF:] * (-0.5 * omega**-1.5)
+    by_root = found[..., 0, 0, HALF:] * (-0.5 * abs(omega) ** -0.5 / omega)
     by_omega = square * (2.0 * value / omega - by_advance * (advance / omega) + by_root)
     per_speed = square / tip_speed[..., None]
     return square * value, by_omega, per_speed * by_advance, per_speed * by_angle
@@ -449,7 +454,7 @@ def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: fl
     # The load is smooth between two omegas at which the advance ratio crosses a knot.
     low, high = table.envelope["omega"]
     with np.errstate(divide="ignore", invalid="ignore"):
-        crossed = speed / (table.content.advance * table.content.radius)
+        crossed = math.copysign(speed, low) / (table.content.advance * table.content.radius)
     crossed = crossed[(crossed > low) & (crossed < high)]
     ends = np.unique(np.concatenate([[low], crossed, [high]]))
     omega = np.sort(np.concatenate([ends, 0.5 * (ends[:-1] + ends[1:])]))

@@ -56,7 +56,7 @@ class CachedModel:
     def static_loads(self, omega: Floats) -> Floats:
         """Return the reference loads of errors (n, L), see ``loads.error_scales``."""
         loads, _ = self._evaluate(omega, np.zeros_like(omega), np.zeros_like(omega))
-        static = dict(zip(LOADS, loads.T, strict=True))
+        static = dict(zip(LOADS, np.sign(omega) * loads.T, strict=True))
         scales = np.array(list(error_scales(static, self.rotor.model.propeller.radius).values())).T
         if not (scales > 0.0).all():
             found = "the static thrust and torque of this rotor, the reference for the errors of a "
@@ -79,7 +79,9 @@ class CachedModel:
         if new:
             j, b = np.array(new).T
             omega = np.full(j.size, self.omega[node])
-            values, ring = self.loads(omega, j * omega * self.rotor.model.propeller.radius, b)
+            values, ring = self.loads(
+                omega, j * np.abs(omega) * self.rotor.model.propeller.radius, b
+            )
             rows = np.concatenate([values / self.static[node], ring[:, None]], axis=1)
             known.update(zip(new, rows, strict=True))
         found = np.array([known[point] for point in grid]).reshape(advance.size, beta.size, -1)
@@ -176,7 +178,7 @@ def _unresolved(
         none = np.empty(0)
         return 0.0, (none, none, none)
     omega, speed, beta = quasi_random(table, CANDIDATES * points, seed)
-    row = interpolation.locate(content.advance, speed / (omega * content.radius))[0]
+    row = interpolation.locate(content.advance, speed / (np.abs(omega) * content.radius))[0]
     inside = (
         content.cells[row, interpolation.locate(content.beta, beta)[0]]
         & interpolation.UNRESOLVED_BIT
@@ -249,7 +251,7 @@ def compare(
     found = table.loads(omega, speed, beta)
     values = np.stack(found[: len(LOADS)], axis=-1)
     errors = (values - expected) / static_loads(model, omega)
-    advance = speed / (omega * table.content.radius)
+    advance = speed / (np.abs(omega) * table.content.radius)
     return TableErrors(errors, found.code, omega, speed, beta, advance)
 
 
@@ -263,7 +265,7 @@ def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floa
 def static_loads(model: CachedModel, omega: Floats) -> Floats:
     """Interpolate the static loads (n, L) at omega (n,), with a relative error of 1e-5."""
     # Static loads over Omega^2 are linear in Omega^(-1/2), like the model's friction.
-    roots, ends = omega**-0.5, model.omega**-0.5
+    roots, ends = np.abs(omega) ** -0.5, np.abs(model.omega) ** -0.5
     share = ((roots - ends[0]) / (ends[1] - ends[0]))[:, None]
     low, high = model.static / (model.omega**2)[:, None]
     return np.asarray((low + share * (high - low)) * (omega**2)[:, None])
@@ -401,9 +403,9 @@ def load_deviations(
     rotor: Rotor, covariance: SectionCovariance, omega: Floats, speed: Floats, beta: Floats
 ) -> Floats:
     """Return standard deviations (n, L) of loads: sqrt(g' S g), derivatives g, covariance S."""
-    found = rotor.gradients(
-        covariance.names, omega, speed * np.cos(beta), np.abs(speed * np.sin(beta))
-    )
+    turned = np.sign(omega)  # derivatives of the loads at omega > 0, as in ``Rotor.loads``
+    flow = turned * omega, turned * speed * np.cos(beta), np.abs(speed * np.sin(beta))
+    found = rotor.gradients(covariance.names, *flow)
     variance = np.einsum("lpn,pq,lqn->nl", found.slopes, covariance.matrix, found.slopes)
     return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 

@@ -78,8 +78,9 @@ class Powertrain:
     def driven(self, torque: Floats, omega: Floats, charge: float) -> ElectricState:
         """Return currents, voltages and power for ``torque`` [N m] and ``omega`` [rad/s], (n, m).
 
-        ``charge`` is the battery's state of charge, 0 to 1.
+        ``charge`` is the battery's state of charge, 0 to 1.  The sign of ``omega`` has no effect.
         """
+        torque, omega = np.copysign(1.0, omega) * torque, np.abs(omega)
         nothing, unknown = np.full(torque.shape[:1], math.nan), np.full_like(torque, math.nan)
         if self.motor is None:
             return ElectricState(unknown, unknown, nothing, nothing, nothing)

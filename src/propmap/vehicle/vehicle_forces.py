@@ -94,7 +94,7 @@ class VehicleForces:
     def __init__(self, vehicle: Vehicle, loads: LoadSource) -> None:
         self.vehicle = vehicle
         self._rotors = Rotors.of(vehicle, loads)
-        self._can_reverse = isinstance(loads, Rotor)
+        self._can_reverse = getattr(loads, "backward", isinstance(loads, Rotor))
         known = loads.model.uncertainty if isinstance(loads, Rotor) else None
         self._envelope = None if known is None else known.envelope
 
@@ -113,7 +113,8 @@ class VehicleForces:
         ----------
         omega : array_like, shape (..., k)
             Speeds of the k rotors, in the order of the vehicle's mounts [rad/s].  Negative speeds
-            describe rotors that turn backward; they require a ``Rotor`` and exclude wakes.
+            describe rotors that turn backward; they exclude wakes and require a ``Rotor``, or a
+            table of such rotors.
         velocity : array_like, shape (..., 3)
             Velocity of the center of mass over the ground [m/s].
         rates : array_like, shape (..., 3)
@@ -130,11 +131,7 @@ class VehicleForces:
         k = len(self._rotors)
         vectors = {"velocity": velocity, "rates": rates, "wind": wind}
         can_reverse = self._rotors.wakes is None and self._can_reverse
-        given = {
-            "omega": broadcast(omega=omega)[0]
-            if can_reverse
-            else numbers("omega", omega, negative=False)
-        }
+        given = {"omega": numbers("omega", omega, negative=can_reverse)}
         given |= {name: broadcast(**{name: vector})[0] for name, vector in vectors.items()}
         for name, array in given.items():
             count, what = (3, "x, y, z") if name in vectors else (k, f"the {k} rotor speeds")
@@ -475,6 +472,11 @@ def check_table(vehicle: Vehicle, table: Any) -> None:
     described = getattr(table, "info", {}).get("propeller")
     if described is None:
         return
+    if table.backward and (vehicle.wakes is not None or vehicle.wing is not None):
+        found = (
+            "the table is for propellers that turn backward, but the vehicle has wakes or a wing"
+        )
+        raise InputError(found, "ignore the wakes (--no-wakes), remove [wing]")
     if described.get("geometry_sha256") != vehicle.propeller.fingerprint():
         raise InputError(
             f"the table is for {described.get('name')!r}, but the propeller of the vehicle is "

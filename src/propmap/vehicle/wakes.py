@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # Interaction of the rotors: the axial flow that wakes add at the disks of other rotors.
 #
-# docs/theory.md, "Rotor wakes", describes the model.  The core computes the flow from splines of the
-# velocity that a wake induces at other rotors.
+# docs/theory.md, "Rotor wakes", describes the model.  The core computes the flow from splines of
+# the velocity that a wake induces at other rotors.
 
 
 @dataclass(frozen=True, eq=False)
