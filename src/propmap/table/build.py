@@ -281,8 +281,8 @@ def check_between_speeds(
         remedies.append(f"--tolerance {1.01 * wider:.2%}")
     raise InputError(
         f"from {ends[0][0] / RPM:.0f} to {ends[0][1] / RPM:.0f} rpm the loads change with the "
-        f"Reynolds number, and the error of interpolation between both ends exceeds {tolerance:.2%} in "
-        f"{lost.mean():.0%} of the envelope{_place(advance[lost], beta[lost])}",
+        "Reynolds number, and the error of interpolation between both ends exceeds "
+        f"{tolerance:.2%} in {lost.mean():.0%} of the envelope{_place(advance[lost], beta[lost])}",
         f"use {' or '.join(remedies) or 'a smaller envelope'}",
     )
 
